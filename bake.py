@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bake radiance textures without a window.
+
+blender -b scene.blend -P bake.py -- --object NAME --out DIR
+python bake.py scene.blend --object NAME --out DIR
+python bake.py demo
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+_REMEDY = (
+    "in Blender, install the RadTex extension (Edit > Preferences > Get Extensions > Install from Disk); "
+    "with Python, run it as: uv run bake.py"
+)
+
+
+def run() -> int:
+    """Find out how we were started, and hand over."""
+    sys.path.insert(0, str(Path(__file__).resolve().parent))
+    try:
+        import bpy
+
+        from radtex_addon.cli.main import main
+    except ModuleNotFoundError as error:
+        print(f"radtex: the Python module '{error.name}' is missing: {_REMEDY}", file=sys.stderr)
+        return 2
+    except ImportError as error:  # a wheel for another Python or platform
+        reason = " ".join(str(error).split())
+        print(f"radtex: a Python module does not load ({reason}): {_REMEDY}", file=sys.stderr)
+        return 2
+    inside_blender = not bpy.app.module
+    if inside_blender:
+        arguments = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
+    else:
+        arguments = sys.argv[1:]
+    return main(arguments, inside_blender)
+
+
+def _keep_stdout_clean() -> None:
+    """Give Python another standard output than Blender, which talks on it from its import to its exit."""
+    sys.stdout.flush()
+    ours = os.dup(1)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.close(nowhere)
+    sys.stdout = os.fdopen(ours, "w", encoding=sys.stdout.encoding, errors="backslashreplace")
+
+
+if __name__ == "__main__":
+    _keep_stdout_clean()
+    sys.exit(run())

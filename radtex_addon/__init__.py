@@ -1,0 +1,3 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""RadTex, layer by layer: core <- formats <- bake <- scene <- cycles <- preview, export <- job <- ui, cli."""

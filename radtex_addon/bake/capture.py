@@ -1,0 +1,21 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What fills buckets: the one thing that the session asks of a renderer."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from ..core.arrays import Floats
+from .plan import Tile
+
+
+class Capture(Protocol):
+    """A renderer that was set up for one plan."""
+
+    def render(self, tile: Tile) -> Floats:
+        """Cells of the tile's texels: (k, n, n, 4) float32, indexed [texel, q, p], scene-linear Rec.709.
+
+        Alpha is associated. Each cell is the mean over the cell, uniform in B. Raises BakeError on failure.
+        """
+        ...

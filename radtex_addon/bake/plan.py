@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The covered texels, packed: no ray is spent on a texel that no island touches.
+
+All captures see one virtual image, `columns` x `rows` buckets large, that holds the covered texels in the
+atlas's row order. A tile is a band of its rows, one render call. Cycles seeds its rays by pixel, so a tile's
+bits do not depend on where the image is cut: tile heights may follow memory and clock.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.arrays import Floats, Ints
+from ..core.atlas import AtlasLayout
+from ..core.errors import InputError
+from ..core.frame import orthonormal_frame
+from ..core.texel_map import TexelMap
+
+MIN_IMAGE_SIDE = 4  # Blender renders no smaller picture, in pixels
+MAX_IMAGE_SIDE = 65536  # Blender's limit for a render's width and height, in pixels
+
+
+@dataclass(frozen=True)
+class Tile:
+    """Rows first_row … first_row + rows - 1 of the packed image."""
+
+    first_row: int
+    rows: int
+
+
+@dataclass(frozen=True)
+class CapturePlan:
+    """Where rays start and how their buckets are turned, for every covered texel.
+
+    `texel` (K,) is the flat index j * width + i of each covered texel. The five fields are (rows, columns, 3)
+    float32 in world space, row-major in the order of `texel`; the last row is filled up with the last texel.
+    """
+
+    layout: AtlasLayout
+    texel: Ints
+    position: Floats
+    tangent: Floats
+    bitangent: Floats
+    normal: Floats
+    facet: Floats
+
+    @property
+    def rows(self) -> int:
+        return int(self.position.shape[0])
+
+    @property
+    def columns(self) -> int:
+        return int(self.position.shape[1])
+
+    def texels_of(self, tile: Tile) -> Ints:
+        """Flat indices of the tile's texels: (k,), without the padding of the last row."""
+        first = tile.first_row * self.columns
+        return self.texel[first : first + tile.rows * self.columns]
+
+
+def plan_capture(texels: TexelMap, bucket: int, without: Ints | None = None) -> CapturePlan:
+    """Pack a texel map's covered texels, `without` some (flat indices).
+
+    Raises InputError if there are none, or too many for one image.
+    """
+    height, width = texels.triangle.shape
+    texel = np.flatnonzero(texels.triangle >= 0)
+    if without is not None:
+        texel = np.setdiff1d(texel, without, assume_unique=True)
+    if not len(texel):
+        raise InputError("the UV layer covers no texel: give the bake more texels, or unwrap the mesh again")
+    least = -(-MIN_IMAGE_SIDE // bucket)
+    columns = _columns(len(texel), least, MAX_IMAGE_SIDE // bucket)
+    rows = max(least, -(-len(texel) // columns))
+    padded = texel[np.minimum(np.arange(rows * columns), len(texel) - 1)]
+
+    def pack(field: Floats) -> Floats:
+        packed: Floats = field.reshape(height * width, -1)[padded].astype(np.float32)
+        return packed.reshape(rows, columns, -1)
+
+    normal, tangent, sign = pack(texels.normal), pack(texels.tangent), pack(texels.sign[..., None])[..., 0]
+    tangent, bitangent, normal = orthonormal_frame(normal, tangent, sign)
+    layout = AtlasLayout(width, height, bucket)
+    return CapturePlan(layout, texel, pack(texels.position), tangent, bitangent, normal, pack(texels.facet))
+
+
+def _columns(count: int, least: int, most: int) -> int:
+    """Width of a near-square grid for `count` texels that leaves the fewest places empty."""
+    if count > most * most:
+        raise InputError(
+            f"{count} covered texels do not fit one render of {MAX_IMAGE_SIDE} pixels: use fewer texels"
+        )
+    square = int(np.ceil(np.sqrt(count)))
+    candidates = np.arange(max(least, square // 2, -(-count // most)), max(least, min(most, 2 * square)) + 1)
+    waste = -count % candidates
+    return int(candidates[np.lexsort((np.abs(candidates - square), waste))[0]])

@@ -1,0 +1,30 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a running job says of itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Stage(StrEnum):
+    """The job's way, in order."""
+
+    EVALUATE = "evaluate"
+    UNWRAP = "unwrap"
+    RASTER = "raster"
+    PROBE = "probe"
+    CAPTURE = "capture"
+    FILL = "fill"
+    WRITE = "write"
+    PREVIEW = "preview"
+
+
+@dataclass(frozen=True)
+class Progress:
+    """`done` of `total` units of a stage are finished; a stage that knows no parts goes from 0 to 1."""
+
+    stage: Stage
+    done: int
+    total: int

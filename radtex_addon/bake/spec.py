@@ -1,0 +1,167 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What to bake, and how: checked once, where it is made, and true from then on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TypeVar
+
+from ..core.errors import InputError
+from ..formats.exr import Compression
+from ..formats.memory import physical_memory, readable_size
+from .plan import MAX_IMAGE_SIDE
+
+__all__ = [
+    "BakeSpec",
+    "CaptureMethod",
+    "Compression",
+    "Kind",
+    "Unwrap",
+    "parse_capture",
+    "parse_compression",
+    "parse_kind",
+    "parse_unwrap",
+]
+
+_BYTES_PER_PIXEL = 32  # RGBA in float32, twice: cells by texel are joined to an image (measured: 33 to 35)
+
+# What a whole number may be; Cycles's own bounds for samples and seed.
+_LIMITS = {
+    "texels": (1, MAX_IMAGE_SIDE),
+    "bucket": (2, 256),
+    "samples": (1, 2**24),
+    "seed": (0, 2**31 - 1),
+    "padding": (0, 256),
+    "memory_mb": (16, 2**24),
+}
+
+
+class Kind(StrEnum):
+    """What a bucket holds."""
+
+    RADIANCE = "radiance"
+    INCIDENT = "incident"
+    REFLECTION = "reflection"
+
+
+class CaptureMethod(StrEnum):
+    """How Cycles fills buckets."""
+
+    PORTAL = "portal"
+    PANORAMIC = "panoramic"
+
+
+class Unwrap(StrEnum):
+    """Who makes the UV layer if none is named."""
+
+    XATLAS = "xatlas"
+    BLENDER = "blender"
+
+
+_Choice = TypeVar("_Choice", bound=StrEnum)
+
+
+@dataclass(frozen=True)
+class BakeSpec:
+    """One bake: `texels` on the atlas's longer side, `bucket` cells on a bucket's side, `samples` per cell.
+
+    `uv_layer` names a layer of the object to bake on; without one, `unwrap` makes a layer, with `padding`
+    texels between islands. `device` is a wish that Cycles answers. `half` and `compression` shape the file;
+    `memory_mb` bounds a tile, not the atlas. Enums may be given as text.
+    Raises InputError for what cannot be baked.
+    """
+
+    kind: Kind = Kind.RADIANCE
+    texels: int = 128
+    bucket: int = 8
+    samples: int = 16
+    uv_layer: str | None = None
+    capture: CaptureMethod = CaptureMethod.PORTAL
+    seed: int = 0
+    device: str = "auto"
+    half: bool = True
+    compression: Compression = Compression.ZIP
+    unwrap: Unwrap = Unwrap.XATLAS
+    padding: int = 2
+    memory_mb: int = 1024
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "kind", parse_kind(self.kind))
+        object.__setattr__(self, "capture", parse_capture(self.capture))
+        object.__setattr__(self, "compression", parse_compression(self.compression))
+        object.__setattr__(self, "unwrap", parse_unwrap(self.unwrap))
+        for name, (least, most) in _LIMITS.items():
+            _check_whole_number(name, getattr(self, name), least, most)
+        if self.uv_layer == "":
+            raise InputError("the UV layer's name is empty: name one of the object's, or none to unwrap anew")
+        if self.capture is CaptureMethod.PANORAMIC and self.kind is Kind.RADIANCE:
+            raise InputError(
+                "capture panoramic only looks outwards and cannot bake radiance: "
+                "capture by portal, or bake incident or reflection"
+            )
+        self._check_size()
+
+    @property
+    def pixels_a_side(self) -> int:
+        """Of the atlas's longer side."""
+        return self.texels * self.bucket
+
+    @property
+    def pixel_count(self) -> int:
+        """Most pixels that the atlas can have: a square one's."""
+        return self.pixels_a_side**2
+
+    @property
+    def path_count(self) -> int:
+        """Most camera paths that the bake can take."""
+        return self.pixel_count * self.samples
+
+    @property
+    def atlas_bytes(self) -> int:
+        """Most memory that the atlas can take while it is baked."""
+        return self.pixel_count * _BYTES_PER_PIXEL
+
+    def _check_size(self) -> None:
+        asked = f"texels {self.texels} with bucket {self.bucket}"
+        if self.pixels_a_side > MAX_IMAGE_SIDE:
+            side = self.pixels_a_side
+            raise InputError(f"{asked} makes {side} pixels a side, {MAX_IMAGE_SIDE} is the most: lower one")
+        memory = physical_memory()
+        if memory is not None and self.atlas_bytes > memory:
+            needed, present = readable_size(self.atlas_bytes), readable_size(memory)
+            raise InputError(f"{asked} needs {needed} of memory, this machine has {present}: lower one")
+
+
+def parse_kind(text: str) -> Kind:
+    """The kind named by `text`. Raises InputError, with the choices."""
+    return _parse(Kind, "kind", text)
+
+
+def parse_capture(text: str) -> CaptureMethod:
+    """The capture named by `text`. Raises InputError, with the choices."""
+    return _parse(CaptureMethod, "capture", text)
+
+
+def parse_compression(text: str) -> Compression:
+    """The compression named by `text`. Raises InputError, with the choices."""
+    return _parse(Compression, "compression", text)
+
+
+def parse_unwrap(text: str) -> Unwrap:
+    """The unwrap named by `text`. Raises InputError, with the choices."""
+    return _parse(Unwrap, "unwrap", text)
+
+
+def _parse(choices: type[_Choice], word: str, text: str) -> _Choice:
+    try:
+        return choices(text)
+    except ValueError:
+        raise InputError(f"there is no {word} {text!r}: choose from {', '.join(choices)}") from None
+
+
+def _check_whole_number(name: str, value: object, least: int, most: int) -> None:
+    if isinstance(value, int) and not isinstance(value, bool) and least <= value <= most:
+        return
+    raise InputError(f"{name} {value}: give a whole number from {least} to {most}")

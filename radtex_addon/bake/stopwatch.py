@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How long each stage of a job took."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from contextlib import closing
+from time import perf_counter
+from typing import TypeVar
+
+from .progress import Progress, Stage
+
+_Result = TypeVar("_Result")
+
+
+class Stopwatch:
+    """Seconds by stage; a stage may be entered more than once."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[Stage, float] = {}
+        self._stage: Stage | None = None
+        self._since = 0.0
+
+    def start(self, stage: Stage) -> Progress:
+        """Enter a stage that knows no parts."""
+        self.enter(stage)
+        return Progress(stage, 0, 1)
+
+    def enter(self, stage: Stage) -> None:
+        """Leave the stage that runs, if any, for this one."""
+        if stage is not self._stage:
+            self.stop()
+            self._stage, self._since = stage, perf_counter()
+
+    def stop(self) -> None:
+        """Leave the stage that runs."""
+        if self._stage is not None:
+            spent = perf_counter() - self._since
+            self.seconds[self._stage] = self.seconds.get(self._stage, 0.0) + spent
+            self._stage = None
+
+    def over(self, steps: Generator[Progress, None, _Result]) -> Generator[Progress, None, _Result]:
+        """Pass another generator's steps on, and enter their stages; closed with it."""
+        with closing(steps):
+            while True:
+                try:
+                    step = next(steps)
+                except StopIteration as stop:
+                    result: _Result = stop.value
+                    return result
+                self.enter(step.stage)
+                yield step

@@ -1,0 +1,260 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the batch understands."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass, fields
+from enum import StrEnum
+from pathlib import Path
+from typing import Any, NoReturn
+
+from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Unwrap
+from ..core.errors import InputError
+from ..core.sampler import Filter
+from ..cycles.device import GPU_TYPES
+from ..version import VERSION
+
+DEMO = "demo"
+_DEFAULT = BakeSpec()
+
+_DESCRIPTION = """\
+Bake radiance textures with Cycles: every texel of an object gets a bucket, a
+small picture of the light that leaves it, with a cell for each direction.
+
+For each object, writes DIR/NAME.KIND.exr, the atlas of all buckets, and
+DIR/NAME.KIND.json, which describes it. The .blend file is never changed."""
+
+_EPILOG = """\
+examples:
+  python bake.py room.blend --object Vase --out baked --save-preview
+  blender -b room.blend -P bake.py -- --object Vase --object Lamp --samples 64
+  python bake.py demo
+
+exit codes:
+  0  done
+  1  the bake failed
+  2  the request, or a file that it names, is wrong
+  130  interrupted (Ctrl-C, or SIGTERM)"""
+
+
+class ProgressStyle(StrEnum):
+    """How a run says where it is."""
+
+    BAR = "bar"
+    JSON = "json"
+    NONE = "none"
+
+
+@dataclass(frozen=True)
+class Request:
+    """One run of the batch. `scene` is the .blend to open; None bakes the file that Blender has open."""
+
+    scene: Path | None
+    demo: bool
+    objects: tuple[str, ...]
+    spec: BakeSpec
+    out: Path
+    preview: Filter | None
+    overwrite: bool
+    progress: ProgressStyle
+    verbose: bool
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, as every other error."""
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message} (--help lists everything)")
+
+
+def parse(arguments: list[str], inside_blender: bool) -> Request:
+    """Read a command line. Raises InputError; `--help` and `--version` print and raise SystemExit(0)."""
+    found = _parser(inside_blender).parse_args(arguments)
+    demo = found.scene == DEMO
+    if not inside_blender and found.scene is None:
+        raise InputError(f"which file? give a .blend, or the word {DEMO} (--help lists everything)")
+    if not demo and not found.object:
+        raise InputError("which object? name it: --object NAME (--help lists everything)")
+    if inside_blender and found.scene not in (None, DEMO):
+        raise InputError(
+            f"inside Blender the open file is baked: open {found.scene} by blender -b {found.scene}, "
+            f"and leave it out after the --"
+        )
+    chosen = {
+        field.name: getattr(found, field.name) for field in fields(BakeSpec) if hasattr(found, field.name)
+    }
+    return Request(
+        scene=None if demo or found.scene is None else Path(found.scene),
+        demo=demo,
+        objects=tuple(dict.fromkeys(found.object or ())),
+        spec=BakeSpec(**chosen),
+        out=Path(found.out),
+        preview=found.filter if found.save_preview or demo else None,
+        overwrite=found.overwrite or demo,
+        progress=found.progress,
+        verbose=found.verbose,
+    )
+
+
+def _parser(inside_blender: bool) -> _Parser:
+    program = "blender -b SCENE -P bake.py --" if inside_blender else "bake.py"
+    scene = "" if inside_blender else "SCENE "
+    parser = _Parser(
+        prog=program,
+        usage=f"{program} {scene}--object NAME [options]\n       {program} {DEMO} [options]",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+        add_help=False,
+    )
+    _add_what(parser.add_argument_group("what is baked"), inside_blender)
+    _add_quality(parser.add_argument_group("quality"))
+    _add_how(parser.add_argument_group("how"))
+    _add_output(parser.add_argument_group("output"))
+    _add_help(parser.add_argument_group("help"))
+    return parser
+
+
+def _add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
+    file = "left out: the file that Blender has open is baked" if inside_blender else "a .blend file"
+    group.add_argument(
+        "scene",
+        nargs="?",
+        metavar="SCENE",
+        help=f"{file}; or the word {DEMO}, for a small scene of our own: it saves a preview, "
+        "renders a picture of it, and replaces what an earlier demo left",
+    )
+    group.add_argument(
+        "--object",
+        action="append",
+        metavar="NAME",
+        help="the mesh object to bake; may be given several times",
+    )
+    _choice(
+        group,
+        "--kind",
+        Kind,
+        _DEFAULT.kind,
+        "radiance: the object as a viewer sees it; incident: the light that arrives; "
+        "reflection: the same, along the mirror direction",
+    )
+    group.add_argument(
+        "--uv",
+        dest="uv_layer",
+        metavar="NAME",
+        default=_DEFAULT.uv_layer,
+        help="bake on this UV layer of the object (default: unwrap a copy anew)",
+    )
+    _choice(group, "--unwrap", Unwrap, _DEFAULT.unwrap, "who unwraps; blender is quicker on large meshes")
+    _number(group, "--padding", "padding", "N", "texels that the unwrap leaves free between islands")
+
+
+def _add_quality(group: argparse._ArgumentGroup) -> None:
+    _number(group, "--texels", "texels", "N", "texels along the atlas's longer side")
+    _number(
+        group,
+        "--bucket",
+        "bucket",
+        "N",
+        "cells along a bucket's side: each texel tells N x N directions apart",
+    )
+    _number(group, "--samples", "samples", "N", "light paths for each cell: more paths, less noise")
+
+
+def _add_how(group: argparse._ArgumentGroup) -> None:
+    _choice(
+        group,
+        "--capture",
+        CaptureMethod,
+        _DEFAULT.capture,
+        "portal: many texels in one render; panoramic: a fisheye camera at each texel, slow, "
+        "not for radiance",
+    )
+    _number(group, "--seed", "seed", "N", "seed of the light paths; the same seed gives the same atlas")
+    group.add_argument(
+        "--device",
+        metavar="NAME",
+        default=_DEFAULT.device,
+        help="auto: as Blender's preferences say; cpu; gpu: any; or one of "
+        f"{', '.join(kind.lower() for kind in GPU_TYPES)} (default: %(default)s)",
+    )
+    _number(
+        group,
+        "--memory",
+        "memory_mb",
+        "MB",
+        "memory that one render may take, beside the scene and the atlas",
+    )
+
+
+def _add_output(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--out",
+        metavar="DIR",
+        default="radtex",
+        help="folder for the files, made if need be (default: %(default)s)",
+    )
+    group.add_argument("--overwrite", action="store_true", help="replace files that are already there")
+    group.add_argument(
+        "--save-preview",
+        action="store_true",
+        help="also write DIR/NAME.preview.blend: the scene with the baked object in it",
+    )
+    _choice(group, "--filter", Filter, Filter.QUADRILINEAR, "how the preview blends cells and texels")
+    group.add_argument(
+        "--float", dest="half", action="store_false", help="store 32-bit floats (default: half floats)"
+    )
+    _choice(
+        group,
+        "--compression",
+        Compression,
+        _DEFAULT.compression,
+        "how the atlas is packed; dwaa is small and loses a little",
+    )
+    _choice(
+        group,
+        "--progress",
+        ProgressStyle,
+        ProgressStyle.BAR,
+        "bar: on standard error, with the time left; json: one JSON object a line on standard output, "
+        "where a line that does not begin with a brace is Blender's own",
+    )
+    group.add_argument("--verbose", action="store_true", help="let Blender's own messages through")
+
+
+def _add_help(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("-h", "--help", action="help", help="show this text")
+    group.add_argument(
+        "--version", action="version", version=f"RadTex {VERSION}", help="show RadTex's version"
+    )
+
+
+def _choice(
+    group: argparse._ArgumentGroup, flag: str, options: type[StrEnum], default: StrEnum, text: str
+) -> None:
+    def chosen(word: str) -> StrEnum:
+        try:
+            return options(word)
+        except ValueError:
+            raise InputError(f"{flag} {word}: choose from {', '.join(options)}") from None
+
+    group.add_argument(
+        flag, type=chosen, default=default, metavar="|".join(options), help=f"{text} (default: %(default)s)"
+    )
+
+
+def _number(group: argparse._ArgumentGroup, flag: str, field: str, metavar: str, text: str) -> None:
+    default: Any = getattr(_DEFAULT, field)
+
+    def number(word: str) -> int:
+        try:
+            return int(word)
+        except ValueError:
+            raise InputError(f"{flag} {word}: give a whole number") from None
+
+    group.add_argument(
+        flag, dest=field, type=number, metavar=metavar, default=default, help=f"{text} (default: %(default)s)"
+    )

@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ctrl-C that Blender cannot swallow.
+
+Cycles renders inside a Python callback, and what is raised there Blender prints and forgets: a
+KeyboardInterrupt would be lost, and the bake go on. So a signal leaves a mark, and the run looks at it
+between its steps.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+from ..core.errors import Cancelled
+
+INTERRUPTED = "interrupted: nothing of the unfinished bake is left"
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)  # Ctrl-C, and how a farm ends a job
+
+
+class Interruption:
+    """Whether somebody wants the run to end."""
+
+    def __init__(self) -> None:
+        self._asked = False
+
+    def ask(self, number: int, _frame: FrameType | None) -> None:
+        """A signal's handler. The second signal ends the process at once, as if we were not there."""
+        self._asked = True
+        signal.signal(number, signal.SIG_DFL)
+
+    def check(self) -> None:
+        """Raise Cancelled if the run shall end."""
+        if self._asked:
+            raise Cancelled(INTERRUPTED)
+
+
+@contextmanager
+def interruptible() -> Iterator[Interruption]:
+    """Listen for signals, but for those that whoever started us has silenced; only in the main thread."""
+    interruption = Interruption()
+    before = {number: signal.getsignal(number) for number in _SIGNALS}
+    heard = [number for number, handler in before.items() if handler is not signal.SIG_IGN]
+    for number in heard:
+        signal.signal(number, interruption.ask)
+    try:
+        yield interruption
+    finally:
+        for number in heard:
+            handler = before[number]  # None for Blender's own, which Python cannot put back
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)

@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A run of the batch, from arguments to exit code."""
+
+from __future__ import annotations
+
+import logging
+import sys
+import traceback
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import cast
+
+import bpy
+
+from ..core.errors import BakeError, Cancelled, InputError, RadTexError
+from ..formats.memory import readable_size
+from ..job import BakeResult, bake_steps, check_request
+from ..preview.picture import render_picture
+from ..scene.demo import OBJECT, build_demo_scene
+from .arguments import Request, parse
+from .interruption import INTERRUPTED, Interruption, interruptible
+from .reporting import Report, reporting
+
+log = logging.getLogger(__name__)
+
+
+def main(arguments: list[str], inside_blender: bool) -> int:
+    """Run the batch with `arguments`; returns the exit code. An error is one line on standard error."""
+    try:
+        request = parse(arguments, inside_blender)
+    except RadTexError as error:
+        return _complain(error)
+    with reporting(request.progress, request.verbose) as report:
+        try:
+            with _warnings_to(report), interruptible() as interruption:
+                _run(request, report, interruption)
+        except (Exception, KeyboardInterrupt) as raised:  # noqa: BLE001  # or Blender went on, and left with 0
+            failure = _as_ours(raised)
+            report.event("error", message=str(failure), exit_code=failure.exit_code)
+            report.close()
+            return _complain(failure)
+    return 0
+
+
+def _complain(error: RadTexError) -> int:
+    print(f"radtex: {error}", file=sys.stderr, flush=True)
+    return error.exit_code
+
+
+def _as_ours(raised: BaseException) -> RadTexError:
+    """What to tell the user; a mistake of our own shows its traceback too."""
+    if isinstance(raised, RadTexError):
+        return raised
+    if isinstance(raised, KeyboardInterrupt):
+        return Cancelled(INTERRUPTED)
+    if isinstance(raised, MemoryError):
+        return BakeError("out of memory: use fewer texels or cells, or a smaller --memory")
+    if isinstance(raised, OSError):
+        return BakeError(f"the system refuses: {raised}; make room, or choose another folder")
+    traceback.print_exception(raised)
+    return BakeError(f"a mistake in RadTex ({type(raised).__name__}): please report it, with the lines above")
+
+
+@contextmanager
+def _warnings_to(report: Report) -> Iterator[None]:
+    """Hand the library's warnings to the report, each once."""
+    library = logging.getLogger(__name__.rpartition(".cli.")[0])
+    handler = _Warnings(report)
+    library.addHandler(handler)
+    try:
+        yield
+    finally:
+        library.removeHandler(handler)
+
+
+class _Warnings(logging.Handler):
+    def __init__(self, report: Report) -> None:
+        super().__init__(logging.WARNING)
+        self._report = report
+        self._said: set[str] = set()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        message = record.getMessage()
+        if message not in self._said:
+            self._said.add(message)
+            self._report.event("warning", message=message)
+
+
+def _run(request: Request, report: Report, interruption: Interruption) -> None:
+    scene = _scene(request)
+    objects = request.objects or (OBJECT,)
+    for name in objects:  # all of them, before the first bake
+        check_request(scene, name, request.spec, request.out, request.preview is not None, request.overwrite)
+    for name in objects:
+        result = _bake(scene, name, request, report, interruption)
+        pictures = _pictures(request, result)
+        report.event("done", object=name, summary=_summary(name, request, result), **_facts(result, pictures))
+
+
+def _bake(
+    scene: bpy.types.Scene, name: str, request: Request, report: Report, interruption: Interruption
+) -> BakeResult:
+    steps = bake_steps(
+        scene, name, request.spec, request.out, preview=request.preview, overwrite=request.overwrite
+    )
+    with closing(steps):
+        while True:
+            interruption.check()
+            try:
+                report.progress(name, next(steps))
+            except StopIteration as stop:
+                result: BakeResult = stop.value
+                return result
+
+
+def _scene(request: Request) -> bpy.types.Scene:
+    if request.demo:
+        return build_demo_scene()
+    if request.scene is not None:
+        _open(request.scene)
+    scene = bpy.context.scene
+    assert scene is not None  # there is one, but while Blender starts
+    return scene
+
+
+def _open(path: Path) -> None:
+    """Open a .blend; scripts inside it are never run."""
+    try:
+        if path.is_dir():
+            raise InputError(f"{path} is a folder: name a .blend file in it")
+        if not path.is_file():
+            raise InputError(f"there is no file {path}: check its name, and where it lies")
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}; name another") from error
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False, use_scripts=False)
+    except RuntimeError as error:
+        reason = " ".join(str(error).removeprefix("Error:").split())
+        raise InputError(f"{path} does not open as a .blend: {reason}; name another") from error
+    major, minor, _ = cast("tuple[int, int, int]", bpy.data.version)  # the stubs know no items of it
+    if (major, minor) > bpy.app.version[:2]:
+        log.warning("%s was saved by Blender %d.%d, newer than this: some of it is lost", path, major, minor)
+
+
+def _pictures(request: Request, result: BakeResult) -> list[Path]:
+    """The demo shows itself: a picture of the saved preview."""
+    if not request.demo or result.files.preview is None:
+        return []
+    picture = result.files.preview.with_suffix(".png")
+    render_picture(result.files.preview, picture)
+    return [picture]
+
+
+def _summary(name: str, request: Request, result: BakeResult) -> str:
+    layout = result.layout
+    seconds = sum(result.seconds.values())
+    size = readable_size(result.files.atlas.stat().st_size)
+    clamped = f", {result.clamped} values clamped to what the file holds" if result.clamped else ""
+    return (
+        f"{name}: {layout.width} x {layout.height} texels of {layout.bucket} x {layout.bucket} cells at "
+        f"{request.spec.samples} spp, {result.covered_texels} texels covered, {result.paths:,} paths "
+        f"on {result.device} in {seconds:.1f} s, {size}{clamped}"
+    )
+
+
+def _facts(result: BakeResult, pictures: list[Path]) -> dict[str, object]:
+    return {
+        "files": [str(path) for path in (*result.files.all, *pictures)],
+        "texels": [result.layout.width, result.layout.height],
+        "bucket": result.layout.bucket,
+        "covered_texels": result.covered_texels,
+        "islands": result.islands,
+        "paths": result.paths,
+        "device": result.device,
+        "clamped": result.clamped,
+        "seconds": {str(stage): round(value, 3) for stage, value in result.seconds.items()},
+    }

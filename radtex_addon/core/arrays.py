@@ -1,0 +1,32 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Names for the arrays that travel through RadTex, and the one check that each of them gets."""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from .errors import ShapeError
+
+Floats: TypeAlias = npt.NDArray[np.floating[Any]]
+Ints: TypeAlias = npt.NDArray[np.integer[Any]]
+Bools: TypeAlias = npt.NDArray[np.bool_]
+
+
+def as_floats(name: str, values: npt.ArrayLike, components: int) -> Floats:
+    """`values` as a float array of shape (..., components).
+
+    float32 and float64 stay as they are, everything else becomes float64.
+    Raises ShapeError, with `name`, for another last axis or values that are not real numbers.
+    """
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiu":
+        raise ShapeError(f"{name}: expected real numbers, got {array.dtype}")
+    if array.ndim == 0 or array.shape[-1] != components:
+        raise ShapeError(f"{name}: expected shape (..., {components}), got {array.shape}")
+    if array.dtype not in (np.float32, np.float64):
+        array = array.astype(np.float64)
+    return array

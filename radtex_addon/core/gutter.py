@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The gutter: texels that no island touches take the value of the nearest one that does.
+
+Without it, bilinear lookups across an island's edge would see black.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from .arrays import Bools, Ints
+from .errors import InputError, ShapeError
+
+Nearest: TypeAlias = tuple[Ints, Ints]
+
+
+def nearest_covered(covered: Bools) -> Nearest:
+    """For every texel the nearest covered one: rows j and columns i, (H, W) int32 both.
+
+    `covered` is (H, W). Distances are Euclidean, in texels, and exact; of equally near texels the one of the
+    lowest column, then of the lowest row is taken. A covered texel is its own nearest.
+    Raises InputError if no texel is covered, ShapeError for another number of axes.
+
+    Meijster, Roerdink and Hesselink, "A General Algorithm for Computing Distance Transforms in Linear Time"
+    (2000): along columns first, then along rows; here all rows go in step, one numpy call for each column.
+    """
+    if covered.ndim != 2:
+        raise ShapeError(f"covered: expected shape (H, W), got {covered.shape}")
+    if not covered.any():
+        raise InputError("the UV layer covers no texel: give the bake more texels, or unwrap the mesh again")
+    nearest_row = _nearest_in_column(covered)
+    height, width = covered.shape
+    gap = np.abs(nearest_row - np.arange(height, dtype=np.int32)[:, None])
+    gap[:, ~covered.any(axis=0)] = height + width  # farther than any texel of another column
+    i = _nearest_column(np.ascontiguousarray(gap.T))
+    return np.take_along_axis(nearest_row, i, axis=1), i
+
+
+def dilate(values: npt.NDArray[Any], nearest: Nearest) -> npt.NDArray[Any]:
+    """Fill the gutter of `values` (H, W, ...) in place with copies of the nearest covered texels.
+
+    `nearest` comes from `nearest_covered`. Returns `values`. Raises ShapeError if the sizes differ.
+    """
+    j, i = nearest
+    if values.shape[:2] != j.shape:
+        raise ShapeError(f"values: expected shape {(*j.shape, '...')}, got {values.shape}")
+    columns = np.arange(j.shape[1])
+    for row in range(j.shape[0]):  # row by row, for an atlas may be as large as memory
+        gutter = np.flatnonzero((j[row] != row) | (i[row] != columns))
+        values[row, gutter] = values[j[row, gutter], i[row, gutter]]
+    return values
+
+
+def _nearest_in_column(covered: Bools) -> Ints:
+    """Row of the nearest covered texel of the column, the lower of two; of an empty column any row."""
+    height = len(covered)
+    rows = np.arange(height, dtype=np.int32)[:, None]
+    far = np.int32(2 * height)
+    below = np.maximum.accumulate(np.where(covered, rows, -far), axis=0)
+    above = np.minimum.accumulate(np.where(covered, rows, far)[::-1], axis=0)[::-1]
+    nearest: Ints = np.where(rows - below <= above - rows, below, above)
+    return np.clip(nearest, 0, height - 1)
+
+
+def _nearest_column(gap: Ints) -> Ints:
+    """For every texel the column i' of least (i - i')^2 + gap^2; `gap` (W, H), the result (H, W).
+
+    The lower envelope of each row's parabolas: `column[q]` is the q-th one's, `start[q]` where it begins to
+    be the lowest, `top` the index of the last.
+    """
+    width, height = gap.shape
+    square = gap.astype(np.int64) ** 2
+    column, start = np.zeros((2, width, height), dtype=np.int32)
+    top = np.zeros(height, dtype=np.int64)
+    rows = np.arange(height)
+    for i in range(1, width):
+        left = rows
+        while len(left):  # drop the parabolas that the new one undercuts where they begin
+            q = top[left]
+            x, other = start[q, left].astype(np.int64), column[q, left].astype(np.int64)
+            undercut = (x - other) ** 2 + square[other, left] > (x - i) ** 2 + square[i, left]
+            left = left[undercut]
+            top[left] -= 1
+            left = left[top[left] >= 0]
+        emptied = np.flatnonzero(top < 0)
+        top[emptied], column[0, emptied], start[0, emptied] = 0, i, 0
+        last = column[top, rows].astype(np.int64)
+        # the new one is lower from here on; where it replaced the whole envelope it is `last` itself
+        begin = 1 + (i * i - last * last + square[i] - square[last, rows]) // np.maximum(2 * (i - last), 1)
+        added = np.flatnonzero((last != i) & (begin < width))
+        top[added] += 1
+        column[top[added], added], start[top[added], added] = i, begin[added]
+    nearest = np.empty((height, width), dtype=np.int32)
+    for i in range(width - 1, -1, -1):
+        nearest[:, i] = column[top, rows]
+        top -= start[top, rows] == i
+    return nearest

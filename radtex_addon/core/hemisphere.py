@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Direction to bucket and back: the equisolid azimuthal projection and the disc-to-square map.
+
+Fober, "Radiance Textures for Rasterizing Ray-Traced Data" (2023), section "Methodology". Vectors lie on the
+last axis and are unit vectors; `incidence` points from the surface towards the viewer, in the surface frame
+(T, Bt, N) unless a function says otherwise. float32 stays float32, and a NaN comes out only where one went
+in.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .arrays import Floats, as_floats
+from .errors import ShapeError
+
+_TINY = 1e-30  # keeps 0/0 away; no unit vector is disturbed by it
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    product: Floats = np.sum(a * b, axis=-1, keepdims=True)
+    return product
+
+
+def _length(v: Floats) -> Floats:
+    """Length of 2-vectors without underflow, shape (..., 1): |B| = 1e-30 is not 0."""
+    length: Floats = np.hypot(v[..., 0], v[..., 1])[..., None]
+    return length
+
+
+def _max_norm(v: Floats) -> Floats:
+    norm: Floats = np.max(np.abs(v), axis=-1, keepdims=True)
+    return norm
+
+
+def equisolid(incidence: Floats) -> Floats:
+    """Project directions in the frame onto the unit disc, equal area: (..., 3) -> A (..., 2).
+
+    A = sqrt(2) I.xy / |I + (0,0,1)|, which for a unit I is I.xy / sqrt(1 + I.z); |A| = sqrt(2) sin(theta/2).
+    Directions below the horizon land on the rim at their own azimuth, and I = -N, which has none, at A = 0.
+    """
+    incidence = as_floats("incidence", incidence, 3)
+    a = incidence[..., :2] / np.sqrt(np.maximum(1 + incidence[..., 2:], _TINY))
+    clamped: Floats = a / np.maximum(_length(a), 1)
+    return clamped
+
+
+def equisolid_inverse(a: Floats) -> Floats:
+    """Direction in the frame of a point of the unit disc: A (..., 2) -> I (..., 3).
+
+    I = (A.x q, A.y q, 1 - |A|^2), q = sqrt(2 - |A|^2). Beyond the disc (|A| > 1) the direction lies below
+    the horizon; beyond sqrt(2) there is none, and q stops at 0.
+    """
+    a = as_floats("A", a, 2)
+    r2 = _dot(a, a)
+    return np.concatenate([a * np.sqrt(np.maximum(2 - r2, 0)), 1 - r2], axis=-1)
+
+
+def equisolid_half(incidence: Floats, tangent: Floats, bitangent: Floats, normal: Floats) -> Floats:
+    """The same projection of directions in any space, by the half vector: (..., 3) four times -> A (..., 2).
+
+    H = normalize(I + N), A = sqrt(2) (H.T, H.Bt); H.N = cos(theta/2). Horizon and I = -N as in `equisolid`.
+    """
+    half = as_floats("incidence", incidence, 3) + as_floats("normal", normal, 3)
+    half = half / np.sqrt(np.maximum(_dot(half, half), _TINY))
+    a = np.sqrt(half.dtype.type(2)) * np.concatenate([_dot(half, tangent), _dot(half, bitangent)], axis=-1)
+    clamped: Floats = a / np.maximum(_length(a), 1)
+    return clamped
+
+
+def equisolid_half_inverse(a: Floats, tangent: Floats, bitangent: Floats, normal: Floats) -> Floats:
+    """Direction in the space of the frame's vectors: A (..., 2), frame (..., 3) each -> I (..., 3).
+
+    H = (A.x T + A.y Bt) / sqrt(2) + sqrt(1 - |A|^2 / 2) N, I = 2 (H.N) H - N.
+    """
+    a = as_floats("A", a, 2)
+    normal = as_floats("normal", normal, 3)
+    h_dot_n = np.sqrt(np.maximum(1 - _dot(a, a) / 2, 0))
+    across = (a[..., :1] * tangent + a[..., 1:] * bitangent) / np.sqrt(a.dtype.type(2))
+    incidence: Floats = 2 * h_dot_n * (across + h_dot_n * normal) - normal
+    return incidence
+
+
+def disc_to_square(a: Floats) -> Floats:
+    """Stretch the unit disc radially onto the square [-1, 1]^2: B = A |A| / max(|A.x|, |A.y|), or 0 at 0."""
+    a = as_floats("A", a, 2)
+    widest = _max_norm(a)
+    ratio = np.divide(_length(a), widest, out=np.ones_like(widest), where=widest != 0)
+    b: Floats = a * ratio
+    return b
+
+
+def square_to_disc(b: Floats) -> Floats:
+    """Shrink the square back onto the disc: A = B max(|B.x|, |B.y|) / |B|, A = 0 at B = 0."""
+    b = as_floats("B", b, 2)
+    length = _length(b)
+    ratio = np.divide(_max_norm(b), length, out=np.ones_like(length), where=length != 0)
+    a: Floats = b * ratio
+    return a
+
+
+def direction_to_square(incidence: Floats) -> Floats:
+    """Bucket coordinates of directions in the frame: I (..., 3) -> B (..., 2) in [-1, 1]^2."""
+    return np.clip(disc_to_square(equisolid(incidence)), -1, 1)
+
+
+def square_to_direction(b: Floats) -> Floats:
+    """Direction in the frame of bucket coordinates: B (..., 2) -> I (..., 3)."""
+    return equisolid_inverse(square_to_disc(b))
+
+
+def mirror_direction(incidence: Floats) -> Floats:
+    """Where a mirror sends a ray that arrives from I, in the frame: R = (-I.x, -I.y, I.z), (..., 3) both."""
+    incidence = as_floats("incidence", incidence, 3)
+    mirrored: Floats = incidence * np.array([-1, -1, 1], dtype=incidence.dtype)
+    return mirrored
+
+
+def bleed_guard(b: Floats, bucket: int) -> Floats:
+    """Keep bilinear lookups inside their bucket: B clamped to [1/n - 1, 1 - 1/n] on both axes."""
+    if bucket < 1:
+        raise ShapeError(f"bucket: expected at least 1 cell a side, got {bucket}")
+    limit = 1 - 1 / bucket
+    return np.clip(as_floats("B", b, 2), -limit, limit)
+
+
+def cell_centres(bucket: int) -> Floats:
+    """B of a bucket's cell centres: (n, n, 2) float64, indexed [q, p] (rows along Bt, columns along T)."""
+    if bucket < 1:
+        raise ShapeError(f"bucket: expected at least 1 cell a side, got {bucket}")
+    centres = (2 * np.arange(bucket) + 1 - bucket) / bucket
+    return np.stack(np.meshgrid(centres, centres), axis=-1)

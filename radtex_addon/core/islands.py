@@ -1,0 +1,147 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Islands of a UV layer: which triangles hang together, which overlap, and where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .arrays import Bools, Floats, Ints
+from .errors import ShapeError
+
+ROWS_AT_ONCE = 1 << 20  # rows of triangles that the overlap raster holds in memory at a time
+EDGE_MARGIN = 1e-6  # in grid cells: a sample this close to an edge lies inside neither of its triangles
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """How much of a UV layer is covered more than once.
+
+    `fraction` of the covered area, the deepest place's uv, and how many triangles lie there.
+    """
+
+    fraction: float
+    worst_uv: tuple[float, float]
+    depth: int
+
+
+def weld(rows: Floats | Ints) -> Ints:
+    """For each row of (N, C) the number of the first kind of equal rows: (N,) int64, 0 and -0 being equal."""
+    table: npt.NDArray[Any] = np.asarray(rows)
+    if table.ndim != 2:
+        raise ShapeError(f"weld: expected shape (N, C), got {table.shape}")
+    clean = np.ascontiguousarray(table + table.dtype.type(0))  # -0 + 0 is 0
+    keys = clean.view(np.dtype((np.void, clean.dtype.itemsize * clean.shape[1]))).ravel()
+    return np.unique(keys, return_inverse=True)[1].reshape(-1)
+
+
+def components(pairs: Ints, count: int) -> Ints:
+    """Connected components of `count` nodes joined by `pairs` (M, 2): (count,) labels 0, 1, … without gaps.
+
+    Minimum labels spread along the pairs, with pointer jumping, until nothing changes: O(log count) sweeps.
+    """
+    label = np.arange(count)
+    first, second = np.asarray(pairs, dtype=np.int64).reshape(-1, 2).T
+    while True:
+        lowest = np.minimum(label[first], label[second])
+        spread = label.copy()
+        np.minimum.at(spread, label[first], lowest)
+        np.minimum.at(spread, label[second], lowest)
+        spread = np.minimum(spread, spread[spread])
+        if np.array_equal(spread, label):
+            return np.unique(label, return_inverse=True)[1].reshape(-1)
+        label = spread
+
+
+def triangle_islands(corners: Ints) -> Ints:
+    """Islands of triangles that share a corner number, `corners` (F, 3): (F,) labels 0, 1, … without gaps."""
+    corners = np.asarray(corners)
+    count = int(corners.max(initial=-1)) + 1
+    pairs = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]]])
+    return np.unique(components(pairs, count)[corners[:, 0]], return_inverse=True)[1].reshape(-1)
+
+
+def uv_islands(triangles: Ints, uv: Floats) -> Ints:
+    """Islands of triangles (F, 3) that share a vertex and, there, the same uv (F, 3, 2): (F,) labels."""
+    vertex = np.asarray(triangles).reshape(-1, 1)
+    texture = weld(np.asarray(uv).reshape(-1, 2)).reshape(-1, 1)
+    return triangle_islands(weld(np.concatenate([vertex, texture], axis=1)).reshape(-1, 3))
+
+
+def signed_areas(uv: Floats) -> Floats:
+    """Areas of uv triangles (F, 3, 2), negative where mirrored: (F,)."""
+    a, b = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+    areas: Floats = 0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+    return areas
+
+
+def surface_areas(corners: Floats) -> Floats:
+    """Areas of triangles in space, corners (F, 3, 3): (F,)."""
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas: Floats = 0.5 * np.sqrt(np.sum(cross * cross, axis=-1))
+    return areas
+
+
+def find_overlap(uv: Floats, resolution: int = 1024) -> Overlap:
+    """Overlap of uv triangles (F, 3, 2) within the unit square, found at resolution² sample points.
+
+    A point counts for every triangle that holds it strictly inside, so that shared edges never overlap.
+    """
+    depth = coverage_depth(uv, resolution)
+    covered = int(np.count_nonzero(depth))
+    doubled = int(np.count_nonzero(depth > 1))
+    row, column = np.unravel_index(int(np.argmax(depth)), depth.shape)
+    worst = ((float(column) + 0.5) / resolution, (float(row) + 0.5) / resolution)
+    return Overlap(doubled / max(covered, 1), worst, int(depth.max(initial=0)))
+
+
+def coverage_depth(uv: Floats, resolution: int) -> Ints:
+    """How many triangles hold each sample point strictly inside: (resolution, resolution) int32.
+
+    Points lie at the centres of a grid over the unit square, row 0 at the bottom. Each triangle adds one
+    span to each row that it crosses.
+    """
+    grid = np.asarray(uv, dtype=np.float64) * resolution - 0.5  # sample points have whole coordinates
+    steps = np.zeros((resolution, resolution + 1), dtype=np.int32)
+    low = np.clip(np.ceil(grid[..., 1].min(axis=1)), 0, resolution).astype(np.int64)
+    high = np.clip(np.floor(grid[..., 1].max(axis=1)), -1, resolution - 1).astype(np.int64)
+    rows = np.maximum(high - low + 1, 0)
+    ends = np.cumsum(rows)
+    start = 0
+    while start < len(rows):
+        base = ends[start] - rows[start]
+        stop = max(int(np.searchsorted(ends, base + ROWS_AT_ONCE, side="right")), start + 1)
+        _add_spans(steps, grid[start:stop], low[start:stop], rows[start:stop])
+        start = stop
+    return np.cumsum(steps[:, :-1], axis=1, dtype=np.int32)
+
+
+def _add_spans(steps: Ints, grid: Floats, low: Ints, rows: Ints) -> None:
+    """Add +1 where a span of a triangle's row begins and -1 behind its end."""
+    triangle = np.repeat(np.arange(len(rows)), rows)
+    row = np.arange(len(triangle)) - np.repeat(np.cumsum(rows) - rows, rows) + low[triangle]
+    left = np.full(len(row), -np.inf)
+    right = np.full(len(row), np.inf)
+    turn = np.where(signed_areas(grid) < 0, -1.0, 1.0)[triangle]
+    inside: Bools = np.ones(len(row), dtype=bool)
+    for corner in range(3):
+        ax, ay = grid[triangle, corner].T
+        bx, by = grid[triangle, (corner + 1) % 3].T
+        rise = (by - ay) * turn
+        level = rise == 0
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x = ax + (bx - ax) * ((row - ay) / (by - ay))
+        # Inside lies left of a rising edge and right of a falling one (the triangle turned anticlockwise).
+        right = np.where(~level & (rise > 0), np.minimum(right, x), right)
+        left = np.where(~level & (rise < 0), np.maximum(left, x), left)
+        inside &= ~level | (np.abs(row - ay) > EDGE_MARGIN)
+    width = steps.shape[1] - 1
+    begin = np.clip(np.ceil(left + EDGE_MARGIN), 0, width)
+    end = np.clip(np.floor(right - EDGE_MARGIN) + 1, 0, width)
+    inside &= end > begin
+    np.add.at(steps, (row[inside], begin[inside].astype(np.int64)), 1)
+    np.add.at(steps, (row[inside], end[inside].astype(np.int64)), -1)

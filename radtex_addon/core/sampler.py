@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The reference sampler: what every shader must return for a texture coordinate and an incidence vector."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from enum import StrEnum
+
+import numpy as np
+
+from .arrays import Floats, Ints, as_floats
+from .atlas import AtlasLayout
+from .errors import ShapeError
+from .hemisphere import bleed_guard, direction_to_square
+
+
+class Filter(StrEnum):
+    """How many cells a lookup blends."""
+
+    NEAREST = "nearest"  # the paper's one lookup, at the nearest cell
+    LINEAR = "linear"  # one lookup, bilinear inside the bucket
+    QUADRILINEAR = "quadrilinear"  # four texels, each bilinear inside its bucket
+
+
+def sample(image: Floats, layout: AtlasLayout, uv: Floats, incidence: Floats, kind: Filter) -> Floats:
+    """Radiance seen at texture coordinates from directions.
+
+    `image` (H*n, W*n, C), row 0 at the bottom; `uv` (K, 2), clamped to the atlas's edge; `incidence` (K, 3)
+    unit vectors in the frame. Returns (K, C) in the image's unit, float32 or float64 as `uv` is. A NaN in
+    `uv` or `incidence` gives NaN for that lookup. Raises ShapeError for shapes that do not fit.
+    """
+    uv, incidence = as_floats("uv", uv, 2), as_floats("incidence", incidence, 3)
+    if uv.ndim != 2 or incidence.shape != (len(uv), 3):
+        raise ShapeError(
+            f"uv and incidence: expected (K, 2) and (K, 3), got {uv.shape} and {incidence.shape}"
+        )
+    buckets = layout.to_buckets(image)
+    known = np.isfinite(uv).all(axis=1) & np.isfinite(incidence).all(axis=1)
+    result = np.full((len(uv), image.shape[2]), np.nan, dtype=uv.dtype)
+    result[known] = _sample_known(buckets, layout, uv[known], direction_to_square(incidence[known]), kind)
+    return result
+
+
+def _sample_known(buckets: Floats, layout: AtlasLayout, uv: Floats, b: Floats, kind: Filter) -> Floats:
+    size = np.array([layout.width, layout.height], dtype=uv.dtype)
+    n = layout.bucket
+    total = np.zeros((len(uv), buckets.shape[4]), dtype=uv.dtype)
+    for texel, texel_weight in _texels(uv * size, size, blend=kind is Filter.QUADRILINEAR):
+        for cell, cell_weight in _cells(b, n, blend=kind is not Filter.NEAREST):
+            value = buckets[texel[:, 1], texel[:, 0], cell[:, 1], cell[:, 0]]
+            total += (texel_weight * cell_weight)[:, None] * value
+    return total
+
+
+def _texels(position: Floats, size: Floats, blend: bool) -> Iterator[tuple[Ints, Floats]]:
+    """The texel that holds each position (in texels), or the four around it, with their weights."""
+    if blend:
+        yield from _bilinear(position - 0.5, size - 1)
+        return
+    inside = np.clip(np.floor(position), 0, size - 1)
+    yield inside.astype(np.intp), np.ones(len(position), dtype=position.dtype)
+
+
+def _cells(b: Floats, n: int, blend: bool) -> Iterator[tuple[Ints, Floats]]:
+    """The cell that holds each B, or the four around it within the bucket, with their weights."""
+    if blend:
+        position = (bleed_guard(b, n) + 1) / 2 * n - 0.5
+        yield from _bilinear(position, np.full(2, n - 1, dtype=b.dtype))
+        return
+    cell = np.clip(np.floor((b + 1) / 2 * n), 0, n - 1)
+    yield cell.astype(np.intp), np.ones(len(b), dtype=b.dtype)
+
+
+def _bilinear(position: Floats, last: Floats) -> Iterator[tuple[Ints, Floats]]:
+    """Four neighbours of each position (index centres at whole numbers), clamped to [0, last]."""
+    corner = np.floor(position)
+    fraction = position - corner
+    for dy in (0, 1):
+        for dx in (0, 1):
+            step = np.array([dx, dy])
+            weight = np.prod(np.where(step == 1, fraction, 1 - fraction), axis=1)
+            yield np.clip(corner + step, 0, last).astype(np.intp), weight

@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The parts that captures are put together from: planes and boxes for chosen rays, a camera, float images."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import numpy as np
+
+from ..core.arrays import Floats
+from ..core.errors import BakeError
+from ..formats.exr import read_render
+from ..scene.nodes import NodeBuilder
+
+_RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
+
+
+@dataclass(frozen=True)
+class Extent:
+    """A plane's size in scene units; it is centred on x = y = 0, where floats are finest."""
+
+    width: float
+    height: float
+
+    @classmethod
+    def of_pixels(cls, width: int, height: int) -> Extent:
+        """The shape of an image, its longer side 2."""
+        longest = max(width, height)
+        return cls(2 * width / longest, 2 * height / longest)
+
+
+def above_everything(scene: bpy.types.Scene) -> float:
+    """A height that no object or instance reaches: rays that climb would meet the plane's back."""
+    layer = next(layer for layer in scene.view_layers if layer.use)
+    layer.update()
+    top = 0.0
+    for instance in layer.depsgraph.object_instances:
+        corners = np.array(instance.object.bound_box) @ np.array(instance.matrix_world)[2, :3]
+        highest = float(corners.max()) + instance.matrix_world[2][3]
+        top = max(top, highest if np.isfinite(highest) else 0.0)
+    return 10.0 + 1.5 * top
+
+
+def plane(
+    scene: bpy.types.Scene,
+    name: str,
+    extent: Extent,
+    height: float,
+    material: bpy.types.Material,
+    visible: str,
+) -> None:
+    """Add a rectangle at `height` that only rays of the kind `visible` can see."""
+    x, y = extent.width / 2, extent.height / 2
+    corners = [(-x, -y, 0.0), (x, -y, 0.0), (x, y, 0.0), (-x, y, 0.0)]
+    item = _mesh_object(scene, name, corners, [(0, 1, 2, 3)], material, {visible})
+    item.location.z = height
+
+
+def box(
+    scene: bpy.types.Scene, name: str, half: float, material: bpy.types.Material, visible: set[str]
+) -> bpy.types.Object:
+    """Add a cube of half side `half` around its origin that only the `visible` kinds of rays can see."""
+    corners = [(x, y, z) for x in (-half, half) for y in (-half, half) for z in (-half, half)]
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return _mesh_object(scene, name, corners, faces, material, visible)
+
+
+def _mesh_object(
+    scene: bpy.types.Scene,
+    name: str,
+    corners: list[tuple[float, float, float]],
+    faces: Sequence[tuple[int, ...]],
+    material: bpy.types.Material,
+    visible: set[str],
+) -> bpy.types.Object:
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(corners, [], faces)
+    mesh.materials.append(material)
+    item = bpy.data.objects.new(name, mesh)
+    for ray in _RAYS:
+        setattr(item, f"visible_{ray}", ray in visible)
+    scene.collection.objects.link(item)
+    return item
+
+
+def camera_above(scene: bpy.types.Scene, extent: Extent, height: float, gap: float) -> bpy.types.Object:
+    """Add an orthographic camera at `height` that looks straight down on an extent `gap` below."""
+    data = bpy.data.cameras.new("RadTex camera")
+    data.type, data.ortho_scale = "ORTHO", max(extent.width, extent.height)
+    data.clip_start, data.clip_end = gap / 100, 10 * gap
+    camera = bpy.data.objects.new("RadTex camera", data)
+    camera.location.z = height
+    scene.collection.objects.link(camera)
+    return camera
+
+
+def render_image(scene: bpy.types.Scene, file: Path) -> Floats:
+    """Render `scene`, which writes to `file`, and read that: (H, W, 4) float32, row 0 at the bottom.
+
+    Raises BakeError where Cycles fails.
+    """
+    file.unlink(missing_ok=True)
+    try:
+        bpy.ops.render.render(write_still=True, scene=scene.name)
+    except RuntimeError as error:
+        reason = " ".join(str(error).removeprefix("Error:").split())
+        raise BakeError(f"Cycles cannot render: {reason}") from error
+    if not file.exists():
+        raise BakeError("Cycles returned no picture: its messages in the console, or by --verbose, say why")
+    return next(iter(read_render(file).values()))
+
+
+def mirror_material() -> bpy.types.Material:
+    """A perfect mirror."""
+    material, build = open_material("RadTex mirror")
+    build.node("ShaderNodeOutputMaterial", mirror(build))
+    return material
+
+
+def mirror(build: NodeBuilder) -> bpy.types.NodeSocket:
+    """The shader of a perfect mirror."""
+    node = build.node("ShaderNodeBsdfAnisotropic")
+    build.feed(node.inputs["Color"], (1.0, 1.0, 1.0, 1.0))
+    build.feed(node.inputs["Roughness"], 0.0)
+    return node.outputs[0]
+
+
+def open_material(name: str) -> tuple[bpy.types.Material, NodeBuilder]:
+    """A new material without nodes, and the builder that gives it some."""
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:  # Blender 4.5; later every material has one
+        material.use_nodes = True
+    tree = cast(bpy.types.NodeTree, material.node_tree)
+    tree.nodes.clear()
+    return material, NodeBuilder(tree)
+
+
+def float_image(name: str, field: Floats) -> bpy.types.Image:
+    """Vectors (rows, columns, 3) as a float image, row 0 at the bottom, exactly as they are."""
+    rows, columns = field.shape[:2]
+    image = bpy.data.images.new(name, columns, rows, alpha=True, float_buffer=True, is_data=True)
+    image.alpha_mode = "CHANNEL_PACKED"
+    pixels = np.ones((rows, columns, 4), dtype=np.float32)
+    pixels[..., :3] = field
+    cast(Any, image.pixels).foreach_set(pixels.ravel())  # the stubs know lists only
+    image.update()
+    return image

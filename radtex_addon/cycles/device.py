@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which device renders: the CPU, or whatever GPU Cycles and the user's preferences know."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, cast
+
+import bpy
+
+from ..core.errors import InputError
+
+GPU_TYPES = ("OPTIX", "CUDA", "HIP", "METAL", "ONEAPI")  # in the order in which `gpu` tries them
+
+
+@contextmanager
+def use_device(scene: bpy.types.Scene, wish: str) -> Iterator[str]:
+    """Let `scene` render on the device `wish`, and give the preferences back as they were.
+
+    `auto` takes the GPU that Blender's preferences have switched on, else the CPU; `cpu`; `gpu` any GPU; or
+    one of Cycles's own types, such as `optix`. Yields the name of the type that renders, "CPU" included.
+    Raises InputError, with what there is, if the wish cannot be met.
+    """
+    preferences = _cycles_preferences()
+    before = preferences.compute_device_type
+    switches = {device.id: device.use for device in preferences.devices}
+    try:
+        chosen = _choose(preferences, wish.upper())
+        cast(Any, scene).cycles.device = "CPU" if chosen == "CPU" else "GPU"
+        yield chosen
+    finally:
+        if preferences.compute_device_type != before:
+            preferences.compute_device_type = before
+        for index, device in reversed(list(enumerate(preferences.devices))):
+            if device.id not in switches:  # Cycles lists those that it was asked for
+                preferences.devices.remove(index)
+            elif device.use != switches[device.id]:
+                device.use = switches[device.id]
+
+
+def _cycles_preferences() -> Any:
+    """The preferences of Cycles's add-on, which no stub knows."""
+    addon = bpy.context.preferences.addons.get("cycles")
+    if addon is None:
+        raise InputError("Cycles is switched off: enable its add-on in Blender's preferences")
+    return addon.preferences
+
+
+def _choose(preferences: Any, wish: str) -> str:
+    if wish == "CPU":
+        return "CPU"
+    if wish == "AUTO":
+        kind = preferences.compute_device_type
+        enabled = kind != "NONE" and any(d.use and d.type == kind for d in preferences.devices)
+        return str(kind) if enabled else "CPU"
+    known = {item[0] for item in preferences.get_device_types(bpy.context)}
+    wanted = GPU_TYPES if wish == "GPU" else (wish,)
+    for kind in (kind for kind in wanted if kind in known):
+        devices = [d for d in preferences.get_devices_for_type(kind) if d.type == kind]
+        if devices:
+            preferences.compute_device_type = kind
+            for device in devices:
+                device.use = True
+            return kind
+    raise InputError(f"--device {wish.lower()}: this machine has no such device; try auto, or cpu")

@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The fast capture: one orthographic camera looks at a plane of Ray Portals, and a tile is one render call.
+
+The plane's material turns its own position into texel and cell, looks the texel's frame up in float images,
+and sends the camera's ray to P and I. To Cycles it still is a camera ray. Light kinds must see lamps, which
+Cycles hides from camera rays: there the camera looks at a sharp mirror, and portals above it catch the glossy
+rays.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+from ..bake.plan import MIN_IMAGE_SIDE, CapturePlan, Tile
+from ..bake.spec import Kind
+from ..core.arrays import Floats
+from ..core.errors import BakeError
+from ..scene.nodes import NodeBuilder, Socket
+from .apparatus import (
+    Extent,
+    above_everything,
+    camera_above,
+    float_image,
+    mirror_material,
+    open_material,
+    plane,
+    render_image,
+)
+from .offset import GRAZING, ray_offset
+from .settings import allow_more_bounces, apply_capture_settings
+
+_GAP = 0.01  # between camera and plane: in a world volume, light must not be lost on the way
+
+
+class PortalCapture:
+    """Captures `radiance`, `incident` and `reflection` in a scratch scene, tile by tile."""
+
+    def __init__(
+        self, scene: bpy.types.Scene, plan: CapturePlan, kind: Kind, samples: int, seed: int, folder: Path
+    ) -> None:
+        """`scene` is a scratch scene, written freely; `folder` takes the files that tiles pass through."""
+        self._scene, self._plan = scene, plan
+        self._file = folder / "tile.exr"
+        apply_capture_settings(scene, samples, seed)
+        size = (plan.columns * plan.layout.bucket, plan.rows * plan.layout.bucket)
+        scene.render.resolution_x, scene.render.resolution_y = size
+        scene.render.filepath = str(self._file)
+        scene.render.use_border = scene.render.use_crop_to_border = True
+        extent = Extent.of_pixels(*size)
+        height = above_everything(scene)
+        gap = max(_GAP, 1e-5 * height)
+        light = kind is not Kind.RADIANCE
+        allow_more_bounces(scene, transparent=1, glossy=int(light))
+        material = _portal_material(plan, kind, extent, reach=4 * gap)
+        if light:
+            scene.render.film_transparent = False
+            plane(scene, "RadTex mirror", extent, height, mirror_material(), visible="camera")
+            plane(scene, "RadTex portals", extent, height + 3 * gap, material, visible="glossy")
+        else:
+            plane(scene, "RadTex portals", extent, height, material, visible="camera")
+        scene.camera = camera_above(scene, extent, height + gap, gap)
+
+    def render(self, tile: Tile) -> Floats:
+        """Cells of the tile's texels: see `Capture.render`."""
+        plan, n = self._plan, self._plan.layout.bucket
+        rows = max(tile.rows, -(-MIN_IMAGE_SIDE // n))  # a lower picture is not to be had
+        first = min(tile.first_row, plan.rows - rows)
+        render = self._scene.render
+        # The packed image's row 0 is its bottom one; a quarter of a pixel keeps rounding honest.
+        total = plan.rows * n
+        render.border_min_x, render.border_max_x = 0.0, 1.0
+        render.border_min_y = (first * n + 0.25) / total if first else 0.0
+        render.border_max_y = min(1.0, ((first + rows) * n + 0.25) / total)
+        image = render_image(self._scene, self._file)
+        expected = (rows * n, plan.columns * n, 4)
+        if image.shape != expected:
+            raise BakeError(f"Cycles returned a tile of {image.shape}, expected {expected}")
+        cells = image.reshape(rows, n, plan.columns, n, 4).transpose(0, 2, 1, 3, 4)
+        return cells[tile.first_row - first :].reshape(-1, n, n, 4)[: len(plan.texels_of(tile))]
+
+
+def _portal_material(plan: CapturePlan, kind: Kind, extent: Extent, reach: float) -> bpy.types.Material:
+    """Ray Portals that start rays of `kind` for rays from within `reach`; clear to the scene's own."""
+    material, build = open_material("RadTex portals")
+    uv = build.vector(
+        "MULTIPLY_ADD",
+        build.geometry("Position"),
+        (1 / extent.width, 1 / extent.height, 0.0),
+        (0.5, 0.5, 0.0),
+    )
+    fields = ("position", "tangent", "bitangent", "normal", "facet")
+    position, tangent, bitangent, normal, facet = (
+        build.image(float_image(f"RadTex {name}", getattr(plan, name)), uv)[0] for name in fields
+    )
+    a, i_z, q = _inverse_projection(build, build.vector("MULTIPLY", uv, (plan.columns, plan.rows, 0.0)))
+    across = build.vector("SCALE", a, build.math("MULTIPLY", q, -1.0) if kind is Kind.REFLECTION else q)
+    x, y, _ = build.separate(across)
+    direction = build.vector("SCALE", tangent, x)
+    direction = build.vector("ADD", direction, build.vector("SCALE", bitangent, y))
+    direction = build.vector("ADD", direction, build.vector("SCALE", normal, i_z))
+    grazing = GRAZING if kind is Kind.RADIANCE else 0.0
+    direction = _above_facet(build, direction, facet, grazing)
+    epsilon = ray_offset(plan.position)
+    lift = direction if kind is Kind.RADIANCE else facet
+    start = build.vector("MULTIPLY_ADD", lift, (epsilon,) * 3, position)
+    way = build.vector("SCALE", direction, -1.0) if kind is Kind.RADIANCE else direction
+    portal = build.node("ShaderNodeBsdfRayPortal")
+    build.feed(portal.inputs["Position"], start)
+    build.feed(portal.inputs["Direction"], way)
+    clear = build.node("ShaderNodeBsdfTransparent").outputs[0]
+    length = build.node("ShaderNodeLightPath").outputs["Ray Length"]
+    ours = build.node("ShaderNodeMixShader", build.math("LESS_THAN", length, reach), clear, portal.outputs[0])
+    build.node("ShaderNodeOutputMaterial", ours.outputs[0])
+    return material
+
+
+def _inverse_projection(build: NodeBuilder, cells: Socket) -> tuple[Socket, Socket, Socket]:
+    """A, I.z and q of a position in texels.
+
+    B = 2 fract - 1, A = B max|B| / |B|, I.z = 1 - |A|^2, q = sqrt(2 - |A|^2).
+    """
+    b = build.vector("MULTIPLY_ADD", build.vector("FRACTION", cells), (2.0, 2.0, 0.0), (-1.0, -1.0, 0.0))
+    x, y, _ = build.separate(build.vector("ABSOLUTE", b))
+    a = build.vector("SCALE", b, build.math("DIVIDE", build.math("MAXIMUM", x, y), build.vector("LENGTH", b)))
+    squared = build.vector("DOT_PRODUCT", a, a)
+    return a, build.math("SUBTRACT", 1.0, squared), build.math("SQRT", build.math("SUBTRACT", 2.0, squared))
+
+
+def _above_facet(build: NodeBuilder, direction: Socket, facet: Socket, least: float) -> Socket:
+    """A smooth normal's hemisphere dips below the facet: such a ray is lifted to the facet's own horizon."""
+    sunk = build.math("SUBTRACT", least, build.vector("DOT_PRODUCT", direction, facet))
+    lift = build.vector("SCALE", facet, build.math("MAXIMUM", sunk, 0.0))
+    return build.vector("NORMALIZE", build.vector("ADD", direction, lift))

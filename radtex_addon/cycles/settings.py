@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Render settings under which Cycles measures: everything that would blur, reuse, crop or grade is off.
+
+They are written on the scratch scene only. What decides how light travels (bounces, clamps, caustics, light
+tree, the film's transparency) stays the user's.
+"""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import bpy
+
+
+def apply_capture_settings(scene: bpy.types.Scene, samples: int, seed: int) -> None:
+    """Make `scene` render raw, unfiltered, scene-linear Rec.709 at exactly `samples` per pixel."""
+    _measure_evenly(cast(Any, scene).cycles, samples, seed)
+    _output(scene.render)
+    render = scene.render
+    cast(Any, render).engine = "CYCLES"  # the stubs know no add-on's engine
+    render.use_motion_blur = False
+    render.use_compositing = render.use_sequencer = render.use_freestyle = False
+    render.use_multiview = render.use_stamp = False
+    render.use_persistent_data = True
+    render.use_border = render.use_crop_to_border = False
+    render.resolution_percentage = 100
+    render.pixel_aspect_x = render.pixel_aspect_y = 1
+    scene.view_settings.view_transform = "Raw"
+
+
+def _measure_evenly(cycles: Any, samples: int, seed: int) -> None:
+    cycles.samples = samples
+    cycles.sample_offset, cycles.use_sample_subset = 0, False
+    cycles.seed = seed
+    cycles.use_animated_seed = False
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.time_limit = 0
+    cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0  # or neighbouring cells bleed into each other
+    cycles.film_exposure = 1.0
+    cycles.use_auto_tile = False
+    cycles.texture_limit_render = "OFF"  # Simplify's: it would shrink the images that say where rays start
+    if hasattr(cycles, "texture_resolution_render"):  # Blender 5
+        cycles.texture_resolution_render = 100
+    cycles.use_camera_cull = cycles.use_distance_cull = False  # they ask a camera that is none of the scene's
+
+
+def _output(render: bpy.types.RenderSettings) -> None:
+    image = render.image_settings
+    if hasattr(image, "media_type"):  # Blender 5: to be set before the format
+        image.media_type = "IMAGE"
+    image.file_format, image.color_mode, image.color_depth = "OPEN_EXR", "RGBA", "32"
+    image.exr_codec = "NONE"
+    image.color_management = "OVERRIDE"
+    image.linear_colorspace_settings.name = "Linear Rec.709"
+    render.use_file_extension = render.use_overwrite = True
+    render.use_placeholder = False
+
+
+def allow_more_bounces(scene: bpy.types.Scene, transparent: int, glossy: int) -> None:
+    """Pay for what the apparatus spends of a path: portals are transparent bounces, mirrors glossy ones."""
+    cycles = cast(Any, scene).cycles
+    cycles.transparent_max_bounces += transparent
+    cycles.glossy_bounces += glossy
+    cycles.max_bounces += glossy

@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files appear whole or not at all: written beside their place, then renamed."""
+
+from __future__ import annotations
+
+import secrets
+import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..core.errors import BakeError, InputError
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Yield a new name in `path`'s folder; what is written under it takes the name `path` when all went well.
+
+    After any error or interruption nothing is left and `path` is what it was. Makes the folder if need be.
+    Raises BakeError where the system refuses.
+    """
+    beside = path.with_name(f".radtex-{secrets.token_hex(8)}{path.suffix}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            yield beside
+            beside.replace(path)
+        finally:
+            beside.unlink(missing_ok=True)
+    except OSError as error:
+        reason = error.strerror or error
+        raise BakeError(f"{path} could not be written: {reason}; free its disk, or choose another") from error
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write `text` to `path` in UTF-8, whole or not at all. Raises BakeError where the system refuses."""
+    with replacing(path) as beside:
+        beside.write_text(text, encoding="utf-8", newline="\n")
+
+
+def check_writable(folder: Path) -> None:
+    """Make sure that files can be put into `folder`, which need not exist yet; leaves nothing there.
+
+    Raises InputError if not.
+    """
+    existing = folder.absolute()
+    try:
+        while not existing.exists() and existing != existing.parent:
+            existing = existing.parent
+        with tempfile.TemporaryFile(dir=existing, prefix=".radtex-"):
+            pass
+    except OSError as error:
+        is_file = isinstance(error, NotADirectoryError)
+        reason = f"{existing} is a file" if is_file else error.strerror or error
+        raise InputError(f"{folder} cannot be written: {reason}; choose another folder") from error
+
+
+def check_absent(paths: Iterable[Path], overwrite: bool) -> None:
+    """Make sure that writing `paths` destroys nothing, or may. Raises InputError for the first in the way."""
+    for path in paths:
+        if path.is_dir():
+            raise InputError(f"{path} is a folder where a file must go: move it, or choose another folder")
+        if path.exists() and not overwrite:
+            raise InputError(f"{path} is already there: overwrite it (--overwrite), or choose another folder")

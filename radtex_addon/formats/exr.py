@@ -1,0 +1,209 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""OpenEXR files: the atlas, the float images that Cycles reads, the renders that Blender writes.
+
+An EXR's first row is the top one, ours is the bottom one (v = 0): rows are flipped here and nowhere else.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenEXR
+
+from ..core.arrays import Floats
+from ..core.errors import BakeError, FormatError, ShapeError
+from .atomic import replacing
+from .memory import physical_memory, readable_size
+from .sidecar import Sidecar
+
+HALF_MOST = 65504.0  # the largest finite half float
+ATTRIBUTE = "radtex"  # the header attribute that holds the sidecar's JSON
+REC_709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)  # x, y of red, green, blue, white
+
+_CHANNELS = {1: "Y", 3: "RGB", 4: "RGBA"}
+_MAGIC = bytes((0x76, 0x2F, 0x31, 0x01))
+_ORDER = "RGBXYZWUVA"  # of a group's channels
+_FLAT = (OpenEXR.scanlineimage, OpenEXR.tiledimage)  # not deep
+_ROWS = 64  # converted at once
+
+
+class Compression(StrEnum):
+    """How the atlas is packed: `dwaa` loses a little and is small, the others lose nothing."""
+
+    ZIP = "zip"
+    PIZ = "piz"
+    DWAA = "dwaa"
+
+
+_COMPRESSIONS = {
+    Compression.ZIP: OpenEXR.ZIP_COMPRESSION,
+    Compression.PIZ: OpenEXR.PIZ_COMPRESSION,
+    Compression.DWAA: OpenEXR.DWAA_COMPRESSION,
+}
+
+
+def write_atlas(
+    path: Path,
+    pixels: Floats,
+    sidecar: Sidecar,
+    half: bool = True,
+    compression: Compression = Compression.ZIP,
+) -> Sidecar:
+    """Write an atlas (H*n, W*n, C), row 0 at the bottom, scene-linear Rec.709; C is 1, 3 or 4.
+
+    Values beyond the file's range, infinities included, are clamped to it. Returns the sidecar with their
+    number in it: it is what the header holds, and what belongs beside the file. On failure `path` is what it
+    was. Raises ShapeError if pixels and sidecar differ in size, BakeError for values that are not numbers and
+    where the system refuses.
+    """
+    expected = (sidecar.height * sidecar.bucket, sidecar.width * sidecar.bucket)
+    if pixels.ndim != 3 or pixels.shape[:2] != expected or pixels.shape[2] not in _CHANNELS:
+        raise ShapeError(f"atlas pixels: expected shape {(*expected, '1, 3 or 4')}, got {pixels.shape}")
+    rows, clamped = _top_row_first(path, pixels, half)
+    sidecar = replace(sidecar, clamped=clamped)
+    header = {
+        "compression": _COMPRESSIONS[compression],
+        "chromaticities": REC_709,
+        ATTRIBUTE: sidecar.to_json(),
+    }
+    _write(path, header, rows)
+    return sidecar
+
+
+def write_float(path: Path, pixels: Floats) -> None:
+    """Write an image (H, W, 3 or 4), row 0 at the bottom, as uncompressed float32: exact, and quick to read.
+
+    Raises ShapeError for another shape, BakeError where the system refuses.
+    """
+    if pixels.ndim != 3 or pixels.shape[2] not in (3, 4):
+        raise ShapeError(f"image: expected shape (H, W, 3 or 4), got {pixels.shape}")
+    rows = np.ascontiguousarray(pixels[::-1], dtype=np.float32)
+    _write(path, {"compression": OpenEXR.NO_COMPRESSION}, rows)
+
+
+def read_atlas(path: Path) -> tuple[Floats, Sidecar]:
+    """Pixels (H*n, W*n, C) of an atlas, float16 or float32 as they are stored, and its sidecar.
+
+    Row 0 is at the bottom. Raises FormatError, with the path, for a file that is missing, cut short, too
+    large for this machine's memory, not an EXR, not ours, of a newer version, or not as its header says.
+    """
+    headers = _headers(path)
+    if ATTRIBUTE not in headers[0]:
+        raise FormatError(f'{path} has no header attribute "{ATTRIBUTE}": it is no RadTex atlas')
+    sidecar = Sidecar.from_json(str(headers[0][ATTRIBUTE]), f"the header of {path}")
+    named = sorted(channel.name for header in headers for channel in header["channels"])
+    if named not in (sorted(names) for names in _CHANNELS.values()):
+        raise FormatError(f"{path} has the channels {', '.join(named)}, expected RGBA, RGB or Y")
+    pixels = _layers(path, len(headers))[""]
+    expected = (sidecar.height * sidecar.bucket, sidecar.width * sidecar.bucket)
+    if pixels.shape[:2] != expected or pixels.dtype not in (np.float16, np.float32):
+        found = f"{pixels.shape[1]} x {pixels.shape[0]} pixels of {pixels.dtype}"
+        raise FormatError(f"{path} has {found}, its header says {expected[1]} x {expected[0]} floats")
+    return pixels[::-1], sidecar
+
+
+def read_render(path: Path) -> dict[str, Floats]:
+    """All layers of an image that Blender wrote: name -> (H, W, C) float32, row 0 at the bottom.
+
+    Channels are joined by what stands before their last dot, such as "ViewLayer.Combined", in the order RGBA,
+    XYZW or UV; an image without layers is called "". Raises FormatError as `read_atlas` does.
+    """
+    layers = _layers(path, len(_headers(path)))
+    return {name: pixels[::-1].astype(np.float32, copy=False) for name, pixels in layers.items()}
+
+
+def _top_row_first(path: Path, pixels: Floats, half: bool) -> tuple[Floats, int]:
+    """A flipped and converted copy, and how many values were clamped."""
+    kind = np.float16 if half else np.float32
+    most = HALF_MOST if half else float(np.finfo(np.float32).max)
+    rows: Floats = np.empty(pixels.shape, dtype=kind)
+    clamped = wrong = 0
+    for first in range(0, len(pixels), _ROWS):
+        some = pixels[::-1][first : first + _ROWS]
+        wrong += int(np.count_nonzero(np.isnan(some)))
+        clamped += int(np.count_nonzero(np.abs(some) > most))
+        rows[first : first + _ROWS] = np.clip(some, -most, most)
+    if wrong:
+        raise BakeError(f"{path} was not written: {wrong} of its values are not numbers; bake it again")
+    return rows, clamped
+
+
+def _write(path: Path, header: dict[str, Any], rows: Floats) -> None:
+    """Write `rows` (H, W, C), the top one first. The module reads bare memory: they must be contiguous."""
+    channels = _CHANNELS[rows.shape[2]]
+    image = np.ascontiguousarray(rows[..., 0] if channels == "Y" else rows)
+    with replacing(path) as beside:
+        try:
+            OpenEXR.File({**header, "type": OpenEXR.scanlineimage}, {channels: image}).write(str(beside))
+        except RuntimeError as error:
+            raise OSError(_one_line(error).replace(str(beside), str(path))) from error
+
+
+def _headers(path: Path) -> list[dict[str, Any]]:
+    """The parts' headers, once the file is known to be an EXR whose pixels fit into memory."""
+    try:
+        with path.open("rb") as file:
+            magic = file.read(len(_MAGIC))
+    except OSError as error:
+        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
+    if magic != _MAGIC:
+        raise FormatError(f"{path} is not an OpenEXR file")
+    try:
+        parts = OpenEXR.File(str(path), header_only=True).parts
+        headers: list[dict[str, Any]] = [part.header for part in parts]
+    except (RuntimeError, ValueError) as error:
+        raise FormatError(f"{path} is damaged: {_one_line(error)}") from error
+    if not headers:
+        raise FormatError(f"{path} is damaged: it has no image in it")
+    if any(header["type"] not in _FLAT for header in headers):
+        raise FormatError(f"{path} is a deep image: flat ones can be read")
+    _check_memory(path, sum(_pixel_bytes(header) for header in headers))
+    return headers
+
+
+def _pixel_bytes(header: dict[str, Any]) -> int:
+    (x0, y0), (x1, y1) = header["dataWindow"]
+    return (int(x1) - int(x0) + 1) * (int(y1) - int(y0) + 1) * len(header["channels"]) * 4
+
+
+def _check_memory(path: Path, needed: int) -> None:
+    memory = physical_memory()
+    if memory is not None and needed > memory:
+        needs, has = readable_size(needed), readable_size(memory)
+        raise FormatError(f"{path} needs {needs} of memory, this machine has {has}")
+
+
+def _layers(path: Path, count: int) -> dict[str, Floats]:
+    """Images of all `count` parts, name -> (H, W, C), as stored and with the top row first.
+
+    The module joins R, G, B and A itself; the other channels come one by one.
+    """
+    try:
+        parts: list[Any] = OpenEXR.File(str(path)).parts
+    except (RuntimeError, ValueError) as error:
+        raise FormatError(f"{path} is damaged: {_one_line(error)}") from error
+    if len(parts) != count:  # how the module tells that it could not read a part's pixels
+        raise FormatError(f"{path} is damaged: its pixels cannot be read; it may be cut short")
+    layers: dict[str, Floats] = {}
+    loose: dict[str, dict[str, Floats]] = {}
+    for name, channel in ((name, channel) for part in parts for name, channel in part.channels.items()):
+        layer, _, last = name.rpartition(".")
+        if channel.pixels.ndim == 3:
+            layers[layer if last in ("RGB", "RGBA") else name] = channel.pixels
+        else:
+            loose.setdefault(layer, {})[last] = channel.pixels
+    for layer, channels in loose.items():
+        if len({channel.shape for channel in channels.values()}) > 1:
+            raise FormatError(f"{path} has channels of several sizes: save it without subsampling")
+        ordered = sorted(channels, key=lambda last: (_ORDER.find(last), last))
+        layers[layer] = np.stack([channels[last] for last in ordered], axis=-1)
+    return layers
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split()).rstrip(".") or type(error).__name__

@@ -1,0 +1,204 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sidecar: what a reader must know of an atlas, as JSON beside the image and in its header.
+
+Its keys are a contract with other programs: version 1 of it is DESIGN.md, section 3.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import unicodedata
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..core.errors import FormatError
+from .atomic import write_text
+
+VERSION = 1
+LAYOUT = "buckets"
+TANGENTS = "mikktspace; Bt = sign * cross(N, T)"
+COLOR_SPACE = "Linear Rec.709"
+ALPHA = "premultiplied"
+
+_NAME_BYTES = 100  # leaves room for .kind.layer.exr in the 143 bytes of the narrowest filesystem in use
+_UNSAFE = re.compile(r'[<>:"/\\|?*]')
+_UNSAFE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}  # control, invisible, lone surrogates, line separators
+_RESERVED = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|com[0-9¹²³]|lpt[0-9¹²³]) *(\.|$)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Sidecar:
+    """Facts about one atlas: `width` x `height` texels of `bucket` x `bucket` cells.
+
+    `kind` and `capture` are words, for a reader need not know how to bake them; `clamped` counts the values
+    that were beyond the file's range; `layers` are the files of one bake beyond the first.
+    """
+
+    object_name: str
+    kind: str
+    width: int
+    height: int
+    bucket: int
+    uv_map: str
+    samples: int
+    seed: int
+    capture: str
+    tool: str
+    blender: str
+    layers: tuple[str, ...] = ()
+    clamped: int = 0
+
+    def to_json(self) -> str:
+        """The contract's JSON, in ASCII and with a newline at its end."""
+        facts = {
+            "version": VERSION,
+            "kind": self.kind,
+            "layout": LAYOUT,
+            "texels": [self.width, self.height],
+            "bucket": self.bucket,
+            "object": self.object_name,
+            "uv_map": self.uv_map,
+            "tangents": TANGENTS,
+            "color_space": COLOR_SPACE,
+            "alpha": ALPHA,
+            "samples": self.samples,
+            "seed": self.seed,
+            "capture": self.capture,
+            "layers": list(self.layers),
+            "clamped": self.clamped,
+            "tool": self.tool,
+            "blender": self.blender,
+        }
+        return json.dumps(facts, indent=2) + "\n"
+
+    @classmethod
+    def from_json(cls, text: str, source: str = "the sidecar") -> Sidecar:
+        """Read `to_json`'s text; `source` names it in errors. Keys that it does not know are ignored.
+
+        Raises FormatError for what is no JSON object, another version, and a missing or mistyped key.
+        """
+        facts = _Facts.parse(text, source)
+        version = facts.whole_number("version", 1)
+        if version != VERSION:
+            raise FormatError(f"{source} is of version {version}, this RadTex reads {VERSION}: update RadTex")
+        for key, value in _CONSTANTS.items():
+            facts.constant(key, value)
+        width, height = facts.size("texels")
+        return cls(
+            object_name=facts.text("object"),
+            kind=facts.text("kind"),
+            width=width,
+            height=height,
+            bucket=facts.whole_number("bucket", 1),
+            uv_map=facts.text("uv_map"),
+            samples=facts.whole_number("samples", 1),
+            seed=facts.whole_number("seed", 0),
+            capture=facts.text("capture"),
+            tool=facts.text("tool"),
+            blender=facts.text("blender"),
+            layers=facts.texts("layers"),
+            clamped=facts.whole_number("clamped", 0),
+        )
+
+
+_CONSTANTS = {"layout": LAYOUT, "tangents": TANGENTS, "color_space": COLOR_SPACE, "alpha": ALPHA}
+
+
+@dataclass(frozen=True)
+class _Facts:
+    """A JSON object whose keys are read with their types, and errors that name the key."""
+
+    values: dict[str, Any]
+    source: str
+
+    @classmethod
+    def parse(cls, text: str, source: str) -> _Facts:
+        try:
+            values = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise FormatError(f"{source} is not JSON ({error}): bake it again") from error
+        if not isinstance(values, dict):
+            raise FormatError(f"{source} is not a JSON object: it is no RadTex sidecar")
+        return cls(values, source)
+
+    def whole_number(self, key: str, least: int) -> int:
+        value = self._of(key)
+        if type(value) is not int or value < least:
+            raise self._mistyped(key, f"a whole number of at least {least}")
+        return value
+
+    def text(self, key: str) -> str:
+        value = self._of(key)
+        if not isinstance(value, str):
+            raise self._mistyped(key, "text")
+        return value
+
+    def texts(self, key: str) -> tuple[str, ...]:
+        value = self._of(key)
+        if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+            raise self._mistyped(key, "a list of texts")
+        return tuple(value)
+
+    def size(self, key: str) -> tuple[int, int]:
+        value = self._of(key)
+        if not isinstance(value, list) or len(value) != 2 or any(type(n) is not int or n < 1 for n in value):
+            raise self._mistyped(key, "two whole numbers of at least 1")
+        return value[0], value[1]
+
+    def constant(self, key: str, expected: str) -> None:
+        if self.text(key) != expected:
+            raise self._mistyped(key, f'"{expected}"')
+
+    def _of(self, key: str) -> Any:
+        if key not in self.values:
+            raise FormatError(f'{self.source} lacks "{key}": it is no RadTex sidecar, or it was cut short')
+        return self.values[key]
+
+    def _mistyped(self, key: str, expected: str) -> FormatError:
+        value = json.dumps(self.values[key])
+        shown = value if len(value) <= 40 else value[:40] + "…"
+        return FormatError(f'{self.source}: "{key}" is {shown}, expected {expected}')
+
+
+def write_sidecar(path: Path, sidecar: Sidecar) -> None:
+    """Write the sidecar's file, whole or not at all. Raises BakeError where the system refuses."""
+    write_text(path, sidecar.to_json())
+
+
+def read_sidecar(path: Path) -> Sidecar:
+    """Read a sidecar's file. Raises FormatError, with the path, if it is missing or not one of ours."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise FormatError(f"{path} is not text: it is no RadTex sidecar") from error
+    except OSError as error:
+        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
+    return Sidecar.from_json(text, str(path))
+
+
+def file_name(object_name: str, kind: str, extension: str, layer: str | None = None) -> str:
+    """The contract's `<name>.<kind>.<extension>`, or `<name>.<kind>.<layer>.<extension>`."""
+    parts = [safe_name(object_name), kind, *([safe_name(layer)] if layer is not None else []), extension]
+    return ".".join(parts)
+
+
+def safe_name(name: str) -> str:
+    """Make `name` one that every filesystem takes, in Unicode's form NFC; what is safe stays as it is.
+
+    A name that had to be altered gets a hash of the original, so that two names rarely become one. Names
+    that differ only in case stay apart, though some filesystems join them.
+    """
+    name = unicodedata.normalize("NFC", name)
+    cleaned = "".join("_" if unicodedata.category(c) in _UNSAFE_CATEGORIES else c for c in name)
+    cleaned = _UNSAFE.sub("_", cleaned).strip(" .")
+    if _RESERVED.match(cleaned):
+        cleaned = f"_{cleaned}"
+    if cleaned == name and cleaned and len(cleaned.encode()) <= _NAME_BYTES:
+        return cleaned
+    mark = hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:8]
+    stem = cleaned.encode()[: _NAME_BYTES - len(mark) - 1].decode(errors="ignore").rstrip(" .")
+    return f"{stem or 'object'}-{mark}"

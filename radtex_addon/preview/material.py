@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The material that shows a baked atlas on its baked copy, in Eevee and Cycles.
+
+The copy bears what nodes cannot find out: the mesh attributes `radtex_normal` and `radtex_tangent` (object
+space, one vector a corner) and `radtex_sign` (one number a corner, the bitangent's in object space).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+
+from ..core.atlas import AtlasLayout
+from ..core.errors import FormatError, InputError
+from ..core.sampler import Filter
+from ..scene.nodes import NodeBuilder, close_group, open_group
+from .node_group import build_sample_group
+
+
+def load_atlas(path: Path, half: bool = True) -> bpy.types.Image:
+    """The atlas file as an image whose values reach the shader as they are in the file.
+
+    Rec.709 is named, so that a scene that works in another space converts; alpha stays premultiplied; `half`
+    halves the memory and loses nothing where the file is half float. A file that was loaded before is read
+    anew. Raises InputError where there is no such file, FormatError where it holds no image.
+    """
+    try:
+        image = bpy.data.images.load(str(path), check_existing=True)
+    except RuntimeError as error:
+        raise InputError(f"{path}: no atlas to preview; bake it first") from error
+    cast(Any, image.colorspace_settings).name = "Linear Rec.709"  # the stubs know no OCIO names
+    image.alpha_mode = "CHANNEL_PACKED"
+    image.use_half_precision = half
+    image.reload()
+    if 0 in tuple(cast(Sequence[int], image.size)):
+        bpy.data.images.remove(image)
+        raise FormatError(f"{path}: Blender reads no image in it; bake it again")
+    return image
+
+
+def preview_material(
+    name: str, atlas: Path, layout: AtlasLayout, uv_layer: str, kind: Filter, half: bool = True
+) -> bpy.types.Material:
+    """A material that shows the atlas file on the baked copy: its light emitted, the rest let through.
+
+    `uv_layer` is the baked one, `half` as in `load_atlas`. A `reflection` atlas shows as on a perfect mirror,
+    an `incident` one shows the light that arrives from where the viewer stands. Raises as `load_atlas` and
+    `build_sample_group` do.
+    """
+    sampler = build_sample_group(load_atlas(atlas, half), layout, kind)
+    material = bpy.data.materials.new(name)
+    cast(Any, material).cycles.emission_sampling = "NONE"  # seen by every ray, but no lamp to aim at
+    build = NodeBuilder(_empty_tree(material))
+    uv, frame = build.uv_map(uv_layer), build.group(build_frame_group())
+    color, alpha = build.group(sampler, uv, *frame, build.geometry("Incoming"))
+    emission = build.node("ShaderNodeEmission", color)
+    behind = build.node("ShaderNodeBsdfTransparent", build.math("SUBTRACT", 1.0, alpha))
+    surface = build.node("ShaderNodeAddShader", emission.outputs[0], behind.outputs[0])
+    build.node("ShaderNodeOutputMaterial", surface.outputs[0])
+    build.arrange()
+    return material
+
+
+def build_frame_group() -> bpy.types.ShaderNodeTree:
+    """A node group without inputs: the copy's Normal, Tangent and Sign at the shaded point, in world space.
+
+    With M the object's matrix and d the sign of its determinant, -1 for a mirrored object or instance: the
+    tangent lies along M T, the sign is d times the mesh's, the normal lies along d cof(M) N, which is along
+    inverse(transpose(M)) N. (Vector Transform knows normals; in 4.5's Eevee it errs where M stretches.)
+    """
+    build, _ = open_group("RadTex Frame")
+    x, y, z = (
+        build.transform(axis, "VECTOR") for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    )
+    cofactors = [build.vector("CROSS_PRODUCT", *axes) for axes in ((y, z), (z, x), (x, y))]
+    d = build.math("SIGN", build.vector("DOT_PRODUCT", x, cofactors[0]), label="mirrored?")
+    parts = zip(cofactors, build.separate(build.attribute("radtex_normal")), strict=True)
+    along_x, along_y, along_z = (build.vector("SCALE", cofactor, part) for cofactor, part in parts)
+    outward = build.vector("ADD", build.vector("ADD", along_x, along_y), along_z)
+    tangent = build.vector("NORMALIZE", build.transform(build.attribute("radtex_tangent"), "VECTOR"))
+    sign = build.math("MULTIPLY", d, build.attribute("radtex_sign", "Fac"))
+    return close_group(build, Normal=build.vector("SCALE", outward, d), Tangent=tangent, Sign=sign)
+
+
+def _empty_tree(material: bpy.types.Material) -> bpy.types.NodeTree:
+    if material.node_tree is None:  # before 5.0; afterwards there always is one
+        material.use_nodes = True
+    tree = cast(bpy.types.NodeTree, material.node_tree)
+    tree.nodes.clear()
+    return tree

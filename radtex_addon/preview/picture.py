@@ -1,0 +1,35 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A picture of a saved preview, by Cycles."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+from ..core.errors import BakeError
+from ..formats.atomic import replacing
+
+
+def render_picture(preview: Path, picture: Path, pixels: int = 512, samples: int = 32) -> None:
+    """Open the .blend `preview` in place of the open file, and render its camera's view as a PNG, `picture`.
+
+    Raises BakeError where nothing comes out.
+    """
+    bpy.ops.wm.open_mainfile(filepath=str(preview), load_ui=False, use_scripts=False)
+    scene = bpy.context.scene
+    render = scene.render
+    render.engine = "CYCLES"
+    scene.cycles.samples, scene.cycles.use_denoising = samples, False
+    render.resolution_x = render.resolution_y = pixels
+    render.resolution_percentage = 100
+    if hasattr(render.image_settings, "media_type"):  # Blender 5: to be set before the format
+        render.image_settings.media_type = "IMAGE"
+    render.image_settings.file_format = "PNG"
+    with replacing(picture) as beside:
+        render.filepath = str(beside)
+        render.use_file_extension = False
+        bpy.ops.render.render(write_still=True)
+        if not beside.exists():
+            raise BakeError(f"Blender rendered no picture of {preview}")

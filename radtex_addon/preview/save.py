@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""<name>.preview.blend: the user's scene, the baked copy in the object's place, the atlas found beside it.
+
+The file is saved from the user's own session, which a stand-in enters and leaves again: everything that uses
+the object (collections, children, constraints, modifiers of others, drivers) uses the stand-in meanwhile.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import cast
+
+import bpy
+
+from ..core.errors import BakeError
+from ..formats.atomic import replacing
+
+_log = logging.getLogger(__name__)
+
+
+def save_preview(
+    scene: bpy.types.Scene,
+    original: bpy.types.Object,
+    copy: bpy.types.Object,
+    material: bpy.types.Material,
+    path: Path,
+) -> None:
+    """Write a .blend in which `copy` stands in `original`'s place, bears its name and wears `material`.
+
+    `copy` shows its mesh as it is and is in no collection; `scene` is the one that opens. The material's
+    images are referenced relative to the file. The session (the objects, the file's name, unsaved edits) is
+    afterwards what it was, also after an error. Raises BakeError where Blender cannot write.
+    """
+    for image in bpy.data.images:
+        if image.is_dirty and not image.packed_file:
+            _log.warning("image '%s' has unsaved changes, which %s will not show", image.name, path.name)
+    with replacing(path) as beside, ExitStack() as session:
+        session.enter_context(_standing_in(original, copy, material))
+        session.enter_context(_relative_images(material))
+        session.enter_context(_shown(scene))
+        try:
+            bpy.ops.wm.save_as_mainfile(filepath=str(beside), copy=True, relative_remap=True)
+        except RuntimeError as error:
+            raise BakeError(f"{path}: Blender cannot write it ({error}); choose another folder") from error
+
+
+@contextmanager
+def _standing_in(
+    original: bpy.types.Object, copy: bpy.types.Object, material: bpy.types.Material
+) -> Iterator[None]:
+    """Give all that uses `original` a duplicate of `copy` instead, by the original's name."""
+    name = original.name
+    mesh = cast(bpy.types.Mesh, copy.data)
+    bare = not mesh.materials
+    standin = cast(bpy.types.Object, copy.copy())
+    try:
+        for collection in standin.users_collection:  # Blender 5 adds a rigid body's copy to its world
+            collection.objects.unlink(standin)
+        if bare:
+            mesh.materials.append(None)
+        for slot in standin.material_slots:
+            slot.link, slot.material = "OBJECT", material  # on the object: the mesh keeps its own
+        if original.library is None:
+            original.name = f"{name} (original)"
+        standin.name = name
+        original.user_remap(standin)
+        yield
+    finally:
+        standin.user_remap(original)
+        bpy.data.objects.remove(standin)
+        if original.library is None:
+            original.name = name
+        if bare:
+            mesh.materials.clear()
+
+
+@contextmanager
+def _relative_images(material: bpy.types.Material) -> Iterator[None]:
+    """Name the material's images relative to the open file; Blender turns that into the new file's terms.
+
+    A file never saved has no place to be relative to; Blender then writes all paths relative by itself.
+    """
+    paths = {image: image.filepath_raw for image in _images_of(material.node_tree)}
+    try:
+        if bpy.data.filepath:
+            for image, path in paths.items():
+                image.filepath_raw = _relative(path)
+        yield
+    finally:
+        for image, path in paths.items():
+            image.filepath_raw = path
+
+
+def _relative(path: str) -> str:
+    try:
+        return bpy.path.relpath(bpy.path.abspath(path))
+    except ValueError:  # on another drive of Windows
+        return path
+
+
+def _images_of(tree: bpy.types.NodeTree | None) -> set[bpy.types.Image]:
+    images: set[bpy.types.Image] = set()
+    for node in tree.nodes if tree else ():
+        if isinstance(node, bpy.types.ShaderNodeTexImage) and node.image:
+            images.add(node.image)
+        elif isinstance(node, bpy.types.ShaderNodeGroup):
+            images |= _images_of(node.node_tree)
+    return images
+
+
+@contextmanager
+def _shown(scene: bpy.types.Scene) -> Iterator[None]:
+    """Make `scene` the one that the file opens with."""
+    manager = bpy.context.window_manager
+    window = manager.windows[0] if manager and manager.windows else None
+    if window is None or window.scene == scene:
+        yield
+        return
+    before, layer = window.scene, window.view_layer
+    window.scene = scene
+    try:
+        yield
+    finally:
+        window.scene, window.view_layer = before, layer

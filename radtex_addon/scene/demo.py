@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The demo's scene: a glossy head among three balls on a checkered floor, under an HDRI that Blender ships.
+
+The floor and the balls are near enough for parallax, the head is curved and folded, its gold rough enough
+that a bucket of a few cells can hold what it reflects.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+from mathutils import Vector
+
+from ..core.errors import InputError
+
+OBJECT = "Suzanne"
+
+
+def build_demo_scene(roughness: float = 0.3) -> bpy.types.Scene:
+    """Empty the open file and build the demo in it; returns the scene, its camera set. Raises InputError."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = cast(bpy.types.Scene, bpy.context.scene)
+    cast(Any, scene.render).engine = "CYCLES"  # the stubs know no add-on's engine
+    scene.world = _world("courtyard.exr")
+    bpy.ops.mesh.primitive_plane_add(size=10, location=(0, 0, -1))
+    bpy.context.object.name = "Floor"
+    bpy.context.object.data.materials.append(_checker())
+    for index in range(3):
+        angle = index * 2.1 + 0.9
+        bpy.ops.mesh.primitive_uv_sphere_add(location=(cos(angle) * 2.4, abs(sin(angle)) * 2.4, 0))
+        bpy.ops.object.shade_smooth()
+        colour = [0.05, 0.05, 0.05, 1.0]
+        colour[index] = 0.9
+        bpy.context.object.data.materials.append(_principled(f"Ball {index + 1}", colour))
+    bpy.ops.mesh.primitive_monkey_add()
+    head = bpy.context.object
+    head.name = OBJECT
+    subdivision = head.modifiers.new("Subdivision", "SUBSURF")
+    subdivision.levels = subdivision.render_levels = 2
+    bpy.ops.object.shade_smooth()
+    gold = _principled("Gold", (0.9, 0.6, 0.2, 1), metallic=1.0, roughness=roughness)
+    head.data.materials.append(gold)
+    scene.camera = add_camera(scene, (1.6, -3.4, 0.9))
+    return scene
+
+
+def add_camera(scene: bpy.types.Scene, place: tuple[float, float, float]) -> bpy.types.Object:
+    """A camera at `place` that looks at the origin."""
+    data = bpy.data.cameras.new("Camera")
+    camera = bpy.data.objects.new("Camera", data)
+    camera.location = place
+    camera.rotation_euler = (-Vector(place)).to_track_quat("-Z", "Y").to_euler()
+    scene.collection.objects.link(camera)
+    return camera
+
+
+def _world(name: str) -> bpy.types.World:
+    resource = cast(Any, bpy.utils).system_resource  # missing in the stubs
+    folder: str = resource("DATAFILES", path="studiolights/world")
+    path = Path(folder, name)
+    if not folder or not path.exists():
+        raise InputError(f"the demo needs an HDRI that Blender ships, and this Blender has no {name}")
+    world = bpy.data.worlds.new("Courtyard")
+    if world.node_tree is None:  # Blender 4.5; later every world has one
+        world.use_nodes = True
+    tree = world.node_tree
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    environment = tree.nodes.new("ShaderNodeTexEnvironment")
+    environment.image = bpy.data.images.load(str(path))
+    tree.links.new(environment.outputs["Color"], background.inputs["Color"])
+    return world
+
+
+def _principled(
+    name: str, colour: object, metallic: float = 0.0, roughness: float = 0.5
+) -> bpy.types.Material:
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:
+        material.use_nodes = True
+    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    for socket, value in (("Base Color", colour), ("Metallic", metallic), ("Roughness", roughness)):
+        shader.inputs[socket].default_value = value
+    return material
+
+
+def _checker() -> bpy.types.Material:
+    material = _principled("Checker", (0.4, 0.4, 0.4, 1))
+    tree = material.node_tree
+    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+    checker = tree.nodes.new("ShaderNodeTexChecker")
+    checker.inputs["Color1"].default_value = (0.55, 0.55, 0.55, 1)
+    checker.inputs["Color2"].default_value = (0.12, 0.12, 0.14, 1)
+    checker.inputs["Scale"].default_value = 10
+    coordinates = tree.nodes.new("ShaderNodeTexCoord")
+    tree.links.new(coordinates.outputs["UV"], checker.inputs["Vector"])
+    tree.links.new(checker.outputs["Color"], shader.inputs["Base Color"])
+    return material

@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether anything in a scene shines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import bpy
+
+# Shaders that emit in materials and worlds alike, with the sockets of colour and strength.
+_EMITTERS = {
+    "BACKGROUND": (("Color", "Strength"),),
+    "EMISSION": (("Color", "Strength"),),
+    "BSDF_PRINCIPLED": (("Emission Color", "Emission Strength"),),
+    "PRINCIPLED_VOLUME": (("Emission Color", "Emission Strength"), ("Blackbody Tint", "Blackbody Intensity")),
+}
+
+
+def is_dark(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> bool:
+    """Whether a scene has no rendered lamp, a black world, and no material that could emit light.
+
+    A guess by what is plainly set: a linked socket counts as light. For a warning, not for a decision.
+    """
+    shown = [item for item in layer.objects if not item.hide_render]
+    if any(item.type == "LIGHT" and item.data.energy > 0 for item in shown):
+        return False
+    if scene.world is not None and _world_shines(scene.world):
+        return False
+    materials = {slot.material for item in shown for slot in item.material_slots if slot.material}
+    if any(_has_nodes(material) and _shines(material.node_tree) for material in materials):
+        return False
+    return not any(item.instance_type != "NONE" for item in shown)
+
+
+def _world_shines(world: bpy.types.World) -> bool:
+    return (
+        _shines(world.node_tree) if _has_nodes(world) else any(component > 0 for component in world.color[:])
+    )
+
+
+def _has_nodes(block: bpy.types.World | bpy.types.Material) -> bool:
+    return bpy.app.version >= (5, 0, 0) or block.use_nodes
+
+
+def _shines(tree: bpy.types.NodeTree | None) -> bool:
+    if tree is None:
+        return False
+    nodes: Iterable[Any] = tree.nodes  # the stubs know no group's tree and no socket's value
+    for node in nodes:
+        if node.type == "GROUP":
+            if _shines(node.node_tree):
+                return True
+        elif any(_bright(node.inputs[colour], node.inputs[strength]) for colour, strength in _sockets(node)):
+            return True
+    return False
+
+
+def _sockets(node: Any) -> tuple[tuple[str, str], ...]:
+    return _EMITTERS.get(node.type, ()) if any(output.is_linked for output in node.outputs) else ()
+
+
+def _bright(colour: Any, strength: Any) -> bool:
+    coloured: bool = colour.is_linked or max(colour.default_value[:3]) > 0
+    strong: bool = strength.is_linked or strength.default_value > 0
+    return coloured and strong

@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Finding the object to bake, and saying by name why one cannot be baked."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+from typing import cast
+
+import bpy
+
+from ..core.errors import InputError
+from .scratch import find_view_layer
+
+
+def find_object(scene: bpy.types.Scene, name: str, view_layer: str | None = None) -> bpy.types.Object:
+    """The mesh object called `name` that renders in `view_layer` of `scene` (the first, if None).
+
+    Raises InputError for a name that is not there, an object of another type, or one hidden from render.
+    """
+    layer = find_view_layer(scene, view_layer)
+    found = scene.objects.get(name)
+    if found is None:
+        raise InputError(_not_there(scene, name))
+    if found.type != "MESH":
+        raise InputError(_not_a_mesh(found))
+    reason = _why_hidden(found, layer)
+    if reason is not None:
+        raise InputError(f"object '{name}' is hidden from render: {reason}")
+    return found
+
+
+def _not_there(scene: bpy.types.Scene, name: str) -> str:
+    elsewhere = bpy.data.objects.get(name)
+    if elsewhere is not None:
+        owners = [item.name for item in scene.objects if _instances(item, elsewhere)]
+        if owners:
+            return (
+                f"object '{name}' is in scene '{scene.name}' only as an instance of '{owners[0]}':"
+                f" make instances real (Object > Apply) and bake one of them"
+            )
+        return f"object '{name}' is not in scene '{scene.name}': link it to one of the scene's collections"
+    meshes = [item.name for item in scene.objects if item.type == "MESH"]
+    close = difflib.get_close_matches(name, meshes, n=3, cutoff=0.5)
+    close += [item for item in meshes if item.casefold() == name.casefold() and item not in close]
+    if close:
+        return f"no object '{name}' in scene '{scene.name}': did you mean {_listed(close)}?"
+    if meshes:
+        return f"no object '{name}' in scene '{scene.name}': its meshes are {_listed(sorted(meshes)[:8])}"
+    return f"no object '{name}' in scene '{scene.name}': it has no mesh at all"
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)
+
+
+def _instances(item: bpy.types.Object, of: bpy.types.Object) -> bool:
+    collection = item.instance_collection if item.instance_type == "COLLECTION" else None
+    return collection is not None and of.name in collection.all_objects
+
+
+def _not_a_mesh(found: bpy.types.Object) -> str:
+    types = cast("bpy.types.EnumProperty", found.bl_rna.properties["type"]).enum_items
+    kind = types[found.type].name.lower()
+    if found.type == "EMPTY" and found.instance_type == "COLLECTION":
+        return (
+            f"object '{found.name}' instances a collection: make instances real (Object > Apply), bake those"
+        )
+    if found.type in {"CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD", "GREASEPENCIL"}:
+        return f"object '{found.name}' is a {kind}, not a mesh: convert it to a mesh (Object > Convert)"
+    return f"object '{found.name}' is a {kind}, not a mesh: name a mesh object"
+
+
+def _why_hidden(found: bpy.types.Object, layer: bpy.types.ViewLayer) -> str | None:
+    """The remedy that names what hides an object from renders of a view layer; None if it renders."""
+    if found.hide_render:
+        return "enable it in renders (the camera icon in the Outliner)"
+    if found.instance_type != "NONE" and not found.show_instancer_for_render:
+        return "it is an instancer; enable Show Instancer > Render in its Instancing panel"
+    homes = [
+        home for home in _homes(layer.layer_collection, None) if found.name in home[0].collection.objects
+    ]
+    if any(not home.exclude and hider is None for home, hider in homes):
+        return None
+    hiders = [hider for home, hider in homes if hider is not None and not home.exclude]
+    if hiders:
+        return f"enable its collection '{hiders[0].name}' in renders (the camera icon in the Outliner)"
+    names = _listed(sorted(home.name for home, _ in homes))
+    return f"include its collection {names} in view layer '{layer.name}'"
+
+
+def _homes(
+    layer: bpy.types.LayerCollection, hider: bpy.types.Collection | None
+) -> Iterator[tuple[bpy.types.LayerCollection, bpy.types.Collection | None]]:
+    """A layer collection and all below it, each with the outermost collection that hides it from render."""
+    if hider is None and layer.collection.hide_render:
+        hider = layer.collection
+    yield layer, hider
+    for child in layer.children:
+        yield from _homes(child, hider)

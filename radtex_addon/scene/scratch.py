@@ -1,0 +1,143 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A copy of the user's scene to render in: whatever happens there, the user's file is afterwards what it was.
+
+The copy shares objects, collections and the world with the user's scene; render settings, view layers, camera
+and markers are its own. Nothing is restored by hand, for nothing of the user's is written.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, cast
+
+import bpy
+
+from ..core.errors import InputError
+from .refusals import refuse_unbaked_rigid_bodies
+
+log = logging.getLogger(__name__)
+
+# Blender fills these by itself (assets, the window), or they are no data of the user's.
+_NOT_DATA = frozenset(
+    (
+        "all_ids",
+        "brushes",
+        "libraries",
+        "paint_curves",
+        "palettes",
+        "screens",
+        "window_managers",
+        "workspaces",
+    )
+)
+_HANDLERS = ("render_", "frame_change_", "depsgraph_update_", "composite_")
+
+
+@contextmanager
+def scratch_scene(
+    scene: bpy.types.Scene, view_layer: str | None = None, keep: Sequence[bpy.types.ID] = ()
+) -> Iterator[bpy.types.Scene]:
+    """Copy `scene` to render its `view_layer` (the first that renders, if None); then take everything away.
+
+    At exit, also after an exception, every data-block made meanwhile is removed with the copy, but for
+    those in `keep` (a list that may grow inside) and what they use. Handlers of other add-ons sleep
+    meanwhile: they must neither change the bake nor be surprised by the copy. Raises InputError for an
+    unknown view layer, or for rigid bodies that a copy would put back to their start.
+    """
+    layer = find_view_layer(scene, view_layer).name
+    refuse_unbaked_rigid_bodies(scene)
+    with new_data_removed(keep), _sleeping_handlers():
+        scratch = cast("bpy.types.Scene", scene.copy())
+        try:
+            scratch.name = "RadTex scratch"
+            _calm(scratch, layer)
+            yield scratch
+        finally:
+            bpy.data.scenes.remove(scratch)
+
+
+@contextmanager
+def new_data_removed(keep: Sequence[bpy.types.ID] = ()) -> Iterator[None]:
+    """Remove every data-block that is made inside, but for those in `keep` and what they use."""
+    before = {block.session_uid for block in _data_blocks()}
+    try:
+        yield
+    finally:
+        _remove_new(before, keep)
+
+
+def find_view_layer(scene: bpy.types.Scene, name: str | None) -> bpy.types.ViewLayer:
+    """The named view layer of `scene`, or the first that renders if `name` is None.
+
+    Raises InputError if there is none of that name.
+    """
+    layers = list(scene.view_layers)
+    if name is None:
+        return next((layer for layer in layers if layer.use), layers[0])
+    for layer in layers:
+        if layer.name == name:
+            return layer
+    known = ", ".join(f"'{layer.name}'" for layer in layers)
+    raise InputError(f"scene '{scene.name}' has no view layer '{name}': it has {known}")
+
+
+def _calm(scene: bpy.types.Scene, view_layer: str) -> None:
+    """Take out of a scene copy all that would alter single renders of one view layer behind our back."""
+    scene.animation_data_clear()  # animated render settings would override those of the captures
+    scene.timeline_markers.clear()  # so would a marker's camera override ours
+    render = scene.render
+    render.use_compositing = render.use_sequencer = render.use_freestyle = False
+    render.use_motion_blur = render.use_multiview = render.use_stamp = False
+    render.use_border = render.use_crop_to_border = False
+    for layer in scene.view_layers:
+        layer.use = layer.name == view_layer
+    layer = scene.view_layers[view_layer]
+    layer.samples = 0  # or they would override the scene's
+    if layer.material_override is not None:
+        log.warning(
+            "view layer '%s' overrides all materials with '%s': the bake shows the objects' own",
+            view_layer,
+            layer.material_override.name,
+        )
+        layer.material_override = None
+
+
+@contextmanager
+def _sleeping_handlers() -> Iterator[None]:
+    handlers = bpy.app.handlers
+    names = [name for name in dir(handlers) if name.startswith(_HANDLERS)]
+    saved: dict[str, list[Callable[..., object]]] = {name: list(getattr(handlers, name)) for name in names}
+    try:
+        for name in names:
+            getattr(handlers, name).clear()
+        yield
+    finally:
+        for name, functions in saved.items():
+            getattr(handlers, name)[:] = functions
+
+
+def _data_blocks() -> Iterator[bpy.types.ID]:
+    for kind in bpy.data.bl_rna.properties:
+        if kind.type == "COLLECTION" and kind.identifier not in _NOT_DATA:
+            yield from getattr(bpy.data, kind.identifier)
+
+
+def _remove_new(before: set[int], keep: Iterable[bpy.types.ID]) -> None:
+    made = (block for block in _data_blocks() if block.session_uid not in before)
+    new = [block for block in made if cast("Any", block).library is None]  # 4.5's stubs know no local blocks
+    kept = _with_what_they_use(set(keep), new)
+    bpy.data.batch_remove([block for block in new if block not in kept])
+
+
+def _with_what_they_use(kept: set[bpy.types.ID], new: list[bpy.types.ID]) -> set[bpy.types.ID]:
+    if not kept:
+        return kept
+    users = bpy.data.user_map(subset=new)
+    while True:
+        more = {block for block in new if block not in kept and users[block] & kept}
+        if not more:
+            return kept
+        kept |= more

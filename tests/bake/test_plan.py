@@ -1,0 +1,127 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The plan packs every covered texel once, in the atlas's order, into an image that Blender can render."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from radtex_addon.bake import plan as module
+from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
+from radtex_addon.core.arrays import Bools, Floats
+from radtex_addon.core.errors import InputError
+from radtex_addon.core.texel_map import TexelMap
+
+
+def texel_map(covered: Bools, seed: int = 0) -> TexelMap:
+    """Random points and frames on the `covered` (H, W) texels, zeros elsewhere."""
+    rng = np.random.default_rng(seed)
+    height, width = covered.shape
+
+    def unit() -> Floats:
+        vectors = rng.normal(size=(height, width, 3))
+        vectors /= np.linalg.norm(vectors, axis=-1, keepdims=True)
+        return np.where(covered[..., None], vectors, 0).astype(np.float32)
+
+    normal, facet = unit(), unit()
+    tangent = np.cross(unit(), normal)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=-1, keepdims=True), 1e-30)
+    sign = np.where(covered, rng.choice([-1, 1], size=covered.shape), 0).astype(np.float32)
+    triangle = np.where(covered, 7, -1).astype(np.int32)
+    position = np.where(covered[..., None], rng.normal(size=(height, width, 3)), 0).astype(np.float32)
+    return TexelMap(position, normal, tangent.astype(np.float32), sign, facet, triangle, covered)
+
+
+def some_covered(height: int = 9, width: int = 14) -> Bools:
+    covered = np.random.default_rng(3).random((height, width)) < 0.4
+    covered[-1, -1] = True
+    return covered
+
+
+def flat(plan: CapturePlan, name: str) -> Floats:
+    """One of the plan's fields, without the padding of the last row."""
+    field: Floats = getattr(plan, name).reshape(-1, 3)[: len(plan.texel)]
+    return field
+
+
+def test_every_covered_texel_is_captured_once_in_row_order() -> None:
+    covered = some_covered()
+    plan = plan_capture(texel_map(covered), 4)
+    assert plan.texel.tolist() == [int(k) for k in np.flatnonzero(covered)]
+    assert (plan.layout.width, plan.layout.height, plan.layout.bucket) == (14, 9, 4)
+
+
+def test_rays_start_with_the_texels_own_point_and_frame() -> None:
+    covered = some_covered()
+    texels = texel_map(covered)
+    plan = plan_capture(texels, 4)
+    np.testing.assert_array_equal(flat(plan, "position"), texels.position[covered])
+    np.testing.assert_array_equal(flat(plan, "facet"), texels.facet[covered])
+    np.testing.assert_allclose(flat(plan, "normal"), texels.normal[covered], atol=1e-6)
+    np.testing.assert_allclose(flat(plan, "tangent"), texels.tangent[covered], atol=1e-6)
+    bitangent = texels.sign[..., None] * np.cross(texels.normal, texels.tangent)
+    np.testing.assert_allclose(flat(plan, "bitangent"), bitangent[covered], atol=1e-6)
+
+
+def test_fields_are_float32_because_cycles_reads_them_as_images() -> None:
+    plan = plan_capture(texel_map(some_covered()), 4)
+    for name in ("position", "tangent", "bitangent", "normal", "facet"):
+        assert getattr(plan, name).dtype == np.float32
+        assert getattr(plan, name).shape == (plan.rows, plan.columns, 3)
+
+
+def test_the_last_row_is_padded_with_the_last_texel() -> None:
+    covered = np.zeros((8, 8), dtype=bool)
+    covered.ravel()[:53] = True  # a prime number has no grid of its own
+    plan = plan_capture(texel_map(covered), 2)
+    spare = plan.rows * plan.columns - 53
+    assert 0 < spare < plan.columns
+    padding = plan.position.reshape(-1, 3)[53:]
+    np.testing.assert_array_equal(padding, np.broadcast_to(flat(plan, "position")[-1], (spare, 3)))
+
+
+def test_tiles_name_their_texels_without_the_padding() -> None:
+    covered = np.zeros((8, 8), dtype=bool)
+    covered.ravel()[:53] = True
+    plan = plan_capture(texel_map(covered), 2)
+    rows = [plan.texels_of(Tile(row, 1)) for row in range(plan.rows)]
+    assert all(len(row) == plan.columns for row in rows[:-1])
+    assert np.concatenate(rows).tolist() == plan.texel.tolist()
+    assert plan.texels_of(Tile(0, plan.rows)).tolist() == plan.texel.tolist()
+
+
+def test_texels_that_nobody_sees_are_left_out() -> None:
+    covered = some_covered()
+    texels = texel_map(covered)
+    buried = np.flatnonzero(covered)[[0, 5, 6]]
+    plan = plan_capture(texels, 4, without=buried)
+    seen = np.setdiff1d(np.flatnonzero(covered), buried)
+    assert plan.texel.tolist() == seen.tolist()
+    np.testing.assert_array_equal(flat(plan, "position"), texels.position.reshape(-1, 3)[seen])
+
+
+def test_a_layer_that_covers_nothing_is_refused() -> None:
+    with pytest.raises(InputError, match="covers no texel"):
+        plan_capture(texel_map(np.zeros((4, 4), dtype=bool)), 4)
+
+
+def test_more_texels_than_blender_can_render_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MAX_IMAGE_SIDE", 16)
+    texels = texel_map(np.ones((5, 4), dtype=bool))
+    assert plan_capture(texels, 3).columns * 3 <= 16  # 5 x 4 of 3 cells just fit
+    with pytest.raises(InputError, match=r"20 covered texels .* 16 pixels: use fewer texels"):
+        plan_capture(texels, 4)
+
+
+@given(count=st.integers(1, 20_000), bucket=st.integers(2, 256))
+def test_the_packed_image_is_near_square_and_wastes_little(count: int, bucket: int) -> None:
+    most = module.MAX_IMAGE_SIDE // bucket
+    columns = module._columns(count, 1, most)
+    rows = -(-count // columns)
+    assert columns <= most
+    assert rows <= most
+    assert max(rows, columns) <= 5 * min(rows, columns)
+    assert rows * columns - count <= 0.02 * count + 1

@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A spec that exists can be baked: everything else is refused in one line that names it and the remedy."""
+
+from __future__ import annotations
+
+from dataclasses import FrozenInstanceError, replace
+from typing import Any
+
+import pytest
+
+from radtex_addon.bake import spec
+from radtex_addon.bake.spec import (
+    BakeSpec,
+    CaptureMethod,
+    Compression,
+    Kind,
+    Unwrap,
+    parse_capture,
+    parse_compression,
+    parse_kind,
+    parse_unwrap,
+)
+from radtex_addon.core.errors import InputError
+
+
+def refusal(**changes: Any) -> str:
+    with pytest.raises(InputError) as raised:
+        BakeSpec(**changes)
+    message = str(raised.value)
+    assert "\n" not in message
+    assert raised.value.exit_code == 2
+    return message
+
+
+def test_the_defaults_are_the_designs() -> None:
+    default = BakeSpec()
+    assert (default.kind, default.capture) == (Kind.RADIANCE, CaptureMethod.PORTAL)
+    assert (default.texels, default.bucket, default.samples) == (128, 8, 16)
+    assert (default.half, default.compression, default.unwrap) == (True, Compression.ZIP, Unwrap.XATLAS)
+    assert default.pixels_a_side == 1024
+    assert default.pixel_count == 1024**2
+    assert default.path_count == 16 * 1024**2
+    assert default.atlas_bytes == 32 * 1024**2
+    with pytest.raises(FrozenInstanceError):
+        default.texels = 2  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "bounds"),
+    [
+        ("texels", 0, "1 to 65536"),
+        ("texels", -4, "1 to 65536"),
+        ("bucket", 1, "2 to 256"),
+        ("bucket", 257, "2 to 256"),
+        ("samples", 0, "1 to 16777216"),
+        ("seed", -1, "0 to 2147483647"),
+        ("padding", -1, "0 to 256"),
+        ("memory_mb", 0, "16 to 16777216"),
+        ("texels", 64.0, "1 to 65536"),
+        ("samples", True, "1 to 16777216"),
+        ("bucket", "8", "2 to 256"),
+    ],
+)
+def test_a_number_out_of_bounds_is_named_with_its_bounds(name: str, value: object, bounds: str) -> None:
+    assert refusal(**{name: value}) == f"{name} {value}: give a whole number from {bounds}"
+
+
+def test_the_smallest_bake_is_one_texel_of_four_cells() -> None:
+    assert BakeSpec(texels=1, bucket=2, samples=1).path_count == 4
+
+
+def test_an_image_beyond_blenders_limit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(spec, "physical_memory", lambda: None)
+    assert "makes 65544 pixels a side, 65536 is the most" in refusal(texels=8193, bucket=8)
+    assert BakeSpec(texels=8192, bucket=8).pixels_a_side == 65536
+
+
+def test_an_atlas_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(spec, "physical_memory", lambda: 2**31)
+    expected = "texels 1025 with bucket 8 needs 2.0 GiB of memory, this machine has 2.0 GiB: lower one"
+    assert refusal(texels=1025, bucket=8) == expected
+    assert BakeSpec(texels=1024, bucket=8).atlas_bytes == 2**31
+
+
+def test_a_panorama_cannot_look_inwards() -> None:
+    assert "panoramic only looks outwards and cannot bake radiance" in refusal(capture="panoramic")
+    assert BakeSpec(capture=CaptureMethod.PANORAMIC, kind=Kind.INCIDENT).kind is Kind.INCIDENT
+    with pytest.raises(InputError, match="panoramic"):
+        replace(BakeSpec(capture=CaptureMethod.PANORAMIC, kind=Kind.INCIDENT), kind=Kind.RADIANCE)
+
+
+def test_an_empty_uv_layer_is_refused() -> None:
+    assert "UV layer" in refusal(uv_layer="")
+
+
+def test_text_becomes_the_choice_it_names() -> None:
+    made = BakeSpec(kind="incident", capture="panoramic", compression="dwaa", unwrap="blender")  # type: ignore[arg-type]
+    assert made.kind is Kind.INCIDENT
+    assert made.capture is CaptureMethod.PANORAMIC
+    assert made.compression is Compression.DWAA
+    assert made.unwrap is Unwrap.BLENDER
+
+
+def test_an_unknown_choice_is_refused_with_the_choices() -> None:
+    assert (
+        refusal(kind="specular") == "there is no kind 'specular': choose from radiance, incident, reflection"
+    )
+    for parse, word in (
+        (parse_kind, "kind"),
+        (parse_capture, "capture"),
+        (parse_compression, "compression"),
+        (parse_unwrap, "unwrap"),
+    ):
+        with pytest.raises(InputError, match=f"there is no {word} 'x': choose from "):
+            parse("x")

@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All that a user could find changed: every property of every data-block, and the handlers."""
+
+from __future__ import annotations
+
+import hashlib
+import warnings
+from collections.abc import Iterator
+from typing import Any
+
+import bpy
+import numpy as np
+
+NOT_THE_USERS = ("bl_rna", "rna_type", "is_dirty", "all_ids", "window_managers", "screens", "workspaces")
+LAZY = ("depsgraph", "storage_type")  # set up when first asked for
+SKIPPED = frozenset(NOT_THE_USERS + LAZY)
+DEPTH = 9
+LONG = 64  # items; longer collections are hashed
+
+
+def fingerprint() -> dict[str, object]:
+    """Path of a property -> its value, for the whole file."""
+    found: dict[str, object] = {}
+    for scene in bpy.data.scenes:
+        for layer in scene.view_layers:
+            layer.update()  # scenes that were never shown are not set up yet
+    for kind in bpy.data.bl_rna.properties:
+        if kind.type == "COLLECTION" and kind.identifier not in SKIPPED:
+            blocks = getattr(bpy.data, kind.identifier)
+            found[kind.identifier] = [(block.name_full, block.session_uid, block.users) for block in blocks]
+            for block in blocks:
+                _walk(block, f"{kind.identifier}[{block.name_full}]", found, DEPTH)
+    for name in dir(bpy.app.handlers):
+        if isinstance(functions := getattr(bpy.app.handlers, name), list):
+            found[f"handlers.{name}"] = [id(function) for function in functions]
+    window = bpy.context.window_manager.windows[0] if bpy.context.window_manager.windows else None
+    found["scene"] = bpy.context.scene.name, bpy.context.mode, window and window.scene.name
+    return found
+
+
+def differences(before: dict[str, object], after: dict[str, object]) -> dict[str, tuple[object, object]]:
+    """What differs between two fingerprints."""
+    return {
+        path: (before.get(path), after.get(path))
+        for path in before.keys() | after.keys()
+        if before.get(path) != after.get(path)
+    }
+
+
+def _walk(struct: Any, path: str, found: dict[str, object], depth: int) -> None:
+    for prop in struct.bl_rna.properties:
+        name = prop.identifier
+        if name in SKIPPED or name.startswith("bl_"):
+            continue
+        try:
+            with warnings.catch_warnings(action="ignore"):  # what Blender 6 will remove is still there
+                value = getattr(struct, name)
+        except (AttributeError, RuntimeError, ValueError, TypeError):
+            continue
+        found.update(_plain(prop, value, f"{path}.{name}", found, depth))
+
+
+def _plain(
+    prop: Any, value: Any, path: str, found: dict[str, object], depth: int
+) -> Iterator[tuple[str, object]]:
+    if prop.type == "COLLECTION":
+        yield from _items(value, path, found, depth)
+    elif prop.type == "POINTER":
+        if value is None or isinstance(value, bpy.types.ID):
+            yield path, value and value.name_full
+        embedded = isinstance(value, bpy.types.NodeTree) or not isinstance(value, bpy.types.ID)
+        if value is not None and embedded and depth:
+            _walk(value, path, found, depth - 1)
+    elif getattr(prop, "is_array", False):
+        yield path, np.array(value).tolist()
+    elif prop.type == "ENUM" and prop.is_enum_flag:
+        yield path, sorted(value)
+    else:
+        yield path, value
+
+
+def _items(value: Any, path: str, found: dict[str, object], depth: int) -> Iterator[tuple[str, object]]:
+    yield path, len(value) if len(value) <= LONG else _digest(value)
+    for index, item in enumerate(value if len(value) <= LONG and depth else ()):
+        if isinstance(item, bpy.types.ID):
+            yield f"{path}[{index}]", item.name_full
+        elif item is not None:
+            _walk(item, f"{path}[{index}]", found, depth - 1)
+
+
+def _digest(collection: Any) -> str:
+    """A hash of a long collection's coordinates and other bulk data."""
+    state = hashlib.sha256(str(len(collection)).encode())
+    first = collection[0]
+    for prop in first.bl_rna.properties:
+        if prop.type not in {"FLOAT", "INT", "BOOLEAN"} or prop.identifier in SKIPPED:
+            continue
+        width = prop.array_length if prop.is_array else 1
+        dtype = {"FLOAT": np.float32, "INT": np.int32, "BOOLEAN": np.bool_}[prop.type]
+        values: Any = np.zeros(len(collection) * max(width, 1), dtype=dtype)
+        try:
+            collection.foreach_get(prop.identifier, values)
+        except (AttributeError, RuntimeError, TypeError):
+            continue
+        state.update(values.tobytes())
+    return state.hexdigest()

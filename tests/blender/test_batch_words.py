@@ -1,0 +1,216 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the batch understands and says: its command line, its entry, its bar."""
+
+from __future__ import annotations
+
+import importlib
+import io
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import bpy
+import pytest
+
+from radtex_addon.bake import spec
+from radtex_addon.bake.progress import Progress, Stage
+from radtex_addon.bake.spec import BakeSpec, Kind
+from radtex_addon.cli import main as batch_module
+from radtex_addon.cli import reporting
+from radtex_addon.cli.arguments import ProgressStyle, parse
+from radtex_addon.core.errors import InputError
+from radtex_addon.core.sampler import Filter
+from radtex_addon.version import VERSION
+from tests.blender.batch_process import BAKE, process, refusal
+
+
+def test_help_shows_every_option_with_its_default() -> None:
+    ended = process("--help")
+    assert (ended.code, ended.err) == (0, "")
+    flags = [
+        "--object",
+        "--kind",
+        "--uv",
+        "--unwrap",
+        "--padding",
+        "--texels",
+        "--bucket",
+        "--samples",
+        "--capture",
+    ]
+    flags += ["--seed", "--device", "--memory", "--out", "--overwrite", "--save-preview", "--filter"]
+    flags += ["--float", "--compression", "--progress", "--verbose", "--help", "--version"]
+    assert [flag for flag in flags if flag not in ended.out] == []
+    told = " ".join(ended.out.split())
+    default = BakeSpec()
+    for name in ("kind", "unwrap", "texels", "bucket", "samples", "capture", "seed", "device", "compression"):
+        assert f"(default: {getattr(default, name)})" in told
+    for word in ("(default: 1024)", "(default: radtex)", "(default: quadrilinear)", "(default: bar)"):
+        assert word in told
+    assert "exit codes:" in ended.out
+    assert max(len(line) for line in ended.out.splitlines()) <= 80
+    assert ended.out.startswith(
+        "usage: bake.py SCENE --object NAME [options]\n       bake.py demo [options]\n"
+    )
+
+
+def test_help_inside_blender_shows_blenders_way(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        parse(["--help"], inside_blender=True)
+    assert left.value.code == 0
+    told = capsys.readouterr().out
+    assert told.startswith("usage: blender -b SCENE -P bake.py -- --object NAME [options]\n")
+    assert "the file that Blender has open is baked" in " ".join(told.split())
+
+
+def test_the_version_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        parse(["--version"], inside_blender=False)
+    assert left.value.code == 0
+    assert capsys.readouterr().out == f"RadTex {VERSION}\n"
+
+
+def test_what_is_not_said_is_the_specs_default() -> None:
+    request = parse(["a.blend", "--object", "A"], inside_blender=False)
+    assert request.spec == BakeSpec()
+    assert (request.scene, request.objects, request.out) == (Path("a.blend"), ("A",), Path("radtex"))
+    assert (request.preview, request.overwrite, request.progress) == (None, False, ProgressStyle.BAR)
+
+
+def test_what_is_said_reaches_the_spec() -> None:
+    line = "--object A --object B --kind reflection --texels 9 --bucket 3 --samples 5 --uv Light"
+    line += " --unwrap blender --padding 3 --seed 4 --memory 99 --float --compression dwaa --out x"
+    line += " --save-preview --filter linear --overwrite"
+    request = parse(line.split(), inside_blender=True)
+    wanted = BakeSpec(
+        kind=Kind.REFLECTION,
+        texels=9,
+        bucket=3,
+        samples=5,
+        uv_layer="Light",
+        seed=4,
+        half=False,
+        compression=spec.Compression.DWAA,
+        unwrap=spec.Unwrap.BLENDER,
+        padding=3,
+        memory_mb=99,
+    )
+    assert request.spec == wanted
+    assert (request.scene, request.objects) == (None, ("A", "B"))
+    assert (request.preview, request.overwrite) == (Filter.LINEAR, True)
+
+
+def test_inside_blender_a_scene_is_refused_for_it_is_open_already() -> None:
+    with pytest.raises(InputError, match=r"open room\.blend by blender -b room\.blend"):
+        parse(["room.blend", "--object", "A"], inside_blender=True)
+
+
+def test_demo_needs_no_object_and_shows_itself() -> None:
+    for inside in (True, False):
+        request = parse(["demo"], inside_blender=inside)
+        assert (request.demo, request.scene, request.objects) == (True, None, ())
+        assert (request.preview, request.overwrite) == (Filter.QUADRILINEAR, True)
+
+
+# the entry
+
+
+def entry() -> Any:
+    specification = importlib.util.spec_from_file_location("bake", BAKE)
+    assert specification is not None
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        (["blender", "-b", "x.blend", "-P", "bake.py", "--", "--object", "A"], (["--object", "A"], True)),
+        (["blender", "-b", "x.blend", "-P", "bake.py"], ([], True)),
+        (["bake.py", "x.blend", "--object", "A"], (["x.blend", "--object", "A"], False)),
+    ],
+)
+def test_the_entry_knows_how_it_was_started(
+    line: list[str], expected: tuple[list[str], bool], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given: list[tuple[list[str], bool]] = []
+
+    def main(arguments: list[str], inside_blender: bool) -> int:
+        given.append((arguments, inside_blender))
+        return 7
+
+    monkeypatch.setattr(batch_module, "main", main)
+    monkeypatch.setattr(sys, "argv", line)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    program = type("App", (), {"module": not expected[1]})
+    monkeypatch.setattr(bpy, "app", program)
+    assert entry().run() == 7
+    assert given == [expected]
+
+
+@pytest.mark.parametrize("module", ["bpy", "xatlas"])
+def test_a_missing_module_is_one_line_that_says_how_to_get_it(module: str) -> None:
+    code = f"import runpy, sys; sys.modules[{module!r}] = None; sys.argv = sys.argv[1:]; "
+    code += "runpy.run_path(sys.argv[0], run_name='__main__')"
+    line = refusal(process("demo", start=["-c", code, BAKE]))
+    assert f"'{module}' is missing" in line
+    assert "install the RadTex extension" in line
+    assert "uv run bake.py" in line
+
+
+# the bar
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def terminal(monkeypatch: pytest.MonkeyPatch) -> Terminal:
+    """A terminal of 80 columns on standard error, and a clock of 10 seconds a tick."""
+    screen = Terminal()
+    ticks = iter(range(0, 10_000, 10))
+    monkeypatch.setattr(sys, "stderr", screen)
+    monkeypatch.setattr(reporting, "monotonic", lambda: float(next(ticks)))
+    monkeypatch.setenv("COLUMNS", "80")
+    return screen
+
+
+def test_the_bar_shows_the_share_and_the_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    screen = terminal(monkeypatch)
+    with reporting.reporting(ProgressStyle.BAR, verbose=False) as report:
+        for done in (0, 10, 20, 40):
+            report.progress("Vase", Progress(Stage.CAPTURE, done, 100))
+    drawn = [line.rstrip() for line in screen.getvalue().split("\r") if line.strip()]
+    assert drawn[0] == f"Vase  rendering            [{' ' * 28}]   0%"
+    assert drawn[2] == f"Vase  rendering            [{'#' * 5}{' ' * 23}]  20%  1:20 left"
+    assert drawn[3] == f"Vase  rendering            [{'#' * 11}{' ' * 17}]  40%  0:40 left"
+    assert screen.getvalue().endswith(" \r"), "wiped in the end"
+
+
+def test_the_bar_never_wraps(monkeypatch: pytest.MonkeyPatch) -> None:
+    screen = terminal(monkeypatch)
+    with reporting.reporting(ProgressStyle.BAR, verbose=False) as report:
+        report.progress("V" * 200, Progress(Stage.CAPTURE, 1, 100))
+        report.progress("W", Progress(Stage.CAPTURE, 1, 100))
+    assert max(len(line) for line in screen.getvalue().split("\r")) <= 79
+
+
+def test_the_bar_makes_way_for_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+    screen = terminal(monkeypatch)
+    with reporting.reporting(ProgressStyle.BAR, verbose=False) as report:
+        report.progress("Vase", Progress(Stage.CAPTURE, 50, 100))
+        report.event("warning", message="no light")
+    wiped, warning = screen.getvalue().rsplit("\r", 1)
+    assert wiped.endswith(" ")
+    assert warning == "radtex: warning: no light\n"
+
+
+def test_names_that_are_no_unicode_still_make_json(capfd: pytest.CaptureFixture[str]) -> None:
+    with reporting.reporting(ProgressStyle.JSON, verbose=False) as report:
+        report.event("done", files=["caf\udce9", "Wände"])
+    assert json.loads(capfd.readouterr().out)["files"] == ["caf\udce9", "Wände"]

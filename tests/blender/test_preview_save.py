@@ -1,0 +1,187 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""<name>.preview.blend: what is in it, and that the session it is saved from is left alone."""
+
+from __future__ import annotations
+
+import logging
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.core.errors import BakeError
+from radtex_addon.core.sampler import Filter
+from radtex_addon.preview import save
+from radtex_addon.preview.material import preview_material
+from radtex_addon.preview.save import save_preview
+from tests.blender.lookup_stage import ENGINES, add_camera_above, render_exr, set_up_render, write_exr
+from tests.lookups import LAYOUT
+
+COLOUR = np.array([0.5, 0.25, 0.125, 1], np.float16)
+UV_LAYER = "RadTex"
+
+
+def new_object(name: str, collection: Any) -> Any:
+    """An object with a square of its own, in the collection."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [], [(0, 1, 2, 3)])
+    mesh.uv_layers.new(name=UV_LAYER)
+    added = bpy.data.objects.new(name, mesh)
+    collection.objects.link(added)
+    return added
+
+
+def current_scene() -> Any:
+    return bpy.context.scene
+
+
+@pytest.fixture
+def pane() -> Any:
+    """An object that much else uses: collections, a child, a constraint, a modifier, drivers, a property."""
+    scene = current_scene()
+    home, second = (bpy.data.collections.new(name) for name in ("home", "second"))
+    for collection in (home, second):
+        scene.collection.children.link(collection)
+    before, pane, after = (new_object(name, home) for name in ("before", "pane", "after"))
+    second.objects.link(pane)
+    child = new_object("child", scene.collection)
+    child.parent = pane
+    child.location.z = -5
+    child.constraints.new("DAMPED_TRACK").target = pane
+    after.modifiers.new("wrap", "SHRINKWRAP").target = pane
+    after.hide_render = before.hide_render = True
+    after["friend"] = pane
+    for driven in (after, pane):
+        driver = driven.driver_add("color", 0).driver
+        driver.variables.new().targets[0].id = pane
+    pane.keyframe_insert("hide_render")
+    pane.select_set(True)
+    cast(Any, bpy.context.view_layer).objects.active = pane
+    return pane
+
+
+@pytest.fixture
+def material(tmp_path: Path) -> bpy.types.Material:
+    atlas = np.broadcast_to(COLOUR, (LAYOUT.pixel_height, LAYOUT.pixel_width, 4))
+    path = write_exr(tmp_path / "out" / "pane.radiance.exr", atlas)
+    return preview_material("RadTex pane", path, LAYOUT, UV_LAYER, Filter.QUADRILINEAR)
+
+
+def baked_copy(original: Any, materials: int = 0) -> Any:
+    copy = original.copy()
+    copy.data = original.data.copy()
+    copy.data.name = "baked"
+    for _ in range(materials):
+        copy.data.materials.append(bpy.data.materials.new("own"))
+    return copy
+
+
+def state(pane: Any, copy: Any) -> dict[str, Any]:
+    """What a user could find changed."""
+    objects = bpy.data.objects
+    return {
+        "file": (bpy.data.filepath, bpy.data.is_dirty),
+        "shown": (cast(Any, bpy.context.window).scene.name, cast(Any, bpy.context.view_layer).name),
+        "objects": [(o.name, o.users, o.hide_render, o.hide_viewport) for o in objects],
+        "members": {c.name: [o.name for o in c.objects] for c in bpy.data.collections},
+        "selection": (
+            pane.select_get(),
+            pane.hide_get(),
+            cast(Any, bpy.context.view_layer).objects.active == pane,
+        ),
+        "referring": [
+            objects["child"].parent == pane,
+            cast(Any, objects["child"]).constraints[0].target == pane,
+            cast(Any, objects["after"]).modifiers[0].target == pane,
+            objects["after"]["friend"] == pane,
+            *(driver_target(objects[name]) == pane for name in ("after", "pane")),
+        ],
+        "images": [(i.name, i.filepath, i.is_dirty, list(cast(Any, i).pixels[:4])) for i in bpy.data.images],
+        "data": [len(getattr(bpy.data, kind)) for kind in ("meshes", "materials", "node_groups", "scenes")],
+        "slots": [(slot.link, slot.material) for slot in copy.material_slots],
+        "copy": (copy.name, copy.users, list(copy.data.materials)),
+    }
+
+
+def driver_target(driven: Any) -> Any:
+    return driven.animation_data.drivers[0].driver.variables[0].targets[0].id
+
+
+@pytest.mark.parametrize("saved", [False, True], ids=["a file never saved", "a saved file"])
+@pytest.mark.parametrize("materials", [0, 2])
+def test_the_copy_stands_in_the_object_s_place(
+    pane: Any, material: bpy.types.Material, tmp_path: Path, saved: bool, materials: int
+) -> None:
+    if saved:
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "user.blend"))
+    path = tmp_path / "out" / "pane.preview.blend"
+    save_preview(current_scene(), pane, baked_copy(pane, materials), material, path)
+    assert sorted(p.name for p in path.parent.iterdir()) == ["pane.preview.blend", "pane.radiance.exr"]
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    objects = cast(Any, bpy.data.objects)
+    stood = objects["pane"]
+    assert stood.data.name == "baked"
+    assert {slot.material.name for slot in stood.material_slots} == {"RadTex pane"}
+    assert [o.name for o in bpy.data.collections["home"].objects] == ["before", "pane", "after"]
+    assert "pane" in bpy.data.collections["second"].objects
+    assert sorted(o.name for o in objects) == ["after", "before", "child", "pane"]
+    assert objects["child"].parent == stood
+    assert objects["child"].constraints[0].target == stood
+    assert objects["after"].modifiers[0].target == stood
+    assert driver_target(stood) == driver_target(objects["after"]) == stood
+    assert [image.filepath for image in bpy.data.images] == ["//pane.radiance.exr"]
+
+
+@pytest.mark.parametrize("engine", ENGINES.values(), ids=ENGINES)
+def test_the_file_shows_the_preview_wherever_its_folder_goes(
+    pane: Any, material: bpy.types.Material, tmp_path: Path, engine: str
+) -> None:
+    path = tmp_path / "out" / "pane.preview.blend"
+    add_camera_above(current_scene(), (0, 0), (2, 2), 8)
+    save_preview(current_scene(), pane, baked_copy(pane), material, path)
+    moved = shutil.move(path.parent, tmp_path / "elsewhere")
+    bpy.ops.wm.open_mainfile(filepath=str(Path(moved) / path.name))
+    set_up_render(current_scene(), engine)
+    image = render_exr(current_scene(), tmp_path / "view.exr")
+    np.testing.assert_allclose(image, np.broadcast_to(COLOUR, image.shape), rtol=1e-3)
+
+
+@pytest.mark.parametrize("saved", [False, True], ids=["a file never saved", "a saved file"])
+def test_the_session_is_left_as_it_was(
+    pane: Any, material: bpy.types.Material, tmp_path: Path, saved: bool, caplog: pytest.LogCaptureFixture
+) -> None:
+    if saved:
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "user.blend"))
+    painted = cast(Any, bpy.data.images.new("painted", 2, 2))
+    painted.pixels[0] = 0.5
+    painted.update()
+    other = bpy.data.scenes.new("other")
+    copy = baked_copy(pane)
+    before = state(pane, copy)
+    with caplog.at_level(logging.WARNING):
+        save_preview(other, pane, copy, material, tmp_path / "out" / "pane.preview.blend")
+    assert state(pane, copy) == before
+    assert "image 'painted' has unsaved changes" in caplog.text
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out" / "pane.preview.blend"))
+    assert current_scene().name == "other"
+
+
+def test_a_file_that_cannot_be_written_leaves_the_session_as_it_was(
+    pane: Any, material: bpy.types.Material, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    @contextmanager
+    def nowhere(path: Path) -> Iterator[Path]:
+        yield tmp_path / "no such folder" / path.name
+
+    monkeypatch.setattr(save, "replacing", nowhere)
+    copy = baked_copy(pane, 1)
+    before = state(pane, copy)
+    with pytest.raises(BakeError, match=r"pane\.preview\.blend: Blender cannot write it"):
+        save_preview(current_scene(), pane, copy, material, tmp_path / "out" / "pane.preview.blend")
+    assert state(pane, copy) == before

@@ -1,0 +1,22 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every run is alike: Blender sees an empty home, not the user's; hypothesis draws the same examples."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+
+import hypothesis
+import pytest
+
+if "bpy" in sys.modules:
+    pytest.exit("bpy was imported before the user's settings could be hidden from it", returncode=4)
+
+# Blender reads this once, at `import bpy`; the folder goes away with the process.
+_BLENDER_HOME = tempfile.TemporaryDirectory(prefix="radtex-blender-home-")
+os.environ["BLENDER_USER_RESOURCES"] = _BLENDER_HOME.name
+
+hypothesis.settings.register_profile("radtex", derandomize=True, deadline=None)
+hypothesis.settings.load_profile("radtex")

@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The gutter: exact distances, agreed ties, and copies of nothing but covered texels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis.extra import numpy as arrays
+from scipy.ndimage import distance_transform_edt
+
+from radtex_addon.core.arrays import Bools, Ints
+from radtex_addon.core.errors import InputError, ShapeError
+from radtex_addon.core.gutter import dilate, nearest_covered
+
+masks = arrays.arrays(np.bool_, arrays.array_shapes(min_dims=2, max_dims=2, max_side=14)).filter(np.any)
+
+
+def brute_force(covered: Bools) -> tuple[Ints, Ints]:
+    """Nearest covered texel by looking at all of them, in the order of columns, then rows."""
+    i_all, j_all = np.nonzero(covered.T)
+    texel = np.indices(covered.shape)[..., None]
+    squared = (texel[0] - j_all) ** 2 + (texel[1] - i_all) ** 2
+    first = squared.argmin(axis=-1)
+    return j_all[first], i_all[first]
+
+
+@given(masks)
+def test_the_nearest_texel_and_its_ties_are_those_of_a_full_search(covered: Bools) -> None:
+    np.testing.assert_array_equal(nearest_covered(covered), brute_force(covered))
+
+
+@pytest.mark.parametrize("share", [0.5, 0.02, 0.0002])
+@pytest.mark.parametrize("shape", [(257, 190), (64, 400)])
+def test_distances_are_scipys(share: float, shape: tuple[int, int]) -> None:
+    covered = np.random.default_rng(1).uniform(size=shape) < share
+    covered[3, 5] = True
+    j, i = nearest_covered(covered)
+    assert j.dtype == i.dtype == np.int32
+    assert covered[j, i].all()
+    rows, columns = np.indices(shape)
+    distance = distance_transform_edt(~covered)
+    np.testing.assert_array_equal((j - rows) ** 2 + (i - columns) ** 2, np.rint(distance**2))
+
+
+def test_one_covered_texel_fills_everything() -> None:
+    covered = np.zeros((5, 9), dtype=bool)
+    covered[4, 0] = True
+    j, i = nearest_covered(covered)
+    assert (j == 4).all()
+    assert (i == 0).all()
+
+
+def test_dilation_copies_buckets_in_place_and_leaves_covered_ones_alone() -> None:
+    rng = np.random.default_rng(2)
+    covered = rng.uniform(size=(12, 17)) < 0.2
+    buckets = rng.uniform(size=(12, 17, 4, 4, 3)).astype(np.float32)
+    buckets[~covered] = np.nan
+    before = buckets.copy()
+    nearest = nearest_covered(covered)
+    assert dilate(buckets, nearest) is buckets
+    np.testing.assert_array_equal(buckets[covered], before[covered])
+    np.testing.assert_array_equal(buckets, before[nearest])
+    assert np.isfinite(buckets).all()
+
+
+def test_dilation_works_on_views_such_as_the_atlas_cut_into_buckets() -> None:
+    image = np.zeros((4, 6, 1))
+    image[:2, :2] = 7
+    buckets = image.reshape(2, 2, 3, 2, 1).transpose(0, 2, 1, 3, 4)
+    covered = np.zeros((2, 3), dtype=bool)
+    covered[0, 0] = True
+    dilate(buckets, nearest_covered(covered))
+    assert (image == 7).all()
+
+
+def test_nothing_covered_is_the_users_error() -> None:
+    with pytest.raises(InputError, match="covers no texel"):
+        nearest_covered(np.zeros((3, 3), dtype=bool))
+
+
+def test_wrong_shapes_are_refused() -> None:
+    with pytest.raises(ShapeError, match="covered"):
+        nearest_covered(np.ones(3, dtype=bool))
+    with pytest.raises(ShapeError, match="values"):
+        dilate(np.zeros((3, 4)), nearest_covered(np.ones((4, 3), dtype=bool)))

@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files appear whole or not at all, and nothing of the user's is destroyed unasked."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from radtex_addon.core.errors import BakeError, InputError
+from radtex_addon.formats.atomic import check_absent, check_writable, replacing, write_text
+
+
+def test_a_file_appears_only_when_it_is_whole(tmp_path: Path) -> None:
+    target = tmp_path / "new" / "folder" / "a.exr"
+    with replacing(target) as beside:
+        assert beside.parent == target.parent
+        assert beside.suffix == ".exr"
+        beside.write_text("whole")
+        assert not target.exists()
+    assert target.read_text() == "whole"
+    assert list(target.parent.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit])
+def test_after_any_interruption_the_folder_is_what_it_was(tmp_path: Path, error: type[BaseException]) -> None:
+    target = tmp_path / "a.json"
+    target.write_text("old")
+
+    def interrupted() -> None:
+        with replacing(target) as beside:
+            beside.write_text("half")
+            raise error
+
+    with pytest.raises(error):
+        interrupted()
+    assert target.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_killed_process_leaves_nothing_under_the_final_name(tmp_path: Path) -> None:
+    target = tmp_path / "a.exr"
+    script = (
+        "import os, pathlib, sys; from radtex_addon.formats.atomic import replacing\n"
+        "with replacing(pathlib.Path(sys.argv[1])) as beside: beside.write_text('half'); os._exit(9)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, str(target)], cwd=Path(__file__).parents[2], check=False
+    )
+    assert done.returncode == 9
+    assert not target.exists()
+    assert [path.name[:8] for path in tmp_path.iterdir()] == [".radtex-"]
+
+
+def test_two_writers_do_not_meet(tmp_path: Path) -> None:
+    target = tmp_path / "a.txt"
+    with replacing(target) as one, replacing(target) as other:
+        assert one != other
+        one.write_text("one")
+        other.write_text("other")
+    assert target.read_text() == "one"
+
+
+def test_the_systems_refusal_is_a_bake_error_that_names_the_file(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(BakeError, match=r"a\.json could not be written"):
+        write_text(tmp_path / "file" / "a.json", "x")
+    with pytest.raises(BakeError, match=r"a\.json could not be written"), replacing(tmp_path / "a.json"):
+        pass  # nothing was written, so there is nothing to rename
+
+
+def test_a_folder_that_can_be_made_is_writable_and_is_not_made(tmp_path: Path) -> None:
+    check_writable(tmp_path)
+    check_writable(tmp_path / "not" / "yet")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_written_is_the_users_error(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    for folder in (tmp_path / "file", tmp_path / "file" / "below"):
+        with pytest.raises(InputError, match="file is a file; choose another folder"):
+            check_writable(folder)
+    with pytest.raises(InputError, match="choose another folder"):
+        check_writable(tmp_path / ("x" * 5000))
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write anywhere")
+def test_a_read_only_folder_is_the_users_error(tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    with pytest.raises(InputError, match="Permission denied; choose another folder"):
+        check_writable(tmp_path / "below")
+
+
+def test_a_file_already_there_is_kept_unless_asked(tmp_path: Path) -> None:
+    old = tmp_path / "a.exr"
+    check_absent([old], overwrite=False)
+    old.write_text("old")
+    with pytest.raises(InputError, match=r"a\.exr is already there: .*--overwrite"):
+        check_absent([tmp_path / "b.exr", old], overwrite=False)
+    check_absent([old], overwrite=True)
+    with pytest.raises(InputError, match="is a folder"):
+        check_absent([tmp_path], overwrite=True)

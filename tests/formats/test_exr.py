@@ -1,0 +1,237 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Atlases come back as they were written, the right way up, and bad files are refused by name."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+import pytest
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.errors import BakeError, FormatError, ShapeError
+from radtex_addon.formats.exr import Compression, read_atlas, read_render, write_atlas, write_float
+from radtex_addon.formats.memory import physical_memory, readable_size
+from radtex_addon.formats.sidecar import Sidecar
+
+SIDECAR = Sidecar("Cube", "radiance", 24, 10, 8, "RadTex", 16, 0, "portal", "RadTex 0.1.0", "5.2.3")
+
+
+def light(channels: int = 4) -> Floats:
+    """An atlas image whose values span what a half float holds, in whole halves."""
+    exponent = np.random.default_rng(1).uniform(-8, 8, (80, 192, channels))
+    return (np.exp2(exponent)).astype(np.float16).astype(np.float32)
+
+
+@pytest.mark.parametrize("channels", [1, 3, 4])
+@pytest.mark.parametrize("half", [True, False])
+@pytest.mark.parametrize("compression", [Compression.ZIP, Compression.PIZ])
+def test_pixels_and_sidecar_come_back_exactly(
+    tmp_path: Path, channels: int, half: bool, compression: Compression
+) -> None:
+    path, pixels = tmp_path / "a.exr", light(channels)
+    written = write_atlas(path, pixels, SIDECAR, half, compression)
+    read, sidecar = read_atlas(path)
+    np.testing.assert_array_equal(read, pixels)
+    assert read.dtype == (np.float16 if half else np.float32)
+    assert sidecar == written == SIDECAR
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_floats_keep_all_their_bits(tmp_path: Path) -> None:
+    pixels = np.random.default_rng(2).normal(size=(80, 192, 4)).astype(np.float32)
+    write_atlas(tmp_path / "a.exr", pixels, SIDECAR, half=False)
+    np.testing.assert_array_equal(read_atlas(tmp_path / "a.exr")[0], pixels)
+
+
+def test_dwaa_is_close(tmp_path: Path) -> None:
+    x = np.linspace(0, 3, 192)
+    pixels = np.broadcast_to((1.5 + np.sin(x))[None, :, None], (80, 192, 4)).astype(np.float32)
+    write_atlas(tmp_path / "a.exr", pixels, SIDECAR, compression=Compression.DWAA)
+    np.testing.assert_allclose(read_atlas(tmp_path / "a.exr")[0], pixels, rtol=0.02)
+
+
+def test_the_files_first_row_is_our_last(tmp_path: Path) -> None:
+    pixels = light()
+    write_atlas(tmp_path / "a.exr", pixels, SIDECAR)
+    first = OpenEXR.File(str(tmp_path / "a.exr")).channels()["RGBA"].pixels[0]
+    np.testing.assert_array_equal(first, pixels[-1])
+
+
+def test_the_header_holds_the_sidecar_and_the_primaries(tmp_path: Path) -> None:
+    written = write_atlas(tmp_path / "a.exr", light(), SIDECAR)
+    header = OpenEXR.File(str(tmp_path / "a.exr"), header_only=True).header()
+    assert header["radtex"] == written.to_json()
+    assert header["compression"] == OpenEXR.ZIP_COMPRESSION
+    red, green, blue, white = np.reshape(header["chromaticities"], (4, 2))
+    np.testing.assert_allclose([red, green], [[0.64, 0.33], [0.30, 0.60]], atol=1e-6)
+    np.testing.assert_allclose([blue, white], [[0.15, 0.06], [0.3127, 0.3290]], atol=1e-6)
+
+
+def test_values_beyond_a_half_are_clamped_and_counted(tmp_path: Path) -> None:
+    pixels = light()
+    pixels[3, 4] = (1e6, -1e6, np.inf, -np.inf)
+    pixels[5, 6, 0] = 65504
+    sidecar = write_atlas(tmp_path / "a.exr", pixels, SIDECAR)
+    read, header = read_atlas(tmp_path / "a.exr")
+    assert sidecar.clamped == header.clamped == 4
+    np.testing.assert_array_equal(read[3, 4], [65504, -65504, 65504, -65504])
+    assert write_atlas(tmp_path / "b.exr", pixels, SIDECAR, half=False).clamped == 2
+    assert np.isfinite(read_atlas(tmp_path / "b.exr")[0]).all()
+
+
+def test_values_that_are_no_numbers_are_refused_and_counted(tmp_path: Path) -> None:
+    pixels = light()
+    pixels[70:72, 5, 1] = np.nan
+    with pytest.raises(BakeError, match=r"a\.exr was not written: 2 of its values are not numbers"):
+        write_atlas(tmp_path / "a.exr", pixels, SIDECAR)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_pixels_that_do_not_fit_the_sidecar_are_refused(tmp_path: Path) -> None:
+    for pixels in (light()[:-1], light()[..., :2], light()[..., 0]):
+        with pytest.raises(ShapeError, match=r"\(80, 192"):
+            write_atlas(tmp_path / "a.exr", pixels, SIDECAR)
+
+
+def test_a_failing_write_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.exr"
+    path.write_text("old")
+
+    class FullDisk:
+        def __init__(self, *_: object) -> None: ...
+
+        def write(self, name: str) -> None:
+            Path(name).write_text("half")
+            raise RuntimeError("No space left\non device.")
+
+    monkeypatch.setattr(OpenEXR, "File", FullDisk)
+    with pytest.raises(BakeError, match=r"a\.exr could not be written: No space left on device; free"):
+        write_atlas(path, light(), SIDECAR)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("share", [0.0001, 0.05, 0.5, 0.999])
+def test_a_file_that_was_cut_short_is_refused(tmp_path: Path, share: float) -> None:
+    path = tmp_path / "a.exr"
+    write_atlas(path, light(), SIDECAR)
+    data = path.read_bytes()
+    path.write_bytes(data[: int(len(data) * share)])
+    for read in (read_atlas, read_render):
+        with pytest.raises(FormatError, match=r"a\.exr is (damaged|not an OpenEXR file)"):
+            read(path)
+
+
+def test_a_file_with_damaged_pixels_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.exr"
+    write_atlas(path, light(), SIDECAR)
+    data = bytearray(path.read_bytes())
+    middle = len(data) // 2
+    data[middle : middle + 200] = bytes(200)
+    path.write_bytes(data)
+    with pytest.raises(FormatError, match=r"a\.exr is damaged"):
+        read_atlas(path)
+
+
+def test_missing_and_foreign_files_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.exr"
+    for read in (read_atlas, read_render):
+        with pytest.raises(FormatError, match=r"a\.exr cannot be read: No such file"):
+            read(path)
+    path.write_bytes(b"\x89PNG and so on")
+    for read in (read_atlas, read_render):
+        with pytest.raises(FormatError, match=r"a\.exr is not an OpenEXR file"):
+            read(path)
+    write_float(path, light())
+    with pytest.raises(FormatError, match=r"a\.exr .* no RadTex atlas"):
+        read_atlas(path)
+
+
+def store(path: Path, sidecar: str, **channels: Floats) -> None:
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, "radtex": sidecar}
+    OpenEXR.File(header, channels).write(str(path))
+
+
+def test_atlases_that_break_the_contract_are_refused(tmp_path: Path) -> None:
+    path, pixels = tmp_path / "a.exr", light()
+    store(path, SIDECAR.to_json(), X=pixels[..., 0].copy(), RGB=pixels[..., :3].copy())
+    with pytest.raises(FormatError, match=r"a\.exr has the channels B, G, R, X, expected RGBA"):
+        read_atlas(path)
+    store(path, SIDECAR.to_json(), RGBA=pixels[1:].copy())
+    with pytest.raises(FormatError, match=r"a\.exr has 192 x 79 pixels .* 192 x 80"):
+        read_atlas(path)
+    store(path, SIDECAR.to_json(), RGBA=pixels.astype(np.uint32))
+    with pytest.raises(FormatError, match=r"a\.exr has .* uint32"):
+        read_atlas(path)
+    store(path, "{}", RGBA=pixels)
+    with pytest.raises(FormatError, match=r'the header of .*a\.exr lacks "version"'):
+        read_atlas(path)
+    store(path, SIDECAR.to_json().replace('"version": 1', '"version": 2'), RGBA=pixels)
+    with pytest.raises(FormatError, match="version 2"):
+        read_atlas(path)
+
+
+def test_a_header_that_asks_for_more_than_the_memory_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.exr"
+    write_atlas(path, light(), SIDECAR)
+    data = path.read_bytes()
+    window = struct.pack("<4i", 0, 0, 191, 79)
+    path.write_bytes(data.replace(window, struct.pack("<4i", 0, 0, 999_999, 999_999)))
+    for read in (read_atlas, read_render):
+        with pytest.raises(FormatError, match=r"a\.exr needs 14901\.2 GiB of memory"):
+            read(path)
+
+
+def test_a_float_image_is_exact_and_can_be_read_as_a_render(tmp_path: Path) -> None:
+    for channels in (3, 4):
+        pixels = np.random.default_rng(3).normal(size=(5, 7, channels)).astype(np.float32)
+        write_float(tmp_path / "a.exr", pixels)
+        layers = read_render(tmp_path / "a.exr")
+        assert list(layers) == [""]
+        np.testing.assert_array_equal(layers[""], pixels)
+    with pytest.raises(ShapeError, match="image"):
+        write_float(tmp_path / "a.exr", light(2))
+
+
+@pytest.mark.parametrize("parts", [False, True])
+def test_the_layers_of_a_render_are_joined(tmp_path: Path, parts: bool) -> None:
+    """Blender 4.5 writes all layers into one part, 5.x each into a part of its own."""
+    path, pixels = tmp_path / "a.exr", light().astype(np.float32)
+    one = {f"Layer é.x.Combined.{c}": pixels[..., k].copy() for k, c in enumerate("RGBA")}
+    two = {f"Layer é.x.Position.{c}": pixels[..., k].copy() for k, c in enumerate("XYZ")}
+    three = {f"Layer é.x.UV.{c}": pixels[..., k].copy() for k, c in enumerate("UVA")}
+    groups: list[dict[str, Floats]] = [
+        one,
+        two,
+        three,
+        {"Layer é.x.Object Index.X": pixels[..., 3].astype(np.float16)},
+    ]
+    if parts:
+        header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+        OpenEXR.File([OpenEXR.Part({**header}, group, f"part {k}") for k, group in enumerate(groups)]).write(
+            str(path)
+        )
+    else:
+        store(path, "", **{name: channel for group in groups for name, channel in group.items()})
+    layers = read_render(path)
+    assert {layer.dtype for layer in layers.values()} == {np.dtype(np.float32)}
+    assert set(layers) == {f"Layer é.x.{name}" for name in ("Combined", "Position", "UV", "Object Index")}
+    np.testing.assert_array_equal(layers["Layer é.x.Combined"], pixels[::-1])
+    np.testing.assert_array_equal(layers["Layer é.x.Position"], pixels[::-1, :, :3])
+    np.testing.assert_array_equal(layers["Layer é.x.UV"], pixels[::-1, :, :3])
+    np.testing.assert_array_equal(layers["Layer é.x.Object Index"], pixels[::-1, :, 3:])
+
+
+def test_grey_renders_have_one_channel(tmp_path: Path) -> None:
+    store(tmp_path / "a.exr", "", V=light()[..., 0].copy())
+    assert read_render(tmp_path / "a.exr")[""].shape == (80, 192, 1)
+
+
+def test_sizes_are_readable() -> None:
+    assert [readable_size(n) for n in (512, 2**20 - 1, 1.5 * 2**30)] == ["512 bytes", "1024 KiB", "1.5 GiB"]
+    memory = physical_memory()
+    assert memory is None or 2**28 < memory < 2**50

@@ -1,0 +1,183 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sidecar is a contract: its keys, its refusals, its file names."""
+
+from __future__ import annotations
+
+import json
+import unicodedata
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from radtex_addon.core.errors import FormatError
+from radtex_addon.formats.sidecar import Sidecar, file_name, read_sidecar, safe_name, write_sidecar
+
+SIDECAR = Sidecar(
+    object_name="Größe",
+    kind="radiance",
+    width=64,
+    height=32,
+    bucket=8,
+    uv_map="RadTex",
+    samples=16,
+    seed=3,
+    capture="portal",
+    tool="RadTex 0.1.0",
+    blender="5.2.3",
+    layers=("diffuse",),
+    clamped=2,
+)
+
+# Every filesystem's traps in one alphabet.
+names = st.text(
+    st.one_of(st.sampled_from('./\\ :*?"<>|CONcom1é\u0301\u202e\ud800\n~-'), st.characters()), max_size=150
+)
+
+
+def altered(**changes: Any) -> str:
+    facts = json.loads(SIDECAR.to_json())
+    facts.update(changes)
+    return json.dumps(facts)
+
+
+def test_version_1_says_exactly_this() -> None:
+    assert json.loads(SIDECAR.to_json()) == {
+        "version": 1,
+        "kind": "radiance",
+        "layout": "buckets",
+        "texels": [64, 32],
+        "bucket": 8,
+        "object": "Größe",
+        "uv_map": "RadTex",
+        "tangents": "mikktspace; Bt = sign * cross(N, T)",
+        "color_space": "Linear Rec.709",
+        "alpha": "premultiplied",
+        "samples": 16,
+        "seed": 3,
+        "capture": "portal",
+        "layers": ["diffuse"],
+        "clamped": 2,
+        "tool": "RadTex 0.1.0",
+        "blender": "5.2.3",
+    }
+
+
+@given(names, names, st.lists(names, max_size=3), st.integers(1), st.integers(0))
+def test_what_is_written_is_read(name: str, uv: str, layers: list[str], width: int, clamped: int) -> None:
+    sidecar = replace(
+        SIDECAR, object_name=name, uv_map=uv, layers=tuple(layers), width=width, clamped=clamped
+    )
+    assert Sidecar.from_json(sidecar.to_json()) == sidecar
+
+
+def test_keys_of_later_tools_are_ignored() -> None:
+    assert Sidecar.from_json(altered(license="CC0", extra={"a": [1]})) == SIDECAR
+
+
+def test_a_version_it_does_not_know_is_refused() -> None:
+    with pytest.raises(FormatError, match=r"a\.json is of version 2.*update RadTex"):
+        Sidecar.from_json(altered(version=2, texels="in another way"), "a.json")
+
+
+@pytest.mark.parametrize("key", json.loads(SIDECAR.to_json()))
+def test_a_missing_key_is_named(key: str) -> None:
+    facts = json.loads(SIDECAR.to_json())
+    del facts[key]
+    with pytest.raises(FormatError, match=f'a.json lacks "{key}"'):
+        Sidecar.from_json(json.dumps(facts), "a.json")
+
+
+@pytest.mark.parametrize("key", json.loads(SIDECAR.to_json()))
+@pytest.mark.parametrize("value", [None, True, 1.5, -1, {}, [1, 2, 3], [0, 4], "x" * 1000])
+def test_a_key_of_the_wrong_type_is_named(key: str, value: object) -> None:
+    free_text = key in {"kind", "object", "uv_map", "capture", "tool", "blender"}
+    if free_text and isinstance(value, str):
+        return
+    with pytest.raises(FormatError, match=f'"{key}" is .*, expected ') as raised:
+        Sidecar.from_json(altered(**{key: value}), "a.json")
+    assert len(str(raised.value)) < 200
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", "1", '{"version": 1' + "0" * 9999 + "}", "[" * 100_000, "\ud800"]
+)
+def test_what_is_no_json_object_is_refused(text: str) -> None:
+    with pytest.raises(FormatError, match="the sidecar is"):
+        Sidecar.from_json(text)
+
+
+def test_files_are_read_back_and_bad_ones_named(tmp_path: Path) -> None:
+    path = tmp_path / "a.json"
+    write_sidecar(path, SIDECAR)
+    assert read_sidecar(path) == SIDECAR
+    assert path.read_bytes().endswith(b"\n")
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(FormatError, match=r"a\.json is not text"):
+        read_sidecar(path)
+    for missing in (tmp_path / "b.json", tmp_path):
+        with pytest.raises(FormatError, match="cannot be read"):
+            read_sidecar(missing)
+
+
+@pytest.mark.parametrize("name", ["Suzanne", "Cube.001", "a b", "Größe", "茶壺", "-x", "console", "a~$%'(1)"])
+def test_a_name_that_is_safe_stays(name: str) -> None:
+    assert safe_name(name) == name
+
+
+@pytest.mark.parametrize(
+    ("name", "start"),
+    [
+        ("../../x", "_.._x-"),
+        ("a/b\\c:d", "a_b_c_d-"),
+        (".hidden", "hidden-"),
+        ("end. ", "end-"),
+        ("con", "_con-"),
+        ("LPT1.x", "_LPT1.x-"),
+        ("com¹", "_com¹-"),
+        ("", "object-"),
+        (" . ", "object-"),
+        ("a\nb\x7f", "a_b_-"),
+        ("gpj.\u202eexe", "gpj._exe-"),
+        ("é" * 200, "é" * 45 + "-"),
+    ],
+)
+def test_a_name_that_is_unsafe_is_cleaned_and_marked(name: str, start: str) -> None:
+    safe = safe_name(name)
+    assert safe.startswith(start)
+    assert len(safe) == len(start) + 8
+
+
+@given(names)
+def test_safe_names_are_safe_and_stay_so(name: str) -> None:
+    safe = safe_name(name)
+    assert safe_name(safe) == safe
+    assert 0 < len(safe.encode()) <= 100
+    assert unicodedata.is_normalized("NFC", safe)
+    assert not set(safe) & set('<>:"/\\|?*\0\n')
+    assert safe[0] not in ". "
+    assert safe[-1] not in ". "
+    assert safe.split(".", maxsplit=1)[0].rstrip().lower() not in {"con", "nul", "com1"}
+
+
+def test_decomposed_letters_are_composed_and_different_names_stay_different() -> None:
+    assert safe_name("e\u0301") == "é"
+    unsafe = ["a/b", "a\\b", "a:b", "a_b", "a*b", " a_b", "a_b ", "x" * 200, "x" * 201]
+    assert len({safe_name(name) for name in unsafe}) == len(unsafe)
+
+
+def test_file_names_are_the_contracts() -> None:
+    assert file_name("Cube.001", "radiance", "exr") == "Cube.001.radiance.exr"
+    assert file_name("Cube", "radiance", "json", layer="a/b").startswith("Cube.radiance.a_b-")
+
+
+def test_a_written_name_works_on_this_filesystem(tmp_path: Path) -> None:
+    for name in ("../../x", "\ud800", "é" * 200, "con", "", "a\0b"):
+        path = tmp_path / file_name(name, "reflection", "json", layer=name)
+        write_sidecar(path, SIDECAR)
+        assert path.parent == tmp_path
+        assert read_sidecar(path) == SIDECAR

@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Imports point one way: core <- formats <- bake <- scene <- cycles <- preview, export <- job <- ui, cli."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[2] / "radtex_addon"
+
+# Left to right; layers in one row do not know each other.
+ORDER = [
+    {"version"},
+    {"core"},
+    {"formats"},
+    {"bake"},
+    {"scene"},
+    {"cycles"},
+    {"preview", "export"},
+    {"job"},
+    {"ui", "cli"},
+]
+RANK = {layer: rank for rank, row in enumerate(ORDER) for layer in row}
+
+BLENDER = {"bpy", "bmesh", "mathutils", "bpy_extras", "gpu", "_cycles"}
+ALLOWED: dict[str, set[str]] = {
+    "version": set(),
+    "core": {"numpy"},
+    "formats": {"numpy", "OpenEXR"},
+    "bake": {"numpy"},
+    "scene": {"numpy", "xatlas"} | BLENDER,
+} | dict.fromkeys(("cycles", "preview", "export", "job", "ui", "cli"), {"numpy"} | BLENDER)
+
+# As in ("core", "atlas") for core/atlas.py.
+MODULES = [
+    path.relative_to(PACKAGE).with_suffix("").parts
+    for path in sorted(PACKAGE.rglob("*.py"))
+    if path != PACKAGE / "__init__.py"
+]
+
+
+def imports(module: tuple[str, ...], source: str) -> Iterator[tuple[str, ...]]:
+    """Everything that a module imports, wherever the import stands; names in the package begin with ""."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (tuple(alias.name.split(".")) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            yield tuple((node.module or "").split("."))
+        elif isinstance(node, ast.ImportFrom):
+            base = ["", *module[: len(module) - node.level], *(node.module.split(".") if node.module else ())]
+            yield from ((*base, alias.name) for alias in node.names)
+
+
+def trespasses(module: tuple[str, ...], source: str) -> list[str]:
+    """Imports that the module's layer may not make.
+
+    `import radtex_addon` is one too: as bl_ext.user_default.radtex.radtex_addon it is not on the path.
+    """
+    layer = module[0]
+
+    def may(top: str, *rest: str) -> bool:
+        if top:
+            return top in ALLOWED[layer] | sys.stdlib_module_names
+        return rest[0] == layer or (rest[0] in RANK and RANK[rest[0]] < RANK[layer])
+
+    return [".".join(name) for name in imports(module, source) if not may(*name)]
+
+
+@pytest.mark.parametrize("module", MODULES, ids=".".join)
+def test_a_module_imports_only_from_the_layers_left_of_it(module: tuple[str, ...]) -> None:
+    source = PACKAGE.joinpath(*module).with_suffix(".py").read_text(encoding="utf-8")
+    assert not trespasses(module, source)
+
+
+def test_everything_in_the_package_belongs_to_a_layer() -> None:
+    assert {module[0] for module in MODULES} <= RANK.keys()
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "import bpy",
+        "def f():\n    from mathutils import Vector",
+        "from ..ui import operator",
+        "from .. import formats",
+        "import scipy.optimize",
+        "from radtex_addon.core import errors",
+    ],
+)
+def test_a_trespass_is_seen(source: str) -> None:
+    assert trespasses(("core", "atlas"), source)
+
+
+@pytest.mark.parametrize(
+    "source",
+    ["import numpy as np", "from .errors import ShapeError", "from ..version import VERSION", "import json"],
+)
+def test_what_core_may_import_is_no_trespass(source: str) -> None:
+    assert not trespasses(("core", "atlas"), source)
