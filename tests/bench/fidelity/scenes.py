@@ -30,8 +30,9 @@ _DISTANCE = 5.0  # of the cameras, from the object's middle
 
 @dataclass(frozen=True)
 class Stage:
-    """A built scene: the object to bake, and the cameras."""
+    """A built scene: its name, the object to bake, and the cameras."""
 
+    name: str
     subject: bpy.types.Object
     tuning: tuple[bpy.types.Object, ...]
     held_out: tuple[bpy.types.Object, ...]
@@ -46,7 +47,7 @@ def metal(roughness: float) -> Stage:
     subdivision.levels = subdivision.render_levels = 2
     bpy.ops.object.shade_smooth()
     _wear(head, _principled("Gold", (0.9, 0.6, 0.22), Metallic=1.0, Roughness=roughness))
-    return _finish(head)
+    return _finish(f"metal_{round(100 * roughness):02d}", head)
 
 
 def ceramic() -> Stage:
@@ -57,7 +58,7 @@ def ceramic() -> Stage:
     _colour_by(glaze, _waves(glaze.node_tree), ((0.45, (0.012, 0.03, 0.17)), (0.5, (0.72, 0.73, 0.7))))
     _wear(jar, glaze)
     _lamp((1.8, -2.2, 2.8), size=0.6, watts=60)
-    return _finish(jar)
+    return _finish("ceramic", jar)
 
 
 def textured() -> Stage:
@@ -74,7 +75,7 @@ def textured() -> Stage:
     _colour_by(wax, _patches(wax.node_tree), patches)
     _wear(blob, wax)
     _lamp((-2.4, -1.8, 2.6), size=0.8, watts=70)
-    return _finish(blob)
+    return _finish("textured", blob)
 
 
 def glass() -> Stage:
@@ -90,7 +91,7 @@ def glass() -> Stage:
     bpy.ops.object.shade_smooth()
     clear = _principled("Glass", (0.98, 1, 0.99), Transmission_Weight=1.0, IOR=1.45, Roughness=0.03)
     _wear(pebble, clear)
-    return _finish(pebble)
+    return _finish("glass", pebble)
 
 
 def mechanical() -> Stage:
@@ -107,7 +108,7 @@ def mechanical() -> Stage:
         Thin_Film_IOR=1.4,
     )
     _wear(gear, steel)
-    return _finish(gear)
+    return _finish("mechanical", gear)
 
 
 SCENES: dict[str, Callable[[], Stage]] = {
@@ -148,7 +149,7 @@ def _start(hdri: str, strength: float, turn: float) -> None:
     scene.world = world
 
 
-def _finish(subject: bpy.types.Object) -> Stage:
+def _finish(name: str, subject: bpy.types.Object) -> Stage:
     """Lay the floor, set the near things and the cameras about the subject."""
     corners = _world_corners(subject)
     floor = float(corners[:, 2].min()) - 0.06
@@ -171,7 +172,7 @@ def _finish(subject: bpy.types.Object) -> Stage:
         for index, (azimuth, elevation) in enumerate(views, 1)
     ]
     cast(bpy.types.Scene, bpy.context.scene).camera = cameras[0]
-    return Stage(subject, tuple(cameras[:2]), tuple(cameras[2:]))
+    return Stage(name, subject, tuple(cameras[:2]), tuple(cameras[2:]))
 
 
 def _camera(

@@ -1,0 +1,126 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How faithful are baked objects? Every method, on every scene, against path-traced views.
+
+    python -m tests.bench.fidelity                     all scenes, all four views
+    python -m tests.bench.fidelity --quick             three scenes, two views: 15 minutes at most
+    python -m tests.bench.fidelity --scenes glass,ceramic --methods plain --out DIR
+
+Prints a table, and leaves figures.json and a sheet of pictures per scene in DIR. References are rendered
+where the user's cache folder lacks them. A method is a module in methods/ with a METHOD of its own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from collections.abc import Callable
+from dataclasses import asdict
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
+from typing import cast
+
+import bpy
+
+from . import methods
+from .method import Method
+from .metrics import Figures, compare
+from .references import SAMPLES, View, gbuffer, views
+from .report import Result, Seen, print_scene, print_summary, save_sheet
+from .scenes import SCENES, Stage
+
+QUICK = ("metal_20", "ceramic", "mechanical")
+
+
+def main() -> None:
+    """Bake, look, compare, print."""
+    options = _options()
+    options.out.mkdir(parents=True, exist_ok=True)
+    chosen = [_method(name) for name in options.methods]
+    record: dict[str, object] = {"blender": bpy.app.version_string, "reference_samples": SAMPLES}
+    summary: dict[str, list[Result]] = {}
+    for name in options.scenes:
+        looked_from = views(SCENES[name](), options.quick)
+        results = [_measure(method, SCENES[name](), looked_from) for method in chosen]
+        floor = _noise_floor(results[0])
+        summary[name] = results
+        print_scene(name, results, floor)
+        save_sheet(options.out / f"{name}.png", results)
+        record[name] = _facts(results, floor)
+        (options.out / "figures.json").write_text(json.dumps(record, indent=2) + "\n")
+    print_summary(summary)
+
+
+def _options() -> argparse.Namespace:
+    found = sorted(
+        (module.name for module in iter_modules(methods.__path__)), key=lambda m: (m != "plain", m)
+    )
+    parser = argparse.ArgumentParser(
+        prog="python -m tests.bench.fidelity",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--quick", action="store_true", help="three scenes, two views of each")
+    parser.add_argument("--scenes", type=_names_of(list(SCENES)), help="of " + ", ".join(SCENES))
+    parser.add_argument("--methods", type=_names_of(found), default=found, help="of " + ", ".join(found))
+    parser.add_argument("--out", type=Path, default=Path(tempfile.gettempdir(), "radtex-fidelity"))
+    options = parser.parse_args()
+    options.scenes = options.scenes or list(QUICK if options.quick else SCENES)
+    return options
+
+
+def _names_of(known: list[str]) -> Callable[[str], list[str]]:
+    def names(text: str) -> list[str]:
+        wanted = text.split(",")
+        for name in wanted:
+            if name not in known:
+                raise argparse.ArgumentTypeError(f"{name} is none of {', '.join(known)}")
+        return wanted
+
+    return names
+
+
+def _method(name: str) -> Method:
+    return cast(Method, import_module(f"{methods.__name__}.{name}").METHOD)
+
+
+def _measure(method: Method, stage: Stage, looked_from: list[View]) -> Result:
+    with tempfile.TemporaryDirectory() as folder:
+        baked = method.bake(stage, Path(folder))
+        seen = []
+        for view in looked_from:
+            buffer = gbuffer(view, baked.mesh, baked.matrix_world, baked.uv_layer)
+            picture = buffer.resolve(baked.radiance(buffer))
+            figures = compare(picture, view.reference, buffer.inside, buffer.eroded)
+            seen.append(Seen(view, picture, buffer.inside, buffer.eroded, figures))
+    return Result(method.name, baked.paths, baked.seconds, baked.bytes, tuple(seen))
+
+
+def _noise_floor(result: Result) -> Figures:
+    """The reference against itself, of another seed."""
+    seen, repetition = next(
+        (seen, seen.view.repetition) for seen in result.seen if seen.view.repetition is not None
+    )
+    return compare(repetition, seen.view.reference, seen.inside, seen.eroded)
+
+
+def _facts(results: list[Result], floor: Figures) -> dict[str, object]:
+    methods_facts = {
+        result.method: {
+            "paths": result.paths,
+            "seconds": result.seconds,
+            "bytes": result.bytes,
+            "views": {
+                seen.view.name: {"held_out": seen.view.held_out, **asdict(seen.figures)}
+                for seen in result.seen
+            },
+        }
+        for result in results
+    }
+    return {"noise_floor": asdict(floor), "methods": methods_facts}
+
+
+if __name__ == "__main__":
+    main()

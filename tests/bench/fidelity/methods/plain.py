@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The bake as it is: buckets of cells, looked up quadrilinearly."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import numpy as np
+
+from radtex_addon.bake.progress import Stage as JobStage
+from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.sampler import Filter, sample
+from radtex_addon.formats.exr import read_atlas
+from radtex_addon.job import bake_object
+
+from ..method import Baked
+from ..references import Array, GBuffer
+from ..scenes import Stage
+
+_HALF = 2  # bytes of a channel
+
+
+class Plain:
+    """`bake_object` with its reference sampler."""
+
+    name = "plain"
+
+    def __init__(self, spec: BakeSpec) -> None:
+        self.spec = spec
+
+    def bake(self, stage: Stage, folder: Path) -> Baked:
+        scene = cast(bpy.types.Scene, bpy.context.scene)
+        name = stage.subject.name
+        result = bake_object(scene, name, self.spec, folder, preview=Filter.QUADRILINEAR, overwrite=True)
+        image, sidecar = read_atlas(result.files.atlas)
+        image = image.astype(np.float32)
+        layout = AtlasLayout(sidecar.width, sidecar.height, sidecar.bucket)
+
+        def radiance(buffer: GBuffer) -> Array:
+            uv, incidence = buffer.uv[buffer.hit], buffer.incidence[buffer.hit]
+            seen = sample(image, layout, uv, incidence, Filter.QUADRILINEAR)
+            return buffer.spread(seen[:, :3])
+
+        assert result.files.preview is not None
+        return Baked(
+            paths=result.paths,
+            seconds=sum(value for part, value in result.seconds.items() if part is not JobStage.PREVIEW),
+            bytes=image.size * _HALF,
+            radiance=radiance,
+            mesh=mesh_of_preview(result.files.preview, name),
+            matrix_world=np.array(stage.subject.matrix_world),
+            uv_layer=sidecar.uv_map,
+        )
+
+
+def mesh_of_preview(path: Path, name: str) -> bpy.types.Mesh:
+    """The baked copy's mesh out of a saved preview, brought into the open file."""
+    with cast(Any, bpy.data.libraries).load(str(path)) as (_, wanted):
+        wanted.objects = [name]
+    return cast(bpy.types.Mesh, wanted.objects[0].data)
+
+
+METHOD = Plain(BakeSpec(texels=128, bucket=8, samples=16))

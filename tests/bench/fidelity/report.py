@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The bench's results as tables and as sheets of pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from .metrics import Figures, Mask, Picture, display
+from .references import View
+from .scenes import PIXELS
+
+_LABEL = 14  # pixels of a line of text
+_GAIN = 4  # of an error map
+_COLUMNS = (
+    "method",
+    "PSNR, eroded",
+    "PSNR, uneroded",
+    "FLIP",
+    "HDR FLIP",
+    "energy",
+    "M paths",
+    "s",
+    "MB",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A method's picture of one view, and how far it is from the reference inside the masks."""
+
+    view: View
+    picture: Picture
+    inside: Mask
+    eroded: Mask
+    figures: Figures
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """One method on one scene."""
+
+    method: str
+    paths: int
+    seconds: float
+    bytes: int
+    seen: tuple[Seen, ...]
+
+    def mean(self, figure: str, held_out: bool) -> float:
+        """The mean of a figure over the views of a sort."""
+        return float(np.mean([getattr(s.figures, figure) for s in self.seen if s.view.held_out is held_out]))
+
+
+def print_scene(name: str, results: Sequence[Result], floor: Figures) -> None:
+    """Print a scene's table; "a / b" are tuned and untuned views."""
+    print(f"\n{name}, means over tuned / untuned views")
+    _print_row(_COLUMNS)
+    _print_row(["---"] * len(_COLUMNS))
+    for result in results:
+        _print_row(
+            [
+                result.method,
+                *(
+                    f"{result.mean(figure, False):.{digits}f} / {result.mean(figure, True):.{digits}f}"
+                    for figure, digits in (
+                        ("psnr", 2),
+                        ("psnr_uneroded", 2),
+                        ("flip", 3),
+                        ("hdr_flip", 3),
+                        ("energy", 3),
+                    )
+                ),
+                f"{result.paths / 1e6:.2f}",
+                f"{result.seconds:.0f}",
+                f"{result.bytes / 1e6:.2f}",
+            ]
+        )
+    figures = f"{floor.psnr:.2f}", f"{floor.psnr_uneroded:.2f}", f"{floor.flip:.3f}", f"{floor.hdr_flip:.3f}"
+    _print_row(["reference's noise", *figures, f"{floor.energy:.3f}", "", "", ""])
+
+
+def print_summary(scenes: Mapping[str, Sequence[Result]]) -> None:
+    """Print every scene's decibels on its untuned views, eroded and uneroded, and their mean, by method."""
+    print("\nPSNR of the untuned views, eroded / uneroded")
+    _print_row(["method", *scenes, "mean"])
+    _print_row(["---"] * (len(scenes) + 2))
+    for index, first in enumerate(next(iter(scenes.values()))):
+        rows = [
+            [results[index].mean(figure, True) for results in scenes.values()]
+            for figure in ("psnr", "psnr_uneroded")
+        ]
+        pairs = zip(*([*row, float(np.mean(row))] for row in rows), strict=True)
+        _print_row([first.method, *(f"{eroded:.2f} / {whole:.2f}" for eroded, whole in pairs)])
+
+
+def save_sheet(path: Path, results: Sequence[Result]) -> None:
+    """Save a sheet: a row a view; the reference, each method's picture, each method's error times 4."""
+    rows = []
+    for number, first in enumerate(results[0].seen):
+        reference = display(first.view.reference)
+        tiles = [_tile(reference, f"{first.view.name}: reference")]
+        for result in results:
+            seen = result.seen[number]
+            shown = np.where(seen.inside[..., None], display(seen.picture), reference)
+            tiles.append(_tile(shown, f"{result.method}: {seen.figures.psnr:.1f} dB"))
+        for result in results:
+            seen = result.seen[number]
+            error = np.abs(display(seen.picture) - reference) * seen.inside[..., None]
+            tiles.append(_tile(np.clip(_GAIN * error, 0, 1), f"{result.method}: error x{_GAIN}"))
+        rows.append(np.concatenate(tiles, axis=1))
+    Image.fromarray(np.concatenate(rows, axis=0)).save(path, optimize=True)
+
+
+def _tile(picture: Picture, label: str) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+    """A display picture with a label above, as bytes."""
+    tile = Image.new("RGB", (PIXELS, PIXELS + _LABEL))
+    tile.paste(Image.fromarray((picture * 255 + 0.5).astype(np.uint8)), (0, _LABEL))
+    ImageDraw.Draw(tile).text((3, 1), label, fill=(255, 255, 255))
+    return np.asarray(tile)
+
+
+def _print_row(cells: Sequence[str]) -> None:
+    print("| " + " | ".join(cells) + " |")
