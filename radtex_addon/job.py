@@ -20,7 +20,7 @@ from .bake.capture import Capture
 from .bake.plan import CapturePlan, plan_capture
 from .bake.progress import Progress, Stage
 from .bake.session import fill_atlas
-from .bake.spec import BakeSpec, CaptureMethod, Kind, Unwrap
+from .bake.spec import BakeSpec, CaptureMethod, Kind
 from .bake.stopwatch import Stopwatch
 from .core.arrays import Bools, Floats
 from .core.atlas import AtlasLayout
@@ -45,9 +45,10 @@ from .scene.fog import volumes_around
 from .scene.light import is_dark
 from .scene.objects import find_object
 from .scene.scratch import find_view_layer, new_data_removed, scratch_scene
-from .scene.unwrap import unwrap_blender, unwrap_xatlas
+from .scene.unwrap import unwrap_steps
 from .scene.unwrap_options import UnwrapOptions
 from .scene.uv_layer import user_uv
+from .scene.xatlas_process import check_xatlas
 from .version import VERSION
 
 log = logging.getLogger(__name__)
@@ -127,6 +128,8 @@ def check_request(
     cannot be written.
     """
     item = find_object(scene, name)
+    if spec.uv_layer is None:
+        check_xatlas()
     files = OutputFiles.of(name, spec, folder, preview)
     check_writable(folder)
     if files.preview is not None and _is_open(files.preview):
@@ -229,7 +232,7 @@ def _bake(
         yield watch.start(Stage.EVALUATE)
         evaluated = evaluate(scratch, original)
         yield watch.start(Stage.UNWRAP)
-        unwrapped = _unwrap(evaluated, spec)
+        unwrapped = yield from watch.over(_unwrap(evaluated, spec))
         yield watch.start(Stage.RASTER)
         mesh = baked_mesh(evaluated, unwrapped.uv, unwrapped.layer)
         kept.append(mesh)
@@ -245,12 +248,12 @@ def _bake(
     return _Baked(mesh, unwrapped.layer, plan.layout, len(plan.texel), unwrapped.islands, device, clamped)
 
 
-def _unwrap(evaluated: EvaluatedMesh, spec: BakeSpec) -> _Unwrapped:
+def _unwrap(evaluated: EvaluatedMesh, spec: BakeSpec) -> Generator[Progress, None, _Unwrapped]:
     if spec.uv_layer is not None:
         uv = user_uv(evaluated, spec.uv_layer)
         return _Unwrapped(uv, spec.uv_layer, spec.texels, spec.texels, None)
-    unwrap = unwrap_xatlas if spec.unwrap is Unwrap.XATLAS else unwrap_blender
-    found = unwrap(evaluated, spec.texels, UnwrapOptions(padding=spec.padding))
+    options = UnwrapOptions(padding=spec.padding)
+    found = yield from unwrap_steps(evaluated, spec.texels, spec.unwrap, options)
     return _Unwrapped(found.uv, UV_LAYER, found.width, found.height, found.islands)
 
 

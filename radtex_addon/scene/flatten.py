@@ -13,16 +13,17 @@ from typing import Any, cast
 
 import bpy
 import numpy as np
-import xatlas
 
 from ..core.arrays import Bools, Floats, Ints
 from ..core.frame import normalised
 from ..core.islands import components, signed_areas, surface_areas, uv_islands, weld
 from .evaluated import EvaluatedMesh
 from .unwrap_options import UnwrapOptions
+from .xatlas_process import Options, Steps, XatlasProcess
 
 _THIN = 1e-6  # of the mean triangle's area: what is flatter belongs to no island
 _FINE = 2048  # texels of the atlas in which xatlas hands islands over; it rounds their sizes to texels
+_HANDOVER: Options = {"resolution": _FINE, "rotate_charts": False}
 _RESPECTED = 1000.0  # weight from which xatlas never grows an island across an edge of two normals
 
 
@@ -53,30 +54,30 @@ class FlatIslands:
         return math.sqrt(self.area / max(int(np.count_nonzero(self.island >= 0)), 1))
 
 
-def flatten_with_xatlas(evaluated: EvaluatedMesh, options: UnwrapOptions, iterations: int) -> FlatIslands:
-    """Flatten by xatlas in world space, so that scale and stretch of the object count."""
+def flatten_with_xatlas(
+    xatlas: XatlasProcess, evaluated: EvaluatedMesh, options: UnwrapOptions, iterations: int
+) -> Steps[FlatIslands]:
+    """Flatten by xatlas in world space, so that scale and stretch of the object count; yields progress."""
     corners, vertex = _world_corners(evaluated)
     points, unit = _normalised(corners)
     shading = _shading_vertices(vertex, evaluated.world_normal, math.cos(math.radians(options.seam_angle)))
     _, first = np.unique(shading, return_index=True)
     normals = np.zeros((len(first), 3))
     np.add.at(normals, shading, evaluated.world_normal.reshape(-1, 3))
-    atlas = xatlas.Atlas()
-    atlas.add_mesh(
+    charts = yield from xatlas.flatten(
         points.reshape(-1, 3)[first].astype(np.float32),
         shading.reshape(-1, 3).astype(np.uint32),
         normalised(normals).astype(np.float32),
+        _chart_options(options, len(vertex), iterations),
+        _HANDOVER,
     )
-    atlas.generate(_chart_options(options, len(vertex), iterations), _handover())
-    _, index, uv = atlas.get_mesh(0)
-    _, chart = atlas.get_mesh_vertex_assignment(0)
     flat = (
-        uv[index].astype(np.float64)
-        * [atlas.width, atlas.height]
-        * (unit / max(atlas.texels_per_unit, 1e-30))
+        charts.uv[charts.index].astype(np.float64)
+        * [charts.width, charts.height]
+        * (unit / max(charts.texels_per_unit, 1e-30))
     )
-    island = chart[index[:, 0]].astype(np.int64)
-    island[island >= atlas.chart_count] = -1
+    island = charts.owner[charts.index[:, 0]].astype(np.int64)
+    island[island >= charts.count] = -1
     return _islands(flat, island, corners, vertex)
 
 
@@ -135,23 +136,16 @@ def _shading_vertices(vertex: Ints, normal: Floats, cosine: float) -> Ints:
     return components(np.concatenate(pairs), vertex.size)
 
 
-def _chart_options(options: UnwrapOptions, triangles: int, iterations: int) -> xatlas.ChartOptions:
-    chart = xatlas.ChartOptions()
-    chart.max_cost = options.max_cost
-    chart.normal_deviation_weight = options.normal_deviation_weight
-    chart.roundness_weight = options.roundness_weight
-    chart.straightness_weight = options.straightness_weight
-    chart.normal_seam_weight = _RESPECTED
-    chart.max_chart_area = (options.max_island_share or 0.0) * triangles  # the mean triangle has area 1
-    chart.max_iterations = iterations
-    return chart
-
-
-def _handover() -> xatlas.PackOptions:
-    pack = xatlas.PackOptions()
-    pack.resolution = _FINE
-    pack.rotate_charts = False
-    return pack
+def _chart_options(options: UnwrapOptions, triangles: int, iterations: int) -> Options:
+    return {
+        "max_cost": options.max_cost,
+        "normal_deviation_weight": options.normal_deviation_weight,
+        "roundness_weight": options.roundness_weight,
+        "straightness_weight": options.straightness_weight,
+        "normal_seam_weight": _RESPECTED,
+        "max_chart_area": (options.max_island_share or 0.0) * triangles,  # the mean triangle has area 1
+        "max_iterations": iterations,
+    }
 
 
 def _islands(uv: Floats, island: Ints, corners: Floats, vertex: Ints) -> FlatIslands:

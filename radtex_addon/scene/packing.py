@@ -13,12 +13,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import xatlas
 
 from ..core.arrays import Floats
 from ..core.errors import InputError
 from ..core.islands import weld
 from .flatten import FlatIslands
+from .xatlas_process import Options, Steps, XatlasProcess
 
 _TRIES = 9  # bisections: the density comes within half a percent of the best
 _THOROUGH = 256  # texels up to which xatlas tries every place, instead of 4096 random ones per island
@@ -34,17 +34,17 @@ class Packed:
     density: float
 
 
-def pack_to_size(flat: FlatIslands, texels: int, padding: int) -> Packed:
+def pack_to_size(xatlas: XatlasProcess, flat: FlatIslands, texels: int, padding: int) -> Steps[Packed]:
     """Pack islands as large as they fit into an atlas whose longer side is `texels`.
 
     At least `padding` texels that no island touches lie between two islands, and no bilinear lookup in
-    one reads a texel of another, even at 0. Raises InputError where the islands are too many for so few
-    texels.
+    one reads a texel of another, even at 0. Yields progress. Raises InputError where the islands are too many
+    for so few texels.
     """
-    packer = _Packer(flat, padding, thorough=texels <= _THOROUGH)
+    packer = _Packer(xatlas, flat, padding, thorough=texels <= _THOROUGH)
     high = 1.5 * texels / math.sqrt(flat.area)
     low = high / 64
-    best = packer.pack(low)
+    best = yield from packer.pack(low)
     if max(best.width, best.height) > texels:
         count = flat.count
         raise InputError(
@@ -53,7 +53,7 @@ def pack_to_size(flat: FlatIslands, texels: int, padding: int) -> Packed:
         )
     for _ in range(_TRIES):
         density = math.sqrt(low * high)
-        packed = packer.pack(density)
+        packed = yield from packer.pack(density)
         if max(packed.width, packed.height) <= texels:
             best, low = packed, density
         else:
@@ -63,21 +63,19 @@ def pack_to_size(flat: FlatIslands, texels: int, padding: int) -> Packed:
     return Packed(best.uv, best.width, texels, best.density)
 
 
-def pack_to_density(flat: FlatIslands, density: float, padding: int) -> Packed:
-    """Pack islands at `density` texels per scene unit; the atlas is as large as it takes."""
-    return _Packer(flat, padding, thorough=density * math.sqrt(flat.area) <= _THOROUGH).pack(density)
+def pack_to_density(xatlas: XatlasProcess, flat: FlatIslands, density: float, padding: int) -> Steps[Packed]:
+    """Pack islands at `density` texels per scene unit; the atlas is as large as it takes. Yields progress."""
+    thorough = density * math.sqrt(flat.area) <= _THOROUGH
+    return _Packer(xatlas, flat, padding, thorough=thorough).pack(density)
 
 
 class _Packer:
     """xatlas with one set of islands, packed as often as you like."""
 
-    def __init__(self, flat: FlatIslands, padding: int, *, thorough: bool) -> None:
-        self._flat = flat
-        self._options = xatlas.PackOptions()
+    def __init__(self, xatlas: XatlasProcess, flat: FlatIslands, padding: int, *, thorough: bool) -> None:
+        self._xatlas, self._flat = xatlas, flat
         # xatlas keeps its padding around every island, so two of them lie twice as far apart.
-        self._options.padding = (padding + 1) // 2
-        self._options.bilinear = True
-        self._options.bruteForce = thorough
+        self._options: Options = {"padding": (padding + 1) // 2, "bilinear": True, "bruteForce": thorough}
         self._real = flat.island >= 0
         corners = flat.uv[self._real].reshape(-1, 2) / flat.unit
         owner = np.repeat(flat.island[self._real], 3)
@@ -87,15 +85,12 @@ class _Packer:
         self._index = index.reshape(-1, 3).astype(np.uint32)
         self._owner = flat.island[self._real, None].astype(np.uint32)
 
-    def pack(self, density: float) -> Packed:
-        self._options.texels_per_unit = density * self._flat.unit
-        atlas = xatlas.Atlas()
-        atlas.add_uv_mesh(self._points, self._index, self._owner)
-        atlas.generate(xatlas.ChartOptions(), self._options)
-        _, index, uv = atlas.get_mesh(0)
-        size = np.array([max(atlas.width, 1), max(atlas.height, 1)])
+    def pack(self, density: float) -> Steps[Packed]:
+        options = {**self._options, "texels_per_unit": density * self._flat.unit}
+        found = yield from self._xatlas.pack(self._points, self._index, self._owner, options)
+        size = np.array([max(found.width, 1), max(found.height, 1)])
         placed = np.zeros(self._flat.uv.shape)
-        placed[self._real] = uv[index].astype(np.float64) * size
+        placed[self._real] = found.uv[found.index].astype(np.float64) * size
         return Packed(placed, int(size[0]), int(size[1]), density)
 
 

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Iterable
 
 import numpy as np
 
+from ..bake.spec import Unwrap
 from ..core.arrays import Bools, Floats
 from ..core.errors import InputError
 from ..core.islands import find_overlap, signed_areas, surface_areas, weld
@@ -20,6 +20,7 @@ from .evaluated import EvaluatedMesh
 from .flatten import FlatIslands, flatten_with_blender, flatten_with_xatlas
 from .packing import Packed, pack_to_density, pack_to_size
 from .unwrap_options import UnwrapOptions, Unwrapped
+from .xatlas_process import Steps, XatlasProcess
 
 log = logging.getLogger(__name__)
 
@@ -39,25 +40,28 @@ def estimate_seconds(triangles: int, options: UnwrapOptions | None = None) -> fl
     return float(2.5 * (triangles / 16_000) ** 1.75 * tries * bounded + packing)
 
 
-def unwrap_xatlas(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
-    """Unwrap by xatlas into an atlas whose longer side is `texels`, or as `options.density` needs, if given.
+def unwrap_steps(
+    evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions | None = None
+) -> Steps[Unwrapped]:
+    """Unwrap into an atlas whose longer side is `texels`, or as `options.density` needs, if given.
 
-    Announces a long unwrap before it begins. Of several tries the one that leaves most texels in the interior
-    of islands wins. Raises InputError where the surface has no area, or too many islands for so few texels.
+    Of several tries the one that leaves most texels in the interior of islands wins. Yields progress while
+    xatlas works; closed, it ends xatlas. Raises InputError where the surface has no area, or too many islands
+    for so few texels; BakeError where xatlas fails.
     """
-    count = len(evaluated.triangles)
-    options = (options or UnwrapOptions()).for_size(count)
-    seconds = estimate_seconds(count, options)
-    if seconds > _LONG:
-        log.warning(
-            "xatlas will take some %d s for the %d triangles of '%s'; Blender's own unwrap takes seconds",
-            round(seconds),
-            count,
-            evaluated.name,
-        )
+    options = (options or UnwrapOptions()).for_size(len(evaluated.triangles))
+    if method is Unwrap.XATLAS:
+        _announce(evaluated, options)
     _check_area(evaluated)
-    tries = (flatten_with_xatlas(evaluated, options, iterations) for iterations in options.iterations)
-    return _pack_best(evaluated, tries, texels, options)
+    start = time.perf_counter()
+    with XatlasProcess() as xatlas:
+        flat, packed = yield from _best(xatlas, evaluated, texels, method, options)
+    return _finish(evaluated, flat, packed, time.perf_counter() - start)
+
+
+def unwrap_xatlas(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
+    """Unwrap by xatlas at one go: see `unwrap_steps`. Announces a long unwrap before it begins."""
+    return _at_one_go(unwrap_steps(evaluated, texels, Unwrap.XATLAS, options))
 
 
 def unwrap_blender(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
@@ -66,10 +70,28 @@ def unwrap_blender(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions
     It works in a scene of its own: the user's mode and selection stay. Of the options that shape islands only
     `blender_angle` counts.
     """
-    options = options or UnwrapOptions()
-    _check_area(evaluated)
-    tries = (flatten_with_blender(evaluated, options) for _ in range(1))
-    return _pack_best(evaluated, tries, texels, options)
+    return _at_one_go(unwrap_steps(evaluated, texels, Unwrap.BLENDER, options))
+
+
+def _at_one_go(steps: Steps[Unwrapped]) -> Unwrapped:
+    while True:
+        try:
+            next(steps)
+        except StopIteration as stop:
+            done: Unwrapped = stop.value
+            return done
+
+
+def _announce(evaluated: EvaluatedMesh, options: UnwrapOptions) -> None:
+    count = len(evaluated.triangles)
+    seconds = estimate_seconds(count, options)
+    if seconds > _LONG:
+        log.warning(
+            "xatlas will take some %d s for the %d triangles of '%s'; Blender's own unwrap takes seconds",
+            round(seconds),
+            count,
+            evaluated.name,
+        )
 
 
 def _check_area(evaluated: EvaluatedMesh) -> None:
@@ -78,15 +100,18 @@ def _check_area(evaluated: EvaluatedMesh) -> None:
         raise InputError(f"object '{evaluated.name}' has faces, but no area to unwrap: give it a size")
 
 
-def _pack_best(
-    evaluated: EvaluatedMesh, tries: Iterable[FlatIslands], texels: int, options: UnwrapOptions
-) -> Unwrapped:
-    start = time.perf_counter()
+def _best(
+    xatlas: XatlasProcess, evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions
+) -> Steps[tuple[FlatIslands, Packed]]:
     best: tuple[float, FlatIslands, Packed] | None = None
     failure: InputError | None = None
-    for flat in tries:
+    for iterations in options.iterations if method is Unwrap.XATLAS else (1,):
+        if method is Unwrap.XATLAS:
+            flat = yield from flatten_with_xatlas(xatlas, evaluated, options, iterations)
+        else:
+            flat = flatten_with_blender(evaluated, options)
         try:
-            packed = _pack(flat, texels, options)
+            packed = yield from _pack(xatlas, flat, texels, options)
         except InputError as error:
             failure = failure or error
             continue
@@ -97,13 +122,13 @@ def _pack_best(
             best = interior, flat, packed
     if best is None:
         raise failure or InputError(f"object '{evaluated.name}' cannot be unwrapped: it has no area")
-    return _finish(evaluated, best[1], best[2], time.perf_counter() - start)
+    return best[1:]
 
 
-def _pack(flat: FlatIslands, texels: int, options: UnwrapOptions) -> Packed:
+def _pack(xatlas: XatlasProcess, flat: FlatIslands, texels: int, options: UnwrapOptions) -> Steps[Packed]:
     if options.density is not None:
-        return pack_to_density(flat, options.density, options.padding)
-    return pack_to_size(flat, texels, options.padding)
+        return pack_to_density(xatlas, flat, options.density, options.padding)
+    return pack_to_size(xatlas, flat, texels, options.padding)
 
 
 def _finish(evaluated: EvaluatedMesh, flat: FlatIslands, packed: Packed, seconds: float) -> Unwrapped:

@@ -434,7 +434,7 @@ def test_the_users_file_is_what_it_was_whatever_fails(out: Path) -> None:
     made.modifiers.new("Thick", "SOLIDIFY")
     stage.world()
     before, preferred = fingerprint(), preferences()
-    parts = ("evaluate", "unwrap_blender", "rasterise", "find_hidden", "write_atlas", "save_preview")
+    parts = ("evaluate", "unwrap_steps", "rasterise", "find_hidden", "write_atlas", "save_preview")
     for part in parts:
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(job, part, fail)

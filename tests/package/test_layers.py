@@ -33,8 +33,11 @@ ALLOWED: dict[str, set[str]] = {
     "core": {"numpy"},
     "formats": {"numpy", "OpenEXR"},
     "bake": {"numpy"},
-    "scene": {"numpy", "xatlas"} | BLENDER,
+    "scene": {"numpy"} | BLENDER,
 } | dict.fromkeys(("cycles", "preview", "export", "job", "ui", "cli"), {"numpy"} | BLENDER)
+
+# A script that runs in a process without Blender and without the rest of the package.
+WORKER = ("scene", "xatlas_worker")
 
 # As in ("core", "atlas") for core/atlas.py.
 MODULES = [
@@ -65,7 +68,10 @@ def trespasses(module: tuple[str, ...], source: str) -> list[str]:
 
     def may(top: str, *rest: str) -> bool:
         if top:
-            return top in ALLOWED[layer] | sys.stdlib_module_names
+            allowed = {"numpy", "xatlas"} if module == WORKER else ALLOWED[layer]
+            return top in allowed | sys.stdlib_module_names
+        if module == WORKER:
+            return False
         return rest[0] == layer or (rest[0] in RANK and RANK[rest[0]] < RANK[layer])
 
     return [".".join(name) for name in imports(module, source) if not may(*name)]
@@ -94,6 +100,13 @@ def test_everything_in_the_package_belongs_to_a_layer() -> None:
 )
 def test_a_trespass_is_seen(source: str) -> None:
     assert trespasses(("core", "atlas"), source)
+
+
+def test_only_the_worker_imports_xatlas_and_it_imports_nothing_of_ours() -> None:
+    assert not trespasses(WORKER, "import numpy, xatlas, pickle")
+    assert trespasses(WORKER, "import bpy")
+    assert trespasses(WORKER, "from ..core.errors import InputError")
+    assert trespasses(("scene", "packing"), "import xatlas")
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""xatlas in a process of its own: a script that `xatlas_process.py` runs by its path.
+
+Where an Atlas is destroyed, xatlas may wait for ever for a thread of its own that was not told to end, with
+Python's lock in hand. So no Atlas is destroyed here, also not at the process's end.
+
+It reads pickles from standard input and answers on standard output: first the parent's sys.path, then
+requests, each the name of a function below and its arguments. It ends with its input.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import sys
+import traceback
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float32]
+    Ints = NDArray[np.uint32]
+
+_KEPT: list[object] = []
+
+
+def flatten(
+    points: Floats, faces: Ints, normals: Floats, chart: Mapping[str, object], pack: Mapping[str, object]
+) -> tuple[object, ...]:
+    """Flatten a mesh: what `xatlas_process.Charts` holds, in that order."""
+    import xatlas
+
+    atlas = xatlas.Atlas()
+    _KEPT.append(atlas)
+    atlas.add_mesh(points, faces, normals)
+    atlas.generate(_set(xatlas.ChartOptions(), chart), _set(xatlas.PackOptions(), pack))
+    _, index, uv = atlas.get_mesh(0)
+    _, owner = atlas.get_mesh_vertex_assignment(0)
+    return atlas.width, atlas.height, atlas.texels_per_unit, atlas.chart_count, index, uv, owner
+
+
+def pack(points: Floats, faces: Ints, owner: Ints, options: Mapping[str, object]) -> tuple[object, ...]:
+    """Place flat islands: what `xatlas_process.Placed` holds, in that order.
+
+    Each time by a new Atlas: one that has packed flat islands before would place them otherwise.
+    """
+    import xatlas
+
+    atlas = xatlas.Atlas()
+    _KEPT.append(atlas)
+    atlas.add_uv_mesh(points, faces, owner)
+    atlas.generate(xatlas.ChartOptions(), _set(xatlas.PackOptions(), options))
+    _, index, uv = atlas.get_mesh(0)
+    return atlas.width, atlas.height, index, uv
+
+
+def _set(options: Any, values: Mapping[str, object]) -> Any:
+    for name, value in values.items():
+        setattr(options, name, value)
+    return options
+
+
+def main() -> None:
+    """Serve the parent until it closes our input."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's, which ends us
+    _end_with_parent()
+    answers = _answers()
+    requests = sys.stdin.buffer
+    sys.path[:] = pickle.load(requests)
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # numpy's threads take long to start, and have nothing to do
+    functions: dict[str, Callable[..., object]] = {"flatten": flatten, "pack": pack}
+    while requests.peek(1):
+        name, arguments = pickle.load(requests)
+        answers.write(pickle.dumps(functions[name](*arguments), pickle.HIGHEST_PROTOCOL))
+        answers.flush()
+
+
+def _end_with_parent() -> None:
+    """Let Linux kill us should the parent be killed; elsewhere a request that is being served is finished."""
+    if sys.platform == "linux":
+        import ctypes
+
+        set_parent_death_signal = 1
+        ctypes.CDLL(None).prctl(set_parent_death_signal, signal.SIGKILL)
+
+
+def _answers() -> BinaryIO:
+    """Take standard output for ourselves; what libraries print goes to standard error."""
+    ours = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    return ours
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except BaseException:  # noqa: BLE001  # Python's own end would destroy what we keep
+        traceback.print_exc()
+        os._exit(1)
+    os._exit(0)
