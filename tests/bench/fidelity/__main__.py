@@ -6,8 +6,8 @@
     python -m tests.bench.fidelity --quick             three scenes, two views: 15 minutes at most
     python -m tests.bench.fidelity --scenes glass,ceramic --methods plain --out DIR
 
-Prints a table, and leaves figures.json and a sheet of pictures per scene in DIR. References are rendered
-where the user's cache folder lacks them. A method is a module in methods/ with a METHOD of its own.
+Prints tables, and leaves them with figures.json and a sheet of pictures per scene in DIR. References are
+rendered where the user's cache folder lacks them. A method is a module in methods/ with a METHOD of its own.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from . import methods
 from .method import Method
 from .metrics import Figures, compare
 from .references import SAMPLES, View, gbuffer, views
-from .report import Result, Seen, print_scene, print_summary, save_sheet
+from .report import Result, Seen, save_sheet, scene_table, summary_table
 from .scenes import SCENES, Stage
 
 QUICK = ("metal_20", "ceramic", "mechanical")
@@ -41,16 +41,20 @@ def main() -> None:
     chosen = [_method(name) for name in options.methods]
     record: dict[str, object] = {"blender": bpy.app.version_string, "reference_samples": SAMPLES}
     summary: dict[str, list[Result]] = {}
+    tables: list[str] = []
     for name in options.scenes:
         looked_from = views(SCENES[name](), options.quick)
         results = [_measure(method, SCENES[name](), looked_from) for method in chosen]
         floor = _noise_floor(results[0])
         summary[name] = results
-        print_scene(name, results, floor)
+        tables.append(scene_table(name, results, floor))
+        print(f"\n{tables[-1]}", flush=True)
         save_sheet(options.out / f"{name}.png", results)
         record[name] = _facts(results, floor)
         (options.out / "figures.json").write_text(json.dumps(record, indent=2) + "\n")
-    print_summary(summary)
+    tables.append(summary_table(summary))
+    print(f"\n{tables[-1]}")
+    (options.out / "figures.md").write_text("\n".join(tables))
 
 
 def _options() -> argparse.Namespace:
@@ -65,7 +69,8 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--quick", action="store_true", help="three scenes, two views of each")
     parser.add_argument("--scenes", type=_names_of(list(SCENES)), help="of " + ", ".join(SCENES))
     parser.add_argument("--methods", type=_names_of(found), default=found, help="of " + ", ".join(found))
-    parser.add_argument("--out", type=Path, default=Path(tempfile.gettempdir(), "radtex-fidelity"))
+    default = Path(tempfile.gettempdir(), "radtex-fidelity")
+    parser.add_argument("--out", type=Path, default=default, help=f"folder for what it makes ({default})")
     options = parser.parse_args()
     options.scenes = options.scenes or list(QUICK if options.quick else SCENES)
     return options

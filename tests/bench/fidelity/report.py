@@ -17,17 +17,8 @@ from .scenes import PIXELS
 
 _LABEL = 14  # pixels of a line of text
 _GAIN = 4  # of an error map
-_COLUMNS = (
-    "method",
-    "PSNR, eroded",
-    "PSNR, uneroded",
-    "FLIP",
-    "HDR FLIP",
-    "energy",
-    "M paths",
-    "s",
-    "MB",
-)
+_COLUMNS = ["method", "PSNR", "PSNR, uneroded", "FLIP", "HDR FLIP", "energy", "M paths", "s", "MB"]
+_DIGITS = {"psnr": 2, "psnr_uneroded": 2, "flip": 3, "hdr_flip": 3, "energy": 3}
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,46 +47,32 @@ class Result:
         return float(np.mean([getattr(s.figures, figure) for s in self.seen if s.view.held_out is held_out]))
 
 
-def print_scene(name: str, results: Sequence[Result], floor: Figures) -> None:
-    """Print a scene's table; "a / b" are tuned and untuned views."""
-    print(f"\n{name}, means over tuned / untuned views")
-    _print_row(_COLUMNS)
-    _print_row(["---"] * len(_COLUMNS))
+def scene_table(name: str, results: Sequence[Result], floor: Figures) -> str:
+    """A scene's table in Markdown; "a / b" are tuned and untuned views."""
+    rows = [_COLUMNS, ["---"] * len(_COLUMNS)]
     for result in results:
-        _print_row(
-            [
-                result.method,
-                *(
-                    f"{result.mean(figure, False):.{digits}f} / {result.mean(figure, True):.{digits}f}"
-                    for figure, digits in (
-                        ("psnr", 2),
-                        ("psnr_uneroded", 2),
-                        ("flip", 3),
-                        ("hdr_flip", 3),
-                        ("energy", 3),
-                    )
-                ),
-                f"{result.paths / 1e6:.2f}",
-                f"{result.seconds:.0f}",
-                f"{result.bytes / 1e6:.2f}",
-            ]
-        )
-    figures = f"{floor.psnr:.2f}", f"{floor.psnr_uneroded:.2f}", f"{floor.flip:.3f}", f"{floor.hdr_flip:.3f}"
-    _print_row(["reference's noise", *figures, f"{floor.energy:.3f}", "", "", ""])
+        pairs = [
+            f"{result.mean(figure, False):.{digits}f} / {result.mean(figure, True):.{digits}f}"
+            for figure, digits in _DIGITS.items()
+        ]
+        spent = f"{result.paths / 1e6:.2f}", f"{result.seconds:.0f}", f"{result.bytes / 1e6:.2f}"
+        rows.append([result.method, *pairs, *spent])
+    figures = (f"{getattr(floor, figure):.{digits}f}" for figure, digits in _DIGITS.items())
+    rows.append(["reference's noise", *figures, "", "", ""])
+    return f"{name}, means over tuned / untuned views\n\n{_table(rows)}\n"
 
 
-def print_summary(scenes: Mapping[str, Sequence[Result]]) -> None:
-    """Print every scene's decibels on its untuned views, eroded and uneroded, and their mean, by method."""
-    print("\nPSNR of the untuned views, eroded / uneroded")
-    _print_row(["method", *scenes, "mean"])
-    _print_row(["---"] * (len(scenes) + 2))
+def summary_table(scenes: Mapping[str, Sequence[Result]]) -> str:
+    """Every scene's decibels on its untuned views and their mean, by method, in Markdown."""
+    rows = [["method", *scenes, "mean"], ["---"] * (len(scenes) + 2)]
     for index, first in enumerate(next(iter(scenes.values()))):
-        rows = [
+        eroded, whole = (
             [results[index].mean(figure, True) for results in scenes.values()]
             for figure in ("psnr", "psnr_uneroded")
-        ]
-        pairs = zip(*([*row, float(np.mean(row))] for row in rows), strict=True)
-        _print_row([first.method, *(f"{eroded:.2f} / {whole:.2f}" for eroded, whole in pairs)])
+        )
+        pairs = zip([*eroded, float(np.mean(eroded))], [*whole, float(np.mean(whole))], strict=True)
+        rows.append([first.method, *(f"{inner:.2f} / {outer:.2f}" for inner, outer in pairs)])
+    return f"PSNR of the untuned views, eroded / uneroded\n\n{_table(rows)}\n"
 
 
 def save_sheet(path: Path, results: Sequence[Result]) -> None:
@@ -124,5 +101,5 @@ def _tile(picture: Picture, label: str) -> np.ndarray[tuple[int, ...], np.dtype[
     return np.asarray(tile)
 
 
-def _print_row(cells: Sequence[str]) -> None:
-    print("| " + " | ".join(cells) + " |")
+def _table(rows: Sequence[Sequence[str]]) -> str:
+    return "\n".join("| " + " | ".join(row) + " |" for row in rows)
