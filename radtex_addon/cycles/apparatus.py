@@ -16,6 +16,7 @@ from ..core.arrays import Floats
 from ..core.errors import BakeError
 from ..formats.exr import read_render
 from ..scene.nodes import NodeBuilder
+from ..scene.nodes import open_material as open_material  # noqa: PLC0414  # portal.py takes it from here
 
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
 
@@ -128,16 +129,6 @@ def mirror(build: NodeBuilder) -> bpy.types.NodeSocket:
     build.feed(node.inputs["Color"], (1.0, 1.0, 1.0, 1.0))
     build.feed(node.inputs["Roughness"], 0.0)
     return node.outputs[0]
-
-
-def open_material(name: str) -> tuple[bpy.types.Material, NodeBuilder]:
-    """A new material without nodes, and the builder that gives it some."""
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:  # Blender 4.5; later every material has one
-        material.use_nodes = True
-    tree = cast(bpy.types.NodeTree, material.node_tree)
-    tree.nodes.clear()
-    return material, NodeBuilder(tree)
 
 
 def float_image(name: str, field: Floats) -> bpy.types.Image:

@@ -20,7 +20,7 @@ from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.spec import Kind
 from ..core.arrays import Bools, Floats
-from .apparatus import open_material
+from ..scene.nodes import open_material, open_world
 from .portal import PortalCapture
 
 _SAMPLES = 2  # rays per cell; a cell is hidden if all of them are
@@ -36,12 +36,9 @@ def find_hidden(
     where every cell would be hidden. Yields progress in texels. Raises BakeError where Cycles fails.
     """
     scene = bpy.data.scenes.new("RadTex probe")
-    world = bpy.data.worlds.new("RadTex dark")
+    world, _ = open_world("RadTex dark")
     copy = mesh.copy()
     try:
-        if world.node_tree is None:  # Blender 4.5; later every world has one
-            world.use_nodes = True
-        world.node_tree.nodes.clear()
         scene.world = world
         copy.materials.clear()
         copy.materials.append(_shows_back_faces())

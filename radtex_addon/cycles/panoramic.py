@@ -24,7 +24,8 @@ from ..bake.spec import Kind
 from ..core.arrays import Floats, Ints
 from ..core.errors import InputError
 from ..core.hemisphere import square_to_disc
-from .apparatus import box, mirror, open_material, render_image
+from ..scene.nodes import open_material
+from .apparatus import box, mirror, render_image
 from .offset import ray_offset
 from .settings import allow_more_bounces, apply_capture_settings
 

@@ -17,7 +17,7 @@ import bpy
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError
 from ..core.sampler import Filter
-from ..scene.nodes import NodeBuilder, close_group, open_group
+from ..scene.nodes import close_group, open_group, open_material
 from .node_group import build_sample_group
 
 
@@ -52,9 +52,8 @@ def preview_material(
     `build_sample_group` do.
     """
     sampler = build_sample_group(load_atlas(atlas, half), layout, kind)
-    material = bpy.data.materials.new(name)
+    material, build = open_material(name)
     cast(Any, material).cycles.emission_sampling = "NONE"  # seen by every ray, but no lamp to aim at
-    build = NodeBuilder(_empty_tree(material))
     uv, frame = build.uv_map(uv_layer), build.group(build_frame_group())
     color, alpha = build.group(sampler, uv, *frame, build.geometry("Incoming"))
     emission = build.node("ShaderNodeEmission", color)
@@ -84,11 +83,3 @@ def build_frame_group() -> bpy.types.ShaderNodeTree:
     tangent = build.vector("NORMALIZE", build.transform(build.attribute("radtex_tangent"), "VECTOR"))
     sign = build.math("MULTIPLY", d, build.attribute("radtex_sign", "Fac"))
     return close_group(build, Normal=build.vector("SCALE", outward, d), Tangent=tangent, Sign=sign)
-
-
-def _empty_tree(material: bpy.types.Material) -> bpy.types.NodeTree:
-    if material.node_tree is None:  # before 5.0; afterwards there always is one
-        material.use_nodes = True
-    tree = cast(bpy.types.NodeTree, material.node_tree)
-    tree.nodes.clear()
-    return tree

@@ -16,6 +16,7 @@ import bpy
 from mathutils import Vector
 
 from ..core.errors import InputError
+from .nodes import open_material, open_world
 
 OBJECT = "Suzanne"
 
@@ -35,7 +36,7 @@ def build_demo_scene(roughness: float = 0.3) -> bpy.types.Scene:
         bpy.ops.object.shade_smooth()
         colour = [0.05, 0.05, 0.05, 1.0]
         colour[index] = 0.9
-        bpy.context.object.data.materials.append(_principled(f"Ball {index + 1}", colour))
+        bpy.context.object.data.materials.append(_principled(f"Ball {index + 1}", tuple(colour)))
     bpy.ops.mesh.primitive_monkey_add()
     head = bpy.context.object
     head.name = OBJECT
@@ -64,26 +65,23 @@ def _world(name: str) -> bpy.types.World:
     path = Path(folder, name)
     if not folder or not path.exists():
         raise InputError(f"the demo needs an HDRI that Blender ships, and this Blender has no {name}")
-    world = bpy.data.worlds.new("Courtyard")
-    if world.node_tree is None:  # Blender 4.5; later every world has one
-        world.use_nodes = True
-    tree = world.node_tree
-    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
-    environment = tree.nodes.new("ShaderNodeTexEnvironment")
-    environment.image = bpy.data.images.load(str(path))
-    tree.links.new(environment.outputs["Color"], background.inputs["Color"])
+    world, build = open_world("Courtyard")
+    environment = build.node("ShaderNodeTexEnvironment", image=bpy.data.images.load(str(path)))
+    background = build.node("ShaderNodeBackground", environment.outputs["Color"], 1.0)
+    build.node("ShaderNodeOutputWorld", background.outputs[0])
+    build.arrange()
     return world
 
 
 def _principled(
-    name: str, colour: object, metallic: float = 0.0, roughness: float = 0.5
+    name: str, colour: tuple[float, ...], metallic: float = 0.0, roughness: float = 0.5
 ) -> bpy.types.Material:
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:
-        material.use_nodes = True
-    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    material, build = open_material(name)
+    shader = build.node("ShaderNodeBsdfPrincipled")
     for socket, value in (("Base Color", colour), ("Metallic", metallic), ("Roughness", roughness)):
-        shader.inputs[socket].default_value = value
+        build.feed(shader.inputs[socket], value)
+    build.node("ShaderNodeOutputMaterial", shader.outputs[0])
+    build.arrange()
     return material
 
 

@@ -134,6 +134,26 @@ class NodeBuilder:
         return depths
 
 
+def open_material(name: str) -> tuple[bpy.types.Material, NodeBuilder]:
+    """A new material without nodes, and the builder that gives it some."""
+    material = bpy.data.materials.new(name)
+    return material, NodeBuilder(_emptied(material))
+
+
+def open_world(name: str) -> tuple[bpy.types.World, NodeBuilder]:
+    """A new world without nodes, and the builder that gives it some."""
+    world = bpy.data.worlds.new(name)
+    return world, NodeBuilder(_emptied(world))
+
+
+def _emptied(owner: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
+    if owner.node_tree is None:  # Blender 4.5; later there always is one
+        owner.use_nodes = True
+    tree = cast(bpy.types.NodeTree, owner.node_tree)
+    tree.nodes.clear()
+    return tree
+
+
 def open_group(name: str, **inputs: str) -> tuple[NodeBuilder, list[Socket]]:
     """A new node group: its builder, and its inputs (name to Vector, Float or Color) as seen from inside."""
     tree = cast(bpy.types.NodeTree, bpy.data.node_groups.new(name, "ShaderNodeTree"))
