@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""OpenEXR files: the atlas, the float images that Cycles reads, the renders that Blender writes.
+"""OpenEXR files: the atlas, and the renders that Blender writes.
 
 An EXR's first row is the top one, ours is the bottom one (v = 0): rows are flipped here and nowhere else.
 """
@@ -73,17 +73,6 @@ def write_atlas(
     }
     _write(path, header, rows)
     return sidecar
-
-
-def write_float(path: Path, pixels: Floats) -> None:
-    """Write an image (H, W, 3 or 4), row 0 at the bottom, as uncompressed float32: exact, and quick to read.
-
-    Raises ShapeError for another shape, BakeError where the system refuses.
-    """
-    if pixels.ndim != 3 or pixels.shape[2] not in (3, 4):
-        raise ShapeError(f"image: expected shape (H, W, 3 or 4), got {pixels.shape}")
-    rows = np.ascontiguousarray(pixels[::-1], dtype=np.float32)
-    _write(path, {"compression": OpenEXR.NO_COMPRESSION}, rows)
 
 
 def read_atlas(path: Path) -> tuple[Floats, Sidecar]:
