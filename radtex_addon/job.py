@@ -120,14 +120,21 @@ def bake_object(
 
 
 def check_request(
-    scene: bpy.types.Scene, name: str, spec: BakeSpec, folder: Path, preview: bool, overwrite: bool
+    scene: bpy.types.Scene,
+    name: str,
+    spec: BakeSpec,
+    folder: Path,
+    preview: bool,
+    overwrite: bool,
+    view_layer: str | None = None,
 ) -> list[str]:
     """Everything that can be known to fail before a bake starts; returns warnings.
 
-    Raises InputError for an object that is not there or cannot be baked, and for files that would be lost or
-    cannot be written.
+    Raises InputError for an object or a view layer that is not there, an object that cannot be baked, and for
+    files that would be lost or cannot be written.
     """
     item = find_object(scene, name)
+    layer = find_view_layer(scene, view_layer)
     if spec.uv_layer is None:
         check_xatlas()
     files = OutputFiles.of(name, spec, folder, preview)
@@ -139,7 +146,6 @@ def check_request(
     check_absent(files.all, overwrite)
     if preview:
         check_previewable(AtlasLayout(spec.texels, spec.texels, spec.bucket))
-    layer = find_view_layer(scene, None)
     warnings = []
     if is_dark(scene, layer):
         warnings.append(f"scene '{scene.name}' has no light: no lamp, a black world, nothing that emits")
@@ -173,7 +179,7 @@ def bake_steps(
     generator is closed. Raises InputError for what cannot be baked, BakeError for what fails meanwhile.
     """
     files = OutputFiles.of(name, spec, folder, preview is not None)
-    for warning in check_request(scene, name, spec, folder, preview is not None, overwrite):
+    for warning in check_request(scene, name, spec, folder, preview is not None, overwrite, view_layer):
         log.warning(warning)
     watch = Stopwatch()
     with new_data_removed():

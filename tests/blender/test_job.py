@@ -29,7 +29,7 @@ from radtex_addon.cycles import portal
 from radtex_addon.cycles.portal import PortalCapture
 from radtex_addon.formats.exr import read_atlas, read_render
 from radtex_addon.formats.sidecar import read_sidecar
-from radtex_addon.job import BakeResult, bake_object, bake_steps
+from radtex_addon.job import BakeResult, bake_object, bake_steps, check_request
 from radtex_addon.version import VERSION
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
@@ -362,6 +362,21 @@ def test_the_named_view_layer_is_the_one_that_is_baked(out: Path) -> None:
     opened = bake("Card", TINY, out / "open", view_layer="bare")
     assert pixels_of(shut)[..., 0].mean() > 1.2, "lit by the lid"
     np.testing.assert_allclose(pixels_of(opened)[..., :3], 0.8, atol=2e-3)
+
+
+def test_the_named_view_layer_is_the_one_that_is_checked(out: Path) -> None:
+    card()
+    lit = bpy.data.collections.new("lit")
+    context.scene.collection.children.link(lit)
+    lit.objects.link(bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN")))
+    dark = context.scene.view_layers.new("dark")
+    dark.layer_collection.children["lit"].exclude = True
+    dark.update()
+    assert check_request(context.scene, "Card", TINY, out, False, False) == []
+    (warning,) = check_request(context.scene, "Card", TINY, out, False, False, "dark")
+    assert "has no light" in warning
+    with pytest.raises(InputError, match=r"has no view layer 'nowhere': it has '.*', 'dark'"):
+        bake("Card", TINY, out, view_layer="nowhere")
 
 
 # progress
