@@ -105,6 +105,11 @@ def render_image(scene: bpy.types.Scene, file: Path) -> Floats:
 
     Raises BakeError where Cycles fails.
     """
+    return next(iter(render_layers(scene, file).values()))
+
+
+def render_layers(scene: bpy.types.Scene, file: Path) -> dict[str, Floats]:
+    """The same with every pass that is kept, the combined one first, by the name that Blender gives it."""
     file.unlink(missing_ok=True)
     try:
         bpy.ops.render.render(write_still=True, scene=scene.name)
@@ -113,7 +118,8 @@ def render_image(scene: bpy.types.Scene, file: Path) -> Floats:
         raise BakeError(f"Cycles cannot render: {reason}") from error
     if not file.exists():
         raise BakeError("Cycles returned no picture: its messages in the console, or by --verbose, say why")
-    return next(iter(read_render(file).values()))
+    passes = {name.rpartition(".")[2]: image for name, image in read_render(file).items()}
+    return dict(sorted(passes.items(), key=lambda named: named[0] not in ("", "Combined")))
 
 
 def mirror_material() -> bpy.types.Material:

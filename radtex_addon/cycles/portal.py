@@ -10,14 +10,17 @@ rays.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 from ..bake.plan import MIN_IMAGE_SIDE, CapturePlan, Tile
 from ..bake.spec import Kind
 from ..core.arrays import Floats
 from ..core.errors import BakeError
+from ..core.hemisphere import cell_centres
 from ..scene.nodes import NodeBuilder, Socket
 from .apparatus import (
     Extent,
@@ -27,10 +30,35 @@ from .apparatus import (
     mirror_material,
     open_material,
     plane,
-    render_image,
+    render_layers,
 )
 from .offset import GRAZING, ray_offset
-from .settings import allow_more_bounces, apply_capture_settings
+from .settings import allow_more_bounces, apply_capture_settings, keep_passes, look_at_centres
+
+
+@dataclass(frozen=True, eq=False)
+class Aim:
+    """Rays aimed at one known point of every cell, and the passes that are kept of them.
+
+    `shift` (K, 2): where in its cells each of the plan's texels aims, from 0 to 1 along both sides. `passes`
+    are attributes of a view layer. With light kinds, aimed rays do not see lamps.
+    """
+
+    shift: Floats
+    passes: tuple[str, ...] = ()
+
+    def square(self, bucket: int) -> Floats:
+        """Bucket coordinates B of all rays, (K, n * n, 2) float32."""
+        centres = cell_centres(bucket).reshape(1, -1, 2)
+        aimed: Floats = (centres + (2 * self.shift[:, None] - 1) / bucket).astype(np.float32)
+        return aimed
+
+    def offset(self, plan: CapturePlan) -> Floats:
+        """From a cell's centre to its point, in buckets, as the plan's fields lie: (rows, columns, 3)."""
+        offset = np.zeros((plan.rows * plan.columns, 3), dtype=np.float32)
+        offset[: len(self.shift), :2] = (self.shift - 0.5) / plan.layout.bucket
+        return offset.reshape(plan.rows, plan.columns, 3)
+
 
 _GAP = 0.01  # between camera and plane: in a world volume, light must not be lost on the way
 
@@ -39,12 +67,22 @@ class PortalCapture:
     """Captures `radiance`, `incident` and `reflection` in a scratch scene, tile by tile."""
 
     def __init__(
-        self, scene: bpy.types.Scene, plan: CapturePlan, kind: Kind, samples: int, seed: int, folder: Path
+        self,
+        scene: bpy.types.Scene,
+        plan: CapturePlan,
+        kind: Kind,
+        samples: int,
+        seed: int,
+        folder: Path,
+        aim: Aim | None = None,
     ) -> None:
         """`scene` is a scratch scene, written freely; `folder` takes the files that tiles pass through."""
         self._scene, self._plan = scene, plan
         self._file = folder / "tile.exr"
         apply_capture_settings(scene, samples, seed)
+        if aim is not None:
+            look_at_centres(scene)
+            keep_passes(scene, aim.passes)
         size = (plan.columns * plan.layout.bucket, plan.rows * plan.layout.bucket)
         scene.render.resolution_x, scene.render.resolution_y = size
         scene.render.filepath = str(self._file)
@@ -52,9 +90,9 @@ class PortalCapture:
         extent = Extent.of_pixels(*size)
         height = above_everything(scene)
         gap = max(_GAP, 1e-5 * height)
-        light = kind is not Kind.RADIANCE
+        light = kind is not Kind.RADIANCE and aim is None
         allow_more_bounces(scene, transparent=1, glossy=int(light))
-        material = _portal_material(plan, kind, extent, reach=4 * gap)
+        material = _portal_material(plan, kind, extent, 4 * gap, aim)
         if light:
             scene.render.film_transparent = False
             plane(scene, "RadTex mirror", extent, height, mirror_material(), visible="camera")
@@ -65,6 +103,10 @@ class PortalCapture:
 
     def render(self, tile: Tile) -> Floats:
         """Cells of the tile's texels: see `Capture.render`."""
+        return next(iter(self.render_passes(tile).values()))
+
+    def render_passes(self, tile: Tile) -> dict[str, Floats]:
+        """Every pass that is kept, by its name, the combined one first: each (k, n, n, C), [texel, q, p]."""
         plan, n = self._plan, self._plan.layout.bucket
         rows = max(tile.rows, -(-MIN_IMAGE_SIDE // n))  # a lower picture is not to be had
         first = min(tile.first_row, plan.rows - rows)
@@ -74,15 +116,20 @@ class PortalCapture:
         render.border_min_x, render.border_max_x = 0.0, 1.0
         render.border_min_y = (first * n + 0.25) / total if first else 0.0
         render.border_max_y = min(1.0, ((first + rows) * n + 0.25) / total)
-        image = render_image(self._scene, self._file)
-        expected = (rows * n, plan.columns * n, 4)
-        if image.shape != expected:
-            raise BakeError(f"Cycles returned a tile of {image.shape}, expected {expected}")
-        cells = image.reshape(rows, n, plan.columns, n, 4).transpose(0, 2, 1, 3, 4)
-        return cells[tile.first_row - first :].reshape(-1, n, n, 4)[: len(plan.texels_of(tile))]
+        expected = (rows * n, plan.columns * n)
+        passes = {}
+        for name, image in render_layers(self._scene, self._file).items():
+            if image.shape[:2] != expected:
+                raise BakeError(f"Cycles returned a tile of {image.shape[:2]}, expected {expected}")
+            cells = image.reshape(rows, n, plan.columns, n, -1).transpose(0, 2, 1, 3, 4)
+            texels = cells[tile.first_row - first :].reshape(-1, n, n, image.shape[2])
+            passes[name] = texels[: len(plan.texels_of(tile))]
+        return passes
 
 
-def _portal_material(plan: CapturePlan, kind: Kind, extent: Extent, reach: float) -> bpy.types.Material:
+def _portal_material(
+    plan: CapturePlan, kind: Kind, extent: Extent, reach: float, aim: Aim | None
+) -> bpy.types.Material:
     """Ray Portals that start rays of `kind` for rays from within `reach`; clear to the scene's own."""
     material, build = open_material("RadTex portals")
     uv = build.vector(
@@ -95,7 +142,12 @@ def _portal_material(plan: CapturePlan, kind: Kind, extent: Extent, reach: float
     position, tangent, bitangent, normal, facet = (
         build.image(float_image(f"RadTex {name}", getattr(plan, name)), uv)[0] for name in fields
     )
-    a, i_z, q = _inverse_projection(build, build.vector("MULTIPLY", uv, (plan.columns, plan.rows, 0.0)))
+    bucket = build.vector("FRACTION", build.vector("MULTIPLY", uv, (plan.columns, plan.rows, 0.0)))
+    if aim is not None:
+        bucket = build.vector(
+            "ADD", bucket, build.image(float_image("RadTex shift", aim.offset(plan)), uv)[0]
+        )
+    a, i_z, q = _inverse_projection(build, bucket)
     across = build.vector("SCALE", a, build.math("MULTIPLY", q, -1.0) if kind is Kind.REFLECTION else q)
     x, y, _ = build.separate(across)
     direction = build.vector("SCALE", tangent, x)
@@ -117,12 +169,12 @@ def _portal_material(plan: CapturePlan, kind: Kind, extent: Extent, reach: float
     return material
 
 
-def _inverse_projection(build: NodeBuilder, cells: Socket) -> tuple[Socket, Socket, Socket]:
-    """A, I.z and q of a position in texels.
+def _inverse_projection(build: NodeBuilder, bucket: Socket) -> tuple[Socket, Socket, Socket]:
+    """A, I.z and q of a place in the bucket, 0 to 1 along both sides.
 
-    B = 2 fract - 1, A = B max|B| / |B|, I.z = 1 - |A|^2, q = sqrt(2 - |A|^2).
+    B = 2 place - 1, A = B max|B| / |B|, I.z = 1 - |A|^2, q = sqrt(2 - |A|^2).
     """
-    b = build.vector("MULTIPLY_ADD", build.vector("FRACTION", cells), (2.0, 2.0, 0.0), (-1.0, -1.0, 0.0))
+    b = build.vector("MULTIPLY_ADD", bucket, (2.0, 2.0, 0.0), (-1.0, -1.0, 0.0))
     x, y, _ = build.separate(build.vector("ABSOLUTE", b))
     a = build.vector("SCALE", b, build.math("DIVIDE", build.math("MAXIMUM", x, y), build.vector("LENGTH", b)))
     squared = build.vector("DOT_PRODUCT", a, a)

@@ -57,6 +57,30 @@ def _output(render: bpy.types.RenderSettings) -> None:
     render.use_placeholder = False
 
 
+def look_at_centres(scene: bpy.types.Scene) -> None:
+    """Send every ray through its pixel's centre."""
+    cycles = cast(Any, scene).cycles
+    cycles.pixel_filter_type, cycles.filter_width = "GAUSSIAN", 0.01
+
+
+def keep_passes(scene: bpy.types.Scene, passes: tuple[str, ...]) -> None:
+    """Write passes, named as a view layer's attributes, beside the combined picture."""
+    layer = next(layer for layer in scene.view_layers if layer.use)
+    for name in passes:
+        setattr(layer, name, True)
+    image = scene.render.image_settings
+    if hasattr(image, "media_type"):  # Blender 5
+        image.media_type = "MULTI_LAYER_IMAGE"
+    image.file_format, image.color_depth = "OPEN_EXR_MULTILAYER", "32"
+    image.exr_codec = "NONE"
+
+
+def first_hit_only(scene: bpy.types.Scene) -> None:
+    """Let paths end where they first meet something: for passes that know nothing of light."""
+    cycles = cast(Any, scene).cycles
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = 0
+
+
 def allow_more_bounces(scene: bpy.types.Scene, transparent: int, glossy: int) -> None:
     """Pay for what the apparatus spends of a path: portals are transparent bounces, mirrors glossy ones."""
     cycles = cast(Any, scene).cycles

@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Single paths of light, as a capture traces them for the shared layout: many directions, one sample each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from ..core.arrays import Bools, Floats, Ints
+from ..core.hemisphere import mirror_direction, square_to_direction
+from .plan import CapturePlan
+
+
+@dataclass(frozen=True, eq=False)
+class LightSamples:
+    """What leaves the plan's K texels in S directions each, known exactly.
+
+    `square` (K, S, 2): each direction's bucket coordinates B. `radiance` (K, S, 3), all light, and `diffuse`
+    (K, S, 3), that of the diffuse passes in it; float16 will do. `colour` (K, 3), the diffuse colour pass in
+    the mean. `seen` (K, S): whether a viewer can be there at all.
+    """
+
+    plan: CapturePlan
+    square: Floats
+    radiance: Floats
+    diffuse: Floats
+    colour: Floats
+    seen: Bools
+
+
+@dataclass(frozen=True, eq=False)
+class Meetings:
+    """What mirror-bound rays from the plan's K texels meet, s rays each.
+
+    `square` (K, s, 2): bucket coordinates B of the viewer whose ray is mirrored. `point` (K, s, 3): where it
+    meets something, in world space. `nothing` (K, s): it meets the world alone. `itself` (K, s): it meets the
+    baked object.
+    """
+
+    square: Floats
+    point: Floats
+    nothing: Bools
+    itself: Bools
+
+
+def mirrored(plan: CapturePlan, square: Floats) -> Floats:
+    """World mirror directions R of viewers at bucket coordinates B: (K, S, 2) -> (K, S, 3) float32."""
+    local = mirror_direction(square_to_direction(square)).astype(np.float32)
+    count = len(plan.texel)
+    tangent, bitangent, normal = (
+        axis.reshape(-1, 3)[:count, None] for axis in (plan.tangent, plan.bitangent, plan.normal)
+    )
+    world = local[..., :1] * tangent + local[..., 1:2] * bitangent + local[..., 2:] * normal
+    return cast(Floats, world)
+
+
+def spread_shifts(count: int, seed: int) -> Floats:
+    """A place in [0, 1)^2 for each of `count` texels: (count, 2), low-discrepancy, turned by `seed`.
+
+    Neighbouring texels look between each other's directions. Roberts, "The Unreasonable Effectiveness of
+    Quasirandom Sequences" (2018): steps of 1/g and 1/g^2, g^3 = g + 1.
+    """
+    golden = 1.32471795724474602596
+    steps = np.array([1 / golden, 1 / golden**2])
+    turn = np.random.default_rng(seed).random(2)
+    shifts: Floats = (turn + np.arange(count)[:, None] * steps) % 1.0
+    return shifts
+
+
+def cells_of(square: Floats, bucket: int) -> Ints:
+    """Flat index q * n + p of the bucket cell that holds B: (..., 2) -> (...)."""
+    cell = np.clip(((square + 1) / 2 * bucket).astype(np.int32), 0, bucket - 1)
+    index: Ints = cell[..., 1] * bucket + cell[..., 0]
+    return index

@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All directions on one square: the octahedral map, and bilinear lookups that know what lies beyond an edge.
+
+Meyer et al., "On Floating-Point Normal Vectors" (2010): the unit sphere is projected onto the octahedron
+|x| + |y| + |z| = 1 and its lower half folded outwards. +z is the square's middle, -z its four corners.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from .arrays import Floats, Ints, as_floats
+from .errors import ShapeError
+
+_TINY = 1e-30  # keeps 0/0 away: the zero vector lands in the middle
+
+
+def direction_to_octahedron(direction: Floats) -> Floats:
+    """Place of directions on the square: (..., 3), of any length -> (..., 2) in [0, 1]."""
+    direction = as_floats("direction", direction, 3)
+    flat = direction / np.maximum(np.abs(direction).sum(axis=-1, keepdims=True), _TINY)
+    xy = flat[..., :2]
+    folded = (1 - np.abs(xy[..., ::-1])) * np.where(xy >= 0, 1, -1).astype(xy.dtype)
+    place: Floats = np.where(flat[..., 2:] < 0, folded, xy) * 0.5 + 0.5
+    return place.astype(direction.dtype, copy=False)
+
+
+def octahedron_to_direction(place: Floats) -> Floats:
+    """Unit direction of a place on the square: (..., 2) -> (..., 3)."""
+    xy = as_floats("place", place, 2) * 2 - 1
+    z = 1 - np.abs(xy).sum(axis=-1, keepdims=True)
+    folded = (1 - np.abs(xy[..., ::-1])) * np.where(xy >= 0, 1, -1).astype(xy.dtype)
+    direction = np.concatenate([np.where(z < 0, folded, xy), z], axis=-1)
+    unit: Floats = direction / np.sqrt(np.sum(direction * direction, axis=-1, keepdims=True))
+    return unit
+
+
+def octahedron_cell(place: Floats, size: int) -> Ints:
+    """Flat index y * size + x of the cell that holds each place (..., 2), on a map of size x size cells."""
+    place = as_floats("place", place, 2)
+    cell = np.minimum((place * size).astype(np.int32), size - 1)
+    index: Ints = cell[..., 1] * size + cell[..., 0]
+    return index
+
+
+def octahedron_taps(place: Floats, size: int) -> Iterator[tuple[Ints, Floats]]:
+    """The four cells around each place (..., 2) and their weights, both (...).
+
+    A cell beyond an edge is the one that lies there on the sphere: the same edge's, mirrored at its middle.
+    """
+    place = as_floats("place", place, 2)
+    position = place * place.dtype.type(size) - place.dtype.type(0.5)
+    corner = np.floor(position)
+    fraction = position - corner
+    for dy in (0, 1):
+        for dx in (0, 1):
+            x, y = corner[..., 0].astype(np.int32) + dx, corner[..., 1].astype(np.int32) + dy
+            beyond_x, beyond_y = (x < 0) | (x >= size), (y < 0) | (y >= size)
+            x, y = (
+                np.where(beyond_y, size - 1 - x, np.clip(x, 0, size - 1)),
+                np.where(beyond_x, size - 1 - y, np.clip(y, 0, size - 1)),
+            )
+            x, y = np.clip(x, 0, size - 1), np.clip(y, 0, size - 1)
+            weight = np.prod(np.where(np.array([dx, dy]) == 1, fraction, 1 - fraction), axis=-1)
+            yield y * size + x, weight
+
+
+def sample_octahedron(image: Floats, place: Floats) -> Floats:
+    """Bilinear lookup: image (M, M, C), place (..., 2) -> (..., C). Raises ShapeError for other shapes."""
+    if image.ndim != 3 or image.shape[0] != image.shape[1]:
+        raise ShapeError(f"octahedral image: expected shape (M, M, C), got {image.shape}")
+    size = len(image)
+    cells = image.reshape(size * size, -1)
+    taps = [cells[index] * weight[..., None] for index, weight in octahedron_taps(place, size)]
+    return np.asarray(taps[0] + taps[1] + taps[2] + taps[3])
