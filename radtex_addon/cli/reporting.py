@@ -124,9 +124,13 @@ class _Lines:
 
     def __init__(self, stream: TextIO) -> None:
         self._stream, self._clock = stream, _Clock()
+        self._said: tuple[str, Progress] | None = None
 
     def progress(self, name: str, step: Progress) -> None:
         left = self._clock.left(name, step)
+        if self._said == (name, step):  # a stage that knows no parts only says that it lives
+            return
+        self._said = (name, step)
         self.event(
             "progress",
             object=name,

@@ -15,8 +15,7 @@ import numpy as np
 from ..core.arrays import Floats
 from ..core.errors import BakeError
 from ..formats.exr import read_render
-from ..scene.nodes import NodeBuilder
-from ..scene.nodes import open_material as open_material  # noqa: PLC0414  # portal.py takes it from here
+from ..scene.nodes import NodeBuilder, open_material
 
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
 

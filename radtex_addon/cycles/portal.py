@@ -21,14 +21,13 @@ from ..bake.spec import Kind
 from ..core.arrays import Floats
 from ..core.errors import BakeError
 from ..core.hemisphere import cell_centres
-from ..scene.nodes import NodeBuilder, Socket
+from ..scene.nodes import NodeBuilder, Socket, open_material
 from .apparatus import (
     Extent,
     above_everything,
     camera_above,
     float_image,
     mirror_material,
-    open_material,
     plane,
     render_layers,
 )

@@ -84,7 +84,7 @@ class RADTEX_OT_bake(bpy.types.Operator):
         return context.window_manager.invoke_props_dialog(self)
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
-        # Imported here, so that OpenEXR and xatlas load with the first bake and not with Blender.
+        # Imported here, so that OpenEXR loads with the first bake and not with Blender.
         from ..bake.spec import BakeSpec, Kind
         from ..core.errors import RadTexError
         from ..job import bake_object
