@@ -19,7 +19,7 @@ import numpy.typing as npt
 from ..core.arrays import Bools, Floats, Ints
 from ..core.gutter import dilate, nearest_covered
 from ..core.hemisphere import square_to_direction
-from ..core.octahedron import direction_to_octahedron, octahedron_cell
+from ..core.octahedron import direction_to_octahedron, octahedron_cell, octahedron_taps, sample_octahedron
 from ..core.shared import SharedAtlas, meet_surroundings, sample_falloff
 from .light_samples import LightSamples, Meetings, mirrored
 from .plan import CapturePlan
@@ -37,7 +37,8 @@ _GAMMA = 2.2
 _PRIOR = 0.02  # of a cell's mean weight: pulls gain to 1 and rest to 0 where a cell saw little
 _EYE = 1.1  # power of the brightness that an error is relative to
 _BRIGHTEST = 12.0  # times the mean luminance: a brighter sample is limited while fits are made
-_HIGHLIGHT = 0.25  # share of the samples of a direction that must be as bright for it to be a highlight
+_FEW = 2  # samples: that many may all be fireflies
+_HIGHLIGHT = 0.08  # share of the samples of a direction that must be as bright for it to be a highlight
 _BLUR = np.array([0.054489, 0.244201, 0.402620, 0.244201, 0.054489], dtype=np.float32)  # sigma 1 texel
 _CHUNK = 1 << 18  # samples in hand at once
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
@@ -56,7 +57,7 @@ def fit_shared(
 ) -> Fitted:
     """Fit the shared layout to samples: buckets of cells x cells, surroundings of size x size.
 
-    `colour` (H', W', 3) is the diffuse colour pass seen along the normal, gutter filled.
+    `colour` (H', W', 3) is the diffuse colour pass along the normal, gutter filled.
     """
     plan = samples.plan
     places = plan.position.reshape(-1, 3)[: len(plan.texel)]
@@ -70,13 +71,13 @@ def fit_shared(
     irradiance = _divide_out(diffuse, samples, facing, falloff)
     glossy = samples.radiance.reshape(-1, 3)[used].astype(np.float32)
     glossy -= samples.diffuse.reshape(-1, 3)[used]
-    gloss = _Gloss.prepare(samples, used, owner, np.maximum(glossy, 0), nearness, middle, cells, size)
-    surroundings, own = gloss.fit()
+    light = np.maximum(glossy, 0)
+    gloss = _Gloss.prepare(samples, used, owner, light, nearness, middle, cells, size).fit()
     layout = plan.layout
     shape = (layout.height, layout.width)
     atlas = SharedAtlas(
-        rest=_placed(own, plan).reshape(*shape, cells, cells, 4),
-        surroundings=surroundings.reshape(size, size, 3),
+        rest=_placed(gloss.own, plan).reshape(*shape, *gloss.own.shape[1:]),
+        surroundings=gloss.surroundings,
         nearness=nearness,
         middle=middle,
         colour=colour.astype(np.float32),
@@ -118,7 +119,7 @@ def fit_diffuse(samples: LightSamples, facing: Floats, used: Ints, owner: Ints) 
     weight = (1 / (level + level.mean() / 4))[owner][:, None].astype(np.float32)
     seen = _sums(step, weight * mean[owner].astype(np.float32), FALLOFF_SIZE)
     curve = np.divide(_sums(step, weight * light, FALLOFF_SIZE), seen, where=seen > 0, out=np.ones_like(seen))
-    known = np.flatnonzero((seen > 1e-3 * seen.max(axis=0)).all(axis=1))
+    known = np.flatnonzero((seen >= 1e-3 * seen.max(axis=0)).all(axis=1))
     for channel in range(3):
         curve[:, channel] = np.interp(np.arange(FALLOFF_SIZE), known, curve[known, channel])
     curve = (curve / np.maximum(curve[-1], 1e-6)).astype(np.float32)
@@ -136,6 +137,15 @@ def _divide_out(diffuse: Floats, samples: LightSamples, facing: Floats, falloff:
     return divided
 
 
+@dataclass(frozen=True, eq=False)
+class _GlossFit:
+    """Surroundings (M, M, 3), rest and gain (K, n, n, 4), the share of fireflies."""
+
+    surroundings: Floats
+    own: Floats
+    fireflies: float
+
+
 @dataclass
 class _Gloss:
     """The glossy samples (P,), the cell of R of each, by texel, and the cell of the surroundings it met."""
@@ -145,10 +155,11 @@ class _Gloss:
     fitted: Bools
     met: Ints
     cell: Ints
+    judged_place: Floats
+    judged_met: Floats
     cells: int
     size: int
     level: float
-    fireflies: float = 0.0
 
     @classmethod
     def prepare(
@@ -166,19 +177,24 @@ class _Gloss:
         places = plan.position.reshape(-1, 3)
         away = mirrored(plan, samples.square).reshape(-1, 3)
         met, cell = (np.empty(len(used), dtype=np.int32) for _ in range(2))
+        fitted = np.random.default_rng(0).random(len(used)) >= _JUDGES
+        judged = []
         for first in range(0, len(used), _CHUNK):
             part = slice(first, first + _CHUNK)
             direction = away[used[part]]
             found = meet_surroundings(nearness, middle, places[owner[part]], direction)
-            met[part] = octahedron_cell(direction_to_octahedron(found), size)
-            cell[part] = octahedron_cell(direction_to_octahedron(direction), cells)
+            place, there = direction_to_octahedron(direction), direction_to_octahedron(found)
+            met[part], cell[part] = octahedron_cell(there, size), octahedron_cell(place, cells)
+            judges = ~fitted[part]
+            judged.append(np.stack([place[judges], there[judges]]))
         cell += owner * np.int32(cells * cells)
-        level = float((samples.radiance.reshape(-1, 3)[used].astype(np.float32) @ _LUMINANCE).mean())
-        fitted = np.random.default_rng(0).random(len(used)) >= _JUDGES
-        return cls(plan, light, fitted, met, cell, cells, size, max(level, 1e-6))
+        judged_place, judged_met = np.concatenate([np.zeros((2, 0, 2), np.float32), *judged], axis=1)
+        bright = samples.radiance.reshape(-1, 3)[used].astype(np.float32) @ _LUMINANCE
+        level = max(float(bright.mean()), 1e-6) if len(bright) else 1e-6
+        return cls(plan, light, fitted, met, cell, judged_place, judged_met, cells, size, level)
 
-    def fit(self) -> tuple[Floats, Floats]:
-        """Surroundings (M*M, 3), and each texel's rest and gain (K, n*n, 4).
+    def fit(self) -> _GlossFit:
+        """Find the surroundings, and each texel's rest and gain.
 
         Every eighth sample stays out of the fit and judges it: where texels see nothing in common, as through
         glass, a fit without surroundings is the better one.
@@ -201,15 +217,22 @@ class _Gloss:
         if self._error(alone, own_alone) < self._error(surroundings, own):
             surroundings, own = alone, own_alone
             own[:, 3] = 0
-        surroundings = self._restore_highlights(surroundings, own, excess)
-        return surroundings, own.reshape(len(self.plan.texel), -1, 4)
+        surroundings, fireflies = self._restore_highlights(surroundings, own, excess)
+        n = self.cells
+        return _GlossFit(surroundings.reshape(self.size, -1, 3), own.reshape(-1, n, n, 4), fireflies)
 
     def _error(self, surroundings: Floats, own: Floats) -> float:
-        """Mean error of the samples that were not fitted, in display values."""
-        judges = ~self.fitted
-        mine = own[self.cell[judges]]
-        found = mine[:, 3:] * surroundings[self.met[judges]] + mine[:, :3]
-        return float(np.abs(self._display(np.maximum(found, 0)) - self._display(self.light[judges])).mean())
+        """Mean error of the judges in display values, looked up as a fragment at the texel's centre is."""
+        judges = np.flatnonzero(~self.fitted)
+        if not len(judges):
+            return 0.0
+        first = self.cell[judges] // self.cells**2 * self.cells**2
+        mine = np.zeros((len(judges), 4), dtype=np.float32)
+        for cell, weight in octahedron_taps(self.judged_place, self.cells):
+            mine += weight[:, None] * own[first + cell]
+        shared = sample_octahedron(surroundings.reshape(self.size, self.size, 3), self.judged_met)
+        found = np.maximum(mine[:, 3:] * shared + mine[:, :3], 0)
+        return float(np.abs(self._display(found) - self._display(self.light[judges])).mean())
 
     def _agree(self) -> Floats:
         """What most samples see in each direction: a mean without those that disagree, self-reflections."""
@@ -230,22 +253,27 @@ class _Gloss:
         self.light = limited
         return excess
 
-    def _restore_highlights(self, surroundings: Floats, own: Floats, excess: Floats) -> Floats:
-        """Give back what was cut off where many samples agree; the rest were fireflies: note their share."""
+    def _restore_highlights(self, surroundings: Floats, own: Floats, excess: Floats) -> tuple[Floats, float]:
+        """Give back what was cut off where many samples agree; return the share of the rest, fireflies."""
         cut = excess.any(axis=1)
         seen = np.maximum(np.bincount(self.met, minlength=self.size**2), 1)
         shown = cut & (own[self.cell, 3] > 0)
-        agreed = np.bincount(self.met, shown.astype(np.float32), self.size**2) > _HIGHLIGHT * seen
-        kept = np.where(agreed[:, None], _sums(self.met, excess, self.size**2) / seen[:, None], 0)
+        agreeing = np.bincount(self.met, shown.astype(np.float32), self.size**2)
+        agreed = agreeing > np.maximum(_HIGHLIGHT * seen, _FEW)
+        gain = np.maximum(np.bincount(self.met, own[self.cell, 3], self.size**2), 1)[:, None]
+        kept = np.where(agreed[:, None], _sums(self.met, excess, self.size**2) / gain, 0)
         total = float(self.light.sum(dtype=np.float64)) + float(excess.sum(dtype=np.float64))
         lost = float(excess[~agreed[self.met]].sum(dtype=np.float64))
-        self.fireflies = lost / max(total, 1e-12)
-        return (surroundings + kept).astype(np.float32)
+        restored = (surroundings + kept).astype(np.float32)
+        met = np.bincount(self.met, self.fitted, self.size**2) > 0
+        if met.any():
+            dilate(restored.reshape(self.size, self.size, 3), nearest_covered(met.reshape(self.size, -1)))
+        return restored, lost / max(total, 1e-12)
 
     def _surroundings(self, last: Floats, mine: Floats, weight: Floats) -> Floats:
         pull = weight * mine[:, 3]
         against = np.bincount(self.met, pull * mine[:, 3], self.size**2)[:, None]
-        prior = 1e-3 * against.mean()
+        prior = max(1e-3 * float(against.mean()), 1e-12)
         total = _sums(self.met, pull[:, None] * (self.light - mine[:, :3]), self.size**2)
         return np.maximum((total + prior * last) / (against + prior), 0).astype(np.float32)
 
@@ -257,12 +285,18 @@ class _Gloss:
         w, ss, sy = sums[:3]
         s: Floats = np.stack(sums[3:6], axis=-1)
         y: Floats = np.stack(sums[6:], axis=-1)
-        usual = _PRIOR * w.mean()
-        w, prior = w[:, None] + usual, usual * self.level**2
+        usual = max(_PRIOR * float(w.mean()), 1e-12)
+        mean = self._of_texel(y - s) / np.maximum(self._of_texel(w[:, None]), 1e-12)
+        w, prior, y = w[:, None] + usual, usual * self.level**2, y + usual * mean
         gain = (sy - np.sum(s * y / w, axis=1) + prior) / (ss - np.sum(s * s / w, axis=1) + prior)
         gain = np.clip(gain, 0, 1.5)[:, None]
         own: Floats = np.concatenate([(y - gain * s) / w, gain], axis=1)
         return own
+
+    def _of_texel(self, sums: Floats) -> Floats:
+        """Each cell's sums (K*n*n, C) exchanged for its whole texel's."""
+        whole = sums.reshape(len(self.plan.texel), self.cells**2, -1).sum(axis=1)
+        return np.repeat(whole, self.cells**2, axis=0)
 
     def _blurred(self, sums: npt.NDArray[Any]) -> Floats:
         """Sums of cells (K*n*n,), each with its neighbours' in the atlas, at the same R."""

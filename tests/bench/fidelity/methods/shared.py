@@ -45,8 +45,8 @@ class Shared:
 
     name = "shared"
 
-    def __init__(self, texels: int, directions: int, cells: int) -> None:
-        self.texels, self.directions, self.cells = texels, directions, cells
+    def __init__(self, texels: int, directions: int) -> None:
+        self.texels, self.directions = texels, directions
 
     def bake(self, stage: Stage, folder: Path) -> Baked:
         scene = cast(bpy.types.Scene, bpy.context.scene)
@@ -78,7 +78,7 @@ class Shared:
         with scratch_scene(scene, None, []) as scratch:
             colour = capture_colour(scratch, fine, 0, folder)
         captured = perf_counter()
-        fitted = fit_shared(samples, meetings, colour, self.cells)
+        fitted = fit_shared(samples, meetings, colour)
         atlas, ended = fitted.atlas, perf_counter()
         print(
             f"{stage.name}: captured in {captured - started:.1f} s, fitted in {ended - captured:.1f} s, "
@@ -122,4 +122,4 @@ def _bytes(atlas: SharedAtlas) -> int:
     return _HALF * (4 * pixels + int(np.prod(atlas.nearness.shape)))
 
 
-METHOD = Shared(texels=128, directions=28, cells=16)
+METHOD = Shared(texels=128, directions=28)
