@@ -18,7 +18,7 @@ from ..core.hemisphere import square_to_direction
 from ..core.octahedron import direction_to_octahedron, octahedron_cell
 from ..core.shared import SharedAtlas, sample_falloff
 from .gloss import LUMINANCE, Gloss, sums
-from .light_samples import LightSamples, Meetings, mirrored
+from .light_samples import LightSamples, mirrored
 from .plan import CapturePlan
 
 NEARNESS_SIZE = 64
@@ -36,7 +36,7 @@ class Fitted:
 
 
 def fit_shared(
-    samples: LightSamples, meetings: Meetings, colour: Floats, cells: int = 16, size: int = 192
+    samples: LightSamples, meetings, colour: Floats, cells: int = 16, size: int = 192
 ) -> Fitted:
     """Fit the shared layout to samples: buckets of cells x cells, surroundings of size x size.
 
@@ -70,7 +70,7 @@ def fit_shared(
     return Fitted(atlas, gloss.fireflies)
 
 
-def fit_nearness(meetings: Meetings, plan: CapturePlan, middle: Floats, far: float) -> Floats:
+def fit_nearness(meetings, plan: CapturePlan, middle: Floats, far: float) -> Floats:
     """One over the distance from `middle` of what lies in each direction, the median: (D, D) float32."""
     away = mirrored(plan, meetings.square)
     towards = np.where(meetings.nothing[..., None], far * away, meetings.point - middle)[~meetings.itself]

@@ -18,32 +18,60 @@ from .plan import CapturePlan
 class LightSamples:
     """What leaves the plan's K texels in S directions each, known exactly.
 
-    `square` (K, S, 2): each direction's bucket coordinates B. `radiance` (K, S, 3), all light, and `diffuse`
-    (K, S, 3), that of the diffuse passes in it; float16 will do. `colour` (K, 3), the diffuse colour pass in
-    the mean. `seen` (K, S): whether a viewer can be there at all.
+    `square` (K, S, 2): each direction's bucket coordinates B. `diffuse`, `mirrored`, `through` (K, S, 3): the
+    light of the diffuse passes, of the transmission passes, and all else; float16 will do. `colour` (K, 3),
+    the diffuse colour pass in the mean. `seen` (K, S): whether a viewer can be there at all.
     """
 
     plan: CapturePlan
     square: Floats
-    radiance: Floats
     diffuse: Floats
+    mirrored: Floats
+    through: Floats
     colour: Floats
     seen: Bools
 
 
 @dataclass(frozen=True, eq=False)
-class Meetings:
-    """What mirror-bound rays from the plan's K texels meet, s rays each.
+class EndSamples:
+    """Where paths end that leave the object, S from each of the plan's K texels.
 
-    `square` (K, s, 2): bucket coordinates B of the viewer whose ray is mirrored. `point` (K, s, 3): where it
-    meets something, in world space. `nothing` (K, s): it meets the world alone. `itself` (K, s): it meets the
-    baked object.
+    `square` (K, S, 2): bucket coordinates B of the viewers. By the lobe of the first bounce, `mirrored` and
+    `through`, (K, S, 3) each: how much the object lets through (`..._weight`), and the direction of the end from
+    the object's middle (`..._end`), shorter than 1 where several paths were one sample, 0 where none was.
     """
 
+    plan: CapturePlan
     square: Floats
-    point: Floats
-    nothing: Bools
-    itself: Bools
+    mirrored_weight: Floats
+    mirrored_end: Floats
+    through_weight: Floats
+    through_end: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class SurroundingsSamples:
+    """The light that arrives at the object: P samples of its source.
+
+    `direction` (P, 3), unit, from the object's middle, `radiance` (P, 3), and `nearness` (P,), one over the
+    distance from the middle.
+    """
+
+    direction: Floats
+    radiance: Floats
+    nearness: Floats
+
+
+def distance_along(direction: Floats, offset: Floats, away: Floats) -> Floats:
+    """How far along `direction`, from the origin, a ray from `offset` along `away` comes by, all (P, 3): (P,).
+
+    Infinite where both are parallel.
+    """
+    across = np.cross(direction, away)
+    squared = np.sum(across * across, axis=-1)
+    along = np.sum(np.cross(offset, away) * across, axis=-1)
+    found: Floats = np.where((squared > 1e-8) & (along > 0), along / np.maximum(squared, 1e-8), np.inf)
+    return found
 
 
 def mirrored(plan: CapturePlan, square: Floats) -> Floats:

@@ -2,19 +2,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The shared layout: what all texels see in common is kept once, sharp; a texel keeps what is its own.
 
-    radiance = colour(uv) irradiance(uv) falloff(N.I)  +  gain(uv, R) surroundings(d)  +  rest(uv, R)
+    radiance = colour(uv) irradiance(uv) falloff(N.V)
+             + for each lobe:  gain(uv, A) surroundings(A + shift(uv, A), spread(uv, A)) + rest(uv, A)
 
-R is the mirror direction at the fragment, in world space. `surroundings` is one octahedral picture of what
-glossy light comes from, over the direction d in which the point that R meets lies from the object's middle:
-near things stand where they are, whatever texel looks at them (`meet_surroundings`). Gain (how much of it is
-seen) and rest (what else is) are a bucket a texel, over the octahedron of R: neighbouring texels are blended
-at the same R, not at the same angle to their normals, so that a curved surface blurs nothing.
+A lobe's axis A is a world direction at the fragment: the mirror direction of the viewer, or straight through
+the surface. Light that leaves along the lobe comes from elsewhere in the surroundings, from around the
+direction A + shift, blurred by `spread`: a near thing, another part of the object that mirrors in turn, what
+stands behind glass. `surroundings` is one picture of them for all texels, ever more blurred from level to level.
+Shift, spread, gain and rest are buckets, over the octahedron of A: neighbouring texels are blended at the same
+world direction, not at the same angle to their normals, so that a curved surface blurs nothing.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 
@@ -22,90 +25,109 @@ from .arrays import Floats, Ints, as_floats
 from .errors import ShapeError
 from .octahedron import direction_to_octahedron, octahedron_taps, sample_octahedron
 
-MEETINGS = 6  # iterations by which a ray finds what it meets
+LEAST_LEVEL = 8  # cells along a side of the most blurred surroundings
 
-_AXES: dict[str, tuple[str | int, ...]] = {  # the same letter, the same size
-    "rest": ("H", "W", "n", "n", 4),
-    "surroundings": ("M", "M", 3),
-    "nearness": ("D", "D"),
-    "middle": (3,),
-    "colour": ("H'", "W'", 3),
-    "irradiance": ("H", "W", 3),
-    "falloff": ("B", 3),
-}
+
+class Axis(StrEnum):
+    """What a lobe's buckets turn with: the viewer's mirror direction, or the way the viewer looks."""
+
+    MIRROR = "mirror"
+    THROUGH = "through"
+
+
+@dataclass(frozen=True, eq=False)
+class Lobe:
+    """One lobe's buckets, by [j, i, y, x], the last two on the octahedron of its axis; float32.
+
+    `ends` (H, W, n, n, 4): shift, then spread, the variance in radians² along each of two axes. `gain` and
+    `rest` (H, W, n, n, 3), linear RGB. Raises ShapeError if shapes do not fit.
+    """
+
+    axis: Axis
+    ends: Floats
+    gain: Floats
+    rest: Floats
+
+    def __post_init__(self) -> None:
+        base = self.ends.shape[:-1]
+        square = len(base) == 4 and base[2] == base[3]
+        for name, channels in (("ends", 4), ("gain", 3), ("rest", 3)):
+            shape = getattr(self, name).shape
+            if not square or shape != (*base, channels):
+                raise ShapeError(f"{self.axis} {name}: expected shape (H, W, n, n, {channels}), got {shape}")
 
 
 @dataclass(frozen=True, eq=False)
 class SharedAtlas:
     """A bake in the shared layout; float32, scene-linear Rec.709, row 0 at v = 0, space the world's.
 
-    `rest` (H, W, n, n, 4): rest in RGB, gain in A, by [j, i, y, x], the last two on the octahedron of R.
-    `surroundings` (M, M, 3) and `nearness` (D, D), one over the distance of what is there, on the octahedron
-    of directions from `middle` (3,). `colour` (H', W', 3), `irradiance` (H, W, 3), and `falloff` (B, 3) at
-    N.I = (k + 0.5) / B. Raises ShapeError if shapes do not fit.
+    `colour` (H', W', 3), `irradiance` (H, W, 3), and `falloff` (B, 3) at N.V = (k + 0.5) / B. `surroundings`:
+    level l is (max(M / 2^l, 8),) * 2 + (3,), on the octahedron of directions, blurred by a variance of
+    `sharpest` 4^l. `lobes` share H, W and n. Raises ShapeError if shapes do not fit.
     """
 
-    rest: Floats
-    surroundings: Floats
-    nearness: Floats
-    middle: Floats
     colour: Floats
     irradiance: Floats
     falloff: Floats
+    surroundings: tuple[Floats, ...]
+    sharpest: float
+    lobes: tuple[Lobe, ...]
 
     def __post_init__(self) -> None:
-        sizes: dict[str | int, int] = {3: 3, 4: 4}
-        for name, axes in _AXES.items():
+        for name, axes in (("colour", 3), ("irradiance", 3), ("falloff", 2)):
             shape = getattr(self, name).shape
-            if len(shape) == len(axes):
-                sizes = dict(zip(axes, shape, strict=True)) | sizes
-            expected = tuple(sizes.get(axis, axis) for axis in axes)
-            if shape != expected:
-                raise ShapeError(f"{name}: expected shape ({', '.join(map(str, expected))}), got {shape}")
+            if len(shape) != axes or shape[-1] != 3:
+                raise ShapeError(f"{name}: expected {axes} axes, the last of 3, got shape {shape}")
+        sizes = [level.shape for level in self.surroundings]
+        expected = [(size, size, 3) for size in level_sizes(sizes[0][0], len(sizes))] if sizes else [()]
+        if sizes != expected:
+            raise ShapeError(f"surroundings: expected shapes {expected}, got {sizes}")
+        for lobe in self.lobes:
+            if lobe.ends.shape[:3] != (*self.irradiance.shape[:2], self.lobes[0].ends.shape[2]):
+                raise ShapeError(f"{lobe.axis} ends: shape {lobe.ends.shape} does not fit the other maps")
 
 
-def sample_shared(atlas: SharedAtlas, uv: Floats, position: Floats, normal: Floats, viewer: Floats) -> Floats:
+def level_sizes(size: int, count: int) -> list[int]:
+    """Sides of the surroundings' `count` levels, the sharpest of `size` cells."""
+    return [max(size >> level, LEAST_LEVEL) for level in range(count)]
+
+
+def sample_shared(atlas: SharedAtlas, uv: Floats, normal: Floats, viewer: Floats) -> Floats:
     """Radiance seen at fragments, (K, 3) float32, linear.
 
-    `uv` (K, 2); `position`, unit `normal` and unit `viewer`, the direction to the viewer, (K, 3), in world
-    space. Raises ShapeError for other shapes.
+    `uv` (K, 2); unit `normal` and unit `viewer`, the direction to the viewer, (K, 3), in world space. Raises
+    ShapeError for other shapes.
     """
     uv = as_floats("uv", uv, 2)
-    for name, vectors in {"position": position, "normal": normal, "viewer": viewer}.items():
+    for name, vectors in {"normal": normal, "viewer": viewer}.items():
         if vectors.shape != (len(uv), 3):
             raise ShapeError(f"{name}: expected shape {(len(uv), 3)}, as many as uv, got {vectors.shape}")
     facing = np.sum(normal * viewer, axis=1, keepdims=True)
-    mirrored = 2 * facing * normal - viewer
-    height, width, n = atlas.rest.shape[:3]
-    texels = atlas.rest.reshape(height * width, n * n, 4)
-    place = direction_to_octahedron(mirrored)
-    own = np.zeros((len(uv), 4), dtype=np.float32)
-    for texel, weight in bilinear_texels(uv, width, height):
-        for cell, share in octahedron_taps(place, n):
-            own += (weight * share)[:, None] * texels[texel, cell]
-    met = direction_to_octahedron(meet_surroundings(atlas.nearness, atlas.middle, position, mirrored))
-    shared = own[:, 3:] * sample_octahedron(atlas.surroundings, met)
-    return _view_independent(atlas, uv, facing[:, 0]) + shared + own[:, :3]
+    light = _bilinear(atlas.colour, uv) * _bilinear(atlas.irradiance, uv)
+    light = light * sample_falloff(atlas.falloff, facing[:, 0])
+    for lobe in atlas.lobes:
+        axis = 2 * facing * normal - viewer if lobe.axis is Axis.MIRROR else -viewer
+        light = light + _sample_lobe(atlas, lobe, uv, axis)
+    return np.maximum(light, 0).astype(np.float32, copy=False)
 
 
-def meet_surroundings(nearness: Floats, middle: Floats, position: Floats, direction: Floats) -> Floats:
-    """Directions from the middle (K, 3), unit, of what rays from positions along unit directions (K, 3) meet.
+def sample_surroundings(
+    surroundings: tuple[Floats, ...], sharpest: float, direction: Floats, spread: Floats
+) -> Floats:
+    """Surroundings around directions (K, 3), of any length, blurred by variances (K,): (K, 3)."""
+    place = direction_to_octahedron(direction)
+    light = np.zeros((len(direction), 3), dtype=np.float32)
+    for level, weight in level_weights(spread, sharpest, len(surroundings)):
+        some = np.flatnonzero(weight)
+        light[some] += weight[some, None] * sample_octahedron(surroundings[level], place[some])
+    return light
 
-    `nearness` (D, D) as in `SharedAtlas`. The ray is cut with the sphere that is as large as what lies in the
-    direction found last, again and again: Szirmay-Kalos et al., "Approximate Ray-Tracing on the GPU with
-    Distance Impostors" (2005).
-    """
-    offset = (position - middle).astype(np.float32)
-    direction = direction.astype(np.float32)
-    along = np.sum(offset * direction, axis=1)
-    squared = np.sum(offset * offset, axis=1)
-    found = direction
-    for _ in range(MEETINGS):
-        near = sample_octahedron(nearness[..., None], direction_to_octahedron(found))[:, 0]
-        distance = np.sqrt(np.maximum(along * along - squared + 1 / (near * near), 0)) - along
-        reached = offset + distance[:, None] * direction
-        found = reached / np.sqrt(np.sum(reached * reached, axis=1, keepdims=True))
-    return found
+
+def level_weights(spread: Floats, sharpest: float, count: int) -> Iterator[tuple[int, Floats]]:
+    """Each level's share (K,) in a lookup blurred by variances (K,): linear between the two nearest."""
+    level = np.clip(np.log2(np.maximum(spread, 1e-12) / sharpest) / 2, 0, count - 1).astype(np.float32)
+    for number in range(count):
+        yield number, np.maximum(1 - np.abs(level - number), 0)
 
 
 def sample_falloff(falloff: Floats, cosine: Floats) -> Floats:
@@ -129,9 +151,18 @@ def bilinear_texels(uv: Floats, width: int, height: int) -> Iterator[tuple[Ints,
             yield j * width + i, np.prod(np.where(np.array([dx, dy]) == 1, fraction, 1 - fraction), axis=1)
 
 
-def _view_independent(atlas: SharedAtlas, uv: Floats, cosine: Floats) -> Floats:
-    light = _bilinear(atlas.colour, uv) * _bilinear(atlas.irradiance, uv)
-    return light * sample_falloff(atlas.falloff, cosine)
+def _sample_lobe(atlas: SharedAtlas, lobe: Lobe, uv: Floats, axis: Floats) -> Floats:
+    height, width, n = lobe.ends.shape[:3]
+    buckets = [part.reshape(height * width, n * n, -1) for part in (lobe.ends, lobe.gain, lobe.rest)]
+    place = direction_to_octahedron(axis)
+    ends, gain, rest = (np.zeros((len(uv), part.shape[2]), dtype=np.float32) for part in buckets)
+    for texel, weight in bilinear_texels(uv, width, height):
+        for cell, share in octahedron_taps(place, n):
+            both = (weight * share)[:, None].astype(np.float32)
+            for total, part in zip((ends, gain, rest), buckets, strict=True):
+                total += both * part[texel, cell]
+    met = sample_surroundings(atlas.surroundings, atlas.sharpest, axis + ends[:, :3], ends[:, 3])
+    return gain * met + rest
 
 
 def _bilinear(image: Floats, uv: Floats) -> Floats:

@@ -40,7 +40,7 @@ class Aim:
     """Rays aimed at one known point of every cell, and the passes that are kept of them.
 
     `shift` (K, 2): where in its cells each of the plan's texels aims, from 0 to 1 along both sides. `passes`
-    are attributes of a view layer. With light kinds, aimed rays do not see lamps.
+    are attributes of a view layer. With light kinds, rays whose passes are kept do not see lamps.
     """
 
     shift: Floats
@@ -89,7 +89,7 @@ class PortalCapture:
         extent = Extent.of_pixels(*size)
         height = above_everything(scene)
         gap = max(_GAP, 1e-5 * height)
-        light = kind is not Kind.RADIANCE and aim is None
+        light = kind is not Kind.RADIANCE and (aim is None or not aim.passes)
         allow_more_bounces(scene, transparent=1, glossy=int(light))
         material = _portal_material(plan, kind, extent, 4 * gap, aim)
         if light:

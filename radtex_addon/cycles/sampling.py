@@ -14,25 +14,24 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..bake.light_samples import LightSamples, Meetings, cells_of, spread_shifts
+from ..bake.light_samples import EndSamples, LightSamples, SurroundingsSamples, cells_of, distance_along, mirrored, spread_shifts
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.spec import Kind
 from ..core.arrays import Bools, Floats
 from ..core.gutter import dilate, nearest_covered
+from .path_ends import PathEnds, from_directions
 from .portal import Aim, PortalCapture
 from .settings import first_hit_only
 
 _TILE_PIXELS = 3 << 20
-_ITSELF = 1  # the baked object's index; the others' is 0
+_ITSELF = 0.1  # a sum of coded components that no direction has: the object itself, black
 _DIFFUSE = ("use_pass_diffuse_direct", "use_pass_diffuse_indirect", "use_pass_diffuse_color")
+_THROUGH = tuple(name.replace("diffuse", "transmission") for name in _DIFFUSE)
+_MIRRORED = tuple(name.replace("diffuse", "glossy") for name in _DIFFUSE)
 # Blender 5's names of passes, and 4.5's
-_NAMES = {
-    "direct": ("Diffuse Direct", "DiffDir"),
-    "indirect": ("Diffuse Indirect", "DiffInd"),
-    "colour": ("Diffuse Color", "DiffCol"),
-    "index": ("Object Index", "IndexOB"),
-}
+_LOBES = {"diffuse": ("Diffuse", "Diff"), "mirrored": ("Glossy", "Gloss"), "through": ("Transmission", "Trans")}
+_PARTS = {"direct": (" Direct", "Dir"), "indirect": (" Indirect", "Ind"), "colour": (" Color", "Col")}
 
 Passes = dict[str, Floats]
 
@@ -46,45 +45,64 @@ def capture_samples(
     Raises BakeError where Cycles fails.
     """
     count, cells = len(plan.texel), plan.layout.bucket**2
-    aim = Aim(spread_shifts(count, seed), _DIFFUSE)
+    aim = Aim(spread_shifts(count, seed), _DIFFUSE + _THROUGH)
     capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
-    radiance, diffuse = (np.empty((count, cells, 3), dtype=np.float16) for _ in range(2))
+    diffuse, mirror, through = (np.empty((count, cells, 3), dtype=np.float16) for _ in range(3))
     colour = np.empty((count, 3), dtype=np.float32)
     for tile in _tiles(plan):
         first = tile.first_row * plan.columns
         yield Progress(Stage.CAPTURE, first, count)
         passes = capture.render_passes(tile)
         part = slice(first, first + len(passes["Combined"]))
-        own = _pass(passes, "colour")
-        light = (_pass(passes, "direct") + _pass(passes, "indirect")) * own
-        radiance[part] = _half(passes["Combined"][..., :3]).reshape(-1, cells, 3)
-        diffuse[part] = _half(light).reshape(-1, cells, 3)
+        own = _pass(passes, "diffuse", "colour")
+        lobes = _light(passes, "diffuse"), _light(passes, "through")
+        for lobe, light in zip((diffuse, through), lobes, strict=True):
+            lobe[part] = _half(light).reshape(-1, cells, 3)
+        mirror[part] = _half(passes["Combined"][..., :3] - lobes[0] - lobes[1]).reshape(-1, cells, 3)
         colour[part] = own.reshape(-1, cells, 3).mean(axis=1)
     yield Progress(Stage.CAPTURE, count, count)
     square = aim.square(plan.layout.bucket)
     unseen = np.take_along_axis(hidden.reshape(count, -1), cells_of(square, hidden.shape[1]), axis=1)
-    return LightSamples(plan, square, radiance, diffuse, colour, ~unseen)
+    return LightSamples(plan, square, diffuse, mirror, through, colour, ~unseen)
 
 
-def capture_meetings(
-    scene: bpy.types.Scene, baked: bpy.types.Object, plan: CapturePlan, seed: int, folder: Path
-) -> Meetings:
-    """Find what a mirror-bound ray from each of the plan's cells meets; `baked` is the scene's own object."""
-    for item in scene.objects:
-        item.pass_index = 0
-    baked.pass_index = _ITSELF
-    cells = plan.layout.bucket**2
-    aim = Aim(spread_shifts(len(plan.texel), seed + 1), ("use_pass_position", "use_pass_object_index"))
+def capture_ends(ends: PathEnds, plan: CapturePlan, seed: int, folder: Path) -> EndSamples:
+    """Find where a path from each of the plan's cells ends, and how much of it the object lets through."""
+    count, cells = len(plan.texel), plan.layout.bucket**2
+    aim = Aim(spread_shifts(count, seed + 2), _MIRRORED + _THROUGH)
+    capture = PortalCapture(ends.scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
+    found: dict[str, list[Floats]] = {}
+    for turn, tile in enumerate(_tiles(plan)):
+        ends.emit_white()
+        white = capture.render_passes(tile)
+        ends.emit_directions(turn % 3)
+        emitted = capture.render_passes(tile)
+        for lobe in ("mirrored", "through"):
+            weight = _light(white, lobe)
+            end = from_directions(_light(emitted, lobe), weight, turn % 3)
+            found.setdefault(f"{lobe}_weight", []).append(weight.astype(np.float16))
+            found.setdefault(f"{lobe}_end", []).append(end.astype(np.float16))
+    parts = {name: np.concatenate(tiles).reshape(count, cells, 3) for name, tiles in found.items()}
+    return EndSamples(plan, aim.square(plan.layout.bucket), **parts)
+
+
+def capture_surroundings(
+    scene: bpy.types.Scene, ends: PathEnds, plan: CapturePlan, middle: Floats, seed: int, folder: Path
+) -> SurroundingsSamples:
+    """Look from the object into each of the plan's cells, as if it were a perfect mirror."""
+    aim = Aim(spread_shifts(len(plan.texel), seed + 1))
     capture = PortalCapture(scene, plan, Kind.REFLECTION, 1, seed, folder, aim)
-    first_hit_only(scene)
-    tiles = [capture.render_passes(tile) for tile in _tiles(plan)]
-    point = np.concatenate([tile["Position"][..., :3] for tile in tiles]).reshape(-1, cells, 3)
-    index = np.concatenate([_pass(tile, "index")[..., 0] for tile in tiles]).reshape(-1, cells)
-    return Meetings(
-        square=aim.square(plan.layout.bucket),
-        point=point,
-        nothing=(point == 0).all(axis=-1),  # the world's position is none
-        itself=np.abs(index - _ITSELF) < 0.5,
+    light = [capture.render(tile)[..., :3].reshape(-1, 3) for tile in _tiles(plan)]
+    ends.emit_directions(0)
+    ends.blacken_object()
+    capture = PortalCapture(ends.scene, plan, Kind.REFLECTION, 1, seed, folder, aim)
+    coded = np.concatenate([capture.render(tile)[..., :3].reshape(-1, 3) for tile in _tiles(plan)])
+    met = coded.sum(axis=1) > _ITSELF
+    direction = coded[met] * 2 - 1
+    away = mirrored(plan, aim.square(plan.layout.bucket)).reshape(-1, 3)[met]
+    start = np.repeat(plan.position.reshape(-1, 3)[: len(plan.texel)], plan.layout.bucket**2, axis=0)[met]
+    return SurroundingsSamples(
+        direction, np.concatenate(light)[met], 1 / distance_along(direction, start - middle, away)
     )
 
 
@@ -96,7 +114,7 @@ def capture_colour(scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder:
     first_hit_only(scene)
     flat = np.zeros((layout.height * layout.width, 3), dtype=np.float32)
     for tile in _tiles(plan):
-        flat[plan.texels_of(tile)] = _pass(capture.render_passes(tile), "colour").reshape(-1, 3)
+        flat[plan.texels_of(tile)] = _pass(capture.render_passes(tile), "diffuse", "colour").reshape(-1, 3)
     covered = np.zeros(len(flat), dtype=bool)
     covered[plan.texel] = True
     image = flat.reshape(layout.height, layout.width, 3)
@@ -109,8 +127,15 @@ def _tiles(plan: CapturePlan) -> list[Tile]:
     return [Tile(row, min(rows, plan.rows - row)) for row in range(0, plan.rows, rows)]
 
 
-def _pass(passes: Passes, name: str) -> Floats:
-    return next(passes[known][..., :3] for known in _NAMES[name] if known in passes)
+def _pass(passes: Passes, lobe: str, part: str) -> Floats:
+    names = (first + last for first, last in zip(_LOBES[lobe], _PARTS[part], strict=True))
+    return next(passes[name][..., :3] for name in names if name in passes)
+
+
+def _light(passes: Passes, lobe: str) -> Floats:
+    """A lobe's light: Cycles divides its passes by their colour."""
+    light = _pass(passes, lobe, "direct") + _pass(passes, lobe, "indirect")
+    return light * _pass(passes, lobe, "colour")
 
 
 def _half(light: Floats) -> Floats:
