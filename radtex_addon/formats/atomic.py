@@ -29,7 +29,7 @@ def replacing(path: Path) -> Iterator[Path]:
         finally:
             beside.unlink(missing_ok=True)
     except OSError as error:
-        reason = error.strerror or error
+        reason = str(error.strerror or error).replace(str(beside), str(path))
         raise BakeError(f"{path} could not be written: {reason}; free its disk, or choose another") from error
 
 

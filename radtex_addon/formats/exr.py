@@ -7,6 +7,7 @@ An EXR's first row is the top one, ours is the bottom one (v = 0): rows are flip
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
@@ -25,7 +26,7 @@ HALF_MOST = 65504.0  # the largest finite half float
 ATTRIBUTE = "radtex"  # the header attribute that holds the sidecar's JSON
 REC_709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)  # x, y of red, green, blue, white
 
-_CHANNELS = {1: "Y", 3: "RGB", 4: "RGBA"}
+_CHANNELS = {4: "RGBA", 3: "RGB", 1: "Y"}
 _MAGIC = bytes((0x76, 0x2F, 0x31, 0x01))
 _ORDER = "RGBXYZWUVA"  # of a group's channels
 _FLAT = (OpenEXR.scanlineimage, OpenEXR.tiledimage)  # not deep
@@ -64,14 +65,10 @@ def write_atlas(
     expected = (sidecar.height * sidecar.bucket, sidecar.width * sidecar.bucket)
     if pixels.ndim != 3 or pixels.shape[:2] != expected or pixels.shape[2] not in _CHANNELS:
         raise ShapeError(f"atlas pixels: expected shape {(*expected, '1, 3 or 4')}, got {pixels.shape}")
-    rows, clamped = _top_row_first(path, pixels, half)
+    rows, clamped = stored_rows(path, pixels, half)
     sidecar = replace(sidecar, clamped=clamped)
-    header = {
-        "compression": _COMPRESSIONS[compression],
-        "chromaticities": REC_709,
-        ATTRIBUTE: sidecar.to_json(),
-    }
-    _write(path, header, rows)
+    with replacing(path) as beside:
+        write_rows(beside, rows, sidecar.to_json(), compression)
     return sidecar
 
 
@@ -81,19 +78,35 @@ def read_atlas(path: Path) -> tuple[Floats, Sidecar]:
     Row 0 is at the bottom. Raises FormatError, with the path, for a file that is missing, cut short, too
     large for this machine's memory, not an EXR, not ours, of a newer version, or not as its header says.
     """
-    headers = _headers(path)
-    if ATTRIBUTE not in headers[0]:
+    sidecar = Sidecar.from_json(header_text(path), f"the header of {path}")
+    width, height = sidecar.width * sidecar.bucket, sidecar.height * sidecar.bucket
+    return read_pixels(path, width, height), sidecar
+
+
+def header_text(path: Path) -> str:
+    """The JSON in the header of an image of ours. Raises FormatError as `read_atlas` does."""
+    header = _headers(path)[0]
+    if ATTRIBUTE not in header:
         raise FormatError(f'{path} has no header attribute "{ATTRIBUTE}": it is no RadTex atlas')
-    sidecar = Sidecar.from_json(str(headers[0][ATTRIBUTE]), f"the header of {path}")
+    return str(header[ATTRIBUTE])
+
+
+def read_pixels(path: Path, width: int, height: int, channels: Iterable[int] = _CHANNELS) -> Floats:
+    """Pixels (height, width, C) of an image of ours, float16 or float32 as they are stored.
+
+    Row 0 is at the bottom. `channels` are the numbers of them that it may have. Raises FormatError as
+    `read_atlas` does.
+    """
+    headers = _headers(path)
     named = sorted(channel.name for header in headers for channel in header["channels"])
-    if named not in (sorted(names) for names in _CHANNELS.values()):
-        raise FormatError(f"{path} has the channels {', '.join(named)}, expected RGBA, RGB or Y")
+    allowed = [_CHANNELS[count] for count in channels]
+    if named not in (sorted(names) for names in allowed):
+        raise FormatError(f"{path} has the channels {', '.join(named)}, expected {' or '.join(allowed)}")
     pixels = _layers(path, len(headers))[""]
-    expected = (sidecar.height * sidecar.bucket, sidecar.width * sidecar.bucket)
-    if pixels.shape[:2] != expected or pixels.dtype not in (np.float16, np.float32):
+    if pixels.shape[:2] != (height, width) or pixels.dtype not in (np.float16, np.float32):
         found = f"{pixels.shape[1]} x {pixels.shape[0]} pixels of {pixels.dtype}"
-        raise FormatError(f"{path} has {found}, its header says {expected[1]} x {expected[0]} floats")
-    return pixels[::-1], sidecar
+        raise FormatError(f"{path} has {found}, its header says {width} x {height} floats")
+    return pixels[::-1]
 
 
 def read_render(path: Path) -> dict[str, Floats]:
@@ -106,8 +119,11 @@ def read_render(path: Path) -> dict[str, Floats]:
     return {name: pixels[::-1].astype(np.float32, copy=False) for name, pixels in layers.items()}
 
 
-def _top_row_first(path: Path, pixels: Floats, half: bool) -> tuple[Floats, int]:
-    """A flipped and converted copy, and how many values were clamped."""
+def stored_rows(path: Path, pixels: Floats, half: bool) -> tuple[Floats, int]:
+    """Pixels (H, W, C) as `write_rows` stores them in `path`, and how many values had to be clamped.
+
+    Raises BakeError for values that are not numbers.
+    """
     kind = np.float16 if half else np.float32
     most = HALF_MOST if half else float(np.finfo(np.float32).max)
     rows: Floats = np.empty(pixels.shape, dtype=kind)
@@ -122,15 +138,23 @@ def _top_row_first(path: Path, pixels: Floats, half: bool) -> tuple[Floats, int]
     return rows, clamped
 
 
-def _write(path: Path, header: dict[str, Any], rows: Floats) -> None:
-    """Write `rows` (H, W, C), the top one first. The module reads bare memory: they must be contiguous."""
+def write_rows(path: Path, rows: Floats, text: str, compression: Compression) -> None:
+    """Write what `stored_rows` made, straight to `path`, and `text` into its header.
+
+    Raises OSError where the system refuses.
+    """
+    header = {
+        "compression": _COMPRESSIONS[compression],
+        "chromaticities": REC_709,
+        ATTRIBUTE: text,
+        "type": OpenEXR.scanlineimage,
+    }
     channels = _CHANNELS[rows.shape[2]]
-    image = np.ascontiguousarray(rows[..., 0] if channels == "Y" else rows)
-    with replacing(path) as beside:
-        try:
-            OpenEXR.File({**header, "type": OpenEXR.scanlineimage}, {channels: image}).write(str(beside))
-        except RuntimeError as error:
-            raise OSError(_one_line(error).replace(str(beside), str(path))) from error
+    image = np.ascontiguousarray(rows[..., 0] if channels == "Y" else rows)  # the module reads bare memory
+    try:
+        OpenEXR.File(header, {channels: image}).write(str(path))
+    except RuntimeError as error:
+        raise OSError(_one_line(error)) from error
 
 
 def _headers(path: Path) -> list[dict[str, Any]]:

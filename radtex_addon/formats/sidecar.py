@@ -8,7 +8,6 @@ Its keys are a contract with other programs: version 1 of it is DESIGN.md, secti
 from __future__ import annotations
 
 import hashlib
-import json
 import re
 import unicodedata
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from typing import Any
 
 from ..core.errors import FormatError
 from .atomic import write_text
+from .facts import Facts, json_text
 
 VERSION = 1
 LAYOUT = "buckets"
@@ -54,10 +54,14 @@ class Sidecar:
 
     def to_json(self) -> str:
         """The contract's JSON, in ASCII and with a newline at its end."""
-        facts = {
+        return json_text(self.facts())
+
+    def facts(self, layout: str = LAYOUT) -> dict[str, Any]:
+        """What the JSON says, in its order, of an atlas in the given layout."""
+        return {
             "version": VERSION,
             "kind": self.kind,
-            "layout": LAYOUT,
+            "layout": layout,
             "texels": [self.width, self.height],
             "bucket": self.bucket,
             "object": self.object_name,
@@ -73,7 +77,6 @@ class Sidecar:
             "tool": self.tool,
             "blender": self.blender,
         }
-        return json.dumps(facts, indent=2) + "\n"
 
     @classmethod
     def from_json(cls, text: str, source: str = "the sidecar") -> Sidecar:
@@ -81,11 +84,17 @@ class Sidecar:
 
         Raises FormatError for what is no JSON object, another version, and a missing or mistyped key.
         """
-        facts = _Facts.parse(text, source)
+        return cls.from_facts(Facts.parse(text, source))
+
+    @classmethod
+    def from_facts(cls, facts: Facts, layout: str = LAYOUT) -> Sidecar:
+        """Read what `facts` wrote. Raises FormatError as `from_json` does, and for another layout."""
         version = facts.whole_number("version", 1)
         if version != VERSION:
-            raise FormatError(f"{source} is of version {version}, this RadTex reads {VERSION}: update RadTex")
-        for key, value in _CONSTANTS.items():
+            raise FormatError(
+                f"{facts.source} is of version {version}, this RadTex reads {VERSION}: update RadTex"
+            )
+        for key, value in {"layout": layout, **_CONSTANTS}.items():
             facts.constant(key, value)
         width, height = facts.size("texels")
         return cls(
@@ -105,63 +114,7 @@ class Sidecar:
         )
 
 
-_CONSTANTS = {"layout": LAYOUT, "tangents": TANGENTS, "color_space": COLOR_SPACE, "alpha": ALPHA}
-
-
-@dataclass(frozen=True)
-class _Facts:
-    """A JSON object whose keys are read with their types, and errors that name the key."""
-
-    values: dict[str, Any]
-    source: str
-
-    @classmethod
-    def parse(cls, text: str, source: str) -> _Facts:
-        try:
-            values = json.loads(text)
-        except (ValueError, RecursionError) as error:
-            raise FormatError(f"{source} is not JSON ({error}): bake it again") from error
-        if not isinstance(values, dict):
-            raise FormatError(f"{source} is not a JSON object: it is no RadTex sidecar")
-        return cls(values, source)
-
-    def whole_number(self, key: str, least: int) -> int:
-        value = self._of(key)
-        if type(value) is not int or value < least:
-            raise self._mistyped(key, f"a whole number of at least {least}")
-        return value
-
-    def text(self, key: str) -> str:
-        value = self._of(key)
-        if not isinstance(value, str):
-            raise self._mistyped(key, "text")
-        return value
-
-    def texts(self, key: str) -> tuple[str, ...]:
-        value = self._of(key)
-        if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
-            raise self._mistyped(key, "a list of texts")
-        return tuple(value)
-
-    def size(self, key: str) -> tuple[int, int]:
-        value = self._of(key)
-        if not isinstance(value, list) or len(value) != 2 or any(type(n) is not int or n < 1 for n in value):
-            raise self._mistyped(key, "two whole numbers of at least 1")
-        return value[0], value[1]
-
-    def constant(self, key: str, expected: str) -> None:
-        if self.text(key) != expected:
-            raise self._mistyped(key, f'"{expected}"')
-
-    def _of(self, key: str) -> Any:
-        if key not in self.values:
-            raise FormatError(f'{self.source} lacks "{key}": it is no RadTex sidecar, or it was cut short')
-        return self.values[key]
-
-    def _mistyped(self, key: str, expected: str) -> FormatError:
-        value = json.dumps(self.values[key])
-        shown = value if len(value) <= 40 else value[:40] + "…"
-        return FormatError(f'{self.source}: "{key}" is {shown}, expected {expected}')
+_CONSTANTS = {"tangents": TANGENTS, "color_space": COLOR_SPACE, "alpha": ALPHA}
 
 
 def write_sidecar(path: Path, sidecar: Sidecar) -> None:
@@ -171,13 +124,17 @@ def write_sidecar(path: Path, sidecar: Sidecar) -> None:
 
 def read_sidecar(path: Path) -> Sidecar:
     """Read a sidecar's file. Raises FormatError, with the path, if it is missing or not one of ours."""
+    return Sidecar.from_json(read_text(path), str(path))
+
+
+def read_text(path: Path) -> str:
+    """The text of a sidecar's file. Raises FormatError, with the path, if it cannot be read."""
     try:
-        text = path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         raise FormatError(f"{path} is not text: it is no RadTex sidecar") from error
     except OSError as error:
         raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
-    return Sidecar.from_json(text, str(path))
 
 
 def file_name(object_name: str, kind: str, extension: str, layer: str | None = None) -> str:

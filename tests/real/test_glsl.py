@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import moderngl
@@ -22,14 +21,9 @@ from tests.lookups import (
     random_lookups,
     worst_error,
 )
+from tests.real.opengl import VERSIONS, compiled, drawn
 
 SHADER = Path(__file__).parents[2] / "shaders" / "radtex.glsl"
-VERSIONS = {"GLSL 330": "#version 330\n", "GLSL ES 300": "#version 300 es\n"}
-VERTEX = """
-void main() {  // one triangle that covers the picture
-    gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
-}
-"""
 FRAGMENT = """
 uniform sampler2D atlas, uvs, normals, tangents, viewers;
 uniform ivec2 texels;
@@ -44,40 +38,17 @@ void main() {
 """
 
 
-@pytest.fixture(scope="module")
-def context() -> Iterator[moderngl.Context]:
-    with moderngl.create_context(standalone=True, backend="egl") as context:  # type: ignore[arg-type]  # wrong stub
-        yield context
-
-
 def run(
     context: moderngl.Context, version: str, atlas: Floats, lookups: Lookups, kind: Filter, defines: str = ""
 ) -> Floats:
     """The shader's answers, (K, 4) float32."""
-    head = VERSIONS[version] + defines
-    program = context.program(
-        vertex_shader=head + VERTEX, fragment_shader=head + SHADER.read_text(encoding="utf-8") + FRAGMENT
-    )
+    program = compiled(context, VERSIONS[version] + defines, SHADER.read_text(encoding="utf-8") + FRAGMENT)
     program["texels"], program["n"] = (LAYOUT.width, LAYOUT.height), LAYOUT.bucket
     program["mode"] = list(Filter).index(kind)
     signed = np.concatenate([lookups.normal, lookups.sign[:, None]], axis=1)
     inputs = {"uvs": lookups.uv, "normals": signed, "tangents": lookups.tangent, "viewers": lookups.viewer}
-    bind(context, program, "atlas", atlas, 0)
-    for unit, (name, values) in enumerate(inputs.items(), 1):
-        bind(context, program, name, values.reshape(SIDE, SIDE, -1), unit)
-    target = context.framebuffer([context.texture((SIDE, SIDE), 4, dtype="f4")])
-    target.use()
-    context.vertex_array(program, []).render(vertices=3)
-    return np.frombuffer(target.read(components=4, dtype="f4"), np.float32).reshape(-1, 4)
-
-
-def bind(context: moderngl.Context, program: moderngl.Program, name: str, values: Floats, unit: int) -> None:
-    height, width, channels = values.shape
-    data = np.ascontiguousarray(values).tobytes()
-    texture = context.texture((width, height), channels, data, dtype=f"f{values.dtype.itemsize}", alignment=1)
-    texture.filter = (moderngl.LINEAR, moderngl.LINEAR)  # what lies about this must not matter
-    texture.use(unit)
-    program[name] = unit
+    fields = {name: values.reshape(SIDE, SIDE, -1) for name, values in inputs.items()}
+    return drawn(context, program, {"atlas": atlas} | fields, SIDE)
 
 
 @pytest.mark.parametrize("version", VERSIONS)

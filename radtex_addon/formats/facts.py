@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A sidecar's JSON, read key by key with errors that name the key."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from ..core.errors import FormatError
+
+
+def json_text(facts: dict[str, Any]) -> str:
+    """The contract's JSON, in ASCII and with a newline at its end."""
+    return json.dumps(facts, indent=2) + "\n"
+
+
+@dataclass(frozen=True)
+class Facts:
+    """A JSON object whose keys are read with their types; `source` names it in errors.
+
+    Every method raises FormatError for a missing or mistyped key.
+    """
+
+    values: dict[str, Any]
+    source: str
+
+    @classmethod
+    def parse(cls, text: str, source: str) -> Facts:
+        """Read what `json_text` wrote. Raises FormatError for what is no JSON object."""
+        try:
+            values = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise FormatError(f"{source} is not JSON ({error}): bake it again") from error
+        if not isinstance(values, dict):
+            raise FormatError(f"{source} is not a JSON object: it is no RadTex sidecar")
+        return cls(values, source)
+
+    def inner(self, key: str) -> Facts:
+        value = self._of(key)
+        if not isinstance(value, dict):
+            raise self._mistyped(key, "an object")
+        return Facts(value, f'{self.source}, in "{key}",')
+
+    def whole_number(self, key: str, least: int, most: float = math.inf) -> int:
+        value = self._of(key)
+        if type(value) is not int or not least <= value <= most:
+            bound = f"of at least {least}" if most == math.inf else f"from {least} to {most}"
+            raise self._mistyped(key, f"a whole number {bound}")
+        return value
+
+    def positive(self, key: str) -> float:
+        value = self._of(key)
+        if not _is_number(value) or value <= 0:
+            raise self._mistyped(key, "a number above 0")
+        return float(value)
+
+    def text(self, key: str) -> str:
+        value = self._of(key)
+        if not isinstance(value, str):
+            raise self._mistyped(key, "text")
+        return value
+
+    def texts(self, key: str) -> tuple[str, ...]:
+        value = self._of(key)
+        if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+            raise self._mistyped(key, "a list of texts")
+        return tuple(value)
+
+    def choices(self, key: str, among: tuple[str, ...]) -> tuple[str, ...]:
+        value = self._of(key)
+        if not isinstance(value, list) or any(item not in among or value.count(item) > 1 for item in value):
+            raise self._mistyped(key, f"a list of {' or '.join(among)}, each at most once")
+        return tuple(value)
+
+    def size(self, key: str) -> tuple[int, int]:
+        value = self._of(key)
+        if not isinstance(value, list) or len(value) != 2 or any(type(n) is not int or n < 1 for n in value):
+            raise self._mistyped(key, "two whole numbers of at least 1")
+        return value[0], value[1]
+
+    def colours(self, key: str) -> tuple[tuple[float, float, float], ...]:
+        value = self._of(key)
+        if not isinstance(value, list) or not value or not all(map(_is_colour, value)):
+            raise self._mistyped(key, "a list of [red, green, blue]")
+        return tuple((float(r), float(g), float(b)) for r, g, b in value)
+
+    def constant(self, key: str, expected: object) -> None:
+        if self._of(key) != expected:
+            raise self._mistyped(key, json.dumps(expected))
+
+    def _of(self, key: str) -> Any:
+        if key not in self.values:
+            raise FormatError(f'{self.source} lacks "{key}": it is no RadTex sidecar, or it was cut short')
+        return self.values[key]
+
+    def _mistyped(self, key: str, expected: str) -> FormatError:
+        value = json.dumps(self.values[key])
+        shown = value if len(value) <= 40 else value[:40] + "…"
+        return FormatError(f'{self.source}: "{key}" is {shown}, expected {expected}')
+
+
+def _is_number(value: object) -> bool:
+    """Whether a double holds `value`: JSON knows NaN, Infinity and whole numbers of any length."""
+    if type(value) not in (int, float):
+        return False
+    try:
+        return math.isfinite(value)  # type: ignore[arg-type]
+    except OverflowError:
+        return False
+
+
+def _is_colour(value: object) -> bool:
+    return isinstance(value, list) and len(value) == 3 and all(map(_is_number, value))

@@ -1,0 +1,121 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shared layout as images that a shader looks up by plain bilinear filtering; row 0 is at the bottom.
+
+So every octahedral picture has a border of one cell, which repeats what lies beyond its edge on the sphere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+import numpy as np
+
+from ..core.arrays import Floats
+from ..core.atlas import AtlasLayout
+from ..core.octahedron import octahedron_taps
+from ..core.shared import LEAST_LEVEL, Axis, Lobe, SharedAtlas, level_sizes
+
+COLOUR, IRRADIANCE, SURROUNDINGS = "colour", "irradiance", "surroundings"
+ENDS, GAIN, REST = "ends", "gain", "rest"
+LOBE_CHANNELS = {ENDS: 4, GAIN: 3, REST: 3}
+
+
+def layer_names(lobes: Iterable[Axis]) -> tuple[str, ...]:
+    """The images of an atlas with these lobes, in the files' order."""
+    return (
+        COLOUR,
+        IRRADIANCE,
+        SURROUNDINGS,
+        *(lobe_layer(axis, part) for axis in lobes for part in LOBE_CHANNELS),
+    )
+
+
+def lobe_layer(axis: Axis, part: str) -> str:
+    """Such as "mirror_ends"."""
+    return f"{axis}_{part}"
+
+
+def pack(atlas: SharedAtlas) -> dict[str, Floats]:
+    """The atlas's images by `layer_names`, (rows, columns, C) float32.
+
+    A lobe's spread is kept in units of `sharpest`: a half float has too few bits below 6e-5, and filtering
+    wants variances. The falloff and the lobes' order are the sidecar's.
+    """
+    images = {
+        COLOUR: atlas.colour,
+        IRRADIANCE: atlas.irradiance,
+        SURROUNDINGS: pack_surroundings(atlas.surroundings),
+    }
+    unit = np.array([1, 1, 1, atlas.sharpest], dtype=np.float32)
+    for lobe in atlas.lobes:
+        parts = {ENDS: lobe.ends / unit, GAIN: lobe.gain, REST: lobe.rest}
+        images |= {lobe_layer(lobe.axis, part): pack_buckets(buckets) for part, buckets in parts.items()}
+    return {name: image.astype(np.float32, copy=False) for name, image in images.items()}
+
+
+def unpack_lobe(images: Mapping[str, Floats], axis: Axis, bucket: int, sharpest: float) -> Lobe:
+    """The lobe of buckets of `bucket` x `bucket` cells that `pack` put into `images`; float32."""
+    ends, gain, rest = (unpack_buckets(images[lobe_layer(axis, part)], bucket) for part in LOBE_CHANNELS)
+    unit = np.array([1, 1, 1, sharpest], dtype=np.float32)
+    return Lobe(axis, *(part.astype(np.float32) for part in (ends * unit, gain, rest)))
+
+
+def pack_buckets(buckets: Floats) -> Floats:
+    """Buckets (H, W, n, n, C) with their borders, joined to an image (H*(n+2), W*(n+2), C)."""
+    height, width, n = buckets.shape[:3]
+    return AtlasLayout(width, height, n + 2).from_buckets(with_border(buckets))
+
+
+def unpack_buckets(image: Floats, bucket: int) -> Floats:
+    """What `pack_buckets` joined, without the borders: (H, W, n, n, C), a view."""
+    side = bucket + 2
+    layout = AtlasLayout(image.shape[1] // side, image.shape[0] // side, side)
+    return layout.to_buckets(image)[:, :, 1:-1, 1:-1]
+
+
+def pack_surroundings(levels: tuple[Floats, ...]) -> Floats:
+    """All levels (size, size, C) with their borders in one image: the first, and the others beside it."""
+    size = len(levels[0])
+    width, height = surroundings_size(size, len(levels))
+    image = np.zeros((height, width, levels[0].shape[2]), dtype=levels[0].dtype)
+    for level, (x, y, side) in zip(levels, _level_places(size, len(levels)), strict=True):
+        image[y : y + side + 2, x : x + side + 2] = with_border(level)
+    return image
+
+
+def unpack_surroundings(image: Floats, size: int, count: int) -> tuple[Floats, ...]:
+    """The levels that `pack_surroundings` put into one image, float32, without their borders."""
+    return tuple(
+        image[y + 1 : y + 1 + side, x + 1 : x + 1 + side].astype(np.float32)
+        for x, y, side in _level_places(size, count)
+    )
+
+
+def surroundings_size(size: int, count: int) -> tuple[int, int]:
+    """Width and height of the image of `count` levels, the first of `size` cells a side."""
+    column = sum(side + 2 for side in level_sizes(size, count)[1:])
+    return size + 2 + max(size // 2, LEAST_LEVEL) + 2, max(size + 2, column)
+
+
+def with_border(images: Floats) -> Floats:
+    """Octahedral images (..., n, n, C) with a cell more on each side, (..., n + 2, n + 2, C)."""
+    n = images.shape[-2]
+    corner = (
+        np.stack(np.meshgrid(np.arange(n + 2), np.arange(n + 2)), axis=-1)
+    ) / n  # between two cells' middles
+    cell, _ = next(
+        octahedron_taps(corner, n)
+    )  # the lower left of the four around it: the border begins at -1
+    cells = images.reshape(*images.shape[:-3], n * n, images.shape[-1])
+    bordered: Floats = cells[..., cell, :]
+    return bordered
+
+
+def _level_places(size: int, count: int) -> Iterator[tuple[int, int, int]]:
+    """Each level's column and row, that of its border's corner, and its side."""
+    yield 0, 0, size
+    row = 0
+    for side in level_sizes(size, count)[1:]:
+        yield size + 2, row, side
+        row += side + 2

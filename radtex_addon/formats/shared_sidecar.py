@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sidecar of a bake in the shared layout: the plain one's keys, and an object "shared" with its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..core.errors import BakeError, ShapeError
+from ..core.shared import LEAST_LEVEL, Axis, SharedAtlas
+from .facts import Facts, json_text
+from .packing import (
+    COLOUR,
+    IRRADIANCE,
+    LOBE_CHANNELS,
+    SURROUNDINGS,
+    layer_names,
+    lobe_layer,
+    surroundings_size,
+)
+from .sidecar import Sidecar
+
+LAYOUT = "shared"
+MOST_LEVELS = 32
+
+
+@dataclass(frozen=True)
+class SharedSidecar:
+    """Facts about one bake in the shared layout.
+
+    `bake` holds what every layout has: `width` x `height` texels of the irradiance and the lobes, `bucket`
+    the cells along a side of a lobe's buckets, borders not counted, and `layers` the images. `colour` is that
+    image's width and height, `surroundings` the cells along a side of the sharpest of `levels`.
+    """
+
+    bake: Sidecar
+    colour: tuple[int, int]
+    surroundings: int
+    levels: int
+    sharpest: float
+    falloff: tuple[tuple[float, float, float], ...]
+    lobes: tuple[Axis, ...]
+
+    @classmethod
+    def of(cls, atlas: SharedAtlas, bake: Sidecar) -> SharedSidecar:
+        """The facts about `atlas`; `bake` says the rest, but for its `layers`.
+
+        Raises ShapeError where the two differ in size, for two lobes of one axis and for more levels than
+        files can have; BakeError if the falloff or `sharpest` is no finite number.
+        """
+        lobes = tuple(lobe.axis for lobe in atlas.lobes)
+        expected = (bake.height, bake.width)
+        if atlas.irradiance.shape[:2] != expected:
+            raise ShapeError(f"irradiance: expected shape {(*expected, 3)}, got {atlas.irradiance.shape}")
+        if any(lobe.ends.shape[2] != bake.bucket for lobe in atlas.lobes):
+            raise ShapeError(
+                f"lobes: expected {bake.bucket} cells a side, got {atlas.lobes[0].ends.shape[2]}"
+            )
+        if len(set(lobes)) < len(lobes):
+            raise ShapeError(f"lobes: expected each axis once, got {', '.join(lobes)}")
+        if len(atlas.surroundings) > MOST_LEVELS:
+            raise ShapeError(
+                f"surroundings: expected at most {MOST_LEVELS} levels, got {len(atlas.surroundings)}"
+            )
+        if not np.isfinite(atlas.falloff).all() or not 0 < atlas.sharpest < np.inf:
+            found = f'the falloff or sharpest blur of "{bake.object_name}"'
+            raise BakeError(f"{found} is no finite number: nothing was written; bake it again")
+        return cls(
+            bake=replace(bake, layers=layer_names(lobes)),
+            colour=(atlas.colour.shape[1], atlas.colour.shape[0]),
+            surroundings=len(atlas.surroundings[0]),
+            levels=len(atlas.surroundings),
+            sharpest=float(atlas.sharpest),
+            falloff=tuple((_short(r), _short(g), _short(b)) for r, g, b in atlas.falloff),
+            lobes=lobes,
+        )
+
+    @property
+    def shapes(self) -> dict[str, tuple[int, int, int]]:
+        """Each layer's width, height and channels."""
+        bake, side = self.bake, self.bake.bucket + 2
+        return {
+            COLOUR: (*self.colour, 3),
+            IRRADIANCE: (bake.width, bake.height, 3),
+            SURROUNDINGS: (*surroundings_size(self.surroundings, self.levels), 3),
+        } | {
+            lobe_layer(axis, part): (bake.width * side, bake.height * side, channels)
+            for axis in self.lobes
+            for part, channels in LOBE_CHANNELS.items()
+        }
+
+    def to_json(self) -> str:
+        """The contract's JSON, in ASCII and with a newline at its end."""
+        shared = {
+            "colour": list(self.colour),
+            "surroundings": self.surroundings,
+            "levels": self.levels,
+            "sharpest": self.sharpest,
+            "falloff": [list(point) for point in self.falloff],
+            "lobes": [axis.value for axis in self.lobes],
+        }
+        return json_text(self.bake.facts(LAYOUT) | {"shared": shared})
+
+    @classmethod
+    def from_json(cls, text: str, source: str = "the sidecar") -> SharedSidecar:
+        """Read `to_json`'s text; `source` names it in errors. Keys that it does not know are ignored.
+
+        Raises FormatError for what is no JSON object, another version or layout, a missing or mistyped key.
+        """
+        facts = Facts.parse(text, source)
+        bake = Sidecar.from_facts(facts, LAYOUT)
+        shared = facts.inner("shared")
+        lobes = tuple(Axis(name) for name in shared.choices("lobes", tuple(Axis)))
+        facts.constant("layers", list(layer_names(lobes)))
+        return cls(
+            bake=bake,
+            colour=shared.size("colour"),
+            surroundings=shared.whole_number("surroundings", LEAST_LEVEL),
+            levels=shared.whole_number("levels", 1, MOST_LEVELS),
+            sharpest=shared.positive("sharpest"),
+            falloff=shared.colours("falloff"),
+            lobes=lobes,
+        )
+
+
+def _short(value: np.floating[Any]) -> float:
+    """The shortest number that a float32 reads as `value`."""
+    return float(str(np.float32(value)))
