@@ -66,8 +66,8 @@ vec3 radtex_level(sampler2D surroundings, int size, int level, vec3 d) {
     return radtex_bilinear(surroundings, origin, ivec2(side + 2), radtex_octahedron(d, side)).rgb;
 }
 
-// Surroundings around the direction d, blurred by a variance in units of the sharpest level's. Each level has four times
-// the variance of the one before.
+// Surroundings around the direction d, blurred by a variance in units of the sharpest level's. Each level has four
+// times the variance of the one before.
 vec3 radtex_surroundings(sampler2D surroundings, ivec2 around, vec3 d, float spread) {
     float level = clamp(0.5 * log2(max(spread, 1.0)), 0.0, float(around.y - 1));
     int low = int(level), high = min(low + 1, around.y - 1);
