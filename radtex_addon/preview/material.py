@@ -17,22 +17,27 @@ import bpy
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError
 from ..core.sampler import Filter
+from ..formats.packing import ENDS
+from ..formats.shared_files import layer_path, read_shared_sidecar
 from ..scene.nodes import close_group, open_group, open_material
 from .node_group import build_sample_group
+from .shared_group import build_shared_group, check_shared_previewable
 
 
-def load_atlas(path: Path, half: bool = True) -> bpy.types.Image:
+def load_atlas(path: Path, half: bool = True, data: bool = False) -> bpy.types.Image:
     """The atlas file as an image whose values reach the shader as they are in the file.
 
-    Rec.709 is named, so that a scene that works in another space converts; alpha stays premultiplied; `half`
-    halves the memory and loses nothing where the file is half float. A file that was loaded before is read
-    anew. Raises InputError where there is no such file, FormatError where it holds no image.
+    Rec.709 is named, so that a scene that works in another space converts, unless the file holds other `data`
+    than light; alpha stays premultiplied; `half` halves the memory and loses nothing where the file is half
+    float. A file that was loaded before is read anew. Raises InputError where there is no such file,
+    FormatError where it holds no image.
     """
     try:
         image = bpy.data.images.load(str(path), check_existing=True)
     except RuntimeError as error:
         raise InputError(f"{path}: no atlas to preview; bake it first") from error
-    cast(Any, image.colorspace_settings).name = "Linear Rec.709"  # the stubs know no OCIO names
+    space = "Non-Color" if data else "Linear Rec.709"
+    cast(Any, image.colorspace_settings).name = space  # the stubs know no OCIO names
     image.alpha_mode = "CHANNEL_PACKED"
     image.use_half_precision = half
     image.reload()
@@ -60,6 +65,29 @@ def preview_material(
     behind = build.node("ShaderNodeBsdfTransparent", build.math("SUBTRACT", 1.0, alpha))
     surface = build.node("ShaderNodeAddShader", emission.outputs[0], behind.outputs[0])
     build.node("ShaderNodeOutputMaterial", surface.outputs[0])
+    build.arrange()
+    return material
+
+
+def preview_shared_material(name: str, sidecar: Path, uv_layer: str, half: bool = True) -> bpy.types.Material:
+    """A material that shows a bake in the shared layout on its baked copy: its light emitted.
+
+    `sidecar` is its file, beside which its images lie; the others are as in `preview_material`. Raises
+    FormatError for a sidecar that is none, and as `load_atlas` and `build_shared_group` do.
+    """
+    facts = read_shared_sidecar(sidecar)
+    check_shared_previewable(facts)
+    images = {
+        layer: load_atlas(layer_path(sidecar, layer), half, data=layer.endswith(ENDS))
+        for layer in facts.shapes
+    }
+    sampler = build_shared_group(images, facts)
+    material, build = open_material(name)
+    cast(Any, material).cycles.emission_sampling = "NONE"
+    normal = build.group(build_frame_group())[0]
+    (color,) = build.group(sampler, build.uv_map(uv_layer), normal, build.geometry("Incoming"))
+    emission = build.node("ShaderNodeEmission", color)
+    build.node("ShaderNodeOutputMaterial", emission.outputs[0])
     build.arrange()
     return material
 

@@ -3,7 +3,6 @@
 """The reference sampler as native shader nodes, alike in Eevee and Cycles: the group "RadTex Sample".
 
 Each step is a group of its own, so that the tree reads like the maths: incidence, bucket, texels, cells.
-Images are read by `Closest` and blended here: Blender's `Linear` would mip, and bleed, across buckets.
 """
 
 from __future__ import annotations
@@ -17,7 +16,8 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.frame import DEGENERATE
 from ..core.sampler import Filter
-from ..scene.nodes import NodeBuilder, Socket, close_group, open_group
+from ..scene.nodes import close_group, open_group
+from .taps import bilinear, clamp, pair
 
 MAX_PIXELS = 16384  # the image side that every current GPU takes; Eevee shrinks a larger one, silently
 
@@ -41,13 +41,13 @@ def build_sample_group(
     build, (uv, *vectors) = open_group("RadTex Sample", UV="Vector", **_FRAME, Incoming="Vector")
     (incidence,) = build.group(_incidence_group(), *vectors)
     (b,) = build.group(_bucket_group(), incidence)
-    size, last = _pair(layout.width, layout.height), _pair(layout.width - 1, layout.height - 1)
+    size, last = pair(layout.width, layout.height), pair(layout.width - 1, layout.height - 1)
     if kind is Filter.QUADRILINEAR:
-        position = build.vector("MULTIPLY_ADD", uv, size, _pair(-0.5, -0.5), label="position, in texels")
-        color, alpha = _bilinear(build, texel, position, last, b)
+        position = build.vector("MULTIPLY_ADD", uv, size, pair(-0.5, -0.5), label="position, in texels")
+        color, alpha = bilinear(build, texel, position, b, last=last)
     else:
         inside = build.vector("FLOOR", build.vector("MULTIPLY", uv, size))
-        color, alpha = build.group(texel, _clamp(build, inside, last), b)
+        color, alpha = build.group(texel, clamp(build, inside, last), b)
     return close_group(build, Color=color, Alpha=alpha)
 
 
@@ -108,15 +108,15 @@ def _texel_group(
 ) -> bpy.types.ShaderNodeTree:
     """One texel's bucket at B: the nearest cell, or bilinear between four, never beyond the bucket's own."""
     build, (texel, b) = open_group("RadTex Texel", Texel="Vector", B="Vector")
-    half, last = layout.bucket / 2, _pair(layout.bucket - 1, layout.bucket - 1)
+    half, last = layout.bucket / 2, pair(layout.bucket - 1, layout.bucket - 1)
     if kind is Filter.NEAREST:
-        inside = build.vector("FLOOR", build.vector("MULTIPLY_ADD", b, _pair(half, half), _pair(half, half)))
-        color, alpha = build.group(pixel, _clamp(build, inside, last), texel)
+        inside = build.vector("FLOOR", build.vector("MULTIPLY_ADD", b, pair(half, half), pair(half, half)))
+        color, alpha = build.group(pixel, clamp(build, inside, last), texel)
     else:
-        centre = _pair(half - 0.5, half - 0.5)
-        position = build.vector("MULTIPLY_ADD", b, _pair(half, half), centre, label="position, in cells")
-        guarded = _clamp(build, position, last, label="bleed guard")
-        color, alpha = _bilinear(build, pixel, guarded, last, texel)
+        centre = pair(half - 0.5, half - 0.5)
+        position = build.vector("MULTIPLY_ADD", b, pair(half, half), centre, label="position, in cells")
+        guarded = clamp(build, position, last, label="bleed guard")
+        color, alpha = bilinear(build, pixel, guarded, texel, last=last)
     return close_group(build, Color=color, Alpha=alpha)
 
 
@@ -124,37 +124,7 @@ def _pixel_group(image: bpy.types.Image, layout: AtlasLayout) -> bpy.types.Shade
     """One cell of one texel: the pixel (i n + p, j n + q), read at its centre."""
     build, (cell, texel) = open_group("RadTex Pixel", Cell="Vector", Texel="Vector")
     width, height = layout.pixel_width, layout.pixel_height
-    pixel = build.vector("MULTIPLY_ADD", texel, _pair(layout.bucket, layout.bucket), cell, label="pixel")
-    to_uv, centre = _pair(1 / width, 1 / height), _pair(0.5 / width, 0.5 / height)
+    pixel = build.vector("MULTIPLY_ADD", texel, pair(layout.bucket, layout.bucket), cell, label="pixel")
+    to_uv, centre = pair(1 / width, 1 / height), pair(0.5 / width, 0.5 / height)
     color, alpha = build.image(image, build.vector("MULTIPLY_ADD", pixel, to_uv, centre))
     return close_group(build, Color=color, Alpha=alpha)
-
-
-def _bilinear(
-    build: NodeBuilder, tap: bpy.types.ShaderNodeTree, position: Socket, last: tuple[float, ...], rest: Socket
-) -> tuple[Socket, Socket]:
-    """Blend `tap` at the four whole places around `position`, each clamped to [0, last]."""
-    corner = build.vector("FLOOR", position)
-    fx, fy, _ = build.separate(build.vector("FRACTION", position))
-    x0, y0, _ = build.separate(_clamp(build, corner, last))
-    x1, y1, _ = build.separate(_clamp(build, build.vector("ADD", corner, _pair(1, 1)), last))
-    below, above = (
-        _blend(build, fx, *(build.group(tap, build.combine(x, y), rest) for x in (x0, x1))) for y in (y0, y1)
-    )
-    return _blend(build, fy, below, above)
-
-
-def _blend(
-    build: NodeBuilder, factor: Socket, low: tuple[Socket, ...], high: tuple[Socket, ...]
-) -> tuple[Socket, Socket]:
-    """(colour, alpha) between two of them, linearly."""
-    alpha = build.math("MULTIPLY_ADD", factor, build.math("SUBTRACT", high[1], low[1]), low[1])
-    return build.mix(factor, low[0], high[0], "RGBA"), alpha
-
-
-def _clamp(build: NodeBuilder, place: Socket, last: tuple[float, ...], label: str = "") -> Socket:
-    return build.vector("MINIMUM", build.vector("MAXIMUM", place, (0.0, 0.0, 0.0)), last, label=label)
-
-
-def _pair(x: float, y: float) -> tuple[float, float, float]:
-    return float(x), float(y), 0.0

@@ -68,9 +68,14 @@ class NodeBuilder:
         x, y, z = self.node("ShaderNodeSeparateXYZ", vector).outputs
         return x, y, z
 
-    def mix(self, factor: Operand, at_zero: Operand, at_one: Operand, kind: str = "VECTOR") -> Socket:
-        """Blend of two vectors, or of another `kind` (RGBA, FLOAT): a choice where the factor is 0 or 1."""
-        node = self.node("ShaderNodeMix", data_type=kind, clamp_factor=False)
+    def mix(
+        self, factor: Operand, at_zero: Operand, at_one: Operand, kind: str = "VECTOR", blend: str = "MIX"
+    ) -> Socket:
+        """Blend of two vectors, or of another `kind` (RGBA, FLOAT): a choice where the factor is 0 or 1.
+
+        Colours know other ways to `blend`: LIGHTEN is the larger of the two.
+        """
+        node = self.node("ShaderNodeMix", data_type=kind, clamp_factor=False, blend_type=blend)
         sockets = [socket for socket in node.inputs if socket.enabled]
         for socket, operand in zip(sockets, (factor, at_zero, at_one), strict=True):
             self.feed(socket, operand)

@@ -18,10 +18,13 @@ from mathutils.bvhtree import BVHTree
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.frame import normalised, orthonormal_frame, to_frame
 from radtex_addon.core.sampler import Filter, sample
+from radtex_addon.core.shared import sample_shared
 from radtex_addon.core.surface import SurfaceMesh
-from radtex_addon.preview.material import preview_material
+from radtex_addon.formats.shared_files import read_shared, write_shared
+from radtex_addon.preview.material import preview_material, preview_shared_material
 from tests.blender.lookup_stage import ENGINES, add_camera_above, render_exr, set_up_render, write_exr
 from tests.lookups import LAYOUT, relative_error
+from tests.shared_atlases import facts_about, random_shared_atlas
 
 UV_LAYER = "RadTex"
 RESOLUTION = (180, 120)
@@ -139,17 +142,21 @@ def barycentric(point: Floats, corners: Floats) -> Floats:
     return np.concatenate([1 - vw.sum(axis=1, keepdims=True), vw], axis=1)
 
 
+def at_hits(hits: Hits, surfaces: list[SurfaceMesh], name: str) -> Floats:
+    """What the surfaces' corners know, between them: (K, ...)."""
+    pairs = zip(hits.surface, hits.triangle, strict=True)
+    values = np.array([getattr(surfaces[s], name)[t] for s, t in pairs])
+    weights = hits.weights.reshape(hits.weights.shape + (1,) * (values.ndim - 2))
+    return cast(Floats, np.sum(weights * values, axis=1))
+
+
 def expected(hits: Hits, surfaces: list[SurfaceMesh], atlas: Floats, kind: Filter) -> Floats:
     """The reference's answers at the hits, (K, 4)."""
-
-    def at_hits(name: str) -> Floats:
-        pairs = zip(hits.surface, hits.triangle, strict=True)
-        values = np.array([getattr(surfaces[s], name)[t] for s, t in pairs])
-        weights = hits.weights.reshape(hits.weights.shape + (1,) * (values.ndim - 2))
-        return cast(Floats, np.sum(weights * values, axis=1))
-
-    frame = orthonormal_frame(at_hits("normal"), at_hits("tangent"), at_hits("sign"))
-    return sample(atlas.astype(float), LAYOUT, at_hits("uv"), to_frame(hits.viewer, *frame), kind)
+    normal, tangent, sign, uv = (
+        at_hits(hits, surfaces, name) for name in ("normal", "tangent", "sign", "uv")
+    )
+    frame = orthonormal_frame(normal, tangent, sign)
+    return sample(atlas.astype(float), LAYOUT, uv, to_frame(hits.viewer, *frame), kind)
 
 
 PLACES = {  # location, angle and axis, scale
@@ -211,12 +218,35 @@ def test_turned_stretched_mirrored_and_instanced_objects_show_their_atlas(
     hits = cast_rays(camera, scene, surfaces)
     x, y = hits.pixel.T
     error = relative_error(image[y, x], expected(hits, surfaces, atlas, Filter.QUADRILINEAR))
+    check_each_surface(engine, error, hits)
+
+
+@pytest.mark.parametrize("engine", ENGINES.values(), ids=ENGINES)
+def test_they_show_a_bake_in_the_shared_layout(engine: str, tmp_path: Path) -> None:
+    written = random_shared_atlas(bucket=3, surroundings=8, levels=2)
+    path = tmp_path / "Vase.radiance.json"
+    write_shared(path, written, facts_about(written))
+    scene = cast(Any, bpy.context.scene)
+    set_up_render(scene, engine)
+    camera, surfaces = build_scene(preview_shared_material("preview", path, UV_LAYER))
+    image = render_exr(scene, tmp_path / "view.exr")
+    hits = cast_rays(camera, scene, surfaces)
+    x, y = hits.pixel.T
+    uv, normal = at_hits(hits, surfaces, "uv"), normalised(at_hits(hits, surfaces, "normal"))
+    answers = sample_shared(read_shared(path)[0], uv, normal, hits.viewer)
+    np.testing.assert_allclose(image[y, x, 3], 1)
+    error = relative_error(image[y, x, :3], answers)
+    check_each_surface(engine, error, hits, 2e-2)  # light changes faster here: 1/200 of a pixel is seen
+
+
+def check_each_surface(engine: str, error: Floats, hits: Hits, allowed: float = 2e-3) -> None:
+    """Nearly all pixels are right: at silhouettes and UV seams a ray may fall on the other side."""
     for index, name in enumerate([*PLACES, "mirrored instance"]):
         own = error[hits.surface == index]
-        wrong = np.mean(own > 2e-3)
+        wrong = np.mean(own > allowed)
         print(f"{engine} {name}: {len(own)} pixels, median error {np.median(own):.1e}, wrong {wrong:.2%}")
         assert len(own) > 1000
-        assert wrong <= 0.01  # at silhouettes and UV seams a ray may fall on the other side
+        assert wrong <= 0.01
 
 
 @pytest.mark.parametrize("engine", ENGINES.values(), ids=ENGINES)

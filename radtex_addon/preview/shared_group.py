@@ -1,0 +1,230 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`core.shared.sample_shared` as native shader nodes, alike in Eevee and Cycles: the group "RadTex Shared".
+
+Each step is a group of its own, so that the tree reads like the maths: octahedron, bucket, surroundings,
+falloff. Octahedral images have a border of one cell that repeats what lies beyond their edges, so that no
+lookup needs to know how they are folded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
+from typing import cast
+
+import bpy
+
+from ..core.errors import InputError
+from ..core.shared import Axis, level_sizes
+from ..formats.packing import COLOUR, ENDS, GAIN, IRRADIANCE, REST, SURROUNDINGS, lobe_layer
+from ..formats.shared_sidecar import SharedSidecar
+from ..scene.nodes import NodeBuilder, Socket, close_group, open_group
+from .node_group import MAX_PIXELS
+from .taps import bilinear, pair
+
+_LEAST_SPREAD = 1e-12  # as in core.shared.level_weights
+_TINY = 1e-30  # keeps 0/0 away, as in core.octahedron
+
+_Images = Mapping[str, bpy.types.Image]
+_Triple = tuple[float, float, float]
+
+
+def build_shared_group(images: _Images, sidecar: SharedSidecar) -> bpy.types.ShaderNodeTree:
+    """A node group that samples the sidecar's `images`, by layer, as `core.shared.sample_shared` does.
+
+    Inputs: UV (0..1, v up); Normal and Incoming, world space, of any length (Incoming points to the viewer;
+    left at zero it is the shaded point's own). Output: Color. `images` come from `load_atlas`, ends as
+    `data`. Raises InputError where one is not of the sidecar's size, or is larger than a GPU takes.
+    """
+    check_shared_previewable(sidecar)
+    _check_sizes(images, sidecar)
+    octahedron, around = _octahedron_group(), _surroundings_group(images[SURROUNDINGS], sidecar)
+    inputs = {"UV": "Vector", "Normal": "Vector", "Incoming": "Vector"}
+    build, (uv, normal, incoming) = open_group("RadTex Shared", **inputs)
+    n = build.vector("NORMALIZE", normal, label="N")
+    unset = build.math("LESS_THAN", build.vector("LENGTH", incoming), _TINY)
+    viewer = build.vector("NORMALIZE", build.mix(unset, incoming, build.geometry("Incoming")), label="V")
+    facing = build.vector("DOT_PRODUCT", n, viewer, label="N.V")
+    (colour,) = build.group(_map_group("Colour", images[COLOUR]), uv)
+    (irradiance,) = build.group(_map_group("Irradiance", images[IRRADIANCE]), uv)
+    (falloff,) = build.group(_falloff_group(sidecar.falloff), facing)
+    light = build.vector("MULTIPLY", build.vector("MULTIPLY", colour, irradiance), falloff, label="scattered")
+    through = build.vector("SCALE", viewer, -1.0, label="through")
+    twice = build.math("MULTIPLY", facing, 2.0)
+    axes = {
+        Axis.MIRROR: build.vector("ADD", build.vector("SCALE", n, twice), through, label="mirrored"),
+        Axis.THROUGH: through,
+    }
+    for axis in sidecar.lobes:
+        (lobe,) = build.group(_lobe_group(axis, images, sidecar, octahedron, around), uv, axes[axis])
+        light = build.vector("ADD", light, lobe)
+    return close_group(build, Color=build.mix(1.0, light, (0.0, 0.0, 0.0, 1.0), "RGBA", "LIGHTEN"))
+
+
+def check_shared_previewable(sidecar: SharedSidecar, max_pixels: int = MAX_PIXELS) -> None:
+    """Raise InputError where an image of the bake has more than `max_pixels` along a side."""
+    for layer, (width, height, _) in sidecar.shapes.items():
+        if max(width, height) > max_pixels:
+            raise InputError(
+                f"the layer '{layer}' has {width} x {height} pixels and cannot be previewed, a GPU takes "
+                f"{max_pixels} a side; bake fewer texels, or smaller buckets"
+            )
+
+
+def _check_sizes(images: _Images, sidecar: SharedSidecar) -> None:
+    for layer, (width, height, _) in sidecar.shapes.items():
+        actual = _size(images[layer])
+        if actual != (width, height):
+            raise InputError(
+                f"{images[layer].name}: {actual[0]} x {actual[1]} pixels, but this bake's '{layer}' has "
+                f"{width} x {height}; use the sidecar that belongs to this image"
+            )
+
+
+def _lobe_group(
+    axis: Axis,
+    images: _Images,
+    sidecar: SharedSidecar,
+    octahedron: bpy.types.ShaderNodeTree,
+    around: bpy.types.ShaderNodeTree,
+) -> bpy.types.ShaderNodeTree:
+    """gain(uv, A) surroundings(A + shift(uv, A), spread(uv, A)) + rest(uv, A)."""
+    width, height, n = sidecar.bake.width, sidecar.bake.height, sidecar.bake.bucket
+    bucket = _bucket_group(_cell_group(axis, images, n), axis, n)
+    build, (uv, along) = open_group(f"RadTex {axis.title()}", UV="Vector", Axis="Vector")
+    position, last = _position(build, uv, (width, height)), pair(width - 1, height - 1)
+    shift, spread, gain, rest = bilinear(build, bucket, position, _place(build, octahedron, along), last=last)
+    end = build.vector("ADD", along, shift, label="where it comes from")
+    (met,) = build.group(around, _place(build, octahedron, end), spread)
+    return close_group(build, Light=build.vector("MULTIPLY_ADD", gain, met, rest))
+
+
+def _bucket_group(cell: bpy.types.ShaderNodeTree, axis: Axis, cells: int) -> bpy.types.ShaderNodeTree:
+    """One texel's bucket at a place on the octahedron, between four cells."""
+    build, (texel, place) = open_group(f"RadTex {axis.title()} Bucket", Texel="Vector", Place="Vector")
+    shift, spread, gain, rest = bilinear(build, cell, _position(build, place, (cells, cells)), texel)
+    return close_group(build, Shift=shift, Spread=spread, Gain=gain, Rest=rest)
+
+
+def _cell_group(axis: Axis, images: _Images, n: int) -> bpy.types.ShaderNodeTree:
+    """One cell of one texel, in all of the lobe's images: the pixel (i (n+2) + 1 + x, j (n+2) + 1 + y).
+
+    The spread is the images', in units of the sharpest blur.
+    """
+    ends, gain, rest = (images[lobe_layer(axis, part)] for part in (ENDS, GAIN, REST))
+    build, (cell, texel) = open_group(f"RadTex {axis.title()} Cell", Cell="Vector", Texel="Vector")
+    pixel = build.vector("MULTIPLY_ADD", texel, pair(n + 2, n + 2), build.vector("ADD", cell, pair(1, 1)))
+    centre = _centre(build, pixel, _size(ends))
+    shift, spread = build.image(ends, centre)
+    taken, own = (build.image(image, centre)[0] for image in (gain, rest))
+    return close_group(build, Shift=shift, Spread=spread, Gain=taken, Rest=own)
+
+
+def _surroundings_group(image: bpy.types.Image, sidecar: SharedSidecar) -> bpy.types.ShaderNodeTree:
+    """The surroundings blurred by a variance, in units of the sharpest, between the two nearest levels."""
+    level_group = _level_group(image, sidecar)
+    build, (place, spread) = open_group("RadTex Surroundings", Place="Vector", Spread="Float")
+    least = build.math("MAXIMUM", spread, _LEAST_SPREAD / sidecar.sharpest)
+    exact = build.math("DIVIDE", build.math("LOGARITHM", least, 2.0), 2.0)
+    level = build.math("MINIMUM", build.math("MAXIMUM", exact, 0.0), sidecar.levels - 1.0, label="level")
+    sharper = build.math("FLOOR", level)
+    taken = (sharper, build.math("ADD", sharper, 1.0))
+    sharp, blurred = (build.group(level_group, place, number)[0] for number in taken)
+    return close_group(build, Light=build.mix(build.math("FRACT", level), sharp, blurred, "RGBA"))
+
+
+def _level_group(image: bpy.types.Image, sidecar: SharedSidecar) -> bpy.types.ShaderNodeTree:
+    """One level of the surroundings, a whole number (the last one if there are fewer), between four cells."""
+    cell = _surroundings_cell_group(image)
+    build, (place, level) = open_group("RadTex Level", Place="Vector", Level="Float")
+    reached = [build.math("GREATER_THAN", level, number + 0.5) for number in range(sidecar.levels - 1)]
+    x, y, side = build.separate(_climb(build, _level_places(sidecar), reached))
+    cells = build.vector("SCALE", place, side)
+    position = build.vector("SUBTRACT", cells, pair(0.5, 0.5), label="position, in cells")
+    (light,) = bilinear(build, cell, position, build.combine(x, y))
+    return close_group(build, Light=light)
+
+
+def _level_places(sidecar: SharedSidecar) -> list[_Triple]:
+    """Where each level stands in the surroundings' image: its border's corner x, y, and its side."""
+    first, *others = level_sizes(sidecar.surroundings, sidecar.levels)
+    places, y = [(0.0, 0.0, float(first))], 0.0
+    for side in others:
+        places.append((first + 2.0, y, float(side)))
+        y += side + 2
+    return places
+
+
+def _surroundings_cell_group(image: bpy.types.Image) -> bpy.types.ShaderNodeTree:
+    """One cell of the level whose border's corner is the pixel Corner."""
+    build, (cell, corner) = open_group("RadTex Surroundings Cell", Cell="Vector", Corner="Vector")
+    pixel = build.vector("ADD", build.vector("ADD", cell, corner), pair(1, 1), label="pixel")
+    return close_group(build, Light=build.image(image, _centre(build, pixel, _size(image)))[0])
+
+
+def _falloff_group(falloff: Sequence[_Triple]) -> bpy.types.ShaderNodeTree:
+    """The curve at a cosine, linear between its points."""
+    build, (cosine,) = open_group("RadTex Falloff", Cosine="Float")
+    place = build.math("MULTIPLY_ADD", cosine, float(len(falloff)), -0.5, label="position, in points")
+    passed = [
+        build.node("ShaderNodeMath", place, float(point), operation="SUBTRACT", use_clamp=True).outputs[0]
+        for point in range(len(falloff) - 1)
+    ]
+    return close_group(build, Falloff=_climb(build, falloff, passed))
+
+
+def _map_group(name: str, image: bpy.types.Image) -> bpy.types.ShaderNodeTree:
+    """An image that holds one colour a texel, at UV, between four texels."""
+    width, height = _size(image)
+    tap, (texel,) = open_group(f"RadTex {name} Texel", Texel="Vector")
+    color, _ = tap.image(image, _centre(tap, texel, (width, height)))
+    texels = close_group(tap, Color=color)
+    build, (uv,) = open_group(f"RadTex {name}", UV="Vector")
+    position, last = _position(build, uv, (width, height)), pair(width - 1, height - 1)
+    (color,) = bilinear(build, texels, position, last=last)
+    return close_group(build, Color=color)
+
+
+def _octahedron_group() -> bpy.types.ShaderNodeTree:
+    """Direction, of any length, to Place in [0, 1]^2, as `core.octahedron.direction_to_octahedron`."""
+    build, (direction,) = open_group("RadTex Octahedron", Direction="Vector")
+    length = build.vector("DOT_PRODUCT", build.vector("ABSOLUTE", direction), (1.0, 1.0, 1.0))
+    scale = build.math("DIVIDE", 1.0, build.math("MAXIMUM", length, _TINY))
+    flat = build.vector("SCALE", direction, scale, label="|x| + |y| + |z| = 1")
+    x, y, z = build.separate(flat)
+    swapped = build.combine(y, x)
+    inside = build.vector("SUBTRACT", (1.0, 1.0, 0.0), build.vector("ABSOLUTE", swapped))
+    side = build.vector("SIGN", build.vector("ADD", flat, pair(_TINY, _TINY)), label="zero is positive")
+    folded = build.vector("MULTIPLY", inside, side, label="the lower half, folded outwards")
+    square = build.mix(build.math("LESS_THAN", z, 0.0), flat, folded)
+    return close_group(build, Place=build.vector("MULTIPLY_ADD", square, pair(0.5, 0.5), pair(0.5, 0.5)))
+
+
+def _place(build: NodeBuilder, octahedron: bpy.types.ShaderNodeTree, direction: Socket) -> Socket:
+    return build.group(octahedron, direction)[0]
+
+
+def _position(build: NodeBuilder, place: Socket, size: tuple[int, int]) -> Socket:
+    """A place in [0, 1]^2 in units of texels or cells, whole numbers at their centres."""
+    return build.vector("MULTIPLY_ADD", place, pair(*size), pair(-0.5, -0.5), label="position")
+
+
+def _centre(build: NodeBuilder, pixel: Socket, size: tuple[int, int]) -> Socket:
+    """Where an image node finds a pixel's centre."""
+    width, height = size
+    return build.vector("MULTIPLY_ADD", pixel, pair(1 / width, 1 / height), pair(0.5 / width, 0.5 / height))
+
+
+def _climb(build: NodeBuilder, values: Sequence[_Triple], shares: Iterable[Socket]) -> Socket:
+    """The first value, and each step from one to the next by its share: piecewise linear without an image."""
+    total = build.combine(*values[0])
+    for (low, high), share in zip(pairwise(values), shares, strict=True):
+        step = tuple(b - a for a, b in zip(low, high, strict=True))
+        total = build.vector("MULTIPLY_ADD", share, step, total)
+    return total
+
+
+def _size(image: bpy.types.Image) -> tuple[int, int]:
+    width, height = cast(Sequence[int], image.size)
+    return width, height
