@@ -10,8 +10,14 @@ from typing import cast
 import numpy as np
 
 from ..core.arrays import Bools, Floats, Ints
+from ..core.atlas import AtlasLayout
+from ..core.frame import fallback_tangent, orthonormal_frame
 from ..core.hemisphere import mirror_direction, square_to_direction
+from ..core.octahedron import direction_to_octahedron, octahedron_cell, octahedron_to_direction
 from .plan import CapturePlan
+
+_NEAR_SIZE = 64  # cells along a side of the map of what is near
+_BEFORE = 0.95  # of the distance to a near thing: where a ray to it starts
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +68,15 @@ class SurroundingsSamples:
     nearness: Floats
 
 
+def joined(first: SurroundingsSamples, second: SurroundingsSamples) -> SurroundingsSamples:
+    """The samples of both."""
+    return SurroundingsSamples(
+        np.concatenate([first.direction, second.direction]),
+        np.concatenate([first.radiance, second.radiance]),
+        np.concatenate([first.nearness, second.nearness]),
+    )
+
+
 def distance_along(direction: Floats, offset: Floats, away: Floats) -> Floats:
     """How far along `direction`, from the origin, a ray from `offset` along `away` comes by, all (P, 3): (P,).
 
@@ -72,6 +87,26 @@ def distance_along(direction: Floats, offset: Floats, away: Floats) -> Floats:
     along = np.sum(np.cross(offset, away) * across, axis=-1)
     found: Floats = np.where((squared > 1e-8) & (along > 0), along / np.maximum(squared, 1e-8), np.inf)
     return found
+
+
+def panorama_plan(near: SurroundingsSamples, middle: Floats, radius: float, size: int, rays: int) -> CapturePlan:
+    """Rays straight away from the object, `rays` in each cell of a size x size octahedral map, stratified.
+
+    They start outside the object, which reaches out to `radius` from `middle` (3,), but before what `near` has
+    met in their direction.
+    """
+    side = int(np.ceil(np.sqrt(rays)))
+    count = size * side
+    place = (np.stack(np.meshgrid(np.arange(count), np.arange(count)), axis=-1).reshape(-1, 2) + 0.5) / count
+    direction = octahedron_to_direction(place.astype(np.float32))
+    cell = octahedron_cell(direction_to_octahedron(near.direction), _NEAR_SIZE)
+    nearness = np.full(_NEAR_SIZE**2, 1 / radius)
+    np.maximum.at(nearness, cell, near.nearness / _BEFORE)
+    start = (1 / nearness)[octahedron_cell(place, _NEAR_SIZE)].astype(np.float32)
+    tangent, bitangent, normal = orthonormal_frame(direction, fallback_tangent(direction), np.ones(len(place)))
+    fields = (middle + start[:, None] * direction, tangent, bitangent, normal, normal)
+    packed = [field.reshape(count, count, 3).astype(np.float32) for field in fields]
+    return CapturePlan(AtlasLayout(count, count, 1), np.arange(count * count), *packed)
 
 
 def mirrored(plan: CapturePlan, square: Floats) -> Floats:

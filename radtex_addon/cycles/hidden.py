@@ -23,7 +23,7 @@ from ..core.arrays import Bools, Floats
 from ..scene.nodes import open_material, open_world
 from .portal import PortalCapture
 
-_SAMPLES = 2  # rays per cell; a cell is hidden if all of them are
+PROBES = 2  # rays per cell; a cell is hidden if all of them are
 _TILE_PIXELS = 1 << 20
 
 
@@ -56,7 +56,7 @@ def find_hidden(
 
 
 def _back_faces(scene: bpy.types.Scene, plan: CapturePlan, folder: Path) -> Generator[Progress, None, Bools]:
-    capture = PortalCapture(scene, plan, Kind.INCIDENT, _SAMPLES, 0, folder)
+    capture = PortalCapture(scene, plan, Kind.INCIDENT, PROBES, 0, folder)
     count = len(plan.texel)
     rows = max(1, _TILE_PIXELS // (plan.columns * plan.layout.bucket**2))
     found = []

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the shared layout is fitted to: light in many directions, what mirror rays meet, the diffuse colour.
+"""What the shared layout is fitted to: light in many directions, where paths end, the surroundings, the colour.
 
-All three are the portal's rays, aimed at known points of their cells. Each capture takes a scratch scene of
-its own, which it fills with its apparatus.
+All are the portal's rays, aimed at known points of their cells. Each capture takes a scratch scene of its own,
+which it fills with its apparatus.
 """
 
 from __future__ import annotations
@@ -89,8 +89,13 @@ def capture_ends(ends: PathEnds, plan: CapturePlan, seed: int, folder: Path) -> 
 def capture_surroundings(
     scene: bpy.types.Scene, ends: PathEnds, plan: CapturePlan, middle: Floats, seed: int, folder: Path
 ) -> SurroundingsSamples:
-    """Look from the object into each of the plan's cells, as if it were a perfect mirror."""
-    aim = Aim(spread_shifts(len(plan.texel), seed + 1))
+    """Look from the object into each of the plan's cells, as if it were a perfect mirror.
+
+    `scene` is a scratch scene and `ends` are the paths' ends in it; both are spent afterwards.
+    """
+    count = len(plan.texel)
+    shift = _straight(count) if plan.layout.bucket == 1 else spread_shifts(count, seed + 1)
+    aim = Aim(shift)
     capture = PortalCapture(scene, plan, Kind.REFLECTION, 1, seed, folder, aim)
     light = [capture.render(tile)[..., :3].reshape(-1, 3) for tile in _tiles(plan)]
     ends.emit_directions(0)
@@ -100,7 +105,7 @@ def capture_surroundings(
     met = coded.sum(axis=1) > _ITSELF
     direction = coded[met] * 2 - 1
     away = mirrored(plan, aim.square(plan.layout.bucket)).reshape(-1, 3)[met]
-    start = np.repeat(plan.position.reshape(-1, 3)[: len(plan.texel)], plan.layout.bucket**2, axis=0)[met]
+    start = np.repeat(plan.position.reshape(-1, 3)[:count], plan.layout.bucket**2, axis=0)[met]
     return SurroundingsSamples(
         direction, np.concatenate(light)[met], 1 / distance_along(direction, start - middle, away)
     )
@@ -109,8 +114,8 @@ def capture_surroundings(
 def capture_colour(scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder: Path) -> Floats:
     """The diffuse colour along the normal, for a plan of one cell a bucket: (H, W, 3), gutter filled."""
     layout = plan.layout
-    shift = np.full((len(plan.texel), 2), 0.6)  # the very middle has no azimuth
-    capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, Aim(shift, _DIFFUSE))
+    aim = Aim(_straight(len(plan.texel)), _DIFFUSE)
+    capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
     first_hit_only(scene)
     flat = np.zeros((layout.height * layout.width, 3), dtype=np.float32)
     for tile in _tiles(plan):
@@ -120,6 +125,11 @@ def capture_colour(scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder:
     image = flat.reshape(layout.height, layout.width, 3)
     dilate(image, nearest_covered(covered.reshape(image.shape[:2])))
     return image
+
+
+def _straight(count: int) -> Floats:
+    """Shifts that aim along the normal, all but: the very middle of a bucket has no azimuth."""
+    return np.full((count, 2), 0.51)
 
 
 def _tiles(plan: CapturePlan) -> list[Tile]:
