@@ -13,22 +13,23 @@ from tests.lookups import COUNT, Lookups
 
 
 def random_fragments(width: int, height: int, seed: int = 3) -> Lookups:
-    """Fragments anywhere and at every edge: texel seams, atlas border, axes and folds of the octahedron.
+    """Fragments anywhere, at texel seams, beyond the atlas's edges, and where the octahedron folds.
 
     Every tenth viewer may stand behind its surface. Without tangents, which this layout does not know.
     """
     rng = np.random.default_rng(seed)
     size = np.array([width, height])
-    uv = rng.uniform(0, 1, (COUNT, 2))
+    uv = rng.uniform(-0.05, 1.05, (COUNT, 2))
     uv[:500] = (rng.integers(0, size + 1, (500, 2)) + rng.uniform(-2e-3, 2e-3, (500, 2))) / size
-    viewer, normal = (normalised(rng.normal(size=(COUNT, 3))) for _ in range(2))
-    viewer[600:1000, 2] = rng.uniform(-1e-3, 1e-3, 400)  # where the octahedron folds
-    viewer[1000:1200] = rng.permuted([[0, 0, 1], [0, -1, 0]] * 100, axis=1)  # its corners
-    viewer[1200:1300, 0] = 0
-    normal[1100:1300] = normalised(viewer[1100:1300])
-    facing = np.sum(normal * viewer, axis=1, keepdims=True)
-    viewer = np.where((facing < 0) & (rng.random((COUNT, 1)) < 0.9), -viewer, viewer)
-    stretched = [v * rng.uniform(0.3, 3, (COUNT, 1)) for v in (normal, viewer)]
+    normal, viewer = normalised(rng.normal(size=(2, COUNT, 3)))
+    corners = np.concatenate([np.eye(3), -np.eye(3)])[rng.integers(0, 6, 1000)]
+    viewer[600:1600] = corners + rng.normal(size=(1000, 3)) * rng.choice([0, 1e-3], (1000, 1))
+    edge = (np.arange(1600, 2600), rng.integers(0, 3, 1000))
+    viewer[edge] *= rng.choice([0, 1e-4], 1000)
+    normal[1100:2100] = viewer[1100:2100]  # so that the mirror looks there, too
+    behind = np.sum(normal * viewer, axis=1, keepdims=True) < 0
+    viewer = np.where(behind & (np.arange(COUNT) % 10 > 0)[:, None], -viewer, viewer)
+    stretched = [normalised(v) * rng.uniform(0.3, 3, (COUNT, 1)) for v in (normal, viewer)]
     unused = np.zeros((COUNT, 3)), np.zeros(COUNT)
     return Lookups(*(a.astype(np.float32) for a in (uv, stretched[0], *unused, stretched[1])))
 

@@ -79,7 +79,7 @@ def pack_surroundings(levels: tuple[Floats, ...]) -> Floats:
     size = len(levels[0])
     width, height = surroundings_size(size, len(levels))
     image = np.zeros((height, width, levels[0].shape[2]), dtype=levels[0].dtype)
-    for level, (x, y, side) in zip(levels, _level_places(size, len(levels)), strict=True):
+    for level, (x, y, side) in zip(levels, level_places(size, len(levels)), strict=True):
         image[y : y + side + 2, x : x + side + 2] = with_border(level)
     return image
 
@@ -88,7 +88,7 @@ def unpack_surroundings(image: Floats, size: int, count: int) -> tuple[Floats, .
     """The levels that `pack_surroundings` put into one image, float32, without their borders."""
     return tuple(
         image[y + 1 : y + 1 + side, x + 1 : x + 1 + side].astype(np.float32)
-        for x, y, side in _level_places(size, count)
+        for x, y, side in level_places(size, count)
     )
 
 
@@ -96,6 +96,15 @@ def surroundings_size(size: int, count: int) -> tuple[int, int]:
     """Width and height of the image of `count` levels, the first of `size` cells a side."""
     column = sum(side + 2 for side in level_sizes(size, count)[1:])
     return size + 2 + max(size // 2, LEAST_LEVEL) + 2, max(size + 2, column)
+
+
+def level_places(size: int, count: int) -> Iterator[tuple[int, int, int]]:
+    """Each level's place in `pack_surroundings`' image: its border's corner, column and row, and its side."""
+    yield 0, 0, size
+    row = 0
+    for side in level_sizes(size, count)[1:]:
+        yield size + 2, row, side
+        row += side + 2
 
 
 def with_border(images: Floats) -> Floats:
@@ -110,12 +119,3 @@ def with_border(images: Floats) -> Floats:
     cells = images.reshape(*images.shape[:-3], n * n, images.shape[-1])
     bordered: Floats = cells[..., cell, :]
     return bordered
-
-
-def _level_places(size: int, count: int) -> Iterator[tuple[int, int, int]]:
-    """Each level's column and row, that of its border's corner, and its side."""
-    yield 0, 0, size
-    row = 0
-    for side in level_sizes(size, count)[1:]:
-        yield size + 2, row, side
-        row += side + 2

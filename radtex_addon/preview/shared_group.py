@@ -16,8 +16,8 @@ from typing import cast
 import bpy
 
 from ..core.errors import InputError
-from ..core.shared import Axis, level_sizes
-from ..formats.packing import COLOUR, ENDS, GAIN, IRRADIANCE, REST, SURROUNDINGS, lobe_layer
+from ..core.shared import Axis
+from ..formats.packing import COLOUR, ENDS, GAIN, IRRADIANCE, REST, SURROUNDINGS, level_places, lobe_layer
 from ..formats.shared_sidecar import SharedSidecar
 from ..scene.nodes import NodeBuilder, Socket, close_group, open_group
 from .node_group import MAX_PIXELS
@@ -139,21 +139,12 @@ def _level_group(image: bpy.types.Image, sidecar: SharedSidecar) -> bpy.types.Sh
     cell = _surroundings_cell_group(image)
     build, (place, level) = open_group("RadTex Level", Place="Vector", Level="Float")
     reached = [build.math("GREATER_THAN", level, number + 0.5) for number in range(sidecar.levels - 1)]
-    x, y, side = build.separate(_climb(build, _level_places(sidecar), reached))
+    places = list(level_places(sidecar.surroundings, sidecar.levels))
+    x, y, side = build.separate(_climb(build, places, reached))
     cells = build.vector("SCALE", place, side)
     position = build.vector("SUBTRACT", cells, pair(0.5, 0.5), label="position, in cells")
     (light,) = bilinear(build, cell, position, build.combine(x, y))
     return close_group(build, Light=light)
-
-
-def _level_places(sidecar: SharedSidecar) -> list[_Triple]:
-    """Where each level stands in the surroundings' image: its border's corner x, y, and its side."""
-    first, *others = level_sizes(sidecar.surroundings, sidecar.levels)
-    places, y = [(0.0, 0.0, float(first))], 0.0
-    for side in others:
-        places.append((first + 2.0, y, float(side)))
-        y += side + 2
-    return places
 
 
 def _surroundings_cell_group(image: bpy.types.Image) -> bpy.types.ShaderNodeTree:
