@@ -6,26 +6,33 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TypeVar
+from typing import TypeVar, cast
 
 from ..core.errors import InputError
 from ..formats.exr import Compression
 from ..formats.memory import physical_memory, readable_size
 from .plan import MAX_IMAGE_SIDE
+from .rays import Rays
 
 __all__ = [
     "BakeSpec",
     "CaptureMethod",
     "Compression",
     "Kind",
+    "Layout",
     "Unwrap",
     "parse_capture",
     "parse_compression",
     "parse_kind",
+    "parse_layout",
     "parse_unwrap",
 ]
 
 _BYTES_PER_PIXEL = 32  # RGBA in float32, twice: cells by texel are joined to an image (measured: 33 to 35)
+_BYTES_PER_SHARED_PIXEL = 240  # both lobes' ten channels in float32, three times: fitted, as images, stored
+_BYTES_PER_RAY = 48  # single paths in float16, their directions, and what the fit makes of them
+
+_MOST_SHARED_SAMPLES = 2**12  # 177 thousand paths a texel
 
 # What a whole number may be; Cycles's own bounds for samples and seed.
 _LIMITS = {
@@ -44,6 +51,18 @@ class Kind(StrEnum):
     RADIANCE = "radiance"
     INCIDENT = "incident"
     REFLECTION = "reflection"
+
+
+class Layout(StrEnum):
+    """How an atlas holds its light."""
+
+    BUCKETS = "buckets"
+    SHARED = "shared"
+
+    @property
+    def cells(self) -> int:
+        """Along a bucket's side, where nobody says."""
+        return 16 if self is Layout.SHARED else 8
 
 
 class CaptureMethod(StrEnum):
@@ -67,15 +86,17 @@ _Choice = TypeVar("_Choice", bound=StrEnum)
 class BakeSpec:
     """One bake: `texels` on the atlas's longer side, `bucket` cells on a bucket's side, `samples` per cell.
 
-    `uv_layer` names a layer of the object to bake on; without one, `unwrap` makes a layer, with `padding`
-    texels between islands. `device` is a wish that Cycles answers. `half` and `compression` shape the file;
-    `memory_mb` bounds a tile, not the atlas. Enums may be given as text.
+    In the shared `layout`, which takes radiance by the portal, buckets are octahedral, and a texel spends
+    about 64 paths for each of `samples`, however many cells there are (`Rays.of`). Without `bucket` it has
+    `layout.cells`. `uv_layer` names a layer of the object to bake on; without one, `unwrap` makes a layer,
+    with `padding` texels between islands. `device` is a wish that Cycles answers. `half` and `compression`
+    shape the files; `memory_mb` bounds a tile, not the atlas. Enums may be given as text.
     Raises InputError for what cannot be baked.
     """
 
     kind: Kind = Kind.RADIANCE
     texels: int = 128
-    bucket: int = 8
+    bucket: int = cast(int, None)  # the layout's, from __post_init__ on
     samples: int = 16
     uv_layer: str | None = None
     capture: CaptureMethod = CaptureMethod.PORTAL
@@ -86,8 +107,12 @@ class BakeSpec:
     unwrap: Unwrap = Unwrap.XATLAS
     padding: int = 2
     memory_mb: int = 1024
+    layout: Layout = Layout.BUCKETS
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "layout", parse_layout(self.layout))
+        if cast(int | None, self.bucket) is None:
+            object.__setattr__(self, "bucket", self.layout.cells)
         object.__setattr__(self, "kind", parse_kind(self.kind))
         object.__setattr__(self, "capture", parse_capture(self.capture))
         object.__setattr__(self, "compression", parse_compression(self.compression))
@@ -101,12 +126,20 @@ class BakeSpec:
                 "capture panoramic only looks outwards and cannot bake radiance: "
                 "capture by portal, or bake incident or reflection"
             )
+        if self.layout is Layout.SHARED:
+            self._check_shared()
         self._check_size()
 
     @property
+    def rays(self) -> Rays:
+        """What the shared layout spends."""
+        return Rays.of(self.samples)
+
+    @property
     def pixels_a_side(self) -> int:
-        """Of the atlas's longer side."""
-        return self.texels * self.bucket
+        """Of the atlas's longer side; octahedral buckets have a border of one cell."""
+        border = 2 if self.layout is Layout.SHARED else 0
+        return self.texels * (self.bucket + border)
 
     @property
     def pixel_count(self) -> int:
@@ -115,13 +148,29 @@ class BakeSpec:
 
     @property
     def path_count(self) -> int:
-        """Most camera paths that the bake can take."""
+        """Most camera paths that the bake can take; the shared layout adds some to find hidden texels."""
+        if self.layout is Layout.SHARED:
+            return self.texels**2 * self.rays.of_texel + 2 * self.rays.size**2 * self.rays.panorama
         return self.pixel_count * self.samples
 
     @property
     def atlas_bytes(self) -> int:
         """Most memory that the atlas can take while it is baked."""
+        if self.layout is Layout.SHARED:
+            of_rays = self.texels**2 * self.rays.of_texel * _BYTES_PER_RAY
+            return self.pixel_count * _BYTES_PER_SHARED_PIXEL + of_rays
         return self.pixel_count * _BYTES_PER_PIXEL
+
+    def _check_shared(self) -> None:
+        for name, found, only in (
+            ("kind", self.kind, Kind.RADIANCE),
+            ("capture", self.capture, CaptureMethod.PORTAL),
+        ):
+            if found is not only:
+                raise InputError(
+                    f"the shared layout knows {name} {only} only, not {found}: bake that in layout buckets"
+                )
+        _check_whole_number("samples in the shared layout", self.samples, 1, _MOST_SHARED_SAMPLES)
 
     def _check_size(self) -> None:
         asked = f"texels {self.texels} with bucket {self.bucket}"
@@ -147,6 +196,11 @@ def parse_capture(text: str) -> CaptureMethod:
 def parse_compression(text: str) -> Compression:
     """The compression named by `text`. Raises InputError, with the choices."""
     return _parse(Compression, "compression", text)
+
+
+def parse_layout(text: str) -> Layout:
+    """The layout named by `text`. Raises InputError, with the choices."""
+    return _parse(Layout, "layout", text)
 
 
 def parse_unwrap(text: str) -> Unwrap:

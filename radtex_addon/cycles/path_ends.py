@@ -2,25 +2,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A scene in which light says where it comes from: everything but the baked object emits its own direction.
 
-The object keeps its materials, so paths go through it as they do in the user's scene; but what they bring back
-is the direction, seen from the object's middle, of the point where they left it for good. The same paths, traced
-again where everything emits white, bring back what the object lets through.
+The object keeps its materials, so paths go through it as they do in the user's scene; but what they bring
+back is the direction, seen from the object's middle, of the point where they left it for good. The same
+paths, traced again where everything emits white, bring back what the object lets through. Light of the
+object's own is put out, and lamps are left out, so that there is nothing else to be brought back.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, cast
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ..core.arrays import Floats
 from ..scene.copy import copy_object
-from ..scene.nodes import NodeBuilder, open_group, close_group, open_material, open_world
+from ..scene.light import put_out
+from ..scene.nodes import NodeBuilder, close_group, open_group, open_material, open_world
+from ..scene.others import RAYS, Placed, Shape, read_beside
 
-_RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
+TURNS = 3  # of red, green and blue among a direction's components
+_DARK = 1e-4  # of a weight's brightest channel: nothing can be read in one that is darker
 
 
 class PathEnds:
@@ -42,7 +47,7 @@ class PathEnds:
         self._baked.data = mesh
 
     def emit_directions(self, turn: int) -> None:
-        """Emit directions d as d / 2 + 1/2, their components moved on by `turn` places among red, green, blue."""
+        """Emit directions d as d / 2 + 1/2, components moved on by `turn` among red, green and blue."""
         self._write(0.0, turn)
 
     def emit_white(self) -> None:
@@ -50,17 +55,36 @@ class PathEnds:
         self._write(1.0, 0)
 
     def _write(self, white: float, turn: int) -> None:
-        value = next(node for node in self._group.nodes if node.label == "white")
-        cast(Any, value).outputs[0].default_value = white
-        for index in range(3):
-            node = next(node for node in self._group.nodes if node.label == f"turn {index}")
-            cast(Any, node).outputs[0].default_value = float(index == turn)
+        values = {"white": white} | {f"turn {index}": float(index == turn) for index in range(TURNS)}
+        for node in self._group.nodes:
+            if node.label in values:
+                cast(Any, node).outputs[0].default_value = values[node.label]
 
 
-def from_directions(emitted: Floats, white: Floats, turn: int) -> Floats:
-    """Directions (..., 3), not of unit length where paths differ, from what was brought back (..., 3) of both."""
-    shared = np.divide(emitted, white, out=np.full_like(emitted, 0.5), where=white > 0)
-    return np.roll(shared * 2 - 1, -turn, axis=-1)
+def any_dark(white: Floats) -> bool:
+    """Whether weights (..., 3) have channels too dark to read a direction's component in."""
+    brightest = white.max(axis=-1, keepdims=True)
+    return bool(((white < _DARK * brightest) & (brightest > _DARK)).any())
+
+
+def from_directions(emitted: Sequence[Floats], white: Floats) -> Floats:
+    """Directions (..., 3), not of unit length where paths differ, 0 where there were none.
+
+    `white` (..., 3) is what white light brought back, `emitted` what directions did, at turn 0, or at all
+    TURNS: then each component is read in the brightest channel.
+    """
+    shares = [np.divide(light, white, out=np.full_like(light, 0.5), where=white > 0) for light in emitted]
+    if len(shares) < TURNS:
+        return shares[0] * 2 - 1
+    brightest = white.argmax(axis=-1)
+    turn = (brightest[..., None] - np.arange(3)) % TURNS  # that puts each component into that channel
+    channel = np.broadcast_to(brightest[..., None], turn.shape)
+    by_turn = np.stack(shares, axis=-2)
+    read = np.take_along_axis(
+        np.take_along_axis(by_turn, channel[..., None, :1], axis=-1)[..., 0], turn, axis=-1
+    )
+    found: Floats = read * 2 - 1
+    return found
 
 
 @contextmanager
@@ -70,10 +94,9 @@ def path_ends(
     """Build the scene from `scratch`, a scratch scene: a copy of `baked` that shows `mesh`, and all else.
 
     `middle` (3,) is the point that directions are seen from. What is made is removed with the scratch scene's
-    other data.
+    other data. Raises BakeError where Blender does not render.
     """
-    layer = next(layer for layer in scratch.view_layers if layer.use)
-    layer.update()
+    beside = read_beside(scratch, baked)
     group = _light_group()
     scene = cast(bpy.types.Scene, scratch.copy())
     try:
@@ -83,45 +106,56 @@ def path_ends(
         for item in list(root.objects):
             root.objects.unlink(item)
         scene.world = _world(group)
-        copy = copy_object(baked, mesh)
+        anchor = cast(bpy.types.Object, bpy.data.objects.new("RadTex anchor", None))
+        copy = _stand_in(baked, mesh)
+        _place(copy, anchor, beside.matrix)
         root.objects.link(copy)
-        glow = _glow(group, middle)
-        _copy_others(scene, layer.depsgraph, baked, glow)
+        _link_others(scene, anchor, beside.others, _glow(group, middle))
         yield PathEnds(scene, copy, group)
     finally:
         bpy.data.scenes.remove(scene)
 
 
-def _copy_others(
-    scene: bpy.types.Scene, graph: bpy.types.Depsgraph, baked: bpy.types.Object, glow: bpy.types.Material
+def _stand_in(baked: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
+    """A copy of the object that does not glow, and that nothing moves."""
+    dark = cast(bpy.types.Mesh, mesh.copy())
+    for index, material in enumerate(dark.materials):
+        if material is not None:
+            dark.materials[index] = put_out(material)
+    copy = copy_object(baked, dark)
+    for collection in copy.users_collection:  # Blender 5 adds a rigid body's copy to its world
+        collection.objects.unlink(copy)
+    copy.animation_data_clear()
+    copy.constraints.clear()
+    copy.instance_type = "NONE"
+    return copy
+
+
+def _place(item: bpy.types.Object, anchor: bpy.types.Object, matrix: Floats) -> None:
+    """Put an object where `matrix` (4, 4) says, to the last bit: its own properties would lose shear."""
+    item.parent, item.parent_type = anchor, "OBJECT"
+    item.matrix_basis = Matrix.Identity(4)
+    item.delta_location, item.delta_scale = (0, 0, 0), (1, 1, 1)
+    item.delta_rotation_euler, item.delta_rotation_quaternion = (0, 0, 0), (1, 0, 0, 0)
+    item.matrix_parent_inverse = Matrix(matrix.tolist())
+
+
+def _link_others(
+    scene: bpy.types.Scene, anchor: bpy.types.Object, others: Sequence[Placed], glow: bpy.types.Material
 ) -> None:
-    """Copy what else renders as meshes that glow; what has no faces is left out."""
-    meshes: dict[int, bpy.types.Mesh | None] = {}
-    found = []
-    for instance in graph.object_instances:
-        item = instance.object
-        original = item.original
-        if original == baked and not instance.is_instance or item.hide_render or not instance.show_self:
-            continue
-        if item.type not in ("MESH", "CURVE", "SURFACE", "FONT", "META"):
-            continue
-        found.append((item.original.session_uid, item, instance.matrix_world.copy(), item.original))
-        key = item.original.session_uid
-        if key not in meshes:
-            mesh = bpy.data.meshes.new_from_object(item, depsgraph=graph)
-            meshes[key] = mesh if mesh and len(mesh.polygons) else None
-            if meshes[key]:
-                mesh.materials.clear()
-                mesh.materials.append(glow)
-    for key, _, matrix, original in found:
-        mesh = meshes[key]
+    """Put what else renders into the scene, glowing."""
+    meshes: dict[Shape, bpy.types.Mesh] = {}
+    for placed in others:
+        mesh = meshes.get(placed.shape)
         if mesh is None:
-            continue
-        copy = bpy.data.objects.new("RadTex other", mesh)
-        copy.matrix_world = matrix
-        for ray in _RAYS:
-            setattr(copy, f"visible_{ray}", getattr(original, f"visible_{ray}"))
-        scene.collection.objects.link(copy)
+            mesh = meshes[placed.shape] = bpy.data.meshes.new("RadTex other")
+            mesh.from_pydata(placed.shape.position, [], placed.shape.triangles)
+            mesh.materials.append(glow)
+        item = cast(bpy.types.Object, bpy.data.objects.new("RadTex other", mesh))
+        for ray in RAYS:
+            setattr(item, f"visible_{ray}", ray in placed.seen_by)
+        _place(item, anchor, placed.matrix)
+        scene.collection.objects.link(item)
 
 
 def _light_group() -> bpy.types.ShaderNodeTree:
@@ -129,14 +163,16 @@ def _light_group() -> bpy.types.ShaderNodeTree:
     build, (direction,) = open_group("RadTex ends", Direction="Vector")
     coded = build.vector("MULTIPLY_ADD", direction, (0.5, 0.5, 0.5), (0.5, 0.5, 0.5))
     x, y, z = build.separate(coded)
-    turns = [build.vector("SCALE", build.combine(*order), _constant(build, f"turn {index}", index == 0))
-             for index, order in enumerate(((x, y, z), (z, x, y), (y, z, x)))]
+    turns = [
+        build.vector("SCALE", build.combine(*order), _constant(build, f"turn {index}", index == 0))
+        for index, order in enumerate(((x, y, z), (z, x, y), (y, z, x)))
+    ]
     turned = build.vector("ADD", build.vector("ADD", turns[0], turns[1]), turns[2])
     white = _constant(build, "white", False)
     return close_group(build, Emission=build.mix(white, turned, (1.0, 1.0, 1.0)))
 
 
-def _constant(build: NodeBuilder, label: str, on: bool) -> Any:
+def _constant(build: NodeBuilder, label: str, on: bool) -> bpy.types.NodeSocket:
     node = build.node("ShaderNodeValue", label=label)
     cast(Any, node).outputs[0].default_value = float(on)
     return node.outputs[0]
@@ -154,8 +190,8 @@ def _world(group: bpy.types.ShaderNodeTree) -> bpy.types.World:
 
 def _glow(group: bpy.types.ShaderNodeTree, middle: Floats) -> bpy.types.Material:
     material, build = open_material("RadTex ends")
-    towards = build.vector("NORMALIZE", build.vector("SUBTRACT", build.geometry("Position"), tuple(float(x) for x in middle)))
-    (emission,) = build.group(group, towards)
+    from_middle = build.vector("SUBTRACT", build.geometry("Position"), tuple(middle.tolist()))
+    (emission,) = build.group(group, build.vector("NORMALIZE", from_middle))
     shader = build.node("ShaderNodeEmission", emission, 1.0)
     build.node("ShaderNodeOutputMaterial", shader.outputs[0])
     cast(Any, material).cycles.emission_sampling = "NONE"

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the shared layout is fitted to: light in many directions, where paths end, the surroundings, the colour.
+"""What the shared layout is fitted to: light in many directions, paths' ends, the surroundings, the colour.
 
-All are the portal's rays, aimed at known points of their cells. Each capture takes a scratch scene of its own,
-which it fills with its apparatus.
+All are the portal's rays, aimed at known points of their cells. Each capture takes a scratch scene of its
+own, which it fills with its apparatus.
 """
 
 from __future__ import annotations
@@ -14,13 +14,21 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..bake.light_samples import EndSamples, LightSamples, SurroundingsSamples, cells_of, distance_along, mirrored, spread_shifts
+from ..bake.light_samples import (
+    EndSamples,
+    LightSamples,
+    SurroundingsSamples,
+    cells_of,
+    distance_along,
+    mirrored,
+    spread_shifts,
+)
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.spec import Kind
 from ..core.arrays import Bools, Floats
 from ..core.gutter import dilate, nearest_covered
-from .path_ends import PathEnds, from_directions
+from .path_ends import TURNS, PathEnds, any_dark, from_directions
 from .portal import Aim, PortalCapture
 from .settings import first_hit_only
 
@@ -30,7 +38,11 @@ _DIFFUSE = ("use_pass_diffuse_direct", "use_pass_diffuse_indirect", "use_pass_di
 _THROUGH = tuple(name.replace("diffuse", "transmission") for name in _DIFFUSE)
 _MIRRORED = tuple(name.replace("diffuse", "glossy") for name in _DIFFUSE)
 # Blender 5's names of passes, and 4.5's
-_LOBES = {"diffuse": ("Diffuse", "Diff"), "mirrored": ("Glossy", "Gloss"), "through": ("Transmission", "Trans")}
+_LOBES = {
+    "diffuse": ("Diffuse", "Diff"),
+    "mirrored": ("Glossy", "Gloss"),
+    "through": ("Transmission", "Trans"),
+}
 _PARTS = {"direct": (" Direct", "Dir"), "indirect": (" Indirect", "Ind"), "colour": (" Color", "Col")}
 
 Passes = dict[str, Floats]
@@ -67,19 +79,25 @@ def capture_samples(
 
 
 def capture_ends(ends: PathEnds, plan: CapturePlan, seed: int, folder: Path) -> EndSamples:
-    """Find where a path from each of the plan's cells ends, and how much of it the object lets through."""
+    """Find where a path from each of the plan's cells ends, and how much of it the object lets through.
+
+    Raises BakeError where Cycles fails.
+    """
     count, cells = len(plan.texel), plan.layout.bucket**2
     aim = Aim(spread_shifts(count, seed + 2), _MIRRORED + _THROUGH)
     capture = PortalCapture(ends.scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
     found: dict[str, list[Floats]] = {}
-    for turn, tile in enumerate(_tiles(plan)):
+    for tile in _tiles(plan):
         ends.emit_white()
         white = capture.render_passes(tile)
-        ends.emit_directions(turn % 3)
-        emitted = capture.render_passes(tile)
-        for lobe in ("mirrored", "through"):
-            weight = _light(white, lobe)
-            end = from_directions(_light(emitted, lobe), weight, turn % 3)
+        weights = {lobe: _light(white, lobe) for lobe in ("mirrored", "through")}
+        deep = any(any_dark(weight) for weight in weights.values())  # colours that lack a channel altogether
+        emitted = []
+        for turn in range(TURNS if deep else 1):
+            ends.emit_directions(turn)
+            emitted.append(capture.render_passes(tile))
+        for lobe, weight in weights.items():
+            end = from_directions([_light(passes, lobe) for passes in emitted], weight)
             found.setdefault(f"{lobe}_weight", []).append(weight.astype(np.float16))
             found.setdefault(f"{lobe}_end", []).append(end.astype(np.float16))
     parts = {name: np.concatenate(tiles).reshape(count, cells, 3) for name, tiles in found.items()}
@@ -91,7 +109,9 @@ def capture_surroundings(
 ) -> SurroundingsSamples:
     """Look from the object into each of the plan's cells, as if it were a perfect mirror.
 
-    `scene` is a scratch scene and `ends` are the paths' ends in it; both are spent afterwards.
+    `middle` (3,) is the object's, in world space. `scene` is a scratch scene and `ends` are the paths' ends
+    in it; both are spent afterwards. Rays that meet the object itself bring nothing. Raises BakeError where
+    Cycles fails.
     """
     count = len(plan.texel)
     shift = _straight(count) if plan.layout.bucket == 1 else spread_shifts(count, seed + 1)
@@ -107,7 +127,7 @@ def capture_surroundings(
     away = mirrored(plan, aim.square(plan.layout.bucket)).reshape(-1, 3)[met]
     start = np.repeat(plan.position.reshape(-1, 3)[:count], plan.layout.bucket**2, axis=0)[met]
     return SurroundingsSamples(
-        direction, np.concatenate(light)[met], 1 / distance_along(direction, start - middle, away)
+        middle, direction, np.concatenate(light)[met], 1 / distance_along(direction, start - middle, away)
     )
 
 

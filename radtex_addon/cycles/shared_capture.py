@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from math import ceil, sqrt
 from pathlib import Path
 from typing import cast
 
@@ -15,9 +16,11 @@ import numpy as np
 
 from ..bake.light_samples import EndSamples, LightSamples, SurroundingsSamples, joined, panorama_plan
 from ..bake.plan import CapturePlan, plan_capture
-from ..bake.progress import Progress
+from ..bake.progress import Progress, Stage
+from ..bake.rays import Rays
 from ..core.arrays import Floats
 from ..core.texel_map import TexelMap
+from ..scene.scratch import new_data_removed
 from .hidden import PROBES, find_hidden
 from .path_ends import path_ends
 from .sampling import capture_colour, capture_ends, capture_samples, capture_surroundings
@@ -26,20 +29,9 @@ _PROBE = 4  # cells of the buckets that tell hidden directions
 _OUTSIDE = 1.05  # of the object's reach from its middle: beyond it
 
 
-@dataclass(frozen=True)
-class Rays:
-    """How many paths a texel spends: `light`², and `ends`² and `around`² twice; `panorama` a cell, twice."""
-
-    light: int = 21
-    ends: int = 10
-    around: int = 5
-    panorama: int = 16
-    size: int = 256
-
-
 @dataclass(frozen=True, eq=False)
 class SharedCapture:
-    """What `fit_shared` takes, and the `paths` that it cost. `middle` (3,) is the object's, in world space."""
+    """What `fit_shared` takes, and the `paths` that it cost; `middle` (3,) is the object's, in the world."""
 
     light: LightSamples
     ends: EndSamples
@@ -67,8 +59,8 @@ def capture_shared(
     """Capture the scratch scene's object `baked` for the shared layout.
 
     `mesh` is the baked copy's, `matrix_world` (4, 4) its object's; `texels` are the atlas's, `finer` those of
-    the diffuse colour. `folder` takes temporary files. Yields progress in texels. Raises InputError where no
-    texel is covered, BakeError where Cycles fails.
+    the diffuse colour. `folder` takes temporary files. Yields progress in texels, then in paths. Raises
+    InputError where no texel is covered, BakeError where Cycles fails.
     """
     probe = plan_capture(texels, _PROBE)
     hidden = yield from find_hidden(mesh, matrix_world, probe, folder)
@@ -78,30 +70,59 @@ def capture_shared(
     def plan(cells: int) -> CapturePlan:
         return plan_capture(texels, cells, without=without)
 
-    lit = plan(rays.light)
-    places = lit.position.reshape(-1, 3)[: len(lit.texel)]
-    middle = ((places.min(axis=0) + places.max(axis=0)) / 2).astype(np.float32)
-    radius = _OUTSIDE * max(float(np.linalg.norm(places - middle, axis=1).max()), 1e-6)
+    lit, fine = plan(rays.light), plan_capture(finer, 1)
+    count, all_around = len(lit.texel), 2 * rays.size**2 * ceil(sqrt(rays.panorama)) ** 2
+    total = count * rays.of_texel + all_around + len(fine.texel)
+    middle, radius = _reach(lit)
+    yield Progress(Stage.CAPTURE, 0, total)
     with _copied(scratch) as scene, path_ends(scene, baked, mesh, middle) as ends:
         found = capture_ends(ends, plan(rays.ends), seed, folder)
+        done = 2 * count * rays.ends**2
+        yield Progress(Stage.CAPTURE, done, total)
         near = capture_surroundings(scene, ends, plan(rays.around), middle, seed, folder)
+    done += 2 * count * rays.around**2
+    yield Progress(Stage.CAPTURE, done, total)
     around = panorama_plan(near, middle, radius, rays.size, rays.panorama)
     with _copied(scratch) as scene, path_ends(scene, baked, mesh, middle) as ends:
         far = capture_surroundings(scene, ends, around, middle, seed, folder)
+    done += all_around
     with _copied(scratch) as scene:
-        light = yield from capture_samples(scene, lit, hidden[~buried], seed, folder)
-    fine = plan_capture(finer, 1)
+        steps = capture_samples(scene, lit, hidden[~buried], seed, folder)
+        light = yield from _in_paths(steps, done, rays.light**2, total)
     with _copied(scratch) as scene:
         colour = capture_colour(scene, fine, seed, folder)
-    each = rays.light**2 + 2 * rays.ends**2 + 2 * rays.around**2
-    paths = len(lit.texel) * each + len(probe.texel) * PROBES * _PROBE**2 + 2 * len(around.texel) + len(fine.texel)
-    return SharedCapture(light, found, joined(near, far), colour, middle, paths)
+    yield Progress(Stage.CAPTURE, total, total)
+    probes = len(probe.texel) * PROBES * _PROBE**2
+    return SharedCapture(light, found, joined(near, far), colour, middle, total + probes)
+
+
+def _reach(plan: CapturePlan) -> tuple[Floats, float]:
+    """The middle of the plan's points, (3,) float32, and a radius around it beyond all of them."""
+    places = plan.position.reshape(-1, 3)[: len(plan.texel)]
+    middle: Floats = ((places.min(axis=0) + places.max(axis=0)) / 2).astype(np.float32)
+    return middle, _OUTSIDE * max(float(np.linalg.norm(places - middle, axis=1).max()), 1e-6)
+
+
+def _in_paths(
+    steps: Generator[Progress, None, LightSamples], before: int, each: int, total: int
+) -> Generator[Progress, None, LightSamples]:
+    """Pass progress in texels of `each` paths on, as progress in paths."""
+    with closing(steps):
+        while True:
+            try:
+                step = next(steps)
+            except StopIteration as stop:
+                light: LightSamples = stop.value
+                return light
+            yield Progress(step.stage, before + step.done * each, total)
 
 
 @contextmanager
 def _copied(scene: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
-    copy = cast(bpy.types.Scene, scene.copy())
-    try:
-        yield copy
-    finally:
-        bpy.data.scenes.remove(copy)
+    """A copy of a scratch scene; what a capture makes to fill it goes with it."""
+    with new_data_removed():
+        copy = cast(bpy.types.Scene, scene.copy())
+        try:
+            yield copy
+        finally:
+            bpy.data.scenes.remove(copy)

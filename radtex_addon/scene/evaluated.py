@@ -121,7 +121,7 @@ def evaluate(scratch: bpy.types.Scene, original: bpy.types.Object) -> EvaluatedM
         refuse_adaptive_subdivision(rendered, depsgraph.scene)
         found.append(_read_object(original.name, rendered, instances))
 
-    _render_with(scratch, read)
+    render_with(scratch, read)
     mesh = found[0]
     shown = [mesh.materials[index] for index in np.unique(mesh.material_index) if mesh.materials]
     refuse_displacement(mesh.name, shown)
@@ -143,7 +143,7 @@ def _rendered(
     return evaluated, instances
 
 
-def _render_with(scratch: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], None]) -> None:
+def render_with(scratch: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], None]) -> None:
     """Call `read` with the depsgraph of a render of the scratch scene; its exceptions come through."""
     failures: list[Exception] = []
 

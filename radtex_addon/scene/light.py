@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether anything in a scene shines."""
+"""Whether anything in a scene shines, and materials that no longer do."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, cast
 
 import bpy
 
@@ -32,6 +32,29 @@ def is_dark(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> bool:
     if any(_has_nodes(material) and _shines(material.node_tree) for material in materials):
         return False
     return not any(item.instance_type != "NONE" for item in shown)
+
+
+def put_out(material: bpy.types.Material) -> bpy.types.Material:
+    """A copy of the material that emits no light; the material itself if it emits none."""
+    if not (_has_nodes(material) and _shines(material.node_tree)):
+        return material
+    dark = cast(bpy.types.Material, material.copy())
+    _put_out(dark.node_tree, {})
+    return dark
+
+
+def _put_out(tree: Any, dark: dict[bpy.types.ID, bpy.types.ID]) -> None:
+    """Link every emitter's strength to 0, drivers or not; groups are copied, each once."""
+    nothing = tree.nodes.new("ShaderNodeValue").outputs[0]
+    nothing.default_value = 0.0
+    for node in list(tree.nodes):
+        for _, strength in _EMITTERS.get(node.type, ()):
+            tree.links.new(nothing, node.inputs[strength])
+        if node.type == "GROUP" and node.node_tree is not None:
+            if node.node_tree not in dark:
+                copy = dark[node.node_tree] = node.node_tree.copy()
+                _put_out(copy, dark)
+            node.node_tree = dark[node.node_tree]
 
 
 def _world_shines(world: bpy.types.World) -> bool:

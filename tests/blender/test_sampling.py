@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Aimed rays: they go where they say, and bring the passes that the shared layout is fitted to."""
+"""Aimed rays: they go where they say, and bring what the shared layout is fitted to."""
 
 from __future__ import annotations
 
@@ -11,17 +11,28 @@ from typing import Any, TypeVar, cast
 
 import bpy
 import numpy as np
+import pytest
 
-from radtex_addon.bake.light_samples import mirrored, spread_shifts
+from radtex_addon.bake.light_samples import EndSamples, SurroundingsSamples, mirrored
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.progress import Progress
+from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.cycles.sampling import capture_colour, capture_meetings, capture_samples
+from radtex_addon.core.frame import normalised
+from radtex_addon.cycles.path_ends import path_ends
+from radtex_addon.cycles.sampling import (
+    capture_colour,
+    capture_ends,
+    capture_samples,
+    capture_surroundings,
+)
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 _Result = TypeVar("_Result")
+
+TINT = (0.8, 0.4, 0.2, 1)
 
 
 @contextmanager
@@ -38,11 +49,28 @@ def finish(steps: Generator[Progress, None, _Result]) -> _Result:
             return cast(_Result, stop.value)
 
 
-def card(albedo: float, size: float = 2, at: tuple[float, float, float] = (0, 0, 0)) -> bpy.types.Object:
-    bpy.ops.mesh.primitive_plane_add(size=size, location=at)
-    colour = (albedo, albedo / 2, albedo / 4, 1)
-    context.object.data.materials.append(stage.material("d", "ShaderNodeBsdfDiffuse", Color=colour))
-    return cast(bpy.types.Object, context.object)
+def card(shader: str = "ShaderNodeBsdfDiffuse", size: float = 2, **inputs: object) -> Any:
+    """A square on z = 0, tinted."""
+    bpy.ops.mesh.primitive_plane_add(size=size)
+    context.object.data.materials.append(stage.material(shader, shader, Color=TINT, **inputs))
+    return context.object
+
+
+def mirror() -> Any:
+    """A card that reflects perfectly, but for its tint."""
+    return card("ShaderNodeBsdfAnisotropic", Roughness=0.0)
+
+
+def corner(floor: Any) -> Any:
+    """The floor with a wall at x = 1 that looks at it: one object, the wall has its last material."""
+    bpy.ops.mesh.primitive_plane_add(size=2, location=(1, 0, 1), rotation=(0, -1.5707963, 0))
+    wall = context.object
+    for material in floor.data.materials:
+        wall.data.materials.append(material)
+    wall.data.polygons[0].material_index = len(wall.data.materials) - 1
+    with context.temp_override(active_object=floor, selected_editable_objects=[floor, wall]):
+        bpy.ops.object.join()
+    return floor
 
 
 def upward(count: int, bucket: int) -> CapturePlan:
@@ -55,23 +83,60 @@ def nothing_hidden(plan: CapturePlan) -> Any:
     return np.zeros((len(plan.texel), 4, 4), dtype=bool)
 
 
+def ends_of(baked: Any, folder: Path, plan: CapturePlan, middle: tuple[float, ...] = (0, 0, 0)) -> EndSamples:
+    with scratch() as scene, path_ends(scene, baked, baked.data, np.array(middle)) as ends:
+        return capture_ends(ends, plan, 3, folder)
+
+
+def surroundings_of(
+    baked: Any, folder: Path, plan: CapturePlan, middle: tuple[float, ...] = (0, 0, 0)
+) -> SurroundingsSamples:
+    with scratch() as scene, path_ends(scene, baked, baked.data, np.array(middle)) as ends:
+        return capture_surroundings(scene, ends, plan, np.array(middle), 3, folder)
+
+
+def starts(plan: CapturePlan) -> Floats:
+    return plan.position.reshape(-1, 1, 3).astype(float)
+
+
+# light
+
+
 def test_a_furnace_is_all_diffuse_light_and_has_its_colour(tmp_path: Path) -> None:
     stage.world()
-    card(0.8)
+    card()
     plan = upward(16, 8)
     with scratch() as scene:
         samples = finish(capture_samples(scene, plan, nothing_hidden(plan), 0, tmp_path))
-    assert samples.radiance.shape == samples.diffuse.shape == (16, 64, 3)
-    expected = np.broadcast_to([0.8, 0.4, 0.2], (16, 64, 3))
-    np.testing.assert_allclose(samples.radiance.astype(float), expected, atol=1e-3)
+    assert samples.mirrored.shape == samples.through.shape == samples.diffuse.shape == (16, 64, 3)
+    expected = np.broadcast_to(TINT[:3], (16, 64, 3))
     np.testing.assert_allclose(samples.diffuse.astype(float), expected, atol=1e-3)
+    np.testing.assert_allclose(samples.mirrored.astype(float), 0, atol=1e-3)
+    assert not samples.through.any()
     np.testing.assert_allclose(samples.colour, expected[:, 0], atol=1e-4)
     assert samples.seen.all()
 
 
+@pytest.mark.parametrize(
+    ("lobe", "shader"),
+    [("mirrored", "ShaderNodeBsdfAnisotropic"), ("through", "ShaderNodeBsdfRefraction")],
+)
+def test_mirrored_light_is_told_from_what_comes_through(lobe: str, shader: str, tmp_path: Path) -> None:
+    stage.world((1, 2, 3))
+    card(shader, Roughness=0.0)
+    plan = upward(4, 4)
+    with scratch() as scene:
+        samples = finish(capture_samples(scene, plan, nothing_hidden(plan), 0, tmp_path))
+    light = {name: getattr(samples, name).astype(float) for name in ("diffuse", "mirrored", "through")}
+    expected = np.broadcast_to(np.array(TINT[:3]) * [1, 2, 3], (4, 16, 3))
+    np.testing.assert_allclose(light.pop(lobe), expected, rtol=2e-3)
+    for other in light.values():
+        np.testing.assert_allclose(other, 0, atol=2e-3)
+
+
 def test_hidden_directions_are_marked_by_the_cell_that_holds_them(tmp_path: Path) -> None:
     stage.world()
-    card(0.8)
+    card()
     plan = upward(5, 8)
     hidden = nothing_hidden(plan)
     hidden[2, 1, 3] = True
@@ -84,59 +149,207 @@ def test_hidden_directions_are_marked_by_the_cell_that_holds_them(tmp_path: Path
     assert (np.floor(place) == [3, 1]).all()
 
 
-def test_a_mirrored_ray_meets_the_ceiling_where_it_aims(tmp_path: Path) -> None:
-    """The aim is exact: the point that Cycles met lies on the ray that numpy drew."""
-    stage.world()
-    baked = card(0.5)
-    ceiling = card(0.5, size=200, at=(0, 0, 3))
-    ceiling.rotation_euler = (3.14159265, 0, 0)
-    plan = upward(12, 6)
-    with scratch() as scene:
-        meetings = capture_meetings(scene, scene.objects[baked.name], plan, 3, tmp_path)
-    away = mirrored(plan, meetings.square).astype(float)
-    start = plan.position.reshape(-1, 1, 3).astype(float)
-    near = away[..., 2] > 0.1  # elsewhere the ceiling ends before the ray meets it
-    expected = start + away * (3 / away[..., 2:])
-    np.testing.assert_allclose(meetings.point[near], expected[near], rtol=2e-3, atol=5e-3)
-    assert not meetings.nothing[near].any()
-    assert not meetings.itself.any()
+# where paths end
 
 
-def test_what_is_met_is_told_apart(tmp_path: Path) -> None:
+def test_a_mirrors_paths_end_in_the_mirror_direction(tmp_path: Path) -> None:
     stage.world()
-    baked = card(0.5)
-    bpy.ops.object.duplicate()
-    wall = context.object
-    wall.rotation_euler, wall.location = (0, 1.5707963, 0), (1, 0, 1)
-    bpy.ops.object.select_all(action="DESELECT")
-    baked.select_set(True)
-    wall.select_set(True)
-    context.view_layer.objects.active = baked
-    bpy.ops.object.join()  # an open corner that reflects itself, and the empty sky
     plan = upward(12, 6)
+    found = ends_of(mirror(), tmp_path, plan)
+    weight = np.broadcast_to(TINT[:3], (12, 36, 3))
+    np.testing.assert_allclose(found.mirrored_weight.astype(float), weight, rtol=2e-3)
+    np.testing.assert_allclose(found.mirrored_end.astype(float), mirrored(plan, found.square), atol=2e-3)
+    np.testing.assert_allclose(found.through_weight.astype(float), 0, atol=1e-3)
+    np.testing.assert_allclose(found.through_end.astype(float), 0, atol=1e-3)
+
+
+def test_a_near_things_direction_is_seen_from_the_middle(tmp_path: Path) -> None:
+    """All paths end on a ceiling at z = 3, where numpy's rays meet it."""
+    middle = (0.5, -0.25, 0.0)
+    baked = mirror()
+    card(size=2000).location.z = 3
+    plan = upward(12, 6)
+    found = ends_of(baked, tmp_path, plan, middle)
+    away = mirrored(plan, found.square).astype(float)
+    met = starts(plan) + away * (3 / away[..., 2:])
+    near = away[..., 2] > 0.05  # elsewhere the ceiling ends before the ray meets it
+    assert near.mean() > 0.9
+    expected = normalised(met - middle)
+    np.testing.assert_allclose(found.mirrored_end.astype(float)[near], expected[near], atol=3e-3)
+
+
+def test_a_diffuse_object_mirrors_nothing(tmp_path: Path) -> None:
+    stage.world()
+    found = ends_of(card(), tmp_path, upward(4, 4))
+    for part in (found.mirrored_weight, found.through_weight, found.mirrored_end, found.through_end):
+        np.testing.assert_allclose(part.astype(float), 0, atol=1e-3)
+
+
+def test_an_object_without_material_lets_through_what_it_does_in_the_users_scene(tmp_path: Path) -> None:
+    """Blender 5 gives it a coat, 4.5 does not."""
+    stage.world()
+    bpy.ops.mesh.primitive_plane_add(size=2)
+    baked, plan = context.object, upward(64, 12)
+    found = ends_of(baked, tmp_path, plan)
     with scratch() as scene:
-        meetings = capture_meetings(scene, scene.objects[baked.name], plan, 3, tmp_path)
-    assert meetings.itself.any()
-    assert meetings.nothing.any()
-    assert (meetings.itself != meetings.nothing).all()  # there is nothing else
-    np.testing.assert_allclose(meetings.point[meetings.itself][:, 0], 1, atol=1e-3)
+        light = finish(capture_samples(scene, plan, nothing_hidden(plan), 0, tmp_path))
+    mean = light.mirrored.astype(float).mean()
+    assert (mean > 0.05) == (bpy.app.version >= (5, 0, 0))
+    np.testing.assert_allclose(found.mirrored_weight.astype(float).mean(), mean, atol=5e-3)
+    assert not found.through_weight.any()
+
+
+@pytest.mark.parametrize("tint", [(0.9, 0.6, 0.3, 1), (1, 0, 0, 1), (0, 0.25, 0.5, 1)])
+def test_light_goes_straight_through_a_tinted_slab(tint: Any, tmp_path: Path) -> None:
+    """Two refractions at parallel faces leave the direction what it was, and each takes the tint."""
+    stage.world()
+    bpy.ops.mesh.primitive_cube_add(size=1, location=(0, 0, -0.05))
+    slab = context.object
+    slab.scale = (400, 400, 0.1)
+    slab.data.materials.append(
+        stage.material("tinted", "ShaderNodeBsdfRefraction", Color=tint, Roughness=0.0, IOR=1.3)
+    )
+    plan = upward(12, 6)
+    found = ends_of(slab, tmp_path, plan)
+    weight = np.broadcast_to(np.array(tint[:3]) ** 2, (12, 36, 3))
+    np.testing.assert_allclose(found.through_weight.astype(float), weight, atol=2e-3)
+    straight = mirrored(plan, found.square) * [1, 1, -1]
+    np.testing.assert_allclose(found.through_end.astype(float), straight, atol=3e-3)
+    np.testing.assert_allclose(found.mirrored_weight.astype(float), 0, atol=1e-3)
+
+
+@pytest.mark.parametrize("grouped", [False, True])
+def test_what_glows_of_the_object_itself_brings_nothing(grouped: bool, tmp_path: Path) -> None:
+    """A mirror before a glowing wall of the same mesh."""
+    stage.world()
+    floor = mirror()
+    glow = stage.material("glow", "ShaderNodeEmission", Color=(1, 1, 1, 1), Strength=50.0)
+    if grouped:
+        glow = in_a_group(glow)
+    floor.data.materials.append(glow)
+    plan = upward(12, 6)
+    found = ends_of(corner(floor), tmp_path, plan)
+    weight = found.mirrored_weight.astype(float)[..., 0]
+    away = mirrored(plan, found.square).astype(float)
+    wall = starts(plan) + away * ((1 - starts(plan)[..., :1]) / away[..., :1])
+    meets = (away[..., 0] > 0) & (np.abs(wall[..., 1]) < 1) & (np.abs(wall[..., 2] - 1) < 1)
+    assert 0.05 < meets.mean() < 0.9
+    np.testing.assert_allclose(weight, np.where(meets, 0, TINT[0]), atol=2e-3)
+    assert glow.name in bpy.data.materials
+    assert len(bpy.data.materials) == 2
+
+
+def in_a_group(material: Any) -> Any:
+    """The material with its shader in a node group, its strength driven."""
+    group: Any = bpy.data.node_groups.new("lamp", "ShaderNodeTree")
+    group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    emission = group.nodes.new("ShaderNodeEmission")
+    emission.inputs["Strength"].driver_add("default_value").driver.expression = "50"
+    group.links.new(emission.outputs[0], group.nodes.new("NodeGroupOutput").inputs[0])
+    tree = material.node_tree
+    tree.nodes.clear()
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = group
+    tree.links.new(node.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    return material
+
+
+@pytest.mark.parametrize("trouble", ["parent", "constraint", "driver", "rigid body"])
+def test_the_object_stays_where_it_renders(trouble: str, tmp_path: Path) -> None:
+    """Paths meet the mirror where it is in the user's scene, sheared or moved as it may be."""
+    stage.world()
+    baked = mirror()
+    if trouble == "parent":
+        holder = bpy.data.objects.new("holder", None)
+        context.scene.collection.objects.link(holder)
+        holder.scale, holder.location = (3, 1, 1), (0, 0, 1)
+        baked.parent, baked.rotation_euler.z = holder, 0.5
+    elif trouble == "constraint":
+        limit = baked.constraints.new("LIMIT_LOCATION")
+        limit.use_min_z, limit.min_z = True, 1
+    elif trouble == "driver":
+        baked.driver_add("location", 2).driver.expression = "1"
+    else:
+        baked.location.z = 1
+        context.view_layer.objects.active = baked
+        bpy.ops.rigidbody.object_add()
+        baked.rigid_body.type = "PASSIVE"
+    context.view_layer.update()
+    np.testing.assert_allclose(baked.matrix_world.translation[:], [0, 0, 1])
+    position = np.random.default_rng(1).uniform(-0.6, 0.6, (6, 3)) * [1, 1, 0] + [0, 0, 1]
+    plan = stage.plan_of(position, np.tile([0.0, 0, 1], (6, 1)), 4)
+    found = ends_of(baked, tmp_path, plan)
+    weight = np.broadcast_to(TINT[:3], (6, 16, 3))
+    np.testing.assert_allclose(found.mirrored_weight.astype(float), weight, rtol=2e-3)
+
+
+# the surroundings
+
+
+def test_the_world_is_seen_where_it_is(tmp_path: Path) -> None:
+    made = stage.world()
+    tree = made.node_tree
+    direction = tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"]
+    coded: Any = tree.nodes.new("ShaderNodeVectorMath")
+    coded.operation = "MULTIPLY_ADD"
+    coded.inputs[1].default_value = coded.inputs[2].default_value = (0.5, 0.5, 0.5)
+    tree.links.new(direction, coded.inputs[0])
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    tree.links.new(coded.outputs[0], background.inputs["Color"])
+    plan = upward(12, 6)
+    found = surroundings_of(card(), tmp_path, plan)
+    assert found.direction.shape == found.radiance.shape == (12 * 36, 3)
+    np.testing.assert_allclose(found.radiance, found.direction / 2 + 0.5, atol=1e-4)
+    np.testing.assert_allclose(np.linalg.norm(found.direction, axis=1), 1, atol=1e-3)
+    np.testing.assert_allclose(found.nearness, 0, atol=1e-2)
+    assert (found.direction[:, 2] > 0).all()
+
+
+def test_a_ceiling_is_as_near_as_it_is(tmp_path: Path) -> None:
+    baked = card()
+    ceiling = card("ShaderNodeEmission", size=2000, Strength=2.0)
+    ceiling.location.z = 3
+    found = surroundings_of(baked, tmp_path, upward(12, 6), middle=(0.2, 0.1, -1))
+    up = found.direction[:, 2] > 0.2
+    assert up.mean() > 0.5
+    expected = np.broadcast_to(np.array(TINT[:3]) * 2, found.radiance.shape)
+    np.testing.assert_allclose(found.radiance[up], expected[up], rtol=1e-3)
+    np.testing.assert_allclose(found.nearness[up], found.direction[up, 2] / 4, rtol=2e-2)
+
+
+def test_a_lamp_is_seen(tmp_path: Path) -> None:
+    baked = card()
+    bpy.ops.object.light_add(type="AREA", location=(0, 0, 1))
+    lamp = context.object.data
+    lamp.size, lamp.energy = 2, 40
+    found = surroundings_of(baked, tmp_path, upward(12, 12))
+    bright = found.radiance[:, 0] > 0
+    assert 0.1 < bright.mean() < 0.6
+    np.testing.assert_allclose(found.radiance[bright], 40 / (2**2 * np.pi), rtol=1e-3)  # watts, area, pi
+
+
+def test_the_object_itself_is_left_out(tmp_path: Path) -> None:
+    stage.world()
+    plan = upward(12, 6)
+    alone = surroundings_of(corner(card()), tmp_path, plan)
+    assert 0.5 * 12 * 36 < len(alone.direction) < 0.9 * 12 * 36
+    np.testing.assert_allclose(alone.radiance, 1, atol=1e-4)
+
+
+# the colour
 
 
 def test_the_colour_lies_where_its_texels_lie(tmp_path: Path) -> None:
     stage.world()
-    card(0.6)
+    card()
     row = upward(8, 1)
     plan = CapturePlan(AtlasLayout(4, 4, 1), np.arange(8) + 4, *fields_of(row))
     with scratch() as scene:
         colour = capture_colour(scene, plan, 0, tmp_path)
     assert colour.shape == (4, 4, 3)
-    np.testing.assert_allclose(colour, np.broadcast_to([0.6, 0.3, 0.15], (4, 4, 3)), atol=1e-4)
+    np.testing.assert_allclose(colour, np.broadcast_to(TINT[:3], (4, 4, 3)), atol=1e-4)
 
 
 def fields_of(plan: CapturePlan) -> list[Any]:
     fields = (plan.position, plan.tangent, plan.bitangent, plan.normal, plan.facet)
     return [field.reshape(4, 2, 3).repeat(2, axis=1)[:, :4] for field in fields]
-
-
-def test_shifts_do_not_depend_on_how_many_follow() -> None:
-    assert (spread_shifts(10, 4) == spread_shifts(100, 4)[:10]).all()
