@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fitting the shared layout to single paths: least squares, in turns, over all texels together.
+"""Fitting the shared layout to single paths.
 
-A texel sees a direction once; all texels together see it thousands of times. First the diffuse light is
-estimated from every direction of a texel at once. What is left is glossy (`gloss.py`).
+A texel sees a direction once; all texels together see it thousands of times. The diffuse light is estimated
+from every direction of a texel at once; each lobe of the rest from where its paths end (`ends.py`) and from
+how much of the surroundings it shows (`gloss.py`).
 """
 
 from __future__ import annotations
@@ -15,16 +16,20 @@ import numpy as np
 from ..core.arrays import Floats, Ints
 from ..core.gutter import dilate, nearest_covered
 from ..core.hemisphere import square_to_direction
-from ..core.octahedron import direction_to_octahedron, octahedron_cell
-from ..core.shared import SharedAtlas, sample_falloff
-from .gloss import LUMINANCE, Gloss, sums
-from .light_samples import LightSamples, mirrored
+from ..core.shared import Axis, Lobe, SharedAtlas, sample_falloff
+from .ends import LobePaths, fit_ends, parallax
+from .gloss import LUMINANCE, fit_gain, fit_gloss
+from .light_samples import EndSamples, LightSamples, SurroundingsSamples, mirrored, straight_through
 from .plan import CapturePlan
+from .pooling import Neighbours, sums
+from .surroundings import Surroundings, nearness_map
 
-NEARNESS_SIZE = 64
 FALLOFF_SIZE = 16
 FAR = 100.0  # of the object's size: where the world is
 GRAZING = 0.1  # N.I below which a sample is not fitted: the facet's own horizon is near
+_FAINT = 1e-3  # of all light: a lobe with less is left out
+_OUTLIER = 1.5  # length of an end: there, paths' weights differed too much to tell a direction
+_WEIGHT_LIMIT = 4.0  # times the mean weight: a path counts for no more
 
 
 @dataclass(frozen=True)
@@ -36,57 +41,103 @@ class Fitted:
 
 
 def fit_shared(
-    samples: LightSamples, meetings, colour: Floats, cells: int = 16, size: int = 192
+    light: LightSamples,
+    ends: EndSamples,
+    surroundings: SurroundingsSamples,
+    colour: Floats,
+    cells: int = 16,
+    size: int = 256,
 ) -> Fitted:
     """Fit the shared layout to samples: buckets of cells x cells, surroundings of size x size.
 
-    `colour` (H', W', 3) is the diffuse colour pass along the normal, gutter filled.
+    `light` and `ends` are of the same texels. `colour` (H', W', 3) is the diffuse colour pass along the normal,
+    gutter filled.
     """
-    plan = samples.plan
-    places = plan.position.reshape(-1, 3)[: len(plan.texel)]
-    low, high = places.min(axis=0), places.max(axis=0)
-    middle = ((low + high) / 2).astype(np.float32)
-    nearness = fit_nearness(meetings, plan, middle, FAR * float(np.linalg.norm(high - low)))
-    facing = square_to_direction(samples.square)[..., 2].astype(np.float32)
-    used = np.flatnonzero((samples.seen & (facing > GRAZING)).ravel())
-    owner = (used // samples.square.shape[1]).astype(np.int32)
-    falloff, diffuse = fit_diffuse(samples, facing, used, owner)
-    irradiance = _divide_out(diffuse, samples, facing, falloff)
-    glossy = samples.radiance.reshape(-1, 3)[used].astype(np.float32)
-    glossy -= samples.diffuse.reshape(-1, 3)[used]
-    light = np.maximum(glossy, 0)
-    gloss = Gloss.prepare(samples, used, owner, light, nearness, middle, cells, size).fit()
-    layout = plan.layout
-    shape = (layout.height, layout.width)
+    plan = light.plan
+    facing = square_to_direction(light.square)[..., 2].astype(np.float32)
+    used = np.flatnonzero((light.seen & (facing > GRAZING)).ravel())
+    owner = (used // light.square.shape[1]).astype(np.int32)
+    falloff, diffuse = fit_diffuse(light, facing, used, owner)
+    irradiance = _divide_out(diffuse, light, facing, falloff)
+    around = Surroundings.of(surroundings, size)
+    fit = _LobeFit(light, ends, used, owner, around, Neighbours(plan), cells)
+    lobes, lost = [], 0.0
+    brightness = {axis: float(_lobe_light(light, axis).sum(dtype=np.float64)) for axis in Axis}
+    total = sum(brightness.values()) + float(light.diffuse.sum(dtype=np.float64))
+    for axis in Axis:
+        if brightness[axis] > _FAINT * total:
+            start = _parallax(plan, surroundings, cells) if axis is Axis.MIRROR else None
+            lobe, cut = fit.lobe(axis, start)
+            lobes.append(lobe)
+            lost += cut
+    shape = (plan.layout.height, plan.layout.width)
     atlas = SharedAtlas(
-        rest=_placed(gloss.own, plan).reshape(*shape, *gloss.own.shape[1:]),
-        surroundings=gloss.surroundings,
-        nearness=nearness,
-        middle=middle,
         colour=colour.astype(np.float32),
         irradiance=_placed(irradiance, plan).reshape(*shape, 3),
         falloff=falloff,
+        surroundings=around.levels,
+        sharpest=around.sharpest,
+        lobes=tuple(lobes),
     )
-    return Fitted(atlas, gloss.fireflies)
+    return Fitted(atlas, lost / max(total, 1e-12))
 
 
-def fit_nearness(meetings, plan: CapturePlan, middle: Floats, far: float) -> Floats:
-    """One over the distance from `middle` of what lies in each direction, the median: (D, D) float32."""
-    away = mirrored(plan, meetings.square)
-    towards = np.where(meetings.nothing[..., None], far * away, meetings.point - middle)[~meetings.itself]
-    distance = np.sqrt(np.sum(towards * towards, axis=-1))
-    cell = octahedron_cell(direction_to_octahedron(towards), NEARNESS_SIZE)
-    order = np.lexsort((distance, cell))
-    first, last = (
-        np.searchsorted(cell[order], np.arange(NEARNESS_SIZE**2), side=side) for side in ("left", "right")
-    )
-    known = last > first
-    nearness = np.zeros(NEARNESS_SIZE**2, dtype=np.float32)
-    if not known.any():  # the object sees nothing but itself
-        return np.full((NEARNESS_SIZE, NEARNESS_SIZE), 1 / far, dtype=np.float32)
-    nearness[known] = 1 / np.maximum(distance[order][(first + last - 1)[known] // 2], 1e-6)
-    image = nearness.reshape(NEARNESS_SIZE, NEARNESS_SIZE)
-    return dilate(image, nearest_covered(known.reshape(image.shape)))
+@dataclass(frozen=True, eq=False)
+class _LobeFit:
+    """What the lobes' fits have in common; `used` (P,) are flat indices of samples, `owner` (P,) their texels."""
+
+    light: LightSamples
+    ends: EndSamples
+    used: Ints
+    owner: Ints
+    around: Surroundings
+    neighbours: Neighbours
+    cells: int
+
+    def lobe(self, axis: Axis, start: Floats | None) -> tuple[Lobe, float]:
+        """The lobe of an axis, and the light that was cut off; `start` (K*n*n, 3) is a first shift."""
+        plan, n = self.light.plan, self.cells
+        traced, white = self._traced(axis)
+        if start is None:
+            start = np.zeros((len(plan.texel) * n * n, 3), dtype=np.float32)
+        ends = fit_ends(traced, self.neighbours, n, start)
+        gain = fit_gain(traced, white, self.neighbours, n)
+        away = _axes(plan, self.light.square, axis).reshape(-1, 3)[self.used]
+        samples = LobePaths(away, away, self.owner, np.ones(len(away), np.float32))
+        light = _lobe_light(self.light, axis).reshape(-1, 3)[self.used].astype(np.float32)
+        gain, rest, cut = fit_gloss(samples, np.maximum(light, 0), ends, gain, self.around, self.neighbours)
+        shape = (plan.layout.height, plan.layout.width, n, n)
+        buckets = (_placed(part.reshape(len(plan.texel), -1), plan) for part in (ends, gain, rest))
+        return Lobe(axis, *(part.reshape(*shape, -1) for part in buckets)), cut
+
+    def _traced(self, axis: Axis) -> tuple[LobePaths, Floats]:
+        """The paths of a lobe whose ends are known, and their weights (P, 3)."""
+        ends, mirror = self.ends, axis is Axis.MIRROR
+        white = (ends.mirrored_weight if mirror else ends.through_weight).astype(np.float32)
+        end = (ends.mirrored_end if mirror else ends.through_end).astype(np.float32)
+        weight = white @ LUMINANCE
+        facing = square_to_direction(ends.square)[..., 2]
+        known = (weight > 0) & (facing > GRAZING) & (np.sum(end * end, axis=-1) < _OUTLIER**2)
+        used = np.flatnonzero(known.ravel())
+        weight = np.minimum(weight, _WEIGHT_LIMIT * float(weight.mean())).ravel()[used]
+        away = _axes(ends.plan, ends.square, axis).reshape(-1, 3)[used]
+        owner = (used // ends.square.shape[1]).astype(np.int32)
+        return LobePaths(away, end.reshape(-1, 3)[used], owner, weight), white.reshape(-1, 3)[used]
+
+
+def _lobe_light(light: LightSamples, axis: Axis) -> Floats:
+    return light.mirrored if axis is Axis.MIRROR else light.through
+
+
+def _axes(plan: CapturePlan, square: Floats, axis: Axis) -> Floats:
+    return mirrored(plan, square) if axis is Axis.MIRROR else straight_through(plan, square)
+
+
+def _parallax(plan: CapturePlan, surroundings: SurroundingsSamples, cells: int) -> Floats:
+    places = plan.position.reshape(-1, 3)[: len(plan.texel)]
+    size = float(np.linalg.norm(places.max(axis=0) - places.min(axis=0)))
+    nearness = nearness_map(surroundings, FAR * max(size, 1e-6))
+    return parallax(nearness, surroundings.middle, places, cells)
 
 
 def fit_diffuse(samples: LightSamples, facing: Floats, used: Ints, owner: Ints) -> tuple[Floats, Floats]:

@@ -60,17 +60,19 @@ class SurroundingsSamples:
     """The light that arrives at the object: P samples of its source.
 
     `direction` (P, 3), unit, from the object's middle, `radiance` (P, 3), and `nearness` (P,), one over the
-    distance from the middle.
+    distance from the middle (3,), in world space.
     """
 
+    middle: Floats
     direction: Floats
     radiance: Floats
     nearness: Floats
 
 
 def joined(first: SurroundingsSamples, second: SurroundingsSamples) -> SurroundingsSamples:
-    """The samples of both."""
+    """The samples of both, which are seen from the same middle."""
     return SurroundingsSamples(
+        first.middle,
         np.concatenate([first.direction, second.direction]),
         np.concatenate([first.radiance, second.radiance]),
         np.concatenate([first.nearness, second.nearness]),
@@ -111,7 +113,16 @@ def panorama_plan(near: SurroundingsSamples, middle: Floats, radius: float, size
 
 def mirrored(plan: CapturePlan, square: Floats) -> Floats:
     """World mirror directions R of viewers at bucket coordinates B: (K, S, 2) -> (K, S, 3) float32."""
-    local = mirror_direction(square_to_direction(square)).astype(np.float32)
+    return _to_world(plan, mirror_direction(square_to_direction(square)))
+
+
+def straight_through(plan: CapturePlan, square: Floats) -> Floats:
+    """World directions -I in which viewers at bucket coordinates B look: (K, S, 2) -> (K, S, 3) float32."""
+    return _to_world(plan, -square_to_direction(square))
+
+
+def _to_world(plan: CapturePlan, local: Floats) -> Floats:
+    local = local.astype(np.float32)
     count = len(plan.texel)
     tangent, bitangent, normal = (
         axis.reshape(-1, 3)[:count, None] for axis in (plan.tangent, plan.bitangent, plan.normal)

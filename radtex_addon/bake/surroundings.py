@@ -1,0 +1,119 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The surroundings, from samples of the light that arrives: sharp, and ever more blurred."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.arrays import Floats
+from ..core.frame import fallback_tangent, orthonormal_frame
+from ..core.gutter import dilate, nearest_covered
+from ..core.octahedron import (
+    direction_to_octahedron,
+    octahedron_cell,
+    octahedron_taps,
+    octahedron_to_direction,
+    sample_octahedron,
+)
+from ..core.shared import LEAST_LEVEL, level_sizes, sample_surroundings
+from .light_samples import SurroundingsSamples
+from .pooling import sums
+
+NEARNESS_SIZE = 64
+_SMOOTH = 4.8  # cells, all but: the standard deviation of a level's blur times its size, so that no cells show
+_KNOWN = 0.05  # samples in a cell, below which a neighbour's light is taken
+_BLUR_TAPS = 64
+_MEETINGS = 6  # iterations by which a ray finds what it meets
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """Levels as in `core.shared.SharedAtlas`; the sharpest is blurred by no more than its own cells."""
+
+    levels: tuple[Floats, ...]
+    sharpest: float
+
+    @classmethod
+    def of(cls, samples: SurroundingsSamples, size: int) -> Surroundings:
+        """The means of the samples in size x size cells, and their blurred copies."""
+        count = max(1, int(np.log2(max(size, LEAST_LEVEL) / LEAST_LEVEL)) + 1)
+        sharpest = (_SMOOTH / size) ** 2
+        levels = [_means(samples, size)]
+        for number, side in enumerate(level_sizes(size, count)):
+            if number:
+                blurred = sharpest * (4**number - (4 ** (number - 1) if number > 1 else 0))
+                levels.append(_blurred(levels[-1], side, blurred))
+        return cls(tuple(levels), sharpest)
+
+    def look(self, direction: Floats, spread: Floats) -> Floats:
+        """The light around directions (P, 3), blurred by variances (P,): (P, 3)."""
+        return sample_surroundings(self.levels, self.sharpest, direction, spread)
+
+
+def nearness_map(samples: SurroundingsSamples, far: float) -> Floats:
+    """One over the distance from the middle of what lies in each direction, the median: (D, D) float32."""
+    cell = octahedron_cell(direction_to_octahedron(samples.direction), NEARNESS_SIZE)
+    near = np.maximum(samples.nearness, 1 / far)
+    order = np.lexsort((near, cell))
+    first, last = (
+        np.searchsorted(cell[order], np.arange(NEARNESS_SIZE**2), side=side) for side in ("left", "right")
+    )
+    known = last > first
+    if not known.any():  # the object sees nothing but itself
+        return np.full((NEARNESS_SIZE, NEARNESS_SIZE), 1 / far, dtype=np.float32)
+    nearness = np.zeros(NEARNESS_SIZE**2, dtype=np.float32)
+    nearness[known] = near[order][(first + last - 1)[known] // 2]
+    image = nearness.reshape(NEARNESS_SIZE, NEARNESS_SIZE)
+    return dilate(image, nearest_covered(known.reshape(image.shape)))
+
+
+def meet_surroundings(nearness: Floats, middle: Floats, position: Floats, direction: Floats) -> Floats:
+    """Directions from the middle (K, 3), unit, of what rays from positions along unit directions (K, 3) meet.
+
+    `nearness` (D, D) as of `nearness_map`. The ray is cut with the sphere that is as large as what lies in the
+    direction found last, again and again: Szirmay-Kalos et al., "Approximate Ray-Tracing on the GPU with
+    Distance Impostors" (2005).
+    """
+    offset = (position - middle).astype(np.float32)
+    direction = direction.astype(np.float32)
+    along = np.sum(offset * direction, axis=1)
+    squared = np.sum(offset * offset, axis=1)
+    found = direction
+    for _ in range(_MEETINGS):
+        near = sample_octahedron(nearness[..., None], direction_to_octahedron(found))[:, 0]
+        distance = np.sqrt(np.maximum(along * along - squared + 1 / (near * near), 0)) - along
+        reached = offset + distance[:, None] * direction
+        found = reached / np.sqrt(np.sum(reached * reached, axis=1, keepdims=True))
+    return found
+
+
+def _means(samples: SurroundingsSamples, size: int) -> Floats:
+    total = np.zeros((size * size, 4))
+    columns = np.concatenate([samples.radiance, np.ones((len(samples.radiance), 1), np.float32)], axis=1)
+    for cell, weight in octahedron_taps(direction_to_octahedron(samples.direction), size):
+        total += sums(cell, weight[:, None] * columns, size * size)
+    known = total[:, 3] > _KNOWN
+    image = (total[:, :3] / np.maximum(total[:, 3:], 1e-6)).astype(np.float32).reshape(size, size, 3)
+    if not known.any():
+        return np.zeros_like(image)
+    return dilate(image, nearest_covered(known.reshape(size, size)))
+
+
+def _blurred(image: Floats, size: int, variance: float) -> Floats:
+    """The image (M, M, 3) blurred by a von Mises-Fisher lobe of a variance along each axis: (size, size, 3)."""
+    middle = ((np.arange(size) + 0.5) / size).astype(np.float32)
+    place = np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2)
+    direction = octahedron_to_direction(place)
+    tangent, bitangent, _ = orthonormal_frame(direction, fallback_tangent(direction), np.ones(len(direction)))
+    share = (np.arange(_BLUR_TAPS) + 0.5) / _BLUR_TAPS
+    cosine = 1 + variance * np.log(share + (1 - share) * np.exp(-2 / variance))
+    sine = np.sqrt(np.maximum(1 - cosine**2, 0))
+    azimuth = np.arange(_BLUR_TAPS) * np.pi * (3 - np.sqrt(5))
+    total = np.zeros((size * size, 3), dtype=np.float32)
+    for c, s, turn in zip(cosine, sine, azimuth, strict=True):
+        around = c * direction + s * (np.cos(turn) * tangent + np.sin(turn) * bitangent)
+        total += sample_octahedron(image, direction_to_octahedron(around.astype(np.float32)))
+    return (total / _BLUR_TAPS).reshape(size, size, 3)
