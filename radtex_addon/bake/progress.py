@@ -17,6 +17,7 @@ class Stage(StrEnum):
     PROBE = "probe"
     CAPTURE = "capture"
     FILL = "fill"
+    FIT = "fit"
     WRITE = "write"
     PREVIEW = "preview"
 

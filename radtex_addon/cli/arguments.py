@@ -10,7 +10,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Unwrap
+from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layout, Unwrap
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..cycles.device import GPU_TYPES
@@ -24,7 +24,8 @@ Bake radiance textures with Cycles: every texel of an object gets a bucket, a
 small picture of the light that leaves it, with a cell for each direction.
 
 For each object, writes DIR/NAME.KIND.exr, the atlas of all buckets, and
-DIR/NAME.KIND.json, which describes it. The .blend file is never changed."""
+DIR/NAME.KIND.json, which describes it; in the shared layout several images,
+DIR/NAME.KIND.LAYER.exr. The .blend file is never changed."""
 
 _EPILOG = """\
 examples:
@@ -141,6 +142,14 @@ def _add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         "radiance: the object as a viewer sees it; incident: the light that arrives; "
         "reflection: the same, along the mirror direction",
     )
+    _choice(
+        group,
+        "--layout",
+        Layout,
+        _DEFAULT.layout,
+        "buckets: every texel keeps a picture of its own; shared: what all texels see in common is kept "
+        "once and sharp, fitted to single paths, which suits glossy things; radiance by the portal only",
+    )
     group.add_argument(
         "--uv",
         dest="uv_layer",
@@ -160,8 +169,16 @@ def _add_quality(group: argparse._ArgumentGroup) -> None:
         "bucket",
         "N",
         "cells along a bucket's side: each texel tells N x N directions apart",
+        f"{Layout.BUCKETS.cells}; {Layout.SHARED.cells} in the shared layout",
     )
-    _number(group, "--samples", "samples", "N", "light paths for each cell: more paths, less noise")
+    _number(
+        group,
+        "--samples",
+        "samples",
+        "N",
+        "light paths for each cell: more paths, less noise; in the shared layout about 64 N for each texel, "
+        "however many cells it has",
+    )
 
 
 def _add_how(group: argparse._ArgumentGroup) -> None:
@@ -203,7 +220,13 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
         action="store_true",
         help="also write DIR/NAME.preview.blend: the scene with the baked object in it",
     )
-    _choice(group, "--filter", Filter, Filter.QUADRILINEAR, "how the preview blends cells and texels")
+    _choice(
+        group,
+        "--filter",
+        Filter,
+        Filter.QUADRILINEAR,
+        "how the preview blends cells and texels of layout buckets",
+    )
     group.add_argument(
         "--float", dest="half", action="store_false", help="store 32-bit floats (default: half floats)"
     )
@@ -246,8 +269,12 @@ def _choice(
     )
 
 
-def _number(group: argparse._ArgumentGroup, flag: str, field: str, metavar: str, text: str) -> None:
-    default: Any = getattr(_DEFAULT, field)
+def _number(
+    group: argparse._ArgumentGroup, flag: str, field: str, metavar: str, text: str, default: str = ""
+) -> None:
+    """An option for a number; a field whose `default` wants words is left to the specification."""
+    known: Any = None if default else getattr(_DEFAULT, field)
+    told = default or known
 
     def number(word: str) -> int:
         try:
@@ -256,5 +283,5 @@ def _number(group: argparse._ArgumentGroup, flag: str, field: str, metavar: str,
             raise InputError(f"{flag} {word}: give a whole number") from None
 
     group.add_argument(
-        flag, dest=field, type=number, metavar=metavar, default=default, help=f"{text} (default: %(default)s)"
+        flag, dest=field, type=number, metavar=metavar, default=known, help=f"{text} (default: {told})"
     )

@@ -14,6 +14,7 @@ from typing import cast
 
 import bpy
 
+from ..bake.spec import Layout
 from ..core.errors import BakeError, Cancelled, InputError, RadTexError
 from ..formats.memory import readable_size
 from ..job import BakeResult, bake_steps, check_request
@@ -96,7 +97,8 @@ def _run(request: Request, report: Report, interruption: Interruption) -> None:
     for name in objects:
         result = _bake(scene, name, request, report, interruption)
         pictures = _pictures(request, result)
-        report.event("done", object=name, summary=_summary(name, request, result), **_facts(result, pictures))
+        facts = _facts(request, result, pictures)
+        report.event("done", object=name, summary=_summary(name, request, result), **facts)
 
 
 def _bake(
@@ -156,18 +158,21 @@ def _pictures(request: Request, result: BakeResult) -> list[Path]:
 def _summary(name: str, request: Request, result: BakeResult) -> str:
     layout = result.layout
     seconds = sum(result.seconds.values())
-    size = readable_size(result.files.atlas.stat().st_size)
+    size = readable_size(sum(path.stat().st_size for path in result.files.images))
+    shared = ", shared," if request.spec.layout is Layout.SHARED else ""
+    lost = f", {result.fireflies:.1%} of the light cut off as fireflies" if result.fireflies > 5e-4 else ""
     clamped = f", {result.clamped} values clamped to what the file holds" if result.clamped else ""
     return (
-        f"{name}: {layout.width} x {layout.height} texels of {layout.bucket} x {layout.bucket} cells at "
-        f"{request.spec.samples} spp, {result.covered_texels} texels covered, {result.paths:,} paths "
-        f"on {result.device} in {seconds:.1f} s, {size}{clamped}"
+        f"{name}: {layout.width} x {layout.height} texels of {layout.bucket} x {layout.bucket} cells{shared} "
+        f"at {request.spec.samples} spp, {result.covered_texels} texels covered, {result.paths:,} paths "
+        f"on {result.device} in {seconds:.1f} s, {size}{lost}{clamped}"
     )
 
 
-def _facts(result: BakeResult, pictures: list[Path]) -> dict[str, object]:
+def _facts(request: Request, result: BakeResult, pictures: list[Path]) -> dict[str, object]:
     return {
         "files": [str(path) for path in (*result.files.all, *pictures)],
+        "layout": str(request.spec.layout),
         "texels": [result.layout.width, result.layout.height],
         "bucket": result.layout.bucket,
         "covered_texels": result.covered_texels,
@@ -175,5 +180,6 @@ def _facts(result: BakeResult, pictures: list[Path]) -> dict[str, object]:
         "paths": result.paths,
         "device": result.device,
         "clamped": result.clamped,
+        "fireflies": result.fireflies,
         "seconds": {str(stage): round(value, 3) for stage, value in result.seconds.items()},
     }

@@ -26,6 +26,7 @@ _SAYS = {
     Stage.PROBE: "finding hidden cells",
     Stage.CAPTURE: "rendering",
     Stage.FILL: "filling gutters",
+    Stage.FIT: "fitting",
     Stage.WRITE: "writing",
     Stage.PREVIEW: "saving the preview",
 }

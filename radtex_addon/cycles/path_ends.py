@@ -73,18 +73,19 @@ def from_directions(emitted: Sequence[Floats], white: Floats) -> Floats:
     `white` (..., 3) is what white light brought back, `emitted` what directions did, at turn 0, or at all
     TURNS: then each component is read in the brightest channel.
     """
-    shares = [np.divide(light, white, out=np.full_like(light, 0.5), where=white > 0) for light in emitted]
-    if len(shares) < TURNS:
-        return shares[0] * 2 - 1
-    brightest = white.argmax(axis=-1)
-    turn = (brightest[..., None] - np.arange(3)) % TURNS  # that puts each component into that channel
-    channel = np.broadcast_to(brightest[..., None], turn.shape)
-    by_turn = np.stack(shares, axis=-2)
-    read = np.take_along_axis(
-        np.take_along_axis(by_turn, channel[..., None, :1], axis=-1)[..., 0], turn, axis=-1
-    )
-    found: Floats = read * 2 - 1
-    return found
+    shares = np.stack([_share(light, white) for light in emitted], axis=-2)
+    if len(emitted) < TURNS:
+        first: Floats = shares[..., 0, :] * 2 - 1
+        return first
+    brightest = white.argmax(axis=-1)[..., None]
+    turn = (brightest - np.arange(3)) % TURNS  # the one that puts a component into that channel
+    by_turn_and_channel = shares.reshape(*white.shape[:-1], TURNS * 3)
+    read: Floats = np.take_along_axis(by_turn_and_channel, turn * 3 + brightest, axis=-1) * 2 - 1
+    return read
+
+
+def _share(light: Floats, white: Floats) -> Floats:
+    return np.divide(light, white, out=np.full_like(light, 0.5), where=white > 0)
 
 
 @contextmanager

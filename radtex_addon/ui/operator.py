@@ -19,6 +19,15 @@ KINDS = (
     ("reflection", "Reflection", "The light that arrives from where a mirror would send each view"),
 )
 
+LAYOUTS = (
+    ("buckets", "Buckets", "Every texel keeps a picture of its own of the light in all directions"),
+    (
+        "shared",
+        "Shared",
+        "What all texels see in common is kept once, and sharp. For glossy things; radiance only",
+    ),
+)
+
 
 class RADTEX_OT_bake(bpy.types.Operator):
     """Bake the active object's light in every direction into a texture atlas, path traced by Cycles"""
@@ -29,6 +38,7 @@ class RADTEX_OT_bake(bpy.types.Operator):
 
     if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
         kind: str
+        atlas_layout: str
         texels: int
         bucket: int
         samples: int
@@ -40,6 +50,12 @@ class RADTEX_OT_bake(bpy.types.Operator):
             items=KINDS,
             default="radiance",
         )
+        atlas_layout: EnumProperty(
+            name="Layout",
+            description="How the light is kept",
+            items=LAYOUTS,
+            default="buckets",
+        )
         texels: IntProperty(
             name="Texels",
             description="Texels along the atlas's longer side",
@@ -49,14 +65,16 @@ class RADTEX_OT_bake(bpy.types.Operator):
         )
         bucket: IntProperty(
             name="Bucket",
-            description="Cells along each side of a texel's hemisphere: more keep sharper reflections",
+            description="Cells along each side of a texel's bucket: more keep sharper reflections. "
+            "The shared layout has 16 unless this is set",
             default=8,
             min=2,
             soft_max=64,
         )
         samples: IntProperty(
             name="Samples",
-            description="Paths traced for each cell: more leave less noise",
+            description="Paths traced for each cell: more leave less noise. In the shared layout each texel "
+            "spends about 64 times as many, however many cells it has",
             default=16,
             min=1,
             soft_max=1024,
@@ -85,7 +103,7 @@ class RADTEX_OT_bake(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         # Imported here, so that OpenEXR loads with the first bake and not with Blender.
-        from ..bake.spec import BakeSpec, Kind
+        from ..bake.spec import BakeSpec, Kind, Layout
         from ..core.errors import RadTexError
         from ..job import bake_object
 
@@ -94,8 +112,14 @@ class RADTEX_OT_bake(bpy.types.Operator):
         assert context.active_object is not None  # poll's promise
         name = context.active_object.name
         try:
+            layout = Layout(self.atlas_layout)
+            chosen = self.properties.is_property_set("bucket")
             spec = BakeSpec(
-                kind=Kind(self.kind), texels=self.texels, bucket=self.bucket, samples=self.samples
+                kind=Kind(self.kind),
+                layout=layout,
+                texels=self.texels,
+                bucket=self.bucket if chosen else layout.cells,
+                samples=self.samples,
             )
             bake_object(context.scene, name, spec, Path(bpy.path.abspath(self.directory)))
         except RadTexError as error:

@@ -32,6 +32,7 @@ def test_help_shows_every_option_with_its_default() -> None:
     flags = [
         "--object",
         "--kind",
+        "--layout",
         "--uv",
         "--unwrap",
         "--padding",
@@ -45,8 +46,10 @@ def test_help_shows_every_option_with_its_default() -> None:
     assert [flag for flag in flags if flag not in ended.out] == []
     told = " ".join(ended.out.split())
     default = BakeSpec()
-    for name in ("kind", "unwrap", "texels", "bucket", "samples", "capture", "seed", "device", "compression"):
+    names = ("kind", "layout", "unwrap", "texels", "samples", "capture", "seed", "device", "compression")
+    for name in names:
         assert f"(default: {getattr(default, name)})" in told
+    assert "(default: 8; 16 in the shared layout)" in told
     for word in ("(default: 1024)", "(default: radtex)", "(default: quadrilinear)", "(default: bar)"):
         assert word in told
     assert "exit codes:" in ended.out
@@ -100,6 +103,12 @@ def test_what_is_said_reaches_the_spec() -> None:
     assert request.spec == wanted
     assert (request.scene, request.objects) == (None, ("A", "B"))
     assert (request.preview, request.overwrite) == (Filter.LINEAR, True)
+
+
+def test_the_shared_layout_has_cells_of_its_own() -> None:
+    line = ["a.blend", "--object", "A", "--layout", "shared"]
+    assert parse(line, inside_blender=False).spec == BakeSpec(layout=spec.Layout.SHARED, bucket=16)
+    assert parse([*line, "--bucket", "8"], inside_blender=False).spec.bucket == 8
 
 
 def test_inside_blender_a_scene_is_refused_for_it_is_open_already() -> None:

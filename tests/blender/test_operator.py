@@ -9,9 +9,9 @@ from collections.abc import Iterator
 import bpy
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Kind
+from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.ui import registration
-from radtex_addon.ui.operator import KINDS
+from radtex_addon.ui.operator import KINDS, LAYOUTS
 
 
 @pytest.fixture(autouse=True)
@@ -21,8 +21,9 @@ def registered(empty_file: None) -> Iterator[None]:
     registration.unregister()
 
 
-def test_every_kind_can_be_chosen() -> None:
+def test_every_kind_and_layout_can_be_chosen() -> None:
     assert [identifier for identifier, _, _ in KINDS] == [kind.value for kind in Kind]
+    assert [identifier for identifier, _, _ in LAYOUTS] == [layout.value for layout in Layout]
 
 
 @pytest.mark.parametrize("name", ["kind", "texels", "bucket", "samples"])

@@ -1,0 +1,13 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The whole job: an object and a specification in, an atlas with its sidecar and a preview out.
+
+The batch and the panel call these functions; so can a script. Data goes one way: evaluated mesh, UVs, texel
+map, captures, atlas, files.
+"""
+
+from .checks import check_request
+from .files import OutputFiles
+from .run import BakeResult, bake_object, bake_steps
+
+__all__ = ["BakeResult", "OutputFiles", "bake_object", "bake_steps", "check_request"]

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The plain layout: every texel's bucket is captured, cell by cell, and written as one image."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from pathlib import Path
+
+import bpy
+
+from ..bake.capture import Capture
+from ..bake.plan import CapturePlan, plan_capture
+from ..bake.progress import Progress, Stage
+from ..bake.session import fill_atlas
+from ..bake.spec import BakeSpec, CaptureMethod, Kind
+from ..core.arrays import Bools, Floats
+from ..core.errors import BakeError
+from ..cycles.hidden import find_hidden
+from ..cycles.panoramic import PanoramicCapture
+from ..cycles.portal import PortalCapture
+from ..formats.exr import write_atlas
+from ..formats.sidecar import Sidecar, write_sidecar
+from .files import OutputFiles, facts_of
+from .made import Made
+from .prepare import Prepared
+
+
+def bake_buckets(
+    scratch: bpy.types.Scene,
+    original: bpy.types.Object,
+    spec: BakeSpec,
+    files: OutputFiles,
+    prepared: Prepared,
+    folder: Path,
+) -> Generator[Progress, None, Made]:
+    """Bake the scratch scene's object; `folder` takes temporary files."""
+    plan, hidden = yield from _plan(prepared, spec, folder)
+    capture = _capture(scratch, plan, spec, folder)
+    image = yield from fill_atlas(plan, capture, spec.memory_mb, hidden)
+    yield Progress(Stage.WRITE, 0, 1)
+    facts = facts_of(original.name, spec, plan.layout.width, plan.layout.height, prepared.uv_layer)
+    clamped = _write(files, image, facts, spec)
+    count = len(plan.texel)
+    return Made(files, plan.layout, count, count * spec.bucket**2 * spec.samples, clamped)
+
+
+def _plan(
+    prepared: Prepared, spec: BakeSpec, folder: Path
+) -> Generator[Progress, None, tuple[CapturePlan, Bools | None]]:
+    """What to capture, and which cells of it nobody sees; texels that nobody sees at all cost no path."""
+    texels = prepared.texels()
+    plan = plan_capture(texels, spec.bucket)
+    if spec.kind is not Kind.RADIANCE:
+        return plan, None
+    hidden = yield from find_hidden(prepared.mesh, prepared.matrix_world, plan, folder)
+    buried = hidden.all(axis=(1, 2))
+    return plan_capture(texels, spec.bucket, without=plan.texel[buried]), hidden[~buried]
+
+
+def _capture(scratch: bpy.types.Scene, plan: CapturePlan, spec: BakeSpec, folder: Path) -> Capture:
+    capture = PortalCapture if spec.capture is CaptureMethod.PORTAL else PanoramicCapture
+    return capture(scratch, plan, spec.kind, spec.samples, spec.seed, folder)
+
+
+def _write(files: OutputFiles, image: Floats, sidecar: Sidecar, spec: BakeSpec) -> int:
+    """Write both files, or leave neither; returns how many values were clamped."""
+    written = write_atlas(files.atlas, image, sidecar, spec.half, spec.compression)
+    try:
+        write_sidecar(files.sidecar, written)
+    except BakeError:  # an atlas must not lie beside the sidecar of another
+        for path in (files.atlas, files.sidecar):
+            path.unlink(missing_ok=True)
+        raise
+    return written.clamped

@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a bake leaves: its files and the facts in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+
+from ..bake.spec import BakeSpec, Layout
+from ..core.shared import Axis
+from ..formats.packing import layer_names
+from ..formats.shared_files import layer_path
+from ..formats.sidecar import Sidecar, file_name
+from ..version import VERSION
+
+
+@dataclass(frozen=True)
+class OutputFiles:
+    """Where a bake of one object goes; `preview` is None if none is wanted.
+
+    `images` are the plain layout's atlas alone, or all that the shared layout can have.
+    """
+
+    images: tuple[Path, ...]
+    sidecar: Path
+    preview: Path | None
+
+    @classmethod
+    def of(cls, object_name: str, spec: BakeSpec, folder: Path, preview: bool) -> OutputFiles:
+        """The names of the contract, DESIGN.md section 3, below `folder`."""
+        atlas, sidecar = (folder / file_name(object_name, spec.kind, ending) for ending in ("exr", "json"))
+        images: tuple[Path, ...] = (atlas,)
+        if spec.layout is Layout.SHARED:
+            images = tuple(layer_path(sidecar, layer) for layer in layer_names(Axis))
+        shown = folder / file_name(object_name, "preview", "blend")
+        return cls(images, sidecar, shown if preview else None)
+
+    @property
+    def atlas(self) -> Path:
+        """The plain layout's image; the shared layout's first."""
+        return self.images[0]
+
+    @property
+    def all(self) -> tuple[Path, ...]:
+        return (*self.images, self.sidecar, *((self.preview,) if self.preview else ()))
+
+
+def facts_of(name: str, spec: BakeSpec, width: int, height: int, uv_layer: str) -> Sidecar:
+    """What the sidecar says of a bake of the object `name`, `width` x `height` texels large."""
+    return Sidecar(
+        object_name=name,
+        kind=spec.kind,
+        width=width,
+        height=height,
+        bucket=spec.bucket,
+        uv_map=uv_layer,
+        samples=spec.samples,
+        seed=spec.seed,
+        capture=spec.capture,
+        tool=f"RadTex {VERSION}",
+        blender=bpy.app.version_string,
+    )

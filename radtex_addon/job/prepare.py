@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From an object to the points on it that a bake captures: the same for every layout."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+
+import bpy
+
+from ..bake.progress import Progress, Stage
+from ..bake.spec import BakeSpec
+from ..core.arrays import Floats
+from ..core.inset import inset
+from ..core.surface import SurfaceMesh
+from ..core.texel_map import TexelMap, rasterise
+from ..cycles.offset import ray_offset
+from ..scene.copy import UV_LAYER, baked_mesh, surface_mesh
+from ..scene.evaluated import EvaluatedMesh, evaluate
+from ..scene.unwrap import unwrap_steps
+from ..scene.unwrap_options import UnwrapOptions
+from ..scene.uv_layer import user_uv
+
+_RIM = 0.2  # of a ray's offset: how far from its triangle's edges a ray starts
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """The baked copy: `mesh` and the same as arrays, `surface`; `matrix_world` (4, 4) is its object's.
+
+    The atlas has `width` x `height` texels on the mesh's `uv_layer`, and `islands` if it was unwrapped anew.
+    """
+
+    mesh: bpy.types.Mesh
+    surface: SurfaceMesh
+    matrix_world: Floats
+    uv_layer: str
+    width: int
+    height: int
+    islands: int | None
+
+    def texels(self, finer: int = 1) -> TexelMap:
+        """Points to capture, `finer` times as many along each side."""
+        found = rasterise(self.surface, self.width * finer, self.height * finer)
+        return inset(found, self.surface, _RIM * ray_offset(self.surface.position))
+
+
+def prepare(
+    scratch: bpy.types.Scene, original: bpy.types.Object, spec: BakeSpec, kept: list[bpy.types.ID]
+) -> Generator[Progress, None, Prepared]:
+    """Evaluate and unwrap the scratch scene's object; the copy's mesh joins what is `kept`.
+
+    Ends amid the stage RASTER, which `texels` goes on with. Raises InputError for what cannot be baked.
+    """
+    yield Progress(Stage.EVALUATE, 0, 1)
+    evaluated = evaluate(scratch, original)
+    yield Progress(Stage.UNWRAP, 0, 1)
+    unwrapped = yield from _unwrap(evaluated, spec)
+    yield Progress(Stage.RASTER, 0, 1)
+    mesh = baked_mesh(evaluated, unwrapped.uv, unwrapped.layer)
+    kept.append(mesh)
+    return Prepared(
+        mesh=mesh,
+        surface=surface_mesh(evaluated, mesh, unwrapped.layer),
+        matrix_world=evaluated.matrix_world,
+        uv_layer=unwrapped.layer,
+        width=unwrapped.width,
+        height=unwrapped.height,
+        islands=unwrapped.islands,
+    )
+
+
+@dataclass(frozen=True)
+class _Unwrapped:
+    uv: Floats
+    layer: str
+    width: int
+    height: int
+    islands: int | None
+
+
+def _unwrap(evaluated: EvaluatedMesh, spec: BakeSpec) -> Generator[Progress, None, _Unwrapped]:
+    if spec.uv_layer is not None:
+        uv = user_uv(evaluated, spec.uv_layer)
+        return _Unwrapped(uv, spec.uv_layer, spec.texels, spec.texels, None)
+    options = UnwrapOptions(padding=spec.padding)
+    found = yield from unwrap_steps(evaluated, spec.texels, spec.unwrap, options)
+    return _Unwrapped(found.uv, UV_LAYER, found.width, found.height, found.islands)

@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake from its first check to its preview."""
+
+from __future__ import annotations
+
+import logging
+import tempfile
+from collections.abc import Generator
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+
+from ..bake.progress import Progress, Stage
+from ..bake.spec import BakeSpec, Layout
+from ..bake.stopwatch import Stopwatch
+from ..core.atlas import AtlasLayout
+from ..core.sampler import Filter
+from ..cycles.device import use_device
+from ..preview.material import preview_material, preview_shared_material
+from ..preview.save import save_preview
+from ..scene.copy import copy_object
+from ..scene.objects import find_object
+from ..scene.scratch import new_data_removed, scratch_scene
+from .buckets import bake_buckets
+from .checks import check_request
+from .files import OutputFiles
+from .made import Made
+from .prepare import Prepared, prepare
+from .shared import bake_shared
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class BakeResult:
+    """What a bake made, and what it took: `paths` are camera paths, `seconds` are by stage.
+
+    `fireflies` is the share of the light that a fit left out: too few paths brought it.
+    """
+
+    files: OutputFiles
+    layout: AtlasLayout
+    covered_texels: int
+    islands: int | None
+    paths: int
+    device: str
+    clamped: int
+    fireflies: float
+    seconds: dict[Stage, float]
+
+
+def bake_object(
+    scene: bpy.types.Scene,
+    name: str,
+    spec: BakeSpec,
+    folder: Path,
+    *,
+    view_layer: str | None = None,
+    preview: Filter | None = None,
+    overwrite: bool = False,
+) -> BakeResult:
+    """Bake one object and write its files; see `bake_steps`."""
+    steps = bake_steps(scene, name, spec, folder, view_layer=view_layer, preview=preview, overwrite=overwrite)
+    while True:
+        try:
+            next(steps)
+        except StopIteration as stop:
+            result: BakeResult = stop.value
+            return result
+
+
+def bake_steps(
+    scene: bpy.types.Scene,
+    name: str,
+    spec: BakeSpec,
+    folder: Path,
+    *,
+    view_layer: str | None = None,
+    preview: Filter | None = None,
+    overwrite: bool = False,
+) -> Generator[Progress, None, BakeResult]:
+    """Bake the mesh object `name` as `scene`'s `view_layer` renders it (the first that does, if None).
+
+    Writes `<name>.<kind>.json` and `.exr` into `folder`, or in the shared layout `<name>.<kind>.<layer>.exr`,
+    and with a `preview` filter `<name>.preview.blend`; the shared layout has but one filter. Yields progress;
+    returns the result. The scene is what it was afterwards, also after an error or when the generator is
+    closed. Raises InputError for what cannot be baked, BakeError for what fails meanwhile.
+    """
+    files = OutputFiles.of(name, spec, folder, preview is not None)
+    for warning in check_request(scene, name, spec, folder, preview is not None, overwrite, view_layer):
+        log.warning(warning)
+    watch = Stopwatch()
+    with new_data_removed():
+        baked = yield from _bake(scene, name, spec, files, view_layer, watch)
+        if preview is not None:
+            yield watch.start(Stage.PREVIEW)
+            _save_preview(scene, name, spec, baked, preview)
+    watch.stop()
+    made = baked.made
+    return BakeResult(
+        files=made.files,
+        layout=made.layout,
+        covered_texels=made.covered_texels,
+        islands=baked.prepared.islands,
+        paths=made.paths,
+        device=baked.device,
+        clamped=made.clamped,
+        fireflies=made.fireflies,
+        seconds=watch.seconds,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Baked:
+    """What is on disk, and the mesh that it belongs to."""
+
+    made: Made
+    prepared: Prepared
+    device: str
+
+
+def _bake(
+    scene: bpy.types.Scene,
+    name: str,
+    spec: BakeSpec,
+    files: OutputFiles,
+    view_layer: str | None,
+    watch: Stopwatch,
+) -> Generator[Progress, None, _Baked]:
+    kept: list[bpy.types.ID] = []
+    with (
+        tempfile.TemporaryDirectory(prefix="radtex-") as temporary,
+        scratch_scene(scene, view_layer, kept) as scratch,
+        use_device(scratch, spec.device) as device,  # before the unwrap, which may take long
+    ):
+        original = find_object(scratch, name)
+        prepared = yield from watch.over(prepare(scratch, original, spec, kept))
+        bake = bake_shared if spec.layout is Layout.SHARED else bake_buckets
+        steps = bake(scratch, original, spec, files, prepared, Path(temporary))
+        made = yield from watch.over(steps)
+    return _Baked(made, prepared, device)
+
+
+def _save_preview(scene: bpy.types.Scene, name: str, spec: BakeSpec, baked: _Baked, preview: Filter) -> None:
+    files, uv_layer = baked.made.files, baked.prepared.uv_layer
+    assert files.preview is not None  # there is one where there is a filter
+    title = f"RadTex {name}"
+    if spec.layout is Layout.SHARED:
+        material = preview_shared_material(title, files.sidecar.absolute(), uv_layer, spec.half)
+    else:
+        material = preview_material(
+            title, files.atlas.absolute(), baked.made.layout, uv_layer, preview, spec.half
+        )
+    original = scene.objects[name]
+    save_preview(
+        scene, original, copy_object(original, baked.prepared.mesh), material, files.preview.absolute()
+    )
