@@ -21,7 +21,7 @@ from .surroundings import meet_surroundings
 _STAGES = ((2, True), (4, True), (8, True), (8, False))  # cells of a bucket, pooled widely? the finest follow
 _FINEST_ROUNDS = 2
 _WIDER = 0.1  # of the variance that pooling leaves: what wide pooling does
-_DOUBT = 4.0  # times the variance of a cell's mean: a step no larger than that is noise
+_DOUBT = 0.7  # times the variance of a cell's mean: a step no larger than that is noise
 _LEAST_SCALE = 0.05  # radians: no path that near is an outlier
 _SPREAD_PRIOR = 8.0  # paths that a coarser cell's spread counts for
 _RAYLEIGH_QUARTER = 0.575  # squared lower quartile of a distance, over the variance along an axis

@@ -91,7 +91,9 @@ def distance_along(direction: Floats, offset: Floats, away: Floats) -> Floats:
     return found
 
 
-def panorama_plan(near: SurroundingsSamples, middle: Floats, radius: float, size: int, rays: int) -> CapturePlan:
+def panorama_plan(
+    near: SurroundingsSamples, middle: Floats, radius: float, size: int, rays: int
+) -> CapturePlan:
     """Rays straight away from the object, `rays` in each cell of a size x size octahedral map, stratified.
 
     They start outside the object, which reaches out to `radius` from `middle` (3,), but before what `near` has
@@ -105,7 +107,9 @@ def panorama_plan(near: SurroundingsSamples, middle: Floats, radius: float, size
     nearness = np.full(_NEAR_SIZE**2, 1 / radius)
     np.maximum.at(nearness, cell, near.nearness / _BEFORE)
     start = (1 / nearness)[octahedron_cell(place, _NEAR_SIZE)].astype(np.float32)
-    tangent, bitangent, normal = orthonormal_frame(direction, fallback_tangent(direction), np.ones(len(place)))
+    tangent, bitangent, normal = orthonormal_frame(
+        direction, fallback_tangent(direction), np.ones(len(place))
+    )
     fields = (middle + start[:, None] * direction, tangent, bitangent, normal, normal)
     packed = [field.reshape(count, count, 3).astype(np.float32) for field in fields]
     return CapturePlan(AtlasLayout(count, count, 1), np.arange(count * count), *packed)

@@ -22,7 +22,7 @@ class Rays:
     light: int = 21
     ends: int = 10
     around: int = 5
-    panorama: int = 16
+    panorama: int = 9
     size: int = 256
 
     @classmethod

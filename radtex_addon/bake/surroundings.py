@@ -23,7 +23,9 @@ from .light_samples import SurroundingsSamples
 from .pooling import sums
 
 NEARNESS_SIZE = 64
-_SMOOTH = 4.8  # cells, all but: the standard deviation of a level's blur times its size, so that no cells show
+_SMOOTH = (
+    4.8  # cells, all but: the standard deviation of a level's blur times its size, so that no cells show
+)
 _KNOWN = 0.05  # samples in a cell, below which a neighbour's light is taken
 _BLUR_TAPS = 64
 _MEETINGS = 6  # iterations by which a ray finds what it meets
