@@ -3,8 +3,8 @@
 """Where a lobe's light comes from: each cell's shift and spread, from where single paths end.
 
 From coarse to fine: what texels of a neighbourhood have in common in wide cells first, then what is left in
-finer ones. A cell's own step counts by how far it stands out from the noise of its paths (James and Stein,
-"Estimation with Quadratic Loss", 1961), so that a rough surface's cells stay together and a sharp one's do not.
+finer ones. A step counts by how far it stands out from the noise of its paths (James and Stein, "Estimation
+with Quadratic Loss", 1961), so that a rough surface's cells stay together and a sharp one's do not.
 """
 
 from __future__ import annotations
@@ -42,7 +42,10 @@ class LobePaths:
 
 
 def fit_ends(paths: LobePaths, neighbours: Neighbours, n: int, start: Floats) -> Floats:
-    """Shift and spread of each cell (K*n*n, 4), as in `core.shared.Lobe`; `start` (K*n*n, 3) is a first shift."""
+    """Shift and spread of each cell (K*n*n, 4), as in `core.shared.Lobe`.
+
+    `start` (K*n*n, 3) is a first shift.
+    """
     texels = len(neighbours.plan.texel)
     shift = start.astype(np.float32)
     if not len(paths.owner):
@@ -63,7 +66,7 @@ def fit_ends(paths: LobePaths, neighbours: Neighbours, n: int, start: Floats) ->
         shift += upsampled(step, texels, cells, n)
         trust, noise = _trust(moved - taps[n].gather(shift), paths.owner, neighbours)
     off = moved - taps[n].gather(shift)
-    spread = _spread(np.sum(off * off, axis=1) / 2, paths.weight * trust, taps, neighbours, n)
+    spread = _spread(np.sum(off * off, axis=1) / 2, paths.weight * trust, taps, neighbours)
     return np.concatenate([shift, spread], axis=1)
 
 
@@ -98,16 +101,18 @@ def _trust(off: Floats, owner: Ints, neighbours: Neighbours) -> tuple[Floats, Fl
     return (1 / (1 + (distance / scale) ** 2)).astype(np.float32), quartile**2 / _RAYLEIGH_QUARTER
 
 
-def _spread(squared: Floats, weight: Floats, taps: dict[int, Taps], neighbours: Neighbours, n: int) -> Floats:
-    """Each cell's mean of squares (P,), (K*n*n, 1); what few paths tell is taken from coarser cells."""
+def _spread(squared: Floats, weight: Floats, taps: dict[int, Taps], neighbours: Neighbours) -> Floats:
+    """The finest cells' mean of squares (P,), (K*n*n, 1); what few paths tell is taken from coarser cells."""
     texels = len(neighbours.plan.texel)
     prior = _SPREAD_PRIOR * max(float(weight.mean()), 1e-12)
-    spread, coarser = np.zeros((texels, 1), dtype=np.float32), 1
+    spread: Floats = np.zeros((texels, 1), dtype=np.float32)
+    coarser = 1
     for cells in sorted(taps):
         table = neighbours.pool(taps[cells].scatter([weight * squared, weight]))
         if cells == 1:
             spread = table[:, :1] / np.maximum(table[:, 1:], 1e-9)
             continue
         known = upsampled(spread, texels, coarser, cells)
-        spread, coarser = (table[:, :1] + prior * known) / (table[:, 1:] + prior), cells
-    return spread.astype(np.float32)
+        spread = ((table[:, :1] + prior * known) / (table[:, 1:] + prior)).astype(np.float32)
+        coarser = cells
+    return spread

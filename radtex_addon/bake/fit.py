@@ -50,8 +50,8 @@ def fit_shared(
 ) -> Fitted:
     """Fit the shared layout to samples: buckets of cells x cells, surroundings of size x size.
 
-    `light` and `ends` are of the same texels. `colour` (H', W', 3) is the diffuse colour pass along the normal,
-    gutter filled.
+    `light` and `ends` are of the same texels. `colour` (H', W', 3) is the diffuse colour pass along the
+    normal, gutter filled.
     """
     plan = light.plan
     facing = square_to_direction(light.square)[..., 2].astype(np.float32)
@@ -84,7 +84,10 @@ def fit_shared(
 
 @dataclass(frozen=True, eq=False)
 class _LobeFit:
-    """What the lobes' fits have in common; `used` (P,) are flat indices of samples, `owner` (P,) their texels."""
+    """What the lobes' fits have in common.
+
+    `used` (P,) are flat indices of samples, `owner` (P,) their texels.
+    """
 
     light: LightSamples
     ends: EndSamples

@@ -43,8 +43,8 @@ class EndSamples:
     """Where paths end that leave the object, S from each of the plan's K texels.
 
     `square` (K, S, 2): bucket coordinates B of the viewers. By the lobe of the first bounce, `mirrored` and
-    `through`, (K, S, 3) each: how much the object lets through (`..._weight`), and the direction of the end from
-    the object's middle (`..._end`), shorter than 1 where several paths were one sample, 0 where none was.
+    `through`, (K, S, 3) each: how much the object lets through (`..._weight`), and the direction of the end
+    from the object's middle (`..._end`), shorter than 1 where several paths were one sample, 0 where none was.
     """
 
     plan: CapturePlan
@@ -80,9 +80,9 @@ def joined(first: SurroundingsSamples, second: SurroundingsSamples) -> Surroundi
 
 
 def distance_along(direction: Floats, offset: Floats, away: Floats) -> Floats:
-    """How far along `direction`, from the origin, a ray from `offset` along `away` comes by, all (P, 3): (P,).
+    """How far along `direction`, from the origin, a ray from `offset` along `away` comes by: (P,).
 
-    Infinite where both are parallel.
+    All (P, 3). Infinite where both are parallel.
     """
     across = np.cross(direction, away)
     squared = np.sum(across * across, axis=-1)
@@ -96,8 +96,8 @@ def panorama_plan(
 ) -> CapturePlan:
     """Rays straight away from the object, `rays` in each cell of a size x size octahedral map, stratified.
 
-    They start outside the object, which reaches out to `radius` from `middle` (3,), but before what `near` has
-    met in their direction.
+    They start outside the object, which reaches out to `radius` from `middle` (3,), but before what `near`
+    has met in their direction.
     """
     side = int(np.ceil(np.sqrt(rays)))
     count = size * side

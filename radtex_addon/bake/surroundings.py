@@ -75,8 +75,8 @@ def nearness_map(samples: SurroundingsSamples, far: float) -> Floats:
 def meet_surroundings(nearness: Floats, middle: Floats, position: Floats, direction: Floats) -> Floats:
     """Directions from the middle (K, 3), unit, of what rays from positions along unit directions (K, 3) meet.
 
-    `nearness` (D, D) as of `nearness_map`. The ray is cut with the sphere that is as large as what lies in the
-    direction found last, again and again: Szirmay-Kalos et al., "Approximate Ray-Tracing on the GPU with
+    `nearness` (D, D) as of `nearness_map`. The ray is cut with the sphere that is as large as what lies in
+    the direction found last, again and again: Szirmay-Kalos et al., "Approximate Ray-Tracing on the GPU with
     Distance Impostors" (2005).
     """
     offset = (position - middle).astype(np.float32)
@@ -105,7 +105,7 @@ def _means(samples: SurroundingsSamples, size: int) -> Floats:
 
 
 def _blurred(image: Floats, size: int, variance: float) -> Floats:
-    """The image (M, M, 3) blurred by a von Mises-Fisher lobe of a variance along each axis: (size, size, 3)."""
+    """The image (M, M, 3) blurred by a von Mises-Fisher lobe of a variance an axis: (size, size, 3)."""
     middle = ((np.arange(size) + 0.5) / size).astype(np.float32)
     place = np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2)
     direction = octahedron_to_direction(place)
