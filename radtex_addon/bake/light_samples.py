@@ -44,7 +44,7 @@ class EndSamples:
 
     `square` (K, S, 2): bucket coordinates B of the viewers. By the lobe of the first bounce, `mirrored` and
     `through`, (K, S, 3) each: how much the object lets through (`..._weight`), and the direction of the end
-    from the object's middle (`..._end`), shorter than 1 where several paths were one sample, 0 where none was.
+    from the object's middle (`..._end`), shorter than 1 where several paths were one sample, 0 where none.
     """
 
     plan: CapturePlan
