@@ -8,9 +8,9 @@
 A lobe's axis A is a world direction at the fragment: the mirror direction of the viewer, or straight through
 the surface. Light that leaves along the lobe comes from elsewhere in the surroundings, from around the
 direction A + shift, blurred by `spread`: a near thing, another part of the object that mirrors in turn, what
-stands behind glass. `surroundings` is one picture of them for all texels, ever more blurred from level to level.
-Shift, spread, gain and rest are buckets, over the octahedron of A: neighbouring texels are blended at the same
-world direction, not at the same angle to their normals, so that a curved surface blurs nothing.
+stands behind glass. `surroundings` is one picture of them for all texels, ever more blurred from level to
+level. Shift, spread, gain and rest are buckets, over the octahedron of A: neighbouring texels are blended at
+the same world direction, not at the same angle to their normals, so that a curved surface blurs nothing.
 """
 
 from __future__ import annotations
@@ -160,7 +160,7 @@ def _sample_lobe(atlas: SharedAtlas, lobe: Lobe, uv: Floats, axis: Floats) -> Fl
         for cell, share in octahedron_taps(place, n):
             both = (weight * share)[:, None].astype(np.float32)
             for total, part in zip((ends, gain, rest), buckets, strict=True):
-                total += both * part[texel, cell]
+                np.add(total, both * part[texel, cell], out=total)
     met = sample_surroundings(atlas.surroundings, atlas.sharpest, axis + ends[:, :3], ends[:, 3])
     return gain * met + rest
 
