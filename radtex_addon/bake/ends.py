@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.arrays import Floats, Ints
+from ..core.arrays import Bools, Floats, Ints
 from ..core.octahedron import octahedron_to_direction
 from .pooling import SHARE, Neighbours, Taps, upsampled
 from .surroundings import meet_surroundings
@@ -24,6 +24,7 @@ _WIDER = 0.1  # of the variance that pooling leaves: what wide pooling does
 _DOUBT = 0.7  # times the variance of a cell's mean: a step no larger than that is noise
 _LEAST_SCALE = 0.05  # radians: no path that near is an outlier
 _SPREAD_PRIOR = 8.0  # paths that a coarser cell's spread counts for
+_TRUSTED = 0.807  # of a Gaussian lobe's variance: what is left of it where paths count by their trust
 _RAYLEIGH_QUARTER = 0.575  # squared lower quartile of a distance, over the variance along an axis
 _TEXELS_AT_ONCE = 512
 
@@ -39,6 +40,10 @@ class LobePaths:
     end: Floats
     owner: Ints
     weight: Floats
+
+    def only(self, some: Bools) -> LobePaths:
+        """Those of the paths, (P,)."""
+        return LobePaths(self.axis[some], self.end[some], self.owner[some], self.weight[some])
 
 
 def fit_ends(paths: LobePaths, neighbours: Neighbours, n: int, start: Floats) -> Floats:
@@ -66,7 +71,7 @@ def fit_ends(paths: LobePaths, neighbours: Neighbours, n: int, start: Floats) ->
         shift += upsampled(step, texels, cells, n)
         trust, noise = _trust(moved - taps[n].gather(shift), paths.owner, neighbours)
     off = moved - taps[n].gather(shift)
-    spread = _spread(np.sum(off * off, axis=1) / 2, paths.weight * trust, taps, neighbours)
+    spread = _spread(np.sum(off * off, axis=1) / (2 * _TRUSTED), paths.weight * trust, taps, neighbours)
     return np.concatenate([shift, spread], axis=1)
 
 

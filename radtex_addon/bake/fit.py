@@ -100,11 +100,12 @@ class _LobeFit:
     def lobe(self, axis: Axis, start: Floats | None) -> tuple[Lobe, float]:
         """The lobe of an axis, and the light that was cut off; `start` (K*n*n, 3) is a first shift."""
         plan, n = self.light.plan, self.cells
-        traced, white = self._traced(axis)
+        paths, white = self._traced(axis)
         if start is None:
             start = np.zeros((len(plan.texel) * n * n, 3), dtype=np.float32)
-        ends = fit_ends(traced, self.neighbours, n, start)
-        gain = fit_gain(traced, white, self.neighbours, n)
+        told = (paths.weight > 0) & (np.sum(paths.end * paths.end, axis=1) < _OUTLIER**2)
+        ends = fit_ends(paths.only(told), self.neighbours, n, start)
+        gain = fit_gain(paths, white, self.neighbours, n)
         away = _axes(plan, self.light.square, axis).reshape(-1, 3)[self.used]
         samples = LobePaths(away, away, self.owner, np.ones(len(away), np.float32))
         light = _lobe_light(self.light, axis).reshape(-1, 3)[self.used].astype(np.float32)
@@ -114,18 +115,21 @@ class _LobeFit:
         return Lobe(axis, *(part.reshape(*shape, -1) for part in buckets)), cut
 
     def _traced(self, axis: Axis) -> tuple[LobePaths, Floats]:
-        """The paths of a lobe whose ends are known, and their weights (P, 3)."""
+        """The paths of a lobe, those too that end nowhere, and how much they let through (P, 3)."""
         ends, mirror = self.ends, axis is Axis.MIRROR
-        white = (ends.mirrored_weight if mirror else ends.through_weight).astype(np.float32)
-        end = (ends.mirrored_end if mirror else ends.through_end).astype(np.float32)
+        used = np.flatnonzero((square_to_direction(ends.square)[..., 2] > GRAZING).ravel())
+        white, end, away = (
+            part.reshape(-1, 3)[used].astype(np.float32)
+            for part in (
+                ends.mirrored_weight if mirror else ends.through_weight,
+                ends.mirrored_end if mirror else ends.through_end,
+                _axes(ends.plan, ends.square, axis),
+            )
+        )
         weight = white @ LUMINANCE
-        facing = square_to_direction(ends.square)[..., 2]
-        known = (weight > 0) & (facing > GRAZING) & (np.sum(end * end, axis=-1) < _OUTLIER**2)
-        used = np.flatnonzero(known.ravel())
-        weight = np.minimum(weight, _WEIGHT_LIMIT * float(weight.mean())).ravel()[used]
-        away = _axes(ends.plan, ends.square, axis).reshape(-1, 3)[used]
+        weight = np.minimum(weight, _WEIGHT_LIMIT * float(weight.mean())) if len(weight) else weight
         owner = (used // ends.square.shape[1]).astype(np.int32)
-        return LobePaths(away, end.reshape(-1, 3)[used], owner, weight), white.reshape(-1, 3)[used]
+        return LobePaths(away, end, owner, weight), white
 
 
 def _lobe_light(light: LightSamples, axis: Axis) -> Floats:

@@ -25,13 +25,17 @@ _BRIGHTEST = 12.0  # times the mean luminance: a sample that is brighter than it
 _DOUBLE = 3.0  # times its fit: more of it than that is limited, too
 _MOST_GAIN = 2.0  # times the paths' weights
 _LEAST_GAIN = 0.05  # that a cell may be given, whatever its paths say
-_WHITE_LIMIT = 8.0  # times the mean weight: a path that lets more through is limited
+_WHITE_LIMIT = 8.0  # times the mean weight of those that end: a path that lets more through is limited
 
 
 def fit_gain(paths: LobePaths, white: Floats, neighbours: Neighbours, n: int) -> Floats:
-    """How much each cell lets through, in the mean of its paths' weights `white` (P, 3): (K*n*n, 3)."""
+    """How much each cell lets through, in the mean of its paths' weights `white` (P, 3): (K*n*n, 3).
+
+    Paths that end nowhere count, too: they let nothing through.
+    """
     texels = len(neighbours.plan.texel)
-    limited = np.minimum(white, _WHITE_LIMIT * max(float(white.mean()), 1e-12))
+    some = white[white > 0]
+    limited = np.minimum(white, _WHITE_LIMIT * (float(some.mean()) if len(some) else 1.0))
     taps = Taps.of(paths.axis, paths.owner, texels, n)
     table = neighbours.pool(taps.scatter([*limited.T, np.ones(len(limited), np.float32)]))
     whole = table.reshape(texels, n * n, 4).sum(axis=1)
