@@ -15,10 +15,12 @@ from radtex_addon.bake.spec import (
     CaptureMethod,
     Compression,
     Kind,
+    Layout,
     Unwrap,
     parse_capture,
     parse_compression,
     parse_kind,
+    parse_layout,
     parse_unwrap,
 )
 from radtex_addon.core.errors import InputError
@@ -90,6 +92,52 @@ def test_a_panorama_cannot_look_inwards() -> None:
         replace(BakeSpec(capture=CaptureMethod.PANORAMIC, kind=Kind.INCIDENT), kind=Kind.RADIANCE)
 
 
+def test_the_shared_layout_has_finer_buckets_unless_told() -> None:
+    assert BakeSpec(layout=Layout.SHARED).bucket == 16
+    assert BakeSpec(layout=Layout.SHARED, bucket=8).bucket == 8
+    assert BakeSpec(layout="shared") == BakeSpec(layout=Layout.SHARED)  # type: ignore[arg-type]
+    assert BakeSpec().layout is Layout.BUCKETS
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"kind": Kind.INCIDENT}, "knows kind radiance only, not incident: bake that in layout buckets"),
+        ({"kind": Kind.REFLECTION}, "knows kind radiance only, not reflection"),
+        ({"bucket": 1}, "bucket 1: give a whole number from 2 to 256"),
+        ({"samples": 4097}, "samples in the shared layout 4097: give a whole number from 1 to 4096"),
+    ],
+)
+def test_what_the_shared_layout_does_not_know_is_refused(changes: dict[str, Any], words: str) -> None:
+    assert words in refusal(layout=Layout.SHARED, **changes)
+
+
+def test_the_shared_layout_is_captured_by_the_portal() -> None:
+    assert "panoramic" in refusal(layout=Layout.SHARED, capture=CaptureMethod.PANORAMIC)
+    incident = BakeSpec(kind=Kind.INCIDENT, capture=CaptureMethod.PANORAMIC)
+    with pytest.raises(InputError, match="the shared layout knows"):
+        replace(incident, layout=Layout.SHARED)
+
+
+def test_a_shared_bakes_paths_do_not_depend_on_its_cells() -> None:
+    coarse, fine = (BakeSpec(layout=Layout.SHARED, bucket=bucket) for bucket in (4, 16))
+    assert coarse.path_count == fine.path_count
+    plain = BakeSpec().path_count
+    assert 0.6 * plain < fine.path_count < plain
+
+
+def test_the_shared_layouts_images_are_bounded_with_their_borders(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(spec, "physical_memory", lambda: None)
+    assert BakeSpec(layout=Layout.SHARED, texels=8192, bucket=6).pixels_a_side == 65536
+    assert "makes 73728 pixels a side" in refusal(layout=Layout.SHARED, texels=8192, bucket=7)
+
+
+def test_a_shared_bake_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(spec, "physical_memory", lambda: 2**32)
+    assert "texels 256 with bucket 16 needs" in refusal(layout=Layout.SHARED, texels=256)
+    assert BakeSpec(layout=Layout.SHARED).atlas_bytes < 2**31
+
+
 def test_an_empty_uv_layer_is_refused() -> None:
     assert "UV layer" in refusal(uv_layer="")
 
@@ -110,6 +158,7 @@ def test_an_unknown_choice_is_refused_with_the_choices() -> None:
         (parse_kind, "kind"),
         (parse_capture, "capture"),
         (parse_compression, "compression"),
+        (parse_layout, "layout"),
         (parse_unwrap, "unwrap"),
     ):
         with pytest.raises(InputError, match=f"there is no {word} 'x': choose from "):

@@ -28,6 +28,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError
 from radtex_addon.cycles.portal import PortalCapture
 from radtex_addon.formats.exr import read_atlas
+from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import buckets
 from radtex_addon.preview.picture import render_picture
@@ -175,6 +176,32 @@ def test_every_option_reaches_the_file(room: Path, out: Path, batch: Batch) -> N
     assert (header.kind, header.capture, header.uv_map) == ("incident", "panoramic", "UVMap")
 
 
+def test_the_shared_layout_names_all_its_files(room: Path, out: Path, batch: Batch) -> None:
+    arguments = ("--object", "Box", "--layout", "shared", "--texels", 16, "--samples", 1)
+    ended = batch(room, *arguments, "--out", out, "--save-preview", "--overwrite")
+    assert ended.code == 0
+    assert "Box: fitting" in ended.err.splitlines()
+    summary, *files = ended.out.splitlines()
+    assert "texels of 16 x 16 cells, shared, at 1 spp" in summary
+    assert {Path(line.strip()) for line in files} == set(out.iterdir())
+    atlas, sidecar = read_shared(out / "Box.radiance.json")
+    assert sidecar.bake.object_name == "Box"
+    assert len(files) == len(sidecar.shapes) + 2
+    assert atlas.irradiance.max() > 0.1
+    line = refusal(batch(room, *arguments, *QUIET, "--out", out))
+    assert f"{out / 'Box.radiance.colour.exr'} is already there" in line
+
+
+def test_json_tells_the_layout(room: Path, out: Path, batch: Batch) -> None:
+    ended = batch(room, "--object", "Card", "--layout", "shared", *TINY, "--out", out, "--progress", "json")
+    events = [json.loads(line) for line in ended.out.splitlines()]
+    stages = [event["stage"] for event in events if event["event"] == "progress"]
+    order = [str(stage) for stage in Stage if stage not in (Stage.FILL, Stage.PREVIEW)]
+    assert list(dict.fromkeys(stages)) == order
+    assert (events[-1]["layout"], events[-1]["bucket"], events[-1]["fireflies"]) == ("shared", 2, 0.0)
+    assert {Path(path) for path in events[-1]["files"]} == set(out.iterdir())
+
+
 def test_an_object_that_is_named_twice_is_baked_once(room: Path, out: Path, batch: Batch) -> None:
     ended = batch(room, "--object", "Card", "--object", "Card", *TINY, *QUIET, "--out", out)
     assert ended.code == 0
@@ -246,6 +273,11 @@ BAD = {
         ["--object", "Card", "--capture", "panoramic"],
         ["panoramic", "capture by portal"],
     ),
+    "a shared layout of what arrives": (
+        ["--object", "Card", "--layout", "shared", "--kind", "incident"],
+        ["the shared layout", "kind radiance only", "layout buckets"],
+    ),
+    "an unknown layout": (["--object", "Card", "--layout", "x"], ["--layout x", "buckets, shared"]),
     "an unknown filter": (["--object", "Card", "--filter", "cubic"], ["--filter cubic", "quadrilinear"]),
     "not a number": (["--object", "Card", "--samples", "many"], ["--samples many", "a whole number"]),
     "no samples": (["--object", "Card", "--samples", "0"], ["samples 0", "from 1 to"]),
