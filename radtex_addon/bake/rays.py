@@ -19,7 +19,7 @@ class Rays:
     The panorama has `size` x `size` cells, for all texels together.
     """
 
-    light: int = 21
+    light: int = 23
     ends: int = 10
     around: int = 5
     panorama: int = 9
