@@ -18,7 +18,7 @@ from ..core.gutter import dilate, nearest_covered
 from ..core.hemisphere import square_to_direction
 from ..core.shared import Axis, Lobe, SharedAtlas, sample_falloff
 from .ends import LobePaths, fit_ends, parallax
-from .gloss import LUMINANCE, fit_gain, fit_gloss
+from .gloss import LUMINANCE, fit_gain, fit_gloss, weight_of_ending
 from .light_samples import EndSamples, LightSamples, SurroundingsSamples, mirrored, straight_through
 from .plan import CapturePlan
 from .pooling import Neighbours, sums
@@ -109,7 +109,15 @@ class _LobeFit:
         away = _axes(plan, self.light.square, axis).reshape(-1, 3)[self.used]
         samples = LobePaths(away, away, self.owner, np.ones(len(away), np.float32))
         light = _lobe_light(self.light, axis).reshape(-1, 3)[self.used].astype(np.float32)
-        gain, rest, cut = fit_gloss(samples, np.maximum(light, 0), ends, gain, self.around, self.neighbours)
+        gain, rest, cut = fit_gloss(
+            samples,
+            np.maximum(light, 0),
+            ends,
+            gain,
+            weight_of_ending(white),
+            self.around,
+            self.neighbours,
+        )
         shape = (plan.layout.height, plan.layout.width, n, n)
         buckets = (_placed(part.reshape(len(plan.texel), -1), plan) for part in (ends, gain, rest))
         return Lobe(axis, *(part.reshape(*shape, -1) for part in buckets)), cut
