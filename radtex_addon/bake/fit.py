@@ -62,8 +62,8 @@ def fit_shared(
     around = Surroundings.of(surroundings, size)
     fit = _LobeFit(light, ends, used, owner, around, Neighbours(plan), cells)
     lobes, lost = [], 0.0
-    brightness = {axis: float(_lobe_light(light, axis).sum(dtype=np.float64)) for axis in Axis}
-    total = sum(brightness.values()) + float(light.diffuse.sum(dtype=np.float64))
+    brightness = {axis: _sum_of(_lobe_light(light, axis), used) for axis in Axis}
+    total = sum(brightness.values()) + _sum_of(light.diffuse, used)
     for axis in Axis:
         if brightness[axis] > _FAINT * total:
             start = _parallax(plan, surroundings, cells) if axis is Axis.MIRROR else None
@@ -142,6 +142,11 @@ class _LobeFit:
 
 def _lobe_light(light: LightSamples, axis: Axis) -> Floats:
     return light.mirrored if axis is Axis.MIRROR else light.through
+
+
+def _sum_of(values: Floats, used: Ints) -> float:
+    """The sum of some of the samples (K, S, 3), by flat index."""
+    return float(values.reshape(-1, 3)[used].sum(dtype=np.float64))
 
 
 def _axes(plan: CapturePlan, square: Floats, axis: Axis) -> Floats:
