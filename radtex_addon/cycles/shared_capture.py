@@ -31,13 +31,12 @@ _OUTSIDE = 1.05  # of the object's reach from its middle: beyond it
 
 @dataclass(frozen=True, eq=False)
 class SharedCapture:
-    """What `fit_shared` takes, and the `paths` that it cost; `middle` (3,) is the object's, in the world."""
+    """What `fit_shared` takes, and the `paths` that it cost."""
 
     light: LightSamples
     ends: EndSamples
     surroundings: SurroundingsSamples
     colour: Floats
-    middle: Floats
     paths: int
 
     @property
@@ -93,7 +92,7 @@ def capture_shared(
         colour = capture_colour(scene, fine, seed, folder)
     yield Progress(Stage.CAPTURE, total, total)
     probes = len(probe.texel) * PROBES * _PROBE**2
-    return SharedCapture(light, found, joined(near, far), colour, middle, total + probes)
+    return SharedCapture(light, found, joined(near, far), colour, total + probes)
 
 
 def _reach(plan: CapturePlan) -> tuple[Floats, float]:
