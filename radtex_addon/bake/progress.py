@@ -4,8 +4,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Generator
+from contextlib import closing
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TypeVar
+
+_Result = TypeVar("_Result")
 
 
 class Stage(StrEnum):
@@ -29,3 +34,17 @@ class Progress:
     stage: Stage
     done: int
     total: int
+
+
+def relayed(
+    steps: Generator[Progress, None, _Result], each: Callable[[Progress], Progress]
+) -> Generator[Progress, None, _Result]:
+    """Pass another generator's progress on, through `each`, and return its value; closed with it."""
+    with closing(steps):
+        while True:
+            try:
+                step = next(steps)
+            except StopIteration as stop:
+                result: _Result = stop.value
+                return result
+            yield each(step)

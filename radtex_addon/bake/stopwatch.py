@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from contextlib import closing
 from time import perf_counter
 from typing import TypeVar
 
-from .progress import Progress, Stage
+from .progress import Progress, Stage, relayed
 
 _Result = TypeVar("_Result")
 
@@ -42,12 +41,9 @@ class Stopwatch:
 
     def over(self, steps: Generator[Progress, None, _Result]) -> Generator[Progress, None, _Result]:
         """Pass another generator's steps on, and enter their stages; closed with it."""
-        with closing(steps):
-            while True:
-                try:
-                    step = next(steps)
-                except StopIteration as stop:
-                    result: _Result = stop.value
-                    return result
-                self.enter(step.stage)
-                yield step
+
+        def entered(step: Progress) -> Progress:
+            self.enter(step.stage)
+            return step
+
+        return relayed(steps, entered)

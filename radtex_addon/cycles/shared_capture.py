@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import ceil, sqrt
 from pathlib import Path
@@ -16,7 +16,7 @@ import numpy as np
 
 from ..bake.light_samples import EndSamples, LightSamples, SurroundingsSamples, joined, panorama_plan
 from ..bake.plan import CapturePlan, plan_capture
-from ..bake.progress import Progress, Stage
+from ..bake.progress import Progress, Stage, relayed
 from ..bake.rays import Rays
 from ..core.arrays import Floats
 from ..core.texel_map import TexelMap
@@ -85,9 +85,13 @@ def capture_shared(
     with _copied(scratch) as scene, path_ends(scene, baked, mesh, middle) as ends:
         far = capture_surroundings(scene, ends, around, middle, seed, folder)
     done += all_around
+
+    def in_paths(step: Progress) -> Progress:
+        return Progress(step.stage, done + step.done * rays.light**2, total)
+
     with _copied(scratch) as scene:
         steps = capture_samples(scene, lit, hidden[~buried], seed, folder)
-        light = yield from _in_paths(steps, done, rays.light**2, total)
+        light = yield from relayed(steps, in_paths)
     with _copied(scratch) as scene:
         colour = capture_colour(scene, fine, seed, folder)
     yield Progress(Stage.CAPTURE, total, total)
@@ -100,20 +104,6 @@ def _reach(plan: CapturePlan) -> tuple[Floats, float]:
     places = plan.position.reshape(-1, 3)[: len(plan.texel)]
     middle: Floats = ((places.min(axis=0) + places.max(axis=0)) / 2).astype(np.float32)
     return middle, _OUTSIDE * max(float(np.linalg.norm(places - middle, axis=1).max()), 1e-6)
-
-
-def _in_paths(
-    steps: Generator[Progress, None, LightSamples], before: int, each: int, total: int
-) -> Generator[Progress, None, LightSamples]:
-    """Pass progress in texels of `each` paths on, as progress in paths."""
-    with closing(steps):
-        while True:
-            try:
-                step = next(steps)
-            except StopIteration as stop:
-                light: LightSamples = stop.value
-                return light
-            yield Progress(step.stage, before + step.done * each, total)
 
 
 @contextmanager
