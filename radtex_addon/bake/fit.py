@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.arrays import Floats, Ints
-from ..core.gutter import dilate, nearest_covered
 from ..core.hemisphere import square_to_direction
 from ..core.shared import Axis, Lobe, SharedAtlas, sample_falloff
 from .ends import LobePaths, fit_ends, parallax
@@ -70,10 +69,9 @@ def fit_shared(
             lobe, cut = fit.lobe(axis, start)
             lobes.append(lobe)
             lost += cut
-    shape = (plan.layout.height, plan.layout.width)
     atlas = SharedAtlas(
         colour=colour.astype(np.float32),
-        irradiance=_placed(irradiance, plan).reshape(*shape, 3),
+        irradiance=plan.placed(irradiance, gutter=True),
         falloff=falloff,
         surroundings=around.levels,
         sharpest=around.sharpest,
@@ -118,9 +116,8 @@ class _LobeFit:
             self.around,
             self.neighbours,
         )
-        shape = (plan.layout.height, plan.layout.width, n, n)
-        buckets = (_placed(part.reshape(len(plan.texel), -1), plan) for part in (ends, gain, rest))
-        return Lobe(axis, *(part.reshape(*shape, -1) for part in buckets)), cut
+        buckets = (part.reshape(len(plan.texel), n, n, -1) for part in (ends, gain, rest))
+        return Lobe(axis, *(plan.placed(part, gutter=True) for part in buckets)), cut
 
     def _traced(self, axis: Axis) -> tuple[LobePaths, Floats]:
         """The paths of a lobe, those too that end nowhere, and how much they let through (P, 3)."""
@@ -154,10 +151,9 @@ def _axes(plan: CapturePlan, square: Floats, axis: Axis) -> Floats:
 
 
 def _parallax(plan: CapturePlan, surroundings: SurroundingsSamples, cells: int) -> Floats:
-    places = plan.position.reshape(-1, 3)[: len(plan.texel)]
-    size = float(np.linalg.norm(places.max(axis=0) - places.min(axis=0)))
+    size = float(np.linalg.norm(plan.points.max(axis=0) - plan.points.min(axis=0)))
     nearness = nearness_map(surroundings, FAR * max(size, 1e-6))
-    return parallax(nearness, surroundings.middle, places, cells)
+    return parallax(nearness, surroundings.middle, plan.points, cells)
 
 
 def fit_diffuse(samples: LightSamples, facing: Floats, used: Ints, owner: Ints) -> tuple[Floats, Floats]:
@@ -189,15 +185,3 @@ def _divide_out(diffuse: Floats, samples: LightSamples, facing: Floats, falloff:
     colour = samples.colour / np.maximum(in_the_mean, 1e-6)
     divided: Floats = np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
     return divided
-
-
-def _placed(values: Floats, plan: CapturePlan) -> Floats:
-    """Values of the plan's texels (K, ...) in the atlas (H*W, -1) float32, its gutter filled."""
-    layout = plan.layout
-    flat = np.zeros((layout.height * layout.width, values[0].size), dtype=np.float32)
-    flat[plan.texel] = values.reshape(len(values), -1)
-    covered = np.zeros(len(flat), dtype=bool)
-    covered[plan.texel] = True
-    image = flat.reshape(layout.height, layout.width, -1)
-    dilate(image, nearest_covered(covered.reshape(image.shape[:2])))
-    return flat

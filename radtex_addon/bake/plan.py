@@ -10,13 +10,17 @@ bits do not depend on where the image is cut: tile heights may follow memory and
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from ..core.arrays import Floats, Ints
+from ..core.arrays import Bools, Floats, Ints
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.frame import orthonormal_frame
+from ..core.gutter import Nearest, dilate, nearest_covered
 from ..core.texel_map import TexelMap
 
 MIN_IMAGE_SIDE = 4  # Blender renders no smaller picture, in pixels
@@ -54,6 +58,31 @@ class CapturePlan:
     @property
     def columns(self) -> int:
         return int(self.position.shape[1])
+
+    @property
+    def points(self) -> Floats:
+        """The texels' positions, without the padding: (K, 3)."""
+        return self.position.reshape(-1, 3)[: len(self.texel)]
+
+    @cached_property
+    def covered(self) -> Bools:
+        """Where the plan's texels lie: (H, W)."""
+        return self.placed(np.ones(len(self.texel), dtype=bool))
+
+    @cached_property
+    def _nearest(self) -> Nearest:
+        return nearest_covered(self.covered)
+
+    def placed(self, values: npt.NDArray[Any], gutter: bool = False) -> npt.NDArray[Any]:
+        """The texels' values (K, ...) where the texels lie: (H, W, ...) of the same dtype.
+
+        Elsewhere 0, or with `gutter` what the nearest texel has.
+        """
+        height, width = self.layout.height, self.layout.width
+        flat = np.zeros((height * width, *values.shape[1:]), dtype=values.dtype)
+        flat[self.texel] = values
+        image = flat.reshape(height, width, *values.shape[1:])
+        return dilate(image, self._nearest) if gutter else image
 
     def texels_of(self, tile: Tile) -> Ints:
         """Flat indices of the tile's texels: (k,), without the padding of the last row."""

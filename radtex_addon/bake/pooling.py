@@ -80,7 +80,7 @@ class Neighbours:
         if step in self._found:
             return self._found[step]
         layout, count = self.plan.layout, len(self.plan.texel)
-        place = self.plan.position.reshape(-1, 3)[:count]
+        place = self.plan.points
         reach = len(_KERNEL) // 2 * step
         number = np.full((layout.height + 2 * reach, layout.width + 2 * reach), -1, dtype=np.int32)
         j, i = self.plan.texel // layout.width + reach, self.plan.texel % layout.width + reach

@@ -47,9 +47,8 @@ def fill_atlas(
         height = max(1, min(most, 4 * height, int(tile.rows * SECONDS_PER_TILE / max(seconds, 1e-3))))
     yield Progress(Stage.FILL, 0, 1)
     buckets = flat.reshape(layout.height, layout.width, n, n, 4)
-    covered = np.zeros(layout.height * layout.width, dtype=bool)
-    covered[plan.texel] = True
-    yield from fill_missing(buckets, covered.reshape(buckets.shape[:2]), _placed(hidden, plan))
+    marks = plan.placed(hidden) if hidden is not None and hidden.any() else None
+    yield from fill_missing(buckets, plan.covered, marks)
     yield Progress(Stage.FILL, 1, 1)
     return layout.from_buckets(buckets)
 
@@ -63,13 +62,3 @@ def _checked(cells: Floats, shape: tuple[int, ...]) -> Floats:
             f"Cycles returned {wrong} values that are not numbers: look for a material that divides by 0"
         )
     return cells
-
-
-def _placed(hidden: Bools | None, plan: CapturePlan) -> Bools | None:
-    """Marks of the plan's texels (K, n, n) where the texels lie: (H, W, n, n)."""
-    if hidden is None or not hidden.any():
-        return None
-    layout, n = plan.layout, plan.layout.bucket
-    placed = np.zeros((layout.height * layout.width, n, n), dtype=bool)
-    placed[plan.texel] = hidden
-    return placed.reshape(layout.height, layout.width, n, n)

@@ -27,7 +27,6 @@ from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.spec import Kind
 from ..core.arrays import Bools, Floats
-from ..core.gutter import dilate, nearest_covered
 from .path_ends import TURNS, PathEnds, any_dark, from_directions
 from .portal import Aim, PortalCapture
 from .settings import first_hit_only
@@ -125,7 +124,7 @@ def capture_surroundings(
     met = coded.sum(axis=1) > _ITSELF
     direction = coded[met] * 2 - 1
     away = mirrored(plan, aim.square(plan.layout.bucket)).reshape(-1, 3)[met]
-    start = np.repeat(plan.position.reshape(-1, 3)[:count], plan.layout.bucket**2, axis=0)[met]
+    start = np.repeat(plan.points, plan.layout.bucket**2, axis=0)[met]
     return SurroundingsSamples(
         middle, direction, np.concatenate(light)[met], 1 / distance_along(direction, start - middle, away)
     )
@@ -133,18 +132,11 @@ def capture_surroundings(
 
 def capture_colour(scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder: Path) -> Floats:
     """The diffuse colour along the normal, for a plan of one cell a bucket: (H, W, 3), gutter filled."""
-    layout = plan.layout
     aim = Aim(_straight(len(plan.texel)), _DIFFUSE)
     capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
     first_hit_only(scene)
-    flat = np.zeros((layout.height * layout.width, 3), dtype=np.float32)
-    for tile in _tiles(plan):
-        flat[plan.texels_of(tile)] = _pass(capture.render_passes(tile), "diffuse", "colour").reshape(-1, 3)
-    covered = np.zeros(len(flat), dtype=bool)
-    covered[plan.texel] = True
-    image = flat.reshape(layout.height, layout.width, 3)
-    dilate(image, nearest_covered(covered.reshape(image.shape[:2])))
-    return image
+    tiles = (_pass(capture.render_passes(tile), "diffuse", "colour") for tile in _tiles(plan))
+    return plan.placed(np.concatenate([tile.reshape(-1, 3) for tile in tiles]), gutter=True)
 
 
 def _straight(count: int) -> Floats:

@@ -101,7 +101,7 @@ def capture_shared(
 
 def _reach(plan: CapturePlan) -> tuple[Floats, float]:
     """The middle of the plan's points, (3,) float32, and a radius around it beyond all of them."""
-    places = plan.position.reshape(-1, 3)[: len(plan.texel)]
+    places = plan.points
     middle: Floats = ((places.min(axis=0) + places.max(axis=0)) / 2).astype(np.float32)
     return middle, _OUTSIDE * max(float(np.linalg.norm(places - middle, axis=1).max()), 1e-6)
 

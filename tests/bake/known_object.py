@@ -204,7 +204,7 @@ class Known:
     def _places(self) -> tuple[Floats, Floats]:
         """Texels' uv (K, 1, 2) and positions (K, 1, 3)."""
         uv = centres().reshape(-1, 1, 2)[self.plan.texel]
-        return uv, self.plan.position.reshape(-1, 1, 3)[: len(self.plan.texel)]
+        return uv, self.plan.points[:, None]
 
     def _axes(self, square: Floats) -> tuple[tuple[Shine, Floats], tuple[Shine, Floats]]:
         return (

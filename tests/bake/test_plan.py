@@ -103,6 +103,27 @@ def test_texels_that_nobody_sees_are_left_out() -> None:
     np.testing.assert_array_equal(flat(plan, "position"), texels.position.reshape(-1, 3)[seen])
 
 
+def test_values_lie_where_their_texels_lie() -> None:
+    covered = some_covered()
+    texels = texel_map(covered)
+    plan = plan_capture(texels, 4)
+    np.testing.assert_array_equal(plan.covered, covered)
+    np.testing.assert_array_equal(plan.points, texels.position[covered])
+    placed = plan.placed(plan.points)
+    assert placed.dtype == np.float32
+    np.testing.assert_array_equal(placed, texels.position)
+
+
+def test_a_gutters_texel_has_what_the_nearest_one_has() -> None:
+    covered = np.zeros((3, 5), dtype=bool)
+    covered[1, 0] = covered[1, 4] = True
+    plan = plan_capture(texel_map(covered), 4)
+    marks = np.array([[True, False], [False, True]])
+    placed = plan.placed(marks, gutter=True)
+    assert placed.dtype == bool
+    np.testing.assert_array_equal(placed, np.repeat(marks[[0, 0, 0, 1, 1]][None], 3, axis=0))
+
+
 def test_a_layer_that_covers_nothing_is_refused() -> None:
     with pytest.raises(InputError, match="covers no texel"):
         plan_capture(texel_map(np.zeros((4, 4), dtype=bool)), 4)
