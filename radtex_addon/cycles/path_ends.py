@@ -22,7 +22,7 @@ from ..core.arrays import Floats
 from ..scene.copy import copy_object
 from ..scene.light import put_out
 from ..scene.nodes import NodeBuilder, close_group, open_group, open_material, open_world
-from ..scene.others import RAYS, Placed, Shape, read_beside
+from ..scene.others import RAYS, Beside, Placed, Shape
 
 TURNS = 3  # of red, green and blue among a direction's components
 _DARK = 1e-4  # of a weight's brightest channel: nothing can be read in one that is darker
@@ -90,14 +90,13 @@ def _share(light: Floats, white: Floats) -> Floats:
 
 @contextmanager
 def path_ends(
-    scratch: bpy.types.Scene, baked: bpy.types.Object, mesh: bpy.types.Mesh, middle: Floats
+    scratch: bpy.types.Scene, baked: bpy.types.Object, mesh: bpy.types.Mesh, beside: Beside, middle: Floats
 ) -> Iterator[PathEnds]:
     """Build the scene from `scratch`, a scratch scene: a copy of `baked` that shows `mesh`, and all else.
 
-    `middle` (3,) is the point that directions are seen from. What is made is removed with the scratch scene's
-    other data. Raises BakeError where Blender does not render.
+    `beside` is what `scratch` shows beside `baked`; `middle` (3,) is the point that directions are seen from.
+    What is made is removed with the scratch scene's other data.
     """
-    beside = read_beside(scratch, baked)
     group = _light_group()
     scene = cast(bpy.types.Scene, scratch.copy())
     try:

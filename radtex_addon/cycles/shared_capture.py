@@ -20,6 +20,7 @@ from ..bake.progress import Progress, Stage, relayed
 from ..bake.rays import Rays
 from ..core.arrays import Floats
 from ..core.texel_map import TexelMap
+from ..scene.others import read_beside
 from ..scene.scratch import new_data_removed
 from .hidden import PROBES, find_hidden
 from .path_ends import path_ends
@@ -74,7 +75,8 @@ def capture_shared(
     total = count * rays.of_texel + all_around + len(fine.texel)
     middle, radius = _reach(lit)
     yield Progress(Stage.CAPTURE, 0, total)
-    with _copied(scratch) as scene, path_ends(scene, baked, mesh, middle) as ends:
+    beside = read_beside(scratch, baked)
+    with _copied(scratch) as scene, path_ends(scene, baked, mesh, beside, middle) as ends:
         found = capture_ends(ends, plan(rays.ends), seed, folder)
         done = 2 * count * rays.ends**2
         yield Progress(Stage.CAPTURE, done, total)
@@ -82,7 +84,7 @@ def capture_shared(
     done += 2 * count * rays.around**2
     yield Progress(Stage.CAPTURE, done, total)
     around = panorama_plan(near, middle, radius, rays.size, rays.panorama)
-    with _copied(scratch) as scene, path_ends(scene, baked, mesh, middle) as ends:
+    with _copied(scratch) as scene, path_ends(scene, baked, mesh, beside, middle) as ends:
         far = capture_surroundings(scene, ends, around, middle, seed, folder)
     done += all_around
 

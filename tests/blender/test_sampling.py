@@ -19,13 +19,14 @@ from radtex_addon.bake.progress import Progress
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised
-from radtex_addon.cycles.path_ends import path_ends
+from radtex_addon.cycles.path_ends import PathEnds, path_ends
 from radtex_addon.cycles.sampling import (
     capture_colour,
     capture_ends,
     capture_samples,
     capture_surroundings,
 )
+from radtex_addon.scene.others import read_beside
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
 
@@ -83,15 +84,23 @@ def nothing_hidden(plan: CapturePlan) -> Any:
     return np.zeros((len(plan.texel), 4, 4), dtype=bool)
 
 
+@contextmanager
+def ends_in_scratch(baked: Any, middle: tuple[float, ...]) -> Iterator[tuple[bpy.types.Scene, PathEnds]]:
+    with scratch() as scene:
+        beside = read_beside(scene, baked)
+        with path_ends(scene, baked, baked.data, beside, np.array(middle)) as ends:
+            yield scene, ends
+
+
 def ends_of(baked: Any, folder: Path, plan: CapturePlan, middle: tuple[float, ...] = (0, 0, 0)) -> EndSamples:
-    with scratch() as scene, path_ends(scene, baked, baked.data, np.array(middle)) as ends:
+    with ends_in_scratch(baked, middle) as (_, ends):
         return capture_ends(ends, plan, 3, folder)
 
 
 def surroundings_of(
     baked: Any, folder: Path, plan: CapturePlan, middle: tuple[float, ...] = (0, 0, 0)
 ) -> SurroundingsSamples:
-    with scratch() as scene, path_ends(scene, baked, baked.data, np.array(middle)) as ends:
+    with ends_in_scratch(baked, middle) as (scene, ends):
         return capture_surroundings(scene, ends, plan, np.array(middle), 3, folder)
 
 
