@@ -105,10 +105,10 @@ class _LobeFit:
         ends = fit_ends(paths.only(told), self.neighbours, n, start)
         gain = fit_gain(paths, white, self.neighbours, n)
         away = _axes(plan, self.light.square, axis).reshape(-1, 3)[self.used]
-        samples = LobePaths(away, away, self.owner, np.ones(len(away), np.float32))
         light = _lobe_light(self.light, axis).reshape(-1, 3)[self.used].astype(np.float32)
         gain, rest, cut = fit_gloss(
-            samples,
+            away,
+            self.owner,
             np.maximum(light, 0),
             ends,
             gain,

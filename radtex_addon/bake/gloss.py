@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.arrays import Floats
+from ..core.arrays import Floats, Ints
 from .ends import LobePaths
 from .pooling import Neighbours, Taps, upsampled
 from .surroundings import Surroundings
@@ -51,7 +51,8 @@ def weight_of_ending(white: Floats) -> Floats:
 
 
 def fit_gloss(
-    paths: LobePaths,
+    axis: Floats,
+    owner: Ints,
     light: Floats,
     ends: Floats,
     gain: Floats,
@@ -61,8 +62,9 @@ def fit_gloss(
 ) -> tuple[Floats, Floats, float]:
     """Gain and rest of each cell, (K*n*n, 3) both, and the light cut off as fireflies, a sum over samples.
 
-    `paths` are the samples of `light` (P, 3), their ends unused; `ends` as of `fit_ends`, `gain` as of
-    `fit_gain`, `single` (3,) as of `weight_of_ending`: glass mirrors one path in twenty, but that one wholly.
+    `light` (P, 3) are samples along `axis` (P, 3) of the texels `owner` (P,); `ends` as of `fit_ends`, `gain`
+    as of `fit_gain`, `single` (3,) as of `weight_of_ending`: glass mirrors one path in twenty, but that one
+    wholly.
     """
     texels = len(neighbours.plan.texel)
     n = round((len(ends) / texels) ** 0.5)
@@ -70,9 +72,9 @@ def fit_gloss(
     if not len(light):
         return gain, rest, 0.0
     stages = [(cells, wide) for cells, wide in _STAGES if cells < n] + [(n, False)] * _FINEST_ROUNDS
-    taps = {cells: Taps.of(paths.axis, paths.owner, texels, cells) for cells in {*dict(stages), n}}
+    taps = {cells: Taps.of(axis, owner, texels, cells) for cells in {*dict(stages), n}}
     there = taps[n].gather(ends)
-    met = around.look(paths.axis + there[:, :3], there[:, 3])
+    met = around.look(axis + there[:, :3], there[:, 3])
     level = max(float((light @ LUMINANCE).mean()), 1e-6)
     single_met, weight = single * met, np.ones(len(light), dtype=np.float32)
     for cells, wide in stages:
