@@ -92,11 +92,6 @@ def cellar(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return saved(tmp_path_factory.mktemp("cellar") / "cellar.blend")
 
 
-@pytest.fixture
-def out(tmp_path: Path) -> Path:
-    return tmp_path / "out"
-
-
 Batch = Callable[..., Outcome]
 
 

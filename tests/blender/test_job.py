@@ -7,8 +7,6 @@ from __future__ import annotations
 import json
 import logging
 import shutil
-import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, cast
 
@@ -31,32 +29,15 @@ from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import BakeResult, bake_object, bake_steps, buckets, check_request, prepare, run
 from radtex_addon.version import VERSION
 from tests.blender import stage
+from tests.blender.conftest import PlannedError
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene
 
+pytestmark = pytest.mark.usefixtures("temporary")
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 TINY = BakeSpec(texels=8, bucket=2, samples=1)
 WHITE = (0.8, 0.8, 0.8, 1)
-
-
-class PlannedError(Exception):
-    pass
-
-
-@pytest.fixture(autouse=True)
-def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """Where temporary files go: empty after every bake, however it ends."""
-    folder = tmp_path / "temporary"
-    folder.mkdir()
-    monkeypatch.setattr(tempfile, "tempdir", str(folder))
-    yield folder
-    assert list(folder.iterdir()) == []
-
-
-@pytest.fixture
-def out(tmp_path: Path) -> Path:
-    return tmp_path / "out"
 
 
 def card(name: str = "Card", colour: tuple[float, ...] = WHITE, at: tuple[float, ...] = (0, 0, 0)) -> Any:

@@ -5,8 +5,6 @@
 from __future__ import annotations
 
 import logging
-import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -29,32 +27,15 @@ from radtex_addon.formats.shared_files import layer_path, read_shared
 from radtex_addon.job import BakeResult, bake_object, bake_steps, check_request, shared
 from radtex_addon.preview.node_group import MAX_PIXELS
 from tests.blender import stage
+from tests.blender.conftest import PlannedError
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene
 
+pytestmark = pytest.mark.usefixtures("temporary")
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 TINY = BakeSpec(layout=Layout.SHARED, texels=8, bucket=4, samples=1)
 TINT = (0.8, 0.4, 0.2)
-
-
-class PlannedError(Exception):
-    pass
-
-
-@pytest.fixture(autouse=True)
-def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """Where temporary files go: empty after every bake, however it ends."""
-    folder = tmp_path / "temporary"
-    folder.mkdir()
-    monkeypatch.setattr(tempfile, "tempdir", str(folder))
-    yield folder
-    assert list(folder.iterdir()) == []
-
-
-@pytest.fixture
-def out(tmp_path: Path) -> Path:
-    return tmp_path / "out"
 
 
 def card(shader: str = "ShaderNodeBsdfDiffuse", name: str = "Card", **inputs: object) -> Any:

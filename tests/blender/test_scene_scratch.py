@@ -18,14 +18,11 @@ from radtex_addon.scene.evaluated import evaluate
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.unwrap import unwrap_blender, unwrap_xatlas
 from tests.blender import stage
+from tests.blender.conftest import PlannedError
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
-
-
-class PlannedError(Exception):
-    pass
 
 
 def work_through(scratch: Any, head: Any, folder: Path) -> None:
