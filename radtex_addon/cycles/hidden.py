@@ -21,6 +21,7 @@ from ..bake.progress import Progress, Stage
 from ..bake.spec import Kind
 from ..core.arrays import Bools, Floats
 from ..scene.nodes import open_material, open_world
+from ..scene.scratch import remove_scene
 from .portal import PortalCapture
 
 PROBES = 2  # rays per cell; a cell is hidden if all of them are
@@ -49,7 +50,7 @@ def find_hidden(
         scene.collection.objects.link(item)
         hidden = yield from _back_faces(scene, plan, folder)
     finally:
-        bpy.data.scenes.remove(scene)
+        remove_scene(scene)
         bpy.data.worlds.remove(world)
         bpy.data.meshes.remove(copy)
     return np.zeros_like(hidden) if hidden.all() else hidden

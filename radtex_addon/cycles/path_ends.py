@@ -23,6 +23,7 @@ from ..scene.copy import copy_object
 from ..scene.light import put_out
 from ..scene.nodes import NodeBuilder, close_group, open_group, open_material, open_world
 from ..scene.others import RAYS, Beside, Placed, Shape
+from ..scene.scratch import remove_scene
 
 TURNS = 3  # of red, green and blue among a direction's components
 _DARK = 1e-4  # of a weight's brightest channel: nothing can be read in one that is darker
@@ -113,7 +114,7 @@ def path_ends(
         _link_others(scene, anchor, beside.others, _glow(group, middle))
         yield PathEnds(scene, copy, group)
     finally:
-        bpy.data.scenes.remove(scene)
+        remove_scene(scene)
 
 
 def _stand_in(baked: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:

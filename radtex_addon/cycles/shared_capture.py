@@ -21,7 +21,7 @@ from ..bake.rays import Rays
 from ..core.arrays import Floats
 from ..core.texel_map import TexelMap
 from ..scene.others import read_beside
-from ..scene.scratch import new_data_removed
+from ..scene.scratch import new_data_removed, remove_scene
 from .hidden import PROBES, find_hidden
 from .path_ends import path_ends
 from .sampling import capture_colour, capture_ends, capture_samples, capture_surroundings
@@ -116,4 +116,4 @@ def _copied(scene: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
         try:
             yield copy
         finally:
-            bpy.data.scenes.remove(copy)
+            remove_scene(copy)

@@ -56,7 +56,17 @@ def scratch_scene(
             _calm(scratch, layer)
             yield scratch
         finally:
-            bpy.data.scenes.remove(scratch)
+            remove_scene(scratch)
+
+
+def remove_scene(scene: bpy.types.Scene) -> None:
+    """Remove a scene of ours, and what its renders have kept.
+
+    Blender itself leaves a render's persistent data, and tags the scene in its dependency graph whenever
+    something is linked, remapped or removed: it writes to memory that is no longer the scene's, or crashes.
+    """
+    scene.render.use_persistent_data = False  # frees them
+    bpy.data.scenes.remove(scene)
 
 
 @contextmanager

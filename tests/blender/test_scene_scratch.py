@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -111,6 +112,32 @@ def test_what_is_kept_stays_with_all_that_it_uses() -> None:
     assert [item.name for item in bpy.data.materials] == ["preview"]
     assert [item.name for item in bpy.data.images] == ["atlas"]
     assert len(bpy.data.scenes) == 1
+
+
+def test_nothing_of_a_render_outlives_its_scene() -> None:
+    """Not even persistent data: Blender would write to the scene that is gone, and crash."""
+    kept: list[weakref.ref[object]] = []
+
+    class Engine(bpy.types.RenderEngine):
+        bl_idname = "RADTEX_TEST"
+        bl_label = "RadTex test"
+
+        def render(self, _: Any) -> None:  # type: ignore[override]  # the stubs' own render is another
+            kept.append(weakref.ref(self))
+
+    bpy.ops.object.camera_add()
+    context.scene.camera = context.object
+    bpy.utils.register_class(Engine)
+    try:
+        with scratch_scene(context.scene) as scratch:
+            render: Any = scratch.render
+            render.engine, render.use_persistent_data = "RADTEX_TEST", True
+            render.resolution_x = render.resolution_y = 4
+            bpy.ops.render.render(scene=scratch.name)
+            assert kept[0]() is not None
+        assert kept[0]() is None
+    finally:
+        bpy.utils.unregister_class(Engine)
 
 
 def test_handlers_sleep_and_wake_in_order() -> None:
