@@ -21,19 +21,16 @@ from typing import Any, cast
 
 import bpy
 import numpy as np
-import numpy.typing as npt
 from mathutils import Vector
 from PIL import Image
-from scipy.ndimage import binary_erosion
 
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.exr import read_render
 from radtex_addon.job import BakeResult, bake_object
+from radtex_addon.report.gbuffer import eroded
+from radtex_addon.report.metrics import Mask, Picture, display, psnr
 from radtex_addon.scene.demo import OBJECT, add_camera, build_demo_scene
-
-Picture = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 
 VIEWS = ((0.0, -4.0, 0.6), (2.0, -3.2, 1.0), (-2.6, -2.6, 0.2))
 EEVEE = "BLENDER_EEVEE" if bpy.app.version >= (5, 0) else "BLENDER_EEVEE_NEXT"
@@ -59,7 +56,7 @@ def main() -> None:
         folder = Path(temporary)
         scene = build()
         references, seen = _references(scene, options.pixels, options.reference_samples, folder)
-        masks = [binary_erosion(mask) for mask in seen]
+        masks = [eroded(mask) for mask in seen]
         shown: dict[str, list[Picture]] = {}
         results: list[BakeResult] = []
         for kind in Filter:
@@ -92,17 +89,7 @@ def _print_table(shown: dict[str, list[Picture]], references: list[Picture], mas
 
 
 def _decibels(pictures: list[Picture], references: list[Picture], masks: list[Mask]) -> list[float]:
-    found = []
-    for picture, reference, mask in zip(pictures, references, masks, strict=True):
-        error = (_display(picture) - _display(reference))[mask]
-        squared = float(np.mean(error**2))
-        found.append(-10 * np.log10(squared) if squared else np.inf)
-    return found
-
-
-def _display(picture: Picture) -> Picture:
-    shown: Picture = np.clip(picture, 0, 1) ** (1 / 2.2)
-    return shown
+    return [psnr(*trio) for trio in zip(pictures, references, masks, strict=True)]
 
 
 def _scene(text: str) -> tuple[str, Callable[[], bpy.types.Scene]]:
@@ -237,9 +224,9 @@ def _save_figures(
     folder.mkdir(parents=True, exist_ok=True)
     for index, (reference, mask) in enumerate(zip(references, seen, strict=True)):
         labels = [f"{engine}, {Filter.QUADRILINEAR}" for engine in ("Cycles", "Eevee")]
-        previews = [_display(shown[label][index]) for label in labels if label in shown]
-        error = np.clip(4 * np.abs(previews[0] - _display(reference)), 0, 1)
-        around = _display(reference)
+        previews = [display(shown[label][index]) for label in labels if label in shown]
+        error = np.clip(4 * np.abs(previews[0] - display(reference)), 0, 1)
+        around = display(reference)
         pictures = [*(np.where(mask[..., None], picture, around) for picture in previews), around]
         strip = np.concatenate([*pictures, error * mask[..., None]], axis=1)
         image = Image.fromarray((strip * 255 + 0.5).astype(np.uint8))

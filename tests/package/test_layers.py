@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Imports point one way: core <- formats <- bake <- scene <- cycles <- preview, export <- job <- ui, cli."""
+"""Imports point one way.
+
+core <- formats <- bake <- scene <- cycles <- preview, export <- job <- report <- ui, cli.
+"""
 
 from __future__ import annotations
 
@@ -23,6 +26,7 @@ ORDER = [
     {"cycles"},
     {"preview", "export"},
     {"job"},
+    {"report"},
     {"ui", "cli"},
 ]
 RANK = {layer: rank for rank, row in enumerate(ORDER) for layer in row}
@@ -34,10 +38,18 @@ ALLOWED: dict[str, set[str]] = {
     "formats": {"numpy", "OpenEXR"},
     "bake": {"numpy"},
     "scene": {"numpy"} | BLENDER,
-} | dict.fromkeys(("cycles", "preview", "export", "job", "ui", "cli"), {"numpy"} | BLENDER)
+} | dict.fromkeys(("cycles", "preview", "export", "job", "report", "ui", "cli"), {"numpy"} | BLENDER)
 
 # A script that runs in a process without Blender and without the rest of the package.
 WORKER = ("scene", "xatlas_worker")
+
+# The one module that judges pictures.
+METRICS = ("report", "metrics")
+
+BY_MODULE: dict[tuple[str, ...], set[str]] = {
+    WORKER: {"numpy", "xatlas"},
+    METRICS: {"numpy", "flip_evaluator"},
+}
 
 # As in ("core", "atlas") for core/atlas.py.
 MODULES = [
@@ -68,8 +80,7 @@ def trespasses(module: tuple[str, ...], source: str) -> list[str]:
 
     def may(top: str, *rest: str) -> bool:
         if top:
-            allowed = {"numpy", "xatlas"} if module == WORKER else ALLOWED[layer]
-            return top in allowed | sys.stdlib_module_names
+            return top in BY_MODULE.get(module, ALLOWED[layer]) | sys.stdlib_module_names
         if module == WORKER:
             return False
         return rest[0] == layer or (rest[0] in RANK and RANK[rest[0]] < RANK[layer])
@@ -107,6 +118,12 @@ def test_only_the_worker_imports_xatlas_and_it_imports_nothing_of_ours() -> None
     assert trespasses(WORKER, "import bpy")
     assert trespasses(WORKER, "from ..core.errors import InputError")
     assert trespasses(("scene", "packing"), "import xatlas")
+
+
+def test_only_the_metrics_import_flip() -> None:
+    assert not trespasses(METRICS, "import numpy, flip_evaluator")
+    assert trespasses(METRICS, "import bpy")
+    assert trespasses(("report", "page"), "import flip_evaluator")
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,8 @@ from typing import Protocol
 import bpy
 import numpy.typing as npt
 
-from .references import Array, GBuffer
+from radtex_addon.report.gbuffer import Array, GBuffer
+
 from .scenes import Stage
 
 

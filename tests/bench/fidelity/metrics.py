@@ -1,69 +1,26 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a picture is from its reference, inside a mask.
-
-Pictures are (H, W, 3) float64 in linear light, masks (H, W). PSNR and FLIP judge what a display shows; HDR
-FLIP judges all exposures.
-"""
+"""What `bake.py report` measures, and HDR FLIP, which judges all exposures."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import cast
+from dataclasses import asdict, dataclass
 
-import flip_evaluator  # type: ignore[import-untyped]
 import numpy as np
-import numpy.typing as npt
 
-Picture = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
-
-CAP = 99.0  # decibels, for pictures that are alike
+from radtex_addon.report import metrics
+from radtex_addon.report.metrics import Mask, Picture, flip_map
 
 
 @dataclass(frozen=True)
-class Figures:
-    """One picture's: decibels inside the eroded and the whole mask, the rest inside the eroded one.
+class Figures(metrics.Figures):
+    """One picture's; `hdr_flip` too is inside the eroded mask."""
 
-    `energy` is the mean radiance over the reference's.
-    """
-
-    psnr: float
-    psnr_uneroded: float
-    flip: float
     hdr_flip: float
-    energy: float
 
 
 def compare(picture: Picture, reference: Picture, inside: Mask, eroded: Mask) -> Figures:
     """Measure a picture; outside `inside` it may hold anything."""
     shown = np.where(inside[..., None], picture, reference)
-    return Figures(
-        psnr=psnr(shown, reference, eroded),
-        psnr_uneroded=psnr(shown, reference, inside),
-        flip=float(flip_map(shown, reference)[eroded].mean()),
-        hdr_flip=float(flip_map(shown, reference, hdr=True)[eroded].mean()),
-        energy=float(shown[eroded].mean() / reference[eroded].mean()),
-    )
-
-
-def display(picture: Picture) -> Picture:
-    """What a display shows: clipped to 0..1, by a gamma of 2.2."""
-    shown: Picture = np.clip(picture, 0, 1) ** (1 / 2.2)
-    return shown
-
-
-def psnr(picture: Picture, reference: Picture, mask: Mask) -> float:
-    """Decibels of display values inside the mask, at most CAP."""
-    squared = float(np.mean((display(picture) - display(reference))[mask] ** 2))
-    return min(CAP, -10 * float(np.log10(max(squared, 1e-12))))
-
-
-def flip_map(picture: Picture, reference: Picture, hdr: bool = False) -> npt.NDArray[np.float32]:
-    """FLIP's error at each pixel, (H, W) in 0..1, seen at 67 pixels a degree."""
-    prepared = [
-        np.ascontiguousarray(np.maximum(image, 0) if hdr else display(image), dtype=np.float32)
-        for image in (reference, picture)
-    ]
-    error = flip_evaluator.evaluate(*prepared, "HDR" if hdr else "LDR", applyMagma=False)[0]
-    return cast("npt.NDArray[np.float32]", np.asarray(error, dtype=np.float32).reshape(picture.shape[:2]))
+    hdr_flip = float(flip_map(shown, reference, hdr=True)[eroded].mean())
+    return Figures(**asdict(metrics.compare(picture, reference, inside, eroded)), hdr_flip=hdr_flip)

@@ -11,7 +11,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
-from .metrics import Figures, Mask, Picture, display
+from radtex_addon.report.metrics import Mask, Picture, display
+
+from .metrics import Figures
 from .references import View
 from .scenes import PIXELS
 

@@ -16,9 +16,9 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.exr import read_atlas
 from radtex_addon.job import bake_object
+from radtex_addon.report.gbuffer import Array, GBuffer
 
 from ..method import Baked
-from ..references import Array, GBuffer
 from ..scenes import Stage
 
 _HALF = 2  # bytes of a channel

@@ -20,11 +20,11 @@ from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.job.files import OutputFiles
 from radtex_addon.job.prepare import prepare
 from radtex_addon.job.shared import bake_shared
+from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 
 from ..method import Baked
-from ..references import Array, GBuffer
 from ..scenes import Stage as Scene
 
 _PIXEL = 8  # bytes, as a GPU holds it: four half floats, for no GPU has three
