@@ -5,6 +5,7 @@
 blender -b scene.blend -P bake.py -- --object NAME --out DIR
 python bake.py scene.blend --object NAME --out DIR
 python bake.py demo
+python bake.py report DIR --scene scene.blend
 """
 
 from __future__ import annotations

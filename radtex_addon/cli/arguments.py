@@ -8,7 +8,7 @@ import argparse
 from dataclasses import dataclass, fields
 from enum import StrEnum
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layout, Unwrap
 from ..core.errors import InputError
@@ -17,6 +17,7 @@ from ..cycles.device import GPU_TYPES
 from ..version import VERSION
 
 DEMO = "demo"
+REPORT = "report"
 _DEFAULT = BakeSpec()
 
 _DESCRIPTION = """\
@@ -32,6 +33,7 @@ examples:
   python bake.py room.blend --object Vase --out baked --save-preview
   blender -b room.blend -P bake.py -- --object Vase --object Lamp --samples 64
   python bake.py demo
+  python bake.py report radtex --scene demo
 
 exit codes:
   0  done
@@ -63,7 +65,7 @@ class Request:
     verbose: bool
 
 
-class _Parser(argparse.ArgumentParser):
+class Parser(argparse.ArgumentParser):
     """Says what is wrong in one line, as every other error."""
 
     def error(self, message: str) -> NoReturn:
@@ -99,12 +101,13 @@ def parse(arguments: list[str], inside_blender: bool) -> Request:
     )
 
 
-def _parser(inside_blender: bool) -> _Parser:
+def _parser(inside_blender: bool) -> Parser:
     program = "blender -b SCENE -P bake.py --" if inside_blender else "bake.py"
     scene = "" if inside_blender else "SCENE "
-    parser = _Parser(
+    parser = Parser(
         prog=program,
-        usage=f"{program} {scene}--object NAME [options]\n       {program} {DEMO} [options]",
+        usage=f"{program} {scene}--object NAME [options]\n       {program} {DEMO} [options]\n       "
+        f"{program} {REPORT} DIR [options]",
         description=_DESCRIPTION,
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -115,7 +118,7 @@ def _parser(inside_blender: bool) -> _Parser:
     _add_quality(parser.add_argument_group("quality"))
     _add_how(parser.add_argument_group("how"))
     _add_output(parser.add_argument_group("output"))
-    _add_help(parser.add_argument_group("help"))
+    add_help(parser.add_argument_group("help"))
     return parser
 
 
@@ -134,7 +137,7 @@ def _add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         metavar="NAME",
         help="the mesh object to bake; may be given several times",
     )
-    _choice(
+    add_choice(
         group,
         "--kind",
         Kind,
@@ -142,7 +145,7 @@ def _add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         "radiance: the object as a viewer sees it; incident: the light that arrives; "
         "reflection: the same, along the mirror direction",
     )
-    _choice(
+    add_choice(
         group,
         "--layout",
         Layout,
@@ -157,7 +160,7 @@ def _add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         default=_DEFAULT.uv_layer,
         help="bake on this UV layer of the object (default: unwrap a copy anew)",
     )
-    _choice(group, "--unwrap", Unwrap, _DEFAULT.unwrap, "who unwraps; blender is quicker on large meshes")
+    add_choice(group, "--unwrap", Unwrap, _DEFAULT.unwrap, "who unwraps; blender is quicker on large meshes")
     _number(group, "--padding", "padding", "N", "texels that the unwrap leaves free between islands")
 
 
@@ -182,7 +185,7 @@ def _add_quality(group: argparse._ArgumentGroup) -> None:
 
 
 def _add_how(group: argparse._ArgumentGroup) -> None:
-    _choice(
+    add_choice(
         group,
         "--capture",
         CaptureMethod,
@@ -191,13 +194,7 @@ def _add_how(group: argparse._ArgumentGroup) -> None:
         "not for radiance",
     )
     _number(group, "--seed", "seed", "N", "seed of the light paths; the same seed gives the same atlas")
-    group.add_argument(
-        "--device",
-        metavar="NAME",
-        default=_DEFAULT.device,
-        help="auto: as Blender's preferences say; cpu; gpu: any; or one of "
-        f"{', '.join(kind.lower() for kind in GPU_TYPES)} (default: %(default)s)",
-    )
+    add_device(group)
     _number(
         group,
         "--memory",
@@ -220,7 +217,7 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
         action="store_true",
         help="also write DIR/NAME.preview.blend: the scene with the baked object in it",
     )
-    _choice(
+    add_choice(
         group,
         "--filter",
         Filter,
@@ -230,14 +227,19 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--float", dest="half", action="store_false", help="store 32-bit floats (default: half floats)"
     )
-    _choice(
+    add_choice(
         group,
         "--compression",
         Compression,
         _DEFAULT.compression,
         "how the atlas is packed; dwaa is small and loses a little",
     )
-    _choice(
+    add_progress(group)
+
+
+def add_progress(group: argparse._ArgumentGroup) -> None:
+    """How a run says where it is."""
+    add_choice(
         group,
         "--progress",
         ProgressStyle,
@@ -248,16 +250,30 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--verbose", action="store_true", help="let Blender's own messages through")
 
 
-def _add_help(group: argparse._ArgumentGroup) -> None:
+def add_device(group: argparse._ArgumentGroup) -> None:
+    """Which device renders."""
+    group.add_argument(
+        "--device",
+        metavar="NAME",
+        default=_DEFAULT.device,
+        help="auto: as Blender's preferences say; cpu; gpu: any; or one of "
+        f"{', '.join(kind.lower() for kind in GPU_TYPES)} (default: %(default)s)",
+    )
+
+
+def add_help(group: argparse._ArgumentGroup) -> None:
+    """What every command says of itself."""
     group.add_argument("-h", "--help", action="help", help="show this text")
     group.add_argument(
         "--version", action="version", version=f"RadTex {VERSION}", help="show RadTex's version"
     )
 
 
-def _choice(
+def add_choice(
     group: argparse._ArgumentGroup, flag: str, options: type[StrEnum], default: StrEnum, text: str
 ) -> None:
+    """An option for one of a few words."""
+
     def chosen(word: str) -> StrEnum:
         try:
             return options(word)
@@ -273,8 +289,14 @@ def _number(
     group: argparse._ArgumentGroup, flag: str, field: str, metavar: str, text: str, default: str = ""
 ) -> None:
     """An option for a number; a field whose `default` wants words is left to the specification."""
-    known: Any = None if default else getattr(_DEFAULT, field)
-    told = default or known
+    known = None if default else getattr(_DEFAULT, field)
+    add_number(group, flag, field, metavar, f"{text} (default: {default or known})", known)
+
+
+def add_number(
+    group: argparse._ArgumentGroup, flag: str, field: str, metavar: str, text: str, known: int | None
+) -> None:
+    """An option for a whole number, which `known` is without it."""
 
     def number(word: str) -> int:
         try:
@@ -282,6 +304,4 @@ def _number(
         except ValueError:
             raise InputError(f"{flag} {word}: give a whole number") from None
 
-    group.add_argument(
-        flag, dest=field, type=number, metavar=metavar, default=known, help=f"{text} (default: {told})"
-    )
+    group.add_argument(flag, dest=field, type=number, metavar=metavar, default=known, help=text)

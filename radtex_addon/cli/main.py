@@ -10,33 +10,40 @@ import traceback
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import cast
 
 import bpy
 
 from ..bake.spec import Layout
-from ..core.errors import BakeError, Cancelled, InputError, RadTexError
+from ..core.errors import BakeError, Cancelled, RadTexError
 from ..formats.memory import readable_size
 from ..job import BakeResult, bake_steps, check_request
 from ..preview.picture import render_picture
-from ..scene.demo import OBJECT, build_demo_scene
-from .arguments import Request, parse
+from ..scene.demo import OBJECT
+from .arguments import REPORT, Request, parse
 from .interruption import INTERRUPTED, Interruption, interruptible
+from .opening import open_scene
+from .report import run_report
+from .report_arguments import ReportRequest, parse_report
 from .reporting import Report, reporting
-
-log = logging.getLogger(__name__)
 
 
 def main(arguments: list[str], inside_blender: bool) -> int:
     """Run the batch with `arguments`; returns the exit code. An error is one line on standard error."""
+    request: Request | ReportRequest
     try:
-        request = parse(arguments, inside_blender)
+        if arguments[:1] == [REPORT]:
+            request = parse_report(arguments[1:], inside_blender)
+        else:
+            request = parse(arguments, inside_blender)
     except RadTexError as error:
         return _complain(error)
     with reporting(request.progress, request.verbose) as report:
         try:
             with _warnings_to(report), interruptible() as interruption:
-                _run(request, report, interruption)
+                if isinstance(request, ReportRequest):
+                    run_report(request, report, interruption)
+                else:
+                    _run(request, report, interruption)
         except (Exception, KeyboardInterrupt) as raised:  # noqa: BLE001  # or Blender went on, and left with 0
             failure = _as_ours(raised)
             report.event("error", message=str(failure), exit_code=failure.exit_code)
@@ -90,7 +97,7 @@ class _Warnings(logging.Handler):
 
 
 def _run(request: Request, report: Report, interruption: Interruption) -> None:
-    scene = _scene(request)
+    scene = open_scene(request.scene, request.demo)
     objects = request.objects or (OBJECT,)
     for name in objects:  # all of them, before the first bake
         check_request(scene, name, request.spec, request.out, request.preview is not None, request.overwrite)
@@ -115,35 +122,6 @@ def _bake(
             except StopIteration as stop:
                 result: BakeResult = stop.value
                 return result
-
-
-def _scene(request: Request) -> bpy.types.Scene:
-    if request.demo:
-        return build_demo_scene()
-    if request.scene is not None:
-        _open(request.scene)
-    scene = bpy.context.scene
-    assert scene is not None  # there is one, but while Blender starts
-    return scene
-
-
-def _open(path: Path) -> None:
-    """Open a .blend; scripts inside it are never run."""
-    try:
-        if path.is_dir():
-            raise InputError(f"{path} is a folder: name a .blend file in it")
-        if not path.is_file():
-            raise InputError(f"there is no file {path}: check its name, and where it lies")
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}; name another") from error
-    try:
-        bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False, use_scripts=False)
-    except RuntimeError as error:
-        reason = " ".join(str(error).removeprefix("Error:").split())
-        raise InputError(f"{path} does not open as a .blend: {reason}; name another") from error
-    major, minor, _ = cast("tuple[int, int, int]", bpy.data.version)  # the stubs know no items of it
-    if (major, minor) > bpy.app.version[:2]:
-        log.warning("%s was saved by Blender %d.%d, newer than this: some of it is lost", path, major, minor)
 
 
 def _pictures(request: Request, result: BakeResult) -> list[Path]:

@@ -10,16 +10,18 @@ import shutil
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
+from enum import StrEnum
 from pathlib import Path
 from time import monotonic
 from typing import Protocol, TextIO
 
-from ..bake.progress import Progress, Stage
+from ..bake.progress import Stage
 from ..core.errors import Cancelled
+from ..report.progress import Task
 from .arguments import ProgressStyle
 
 _WIDTH = 28  # of the bar, in characters
-_SAYS = {
+_SAYS: dict[StrEnum, str] = {
     Stage.EVALUATE: "reading the mesh",
     Stage.UNWRAP: "unwrapping",
     Stage.RASTER: "placing texels",
@@ -29,13 +31,31 @@ _SAYS = {
     Stage.FIT: "fitting",
     Stage.WRITE: "writing",
     Stage.PREVIEW: "saving the preview",
+    Task.FIND_MESH: "finding its UV layer",
+    Task.FIND_VIEWS: "looking for views",
+    Task.REFERENCE: "path tracing",
+    Task.COMPARE: "comparing",
+    Task.PAGE: "writing the page",
 }
+
+
+class Reached(Protocol):
+    """Where a run is: `done` of `total` units of a stage."""
+
+    @property
+    def stage(self) -> StrEnum: ...
+
+    @property
+    def done(self) -> int: ...
+
+    @property
+    def total(self) -> int: ...
 
 
 class Report(Protocol):
     """Hears of a run."""
 
-    def progress(self, name: str, step: Progress) -> None:
+    def progress(self, name: str, step: Reached) -> None:
         """Object `name` has come to `step`."""
         ...
 
@@ -101,10 +121,10 @@ class _Clock:
     """Time left of a stage, from the pace since its first part: that one pays for setting up."""
 
     def __init__(self) -> None:
-        self._key: tuple[str, Stage] | None = None
+        self._key: tuple[str, StrEnum] | None = None
         self._first: tuple[int, float] | None = None
 
-    def left(self, name: str, step: Progress) -> float | None:
+    def left(self, name: str, step: Reached) -> float | None:
         """Seconds until the stage is done; None while nothing is known."""
         if self._key != (name, step.stage):
             self._key, self._first = (name, step.stage), None
@@ -125,9 +145,9 @@ class _Lines:
 
     def __init__(self, stream: TextIO) -> None:
         self._stream, self._clock = stream, _Clock()
-        self._said: tuple[str, Progress] | None = None
+        self._said: tuple[str, Reached] | None = None
 
-    def progress(self, name: str, step: Progress) -> None:
+    def progress(self, name: str, step: Reached) -> None:
         left = self._clock.left(name, step)
         if self._said == (name, step):  # a stage that knows no parts only says that it lives
             return
@@ -156,7 +176,7 @@ class _Bar:
         self._terminal = sys.stderr.isatty()
         self._drawn, self._said = 0, ""
 
-    def progress(self, name: str, step: Progress) -> None:
+    def progress(self, name: str, step: Reached) -> None:
         left = self._clock.left(name, step)
         if not self._shown:
             return

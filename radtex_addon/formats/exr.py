@@ -91,6 +91,12 @@ def header_text(path: Path) -> str:
     return str(header[ATTRIBUTE])
 
 
+def stored_compression(path: Path) -> Compression | None:
+    """How an image is packed, None if by none of ours. Raises FormatError as `read_atlas` does."""
+    packed = _headers(path)[0].get("compression")
+    return next((ours for ours, theirs in _COMPRESSIONS.items() if theirs == packed), None)
+
+
 def read_pixels(path: Path, width: int, height: int, channels: Iterable[int] = _CHANNELS) -> Floats:
     """Pixels (height, width, C) of an image of ours, float16 or float32 as they are stored.
 

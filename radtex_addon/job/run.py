@@ -93,7 +93,7 @@ def bake_steps(
         log.warning(warning)
     watch = Stopwatch()
     with new_data_removed():
-        baked = yield from _bake(scene, name, spec, files, view_layer, watch)
+        baked = yield from bake_and_keep(scene, name, spec, files, view_layer, watch)
         if preview is not None:
             yield watch.start(Stage.PREVIEW)
             _save_preview(scene, name, spec, baked, preview)
@@ -113,7 +113,7 @@ def bake_steps(
 
 
 @dataclass(frozen=True, eq=False)
-class _Baked:
+class Baked:
     """What is on disk, and the mesh that it belongs to."""
 
     made: Made
@@ -121,14 +121,15 @@ class _Baked:
     device: str
 
 
-def _bake(
+def bake_and_keep(
     scene: bpy.types.Scene,
     name: str,
     spec: BakeSpec,
     files: OutputFiles,
     view_layer: str | None,
     watch: Stopwatch,
-) -> Generator[Progress, None, _Baked]:
+) -> Generator[Progress, None, Baked]:
+    """Bake as `bake_steps` does, without its checks; the baked mesh stays, for the caller to remove."""
     kept: list[bpy.types.ID] = []
     with (
         tempfile.TemporaryDirectory(prefix="radtex-") as temporary,
@@ -140,10 +141,10 @@ def _bake(
         bake = bake_shared if spec.layout is Layout.SHARED else bake_buckets
         steps = bake(scratch, original, spec, files, prepared, Path(temporary))
         made = yield from watch.over(steps)
-    return _Baked(made, prepared, device)
+    return Baked(made, prepared, device)
 
 
-def _save_preview(scene: bpy.types.Scene, name: str, spec: BakeSpec, baked: _Baked, preview: Filter) -> None:
+def _save_preview(scene: bpy.types.Scene, name: str, spec: BakeSpec, baked: Baked, preview: Filter) -> None:
     files, uv_layer = baked.made.files, baked.prepared.uv_layer
     assert files.preview is not None  # there is one where there is a filter
     title = f"RadTex {name}"

@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene that a run is about."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+from typing import cast
+
+import bpy
+
+from ..core.errors import InputError
+from ..scene.demo import build_demo_scene
+
+log = logging.getLogger(__name__)
+
+
+def open_scene(path: Path | None, demo: bool) -> bpy.types.Scene:
+    """The demo, the scene of the .blend `path`, or of the file that is open. Raises InputError."""
+    if demo:
+        return build_demo_scene()
+    if path is not None:
+        _open(path)
+    scene = bpy.context.scene
+    assert scene is not None  # there is one, but while Blender starts
+    return scene
+
+
+def _open(path: Path) -> None:
+    """Open a .blend; scripts inside it are never run."""
+    try:
+        if path.is_dir():
+            raise InputError(f"{path} is a folder: name a .blend file in it")
+        if not path.is_file():
+            raise InputError(f"there is no file {path}: check its name, and where it lies")
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}; name another") from error
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False, use_scripts=False)
+    except RuntimeError as error:
+        reason = " ".join(str(error).removeprefix("Error:").split())
+        raise InputError(f"{path} does not open as a .blend: {reason}; name another") from error
+    major, minor, _ = cast("tuple[int, int, int]", bpy.data.version)  # the stubs know no items of it
+    if (major, minor) > bpy.app.version[:2]:
+        log.warning("%s was saved by Blender %d.%d, newer than this: some of it is lost", path, major, minor)

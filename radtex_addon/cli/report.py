@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A run of `bake.py report`."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from contextlib import closing
+
+from ..report.finished import find_bake, object_of
+from ..report.progress import Step
+from ..report.run import ReportResult, report_path, report_steps
+from .interruption import Interruption
+from .opening import open_scene
+from .report_arguments import ReportRequest
+from .reporting import Report
+
+
+def run_report(request: ReportRequest, report: Report, interruption: Interruption) -> None:
+    """Judge the bake and say what was found. Raises RadTexError."""
+    sidecar = find_bake(request.bake, request.object)
+    name = object_of(sidecar)
+    out = request.out or report_path(sidecar)
+    scene = open_scene(request.scene, request.demo)
+    steps = report_steps(scene, sidecar.absolute(), request.spec, out)
+    result = _finish(steps, name, report, interruption)
+    report.event("done", object=name, summary=_summary(result), **_facts(result))
+
+
+def _finish(
+    steps: Generator[Step, None, ReportResult], name: str, report: Report, interruption: Interruption
+) -> ReportResult:
+    with closing(steps):
+        while True:
+            interruption.check()
+            try:
+                step = next(steps)
+            except StopIteration as stop:
+                result: ReportResult = stop.value
+                return result
+            report.progress(f"{name}, {step.about}" if step.about else name, step)
+
+
+def _summary(result: ReportResult) -> str:
+    flip = "" if result.flip is None else f", FLIP {result.flip:.3f}"
+    found = f"{result.verdict} PSNR {result.psnr:.2f} dB{flip}, energy {result.energy:.3f}."
+    return found if result.first_change is None else f"{found} {result.first_change}"
+
+
+def _facts(result: ReportResult) -> dict[str, object]:
+    return {
+        "files": [str(result.page)],
+        "psnr": round(result.psnr, 3),
+        "flip": None if result.flip is None else round(result.flip, 4),
+        "energy": round(result.energy, 4),
+        "noise_floor": round(result.floor, 3),
+        "bytes": {"disk": result.disk, "gpu": result.gpu},
+        "lost": {name: round(value, 3) for name, value in result.lost.items()},
+        "first_change": result.first_change,
+    }

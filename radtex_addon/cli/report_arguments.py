@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What `bake.py report` understands."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+from ..core.errors import InputError
+from ..report.run import ReportSpec
+from .arguments import DEMO, REPORT, Parser, ProgressStyle, add_device, add_help, add_number, add_progress
+
+_DEFAULT = ReportSpec()
+
+_DESCRIPTION = """\
+Judge a finished bake: render its object path traced, from views around it,
+look the baked light up from the same places, and write one page with pictures,
+figures and sizes. With --variants also say what the error comes from."""
+
+_EPILOG = """\
+examples:
+  python bake.py report baked --scene room.blend
+  blender -b room.blend -P bake.py -- report baked --object Vase --variants
+  python bake.py report radtex --scene demo
+
+exit codes: as of a bake"""
+
+
+@dataclass(frozen=True)
+class ReportRequest:
+    """One report. `bake` is a folder or a sidecar; `out` is the page, None for the place beside the bake.
+
+    `scene` is the .blend to open; None looks at the file that Blender has open.
+    """
+
+    bake: Path
+    object: str | None
+    scene: Path | None
+    demo: bool
+    spec: ReportSpec
+    out: Path | None
+    progress: ProgressStyle
+    verbose: bool
+
+
+def parse_report(arguments: list[str], inside_blender: bool) -> ReportRequest:
+    """Read what follows the word. Raises InputError; `--help` prints and raises SystemExit(0)."""
+    found = _parser(inside_blender).parse_args(arguments)
+    if found.bake is None:
+        raise InputError("which bake? name its folder, or its sidecar (--help lists everything)")
+    demo = found.scene == DEMO
+    if inside_blender and found.scene is not None and not demo:
+        raise InputError(
+            f"inside Blender the open file is looked at: open {found.scene} by blender -b {found.scene}, "
+            "and leave --scene out"
+        )
+    if not inside_blender and found.scene is None:
+        raise InputError(
+            "which scene? the object is rendered again, and a bake does not know its file: "
+            f"--scene FILE.blend, or --scene {DEMO} for what {DEMO} left"
+        )
+    out = None if found.out is None else Path(found.out)
+    if out is not None and out.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"--out {out}: the page is an .html file")
+    return ReportRequest(
+        bake=Path(found.bake),
+        object=found.object,
+        scene=None if demo or found.scene is None else Path(found.scene),
+        demo=demo,
+        spec=ReportSpec(**{field.name: getattr(found, field.name) for field in fields(ReportSpec)}),
+        out=out,
+        progress=found.progress,
+        verbose=found.verbose,
+    )
+
+
+def _parser(inside_blender: bool) -> Parser:
+    program = f"blender -b SCENE -P bake.py -- {REPORT}" if inside_blender else f"bake.py {REPORT}"
+    scene = "" if inside_blender else " --scene SCENE"
+    parser = Parser(
+        prog=program,
+        usage=f"{program} DIR{scene} [options]",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+        add_help=False,
+    )
+    _add_what(parser.add_argument_group("what is judged"), inside_blender)
+    _add_how(parser.add_argument_group("how"))
+    _add_output(parser.add_argument_group("output"))
+    add_help(parser.add_argument_group("help"))
+    return parser
+
+
+def _add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
+    group.add_argument("bake", nargs="?", metavar="DIR", help="the folder of a bake, or its sidecar's .json")
+    group.add_argument("--object", metavar="NAME", help="whose bake, if there are several in the folder")
+    file = "left out: the file that Blender has open is" if inside_blender else "the .blend that was baked"
+    group.add_argument("--scene", metavar="SCENE", help=f"{file}; or the word {DEMO}, for the demo's")
+
+
+def _add_how(group: argparse._ArgumentGroup) -> None:
+    for field, text in (
+        ("views", "path-traced pictures, from around the object"),
+        ("pixels", "of a picture's side"),
+        ("samples", "of a picture's pixel, before it is denoised"),
+    ):
+        known = getattr(_DEFAULT, field)
+        add_number(group, f"--{field}", field, "N", f"{text} (default: {known})", known)
+    group.add_argument(
+        "--variants",
+        action="store_true",
+        help="bake the object again, into a temporary folder, with half of each setting, and say what that "
+        "costs; takes about as long as the bake itself took",
+    )
+    add_device(group)
+
+
+def _add_output(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--out",
+        metavar="FILE",
+        help="the page, replaced if it is there (default: DIR/NAME.report.html)",
+    )
+    add_progress(group)

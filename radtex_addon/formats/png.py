@@ -1,0 +1,36 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""PNG: pictures for people, inside a page."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+
+import numpy as np
+
+from ..core.arrays import Floats
+from ..core.errors import ShapeError
+
+_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_EIGHT_BITS, _RGB = 8, 2
+
+
+def encode_png(picture: Floats) -> bytes:
+    """A file's bytes of a picture (H, W, 3) of display values in 0..1, the top row first.
+
+    Raises ShapeError for another shape. Format: https://www.w3.org/TR/png-3
+    """
+    if picture.ndim != 3 or picture.shape[2] != 3 or 0 in picture.shape:
+        raise ShapeError(f"picture: expected shape (H, W, 3), got {picture.shape}")
+    height, width = picture.shape[:2]
+    levels = np.rint(np.clip(picture, 0, 1) * 255).astype(np.uint8)
+    rows = np.zeros((height, 1 + 3 * width), dtype=np.uint8)  # each row begins with its filter: 0, none
+    rows[:, 1:] = levels.reshape(height, -1)
+    header = struct.pack(">IIBBBBB", width, height, _EIGHT_BITS, _RGB, 0, 0, 0)
+    pixels = zlib.compress(rows.tobytes(), 9)
+    return _SIGNATURE + _chunk(b"IHDR", header) + _chunk(b"IDAT", pixels) + _chunk(b"IEND", b"")
+
+
+def _chunk(name: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))

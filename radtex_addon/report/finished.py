@@ -1,0 +1,204 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A finished bake in its folder: found by its sidecar, read back, looked up by the reference samplers."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from ..bake.spec import BakeSpec, Compression, Kind, Layout, parse_capture, parse_kind
+from ..core.arrays import Floats
+from ..core.atlas import AtlasLayout
+from ..core.errors import FormatError, InputError
+from ..core.sampler import Filter, sample
+from ..core.shared import SharedAtlas, sample_shared
+from ..formats.exr import read_atlas, stored_compression
+from ..formats.facts import Facts
+from ..formats.packing import IRRADIANCE
+from ..formats.shared_files import layer_path, read_shared, read_shared_sidecar
+from ..formats.sidecar import Sidecar, read_sidecar, read_text
+from ..scene.copy import UV_LAYER
+from .gbuffer import Array, GBuffer
+
+_PER_LOOKUP = 1 << 18  # fragments that are looked up at once
+
+
+@dataclass(frozen=True, eq=False)
+class Finished:
+    """A bake's sidecar, its images, and the light in them.
+
+    `radiance` gives the light (N, 3), linear, along a G-buffer's N rays, zero where they miss. `texels`
+    (H, W, K) are values that each texel has of its own, as they are stored. `lossless` says that the files
+    lost nothing but bits of floats.
+    """
+
+    path: Path
+    layout: Layout
+    sidecar: Sidecar
+    images: tuple[Path, ...]
+    radiance: Callable[[GBuffer], Array]
+    texels: Floats
+    lossless: bool
+
+    @property
+    def preview(self) -> Path:
+        """Where the preview lies, if one was saved."""
+        name = self.path.name.removesuffix(f".{self.sidecar.kind}.json")
+        return self.path.with_name(f"{name}.preview.blend")
+
+    @property
+    def unwrapped(self) -> bool:
+        """Whether the bake made its UV layer itself, as far as the sidecar tells."""
+        return self.sidecar.uv_map == UV_LAYER
+
+    def spec(self, device: str) -> BakeSpec:
+        """The specification of the same bake again, as far as the sidecar tells."""
+        bake = self.sidecar
+        return BakeSpec(
+            kind=parse_kind(bake.kind),
+            layout=self.layout,
+            texels=max(bake.width, bake.height),
+            bucket=bake.bucket,
+            samples=bake.samples,
+            seed=bake.seed,
+            capture=parse_capture(bake.capture),
+            uv_layer=None if self.unwrapped else bake.uv_map,
+            device=device,
+        )
+
+
+def find_bake(place: Path, object_name: str | None) -> Path:
+    """The sidecar of a bake of radiance: `place` itself, or the one in the folder `place`.
+
+    `object_name` tells several apart. Raises InputError where there is none, or more than one; FormatError
+    for a file that is no sidecar.
+    """
+    if not place.exists():
+        raise InputError(f"there is no {place}: name the folder of a bake, or its sidecar, a .json file")
+    if not place.is_dir():
+        _check(place, _identity(place), object_name)
+        return place
+    found = {path: facts for path in _json_files(place) if (facts := _identity_if_ours(path))}
+    if not found:
+        raise InputError(f"{place} holds no bake: name a folder with a sidecar, NAME.{Kind.RADIANCE}.json")
+    wanted = {path: facts for path, facts in found.items() if object_name in (None, facts[0])}
+    if not wanted:
+        raise InputError(f"{place} holds no bake of '{object_name}': it has {_listed(found.values())}")
+    of_radiance = [path for path, (_, kind) in wanted.items() if kind == Kind.RADIANCE]
+    if len(of_radiance) > 1:
+        raise InputError(f"{place} holds bakes of {_listed(wanted.values())}: name one, --object NAME")
+    path = of_radiance[0] if of_radiance else next(iter(wanted))
+    _check(path, wanted[path], object_name)
+    return path
+
+
+def object_of(path: Path) -> str:
+    """The object that a sidecar names. Raises FormatError."""
+    return _identity(path)[0]
+
+
+def _json_files(folder: Path) -> list[Path]:
+    try:
+        return sorted(folder / name for name in os.listdir(folder) if name.endswith(".json"))  # noqa: PTH208  # it raises
+    except OSError as error:
+        raise InputError(f"{folder} cannot be read: {error.strerror or error}; name another") from error
+
+
+def _identity(path: Path) -> tuple[str, str]:
+    """The object and the kind that a sidecar names."""
+    facts = Facts.parse(read_text(path), str(path))
+    facts.text("layout")
+    return facts.text("object"), facts.text("kind")
+
+
+def _identity_if_ours(path: Path) -> tuple[str, str] | None:
+    try:
+        return _identity(path)
+    except FormatError:
+        return None
+
+
+def _check(path: Path, identity: tuple[str, str], object_name: str | None) -> None:
+    name, kind = identity
+    if object_name not in (None, name):
+        raise InputError(f"{path} is a bake of '{name}', not of '{object_name}': leave --object out")
+    if kind != Kind.RADIANCE:
+        raise InputError(
+            f"{path} holds {kind} light, which no camera sees: only a bake of {Kind.RADIANCE} can be judged"
+        )
+
+
+def _listed(identities: Iterable[tuple[str, str]]) -> str:
+    return ", ".join(sorted({f"'{name}'" for name, _ in identities}))
+
+
+def read_bake(path: Path) -> Finished:
+    """Read the bake whose sidecar is the file `path`.
+
+    Raises FormatError, with the path, for files that are missing, damaged, or of different bakes.
+    """
+    layout = Facts.parse(read_text(path), str(path)).text("layout")
+    if layout == Layout.SHARED:
+        return _read_shared(path)
+    return _read_buckets(path)
+
+
+def _read_buckets(path: Path) -> Finished:
+    sidecar, image = read_sidecar(path), path.with_suffix(".exr")
+    pixels, inner = read_atlas(image)
+    if inner != sidecar:
+        raise FormatError(
+            f"{image} is of another bake than {path}: put one bake's files together, or bake again"
+        )
+    atlas = AtlasLayout(sidecar.width, sidecar.height, sidecar.bucket)
+    return Finished(
+        path=path,
+        layout=Layout.BUCKETS,
+        sidecar=sidecar,
+        images=(image,),
+        radiance=_looked_up(partial(_sample_buckets, pixels.astype(np.float32), atlas)),
+        texels=atlas.to_buckets(pixels).reshape(sidecar.height, sidecar.width, -1),
+        lossless=stored_compression(image) is not Compression.DWAA,
+    )
+
+
+def _read_shared(path: Path) -> Finished:
+    sidecar = read_shared_sidecar(path).bake
+    images = tuple(layer_path(path, layer) for layer in sidecar.layers)
+    atlas, _ = read_shared(path)
+    return Finished(
+        path=path,
+        layout=Layout.SHARED,
+        sidecar=sidecar,
+        images=images,
+        radiance=_looked_up(partial(_sample_shared, atlas)),
+        texels=atlas.irradiance,
+        lossless=stored_compression(layer_path(path, IRRADIANCE)) is not Compression.DWAA,
+    )
+
+
+def _sample_buckets(image: Floats, layout: AtlasLayout, buffer: GBuffer, some: slice) -> Floats:
+    uv, incidence = buffer.uv[buffer.hit][some], buffer.incidence[buffer.hit][some]
+    return sample(image, layout, uv, incidence, Filter.QUADRILINEAR)[:, :3]
+
+
+def _sample_shared(atlas: SharedAtlas, buffer: GBuffer, some: slice) -> Floats:
+    fragments = (buffer.uv, buffer.normal, buffer.incoming)
+    return sample_shared(atlas, *(part[buffer.hit][some].astype(np.float32) for part in fragments))
+
+
+def _looked_up(look: Callable[[GBuffer, slice], Floats]) -> Callable[[GBuffer], Array]:
+    """A lookup along all rays, which are many, a part at a time."""
+
+    def radiance(buffer: GBuffer) -> Array:
+        parts = range(0, int(buffer.hit.sum()), _PER_LOOKUP)
+        seen = [look(buffer, slice(first, first + _PER_LOOKUP)) for first in parts]
+        return buffer.spread(np.concatenate(seen) if seen else np.zeros((0, 3)))
+
+    return radiance

@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake beside its references: pictures and figures, and what they mean in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.errors import InputError
+from .finished import Finished
+from .gbuffer import BakedSurface
+from .metrics import Figures, Mask, Picture, compare
+from .views import View, seen
+
+_WORDS = (  # from so many decibels on
+    (40.0, "the eye finds no difference"),
+    (35.0, "hard to tell apart, even side by side"),
+    (30.0, "close: differences show where one looks for them"),
+    (25.0, "near, but reflections or textures differ at first sight"),
+    (20.0, "the right light, but clearly blurred or noisy"),
+    (-np.inf, "far off: sharp reflections, noise or texture are not in it"),
+)
+_AT_THE_FLOOR = 1.0  # decibels above the reference's own noise that say nothing more
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """A picture of the bake, from one view; it is shown and measured inside the masks only."""
+
+    view: View
+    picture: Picture
+    inside: Mask
+    eroded: Mask
+    figures: Figures
+
+
+def judge(bake: Finished, surface: BakedSurface, views: Sequence[View]) -> list[Judged]:
+    """Look at the bake as each view does. Raises InputError where it is too small to be measured there."""
+    judged = []
+    for view in views:
+        buffer = seen(surface, view)
+        inside, eroded = buffer.inside, buffer.eroded
+        if not eroded.any():
+            raise InputError("the object covers no whole pixel of a view: give the report more --pixels")
+        picture = buffer.resolve(bake.radiance(buffer))
+        figures = compare(picture, view.reference, inside, eroded)
+        judged.append(Judged(view, picture, inside, eroded, figures))
+    return judged
+
+
+def noise_floor(judged: Sequence[Judged]) -> Figures:
+    """The first view's reference against itself, of another seed."""
+    first = judged[0]
+    assert first.view.repetition is not None  # the first view has one
+    return compare(first.view.repetition, first.view.reference, first.inside, first.eroded)
+
+
+def mean_psnr(judged: Sequence[Judged]) -> float:
+    """Decibels, as the mean of the views'."""
+    return float(np.mean([one.figures.psnr for one in judged]))
+
+
+def mean_energy(judged: Sequence[Judged]) -> float:
+    """Radiance over the references', as the mean of the views'."""
+    return float(np.mean([one.figures.energy for one in judged]))
+
+
+def mean_flip(judged: Sequence[Judged]) -> float | None:
+    """None where there is no FLIP."""
+    found = [one.figures.flip for one in judged if one.figures.flip is not None]
+    return float(np.mean(found)) if found else None
+
+
+def verdict(name: str, judged: Sequence[Judged], floor: Figures) -> str:
+    """One sentence."""
+    decibels = mean_psnr(judged)
+    if decibels >= floor.psnr - _AT_THE_FLOOR:
+        words = "as close as the path-traced pictures are to themselves"
+    else:
+        words = next(words for least, words in _WORDS if decibels >= least)
+    return f"{name} as baked is {decibels:.1f} dB from path tracing: {words}."

@@ -1,0 +1,155 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The baked copy's mesh, found again: an atlas says itself which UV layer fits it.
+
+A bake's own UV layer lies in no file but its preview. Unwraps are the same every time, so it can be made
+again; what is found is believed only if the atlas's gutter agrees: texels that no island touches hold copies
+of the nearest that one does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from typing import Any, cast
+
+import bpy
+import numpy as np
+
+from ..bake.spec import Unwrap
+from ..core.arrays import Bools, Floats
+from ..core.errors import InputError
+from ..core.gutter import nearest_covered
+from ..core.texel_map import rasterise
+from ..scene.copy import baked_mesh, surface_mesh
+from ..scene.evaluated import EvaluatedMesh, evaluate
+from ..scene.scratch import new_data_removed
+from ..scene.unwrap import unwrap_steps
+from ..scene.unwrap_options import UnwrapOptions
+from ..scene.uv_layer import user_uv
+from .finished import Finished
+from .gbuffer import BakedSurface
+from .progress import Step, Task, steps_of
+
+_AGREE = 0.5  # of the gutter's values: another layer's gutter has next to none, nothing hidden all
+_LOOKED_AT = 4096  # of the gutter's texels
+_LOSSY = 0.05  # how far two values may be apart that dwaa has packed, over the larger
+_SAME = 1e-5  # of the object's size: vertices that have moved less have not moved
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The surface that a bake was baked on; `uv_layer` is the object's own, or None and `unwrap` made it."""
+
+    surface: BakedSurface
+    uv_layer: str | None
+    unwrap: Unwrap
+
+
+def find_mesh(
+    scratch: bpy.types.Scene, original: bpy.types.Object, bake: Finished, padding: int
+) -> Generator[Step, None, Found]:
+    """Find the surface of `bake` on the object `original` of a scratch scene.
+
+    Looks at the object's own layer of the sidecar's name, at the preview beside the bake, and at what each
+    unwrap makes with `padding`. Raises InputError where no layer fits.
+    """
+    yield Step(Task.FIND_MESH, 0, 1)
+    evaluated = evaluate(scratch, original)
+    own = bake.sidecar.uv_map
+    if own in evaluated.uv_layers or not bake.unwrapped:
+        surface = _fitting(evaluated, user_uv(evaluated, own), bake)
+        if surface is not None:
+            return Found(surface, own, Unwrap.XATLAS)
+    if bake.unwrapped:
+        surface = _fitting(evaluated, _uv_of_preview(bake, evaluated), bake)
+        if surface is not None:
+            return Found(surface, None, Unwrap.XATLAS)
+        for unwrap in Unwrap:
+            uv = yield from _unwrapped(evaluated, bake, unwrap, padding)
+            surface = _fitting(evaluated, uv, bake)
+            if surface is not None:
+                return Found(surface, None, unwrap)
+    raise InputError(
+        f"object '{original.name}' does not fit {bake.path}: it was changed since, or unwrapped with another "
+        "padding or by another Blender; bake it again, with --save-preview"
+    )
+
+
+def _fitting(evaluated: EvaluatedMesh, uv: Floats | None, bake: Finished) -> BakedSurface | None:
+    """The surface with `uv` (F, 3, 2), if that fits the bake."""
+    if uv is None:
+        return None
+    layer = bake.sidecar.uv_map
+    with new_data_removed():
+        mesh = baked_mesh(evaluated, uv, layer)
+        surface = surface_mesh(evaluated, mesh, layer)
+        if not _agrees(rasterise(surface, bake.sidecar.width, bake.sidecar.height).covered, bake):
+            return None
+        return BakedSurface(mesh, evaluated.matrix_world, layer)
+
+
+def _agrees(covered: Bools, bake: Finished) -> bool:
+    """Whether the atlas holds gutter where nothing is `covered` (H, W)."""
+    if not covered.any():
+        return False
+    gutter = np.flatnonzero(~covered)
+    gutter = gutter[:: len(gutter) // _LOOKED_AT + 1]
+    if not len(gutter):
+        return True
+    nearest = np.ravel_multi_index(nearest_covered(covered), covered.shape).ravel()[gutter]
+    flat = bake.texels.reshape(covered.size, -1)
+    ours, theirs = (flat[place].astype(np.float32) for place in (gutter, nearest))
+    allowed = 0.0 if bake.lossless else _LOSSY * np.maximum(np.abs(ours), np.abs(theirs))
+    return bool((np.abs(ours - theirs) <= allowed).mean() >= _AGREE)
+
+
+def _unwrapped(
+    evaluated: EvaluatedMesh, bake: Finished, unwrap: Unwrap, padding: int
+) -> Generator[Step, None, Floats | None]:
+    """What an unwrap makes of the mesh, if it is of the atlas's size."""
+    width, height = bake.sidecar.width, bake.sidecar.height
+    try:
+        made = yield from steps_of(
+            unwrap_steps(evaluated, max(width, height), unwrap, UnwrapOptions(padding=padding))
+        )
+    except InputError:  # too many islands for so few texels: this unwrap did not make the atlas
+        return None
+    return made.uv if (made.width, made.height) == (width, height) else None
+
+
+def _uv_of_preview(bake: Finished, evaluated: EvaluatedMesh) -> Floats | None:
+    """The layer of the mesh in the saved preview, if there is one and it shows the same triangles."""
+    if not bake.preview.is_file():
+        return None
+    name = bake.sidecar.object_name
+    with new_data_removed():
+        try:
+            with cast(Any, bpy.data.libraries).load(str(bake.preview)) as (there, wanted):
+                wanted.objects = [name] if name in there.objects else []
+        except OSError:  # no .blend, or one of a newer Blender
+            return None
+        mesh = wanted.objects[0].data if wanted.objects else None
+        if not isinstance(mesh, bpy.types.Mesh) or not _same_triangles(mesh, evaluated):
+            return None
+        return _layer(mesh, bake.sidecar.uv_map)
+
+
+def _same_triangles(mesh: Any, evaluated: EvaluatedMesh) -> bool:
+    position, triangles = evaluated.position, evaluated.triangles
+    if len(mesh.vertices) != len(position) or len(mesh.loops) != triangles.size:
+        return False
+    there, corners = np.empty(position.size, np.float32), np.empty(triangles.size, np.int32)
+    mesh.vertices.foreach_get("co", there)
+    mesh.loops.foreach_get("vertex_index", corners)
+    moved = np.abs(there.reshape(-1, 3) - position).max()
+    return bool((corners == triangles.ravel()).all() and moved <= _SAME * np.ptp(position, axis=0).max())
+
+
+def _layer(mesh: Any, name: str) -> Floats | None:
+    layer = mesh.uv_layers.get(name)
+    if layer is None:
+        return None
+    uv = np.empty(2 * len(mesh.loops), np.float32)
+    layer.uv.foreach_get("vector", uv)
+    return uv.reshape(-1, 3, 2)

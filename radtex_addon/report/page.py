@@ -1,0 +1,194 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The report as one HTML file that needs nothing else: pictures are inside it."""
+
+from __future__ import annotations
+
+import math
+from base64 import b64encode
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+
+from ..bake.spec import Layout
+from ..formats.memory import readable_size
+from ..formats.png import encode_png
+from .causes import Cause, Halving, first_change
+from .finished import Finished
+from .judging import Judged, mean_energy, mean_flip, mean_psnr, verdict
+from .metrics import Figures, Picture, display
+from .sizes import ImageSize
+
+GAIN = 4  # of the error's picture
+_STYLE = """
+:root { color-scheme: light dark; --ink: #1c1c1e; --paper: #fcfcfa; --line: #d5d5d0; --soft: #62625e; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e8e8e4; --paper: #191a1c; --line: #3c3d40; --soft: #a0a09a; }
+}
+body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper);
+       max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.5rem; margin-bottom: 0; }
+h2 { font-size: 1.15rem; margin: 2.2rem 0 .5rem; }
+.verdict { font-size: 1.2rem; }
+p.note, figcaption { color: var(--soft); font-size: .9rem; }
+div.wide { overflow-x: auto; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
+th, td { text-align: right; padding: .3rem .6rem; border-bottom: 1px solid var(--line); }
+th:first-child, td:first-child { text-align: left; }
+th { font-weight: 600; }
+figure { display: grid; grid-template-columns: repeat(3, 1fr); gap: .5rem; margin: 1rem 0; }
+figure img { width: 100%; display: block; }
+figcaption { grid-column: 1 / -1; }
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Contents:
+    """All that a report knows; `halvings` is None where causes were not asked for."""
+
+    bake: Finished
+    judged: Sequence[Judged]
+    floor: Figures
+    sizes: Sequence[ImageSize]
+    halvings: Sequence[Halving] | None
+    reference_samples: int
+
+    @property
+    def verdict(self) -> str:
+        return verdict(self.bake.sidecar.object_name, self.judged, self.floor)
+
+
+def page(contents: Contents) -> str:
+    """The whole file's text."""
+    name = escape(contents.bake.sidecar.object_name)
+    parts = [
+        f"<h1>{name}</h1>",
+        f'<p class="note">{escape(_facts(contents.bake))}</p>',
+        f'<p class="verdict">{escape(contents.verdict)}</p>',
+        _closeness(contents),
+        "<h2>Pictures</h2>",
+        *(_pictures(judged) for judged in contents.judged),
+        "<h2>Size</h2>",
+        _sizes(contents.sizes),
+        "<h2>What the error comes from</h2>",
+        _causes(contents),
+    ]
+    return (
+        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{name}: report of its bake</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n"
+        + "\n".join(parts)
+        + "\n</body>\n</html>\n"
+    )
+
+
+def _facts(bake: Finished) -> str:
+    facts = bake.sidecar
+    shared = "shared layout, " if bake.layout is Layout.SHARED else ""
+    return (
+        f"{bake.path.name}: {shared}{facts.width} × {facts.height} texels of {facts.bucket} × {facts.bucket} "
+        f"cells, --samples {facts.samples}, {facts.tool}, Blender {facts.blender}"
+    )
+
+
+def _closeness(contents: Contents) -> str:
+    judged, floor = contents.judged, contents.floor
+    rows = [["", "PSNR, dB", "FLIP", "energy"]]
+    rows += [
+        [one.view.name, f"{one.figures.psnr:.2f}", _flip(one.figures.flip), f"{one.figures.energy:.3f}"]
+        for one in judged
+    ]
+    rows.append(["mean", f"{mean_psnr(judged):.2f}", _flip(mean_flip(judged)), f"{mean_energy(judged):.3f}"])
+    noise = [f"{floor.psnr:.2f}", _flip(floor.flip), f"{floor.energy:.3f}"]
+    rows.append(["the path-traced picture against another seed's", *noise])
+    note = (
+        f"Against path-traced views of {contents.reference_samples} samples a pixel, denoised; inside the "
+        "object, but for its outermost pixels. PSNR is of display values (clipped to 0..1, gamma 2.2): more "
+        "is better, and beyond the last row it says nothing. FLIP is the error that an eye sees, 0 to 1: "
+        "less is better. Energy is the mean radiance over the path-traced one's: 1 is right."
+    )
+    if floor.flip is None:
+        note += " There is no FLIP for this platform."
+    return _table(rows) + f'<p class="note">{note}</p>'
+
+
+def _pictures(judged: Judged) -> str:
+    reference, inside = display(judged.view.reference), judged.inside[..., None]
+    ours = np.where(inside, display(judged.picture), reference)
+    error = np.clip(GAIN * np.abs(ours - reference), 0, 1)
+    labels = ("path traced", "as baked", f"error times {GAIN}")
+    images = [
+        f'<img alt="{judged.view.name}, {label}" src="{_data(picture)}">'
+        for label, picture in zip(labels, (reference, ours, error), strict=True)
+    ]
+    caption = f"{judged.view.name}: {', '.join(labels)}. {judged.figures.psnr:.2f} dB."
+    return f"<figure>{''.join(images)}<figcaption>{caption}</figcaption></figure>"
+
+
+def _data(picture: Picture) -> str:
+    return "data:image/png;base64," + b64encode(encode_png(picture)).decode("ascii")
+
+
+def _sizes(sizes: Sequence[ImageSize]) -> str:
+    rows = [["image", "pixels", "on disk", "GPU, RGBA16F", "RGB9E5", "BC6H"]]
+    for size in sizes:
+        packed = [_size(size.rgb9e5), _size(size.bc6h)]
+        pixels = f"{size.width} × {size.height}"
+        rows.append([size.name, pixels, _size(size.disk), _size(size.rgba16f), *packed])
+    if len(sizes) > 1:
+        disk, whole = sum(size.disk for size in sizes), sum(size.rgba16f for size in sizes)
+        nine = sum(size.rgba16f if size.rgb9e5 is None else size.rgb9e5 for size in sizes)
+        block = sum(size.rgba16f if size.bc6h is None else size.bc6h for size in sizes)
+        rows.append(["together", "", _size(disk), _size(whole), _size(nine), _size(block)])
+    note = (
+        "RGB9E5 and BC6H hold no alpha, and RGB9E5 nothing below 0: where there is a dash, the image stays "
+        "RGBA16F. Both lose a little, which is not measured here."
+    )
+    return _table(rows) + f'<p class="note">{note}</p>'
+
+
+def _causes(contents: Contents) -> str:
+    halvings = contents.halvings
+    if halvings is None:
+        return "<p>Not measured: with --variants the object is baked again with half of each setting.</p>"
+    whole = mean_psnr(contents.judged)
+    rows = [["", "PSNR, dB", "lost, dB", "FLIP", "M paths", "MB on a GPU"]]
+    rows += [
+        [
+            f"half of --{halving.cause}: {halving.value}",
+            f"{halving.psnr:.2f}",
+            f"{halving.lost:.2f}",
+            _flip(halving.flip),
+            f"{halving.paths / 1e6:.2f}",
+            f"{halving.bytes / 1e6:.2f}",
+        ]
+        for halving in halvings
+    ]
+    shown = "".join(f"<li>--{halving.cause}: {escape(halving.shows)}</li>" for halving in halvings)
+    note = (
+        f"Each row is a bake with half of one thing, against the same views; the whole is at {whole:.2f} dB. "
+        "Less than nothing lost means that the smaller bake is the closer one"
+    )
+    if any(halving.cause is Cause.CELLS for halving in halvings) and contents.bake.layout is Layout.BUCKETS:
+        note += ": fewer cells take fewer paths, or as many with less noise each"
+    first = escape(first_change(contents.bake, halvings))
+    return f'<p class="verdict">{first}</p>{_table(rows)}<p class="note">{note}.</p><ul>{shown}</ul>'
+
+
+def _table(rows: Sequence[Sequence[str]]) -> str:
+    head, *body = (
+        "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in row)
+        for tag, row in zip(["th"] + ["td"] * (len(rows) - 1), rows, strict=True)
+    )
+    lines = "\n".join(f"<tr>{row}</tr>" for row in body)
+    return f'<div class="wide"><table>\n<tr>{head}</tr>\n{lines}\n</table></div>'
+
+
+def _flip(value: float | None) -> str:
+    return "–" if value is None or math.isnan(value) else f"{value:.3f}"
+
+
+def _size(count: int | None) -> str:
+    return "–" if count is None else readable_size(count)

@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A report from a bake's folder to its page."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Generator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import bpy
+
+from ..core.errors import InputError
+from ..cycles.device import use_device
+from ..formats.atomic import check_writable, write_text
+from ..formats.sidecar import file_name
+from ..scene.objects import find_object
+from ..scene.scratch import scratch_scene
+from .causes import first_change, halve
+from .finished import Finished, object_of, read_bake
+from .judging import judge, mean_energy, mean_flip, mean_psnr, noise_floor
+from .mesh import Found, find_mesh
+from .page import Contents, page
+from .progress import Step, Task
+from .sizes import gpu_bytes, image_sizes
+from .views import View, make_views
+
+_LIMITS = {"views": (1, 64), "pixels": (16, 4096), "samples": (1, 2**24)}
+
+
+@dataclass(frozen=True)
+class ReportSpec:
+    """How a bake is judged: `views` pictures of `pixels` a side, path traced at `samples` and denoised.
+
+    With `variants` the object is also baked with half of each setting. Raises InputError for what cannot be.
+    """
+
+    views: int = 3
+    pixels: int = 256
+    samples: int = 128
+    variants: bool = False
+    device: str = "auto"
+
+    def __post_init__(self) -> None:
+        for name, (least, most) in _LIMITS.items():
+            value = getattr(self, name)
+            if not least <= value <= most:
+                raise InputError(f"{name} {value}: give a whole number from {least} to {most}")
+
+
+@dataclass(frozen=True)
+class ReportResult:
+    """What a report found; `flip` is None where there is none, `first_change` where causes were not asked."""
+
+    page: Path
+    verdict: str
+    psnr: float
+    flip: float | None
+    energy: float
+    floor: float
+    disk: int
+    gpu: int
+    lost: dict[str, float]
+    first_change: str | None
+
+
+def report_path(sidecar: Path) -> Path:
+    """Where the report on a bake goes, if nobody says. Raises FormatError for what is no sidecar."""
+    return sidecar.with_name(file_name(object_of(sidecar), "report", "html"))
+
+
+def report_steps(
+    scene: bpy.types.Scene, sidecar: Path, spec: ReportSpec, out: Path
+) -> Generator[Step, None, ReportResult]:
+    """Judge the bake whose sidecar is given by views of its object in `scene`, and write a page to `out`.
+
+    Yields progress; returns what was found. The scene is what it was afterwards, also after an error or when
+    the generator is closed; the page is written whole or not at all. Raises InputError for an object that is
+    not there or does not fit, FormatError for files that cannot be read, BakeError for what fails meanwhile.
+    """
+    check_writable(out.parent)
+    bake = read_bake(sidecar)
+    found, views = yield from _look(scene, bake, spec)
+    yield Step(Task.COMPARE, 0, 1)
+    judged = judge(bake, found.surface, views)
+    halvings = None
+    if spec.variants:
+        again = replace(bake.spec(spec.device), uv_layer=found.uv_layer, unwrap=found.unwrap)
+        halvings = yield from halve(scene, again, bake.sidecar.object_name, views, mean_psnr(judged))
+    yield Step(Task.PAGE, 0, 1)
+    sizes = image_sizes(bake)
+    contents = Contents(bake, judged, noise_floor(judged), sizes, halvings, spec.samples)
+    write_text(out, page(contents))
+    return ReportResult(
+        page=out,
+        verdict=contents.verdict,
+        psnr=mean_psnr(judged),
+        flip=mean_flip(judged),
+        energy=mean_energy(judged),
+        floor=contents.floor.psnr,
+        disk=sum(size.disk for size in sizes),
+        gpu=gpu_bytes(bake),
+        lost={halving.cause.value: halving.lost for halving in halvings or ()},
+        first_change=None if halvings is None else first_change(bake, halvings),
+    )
+
+
+def _look(
+    scene: bpy.types.Scene, bake: Finished, spec: ReportSpec
+) -> Generator[Step, None, tuple[Found, list[View]]]:
+    with (
+        tempfile.TemporaryDirectory(prefix="radtex-") as folder,
+        scratch_scene(scene) as scratch,
+        use_device(scratch, spec.device),
+    ):
+        original = find_object(scratch, bake.sidecar.object_name)
+        found = yield from find_mesh(scratch, original, bake, bake.spec(spec.device).padding)
+        views = yield from make_views(
+            scratch, found.surface, spec.views, spec.pixels, spec.samples, Path(folder)
+        )
+    return found, views

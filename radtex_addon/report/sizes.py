@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a bake weighs: on disk as it is, and on a GPU by the format that a game would give its textures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import ceil
+from pathlib import Path
+
+import numpy as np
+
+from ..bake.spec import Layout
+from ..core.arrays import Floats
+from ..formats.exr import read_pixels
+from ..formats.shared_files import layer_path, read_shared_sidecar
+from .finished import Finished
+
+_HALF_PIXEL = 8  # bytes: four half floats, for no GPU has three
+_SHARED_EXPONENT_PIXEL = 4  # RGB9E5
+_BLOCK, _BLOCK_SIDE = 16, 4  # BC6H: bytes of a block of 4 x 4 pixels
+
+
+@dataclass(frozen=True)
+class ImageSize:
+    """An image's bytes; `rgb9e5` and `bc6h` are None where the format cannot hold what is in it.
+
+    Neither has an alpha, and RGB9E5 has no values below 0.
+    """
+
+    name: str
+    width: int
+    height: int
+    disk: int
+    rgba16f: int
+    rgb9e5: int | None
+    bc6h: int | None
+
+
+def image_sizes(bake: Finished) -> list[ImageSize]:
+    """Every image of a bake. Raises FormatError where one cannot be read."""
+    sizes = []
+    for image, (width, height) in zip(bake.images, _shapes(bake).values(), strict=True):
+        pixels = read_pixels(image, width, height)
+        opaque = pixels.shape[2] < 4 or bool((pixels[..., 3] == 1).all())
+        sizes.append(
+            ImageSize(
+                name=image.name,
+                width=width,
+                height=height,
+                disk=image.stat().st_size,
+                rgba16f=width * height * _HALF_PIXEL,
+                rgb9e5=width * height * _SHARED_EXPONENT_PIXEL if opaque and _positive(pixels) else None,
+                bc6h=ceil(width / _BLOCK_SIDE) * ceil(height / _BLOCK_SIDE) * _BLOCK if opaque else None,
+            )
+        )
+    return sizes
+
+
+def gpu_bytes(bake: Finished, texels: int = 1, cells: int = 1) -> int:
+    """Bytes on a GPU as RGBA16F; with `texels` and `cells` times as many along a side."""
+    return sum(width * height * _HALF_PIXEL for width, height in _shapes(bake, texels, cells).values())
+
+
+def _shapes(bake: Finished, texels: int = 1, cells: int = 1) -> dict[Path, tuple[int, int]]:
+    """Width and height of each image."""
+    facts = replace(
+        bake.sidecar,
+        width=bake.sidecar.width * texels,
+        height=bake.sidecar.height * texels,
+        bucket=bake.sidecar.bucket * cells,
+    )
+    if bake.layout is Layout.BUCKETS:
+        return {bake.images[0]: (facts.width * facts.bucket, facts.height * facts.bucket)}
+    shared = read_shared_sidecar(bake.path)
+    width, height = shared.colour
+    larger = replace(shared, bake=facts, colour=(width * texels, height * texels))
+    return {layer_path(bake.path, layer): shape[:2] for layer, shape in larger.shapes.items()}
+
+
+def _positive(pixels: Floats) -> bool:
+    return bool((pixels[..., :3].astype(np.float32) >= 0).all())

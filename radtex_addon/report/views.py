@@ -1,0 +1,197 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Path-traced views of an object in its scene: where to look from, what is seen there, and what hides it.
+
+All is rendered in scratch scenes, so that nothing of the user's is written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from math import cos, pi, radians, sin, sqrt
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import numpy as np
+from mathutils import Matrix, Vector
+
+from ..core.errors import InputError
+from ..cycles.apparatus import render_layers
+from ..cycles.settings import apply_capture_settings, first_hit_only, keep_passes, look_at_centres
+from .gbuffer import Array, BakedSurface, GBuffer, Rays
+from .metrics import Picture
+from .progress import Step, Task
+
+SUBSAMPLES = 4  # along a pixel's side
+_SEEDS = (1101, 2202)  # the reference's, and that of the repetition that tells its noise: no bake's own
+_LENS, _SENSOR = 50.0, 36.0  # millimetres
+_HALF = _SENSOR / 2 / _LENS
+_MARGIN = 1.1  # the frame, over the object
+_HEIGHTS = (18.0, 38.0, 4.0)  # degrees above the object's middle, in turn
+_GOLDEN = pi * (3 - sqrt(5))  # an angle that no other view comes near, however many there are
+_PEEK = 48  # pixels of a first look
+_CLEAR = 0.8  # of the object's pixels: a view that shows as many is good
+_LEAST = 0.05  # and one that shows fewer is none
+_TRIES = 8  # first looks for each view
+_TOUCHING = 1e-4  # of a distance: what lies as near as that to the surface is the surface
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A path-traced picture, and how to see the baked object the same way.
+
+    `repetition` is the picture of another seed, where there is one; `blocked` (N,) the distances at which the
+    N `rays` meet whatever comes first.
+    """
+
+    name: str
+    reference: Picture
+    repetition: Picture | None
+    rays: Rays
+    blocked: Array
+
+
+@dataclass(frozen=True)
+class _Camera:
+    """A place (4, 4) to look from, along −z."""
+
+    matrix: Matrix
+    reach: float  # how far its frame's subject is
+
+    def rays(self, pixels: int, subsamples: int) -> Rays:
+        turn = np.array(self.matrix.to_3x3())
+        return Rays.of_camera(np.array(self.matrix.translation), turn, _HALF, pixels, subsamples)
+
+
+def make_views(
+    scratch: bpy.types.Scene, surface: BakedSurface, count: int, pixels: int, samples: int, folder: Path
+) -> Generator[Step, None, list[View]]:
+    """Render `count` views of the surface, square, denoised; the first one twice.
+
+    `folder` takes temporary files. Raises InputError where nothing but the object's surroundings is seen from
+    around it, BakeError where Cycles fails.
+    """
+    cameras = yield from _clear_cameras(scratch, surface, count, folder)
+    views: list[View] = []
+    for index, camera in enumerate(cameras):
+        yield Step(Task.REFERENCE, len(views) + bool(views), len(cameras) + 1)
+        rays = camera.rays(pixels, SUBSAMPLES)
+        blocked = _distances(scratch, camera, rays, folder)
+        reference = _picture(scratch, camera, pixels, samples, _SEEDS[0], folder)
+        again = None
+        if index == 0:
+            yield Step(Task.REFERENCE, 1, len(cameras) + 1)
+            again = _picture(scratch, camera, pixels, samples, _SEEDS[1], folder)
+        views.append(View(f"View {index + 1}", reference, again, rays, blocked))
+    yield Step(Task.REFERENCE, len(cameras) + 1, len(cameras) + 1)
+    return views
+
+
+def seen(surface: BakedSurface, view: View) -> GBuffer:
+    """The surface as a view sees it."""
+    return surface.gbuffer(view.rays, view.blocked)
+
+
+def _clear_cameras(
+    scratch: bpy.types.Scene, surface: BakedSurface, count: int, folder: Path
+) -> Generator[Step, None, list[_Camera]]:
+    """The first places around the object from which it is well seen, or else the best of many."""
+    good: list[_Camera] = []
+    poor: list[tuple[float, _Camera]] = []
+    for index, camera in enumerate(_around(surface, count * _TRIES)):
+        yield Step(Task.FIND_VIEWS, len(good), count)
+        share = _share_seen(scratch, surface, camera, folder)
+        if share >= _CLEAR:
+            good.append(camera)
+        elif share >= _LEAST:
+            poor.append((share + 1e-6 * index, camera))
+        if len(good) == count:
+            return good
+    poor.sort(key=lambda found: -found[0])
+    cameras = good + [camera for _, camera in poor[: count - len(good)]]
+    if not cameras:
+        raise InputError(
+            "no view around the object shows it: other objects hide it on all sides; hide those from render"
+        )
+    return cameras
+
+
+def _around(surface: BakedSurface, count: int) -> Iterator[_Camera]:
+    """Places around the surface, from which it fills the frame."""
+    low, high = surface.place.min(axis=0), surface.place.max(axis=0)
+    middle = (low + high) / 2
+    around = surface.place - middle
+    for index in range(count):
+        side, height = index * _GOLDEN - pi / 2 + 0.4, radians(_HEIGHTS[index % len(_HEIGHTS)])
+        away = Vector((cos(side) * cos(height), sin(side) * cos(height), sin(height)))
+        matrix = away.to_track_quat("Z", "Y").to_matrix().to_4x4()
+        seen_from_there = np.abs(around @ np.array(matrix.to_3x3())[:, :2]).max(axis=1)
+        far = float((around @ np.array(away) + seen_from_there * _MARGIN / _HALF).max())
+        matrix.translation = Vector(middle.tolist()) + away * far
+        yield _Camera(matrix, far)
+
+
+def _share_seen(scratch: bpy.types.Scene, surface: BakedSurface, camera: _Camera, folder: Path) -> float:
+    """How much of the surface nothing else hides from a camera, 0 to 1."""
+    rays = camera.rays(_PEEK, 1)
+    alone = surface.gbuffer(rays, np.full(len(rays.away), np.inf)).hit
+    found = surface.gbuffer(rays, _distances(scratch, camera, rays, folder)).hit
+    return float(found.sum()) / max(1, int(alone.sum()))
+
+
+def _distances(scratch: bpy.types.Scene, camera: _Camera, rays: Rays, folder: Path) -> Array:
+    """How far along each ray something renders, a hair beyond it; infinite where nothing does."""
+    count = rays.pixels * rays.subsamples
+    with _copied(scratch) as scene:
+        apply_capture_settings(scene, 1, 0)
+        look_at_centres(scene)
+        keep_passes(scene, ("use_pass_z",))
+        first_hit_only(scene)
+        depth = _render(scene, camera, count, folder)["Depth"][::-1, :, 0].astype(np.float64)
+    split = depth.reshape(rays.pixels, rays.subsamples, rays.pixels, rays.subsamples)
+    along = rays.away @ -np.array(camera.matrix.to_3x3())[:, 2]
+    distance: Array = split.swapaxes(1, 2).reshape(-1) / along
+    return distance * (1 + _TOUCHING)
+
+
+def _picture(
+    scratch: bpy.types.Scene, camera: _Camera, pixels: int, samples: int, seed: int, folder: Path
+) -> Picture:
+    with _copied(scratch) as scene:
+        apply_capture_settings(scene, samples, seed)
+        cycles = cast(Any, scene).cycles
+        cycles.use_denoising, cycles.denoiser = True, "OPENIMAGEDENOISE"
+        combined = next(iter(_render(scene, camera, pixels, folder).values()))
+    picture: Picture = combined[::-1, :, :3].astype(np.float64)
+    return picture
+
+
+def _render(scene: bpy.types.Scene, camera: _Camera, pixels: int, folder: Path) -> dict[str, Any]:
+    scene.camera = _camera_object(scene, camera)
+    scene.render.resolution_x = scene.render.resolution_y = pixels
+    file = folder / "view.exr"
+    scene.render.filepath = str(file)
+    return render_layers(scene, file)
+
+
+def _camera_object(scene: bpy.types.Scene, camera: _Camera) -> bpy.types.Object:
+    data = bpy.data.cameras.new("RadTex view")
+    data.lens, data.sensor_width, data.sensor_fit = _LENS, _SENSOR, "HORIZONTAL"
+    data.clip_start, data.clip_end = camera.reach * 1e-4, camera.reach * 1e4
+    item = bpy.data.objects.new("RadTex view", data)
+    item.matrix_world = camera.matrix
+    scene.collection.objects.link(item)
+    return item
+
+
+@contextmanager
+def _copied(scratch: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
+    """A copy of a scratch scene, so that settings of one render are none of the next."""
+    copy = cast(bpy.types.Scene, scratch.copy())
+    try:
+        yield copy
+    finally:
+        bpy.data.scenes.remove(copy)
