@@ -18,7 +18,7 @@ from pathlib import Path
 
 
 def main(wheels: str, out: str) -> None:
-    """Load Blender as its program is loaded, then unwrap a quad, and write and read every sort of atlas."""
+    """Load Blender as its program is loaded, then unwrap, write and read, and judge a picture."""
     sys.path[:0] = [wheels, str(Path(__file__).resolve().parents[2])]
     own = sys.getdlopenflags()
     sys.setdlopenflags(own | os.RTLD_GLOBAL)
@@ -26,8 +26,10 @@ def main(wheels: str, out: str) -> None:
     sys.setdlopenflags(own)
     print(importlib.import_module("OpenEXR").__file__)
     print(importlib.import_module("xatlas").__file__)
+    print(importlib.import_module("flip_evaluator").__file__)
     unwrap()
     write_and_read(Path(out, "a.exr"))
+    judge()
 
 
 def unwrap() -> None:
@@ -59,6 +61,17 @@ def write_and_read(path: Path) -> None:
                 lossy = compression is Compression.DWAA
                 np.testing.assert_allclose(read, pixels, rtol=0, atol=0.05 if lossy else 0)
                 assert found == sidecar
+
+
+def judge() -> None:
+    """A picture is as itself, and black is not white."""
+    import numpy as np
+
+    from radtex_addon.report.metrics import flip_map
+
+    white = np.ones((32, 32, 3))
+    assert flip_map(white, white).max() == 0
+    assert flip_map(0 * white, white).mean() > 0.9
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import platform
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -16,7 +17,8 @@ from pathlib import Path
 import bpy
 
 EXTENSION = "bl_ext.user_default.radtex"
-WHEELS = ("OpenEXR", "xatlas")
+INTEL_MAC = (sys.platform, platform.machine()) == ("darwin", "x86_64")  # nobody makes FLIP for it
+WHEELS = ("OpenEXR", "xatlas") if INTEL_MAC else ("OpenEXR", "flip_evaluator", "xatlas")
 
 
 def main(archive: str, answer: str) -> None:

@@ -45,15 +45,13 @@ def test_nothing_else_ships(zips: dict[str, Path], platform: str) -> None:
 
 
 @pytest.mark.parametrize("platform", PLATFORMS)
-def test_the_zip_carries_both_wheels_for_both_pythons_and_no_other_platforms(
+def test_the_zip_carries_its_wheels_for_both_pythons_and_no_other_platforms(
     zips: dict[str, Path], platform: str
 ) -> None:
     wheels = [name.name for name in names(zips, platform) if name.parts[0] == "wheels"]
+    flip = [] if platform == "macos-x64" else ["flip_evaluator"]  # nobody makes one
     assert sorted(tuple(wheel.split("-"))[::2][:2] for wheel in wheels) == [
-        ("openexr", "cp311"),
-        ("openexr", "cp313"),
-        ("xatlas", "cp311"),
-        ("xatlas", "cp313"),
+        (package, python) for package in [*flip, "openexr", "xatlas"] for python in ("cp311", "cp313")
     ]
     system, machine = platform.split("-")
     mark = {"linux": "manylinux", "macos": "macosx", "windows": "win"}[system]
