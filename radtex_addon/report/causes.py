@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import logging
 import tempfile
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
@@ -14,6 +15,7 @@ import bpy
 
 from ..bake.spec import BakeSpec, Layout
 from ..bake.stopwatch import Stopwatch
+from ..core.errors import InputError
 from ..job import OutputFiles
 from ..job.run import bake_and_keep
 from ..scene.scratch import new_data_removed
@@ -23,6 +25,8 @@ from .judging import judge, mean_flip, mean_psnr
 from .progress import Step, Task, steps_of
 from .sizes import gpu_bytes
 from .views import View
+
+log = logging.getLogger(__name__)
 
 _MATTERS = 0.2  # decibels: what costs less is no cause
 
@@ -69,34 +73,47 @@ def halve(
     """
     found = []
     for cause in Cause:
-        value = int(getattr(spec, cause)) // 2
-        if value < (2 if cause is Cause.CELLS else 1):
+        less = _half(spec, cause)
+        if less is None:
             continue
         about = f"half the {'cells' if cause is Cause.CELLS else cause}"
-        less = _with(spec, cause, value)
-        with tempfile.TemporaryDirectory(prefix="radtex-") as folder, new_data_removed():
-            files = OutputFiles.of(name, less, Path(folder), preview=False)
-            baked = yield from steps_of(bake_and_keep(scene, name, less, files, None, Stopwatch()), about)
-            prepared = baked.prepared
-            surface = BakedSurface(prepared.mesh, prepared.matrix_world, prepared.uv_layer)
-            yield Step(Task.COMPARE, 0, 1, about)
-            bake = read_bake(baked.made.files.sidecar)
-            judged = judge(bake, surface, views)
-            psnr = mean_psnr(judged)
-            found.append(
-                Halving(
-                    cause, value, psnr, mean_flip(judged), whole - psnr, baked.made.paths, gpu_bytes(bake)
-                )
-            )
+        try:
+            found.append((yield from _judge_again(scene, less, name, views, whole, cause, about)))
+        except InputError as error:  # such as too few texels for the islands of an unwrap
+            log.warning("%s cannot be baked: %s", about, error)
     return found
 
 
-def _with(spec: BakeSpec, cause: Cause, value: int) -> BakeSpec:
+def _judge_again(
+    scene: bpy.types.Scene,
+    spec: BakeSpec,
+    name: str,
+    views: Sequence[View],
+    whole: float,
+    cause: Cause,
+    about: str,
+) -> Generator[Step, None, Halving]:
+    with tempfile.TemporaryDirectory(prefix="radtex-") as folder, new_data_removed():
+        files = OutputFiles.of(name, spec, Path(folder), preview=False)
+        baked = yield from steps_of(bake_and_keep(scene, name, spec, files, None, Stopwatch()), about)
+        prepared = baked.prepared
+        surface = BakedSurface(prepared.mesh, prepared.matrix_world, prepared.uv_layer)
+        yield Step(Task.COMPARE, 0, 1, about)
+        bake = read_bake(baked.made.files.sidecar)
+        judged = judge(bake, surface, views)
+        size = gpu_bytes(bake)
+    psnr = mean_psnr(judged)
+    value = int(getattr(spec, cause))
+    return Halving(cause, value, psnr, mean_flip(judged), whole - psnr, baked.made.paths, size)
+
+
+def _half(spec: BakeSpec, cause: Cause) -> BakeSpec | None:
+    """The same bake with half of something; None where there would be nothing left."""
     if cause is Cause.SAMPLES:
-        return replace(spec, samples=value)
+        return replace(spec, samples=spec.samples // 2) if spec.samples >= 2 else None
     if cause is Cause.CELLS:
-        return replace(spec, bucket=value)
-    return replace(spec, texels=value)
+        return replace(spec, bucket=spec.bucket // 2) if spec.bucket >= 4 else None
+    return replace(spec, texels=spec.texels // 2) if spec.texels >= 2 else None
 
 
 def first_change(bake: Finished, halvings: Sequence[Halving]) -> str:

@@ -34,7 +34,7 @@ class Finished:
     """A bake's sidecar, its images, and the light in them.
 
     `radiance` gives the light (N, 3), linear, along a G-buffer's N rays, zero where they miss. `texels`
-    (H, W, K) are values that each texel has of its own, as they are stored. `lossless` says that the files
+    (H, W, K) are light that each texel has of its own, as it is stored. `lossless` says that the files
     lost nothing but bits of floats.
     """
 
@@ -163,7 +163,7 @@ def _read_buckets(path: Path) -> Finished:
         sidecar=sidecar,
         images=(image,),
         radiance=_looked_up(partial(_sample_buckets, pixels.astype(np.float32), atlas)),
-        texels=atlas.to_buckets(pixels).reshape(sidecar.height, sidecar.width, -1),
+        texels=atlas.to_buckets(pixels)[..., :3].reshape(sidecar.height, sidecar.width, -1),
         lossless=stored_compression(image) is not Compression.DWAA,
     )
 

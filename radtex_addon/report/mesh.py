@@ -10,6 +10,7 @@ of the nearest that one does.
 from __future__ import annotations
 
 from collections.abc import Generator
+from contextlib import closing
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -31,7 +32,8 @@ from .finished import Finished
 from .gbuffer import BakedSurface
 from .progress import Step, Task, steps_of
 
-_AGREE = 0.5  # of the gutter's values: another layer's gutter has next to none, nothing hidden all
+_SURE = 0.93  # of the gutter's values: all, but where the bake filled texels that nobody sees
+_MAYBE = 0.85  # another layer's gutter has fewer
 _LOOKED_AT = 4096  # of the gutter's texels
 _LOSSY = 0.05  # how far two values may be apart that dwaa has packed, over the larger
 _SAME = 1e-5  # of the object's size: vertices that have moved less have not moved
@@ -52,61 +54,82 @@ def find_mesh(
     """Find the surface of `bake` on the object `original` of a scratch scene.
 
     Looks at the object's own layer of the sidecar's name, at the preview beside the bake, and at what each
-    unwrap makes with `padding`. Raises InputError where no layer fits.
+    unwrap makes with `padding`: the first that surely fits, or else the best that may. Raises InputError
+    where none does.
     """
-    yield Step(Task.FIND_MESH, 0, 1)
     evaluated = evaluate(scratch, original)
+    best: tuple[float, Found] | None = None
+    with closing(_layers(evaluated, bake, padding)) as layers:
+        for found in layers:
+            if isinstance(found, Step):
+                yield found
+                continue
+            surface, agreement = _surface(evaluated, found.uv, bake)
+            if best is None or agreement > best[0]:
+                best = agreement, Found(surface, found.own, found.unwrap)
+            if agreement >= _SURE:
+                break
+    if best is None or best[0] < _MAYBE:
+        raise InputError(
+            f"object '{original.name}' does not fit {bake.path}: it was changed since, or unwrapped with "
+            "another padding or by another Blender; bake it again, with --save-preview"
+        )
+    return best[1]
+
+
+@dataclass(frozen=True, eq=False)
+class _Layer:
+    """A UV layer (F, 3, 2) that may be the baked one, and where it comes from as in `Found`."""
+
+    uv: Floats
+    own: str | None
+    unwrap: Unwrap
+
+
+def _layers(evaluated: EvaluatedMesh, bake: Finished, padding: int) -> Generator[Step | _Layer, None, None]:
+    yield Step(Task.FIND_MESH, 0, 1)
     own = bake.sidecar.uv_map
     if own in evaluated.uv_layers or not bake.unwrapped:
-        surface = _fitting(evaluated, user_uv(evaluated, own), bake)
-        if surface is not None:
-            return Found(surface, own, Unwrap.XATLAS)
-    if bake.unwrapped:
-        surface = _fitting(evaluated, _uv_of_preview(bake, evaluated), bake)
-        if surface is not None:
-            return Found(surface, None, Unwrap.XATLAS)
-        for unwrap in Unwrap:
-            uv = yield from _unwrapped(evaluated, bake, unwrap, padding)
-            surface = _fitting(evaluated, uv, bake)
-            if surface is not None:
-                return Found(surface, None, unwrap)
-    raise InputError(
-        f"object '{original.name}' does not fit {bake.path}: it was changed since, or unwrapped with another "
-        "padding or by another Blender; bake it again, with --save-preview"
-    )
+        yield _Layer(user_uv(evaluated, own), own, Unwrap.XATLAS)
+    if not bake.unwrapped:
+        return
+    uv = _uv_of_preview(bake, evaluated)
+    if uv is not None:
+        yield _Layer(uv, None, Unwrap.XATLAS)
+    for unwrap in Unwrap:
+        uv = yield from _unwrapped(evaluated, bake, unwrap, padding)
+        if uv is not None:
+            yield _Layer(uv, None, unwrap)
 
 
-def _fitting(evaluated: EvaluatedMesh, uv: Floats | None, bake: Finished) -> BakedSurface | None:
-    """The surface with `uv` (F, 3, 2), if that fits the bake."""
-    if uv is None:
-        return None
+def _surface(evaluated: EvaluatedMesh, uv: Floats, bake: Finished) -> tuple[BakedSurface, float]:
+    """The surface with a UV layer, and how well that agrees with the bake, 0 to 1."""
     layer = bake.sidecar.uv_map
     with new_data_removed():
         mesh = baked_mesh(evaluated, uv, layer)
         surface = surface_mesh(evaluated, mesh, layer)
-        if not _agrees(rasterise(surface, bake.sidecar.width, bake.sidecar.height).covered, bake):
-            return None
-        return BakedSurface(mesh, evaluated.matrix_world, layer)
+        covered = rasterise(surface, bake.sidecar.width, bake.sidecar.height).covered
+        return BakedSurface(mesh, evaluated.matrix_world, layer), _agreement(covered, bake)
 
 
-def _agrees(covered: Bools, bake: Finished) -> bool:
-    """Whether the atlas holds gutter where nothing is `covered` (H, W)."""
+def _agreement(covered: Bools, bake: Finished) -> float:
+    """The share of values where nothing is `covered` (H, W) that are copies of the nearest covered one's."""
     if not covered.any():
-        return False
+        return 0.0
     gutter = np.flatnonzero(~covered)
     gutter = gutter[:: len(gutter) // _LOOKED_AT + 1]
     if not len(gutter):
-        return True
+        return 1.0
     nearest = np.ravel_multi_index(nearest_covered(covered), covered.shape).ravel()[gutter]
     flat = bake.texels.reshape(covered.size, -1)
     ours, theirs = (flat[place].astype(np.float32) for place in (gutter, nearest))
     allowed = 0.0 if bake.lossless else _LOSSY * np.maximum(np.abs(ours), np.abs(theirs))
-    return bool((np.abs(ours - theirs) <= allowed).mean() >= _AGREE)
+    return float((np.abs(ours - theirs) <= allowed).mean())
 
 
 def _unwrapped(
     evaluated: EvaluatedMesh, bake: Finished, unwrap: Unwrap, padding: int
-) -> Generator[Step, None, Floats | None]:
+) -> Generator[Step | _Layer, None, Floats | None]:
     """What an unwrap makes of the mesh, if it is of the atlas's size."""
     width, height = bake.sidecar.width, bake.sidecar.height
     try:

@@ -35,6 +35,7 @@ _GOLDEN = pi * (3 - sqrt(5))  # an angle that no other view comes near, however 
 _PEEK = 48  # pixels of a first look
 _CLEAR = 0.8  # of the object's pixels: a view that shows as many is good
 _LEAST = 0.05  # and one that shows fewer is none
+_THIN = 0.05  # of the picture: an object that covers less of it is seen edge-on
 _TRIES = 8  # first looks for each view
 _TOUCHING = 1e-4  # of a distance: what lies as near as that to the surface is the surface
 
@@ -135,11 +136,11 @@ def _around(surface: BakedSurface, count: int) -> Iterator[_Camera]:
 
 
 def _share_seen(scratch: bpy.types.Scene, surface: BakedSurface, camera: _Camera, folder: Path) -> float:
-    """How much of the surface nothing else hides from a camera, 0 to 1."""
+    """How much of the surface nothing else hides from a camera, 0 to 1; less where it is seen edge-on."""
     rays = camera.rays(_PEEK, 1)
     alone = surface.gbuffer(rays, np.full(len(rays.away), np.inf)).hit
     found = surface.gbuffer(rays, _distances(scratch, camera, rays, folder)).hit
-    return float(found.sum()) / max(1, int(alone.sum()))
+    return float(found.sum()) / max(float(alone.sum()), _THIN * len(rays.away))
 
 
 def _distances(scratch: bpy.types.Scene, camera: _Camera, rays: Rays, folder: Path) -> Array:
