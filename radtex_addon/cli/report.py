@@ -43,7 +43,8 @@ def _finish(
 
 def _summary(result: ReportResult) -> str:
     flip = "" if result.flip is None else f", FLIP {result.flip:.3f}"
-    found = f"{result.verdict} PSNR {result.psnr:.2f} dB{flip}, energy {result.energy:.3f}."
+    floor = f"path tracing to itself {result.floor:.1f} dB"
+    found = f"{result.verdict} Energy {result.energy:.3f}{flip}, {floor}."
     return found if result.first_change is None else f"{found} {result.first_change}"
 
 

@@ -34,8 +34,8 @@ class Finished:
     """A bake's sidecar, its images, and the light in them.
 
     `radiance` gives the light (N, 3), linear, along a G-buffer's N rays, zero where they miss. `texels`
-    (H, W, K) are light that each texel has of its own, as it is stored. `lossless` says that the files
-    lost nothing but bits of floats.
+    (H, W, K) are light that each texel has of its own, as it is stored. `compression` is None for one that
+    RadTex does not write.
     """
 
     path: Path
@@ -44,7 +44,7 @@ class Finished:
     images: tuple[Path, ...]
     radiance: Callable[[GBuffer], Array]
     texels: Floats
-    lossless: bool
+    compression: Compression | None
 
     @property
     def preview(self) -> Path:
@@ -69,6 +69,7 @@ class Finished:
             seed=bake.seed,
             capture=parse_capture(bake.capture),
             uv_layer=None if self.unwrapped else bake.uv_map,
+            compression=self.compression or Compression.ZIP,
             device=device,
         )
 
@@ -164,7 +165,7 @@ def _read_buckets(path: Path) -> Finished:
         images=(image,),
         radiance=_looked_up(partial(_sample_buckets, pixels.astype(np.float32), atlas)),
         texels=atlas.to_buckets(pixels)[..., :3].reshape(sidecar.height, sidecar.width, -1),
-        lossless=stored_compression(image) is not Compression.DWAA,
+        compression=stored_compression(image),
     )
 
 
@@ -179,7 +180,7 @@ def _read_shared(path: Path) -> Finished:
         images=images,
         radiance=_looked_up(partial(_sample_shared, atlas)),
         texels=atlas.irradiance,
-        lossless=stored_compression(layer_path(path, IRRADIANCE)) is not Compression.DWAA,
+        compression=stored_compression(layer_path(path, IRRADIANCE)),
     )
 
 

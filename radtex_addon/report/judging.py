@@ -21,7 +21,7 @@ _WORDS = (  # from so many decibels on
     (30.0, "close: differences show where one looks for them"),
     (25.0, "near, but reflections or textures differ at first sight"),
     (20.0, "the right light, but clearly blurred or noisy"),
-    (-np.inf, "far off: sharp reflections, noise or texture are not in it"),
+    (-np.inf, "far off, for it is too blurred or too noisy to stand in for the object"),
 )
 _AT_THE_FLOOR = 1.0  # decibels above the reference's own noise that say nothing more
 

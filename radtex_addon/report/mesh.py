@@ -17,7 +17,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from ..bake.spec import Unwrap
+from ..bake.spec import Compression, Unwrap
 from ..core.arrays import Bools, Floats
 from ..core.errors import InputError
 from ..core.gutter import nearest_covered
@@ -123,7 +123,8 @@ def _agreement(covered: Bools, bake: Finished) -> float:
     nearest = np.ravel_multi_index(nearest_covered(covered), covered.shape).ravel()[gutter]
     flat = bake.texels.reshape(covered.size, -1)
     ours, theirs = (flat[place].astype(np.float32) for place in (gutter, nearest))
-    allowed = 0.0 if bake.lossless else _LOSSY * np.maximum(np.abs(ours), np.abs(theirs))
+    lossy = bake.compression is Compression.DWAA
+    allowed = _LOSSY * np.maximum(np.abs(ours), np.abs(theirs)) if lossy else 0.0
     return float((np.abs(ours - theirs) <= allowed).mean())
 
 

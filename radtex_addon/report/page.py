@@ -153,8 +153,9 @@ def _causes(contents: Contents) -> str:
     halvings = contents.halvings
     if halvings is None:
         return "<p>Not measured: with --variants the object is baked again with half of each setting.</p>"
-    whole = mean_psnr(contents.judged)
+    whole, size = mean_psnr(contents.judged), sum(image.rgba16f for image in contents.sizes)
     rows = [["", "PSNR, dB", "lost, dB", "FLIP", "M paths", "MB on a GPU"]]
+    rows.append(["as baked", f"{whole:.2f}", "", _flip(mean_flip(contents.judged)), "", f"{size / 1e6:.2f}"])
     rows += [
         [
             f"half of --{halving.cause}: {halving.value}",
@@ -167,10 +168,7 @@ def _causes(contents: Contents) -> str:
         for halving in halvings
     ]
     shown = "".join(f"<li>--{halving.cause}: {escape(halving.shows)}</li>" for halving in halvings)
-    note = (
-        f"Each row is a bake with half of one thing, against the same views; the whole is at {whole:.2f} dB. "
-        "Less than nothing lost means that the smaller bake is the closer one"
-    )
+    note = "Each further row is a bake with half of one thing, against the same views. Less than nothing lost means that the smaller bake is the closer one"
     if any(halving.cause is Cause.CELLS for halving in halvings) and contents.bake.layout is Layout.BUCKETS:
         note += ": fewer cells take fewer paths, or as many with less noise each"
     first = escape(first_change(contents.bake, halvings))

@@ -24,9 +24,9 @@ from .mesh import Found, find_mesh
 from .page import Contents, page
 from .progress import Step, Task
 from .sizes import gpu_bytes, image_sizes
-from .views import View, make_views
+from .views import MOST_PIXELS, View, make_views
 
-_LIMITS = {"views": (1, 64), "pixels": (16, 4096), "samples": (1, 2**24)}
+_LIMITS = {"views": (1, 64), "pixels": (16, MOST_PIXELS), "samples": (1, 2**24)}
 
 
 @dataclass(frozen=True)

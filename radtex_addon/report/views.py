@@ -25,7 +25,8 @@ from .gbuffer import Array, BakedSurface, GBuffer, Rays
 from .metrics import Picture
 from .progress import Step, Task
 
-SUBSAMPLES = 4  # along a pixel's side
+MOST_PIXELS = 2048  # along a picture's side
+_SUBSAMPLES = 4  # along a pixel's side, where the pixels are not too many for that
 _SEEDS = (1101, 2202)  # the reference's, and that of the repetition that tells its noise: no bake's own
 _LENS, _SENSOR = 50.0, 36.0  # millimetres
 _HALF = _SENSOR / 2 / _LENS
@@ -79,7 +80,7 @@ def make_views(
     views: list[View] = []
     for index, camera in enumerate(cameras):
         yield Step(Task.REFERENCE, len(views) + bool(views), len(cameras) + 1)
-        rays = camera.rays(pixels, SUBSAMPLES)
+        rays = camera.rays(pixels, min(_SUBSAMPLES, MOST_PIXELS // pixels))
         blocked = _distances(scratch, camera, rays, folder)
         reference = _picture(scratch, camera, pixels, samples, _SEEDS[0], folder)
         again = None

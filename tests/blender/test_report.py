@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Kind, Layout, Unwrap
+from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layout, Unwrap
 from radtex_addon.core.errors import FormatError, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
@@ -142,6 +142,11 @@ def test_an_object_that_nothing_shows_is_refused(out: Path) -> None:
 def test_the_unwrap_is_found_again_by_its_gutter(unwrap: Unwrap, out: Path) -> None:
     striped(ball(), 0.2)
     assert report(bake("Ball", replace(TINY, unwrap=unwrap), out)).psnr > 14
+
+
+def test_a_lossy_atlas_is_told_its_layer_too(out: Path) -> None:
+    striped(ball(), 0.2)
+    assert report(bake("Ball", replace(TINY, compression=Compression.DWAA), out)).psnr > 14
 
 
 def test_another_padding_is_found_in_the_preview_only(out: Path) -> None:
@@ -298,7 +303,7 @@ def test_what_costs_most_is_changed_first(finished: Any) -> None:
     assert "too small" in first_change(finished, [])
 
 
-@pytest.mark.parametrize(("views", "pixels", "samples"), [(0, 64, 8), (1, 8, 8), (1, 64, 0)])
+@pytest.mark.parametrize(("views", "pixels", "samples"), [(0, 64, 8), (1, 8, 8), (1, 4096, 8), (1, 64, 0)])
 def test_a_report_has_limits(views: int, pixels: int, samples: int) -> None:
     with pytest.raises(InputError, match="give a whole number from"):
         ReportSpec(views=views, pixels=pixels, samples=samples)
