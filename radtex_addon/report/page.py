@@ -15,7 +15,7 @@ import numpy as np
 from ..bake.spec import Layout
 from ..formats.memory import readable_size
 from ..formats.png import encode_png
-from .causes import Cause, Halving, first_change
+from .causes import Halving, first_change
 from .finished import Finished
 from .judging import Judged, mean_energy, mean_flip, mean_psnr, verdict
 from .metrics import Figures, Picture, display
@@ -168,11 +168,12 @@ def _causes(contents: Contents) -> str:
         for halving in halvings
     ]
     shown = "".join(f"<li>--{halving.cause}: {escape(halving.shows)}</li>" for halving in halvings)
-    note = "Each further row is a bake with half of one thing, against the same views. Less than nothing lost means that the smaller bake is the closer one"
-    if any(halving.cause is Cause.CELLS for halving in halvings) and contents.bake.layout is Layout.BUCKETS:
-        note += ": fewer cells take fewer paths, or as many with less noise each"
+    note = (
+        "Each further row is a bake with half of one thing, against the same views. Less than nothing lost "
+        "means that the smaller bake is the closer one."
+    )
     first = escape(first_change(contents.bake, halvings))
-    return f'<p class="verdict">{first}</p>{_table(rows)}<p class="note">{note}.</p><ul>{shown}</ul>'
+    return f'<p class="verdict">{first}</p>{_table(rows)}<p class="note">{note}</p><ul>{shown}</ul>'
 
 
 def _table(rows: Sequence[Sequence[str]]) -> str:
