@@ -40,7 +40,7 @@ class ImageSize:
 def image_sizes(bake: Finished) -> list[ImageSize]:
     """Every image of a bake. Raises FormatError where one cannot be read."""
     sizes = []
-    for image, (width, height) in zip(bake.images, _shapes(bake).values(), strict=True):
+    for image, (width, height) in _shapes(bake).items():
         pixels = read_pixels(image, width, height)
         opaque = pixels.shape[2] < 4 or bool((pixels[..., 3] == 1).all())
         sizes.append(

@@ -21,6 +21,7 @@ from mathutils import Matrix, Vector
 from ..core.errors import InputError
 from ..cycles.apparatus import render_layers
 from ..cycles.settings import apply_capture_settings, first_hit_only, keep_passes, look_at_centres
+from ..scene.scratch import new_data_removed, remove_scene
 from .gbuffer import Array, BakedSurface, GBuffer, Rays
 from .metrics import Picture
 from .progress import Step, Task
@@ -192,8 +193,9 @@ def _camera_object(scene: bpy.types.Scene, camera: _Camera) -> bpy.types.Object:
 @contextmanager
 def _copied(scratch: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
     """A copy of a scratch scene, so that settings of one render are none of the next."""
-    copy = cast(bpy.types.Scene, scratch.copy())
-    try:
-        yield copy
-    finally:
-        bpy.data.scenes.remove(copy)
+    with new_data_removed():
+        copy = cast(bpy.types.Scene, scratch.copy())
+        try:
+            yield copy
+        finally:
+            remove_scene(copy)
