@@ -16,7 +16,7 @@ from types import FrameType
 
 from ..core.errors import Cancelled
 
-INTERRUPTED = "interrupted: nothing of the unfinished bake is left"
+INTERRUPTED = "interrupted: nothing unfinished is left"
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)  # Ctrl-C, and how a farm ends a job
 
 

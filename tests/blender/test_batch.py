@@ -503,7 +503,7 @@ def test_ctrl_c_amid_a_render_ends_with_130_and_leaves_nothing(room: Path, out: 
         watchdog.cancel()
     assert running.returncode == 130
     assert json.loads(rest.splitlines()[-1])["exit_code"] == 130
-    assert "radtex: interrupted: nothing of the unfinished bake is left" in err.splitlines()
+    assert "radtex: interrupted: nothing unfinished is left" in err.splitlines()
     assert "Traceback" not in err
     assert not out.exists()
     assert not [path for path in temporary.iterdir() if path.name.startswith("radtex")]
@@ -527,7 +527,7 @@ def test_either_signal_interrupts_and_handlers_are_put_back(
     monkeypatch.setattr(buckets, "PortalCapture", Interrupted)
     try:
         line = refusal(batch(room, "--object", "Card", *TINY, *QUIET, "--out", out), code=130)
-        assert line == "radtex: interrupted: nothing of the unfinished bake is left\n"
+        assert line == "radtex: interrupted: nothing unfinished is left\n"
         assert heard == []
         assert signal.getsignal(number) is ours
     finally:
