@@ -75,14 +75,21 @@ vec3 radtex_surroundings(sampler2D surroundings, ivec2 around, vec3 d, float spr
     return mix(sharper, radtex_level(surroundings, around.x, high, d), level - float(low));
 }
 
-// Light that leaves every way alike, but for its falloff with the cosine N.V.
-vec3 radtex_diffuse(sampler2D colour, sampler2D irradiance, vec3 falloff[RADTEX_FALLOFF], vec2 uv, float cosine) {
+// Light that leaves every way alike, but for its falloff with the cosine N.V. `fine` and `texels` are the images'
+// sizes: an image may be padded on the right and at the top.
+vec3 radtex_diffuse(sampler2D colour, ivec2 fine, sampler2D irradiance, ivec2 texels, vec3 falloff[RADTEX_FALLOFF],
+                    vec2 uv, float cosine) {
     float place = clamp(cosine * float(RADTEX_FALLOFF) - 0.5, 0.0, float(RADTEX_FALLOFF - 1));
     int low = int(place);
-    ivec2 fine = textureSize(colour, 0), texels = textureSize(irradiance, 0);
     return radtex_bilinear(colour, ivec2(0), fine, uv * vec2(fine)).rgb
         * radtex_bilinear(irradiance, ivec2(0), texels, uv * vec2(texels)).rgb
         * mix(falloff[low], falloff[min(low + 1, RADTEX_FALLOFF - 1)], place - float(low));
+}
+
+// The same of images that are not padded.
+vec3 radtex_diffuse(sampler2D colour, sampler2D irradiance, vec3 falloff[RADTEX_FALLOFF], vec2 uv, float cosine) {
+    ivec2 fine = textureSize(colour, 0), texels = textureSize(irradiance, 0);
+    return radtex_diffuse(colour, fine, irradiance, texels, falloff, uv, cosine);
 }
 
 // Light that leaves along a lobe: its axis, in world space, is reflect(-V, N) for "mirror" and -V for "through".
