@@ -1,0 +1,221 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""DDS files: other programs read them as we do, and bad ones are refused by name."""
+
+from __future__ import annotations
+
+import ctypes
+import struct
+from collections.abc import Callable
+from pathlib import Path
+
+import moderngl
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from PIL import Image
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.errors import BakeError, FormatError, ShapeError
+from radtex_addon.formats.bc6h import decode_bc6h
+from radtex_addon.formats.bc7 import Blocks, decode_bc7
+from radtex_addon.formats.dds import DdsFormat, read_dds, write_dds
+
+HEADER = 148
+
+
+def random_blocks(kind: DdsFormat, rows: int = 6, columns: int = 9, seed: int = 1) -> Blocks:
+    """Blocks of the modes that we write, all other bits free; or pixels."""
+    blocks = np.random.default_rng(seed).integers(0, 256, (rows, columns, kind.block_bytes), np.uint8)
+    if kind is DdsFormat.BC7_UNORM:
+        blocks[..., 0] = (blocks[..., 0] & 0x80) | 0x40
+    if kind is DdsFormat.BC6H_UF16:
+        blocks[..., 0] = (blocks[..., 0] & 0xE0) | 0b00011
+    return blocks
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "a.dds"
+    write_dds(path, random_blocks(DdsFormat.BC7_UNORM), DdsFormat.BC7_UNORM)
+    return path
+
+
+def patched(path: Path, offset: int, value: int) -> None:
+    data = bytearray(path.read_bytes())
+    struct.pack_into("<I", data, offset, value)
+    path.write_bytes(data)
+
+
+@pytest.mark.parametrize("kind", list(DdsFormat))
+def test_blocks_come_back_as_they_were(tmp_path: Path, kind: DdsFormat) -> None:
+    path, blocks = tmp_path / "new" / "a.dds", random_blocks(kind)
+    write_dds(path, blocks[::-1], kind)
+    found, read, width, height = read_dds(path)
+    np.testing.assert_array_equal(read, blocks[::-1])
+    assert (found, width, height) == (kind, 9 * kind.side, 6 * kind.side)
+    assert list(path.parent.iterdir()) == [path]
+    assert path.stat().st_size == HEADER + blocks.nbytes
+
+
+def test_pillow_reads_bc7_as_we_do(file: Path) -> None:
+    with Image.open(file) as image:
+        theirs = np.asarray(image)
+    ours = np.rint(decode_bc7(read_dds(file)[1]) * 255).astype(np.uint8)
+    np.testing.assert_array_equal(theirs, ours)
+
+
+def test_pillow_reads_bc6h_as_we_do_as_far_as_it_does(tmp_path: Path) -> None:
+    """It clips to 0..1 and cuts off to 8 bits."""
+    kind = DdsFormat.BC6H_UF16
+    blocks = random_blocks(kind, 24, 24)
+    write_dds(tmp_path / "a.dds", blocks, kind)
+    with Image.open(tmp_path / "a.dds") as image:
+        theirs = np.asarray(image)
+    ours = decode_bc6h(blocks)
+    assert np.mean(ours < 1) > 0.3
+    np.testing.assert_array_equal(theirs, np.floor(np.minimum(ours, 1) * 255))
+
+
+def test_pillow_reads_rgba_as_we_do(tmp_path: Path) -> None:
+    pixels = random_blocks(DdsFormat.R8G8B8A8_UNORM)
+    write_dds(tmp_path / "a.dds", pixels, DdsFormat.R8G8B8A8_UNORM)
+    with Image.open(tmp_path / "a.dds") as image:
+        np.testing.assert_array_equal(np.asarray(image), pixels)
+
+
+@pytest.mark.parametrize(
+    ("kind", "gl_format", "decode"),
+    [(DdsFormat.BC7_UNORM, 0x8E8C, decode_bc7), (DdsFormat.BC6H_UF16, 0x8E8F, decode_bc6h)],
+)
+def test_opengl_decodes_as_we_do(kind: DdsFormat, gl_format: int, decode: Callable[[Blocks], Floats]) -> None:
+    blocks = random_blocks(kind, 16, 16)
+    ours = decode(blocks)
+    with moderngl.create_context(standalone=True, backend="egl"):  # type: ignore[arg-type]  # wrong stub
+        theirs = drawn_by_opengl(blocks, gl_format)
+    print(f"{kind.name}: {np.mean(theirs[..., : ours.shape[2]] == ours):.2%} of the values are the same")
+    np.testing.assert_allclose(theirs[..., : ours.shape[2]], ours, rtol=1e-6)
+
+
+def drawn_by_opengl(blocks: Blocks, gl_format: int) -> Floats:
+    """The image (H, W, 4) float32 of blocks given to the current context as they are."""
+    texture_2d, rgba, floats = 0x0DE1, 0x1908, 0x1406
+    opengl = ctypes.CDLL("libGL.so.1")
+    height, width = 4 * blocks.shape[0], 4 * blocks.shape[1]
+    data, image = blocks.tobytes(), np.full((height, width, 4), np.nan, np.float32)
+    name = ctypes.c_uint()
+    opengl.glGenTextures(1, ctypes.byref(name))
+    opengl.glBindTexture(texture_2d, name)
+    opengl.glCompressedTexImage2D(texture_2d, 0, gl_format, width, height, 0, len(data), data)
+    opengl.glGetTexImage(texture_2d, 0, rgba, floats, image.ctypes.data_as(ctypes.c_void_p))
+    assert opengl.glGetError() == 0
+    return image
+
+
+def test_a_size_that_is_no_multiple_of_four_has_whole_blocks(file: Path) -> None:
+    patched(file, 12, 22)  # height
+    patched(file, 16, 33)  # width
+    _, blocks, width, height = read_dds(file)
+    assert (width, height, blocks.shape) == (33, 22, (6, 9, 16))
+
+
+@pytest.mark.parametrize("length", [0, 3, 4, 60, 147, 148, 500])
+def test_a_file_that_is_cut_short_is_refused(file: Path, length: int) -> None:
+    file.write_bytes(file.read_bytes()[:length])
+    with pytest.raises(FormatError, match=r"a\.dds is (cut short|not a DDS file)"):
+        read_dds(file)
+
+
+def test_a_file_with_more_in_it_is_refused(file: Path) -> None:
+    file.write_bytes(file.read_bytes() + b"x")
+    with pytest.raises(FormatError, match=r"a\.dds has more in it"):
+        read_dds(file)
+
+
+@pytest.mark.parametrize(
+    ("offset", "value", "message"),
+    [
+        (0, 0x20534444 + 1, "not a DDS file"),
+        (4, 100, "header cannot be read"),
+        (12, 0, "36 x 0 pixels"),
+        (16, 16388, "16388 x 24 pixels"),
+        (28, 3, "no single 2D texture"),
+        (76, 0, "header cannot be read"),
+        (80, 0x41, "an older DDS format"),
+        (84, 0x35545844, '"DXT5"'),
+        (112, 0xFE00, "no single 2D texture"),
+        (128, 99, "DXGI format 99: save it as R8G8B8A8_UNORM, BC6H_UF16, BC7_UNORM"),
+        (132, 4, "no single 2D texture"),
+        (136, 4, "no single 2D texture"),
+        (140, 6, "no single 2D texture"),
+    ],
+)
+def test_other_files_are_refused_by_name(file: Path, offset: int, value: int, message: str) -> None:
+    patched(file, offset, value)
+    with pytest.raises(FormatError, match=message) as caught:
+        read_dds(file)
+    assert str(file) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_header_that_promises_much_takes_no_memory(file: Path) -> None:
+    patched(file, 12, 16384)
+    patched(file, 16, 16384)
+    with pytest.raises(FormatError, match="its header says 268435604"):
+        read_dds(file)
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, HEADER - 1), st.integers(0, 255)), min_size=1, max_size=4), st.data()
+)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_any_header_is_read_or_refused(
+    file: Path, changes: list[tuple[int, int]], data: st.DataObject
+) -> None:
+    whole = file.read_bytes()
+    damaged = bytearray(whole)
+    for offset, value in changes:
+        damaged[offset] = value
+    other = file.with_name("b.dds")
+    other.write_bytes(
+        damaged[: data.draw(st.sampled_from([len(whole), HEADER, HEADER // 2, len(whole) - 1]))]
+    )
+    try:
+        kind, blocks, width, height = read_dds(other)
+    except FormatError:
+        return
+    assert blocks.nbytes == other.stat().st_size - HEADER
+    assert blocks.shape[:2] == (-(-height // kind.side), -(-width // kind.side))
+
+
+def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
+    for path in (tmp_path / "none.dds", tmp_path):
+        with pytest.raises(FormatError, match="cannot be read"):
+            read_dds(path)
+
+
+@pytest.mark.parametrize(
+    ("shape", "kind"),
+    [
+        ((4, 4, 4), DdsFormat.BC7_UNORM),
+        ((4, 4, 16), DdsFormat.R8G8B8A8_UNORM),
+        ((4, 16), DdsFormat.BC6H_UF16),
+        ((0, 4, 16), DdsFormat.BC6H_UF16),
+        ((1, 4097, 16), DdsFormat.BC6H_UF16),
+        ((16385, 1, 4), DdsFormat.R8G8B8A8_UNORM),
+    ],
+)
+def test_blocks_that_cannot_be_stored_are_refused(
+    tmp_path: Path, shape: tuple[int, ...], kind: DdsFormat
+) -> None:
+    with pytest.raises(ShapeError, match=r"a\.dds"):
+        write_dds(tmp_path / "a.dds", np.zeros(shape, np.uint8), kind)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_failed_write_leaves_nothing(tmp_path: Path) -> None:
+    (tmp_path / "a.dds").mkdir()
+    with pytest.raises(BakeError, match=r"a\.dds could not be written"):
+        write_dds(tmp_path / "a.dds", random_blocks(DdsFormat.BC7_UNORM), DdsFormat.BC7_UNORM)
+    assert list(tmp_path.iterdir()) == [tmp_path / "a.dds"]
