@@ -13,21 +13,24 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
+from ..core.condensed import CondensedLobe
 from ..core.octahedron import octahedron_taps
 from ..core.shared import LEAST_LEVEL, Axis, Lobe, SharedAtlas, level_sizes
 
 COLOUR, IRRADIANCE, SURROUNDINGS = "colour", "irradiance", "surroundings"
 ENDS, GAIN, REST = "ends", "gain", "rest"
 LOBE_CHANNELS = {ENDS: 4, GAIN: 3, REST: 3}
+WEIGHTS = "weights"  # which only a condensed lobe has, before its parts
 
 
-def layer_names(lobes: Iterable[Axis]) -> tuple[str, ...]:
+def layer_names(lobes: Iterable[Axis], condensed: bool = False) -> tuple[str, ...]:
     """The images of an atlas with these lobes, in the files' order."""
+    parts = [WEIGHTS, *LOBE_CHANNELS] if condensed else [*LOBE_CHANNELS]
     return (
         COLOUR,
         IRRADIANCE,
         SURROUNDINGS,
-        *(lobe_layer(axis, part) for axis in lobes for part in LOBE_CHANNELS),
+        *(lobe_layer(axis, part) for axis in lobes for part in parts),
     )
 
 
@@ -47,9 +50,8 @@ def pack(atlas: SharedAtlas) -> dict[str, Floats]:
         IRRADIANCE: atlas.irradiance,
         SURROUNDINGS: pack_surroundings(atlas.surroundings),
     }
-    unit = np.array([1, 1, 1, atlas.sharpest], dtype=np.float32)
     for lobe in atlas.lobes:
-        parts = {ENDS: lobe.ends / unit, GAIN: lobe.gain, REST: lobe.rest}
+        parts = stored_parts(lobe, atlas.sharpest)
         images |= {lobe_layer(lobe.axis, part): pack_buckets(buckets) for part, buckets in parts.items()}
     return {name: image.astype(np.float32, copy=False) for name, image in images.items()}
 
@@ -57,8 +59,18 @@ def pack(atlas: SharedAtlas) -> dict[str, Floats]:
 def unpack_lobe(images: Mapping[str, Floats], axis: Axis, bucket: int, sharpest: float) -> Lobe:
     """The lobe of buckets of `bucket` x `bucket` cells that `pack` put into `images`; float32."""
     ends, gain, rest = (unpack_buckets(images[lobe_layer(axis, part)], bucket) for part in LOBE_CHANNELS)
-    unit = np.array([1, 1, 1, sharpest], dtype=np.float32)
-    return Lobe(axis, *(part.astype(np.float32) for part in (ends * unit, gain, rest)))
+    parts = (ends * ends_unit(sharpest), gain, rest)
+    return Lobe(axis, *(part.astype(np.float32) for part in parts))
+
+
+def stored_parts(lobe: Lobe | CondensedLobe, sharpest: float) -> dict[str, Floats]:
+    """A lobe's buckets as files hold them, by part."""
+    return {ENDS: lobe.ends / ends_unit(sharpest), GAIN: lobe.gain, REST: lobe.rest}
+
+
+def ends_unit(sharpest: float) -> Floats:
+    """What a 1 stands for in each channel of stored ends, (4,) float32."""
+    return np.array([1, 1, 1, sharpest], dtype=np.float32)
 
 
 def pack_buckets(buckets: Floats) -> Floats:
@@ -110,12 +122,10 @@ def level_places(size: int, count: int) -> Iterator[tuple[int, int, int]]:
 def with_border(images: Floats) -> Floats:
     """Octahedral images (..., n, n, C) with a cell more on each side, (..., n + 2, n + 2, C)."""
     n = images.shape[-2]
-    corner = (
-        np.stack(np.meshgrid(np.arange(n + 2), np.arange(n + 2)), axis=-1)
-    ) / n  # between two cells' middles
-    cell, _ = next(
-        octahedron_taps(corner, n)
-    )  # the lower left of the four around it: the border begins at -1
+    # Corners lie between the middles of cells. The first of the four taps around each is the lower left cell,
+    # so that the border begins at -1.
+    corners = np.stack(np.meshgrid(np.arange(n + 2), np.arange(n + 2)), axis=-1) / n
+    cell, _ = next(octahedron_taps(corners, n))
     cells = images.reshape(*images.shape[:-3], n * n, images.shape[-1])
     bordered: Floats = cells[..., cell, :]
     return bordered

@@ -1,24 +1,33 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files of a bake in the shared layout: a sidecar `<name>.<kind>.json` and its images beside it."""
+"""The files of a bake in the shared layout: a sidecar `<name>.<kind>.json` and its images beside it.
+
+Those are EXRs, or textures as GPUs take them if the bake is condensed.
+"""
 
 from __future__ import annotations
 
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from ..core.arrays import Floats
-from ..core.errors import FormatError
+from ..core.condensed import CondensedAtlas
+from ..core.errors import BakeError, FormatError
 from ..core.shared import SharedAtlas
 from .atomic import replacing
+from .condensed_files import StoredAtlas, check_memory, digest, read_textures
+from .condensed_sizes import texture_format
+from .dds import write_dds
 from .exr import Compression, header_text, read_pixels, stored_rows, write_rows
 from .packing import (
     COLOUR,
     ENDS,
     IRRADIANCE,
+    LOBE_CHANNELS,
     SURROUNDINGS,
     pack,
     unpack_lobe,
@@ -31,6 +40,11 @@ from .sidecar import Sidecar, read_text
 def layer_path(sidecar: Path, layer: str) -> Path:
     """The image of `layer` beside a sidecar's file: Vase.radiance.json has Vase.radiance.colour.exr."""
     return sidecar.with_name(f"{sidecar.stem}.{layer}.exr")
+
+
+def texture_path(sidecar: Path, layer: str) -> Path:
+    """A condensed bake's texture beside a sidecar's file: Vase.radiance.json has Vase.radiance.colour.dds."""
+    return sidecar.with_name(f"{sidecar.stem}.{layer}.dds")
 
 
 def write_shared(
@@ -55,25 +69,55 @@ def write_shared(
         clamped += beyond
     sidecar = replace(sidecar, bake=replace(sidecar.bake, clamped=clamped))
     text = sidecar.to_json()
-    with (
-        ExitStack() as files
-    ):  # left last first: the sidecar takes its place once all its images are in theirs
+    # What is entered first is left last: the sidecar takes its place once all its images are in theirs.
+    with ExitStack() as files:
         files.enter_context(replacing(path)).write_text(text, encoding="utf-8", newline="\n")
         for layer, rows in stored.items():
             beside = files.enter_context(replacing(layer_path(path, layer)))
-            no_light = layer.endswith(ENDS)  # which is all that dwaa's losses are made for
+            # Dwaa's losses are made for light, which ends do not hold.
+            no_light = layer.endswith(ENDS)
             lossless = no_light and compression is Compression.DWAA
             write_rows(beside, rows, text, Compression.ZIP if lossless else compression)
     return sidecar
 
 
+def write_condensed(path: Path, atlas: CondensedAtlas, bake: Sidecar) -> SharedSidecar:
+    """Write the sidecar to `path` and the atlas's textures beside it; all of them, or none.
+
+    `bake` says what the atlas does not know of itself, as in `write_shared`. Values that the textures cannot
+    hold are clamped and counted: light below 0 or above 65504, other values beyond ±65504, weights beyond ±1.
+    A colour that is the same everywhere is stored once. Raises ShapeError if the atlas does not fit itself,
+    `bake` or the textures, BakeError for values that are not numbers and where the system refuses.
+    """
+    stored = StoredAtlas.of(atlas, partial(texture_path, path))
+    sidecar = SharedSidecar.of(stored.atlas, replace(bake, clamped=stored.clamped), stored.facts)
+    digests: dict[str, str] = {}
+    with ExitStack() as files:
+        beside_sidecar = files.enter_context(replacing(path))
+        for layer, blocks in stored.textures():
+            texture = texture_path(path, layer)
+            beside = files.enter_context(replacing(texture))
+            try:
+                write_dds(beside, blocks, texture_format(layer))
+            except BakeError as error:
+                raise BakeError(str(error).replace(str(beside), str(texture))) from error
+            digests[layer] = digest(beside)
+        sidecar = replace(sidecar, condensed=replace(stored.facts, digests=digests))
+        beside_sidecar.write_text(sidecar.to_json(), encoding="utf-8", newline="\n")
+    return sidecar
+
+
 def read_shared(path: Path) -> tuple[SharedAtlas, SharedSidecar]:
-    """The bake whose sidecar is the file `path`; float32.
+    """The bake whose sidecar is the file `path`, condensed or not; float32.
 
     Raises FormatError, with the path, for a sidecar or an image that is missing, damaged, not ours, of a
-    newer version, of another bake, or not of the size that the sidecar says.
+    newer version, of another bake, not of the size that the sidecar says, or too large for this machine's
+    memory.
     """
     sidecar = read_shared_sidecar(path)
+    if sidecar.condensed is not None:
+        check_memory(path, _expanded_bytes(sidecar))
+        return read_condensed(path)[0].expanded(), sidecar
     images = {layer: _read_layer(path, sidecar, layer) for layer in sidecar.shapes}
     atlas = SharedAtlas(
         colour=images[COLOUR].astype(np.float32),
@@ -88,9 +132,24 @@ def read_shared(path: Path) -> tuple[SharedAtlas, SharedSidecar]:
     return atlas, sidecar
 
 
+def read_condensed(path: Path) -> tuple[CondensedAtlas, SharedSidecar]:
+    """The condensed bake whose sidecar is the file `path`, its texels not expanded; float32.
+
+    Raises FormatError as `read_shared` does, and for a bake that is not condensed.
+    """
+    sidecar = read_shared_sidecar(path)
+    return read_textures(path, sidecar, partial(texture_path, path)), sidecar
+
+
 def read_shared_sidecar(path: Path) -> SharedSidecar:
     """Read a sidecar's file. Raises FormatError, with the path, if it is missing or not of this layout."""
     return SharedSidecar.from_json(read_text(path), str(path))
+
+
+def _expanded_bytes(sidecar: SharedSidecar) -> int:
+    """The memory that all texels' buckets take."""
+    values = sidecar.bake.width * sidecar.bake.height * sidecar.bake.bucket**2 * sum(LOBE_CHANNELS.values())
+    return 4 * values * len(sidecar.lobes)
 
 
 def _read_layer(path: Path, sidecar: SharedSidecar, layer: str) -> Floats:

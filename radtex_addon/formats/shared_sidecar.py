@@ -5,12 +5,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
-from ..core.errors import BakeError, ShapeError
+from ..core.condensed import CondensedAtlas
+from ..core.errors import BakeError, FormatError, ShapeError
 from ..core.shared import LEAST_LEVEL, Axis, SharedAtlas
+from .condensed_sidecar import CondensedFacts, shortest
+from .condensed_sizes import CondensedSizes
 from .facts import Facts, json_text
 from .packing import (
     COLOUR,
@@ -33,7 +35,8 @@ class SharedSidecar:
 
     `bake` holds what every layout has: `width` x `height` texels of the irradiance and the lobes, `bucket`
     the cells along a side of a lobe's buckets, borders not counted, and `layers` the images. `colour` is that
-    image's width and height, `surroundings` the cells along a side of the sharpest of `levels`.
+    image's width and height, `surroundings` the cells along a side of the sharpest of `levels`. `condensed`
+    is None where each texel has buckets of its own.
     """
 
     bake: Sidecar
@@ -43,13 +46,17 @@ class SharedSidecar:
     sharpest: float
     falloff: tuple[tuple[float, float, float], ...]
     lobes: tuple[Axis, ...]
+    condensed: CondensedFacts | None = None
 
     @classmethod
-    def of(cls, atlas: SharedAtlas, bake: Sidecar) -> SharedSidecar:
+    def of(
+        cls, atlas: SharedAtlas | CondensedAtlas, bake: Sidecar, condensed: CondensedFacts | None = None
+    ) -> SharedSidecar:
         """The facts about `atlas`; `bake` says the rest, but for its `layers`.
 
-        Raises ShapeError where the two differ in size, for two lobes of one axis and for more levels than
-        files can have; BakeError if the falloff or `sharpest` is no finite number.
+        `condensed` says what only that form has.
+        Raises ShapeError where the two differ in size, for two lobes of one axis, for more levels than files
+        can have and for what no textures hold; BakeError if the falloff or `sharpest` is no finite number.
         """
         lobes = tuple(lobe.axis for lobe in atlas.lobes)
         expected = (bake.height, bake.width)
@@ -68,19 +75,25 @@ class SharedSidecar:
         if not np.isfinite(atlas.falloff).all() or not 0 < atlas.sharpest < np.inf:
             found = f'the falloff or sharpest blur of "{bake.object_name}"'
             raise BakeError(f"{found} is no finite number: nothing was written; bake it again")
-        return cls(
-            bake=replace(bake, layers=layer_names(lobes)),
+        sidecar = cls(
+            bake=replace(bake, layers=layer_names(lobes, condensed is not None)),
             colour=(atlas.colour.shape[1], atlas.colour.shape[0]),
             surroundings=len(atlas.surroundings[0]),
             levels=len(atlas.surroundings),
             sharpest=float(atlas.sharpest),
-            falloff=tuple((_short(r), _short(g), _short(b)) for r, g, b in atlas.falloff),
+            falloff=tuple((shortest(r), shortest(g), shortest(b)) for r, g, b in atlas.falloff),
             lobes=lobes,
+            condensed=condensed,
         )
+        if misfit := sidecar._misfit():
+            raise ShapeError(f'the textures of "{bake.object_name}" would have {misfit}')
+        return sidecar
 
     @property
     def shapes(self) -> dict[str, tuple[int, int, int]]:
-        """Each layer's width, height and channels."""
+        """Each layer's width, height and channels; of a condensed bake's colours blocks are not filled up."""
+        if self.condensed is not None:
+            return self._sizes(self.condensed).shapes(self.condensed.columns)
         bake, side = self.bake, self.bake.bucket + 2
         return {
             COLOUR: (*self.colour, 3),
@@ -102,6 +115,8 @@ class SharedSidecar:
             "falloff": [list(point) for point in self.falloff],
             "lobes": [axis.value for axis in self.lobes],
         }
+        if self.condensed is not None:
+            shared["condensed"] = self.condensed.facts()
         return json_text(self.bake.facts(LAYOUT) | {"shared": shared})
 
     @classmethod
@@ -114,8 +129,10 @@ class SharedSidecar:
         bake = Sidecar.from_facts(facts, LAYOUT)
         shared = facts.inner("shared")
         lobes = tuple(Axis(name) for name in shared.choices("lobes", tuple(Axis)))
-        facts.constant("layers", list(layer_names(lobes)))
-        return cls(
+        condensed = "condensed" in shared.values
+        layers = layer_names(lobes, condensed)
+        facts.constant("layers", list(layers))
+        sidecar = cls(
             bake=bake,
             colour=shared.size("colour"),
             surroundings=shared.whole_number("surroundings", LEAST_LEVEL),
@@ -123,9 +140,26 @@ class SharedSidecar:
             sharpest=shared.positive("sharpest"),
             falloff=shared.colours("falloff"),
             lobes=lobes,
+            condensed=CondensedFacts.from_facts(shared, lobes, layers) if condensed else None,
         )
+        if misfit := sidecar._misfit():
+            raise FormatError(f'{source}, in "shared", speaks of textures that cannot be: {misfit}')
+        return sidecar
 
+    def _misfit(self) -> str | None:
+        """Why there can be no such textures; None if there can."""
+        if self.condensed is None:
+            return None
+        return self._sizes(self.condensed).misfit(self.condensed.columns)
 
-def _short(value: np.floating[Any]) -> float:
-    """The shortest number that a float32 reads as `value`."""
-    return float(str(np.float32(value)))
+    def _sizes(self, condensed: CondensedFacts) -> CondensedSizes:
+        return CondensedSizes(
+            width=self.bake.width,
+            height=self.bake.height,
+            bucket=self.bake.bucket,
+            colour=self.colour,
+            surroundings=self.surroundings,
+            levels=self.levels,
+            clusters={axis: tiles.clusters for axis, tiles in condensed.lobes.items()},
+            rank=condensed.rank,
+        )

@@ -1,0 +1,218 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A condensed atlas to and from textures as a GPU takes them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..core.arrays import Floats
+from ..core.condensed import CondensedAtlas, CondensedLobe
+from ..core.errors import BakeError, FormatError
+from ..core.shared import Axis
+from .bc6h import decode_bc6h, encode_bc6h
+from .bc7 import Blocks, decode_bc7, encode_bc7
+from .condensed_packing import (
+    layer_values,
+    pack_tiles,
+    pack_weights,
+    unpack_tiles,
+    unpack_weights,
+    value_range,
+)
+from .condensed_sidecar import CondensedFacts, Tiles, as_range
+from .condensed_sizes import columns_of, texture_format
+from .dds import DdsFormat, read_dds
+from .exr import HALF_MOST
+from .memory import physical_memory, readable_size
+from .packing import (
+    COLOUR,
+    IRRADIANCE,
+    LOBE_CHANNELS,
+    SURROUNDINGS,
+    WEIGHTS,
+    ends_unit,
+    lobe_layer,
+    unpack_surroundings,
+)
+from .shared_sidecar import SharedSidecar
+
+# What values a texture holds; tiles have a range of their own within theirs.
+LIMITS = {
+    DdsFormat.BC6H_UF16: (0.0, HALF_MOST),
+    DdsFormat.R8G8B8A8_UNORM: (-1.0, 1.0),
+    DdsFormat.BC7_UNORM: (-HALF_MOST, HALF_MOST),
+}
+
+_SIDE = DdsFormat.BC6H_UF16.side  # pixels along a block's side
+ALIKE = 1e-6  # by how much the values of one colour may differ
+_DECODED = 16  # bytes of a pixel: four floats
+
+
+@dataclass(frozen=True, eq=False)
+class StoredAtlas:
+    """What an atlas's textures hold, within their limits but not yet rounded.
+
+    `atlas` has a small image of its colour if that is one. `values` are its `layer_values`, `clamped` is how
+    many of them were beyond the limits. `facts` lack the digests.
+    """
+
+    atlas: CondensedAtlas
+    values: Mapping[str, Floats]
+    facts: CondensedFacts
+    clamped: int
+
+    @classmethod
+    def of(cls, atlas: CondensedAtlas, file_of: Callable[[str], Path]) -> StoredAtlas:
+        """What is stored of `atlas`; `file_of` a layer is named in errors.
+
+        Raises ShapeError if its maps do not fit each other, BakeError for values that are not numbers.
+        """
+        atlas = _with_small_colour(atlas)
+        values, clamped = layer_values(atlas), 0
+        for layer in values:
+            values[layer], beyond = _within_limits(file_of(layer), values[layer], texture_format(layer))
+            clamped += beyond
+        tiles = {
+            lobe.axis: Tiles(
+                clusters=len(lobe.ends),
+                ranges={
+                    part: as_range(value_range(values[lobe_layer(lobe.axis, part)])) for part in LOBE_CHANNELS
+                },
+            )
+            for lobe in atlas.lobes
+        }
+        rank = atlas.lobes[0].rank if atlas.lobes else 2
+        columns = columns_of((lobe.clusters for lobe in tiles.values()), rank)
+        return cls(atlas, values, CondensedFacts(rank, columns, tiles, digests={}), clamped)
+
+    def textures(self) -> Iterator[tuple[str, Blocks]]:
+        """Each layer and its texture's blocks, in the files' order."""
+        for layer in (COLOUR, IRRADIANCE, SURROUNDINGS):
+            yield layer, encode_bc6h(_filled_up(self.values[layer]))
+        for lobe in self.atlas.lobes:
+            layer = lobe_layer(lobe.axis, WEIGHTS)
+            yield layer, pack_weights(lobe.cluster, self.values[layer])
+            for part, limits in self.facts.lobes[lobe.axis].ranges.items():
+                layer = lobe_layer(lobe.axis, part)
+                image = pack_tiles(self.values[layer], np.array(limits, np.float32), self.facts.columns)
+                yield layer, encode_bc7(image)
+
+
+def read_texture(path: Path, layer: str, width: int, height: int) -> Any:
+    """A texture's pixels (height, width, C): light and tiles in 0..1 float32, weights as bytes.
+
+    Raises FormatError, with the path, for a file that is missing, damaged, or of another format or size.
+    """
+    kind, blocks, *size = read_dds(path)
+    expected = texture_format(layer)
+    filled = [-(-pixels // expected.side) * expected.side for pixels in (width, height)]
+    if kind is not expected or size != filled:
+        found = f"{size[0]} x {size[1]} pixels of {kind.name}"
+        wanted = f"{filled[0]} x {filled[1]} of {expected.name}"
+        raise FormatError(f"{path} has {found}, its sidecar says {wanted}: bake it again")
+    if kind is DdsFormat.R8G8B8A8_UNORM:
+        return blocks
+    try:
+        pixels = decode_bc6h(blocks) if kind is DdsFormat.BC6H_UF16 else decode_bc7(blocks)
+    except FormatError as error:
+        raise FormatError(f"{path}: {error}") from error
+    return pixels[:height, :width]
+
+
+def read_textures(path: Path, sidecar: SharedSidecar, file_of: Callable[[str], Path]) -> CondensedAtlas:
+    """The atlas of the condensed bake that `sidecar`, the file `path`, describes; float32.
+
+    `file_of` a layer is its texture's. Raises FormatError, with the path, for a sidecar of another form, for
+    textures too large for this machine's memory, for one of another bake, and as `read_texture` does.
+    """
+    facts = sidecar.condensed
+    if facts is None:
+        raise FormatError(f"{path} is of a bake that is not condensed: its images are EXRs")
+    check_memory(path, sum(width * height * _DECODED for width, height, _ in sidecar.shapes.values()))
+    pixels = {}
+    for layer, (width, height, _) in sidecar.shapes.items():
+        texture = file_of(layer)
+        if digest(texture) != facts.digests[layer]:
+            cause = f"{texture} is damaged, or of another bake than {path}"
+            raise FormatError(f"{cause}: put one bake's files together, or bake again")
+        pixels[layer] = read_texture(texture, layer, width, height)
+    return CondensedAtlas(
+        colour=pixels[COLOUR],
+        irradiance=pixels[IRRADIANCE],
+        falloff=np.array(sidecar.falloff, dtype=np.float32),
+        surroundings=unpack_surroundings(pixels[SURROUNDINGS], sidecar.surroundings, sidecar.levels),
+        sharpest=sidecar.sharpest,
+        lobes=tuple(_lobe(axis, pixels, sidecar, facts, file_of) for axis in sidecar.lobes),
+    )
+
+
+def digest(path: Path) -> str:
+    """A file's SHA-256 in hexadecimal digits. Raises FormatError, with the path, if it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
+
+
+def check_memory(path: Path, needed: int) -> None:
+    """Make sure that the machine has `needed` bytes for the bake at `path`. Raises FormatError if not."""
+    memory = physical_memory()
+    if memory is not None and needed > memory:
+        needs, has = readable_size(needed), readable_size(memory)
+        raise FormatError(f"the bake of {path} needs {needs} of memory, this machine has {has}")
+
+
+def _lobe(
+    axis: Axis,
+    pixels: Mapping[str, Any],
+    sidecar: SharedSidecar,
+    facts: CondensedFacts,
+    file_of: Callable[[str], Path],
+) -> CondensedLobe:
+    """The lobe whose textures' `pixels` these are, by layer."""
+    tiles, named = facts.lobes[axis], lobe_layer(axis, WEIGHTS)
+    cluster, weights = unpack_weights(pixels[named], facts.rank)
+    if cluster.max() >= tiles.clusters:
+        found = f"{file_of(named)} names cluster {cluster.max()}"
+        raise FormatError(f"{found}, its sidecar says that there are {tiles.clusters}: bake it again")
+    ends, gain, rest = (
+        unpack_tiles(
+            pixels[lobe_layer(axis, part)],
+            np.array(limits, dtype=np.float32),
+            tiles.clusters,
+            facts.rank,
+            facts.columns,
+        )
+        for part, limits in tiles.ranges.items()
+    )
+    return CondensedLobe(axis, cluster, weights, ends * ends_unit(sidecar.sharpest), gain, rest)
+
+
+def _within_limits(path: Path, values: Floats, kind: DdsFormat) -> tuple[Floats, int]:
+    """Values clamped to what a texture holds, and how many had to be. Raises BakeError for no numbers."""
+    low, high = LIMITS[kind]
+    if wrong := int(np.count_nonzero(np.isnan(values))):
+        raise BakeError(f"{path} was not written: {wrong} of its values are not numbers; bake it again")
+    return np.clip(values, low, high), int(np.count_nonzero((values < low) | (values > high)))
+
+
+def _with_small_colour(atlas: CondensedAtlas) -> CondensedAtlas:
+    """The atlas; its colour is of one block's size where it is one colour."""
+    colour = atlas.colour
+    if not colour.size or not np.isfinite(colour).all() or np.ptp(colour, axis=(0, 1)).max() > ALIKE:
+        return atlas
+    return replace(atlas, colour=np.broadcast_to(colour[:1, :1], (_SIDE, _SIDE, colour.shape[2])))
+
+
+def _filled_up(image: Floats) -> Floats:
+    """An image (H, W, C) with its last row and column repeated until blocks are whole."""
+    height, width = image.shape[:2]
+    return np.pad(image, ((0, -height % _SIDE), (0, -width % _SIDE), (0, 0)), mode="edge")
