@@ -64,6 +64,11 @@ class CapturePlan:
         """The texels' positions, without the padding: (K, 3)."""
         return self.position.reshape(-1, 3)[: len(self.texel)]
 
+    @property
+    def normals(self) -> Floats:
+        """The texels' normals, without the padding: (K, 3)."""
+        return self.normal.reshape(-1, 3)[: len(self.texel)]
+
     @cached_property
     def covered(self) -> Bools:
         """Where the plan's texels lie: (H, W)."""

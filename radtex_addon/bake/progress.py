@@ -23,6 +23,7 @@ class Stage(StrEnum):
     CAPTURE = "capture"
     FILL = "fill"
     FIT = "fit"
+    CONDENSE = "condense"
     WRITE = "write"
     PREVIEW = "preview"
 

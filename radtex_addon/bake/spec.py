@@ -33,6 +33,8 @@ _BYTES_PER_SHARED_PIXEL = 240  # both lobes' ten channels in float32, three time
 _BYTES_PER_RAY = 48  # single paths in float16, their directions, and what the fit makes of them
 
 _MOST_SHARED_SAMPLES = 2**12  # 177 thousand paths a texel
+_CONDENSED_CELLS = 14  # with its border a bucket is 16 pixels wide: whole blocks of a compressed texture
+_TARGETS = (10.0, 60.0)  # dB; textures of 8 bits come no nearer
 
 # What a whole number may be; Cycles's own bounds for samples and seed.
 _LIMITS = {
@@ -42,6 +44,7 @@ _LIMITS = {
     "seed": (0, 2**31 - 1),
     "padding": (0, 256),
     "memory_mb": (16, 2**24),
+    "budget": (1, 2**40),
 }
 
 
@@ -91,6 +94,8 @@ class BakeSpec:
     `layout.cells`. `uv_layer` names a layer of the object to bake on; without one, `unwrap` makes a layer,
     with `padding` texels between islands. `device` is a wish that Cycles answers. `half` and `compression`
     shape the files; `memory_mb` bounds a tile, not the atlas. Enums may be given as text.
+    With a `budget`, the bytes that its textures may take on a GPU, or a `target`, how near they are to come
+    to what was fitted, in dB, a bake in the shared layout is condensed (`core.condensed`).
     Raises InputError for what cannot be baked.
     """
 
@@ -108,17 +113,20 @@ class BakeSpec:
     padding: int = 2
     memory_mb: int = 1024
     layout: Layout = Layout.BUCKETS
+    budget: int | None = None
+    target: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layout", parse_layout(self.layout))
         if cast(int | None, self.bucket) is None:
-            object.__setattr__(self, "bucket", self.layout.cells)
+            object.__setattr__(self, "bucket", _CONDENSED_CELLS if self.condensed else self.layout.cells)
         object.__setattr__(self, "kind", parse_kind(self.kind))
         object.__setattr__(self, "capture", parse_capture(self.capture))
         object.__setattr__(self, "compression", parse_compression(self.compression))
         object.__setattr__(self, "unwrap", parse_unwrap(self.unwrap))
         for name, (least, most) in _LIMITS.items():
-            _check_whole_number(name, getattr(self, name), least, most)
+            if name != "budget" or self.budget is not None:
+                _check_whole_number(name, getattr(self, name), least, most)
         if self.uv_layer == "":
             raise InputError("the UV layer's name is empty: name one of the object's, or none to unwrap anew")
         if self.capture is CaptureMethod.PANORAMIC and self.kind is Kind.RADIANCE:
@@ -128,7 +136,14 @@ class BakeSpec:
             )
         if self.layout is Layout.SHARED:
             self._check_shared()
+        if self.condensed:
+            self._check_condensed()
         self._check_size()
+
+    @property
+    def condensed(self) -> bool:
+        """Whether the files hold mixtures of a few buckets, as compressed textures."""
+        return self.budget is not None or self.target is not None
 
     @property
     def rays(self) -> Rays:
@@ -171,6 +186,21 @@ class BakeSpec:
                     f"the shared layout knows {name} {only} only, not {found}: bake that in layout buckets"
                 )
         _check_whole_number("samples in the shared layout", self.samples, 1, _MOST_SHARED_SAMPLES)
+
+    def _check_condensed(self) -> None:
+        asked = "a budget" if self.target is None else "a target"
+        if self.layout is not Layout.SHARED:
+            raise InputError(f"{asked} needs the shared layout: choose --layout shared, or leave it out")
+        if self.budget is not None and self.target is not None:
+            raise InputError("a budget and a target contradict each other: give one of them")
+        least, most = _TARGETS
+        if self.target is not None and not least <= self.target <= most:
+            raise InputError(f"target {self.target:g} dB: give {least:g} to {most:g} dB")
+        if self.bucket % 4 != 2:
+            raise InputError(
+                f"bucket {self.bucket} with {asked}: give 6, 10, 14 or 18 cells, which with their border "
+                "fill the blocks of compressed textures"
+            )
 
     def _check_size(self) -> None:
         asked = f"texels {self.texels} with bucket {self.bucket}"

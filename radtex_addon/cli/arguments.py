@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from dataclasses import dataclass, fields
 from enum import StrEnum
 from pathlib import Path
@@ -182,6 +183,36 @@ def _add_quality(group: argparse._ArgumentGroup) -> None:
         "light paths for each cell: more paths, less noise; in the shared layout about 64 N for each texel, "
         "however many cells it has",
     )
+
+    group.add_argument(
+        "--budget",
+        type=_bytes,
+        metavar="SIZE",
+        help="what the shared layout's textures may take on a GPU, such as 800KB or 8MB: texels that are "
+        "alike then share buckets (default: every texel keeps its own)",
+    )
+    group.add_argument(
+        "--target",
+        type=_decibels,
+        metavar="DB",
+        help="as small as the shared layout can be and still come that near to itself, such as 40dB",
+    )
+
+
+def _bytes(word: str) -> int:
+    found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*([KMG]?)(i?)B?", word.strip(), re.IGNORECASE)
+    if found is None:
+        raise InputError(f"--budget {word}: give a size, such as 800KB or 8MB")
+    unit = 1024 if found[3] else 1000
+    power = " KMG".index(found[2].upper() or " ")
+    return round(float(found[1]) * float(unit**power))
+
+
+def _decibels(word: str) -> float:
+    found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(?:dB)?", word.strip(), re.IGNORECASE)
+    if found is None:
+        raise InputError(f"--target {word}: give decibels, such as 40dB")
+    return float(found[1])
 
 
 def _add_how(group: argparse._ArgumentGroup) -> None:

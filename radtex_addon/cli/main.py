@@ -9,6 +9,7 @@ import sys
 import traceback
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from dataclasses import asdict
 from pathlib import Path
 
 import bpy
@@ -143,7 +144,18 @@ def _summary(name: str, request: Request, result: BakeResult) -> str:
     return (
         f"{name}: {layout.width} x {layout.height} texels of {layout.bucket} x {layout.bucket} cells{shared} "
         f"at {request.spec.samples} spp, {result.covered_texels} texels covered, {result.paths:,} paths "
-        f"on {result.device} in {seconds:.1f} s, {size}{lost}{clamped}"
+        f"on {result.device} in {seconds:.1f} s, {size}{_condensed(result)}{lost}{clamped}"
+    )
+
+
+def _condensed(result: BakeResult) -> str:
+    chosen = result.condensed
+    if chosen is None:
+        return ""
+    clusters = " and ".join(str(count) for count in chosen.clusters) or "no"
+    return (
+        f" ({chosen.bytes / 1e6:.2f} MB on a GPU) in {clusters} clusters, "
+        f"{chosen.agreement:.1f} dB from what was fitted"
     )
 
 
@@ -159,5 +171,6 @@ def _facts(request: Request, result: BakeResult, pictures: list[Path]) -> dict[s
         "device": result.device,
         "clamped": result.clamped,
         "fireflies": result.fireflies,
+        "condensed": asdict(result.condensed) if result.condensed else None,
         "seconds": {str(stage): round(value, 3) for stage, value in result.seconds.items()},
     }

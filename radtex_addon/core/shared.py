@@ -87,6 +87,11 @@ class SharedAtlas:
                 raise ShapeError(f"{lobe.axis} ends: shape {lobe.ends.shape} does not fit the other maps")
 
 
+def level_count(size: int) -> int:
+    """How many levels surroundings of `size` cells a side have: ever half as large, down to the least."""
+    return max(size // LEAST_LEVEL, 1).bit_length()
+
+
 def level_sizes(size: int, count: int) -> list[int]:
     """Sides of the surroundings' `count` levels, the sharpest of `size` cells."""
     return [max(size >> level, LEAST_LEVEL) for level in range(count)]

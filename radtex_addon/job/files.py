@@ -12,7 +12,7 @@ import bpy
 from ..bake.spec import BakeSpec, Layout
 from ..core.shared import Axis
 from ..formats.packing import layer_names
-from ..formats.shared_files import layer_path
+from ..formats.shared_files import layer_path, texture_path
 from ..formats.sidecar import Sidecar, file_name
 from ..version import VERSION
 
@@ -21,7 +21,7 @@ from ..version import VERSION
 class OutputFiles:
     """Where a bake of one object goes; `preview` is None if none is wanted.
 
-    `images` are the plain layout's atlas alone, or all that the shared layout can have.
+    `images` are the plain layout's atlas alone, or all that the shared layout can have, condensed or not.
     """
 
     images: tuple[Path, ...]
@@ -34,7 +34,10 @@ class OutputFiles:
         atlas, sidecar = (folder / file_name(object_name, spec.kind, ending) for ending in ("exr", "json"))
         images: tuple[Path, ...] = (atlas,)
         if spec.layout is Layout.SHARED:
-            images = tuple(layer_path(sidecar, layer) for layer in layer_names(Axis))
+            images = (
+                *(layer_path(sidecar, layer) for layer in layer_names(Axis)),
+                *(texture_path(sidecar, layer) for layer in layer_names(Axis, condensed=True)),
+            )
         shown = folder / file_name(object_name, "preview", "blend")
         return cls(images, sidecar, shown if preview else None)
 

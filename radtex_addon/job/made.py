@@ -7,12 +7,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..core.atlas import AtlasLayout
+from .condensed import Condensed
 from .files import OutputFiles
 
 
 @dataclass(frozen=True)
 class Made:
-    """An atlas on disk: the `files` that there are, and what it took."""
+    """An atlas on disk: the `files` that there are, what it took, and how it was `condensed`, if it was."""
 
     files: OutputFiles
     layout: AtlasLayout
@@ -20,3 +21,4 @@ class Made:
     paths: int
     clamped: int
     fireflies: float = 0.0
+    condensed: Condensed | None = None

@@ -25,6 +25,7 @@ from ..scene.objects import find_object
 from ..scene.scratch import new_data_removed, scratch_scene
 from .buckets import bake_buckets
 from .checks import check_request
+from .condensed import Condensed
 from .files import OutputFiles
 from .made import Made
 from .prepare import Prepared, prepare
@@ -37,7 +38,8 @@ log = logging.getLogger(__name__)
 class BakeResult:
     """What a bake made, and what it took: `paths` are camera paths, `seconds` are by stage.
 
-    `fireflies` is the share of the light that a fit left out: too few paths brought it.
+    `fireflies` is the share of the light that a fit left out: too few paths brought it. `condensed` says what
+    was chosen for a budget or a target.
     """
 
     files: OutputFiles
@@ -48,6 +50,7 @@ class BakeResult:
     device: str
     clamped: int
     fireflies: float
+    condensed: Condensed | None
     seconds: dict[Stage, float]
 
 
@@ -108,6 +111,7 @@ def bake_steps(
         device=baked.device,
         clamped=made.clamped,
         fireflies=made.fireflies,
+        condensed=made.condensed,
         seconds=watch.seconds,
     )
 

@@ -5,22 +5,35 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
 
 from ..bake.fit import fit_shared
+from ..bake.plan import CapturePlan
 from ..bake.progress import Progress, Stage
 from ..bake.spec import BakeSpec
 from ..core.atlas import AtlasLayout
+from ..core.shared import SharedAtlas
 from ..cycles.shared_capture import capture_shared
-from ..formats.shared_files import layer_path, write_shared
+from ..formats.shared_files import layer_path, texture_path, write_shared
+from .condensed import Condensed, check_budget, condense_steps
 from .files import OutputFiles, facts_of
 from .made import Made
 from .prepare import Prepared
 
 FINER = 4  # times as many texels along each side has the diffuse colour, which needs no light
+
+
+@dataclass(frozen=True, eq=False)
+class FittedBake:
+    """What a bake in the shared layout comes to before it is written: the `atlas` of the `plan`'s texels."""
+
+    atlas: SharedAtlas
+    plan: CapturePlan
+    paths: int
+    fireflies: float
 
 
 def bake_shared(
@@ -31,35 +44,60 @@ def bake_shared(
     prepared: Prepared,
     folder: Path,
 ) -> Generator[Progress, None, Made]:
-    """Bake the scratch scene's object; `folder` takes temporary files."""
+    """Bake the scratch scene's object; `folder` takes temporary files.
+
+    Raises InputError for a budget that is too small for its texels.
+    """
+    fitted = yield from fit_bake(scratch, original, spec, prepared, folder)
+    width, height = fitted.plan.layout.width, fitted.plan.layout.height
+    facts = facts_of(original.name, spec, width, height, prepared.uv_layer)
+    condensed: Condensed | None = None
+    if spec.condensed:
+        steps = condense_steps(files.sidecar, fitted.atlas, fitted.plan, spec, facts)
+        sidecar, condensed = yield from steps
+    else:
+        yield Progress(Stage.WRITE, 0, 1)
+        sidecar = write_shared(files.sidecar, fitted.atlas, facts, spec.half, spec.compression)
+    path_of = texture_path if spec.condensed else layer_path
+    images = tuple(path_of(files.sidecar, layer) for layer in sidecar.bake.layers)
+    _remove(set(files.images) - set(images))
+    return Made(
+        files=replace(files, images=images),
+        layout=AtlasLayout(width, height, spec.bucket),
+        covered_texels=len(fitted.plan.texel),
+        paths=fitted.paths,
+        clamped=sidecar.bake.clamped,
+        fireflies=fitted.fireflies,
+        condensed=condensed,
+    )
+
+
+def fit_bake(
+    scratch: bpy.types.Scene,
+    original: bpy.types.Object,
+    spec: BakeSpec,
+    prepared: Prepared,
+    folder: Path,
+) -> Generator[Progress, None, FittedBake]:
+    """Capture the scratch scene's object and fit an atlas to it; errors as in `bake_shared`."""
+    texels = prepared.texels()
+    height, width = texels.triangle.shape
+    check_budget(spec, width, height)
     capture = yield from capture_shared(
         scratch,
         original,
         prepared.mesh,
         prepared.matrix_world,
-        prepared.texels(),
+        texels,
         prepared.texels(FINER),
         spec.rays,
         spec.seed,
         folder,
     )
-    yield Progress(Stage.FIT, 0, 1)
-    fitted = fit_shared(capture.light, capture.ends, capture.surroundings, capture.colour, cells=spec.bucket)
-    yield Progress(Stage.WRITE, 0, 1)
-    plan = capture.plan
-    width, height = plan.layout.width, plan.layout.height
-    facts = facts_of(original.name, spec, width, height, prepared.uv_layer)
-    sidecar = write_shared(files.sidecar, fitted.atlas, facts, spec.half, spec.compression)
-    images = tuple(layer_path(files.sidecar, layer) for layer in sidecar.bake.layers)
-    _remove(set(files.images) - set(images))
-    return Made(
-        files=replace(files, images=images),
-        layout=AtlasLayout(width, height, spec.bucket),
-        covered_texels=len(plan.texel),
-        paths=capture.paths,
-        clamped=sidecar.bake.clamped,
-        fireflies=fitted.fireflies,
+    fitted = yield from fit_shared(
+        capture.light, capture.ends, capture.surroundings, capture.colour, cells=spec.bucket
     )
+    return FittedBake(fitted.atlas, capture.plan, capture.paths, fitted.fireflies)
 
 
 def _remove(images: set[Path]) -> None:

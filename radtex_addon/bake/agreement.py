@@ -1,0 +1,39 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How near one atlas in the shared layout comes to another of the same surface."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..core.hemisphere import square_to_direction
+from ..core.shared import SharedAtlas, sample_shared
+from .light_samples import spread_shifts
+from .plan import CapturePlan
+
+_LOOKUPS = 40_000  # give 0.1 dB
+_GAMMA = 2.2
+_STEEP = 0.8  # of the bucket's square: beyond, the surface is seen at too flat an angle to matter
+
+
+def agreement(one: SharedAtlas, other: SharedAtlas, plan: CapturePlan) -> float:
+    """PSNR in dB between what viewers see of both, of values clipped to 0..1 with a gamma of 2.2.
+
+    Viewers look at all covered texels, from directions spread over each hemisphere.
+    """
+    count = len(plan.texel)
+    chosen = np.arange(_LOOKUPS) % count if count < _LOOKUPS else np.arange(0, count, count // _LOOKUPS)
+    square = ((spread_shifts(len(chosen), seed=0) * 2 - 1) * _STEEP).astype(np.float32)
+    local = square_to_direction(square)
+    axes = (axis.reshape(-1, 3)[:count][chosen] for axis in (plan.tangent, plan.bitangent, plan.normal))
+    viewer = np.einsum("kc,ckx->kx", local, np.stack(list(axes))).astype(np.float32)
+    width = plan.layout.width
+    texel = plan.texel[chosen]
+    uv = (np.stack([texel % width, texel // width], axis=-1) + 0.5) / [width, plan.layout.height]
+    seen = [
+        np.clip(sample_shared(atlas, uv.astype(np.float32), plan.normals[chosen], viewer), 0, 1)
+        ** (1 / _GAMMA)
+        for atlas in (one, other)
+    ]
+    error = float(np.mean((seen[0] - seen[1]) ** 2, dtype=np.float64))
+    return float(-10 * np.log10(max(error, 1e-10)))

@@ -1,0 +1,210 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Condensing a fitted atlas: texels that show alike become one cluster, and mixtures of its few buckets.
+
+Clustered principal components (Sloan et al. 2003), in turns: each cluster's mean and components are found,
+then each texel goes to the cluster near it that shows it best. Errors count by what they do to the light: a
+gain's by the surroundings it shows, a shift's by how fast those change there, all relative to the light there
+is; and nowhere below the texel's horizon.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.arrays import Floats, Ints
+from ..core.condensed import CondensedAtlas, CondensedLobe
+from ..core.octahedron import octahedron_to_direction
+from ..core.shared import Axis, Lobe, SharedAtlas
+from .plan import CapturePlan
+from .surroundings import Surroundings
+
+_ROUNDS = 2
+_NEAREST = 8  # clusters that a texel may go to
+_PLACE = 3.0  # of the object's size: how far texels are apart, against how much their normals differ
+_HORIZON = -0.15  # N·A at which a texel's cells end that any fragment of it can look up
+_SOFT = 0.04  # of that end
+_DARK = 0.3  # of the mean light: darker than that, errors count no more
+_STEP = 0.05  # of direction, over which the surroundings' change is taken
+_SPREAD_UNIT = 0.3  # a spread's error against a shift's
+_CHANNELS = (4, 3, 3)  # ends, gain, rest
+
+
+def condense(atlas: SharedAtlas, plan: CapturePlan, clusters: int, rank: int = 2) -> CondensedAtlas:
+    """The atlas with the lobes' texels in at most `clusters` clusters each, of 1 + `rank` buckets."""
+    lobes = tuple(_Condenser.of(atlas, lobe, plan, rank).lobe(clusters) for lobe in atlas.lobes)
+    return CondensedAtlas(
+        atlas.colour, atlas.irradiance, atlas.falloff, atlas.surroundings, atlas.sharpest, lobes
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Model:
+    """A cluster's buckets, (D,) and (r, D), and how much an error counts in each number, as its root (D,)."""
+
+    mean: Floats
+    components: Floats
+    root: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class _Condenser:
+    """K texels' buckets of one lobe, (K, D); `seen` (K, n*n), where a fragment can look."""
+
+    axis: Axis
+    plan: CapturePlan
+    rank: int
+    n: int
+    buckets: Floats
+    seen: Floats
+    around: Surroundings
+
+    @classmethod
+    def of(cls, atlas: SharedAtlas, lobe: Lobe, plan: CapturePlan, rank: int) -> _Condenser:
+        n, count = lobe.ends.shape[2], len(plan.texel)
+        parts = [
+            part.reshape(-1, *part.shape[2:])[plan.texel].reshape(count, -1)
+            for part in (lobe.ends, lobe.gain, lobe.rest)
+        ]
+        cosine = plan.normals @ _cell_axes(n).T
+        towards = cosine if lobe.axis is Axis.MIRROR else -cosine
+        seen = 1 / (1 + np.exp(np.clip((_HORIZON - towards) / _SOFT, -30, 30)))
+        around = Surroundings(atlas.surroundings, atlas.sharpest)
+        buckets = np.concatenate(parts, axis=1).astype(np.float32)
+        return cls(lobe.axis, plan, rank, n, buckets, seen.astype(np.float32), around)
+
+    def lobe(self, clusters: int) -> CondensedLobe:
+        place = _places(self.plan)
+        own = _nearest_seeds(place, clusters)
+        for _ in range(_ROUNDS):
+            models = [self._model(np.flatnonzero(own == number)) for number in range(own.max() + 1)]
+            own = self._reassigned(own, models, place)
+        return self._mixtures(own)
+
+    def _model(self, texels: Ints) -> _Model:
+        some, seen = self.buckets[texels], self.seen[texels] + 1e-4
+        counts = np.concatenate([np.repeat(seen, channels, axis=1) for channels in _CHANNELS], axis=1)
+        usual = counts.mean(axis=0)
+        mean = (counts * some).mean(axis=0) / usual
+        root = np.sqrt(usual * self._importance(mean, seen.mean(axis=0))).astype(np.float32)
+        off = (some - mean) * (root * np.sqrt(np.minimum(counts / usual, 1)))
+        values, vectors = np.linalg.eigh(off @ off.T)
+        kept = values > 1e-6 * max(float(values[-1]), 1e-12)
+        kept[: max(0, len(kept) - self.rank)] = False
+        directions = (off.T @ (vectors[:, kept] / np.sqrt(values[kept]))).T
+        components = np.zeros((self.rank, len(mean)), dtype=np.float32)
+        components[: len(directions)] = directions[::-1]
+        return _Model(mean, components, root)
+
+    def _importance(self, mean: Floats, seen: Floats) -> Floats:
+        """How much squared errors count in each number of a bucket near `mean`: (D,)."""
+        ends, gain, rest = self._parts(mean)
+        axis = _cell_axes(self.n)
+
+        def met(step: Floats) -> Floats:
+            return self.around.look(axis + ends[:, :3] + step, np.maximum(ends[:, 3], 0))
+
+        there = met(np.zeros(3, dtype=np.float32))
+        bright = np.maximum(gain * there + rest, 0).mean(axis=1)
+        level = max(float((bright * seen).sum() / seen.sum()), 1e-6)
+        relative = 1 / (bright + _DARK * level) ** 2
+        change = np.zeros(len(axis), dtype=np.float32)
+        for step in np.eye(3, dtype=np.float32) * np.float32(_STEP):
+            change += (np.maximum(gain, 0) * (met(step) - met(-step)) / (2 * _STEP)).mean(axis=1) ** 2
+        least = (0.3 * gain * there).mean(axis=1) ** 2
+        moved = relative * (change + least + 1e-4 * level**2)
+        shown = relative * ((there**2).mean(axis=1) + 0.01 * level**2)
+        by_part = (
+            moved[:, None] * np.array([1, 1, 1, _SPREAD_UNIT**2], dtype=np.float32),
+            np.repeat(shown[:, None], 3, axis=1),
+            np.repeat(relative[:, None], 3, axis=1),
+        )
+        return np.concatenate([part.ravel() for part in by_part])
+
+    def _parts(self, bucket: Floats) -> list[Floats]:
+        """Ends, gain and rest (n*n, channels) of one bucket (D,)."""
+        cells = self.n * self.n
+        cuts = np.cumsum([cells * channels for channels in _CHANNELS])[:-1]
+        return [part.reshape(cells, -1) for part in np.split(bucket, cuts)]
+
+    def _reassigned(self, own: Ints, models: list[_Model], place: Floats) -> Ints:
+        """The cluster of each texel (K,) that shows it best, of those near it."""
+        centres = np.stack([place[own == number].mean(axis=0) for number in range(len(models))])
+        near = _nearest(place, centres, _NEAREST)
+        least = np.full(len(own), np.inf, dtype=np.float32)
+        best = own.copy()
+        for number, model in enumerate(models):
+            texels = np.flatnonzero((near == number).any(axis=1) | (own == number))
+            off = (self.buckets[texels] - model.mean) * model.root
+            error = (off * off).sum(axis=1) - ((off @ model.components.T) ** 2).sum(axis=1)
+            better = error < least[texels]
+            least[texels[better]] = error[better]
+            best[texels[better]] = number
+        _, compact = np.unique(best, return_inverse=True)
+        return compact.astype(np.int32)
+
+    def _mixtures(self, own: Ints) -> CondensedLobe:
+        count, n = int(own.max()) + 1, self.n
+        weights = np.zeros((len(own), self.rank), dtype=np.float32)
+        base = np.empty((count, 1 + self.rank, self.buckets.shape[1]), dtype=np.float32)
+        for number in range(count):
+            texels = np.flatnonzero(own == number)
+            model = self._model(texels)
+            taken = ((self.buckets[texels] - model.mean) * model.root) @ model.components.T
+            most = np.maximum(np.abs(taken).max(axis=0), 1e-12)
+            weights[texels] = taken / most
+            base[number, 0] = model.mean
+            base[number, 1:] = model.components * most[:, None] / model.root
+        cells = n * n
+        cuts = np.cumsum([cells * channels for channels in _CHANNELS])[:-1]
+        ends, gain, rest = (
+            part.reshape(count, 1 + self.rank, n, n, -1) for part in np.split(base, cuts, axis=2)
+        )
+        placed = self.plan.placed
+        return CondensedLobe(
+            self.axis, placed(own, gutter=True), placed(weights, gutter=True), ends, gain, rest
+        )
+
+
+def _cell_axes(n: int) -> Floats:
+    """The directions of an octahedral bucket's cells, (n*n, 3)."""
+    middle = ((np.arange(n) + 0.5) / n).astype(np.float32)
+    return octahedron_to_direction(np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2))
+
+
+def _places(plan: CapturePlan) -> Floats:
+    """Where texels lie among those that may look alike: their normals and places, (K, 6)."""
+    size = float(np.linalg.norm(np.ptp(plan.points, axis=0)))
+    return np.concatenate([plan.points * (_PLACE / max(size, 1e-12)), plan.normals], axis=1)
+
+
+def _nearest_seeds(place: Floats, count: int) -> Ints:
+    """Texels (K, 6) in at most `count` clusters around seeds, each as far from the others as can be."""
+    seeds = [0]
+    distance = np.full(len(place), np.inf, dtype=np.float32)
+    own = np.zeros(len(place), dtype=np.int32)
+    for number in range(min(count, len(place))):
+        off = place - place[seeds[-1]]
+        here = (off * off).sum(axis=1)
+        closer = here < distance
+        own[closer] = number
+        distance = np.minimum(distance, here)
+        farthest = int(distance.argmax())
+        if distance[farthest] <= 0:
+            break
+        seeds.append(farthest)
+    for _ in range(8):  # Lloyd's rounds
+        centres = np.stack([place[own == number].mean(axis=0) for number in range(own.max() + 1)])
+        _, compact = np.unique(_nearest(place, centres, 1)[:, 0], return_inverse=True)
+        own = compact.astype(np.int32)
+    return own
+
+
+def _nearest(place: Floats, centres: Floats, count: int) -> Ints:
+    """The `count` centres nearest to each place, (K, count), in no order."""
+    squared = (centres * centres).sum(axis=1) - 2 * (place @ centres.T)
+    if count >= len(centres):
+        return np.tile(np.arange(len(centres)), (len(place), 1))
+    return np.argpartition(squared, count, axis=1)[:, :count].astype(np.int32)

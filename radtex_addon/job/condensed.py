@@ -1,0 +1,158 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Condensing a bake for a budget of bytes, or for a target in dB."""
+
+from __future__ import annotations
+
+import logging
+import tempfile
+from collections.abc import Generator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ..bake.agreement import agreement
+from ..bake.condense import condense
+from ..bake.plan import CapturePlan
+from ..bake.progress import Progress, Stage
+from ..bake.spec import BakeSpec
+from ..core.arrays import Floats
+from ..core.errors import InputError
+from ..core.shared import Axis, SharedAtlas, level_count
+from ..formats.condensed_files import ALIKE
+from ..formats.condensed_sizes import CondensedSizes, clusters_within, condensed_bytes, texture_bytes
+from ..formats.memory import readable_size
+from ..formats.shared_files import read_shared, write_condensed
+from ..formats.shared_sidecar import SharedSidecar
+from ..formats.sidecar import Sidecar
+
+_log = logging.getLogger(__name__)
+
+_COLOUR_SHARE = 0.35  # of a budget: what the colour may take
+_SURROUNDINGS_SHARE = 0.2
+_LEAST_SURROUNDINGS = 64  # cells along their side
+_FEWEST = 8  # clusters of a lobe, below which there is no picture
+_FIRST = 16  # clusters that a target is first tried with; then ever twice as many
+
+
+@dataclass(frozen=True)
+class Condensed:
+    """What was chosen: `clusters` of each lobe, `colour` and `surroundings` in pixels and cells along a side.
+
+    `bytes` are the textures' on a GPU, `agreement` is in dB: the files, read back, against what was fitted.
+    """
+
+    clusters: tuple[int, ...]
+    colour: tuple[int, int]
+    surroundings: int
+    bytes: int
+    agreement: float
+
+
+def check_budget(spec: BakeSpec, width: int, height: int) -> None:
+    """Raise InputError for a budget that is too small for `width` x `height` texels, whatever they show."""
+    if spec.budget is None:
+        return
+    side = _LEAST_SURROUNDINGS
+    least = CondensedSizes(
+        width=width,
+        height=height,
+        bucket=spec.bucket,
+        colour=(width, height),
+        surroundings=side,
+        levels=level_count(side),
+        clusters=dict.fromkeys(Axis, _FEWEST),
+    )
+    needed = condensed_bytes(least)
+    if needed > spec.budget:
+        raise InputError(
+            f"budget {readable_size(spec.budget)}: {width} x {height} texels take up to "
+            f"{readable_size(needed)} at least; give more, or fewer texels"
+        )
+
+
+def condense_steps(
+    path: Path, atlas: SharedAtlas, plan: CapturePlan, spec: BakeSpec, facts: Sidecar
+) -> Generator[Progress, None, tuple[SharedSidecar, Condensed]]:
+    """Condense the atlas as `spec` wishes; write the sidecar to `path` and the textures beside it."""
+    if spec.budget is not None:
+        yield Progress(Stage.CONDENSE, 0, 1)
+        small = _reduced(atlas, spec.budget)
+        count = min(clusters_within(spec.budget, _sizes(small)), len(plan.texel))
+        return _written(path, atlas, small, plan, count, facts)
+    assert spec.target is not None  # there is one of the two
+    count, tries = _FIRST, 0
+    while True:
+        yield Progress(Stage.CONDENSE, tries, tries + 1)
+        with tempfile.TemporaryDirectory(prefix="radtex-") as folder:
+            _, found = _written(Path(folder, path.name), atlas, atlas, plan, count, facts)
+        if found.agreement >= spec.target or 4 * count > len(plan.texel):
+            break
+        count, tries = 2 * count, tries + 1
+    if found.agreement < spec.target:
+        _log.warning(
+            "target %g dB: condensed textures of object '%s' come to %.1f dB; bake it without a target "
+            "for all of it",
+            spec.target,
+            facts.object_name,
+            found.agreement,
+        )
+    return _written(path, atlas, atlas, plan, count, facts)
+
+
+def _written(
+    path: Path, fitted: SharedAtlas, small: SharedAtlas, plan: CapturePlan, count: int, facts: Sidecar
+) -> tuple[SharedSidecar, Condensed]:
+    """Write `small` in `count` clusters, and compare it with what was `fitted`."""
+    sidecar = write_condensed(path, condense(small, plan, count), facts)
+    stored, _ = read_shared(path)
+    assert sidecar.condensed is not None  # it was just written
+    return sidecar, Condensed(
+        clusters=tuple(tiles.clusters for tiles in sidecar.condensed.lobes.values()),
+        colour=sidecar.colour,
+        surroundings=sidecar.surroundings,
+        bytes=texture_bytes(sidecar.shapes),
+        agreement=agreement(stored, fitted, plan),
+    )
+
+
+def _reduced(atlas: SharedAtlas, budget: int) -> SharedAtlas:
+    """The atlas with a colour and surroundings that leave most of the budget to the lobes."""
+    width = atlas.irradiance.shape[1]
+    while atlas.colour.shape[1] >= 2 * width and _cost_of(atlas, "colour") > _COLOUR_SHARE * budget:
+        atlas = replace(atlas, colour=_halved(atlas.colour))
+    while (
+        len(atlas.surroundings[0]) >= 2 * _LEAST_SURROUNDINGS
+        and _cost_of(atlas, "surroundings") > _SURROUNDINGS_SHARE * budget
+    ):
+        atlas = replace(atlas, surroundings=atlas.surroundings[1:], sharpest=4 * atlas.sharpest)
+    return atlas
+
+
+def _cost_of(atlas: SharedAtlas, layer: str) -> int:
+    """The bytes of one of the textures that have no clusters."""
+    sizes = _sizes(atlas)
+    return texture_bytes({layer: sizes.shapes(sizes.columns)[layer]})
+
+
+def _halved(image: Floats) -> Floats:
+    """The means of 2 x 2 pixels; an odd last row or column is dropped."""
+    height, width = image.shape[0] // 2, image.shape[1] // 2
+    means: Floats = image[: 2 * height, : 2 * width].reshape(height, 2, width, 2, -1).mean(axis=(1, 3))
+    return means
+
+
+def _sizes(atlas: SharedAtlas) -> CondensedSizes:
+    """The atlas's own; a colour that is the same everywhere takes next to nothing."""
+    height, width = atlas.irradiance.shape[:2]
+    even = float(np.ptp(atlas.colour, axis=(0, 1)).max()) <= ALIKE
+    return CondensedSizes(
+        width=width,
+        height=height,
+        bucket=atlas.lobes[0].ends.shape[2] if atlas.lobes else 1,
+        colour=(4, 4) if even else (atlas.colour.shape[1], atlas.colour.shape[0]),
+        surroundings=len(atlas.surroundings[0]),
+        levels=len(atlas.surroundings),
+        clusters={lobe.axis: 1 for lobe in atlas.lobes},
+    )
