@@ -1,0 +1,177 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""shaders/radtex_condensed.glsl on a real OpenGL, over EGL, against the shared layout's reference sampler."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.condensed import CondensedAtlas
+from radtex_addon.core.frame import normalised
+from radtex_addon.core.shared import Axis
+from radtex_addon.formats.bc6h import decode_bc6h
+from radtex_addon.formats.bc7 import Blocks, decode_bc7
+from radtex_addon.formats.condensed_packing import layer_values, pack_tiles, pack_weights, value_range
+from radtex_addon.formats.dds import DdsFormat, read_dds
+from radtex_addon.formats.packing import LOBE_CHANNELS, WEIGHTS, lobe_layer
+from radtex_addon.formats.shared_files import read_condensed, write_condensed
+from tests.lookups import SIDE, Lookups, relative_error
+from tests.real.opengl import BC6H_UF16, BC7_UNORM, VERSIONS, compiled, compressed, drawn
+from tests.shared_atlases import facts_about, random_condensed_atlas
+from tests.shared_lookups import random_fragments, shared_answers
+
+SHADERS = [Path(__file__).parents[2] / "shaders" / f"radtex_{name}.glsl" for name in ("shared", "condensed")]
+WIDTH, HEIGHT = 7, 5
+COLUMNS = 5
+WORST = 2e-3  # as far off as radtex_shared.glsl may be
+FRAGMENT = """
+uniform sampler2D colour, irradiance, surroundings, uvs, normals, viewers;
+uniform sampler2D mirror_weights, mirror_ends, mirror_gain, mirror_rest;
+uniform sampler2D through_weights, through_ends, through_gain, through_rest;
+uniform vec4 mirror_ranges[12], through_ranges[12];
+uniform vec3 falloff[RADTEX_FALLOFF];
+uniform ivec2 fine, texels, around;
+uniform int columns, n;
+out vec4 result;
+void main() {
+    ivec2 here = ivec2(gl_FragCoord.xy);
+    vec2 uv = texelFetch(uvs, here, 0).xy;
+    vec3 N = texelFetch(normals, here, 0).xyz, V = texelFetch(viewers, here, 0).xyz;
+    result = vec4(radtex_condensed(colour, fine, irradiance, texels, falloff,
+        mirror_weights, mirror_ends, mirror_gain, mirror_rest, mirror_ranges,
+        through_weights, through_ends, through_gain, through_rest, through_ranges,
+        columns, n, surroundings, around, uv, N, V), 1.0);
+}
+"""
+Ranges = dict[Axis, Floats]
+
+
+def run(
+    context: moderngl.Context,
+    head: str,
+    atlas: CondensedAtlas,
+    images: Mapping[str, Floats | moderngl.Texture],
+    ranges: Ranges,
+    columns: int,
+    fragments: Lookups,
+) -> Floats:
+    """The shader's answers, (K, 3) float32; `head` is a version and defines, `ranges` each lobe's (12, 4)."""
+    code = "".join(path.read_text(encoding="utf-8") for path in SHADERS)
+    program = compiled(context, head + f"#define RADTEX_RANK {atlas.lobes[0].rank}\n", code + FRAGMENT)
+    program["n"], program["columns"] = atlas.lobes[0].ends.shape[2], columns
+    program["fine"], program["texels"] = (image.shape[1::-1] for image in (atlas.colour, atlas.irradiance))
+    program["around"] = (len(atlas.surroundings[0]), len(atlas.surroundings))
+    program["falloff"] = [tuple(point) for point in atlas.falloff.tolist()]
+    for axis, rows in ranges.items():
+        program[f"{axis}_ranges"] = [tuple(row) for row in rows.tolist()]
+    normal, viewer = (normalised(vectors) for vectors in (fragments.normal, fragments.viewer))
+    inputs = {"uvs": fragments.uv, "normals": normal, "viewers": viewer}
+    fields = {name: values.reshape(SIDE, SIDE, -1) for name, values in inputs.items()}
+    return drawn(context, program, dict(images) | fields, SIDE)[:, :3]
+
+
+def uncompressed(atlas: CondensedAtlas) -> tuple[dict[str, Floats], Ranges]:
+    """What the textures hold if nothing is lost, tiles COLUMNS side by side, and the lobes' ranges."""
+    images: dict[str, Floats] = {}
+    ranges: Ranges = {}
+    values = layer_values(atlas)
+    for lobe in atlas.lobes:
+        limits = {part: value_range(values[lobe_layer(lobe.axis, part)]) for part in LOBE_CHANNELS}
+        ranges[lobe.axis] = rows_of(limits)
+        for part, rows in limits.items():
+            layer = lobe_layer(lobe.axis, part)
+            images[layer] = pack_tiles(values.pop(layer), rows, COLUMNS)
+        weights = lobe_layer(lobe.axis, WEIGHTS)
+        images[weights] = pack_weights(lobe.cluster, values.pop(weights)) / np.float32(255)
+    return images | {name: filled_up(image) for name, image in values.items()}, ranges
+
+
+def filled_up(image: Floats) -> Floats:
+    """An image with more on the right and at the top, which no lookup may see."""
+    more = [(0, 4 - length % 4) for length in image.shape[:2]]
+    return np.pad(image, (*more, (0, 0)), constant_values=1e6)
+
+
+def rows_of(limits: Mapping[str, npt.ArrayLike]) -> Floats:
+    """A lobe's ranges as the shader takes them, (12, 4)."""
+    rows = [np.asarray(limits[part], dtype=np.float32) for part in LOBE_CHANNELS]
+    return np.concatenate([np.pad(some, ((0, 0), (0, 4 - some.shape[1]))) for some in rows])
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize(("clusters", "rank", "bucket"), [(4, 2, 14), (1, 2, 2), (9, 6, 6), (1000, 2, 2)])
+def test_glsl_agrees_with_the_reference(
+    context: moderngl.Context, version: str, clusters: int, rank: int, bucket: int
+) -> None:
+    atlas = random_condensed_atlas(WIDTH, HEIGHT, clusters, rank, bucket)
+    fragments = random_fragments(WIDTH, HEIGHT)
+    result = run(context, VERSIONS[version], atlas, *uncompressed(atlas), COLUMNS, fragments)
+    error = relative_error(result, shared_answers(atlas.expanded(), fragments))
+    print(f"{version}, {clusters} clusters of rank {rank}, n {bucket}: worst error {error.max():.1e}")
+    assert np.median(error) <= 5e-6
+    assert np.quantile(error, 0.99) <= 1e-4
+    assert error.max() <= WORST
+
+
+def test_one_hardware_lookup_is_as_good_as_its_weights(context: moderngl.Context) -> None:
+    atlas, fragments = random_condensed_atlas(WIDTH, HEIGHT), random_fragments(WIDTH, HEIGHT)
+    head = VERSIONS["GLSL 330"] + "#define RADTEX_HARDWARE_LINEAR\n"
+    result = run(context, head, atlas, *uncompressed(atlas), COLUMNS, fragments)
+    error = relative_error(result, shared_answers(atlas.expanded(), fragments))
+    print(f"hardware: median error {np.median(error):.1e}, worst {error.max():.1e}")
+    assert np.median(error) <= 5e-3
+    assert np.quantile(error, 0.99) <= 5e-2
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_glsl_shows_the_files(context: moderngl.Context, tmp_path: Path, version: str) -> None:
+    """The files' blocks, which the driver decodes as the reader does.
+
+    Where an octahedron's border is looked up the reader knows better: blocks change a border's pixels and the
+    cells that these repeat, each in its own way.
+    """
+    path, fragments = tmp_path / "Vase.radiance.json", random_fragments(WIDTH, HEIGHT)
+    wanted = random_condensed_atlas(WIDTH, HEIGHT)
+    write_condensed(path, wanted, facts_about(wanted))
+    atlas, sidecar = read_condensed(path)
+    expected = shared_answers(atlas.expanded(), fragments)
+    same = run(context, VERSIONS[version], atlas, *uncompressed(atlas), COLUMNS, fragments)
+    assert relative_error(same, expected).max() <= WORST
+
+    facts = sidecar.condensed
+    assert facts is not None
+    ranges = {axis: rows_of(tiles.ranges) for axis, tiles in facts.lobes.items()}
+    files = {layer: read_dds(path.with_name(f"Vase.radiance.{layer}.dds")) for layer in sidecar.shapes}
+    decoded = {layer: pixels(kind, blocks) for layer, (kind, blocks, *_) in files.items()}
+    textures = {layer: uploaded(context, *file) for layer, file in files.items()}
+    read = run(context, VERSIONS[version], atlas, decoded, ranges, facts.columns, fragments)
+    shown = run(context, VERSIONS[version], atlas, textures, ranges, facts.columns, fragments)
+    error = relative_error(shown, expected)
+    apart = relative_error(shown, read).max()
+    print(f"{version}: driver and reader {apart:.1e} apart, {np.mean(error > WORST):.1%} meet borders")
+    assert apart <= 1e-4
+    assert np.quantile(error, 0.6) <= WORST
+
+
+def pixels(kind: DdsFormat, blocks: Blocks) -> Floats:
+    """What a file holds, decoded by the reader."""
+    if kind is DdsFormat.R8G8B8A8_UNORM:
+        return blocks / np.float32(255)
+    return decode_bc6h(blocks) if kind is DdsFormat.BC6H_UF16 else decode_bc7(blocks)
+
+
+def uploaded(
+    context: moderngl.Context, kind: DdsFormat, blocks: Blocks, width: int, height: int
+) -> moderngl.Texture:
+    """What a file holds as a texture, as a game would upload it."""
+    if kind is DdsFormat.R8G8B8A8_UNORM:
+        return context.texture((width, height), 4, blocks.tobytes())
+    kinds = {DdsFormat.BC6H_UF16: BC6H_UF16, DdsFormat.BC7_UNORM: BC7_UNORM}
+    return compressed(context, kinds[kind], (width, height), blocks.tobytes())
