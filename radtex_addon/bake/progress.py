@@ -37,6 +37,16 @@ class Progress:
     total: int
 
 
+def finished(steps: Generator[object, None, _Result]) -> _Result:
+    """Run a generator to its end, and return its value."""
+    while True:
+        try:
+            next(steps)
+        except StopIteration as stop:
+            result: _Result = stop.value
+            return result
+
+
 def relayed(
     steps: Generator[Progress, None, _Result], each: Callable[[Progress], Progress]
 ) -> Generator[Progress, None, _Result]:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.progress import Progress, Stage
+from ..bake.progress import Progress, Stage, finished
 from ..bake.spec import BakeSpec, Layout
 from ..bake.stopwatch import Stopwatch
 from ..core.atlas import AtlasLayout
@@ -65,13 +65,9 @@ def bake_object(
     overwrite: bool = False,
 ) -> BakeResult:
     """Bake one object and write its files; see `bake_steps`."""
-    steps = bake_steps(scene, name, spec, folder, view_layer=view_layer, preview=preview, overwrite=overwrite)
-    while True:
-        try:
-            next(steps)
-        except StopIteration as stop:
-            result: BakeResult = stop.value
-            return result
+    return finished(
+        bake_steps(scene, name, spec, folder, view_layer=view_layer, preview=preview, overwrite=overwrite)
+    )
 
 
 def bake_steps(

@@ -61,7 +61,7 @@ def scene_table(name: str, results: Sequence[Result], floor: Figures) -> str:
         rows.append([result.method, *pairs, *spent])
     figures = (f"{getattr(floor, figure):.{digits}f}" for figure, digits in _DIGITS.items())
     rows.append(["reference's noise", *figures, "", "", ""])
-    return f"{name}, means over tuned / untuned views\n\n{_table(rows)}\n"
+    return f"{name}, means over tuned / untuned views\n\n{markdown(rows)}\n"
 
 
 def summary_table(scenes: Mapping[str, Sequence[Result]]) -> str:
@@ -74,7 +74,7 @@ def summary_table(scenes: Mapping[str, Sequence[Result]]) -> str:
         )
         pairs = zip([*eroded, float(np.mean(eroded))], [*whole, float(np.mean(whole))], strict=True)
         rows.append([first.method, *(f"{inner:.2f} / {outer:.2f}" for inner, outer in pairs)])
-    return f"PSNR of the untuned views, eroded / uneroded\n\n{_table(rows)}\n"
+    return f"PSNR of the untuned views, eroded / uneroded\n\n{markdown(rows)}\n"
 
 
 def save_sheet(path: Path, results: Sequence[Result]) -> None:
@@ -103,5 +103,5 @@ def _tile(picture: Picture, label: str) -> np.ndarray[tuple[int, ...], np.dtype[
     return np.asarray(tile)
 
 
-def _table(rows: Sequence[Sequence[str]]) -> str:
+def markdown(rows: Sequence[Sequence[str]]) -> str:
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)

@@ -14,7 +14,7 @@ import numpy as np
 
 from radtex_addon.bake.progress import Progress, Stage
 from radtex_addon.bake.spec import BakeSpec, Layout
-from radtex_addon.core.shared import sample_shared
+from radtex_addon.core.shared import SharedAtlas, sample_shared
 from radtex_addon.formats.packing import pack
 from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.job.files import OutputFiles
@@ -30,6 +30,13 @@ from ..scenes import Stage as Scene
 _PIXEL = 8  # bytes, as a GPU holds it: four half floats, for no GPU has three
 
 _Result = TypeVar("_Result")
+
+
+def look(atlas: SharedAtlas, buffer: GBuffer) -> Array:
+    """What a G-buffer's rays see of the atlas, (N, 3), linear; 0 where they miss."""
+    fragment = (buffer.uv, buffer.normal, buffer.incoming)
+    part = (field[buffer.hit].astype(np.float32) for field in fragment)
+    return buffer.spread(sample_shared(atlas, *part))
 
 
 class Shared:
@@ -59,16 +66,11 @@ class Shared:
             flush=True,
         )
 
-        def radiance(buffer: GBuffer) -> Array:
-            hit = buffer.hit
-            fragment = (buffer.uv, buffer.normal, buffer.incoming)
-            return buffer.spread(sample_shared(atlas, *(part[hit].astype(np.float32) for part in fragment)))
-
         return Baked(
             paths=made.paths,
             seconds=ended - started,
             bytes=_PIXEL * sum(image.shape[0] * image.shape[1] for image in pack(atlas).values()),
-            radiance=radiance,
+            radiance=lambda buffer: look(atlas, buffer),
             mesh=prepared.mesh,
             matrix_world=np.array(stage.subject.matrix_world),
             uv_layer=sidecar.bake.uv_map,

@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Quality per byte: the shared layout, condensed to ever smaller budgets, against path-traced views.
+
+    python -m tests.bench.fidelity.curve                     every scene; budgets from 1/4 to 1/100
+    python -m tests.bench.fidelity.curve --scenes glass --texels 64
+
+A budget is a share of what the plain layout's half floats take at as many texels of 8 x 8 cells. Each scene
+is captured and fitted once; its textures are written, read back and looked up.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import cast
+
+import bpy
+import numpy as np
+
+from radtex_addon.bake.progress import finished
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.core.shared import SharedAtlas
+from radtex_addon.formats.shared_files import read_shared
+from radtex_addon.job.condensed import Condensed, condense_steps
+from radtex_addon.job.files import facts_of
+from radtex_addon.job.prepare import prepare
+from radtex_addon.job.shared import FittedBake, fit_bake
+from radtex_addon.report.gbuffer import GBuffer
+from radtex_addon.scene.objects import find_object
+from radtex_addon.scene.scratch import scratch_scene
+
+from .methods.shared import look
+from .metrics import compare
+from .references import View, gbuffer, views
+from .report import markdown
+from .scenes import SCENES, Stage
+
+_RATIOS = (4, 7, 10, 15, 25, 50, 100)
+_PLAIN_TEXEL = 8 * 8 * 8  # bytes of a texel of the plain layout: 8 x 8 cells, four half floats
+
+
+@dataclass(frozen=True, eq=False)
+class _Looked:
+    """The untuned and tuned views of a stage, and where their rays meet the baked mesh."""
+
+    views: list[tuple[View, GBuffer]]
+
+    def quality(self, atlas: SharedAtlas) -> tuple[float, float]:
+        """Mean PSNR of the untuned views, and mean energy."""
+        found = [
+            compare(buffer.resolve(look(atlas, buffer)), view.reference, buffer.inside, buffer.eroded)
+            for view, buffer in self.views
+            if view.held_out
+        ]
+        return float(np.mean([f.psnr for f in found])), float(np.mean([f.energy for f in found]))
+
+
+def main() -> None:
+    """Fit, condense, look, print."""
+    parser = argparse.ArgumentParser(
+        prog="python -m tests.bench.fidelity.curve",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--scenes", default=",".join(SCENES), help="of " + ", ".join(SCENES))
+    parser.add_argument("--texels", type=int, default=128)
+    options = parser.parse_args()
+    summary: dict[str, list[float]] = {}
+    for name in options.scenes.split(","):
+        summary[name] = _scene(name, options.texels)
+    means = [float(np.mean(column)) for column in zip(*summary.values(), strict=True)]
+    rows = [[name, *(f"{value:.2f}" for value in values)] for name, values in summary.items()]
+    rows.append(["mean", *(f"{value:.2f}" for value in means)])
+    rows.append(["loss", *(f"{means[0] - value:.2f}" for value in means)])
+    head = ["scene", "all", *(f"1/{ratio}" for ratio in _RATIOS)]
+    print("\nPSNR of the untuned views, dB\n\n" + markdown([head, ["---"] * len(head), *rows]))
+
+
+def _scene(name: str, texels: int) -> list[float]:
+    """Decibels of all that was fitted, then by budget."""
+    stage = SCENES[name]()
+    looked_from = views(stage)
+    stage = SCENES[name]()
+    spec = BakeSpec(layout=Layout.SHARED, texels=texels, budget=2**40)
+    with tempfile.TemporaryDirectory() as folder:
+        fitted, looked, uv_layer = _fit(stage, looked_from, spec, Path(folder))
+        psnr, energy = looked.quality(fitted.atlas)
+        print(f"\n{name}: {psnr:.2f} dB and energy {energy:.3f} with every texel's own buckets", flush=True)
+        found = [psnr]
+        layout = fitted.plan.layout
+        plain = layout.width * layout.height * _PLAIN_TEXEL
+        facts = facts_of(stage.subject.name, spec, layout.width, layout.height, uv_layer)
+        for ratio in _RATIOS:
+            path = Path(folder, f"{ratio}.json")
+            within = replace(spec, budget=plain // ratio)
+            steps = condense_steps(path, fitted.atlas, fitted.plan, within, facts)
+            _, chosen = finished(steps)
+            psnr, energy = looked.quality(read_shared(path)[0])
+            found.append(psnr)
+            print(_line(ratio, chosen, psnr, energy), flush=True)
+    return found
+
+
+def _fit(
+    stage: Stage, looked_from: list[View], spec: BakeSpec, folder: Path
+) -> tuple[FittedBake, _Looked, str]:
+    scene = cast(bpy.types.Scene, bpy.context.scene)
+    kept: list[bpy.types.ID] = []
+    with scratch_scene(scene, None, kept) as scratch:
+        item = find_object(scratch, stage.subject.name)
+        prepared = finished(prepare(scratch, item, spec, kept))
+        fitted = finished(fit_bake(scratch, item, spec, prepared, folder))
+    matrix = np.array(stage.subject.matrix_world)
+    seen = [(view, gbuffer(view, prepared.mesh, matrix, prepared.uv_layer)) for view in looked_from]
+    return fitted, _Looked(seen), prepared.uv_layer
+
+
+def _line(ratio: int, chosen: Condensed, psnr: float, energy: float) -> str:
+    clusters = " and ".join(str(count) for count in chosen.clusters)
+    return (
+        f"  1/{ratio}: {chosen.bytes / 1e6:.3f} MB, {clusters} clusters, colour {chosen.colour[0]} pixels "
+        f"and surroundings {chosen.surroundings} cells wide: {psnr:.2f} dB, energy {energy:.3f}; "
+        f"{chosen.agreement:.1f} dB from what was fitted"
+    )
+
+
+if __name__ == "__main__":
+    main()
