@@ -49,9 +49,9 @@ LIMITS = {
     DdsFormat.R8G8B8A8_UNORM: (-1.0, 1.0),
     DdsFormat.BC7_UNORM: (-HALF_MOST, HALF_MOST),
 }
+ALIKE = 1e-6  # by how much the values of one colour may differ
 
 _SIDE = DdsFormat.BC6H_UF16.side  # pixels along a block's side
-ALIKE = 1e-6  # by how much the values of one colour may differ
 _DECODED = 16  # bytes of a pixel: four floats
 
 

@@ -321,6 +321,17 @@ def test_a_failing_write_leaves_the_old_files(
 
 
 @pytest.mark.parametrize("layer", LAYERS)
+def test_the_sidecar_takes_its_place_last(path: Path, layer: str) -> None:
+    """Where a texture cannot take its own there is no sidecar that speaks of it."""
+    texture_path(path, layer).mkdir()
+    atlas = flat_condensed_atlas()
+    with pytest.raises(BakeError, match=rf"\.{layer}\.dds could not be written: "):
+        write_condensed(path, atlas, facts_about(atlas))
+    assert not path.exists()
+    assert not [*path.parent.glob(".radtex-*")]
+
+
+@pytest.mark.parametrize("layer", LAYERS)
 @pytest.mark.parametrize("read", [read_shared, read_condensed])
 def test_missing_damaged_and_foreign_textures_are_named(
     path: Path, tmp_path: Path, layer: str, read: Any

@@ -104,6 +104,7 @@ def test_a_lobes_image_is_near_square(clusters: int, rank: int) -> None:
 )
 def test_what_no_texture_holds_is_said(changes: dict[str, object], message: str) -> None:
     assert VASE.misfit(18) is None
+    assert replace(VASE, clusters={Axis.MIRROR: 65536}).misfit(444) is None
     sizes = replace(VASE, **changes)  # type: ignore[arg-type]
     assert sizes.misfit(18) == message
 
