@@ -9,12 +9,14 @@ with Quadratic Loss", 1961), so that a rough surface's cells stay together and a
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..core.arrays import Bools, Floats, Ints
+from ..core.arrays import Floats
 from ..core.octahedron import octahedron_to_direction
+from .blocks import in_blocks
 from .pooling import SHARE, Neighbours, Taps, upsampled
 from .surroundings import meet_surroundings
 
@@ -26,98 +28,136 @@ _LEAST_SCALE = 0.05  # radians: no path that near is an outlier
 _SPREAD_PRIOR = 8.0  # paths that a coarser cell's spread counts for
 _TRUSTED = 0.807  # of a Gaussian lobe's variance: what is left of it where paths count by their trust
 _RAYLEIGH_QUARTER = 0.575  # squared lower quartile of a distance, over the variance along an axis
-_TEXELS_AT_ONCE = 512
 
 
 @dataclass(frozen=True, eq=False)
 class LobePaths:
-    """A lobe's P paths: `axis` and `end` (P, 3), directions in the world; `owner` (P,) texel numbers.
+    """A lobe's paths, S of each of K texels, float32, channels first.
 
-    `weight` (P,): how much of the light there the object lets through, in luminance.
+    `place` (2, K, S): their axis on the octahedron's square; `moved` (3, K, S): from there to where they end,
+    in the world; `weight` (K, S): how much of the light there the object lets through, in luminance, 0 for
+    paths that do not count.
     """
 
-    axis: Floats
-    end: Floats
-    owner: Ints
+    place: Floats
+    moved: Floats
     weight: Floats
 
-    def only(self, some: Bools) -> LobePaths:
-        """Those of the paths, (P,)."""
-        return LobePaths(self.axis[some], self.end[some], self.owner[some], self.weight[some])
+
+def stages(n: int) -> list[tuple[int, bool]]:
+    """The steps of `fit_ends` to buckets of n x n cells: cells along a side, and whether pooled widely."""
+    return [(cells, wide) for cells, wide in _STAGES if cells < n] + [(n, False)] * _FINEST_ROUNDS
 
 
-def fit_ends(paths: LobePaths, neighbours: Neighbours, n: int, start: Floats) -> Floats:
-    """Shift and spread of each cell (K*n*n, 4), as in `core.shared.Lobe`.
+def fit_ends(
+    paths: LobePaths, neighbours: Neighbours, n: int, start: Floats
+) -> Generator[None, None, Floats]:
+    """Shift and spread of each cell (4, K, n*n), as in `core.shared.Lobe`.
 
-    `start` (K*n*n, 3) is a first shift.
+    `start` (3, K, n*n) is a first shift. Yields after each stage.
     """
-    texels = len(neighbours.plan.texel)
-    shift = start.astype(np.float32)
-    if not len(paths.owner):
-        return np.concatenate([shift, np.zeros((len(shift), 1), np.float32)], axis=1)
-    moved = paths.end - paths.axis
-    stages = [(cells, wide) for cells, wide in _STAGES if cells < n] + [(n, False)] * _FINEST_ROUNDS
-    taps = {cells: Taps.of(paths.axis, paths.owner, texels, cells) for cells in {*dict(stages), 1, n}}
-    mean_weight = max(float(paths.weight.mean()), 1e-12)
-    trust, noise = _trust(moved - taps[n].gather(shift), paths.owner, neighbours)
-    for cells, wide in stages:
-        off = moved - taps[n].gather(shift)
-        counted = paths.weight * trust
-        table = neighbours.pool(taps[cells].scatter([*(counted[:, None] * off).T, counted]), wide)
-        step = table[:, :3] / (table[:, 3:] + max(1e-3 * float(table[:, 3].mean()), 1e-12))
-        left = SHARE * (_WIDER if wide else 1.0) * mean_weight / np.maximum(table[:, 3], 1e-12)
-        doubt = _DOUBT * np.repeat(noise, cells * cells) * left
-        step *= np.maximum(0, 1 - doubt / np.maximum(np.sum(step * step, axis=1), 1e-12))[:, None]
-        shift += upsampled(step, texels, cells, n)
-        trust, noise = _trust(moved - taps[n].gather(shift), paths.owner, neighbours)
-    off = moved - taps[n].gather(shift)
-    spread = _spread(np.sum(off * off, axis=1) / (2 * _TRUSTED), paths.weight * trust, taps, neighbours)
-    return np.concatenate([shift, spread], axis=1)
+    if not paths.weight.any():
+        return np.concatenate([start, np.zeros_like(start[:1])])
+    fit = _EndsFit(paths, neighbours, n, start)
+    fit.look_again()
+    for cells, wide in stages(n):
+        fit.improve(cells, wide)
+        fit.look_again()
+        yield
+    return np.concatenate([fit.shift, fit.spread()])
+
+
+class _EndsFit:
+    """The shift so far (3, K, n*n), and how well it tells where paths end.
+
+    `off` (3, K, S) and `distance` (K, S): how far they end from there. `scale` (K, 1) of the distances of a
+    texel's paths, beyond which they are outliers, and `noise` (K, 1), a variance.
+    """
+
+    def __init__(self, paths: LobePaths, neighbours: Neighbours, n: int, start: Floats) -> None:
+        self.paths, self.neighbours, self.n = paths, neighbours, n
+        self.number = int(np.count_nonzero(paths.weight))
+        self.mean_weight = max(float(paths.weight.sum(dtype=np.float64)) / self.number, 1e-12)
+        self.shift = start.astype(np.float32)
+        self.off = np.empty_like(paths.moved)
+        self.distance = np.empty_like(paths.weight)
+        self.scale = self.noise = np.empty((paths.weight.shape[0], 1), dtype=np.float32)
+
+    def look_again(self) -> None:
+        """Find how far paths end from where the shift tells, and the scale and noise of that."""
+        paths, quartiles = self.paths, np.zeros((3, len(self.distance), 1), dtype=np.float32)
+
+        def look(some: slice) -> None:
+            taps = Taps.of(paths.place[:, some], self.n)
+            self.off[:, some] = paths.moved[:, some] - taps.gather(self.shift[:, some])
+            self.distance[some] = np.sqrt((self.off[:, some] ** 2).sum(axis=0))
+            told = paths.weight[some] > 0
+            number = told.sum(axis=1)[:, None]
+            ranked = np.sort(np.where(told, self.distance[some], np.float32(np.inf)), axis=1)
+            for row, part in zip(quartiles, (2, 4), strict=False):
+                row[some] = np.where(number, np.take_along_axis(ranked, number // part, axis=1), 0)
+            quartiles[2, some] = number > 0
+
+        in_blocks(look, *self.distance.shape)
+        pooled = self.neighbours.pool(quartiles)
+        median, quartile = pooled[:2] / np.maximum(pooled[2], 1e-6)
+        self.scale = np.maximum(2 * median, _LEAST_SCALE)
+        self.noise = quartile**2 / _RAYLEIGH_QUARTER
+
+    def counted(self, some: slice) -> Floats:
+        """How much the paths of some texels count, (k, S): by weight, and less the farther off they end."""
+        counted: Floats = self.paths.weight[some] / (1 + (self.distance[some] / self.scale[some]) ** 2)
+        return counted
+
+    def improve(self, cells: int, wide: bool) -> None:
+        """Add to the shift what paths have in common in buckets of cells x cells."""
+        table = np.empty((4, len(self.distance), cells * cells), dtype=np.float32)
+
+        def sum_up(some: slice) -> None:
+            counted = self.counted(some)
+            taps = Taps.of(self.paths.place[:, some], cells)
+            table[:, some] = taps.scatter([*(counted * self.off[:, some]), counted])
+
+        in_blocks(sum_up, *self.distance.shape)
+        table = self.neighbours.pool(table, wide)
+        step = table[:3] / (table[3] + max(1e-3 * float(table[3].mean()), 1e-12))
+        left = SHARE * (_WIDER if wide else 1.0) * self.mean_weight / np.maximum(table[3], 1e-12)
+        step *= np.maximum(0, 1 - _DOUBT * self.noise * left / np.maximum((step * step).sum(axis=0), 1e-12))
+        self.shift += upsampled(step, self.n)
+
+    def spread(self) -> Floats:
+        """The mean of squared distances in each cell, (1, K, n*n); few paths' is taken from coarser cells."""
+        sizes = sorted({cells for cells, _ in stages(self.n)} | {1})
+        tables = {n: np.empty((2, len(self.distance), n * n), dtype=np.float32) for n in sizes}
+
+        def sum_up(some: slice) -> float:
+            counted = self.counted(some)
+            columns = [counted * (self.distance[some] ** 2 / np.float32(2 * _TRUSTED)), counted]
+            for n, table in tables.items():
+                table[:, some] = Taps.of(self.paths.place[:, some], n).scatter(columns)
+            return float(counted.sum(dtype=np.float64))
+
+        total = sum(in_blocks(sum_up, *self.distance.shape))
+        prior = _SPREAD_PRIOR * max(total / self.number, 1e-12)
+        squares, weights = self.neighbours.pool(tables.pop(1))[:, None]
+        spread: Floats = squares / np.maximum(weights, 1e-9)
+        for n in sizes[1:]:
+            squares, weights = self.neighbours.pool(tables.pop(n))[:, None]
+            spread = (squares + prior * upsampled(spread, n)) / (weights + prior)
+        return spread
 
 
 def parallax(nearness: Floats, middle: Floats, places: Floats, n: int) -> Floats:
-    """Shifts by which mirror rays from places (K, 3) find near things, (K*n*n, 3)."""
+    """Shifts by which mirror rays from places (K, 3) find near things, (3, K, n*n)."""
     cell = ((np.arange(n) + 0.5) / n).astype(np.float32)
     axis = octahedron_to_direction(np.stack(np.meshgrid(cell, cell), axis=-1).reshape(-1, 2))
-    shift = np.empty((len(places), n * n, 3), dtype=np.float32)
-    for first in range(0, len(places), _TEXELS_AT_ONCE):
-        some = places[first : first + _TEXELS_AT_ONCE]
-        away = np.tile(axis, (len(some), 1))
-        found = meet_surroundings(nearness, middle, np.repeat(some, n * n, axis=0), away)
-        shift[first : first + len(some)] = (found - away).reshape(len(some), n * n, 3)
-    return shift.reshape(-1, 3)
+    shift = np.empty((3, len(places), n * n), dtype=np.float32)
 
+    def meet(some: slice) -> None:
+        count = some.stop - some.start
+        away = np.tile(axis, (count, 1))
+        found = meet_surroundings(nearness, middle, np.repeat(places[some], n * n, axis=0), away)
+        shift[:, some] = (found - away).T.reshape(3, count, n * n)
 
-def _trust(off: Floats, owner: Ints, neighbours: Neighbours) -> tuple[Floats, Floats]:
-    """How much each path counts, (P,), less the farther it is off; and the texels' noise (K,), a variance."""
-    texels = len(neighbours.plan.texel)
-    distance = np.sqrt(np.sum(off * off, axis=1))
-    order = np.lexsort((distance, owner))
-    number = np.bincount(owner, minlength=texels)
-    first = np.searchsorted(owner[order], np.arange(texels))
-    known = number > 0
-    table = np.zeros((texels, 3), dtype=np.float32)
-    table[known, 0] = distance[order][(first + number // 2)[known]]
-    table[known, 1] = distance[order][(first + number // 4)[known]]
-    table[known, 2] = 1
-    table = neighbours.pool(table)
-    median, quartile = table[:, :2].T / np.maximum(table[:, 2], 1e-6)
-    scale = np.maximum(2 * median, _LEAST_SCALE)[owner]
-    return (1 / (1 + (distance / scale) ** 2)).astype(np.float32), quartile**2 / _RAYLEIGH_QUARTER
-
-
-def _spread(squared: Floats, weight: Floats, taps: dict[int, Taps], neighbours: Neighbours) -> Floats:
-    """The finest cells' mean of squares (P,), (K*n*n, 1); what few paths tell is taken from coarser cells."""
-    texels = len(neighbours.plan.texel)
-    prior = _SPREAD_PRIOR * max(float(weight.mean()), 1e-12)
-    spread: Floats = np.zeros((texels, 1), dtype=np.float32)
-    coarser = 1
-    for cells in sorted(taps):
-        table = neighbours.pool(taps[cells].scatter([weight * squared, weight]))
-        if cells == 1:
-            spread = table[:, :1] / np.maximum(table[:, 1:], 1e-9)
-            continue
-        known = upsampled(spread, texels, coarser, cells)
-        spread = ((table[:, :1] + prior * known) / (table[:, 1:] + prior)).astype(np.float32)
-        coarser = cells
-    return spread
+    in_blocks(meet, len(places), n * n)
+    return shift

@@ -9,18 +9,25 @@ how much of the surroundings it shows (`gloss.py`).
 
 from __future__ import annotations
 
+from collections.abc import Generator
+from contextlib import closing
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
-from ..core.arrays import Floats, Ints
+from ..core.arrays import Bools, Floats
 from ..core.hemisphere import square_to_direction
 from ..core.shared import Axis, Lobe, SharedAtlas, sample_falloff
+from . import ends as ends_fit
+from . import gloss as gloss_fit
+from .blocks import in_blocks, planes
 from .ends import LobePaths, fit_ends, parallax
-from .gloss import LUMINANCE, fit_gain, fit_gloss, weight_of_ending
-from .light_samples import EndSamples, LightSamples, SurroundingsSamples, mirrored, straight_through
+from .gloss import LUMINANCE, LobeSamples, fit_gain, fit_gloss
+from .light_samples import EndSamples, LightSamples, SurroundingsSamples
 from .plan import CapturePlan
-from .pooling import Neighbours, sums
+from .pooling import Neighbours
+from .progress import Progress, Stage
 from .surroundings import Surroundings, nearness_map
 
 FALLOFF_SIZE = 16
@@ -29,6 +36,8 @@ GRAZING = 0.1  # N.I below which a sample is not fitted: the facet's own horizon
 _FAINT = 1e-3  # of all light: a lobe with less is left out
 _OUTLIER = 1.5  # length of an end: there, paths' weights differed too much to tell a direction
 _WEIGHT_LIMIT = 4.0  # times the mean weight: a path counts for no more
+
+_Result = TypeVar("_Result")
 
 
 @dataclass(frozen=True)
@@ -46,108 +55,142 @@ def fit_shared(
     colour: Floats,
     cells: int = 16,
     size: int = 256,
-) -> Fitted:
+) -> Generator[Progress, None, Fitted]:
     """Fit the shared layout to samples: buckets of cells x cells, surroundings of size x size.
 
     `light` and `ends` are of the same texels. `colour` (H', W', 3) is the diffuse colour pass along the
-    normal, gutter filled.
+    normal, gutter filled. Yields progress in the stages of the lobes' fits.
     """
+    yield Progress(Stage.FIT, 0, 1)
     plan = light.plan
-    facing = square_to_direction(light.square)[..., 2].astype(np.float32)
-    used = np.flatnonzero((light.seen & (facing > GRAZING)).ravel())
-    owner = (used // light.square.shape[1]).astype(np.int32)
-    falloff, diffuse = fit_diffuse(light, facing, used, owner)
-    irradiance = _divide_out(diffuse, light, facing, falloff)
+    facing = _facing(light)
+    used = facing > 0
+    falloff, diffuse = fit_diffuse(light, facing)
+    del facing
+    irradiance = _divide_out(diffuse, light, falloff)
     around = Surroundings.of(surroundings, size)
-    fit = _LobeFit(light, ends, used, owner, around, Neighbours(plan), cells)
-    lobes, lost = [], 0.0
+    fit = _LobeFit(light, ends, used, around, Neighbours(plan), cells)
+    parts: dict[Axis, list[Floats]] = {}
+    lost = 0.0
     brightness = {axis: _sum_of(_lobe_light(light, axis), used) for axis in Axis}
     total = sum(brightness.values()) + _sum_of(light.diffuse, used)
-    for axis in Axis:
-        if brightness[axis] > _FAINT * total:
-            start = _parallax(plan, surroundings, cells) if axis is Axis.MIRROR else None
-            lobe, cut = fit.lobe(axis, start)
-            lobes.append(lobe)
-            lost += cut
+    bright = [axis for axis in Axis if brightness[axis] > _FAINT * total]
+    stages = len(ends_fit.stages(cells)) + len(gloss_fit.stages(cells))
+    for number, axis in enumerate(bright):
+        steps = fit.lobe(axis, surroundings)
+        parts[axis], cut = yield from _told(steps, number * stages, len(bright) * stages)
+        lost += cut
     atlas = SharedAtlas(
         colour=colour.astype(np.float32),
         irradiance=plan.placed(irradiance, gutter=True),
         falloff=falloff,
         surroundings=around.levels,
         sharpest=around.sharpest,
-        lobes=tuple(lobes),
+        lobes=tuple(_placed(plan, axis, parts[axis]) for axis in bright),
     )
     return Fitted(atlas, lost / max(total, 1e-12))
 
 
+def _told(steps: Generator[None, None, _Result], done: int, total: int) -> Generator[Progress, None, _Result]:
+    """Tell of each step that it is done, after so many others; closed with its steps."""
+    with closing(steps):
+        while True:
+            yield Progress(Stage.FIT, done, total)
+            try:
+                next(steps)
+            except StopIteration as stop:
+                result: _Result = stop.value
+                return result
+            done += 1
+
+
 @dataclass(frozen=True, eq=False)
 class _LobeFit:
-    """What the lobes' fits have in common.
-
-    `used` (P,) are flat indices of samples, `owner` (P,) their texels.
-    """
+    """What the lobes' fits have in common; `used` (K, S), which samples of the light count."""
 
     light: LightSamples
     ends: EndSamples
-    used: Ints
-    owner: Ints
+    used: Bools
     around: Surroundings
     neighbours: Neighbours
     cells: int
 
-    def lobe(self, axis: Axis, start: Floats | None) -> tuple[Lobe, float]:
-        """The lobe of an axis, and the light that was cut off; `start` (K*n*n, 3) is a first shift."""
+    def lobe(
+        self, axis: Axis, surroundings: SurroundingsSamples
+    ) -> Generator[None, None, tuple[list[Floats], float]]:
+        """Ends, gain and rest of an axis, (C, K, n*n) each, and the light that was cut off."""
         plan, n = self.light.plan, self.cells
-        paths, white = self._traced(axis)
-        if start is None:
-            start = np.zeros((len(plan.texel) * n * n, 3), dtype=np.float32)
-        told = (paths.weight > 0) & (np.sum(paths.end * paths.end, axis=1) < _OUTLIER**2)
-        ends = fit_ends(paths.only(told), self.neighbours, n, start)
-        gain = fit_gain(paths, white, self.neighbours, n)
-        away = _axes(plan, self.light.square, axis).reshape(-1, 3)[self.used]
-        light = _lobe_light(self.light, axis).reshape(-1, 3)[self.used].astype(np.float32)
-        gain, rest, cut = fit_gloss(
-            away,
-            self.owner,
-            np.maximum(light, 0),
-            ends,
-            gain,
-            weight_of_ending(white),
-            self.around,
-            self.neighbours,
+        white, single = self._white(axis)
+        paths = self._traced(white)
+        start = (
+            _parallax(plan, surroundings, n)
+            if axis is Axis.MIRROR
+            else np.zeros((3, len(plan.texel), n * n), dtype=np.float32)
         )
-        buckets = (part.reshape(len(plan.texel), n, n, -1) for part in (ends, gain, rest))
-        return Lobe(axis, *(plan.placed(part, gutter=True) for part in buckets)), cut
+        ends = yield from fit_ends(paths, self.neighbours, n, start)
+        gain = fit_gain(paths.place, white, single, self.neighbours, n)
+        del paths, start
+        samples = LobeSamples(plan, axis, self.light.square, _lobe_light(self.light, axis), self.used)
+        gain, rest, cut = yield from fit_gloss(samples, ends, gain, single, self.around, self.neighbours)
+        return [ends, gain, rest], cut
 
-    def _traced(self, axis: Axis) -> tuple[LobePaths, Floats]:
-        """The paths of a lobe, those too that end nowhere, and how much they let through (P, 3)."""
+    def _white(self, axis: Axis) -> tuple[LobeSamples, Floats]:
+        """How much a lobe's paths let through, and the mean of those (3,) that end somewhere."""
         ends, mirror = self.ends, axis is Axis.MIRROR
-        used = np.flatnonzero((square_to_direction(ends.square)[..., 2] > GRAZING).ravel())
-        white, end, away = (
-            part.reshape(-1, 3)[used].astype(np.float32)
-            for part in (
-                ends.mirrored_weight if mirror else ends.through_weight,
-                ends.mirrored_end if mirror else ends.through_end,
-                _axes(ends.plan, ends.square, axis),
-            )
-        )
-        weight = white @ LUMINANCE
-        weight = np.minimum(weight, _WEIGHT_LIMIT * float(weight.mean())) if len(weight) else weight
-        owner = (used // ends.square.shape[1]).astype(np.int32)
-        return LobePaths(away, end, owner, weight), white
+        values = ends.mirrored_weight if mirror else ends.through_weight
+        used = np.empty(ends.square.shape[:2], dtype=bool)
+        white = LobeSamples(ends.plan, axis, ends.square, values, used)
+
+        def look(some: slice) -> tuple[Floats, int]:
+            used[some] = _cosine(ends.square[some]) > GRAZING
+            seen = white.seen(some)
+            return seen.sum(axis=(1, 2), dtype=np.float64), int(seen.any(axis=0).sum())
+
+        totals, counts = zip(*in_blocks(look, *used.shape), strict=True)
+        return white, (sum(totals) / max(sum(counts), 1)).astype(np.float32)
+
+    def _traced(self, white: LobeSamples) -> LobePaths:
+        """The paths of a lobe that end somewhere."""
+        end = self.ends.mirrored_end if white.axis is Axis.MIRROR else self.ends.through_end
+        shape = white.used.shape
+        place, moved, weight = (np.empty((*c, *shape), dtype=np.float32) for c in ((2,), (3,), ()))
+
+        def look(some: slice) -> None:
+            axis, place[:, some] = white.along(some)
+            moved[:, some] = planes(end[some]) - axis
+            weight[some] = np.tensordot(LUMINANCE, white.seen(some), axes=1)
+
+        in_blocks(look, *shape)
+        mean = float(weight.sum(dtype=np.float64)) / max(int(white.used.sum()), 1)
+        np.minimum(weight, _WEIGHT_LIMIT * mean, out=weight)
+
+        def drop(some: slice) -> None:
+            weight[some] *= (planes(end[some]) ** 2).sum(axis=0) < _OUTLIER**2
+
+        in_blocks(drop, *shape)
+        return LobePaths(place, moved, weight)
+
+
+def _placed(plan: CapturePlan, axis: Axis, parts: list[Floats]) -> Lobe:
+    """A lobe of ends, gain and rest (C, K, n*n), which are taken out of the list: an atlas may be large."""
+    n, placed = round(parts[0].shape[2] ** 0.5), []
+    while parts:
+        part = np.moveaxis(parts.pop(0), 0, -1)
+        placed.append(plan.placed(part.reshape(len(part), n, n, -1), gutter=True))
+    return Lobe(axis, *placed)
 
 
 def _lobe_light(light: LightSamples, axis: Axis) -> Floats:
     return light.mirrored if axis is Axis.MIRROR else light.through
 
 
-def _sum_of(values: Floats, used: Ints) -> float:
-    """The sum of some of the samples (K, S, 3), by flat index."""
-    return float(values.reshape(-1, 3)[used].sum(dtype=np.float64))
+def _sum_of(values: Floats, used: Bools) -> float:
+    """The sum of those samples (K, S, 3) that count (K, S)."""
 
+    def add(some: slice) -> float:
+        return float((planes(values[some]) * used[some]).sum(dtype=np.float64))
 
-def _axes(plan: CapturePlan, square: Floats, axis: Axis) -> Floats:
-    return mirrored(plan, square) if axis is Axis.MIRROR else straight_through(plan, square)
+    return sum(in_blocks(add, *used.shape))
 
 
 def _parallax(plan: CapturePlan, surroundings: SurroundingsSamples, cells: int) -> Floats:
@@ -156,32 +199,72 @@ def _parallax(plan: CapturePlan, surroundings: SurroundingsSamples, cells: int) 
     return parallax(nearness, surroundings.middle, plan.points, cells)
 
 
-def fit_diffuse(samples: LightSamples, facing: Floats, used: Ints, owner: Ints) -> tuple[Floats, Floats]:
-    """Diffuse radiance along the normal (K, 3), from all of a texel's samples, and its falloff (B, 3)."""
-    count = len(samples.square)
-    light = samples.diffuse.reshape(-1, 3)[used].astype(np.float32)
-    cosine = facing.ravel()[used]
-    mean = sums(owner, light, count) / np.maximum(np.bincount(owner, minlength=count), 1)[:, None]
+def _cosine(square: Floats) -> Floats:
+    """N.I of viewers at bucket coordinates (..., 2): (...) float32."""
+    return square_to_direction(square)[..., 2].astype(np.float32)
+
+
+def _facing(light: LightSamples) -> Floats:
+    """N.I of the samples that count, (K, S), of others 0."""
+    facing = np.empty(light.seen.shape, dtype=np.float32)
+
+    def look(some: slice) -> None:
+        cosine = _cosine(light.square[some])
+        facing[some] = np.where(light.seen[some] & (cosine > GRAZING), cosine, 0)
+
+    in_blocks(look, *facing.shape)
+    return facing
+
+
+def fit_diffuse(samples: LightSamples, facing: Floats) -> tuple[Floats, Floats]:
+    """Diffuse radiance along the normal (K, 3), from all of a texel's samples, and its falloff (B, 3).
+
+    `facing` (K, S): N.I of the samples that count, of others 0.
+    """
+    count = len(facing)
+
+    def light(some: slice) -> Floats:
+        return np.where(facing[some] > 0, planes(samples.diffuse[some]), np.float32(0))
+
+    def average(some: slice) -> Floats:
+        number = np.maximum(np.count_nonzero(facing[some], axis=1), 1)
+        found: Floats = light(some).sum(axis=2, dtype=np.float64) / number
+        return found
+
+    mean = np.concatenate(in_blocks(average, *facing.shape), axis=1)
     if not mean.any():
         return np.ones((FALLOFF_SIZE, 3), dtype=np.float32), np.zeros((count, 3), dtype=np.float32)
-    step = np.minimum((cosine * FALLOFF_SIZE).astype(np.int32), FALLOFF_SIZE - 1)
-    level = mean @ LUMINANCE
-    weight = (1 / (level + level.mean() / 4))[owner][:, None].astype(np.float32)
-    seen = sums(step, weight * mean[owner].astype(np.float32), FALLOFF_SIZE)
-    curve = np.divide(sums(step, weight * light, FALLOFF_SIZE), seen, where=seen > 0, out=np.ones_like(seen))
-    known = np.flatnonzero((seen >= 1e-3 * seen.max(axis=0)).all(axis=1))
-    for channel in range(3):
-        curve[:, channel] = np.interp(np.arange(FALLOFF_SIZE), known, curve[known, channel])
-    curve = (curve / np.maximum(curve[-1], 1e-6)).astype(np.float32)
-    part = sample_falloff(curve, cosine)
-    against = sums(owner, part * part, count)
-    frontal = sums(owner, part * light, count) / np.maximum(against, 1e-6)
-    return curve, frontal.astype(np.float32)
+    level = LUMINANCE @ mean
+    weight = 1 / (level + level.mean() / 4)
+
+    def sum_up(some: slice) -> Floats:
+        step = np.minimum((facing[some] * FALLOFF_SIZE).astype(np.intp), FALLOFF_SIZE - 1).ravel()
+        texel = (weight * mean)[:, some, None] * (facing[some] > 0)
+        columns = [*texel, *(weight[some, None] * light(some))]
+        return np.stack([np.bincount(step, column.ravel(), FALLOFF_SIZE) for column in columns])
+
+    seen, shown = np.split(sum(in_blocks(sum_up, *facing.shape), np.zeros((6, FALLOFF_SIZE))), 2)
+    curve = np.divide(shown, seen, where=seen > 0, out=np.ones_like(seen))
+    known = np.flatnonzero((seen >= 1e-3 * seen.max(axis=1, keepdims=True)).all(axis=0))
+    for channel in curve:
+        channel[:] = np.interp(np.arange(FALLOFF_SIZE), known, channel[known])
+    falloff = (curve / np.maximum(curve[:, -1:], 1e-6)).T.astype(np.float32)
+
+    def fit(some: slice) -> Floats:
+        part = planes(sample_falloff(falloff, facing[some].ravel())).reshape(3, *facing[some].shape)
+        part *= facing[some] > 0
+        against = (part * part).sum(axis=2, dtype=np.float64)
+        found: Floats = (part * light(some)).sum(axis=2, dtype=np.float64) / np.maximum(against, 1e-6)
+        return found
+
+    frontal = np.concatenate(in_blocks(fit, *facing.shape), axis=1)
+    return falloff, frontal.T.astype(np.float32)
 
 
-def _divide_out(diffuse: Floats, samples: LightSamples, facing: Floats, falloff: Floats) -> Floats:
+def _divide_out(diffuse: Floats, samples: LightSamples, falloff: Floats) -> Floats:
     """Irradiance, the diffuse light over its colour: the texels' own colour, at their own points."""
-    in_the_mean = sample_falloff(falloff, facing[:: max(1, len(facing) // 256)].ravel()).mean(axis=0)
+    cosine = _cosine(samples.square[:: max(1, len(samples.square) // 256)])
+    in_the_mean = sample_falloff(falloff, cosine.ravel()).mean(axis=0)
     colour = samples.colour / np.maximum(in_the_mean, 1e-6)
     divided: Floats = np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
     return divided

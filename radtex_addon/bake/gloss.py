@@ -8,10 +8,18 @@ light there is. The paths' own weights say what the gain is to begin with.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Generator, Iterable, Iterator
+from dataclasses import dataclass
+from functools import partial
+
 import numpy as np
 
-from ..core.arrays import Floats, Ints
-from .ends import LobePaths
+from ..core.arrays import Bools, Floats
+from ..core.octahedron import direction_to_octahedron
+from ..core.shared import Axis
+from .blocks import in_blocks, planes
+from .light_samples import mirrored, straight_through
+from .plan import CapturePlan
 from .pooling import Neighbours, Taps, upsampled
 from .surroundings import Surroundings
 
@@ -29,101 +37,221 @@ _LEAST_GAIN = 0.05  # that a cell may be given, whatever its paths say
 _WHITE_LIMIT = 8.0  # times the mean weight of those that end: a path that lets more through is limited
 
 
-def fit_gain(paths: LobePaths, white: Floats, neighbours: Neighbours, n: int) -> Floats:
-    """How much each cell lets through, in the mean of its paths' weights `white` (P, 3): (K*n*n, 3).
+@dataclass(frozen=True, eq=False)
+class LobeSamples:
+    """Samples along a lobe's axis, S of each of the plan's K texels.
 
-    Paths that end nowhere count, too: they let nothing through.
+    `square` (K, S, 2): bucket coordinates B of the viewers. `values` (K, S, 3): what they see, or how much
+    the object lets through on the way. `used` (K, S): which of them count.
     """
-    texels = len(neighbours.plan.texel)
-    limited = np.minimum(white, _WHITE_LIMIT * float(weight_of_ending(white).mean()))
-    taps = Taps.of(paths.axis, paths.owner, texels, n)
-    table = neighbours.pool(taps.scatter([*limited.T, np.ones(len(limited), np.float32)]))
-    whole = table.reshape(texels, n * n, 4).sum(axis=1)
-    usual = np.repeat(whole[:, :3] / np.maximum(whole[:, 3:], 1e-12), n * n, axis=0)
-    prior = max(1e-2 * float(table[:, 3].mean()), 1e-12)
-    return ((table[:, :3] + prior * usual) / (table[:, 3:] + prior)).astype(np.float32)
+
+    plan: CapturePlan
+    axis: Axis
+    square: Floats
+    values: Floats
+    used: Bools
+
+    def along(self, some: slice) -> tuple[Floats, Floats]:
+        """The axes of some texels' samples, (3, k, S), and their places on the octahedron, (2, k, S)."""
+        towards = mirrored if self.axis is Axis.MIRROR else straight_through
+        axis = planes(towards(self.plan, self.square[some].astype(np.float32), some))
+        return axis, planes(direction_to_octahedron(np.moveaxis(axis, 0, -1)))
+
+    def seen(self, some: slice) -> Floats:
+        """Some texels' values, (3, k, S), where they count, elsewhere 0."""
+        return np.where(self.used[some], planes(self.values[some]), np.float32(0))
 
 
-def weight_of_ending(white: Floats) -> Floats:
-    """The mean of the paths' weights `white` (P, 3) without those that end nowhere: (3,)."""
-    some = white[white.any(axis=1)]
-    return some.mean(axis=0) if len(some) else np.zeros(3, dtype=np.float32)
+def stages(n: int) -> list[tuple[int, bool]]:
+    """The steps of `fit_gloss` to buckets of n x n cells: cells along a side, and whether pooled widely."""
+    return [(cells, wide) for cells, wide in _STAGES if cells < n] + [(n, False)] * _FINEST_ROUNDS
+
+
+def fit_gain(place: Floats, white: LobeSamples, single: Floats, neighbours: Neighbours, n: int) -> Floats:
+    """How much each cell lets through, in the mean of its paths' weights `white`: (3, K, n*n).
+
+    Paths that end nowhere count, too: they let nothing through. `place` (2, K, S) is their axis on the
+    octahedron's square, `single` (3,) the mean weight of those that end.
+    """
+    table = np.empty((4, len(white.used), n * n), dtype=np.float32)
+    most = np.float32(_WHITE_LIMIT * float(single.mean()))
+
+    def sum_up(some: slice) -> None:
+        limited = np.minimum(white.seen(some), most)
+        table[:, some] = Taps.of(place[:, some], n).scatter([*limited, white.used[some].astype(np.float32)])
+
+    in_blocks(sum_up, *white.used.shape)
+    table = neighbours.pool(table)
+    whole = table.sum(axis=2, keepdims=True)
+    prior = np.float32(max(1e-2 * float(table[3].mean()), 1e-12))
+    gain, weight = table[:3], table[3] + prior
+    gain += prior * (whole[:3] / np.maximum(whole[3], 1e-12))
+    gain /= weight
+    return gain
 
 
 def fit_gloss(
-    axis: Floats,
-    owner: Ints,
-    light: Floats,
+    samples: LobeSamples,
     ends: Floats,
     gain: Floats,
     single: Floats,
     around: Surroundings,
     neighbours: Neighbours,
-) -> tuple[Floats, Floats, float]:
-    """Gain and rest of each cell, (K*n*n, 3) both, and the light cut off as fireflies, a sum over samples.
+) -> Generator[None, None, tuple[Floats, Floats, float]]:
+    """Gain and rest of each cell, (3, K, n*n) both, and the light cut off as fireflies, a sum over samples.
 
-    `light` (P, 3) are samples along `axis` (P, 3) of the texels `owner` (P,); `ends` as of `fit_ends`, `gain`
-    as of `fit_gain`, `single` (3,) as of `weight_of_ending`: glass mirrors one path in twenty, but that one
-    wholly.
+    `ends` as of `fit_ends`, `gain` as of `fit_gain`. `single` (3,) is what a single path lets through: glass
+    mirrors one path in twenty, but that one wholly. Yields after each stage.
     """
-    texels = len(neighbours.plan.texel)
-    n = round((len(ends) / texels) ** 0.5)
-    most, rest = np.maximum(_MOST_GAIN * gain, _LEAST_GAIN), np.zeros_like(gain)
-    if not len(light):
-        return gain, rest, 0.0
-    stages = [(cells, wide) for cells, wide in _STAGES if cells < n] + [(n, False)] * _FINEST_ROUNDS
-    taps = {cells: Taps.of(axis, owner, texels, cells) for cells in {*dict(stages), n}}
-    there = taps[n].gather(ends)
-    met = around.look(axis + there[:, :3], there[:, 3])
-    level = max(float((light @ LUMINANCE).mean()), 1e-6)
-    single_met, weight = single * met, np.ones(len(light), dtype=np.float32)
-    for cells, wide in stages:
-        shown = taps[n].gather(gain) * met + taps[n].gather(rest)
-        weight = _weight(shown, level) if wide else weight  # by no fit that has seen the sample's own noise
-        missing = np.minimum(light, _limit(shown, single_met, level)) - shown
+    if not samples.used.any():
+        return gain, np.zeros_like(gain), 0.0
+    fit = _GlossFit(samples, gain, single, neighbours)
+    fit.meet(ends, around)
+    for cells, wide in stages(fit.n):
+        fit.improve(cells, wide)
+        yield
+    return fit.gain, fit.rest, fit.cut()
+
+
+class _GlossFit:
+    """Gain and rest so far (3, K, n*n).
+
+    `place` (2, K, S) of samples on the octahedron's square; `met` (3, K, S), the surroundings there; `weight`
+    (K, S), how much they count; `missing` (3, K, S), their light less what is fitted; `level`, their mean.
+    """
+
+    def __init__(self, samples: LobeSamples, gain: Floats, single: Floats, neighbours: Neighbours) -> None:
+        shape = samples.used.shape
+        self.samples, self.neighbours, self.gain = samples, neighbours, gain
+        self.single = single[:, None, None].astype(np.float32)
+        self.n = round(gain.shape[2] ** 0.5)
+        self.most, self.rest = np.maximum(_MOST_GAIN * gain, _LEAST_GAIN), np.zeros_like(gain)
+        self.place = np.empty((2, *shape), dtype=np.float32)
+        self.met, self.missing = (np.empty((3, *shape), dtype=np.float32) for _ in range(2))
+        self.weight = samples.used.astype(np.float32)
+        self.number = int(np.count_nonzero(samples.used))
+        self.level = 1.0
+
+    def meet(self, ends: Floats, around: Surroundings) -> None:
+        """Find the surroundings that samples show, by `ends` (4, K, n*n), and the light's level."""
+
+        def look(some: slice) -> float:
+            axis, self.place[:, some] = self.samples.along(some)
+            there = Taps.of(self.place[:, some], self.n).gather(ends[:, some])
+            met = around.look((axis + there[:3]).reshape(3, -1).T, there[3].ravel())
+            self.met[:, some] = met.T.reshape(axis.shape)
+            return float(_luminance(self.light(some)).sum(dtype=np.float64))
+
+        total = sum(in_blocks(look, *self.weight.shape))
+        self.level = max(total / self.number, 1e-6)
+
+    def light(self, some: slice) -> Floats:
+        """The light of some texels' samples, (3, k, S)."""
+        return np.maximum(self.samples.seen(some), 0)
+
+    def shown(self, some: slice) -> tuple[Floats, Floats]:
+        """What is fitted to some texels' samples, and the brightest that they may be, (3, k, S) both."""
+        taps, met = Taps.of(self.place[:, some], self.n), self.met[:, some]
+        shown = taps.gather(self.gain[:, some]) * met + taps.gather(self.rest[:, some])
+        most = _DOUBLE * np.maximum(np.maximum(shown, self.single * met), 0) + np.float32(
+            _BRIGHTEST * self.level
+        )
+        return shown, most
+
+    def improve(self, cells: int, wide: bool) -> None:
+        """Improve the gain, then the rest, in buckets of cells x cells."""
+        prior = self._compare(wide)
         if cells >= _LEAST_TOLD:
-            step = _gain_step(met, missing, weight, level, taps[cells], neighbours, wide)
-            new = np.clip(gain + upsampled(step, texels, cells, n), 0, most)
-            missing -= taps[n].gather(new - gain) * met
-            gain = new
-        rest += upsampled(_rest_step(missing, weight, taps[cells], neighbours, wide), texels, cells, n)
-    shown = taps[n].gather(gain) * met + taps[n].gather(rest)
-    cut = np.maximum(light - _limit(shown, single_met, level), 0)
-    return gain, rest, float(cut.sum(dtype=np.float64))
+            solve = partial(_gain_step, prior=prior, level=self.level)
+            steps = [  # by channel, for the sums are large
+                self._solved(partial(self._gain_columns, channel), 5, cells, wide, solve)
+                for channel in range(3)
+            ]
+            self._add_to_gain(np.concatenate(steps))
+            del steps
+        step = self._solved(self._rest_columns, 4, cells, wide, partial(_rest_step, prior=prior))
+        self.rest += upsampled(step, self.n)
+
+    def _compare(self, wide: bool) -> np.float32:
+        """Find what is missing, and how much samples count; and how much a prior of a cell does."""
+
+        def compare(some: slice) -> float:
+            shown, most = self.shown(some)
+            if wide:  # else it would be by a fit that has seen the sample's own noise
+                bright = np.maximum(_luminance(shown), 0)
+                weight = (1 + bright * np.float32(3 / self.level)) ** np.float32(-_EYE)
+                self.weight[some] = self.samples.used[some] * weight
+            self.missing[:, some] = np.minimum(self.light(some), most) - shown
+            return float(self.weight[some].sum(dtype=np.float64))
+
+        total = sum(in_blocks(compare, *self.weight.shape))
+        return np.float32(max(_PRIOR * total / self.number, 1e-12))
+
+    def _solved(
+        self,
+        columns: Callable[[slice], Iterable[Floats]],
+        count: int,
+        cells: int,
+        wide: bool,
+        solve: Callable[[Floats], Floats],
+    ) -> Floats:
+        """Sums of so many columns of samples in buckets of cells x cells, pooled and solved."""
+        table = np.empty((count, len(self.weight), cells * cells), dtype=np.float32)
+
+        def sum_up(some: slice) -> None:
+            table[:, some] = Taps.of(self.place[:, some], cells).scatter(columns(some))
+
+        in_blocks(sum_up, *self.weight.shape)
+        return self.neighbours.pool(table, wide, solve)
+
+    def _gain_columns(self, channel: int, some: slice) -> Iterator[Floats]:
+        weight, met = self.weight[some], self.met[channel, some]
+        there, off = weight * met, weight * self.missing[channel, some]
+        yield from (weight, there, there * met, off, off * met)
+
+    def _rest_columns(self, some: slice) -> Iterator[Floats]:
+        weight = self.weight[some]
+        yield weight
+        yield from weight * self.missing[:, some]
+
+    def _add_to_gain(self, step: Floats) -> None:
+        """Add to the gain (3, K, m) within its limits; what is missing changes with it."""
+        more = upsampled(step, self.n)
+        more += self.gain
+        np.clip(more, 0, self.most, out=more)
+        more -= self.gain
+        self.gain = self.gain + more
+
+        def change(some: slice) -> None:
+            taps = Taps.of(self.place[:, some], self.n)
+            self.missing[:, some] -= taps.gather(more[:, some]) * self.met[:, some]
+
+        in_blocks(change, *self.weight.shape)
+
+    def cut(self) -> float:
+        """The sum of what is brighter than samples may be."""
+
+        def cut(some: slice) -> float:
+            return float(np.maximum(self.light(some) - self.shown(some)[1], 0).sum(dtype=np.float64))
+
+        return sum(in_blocks(cut, *self.weight.shape))
 
 
-def _limit(shown: Floats, single: Floats, level: float) -> Floats:
-    """The brightest that samples may be; `shown` is their fit, `single` what one path shows, (P, 3) all."""
-    most: Floats = _DOUBLE * np.maximum(np.maximum(shown, single), 0) + np.float32(_BRIGHTEST * level)
-    return most
+def _luminance(light: Floats) -> Floats:
+    """Of light (3, ...): (...)."""
+    luminance: Floats = np.tensordot(LUMINANCE, light, axes=1)
+    return luminance
 
 
-def _weight(shown: Floats, level: float) -> Floats:
-    bright = np.maximum(shown @ LUMINANCE, 0)
-    return (1 / (1 + 3 * bright / level) ** _EYE).astype(np.float32)
+def _gain_step(sums: Floats, prior: np.float32, level: float) -> Floats:
+    """What to add to a channel's gain, (1, K, m), by least squares of each cell's gain and rest together."""
+    w, s, ss, y, sy = sums
+    w, ss = w + prior, ss + prior * np.float32(level**2)
+    gain: Floats = (sy * w - y * s) / (ss * w - s * s)
+    return gain[None]
 
 
-def _gain_step(
-    met: Floats, missing: Floats, weight: Floats, level: float, taps: Taps, neighbours: Neighbours, wide: bool
-) -> Floats:
-    """What to add to the gain, (count, 3), by least squares of each cell's gain and rest together."""
-    columns = [weight]
-    for channel in range(3):
-        there, off = met[:, channel], missing[:, channel]
-        columns += [weight * there, weight * there**2, weight * off, weight * off * there]
-    table = neighbours.pool(taps.scatter(columns), wide)
-    prior = max(_PRIOR * float(weight.mean()), 1e-12)
-    w = table[:, 0] + prior
-    gain = np.empty((taps.count, 3), dtype=np.float32)
-    for channel in range(3):
-        s, ss, y, sy = table[:, 1 + 4 * channel : 5 + 4 * channel].T
-        ss = ss + prior * level**2
-        gain[:, channel] = (sy * w - y * s) / (ss * w - s * s)
-    return gain
-
-
-def _rest_step(missing: Floats, weight: Floats, taps: Taps, neighbours: Neighbours, wide: bool) -> Floats:
-    """What to add to the rest, (count, 3), by least squares of each cell, when the gain stands."""
-    table = neighbours.pool(taps.scatter([*(weight[:, None] * missing).T, weight]), wide)
-    step: Floats = table[:, :3] / (table[:, 3:] + max(_PRIOR * float(weight.mean()), 1e-12))
+def _rest_step(sums: Floats, prior: np.float32) -> Floats:
+    """What to add to the rest, (3, K, m), by least squares of each cell, when the gain stands."""
+    step: Floats = sums[1:] / (sums[0] + prior)
     return step

@@ -16,6 +16,7 @@ from ..core.hemisphere import mirror_direction, square_to_direction
 from ..core.octahedron import direction_to_octahedron, octahedron_cell, octahedron_to_direction
 from .plan import CapturePlan
 
+ALL = slice(None)  # all texels
 _NEAR_SIZE = 64  # cells along a side of the map of what is near
 _BEFORE = 0.95  # of the distance to a near thing: where a ray to it starts
 
@@ -115,21 +116,24 @@ def panorama_plan(
     return CapturePlan(AtlasLayout(count, count, 1), np.arange(count * count), *packed)
 
 
-def mirrored(plan: CapturePlan, square: Floats) -> Floats:
-    """World mirror directions R of viewers at bucket coordinates B: (K, S, 2) -> (K, S, 3) float32."""
-    return _to_world(plan, mirror_direction(square_to_direction(square)))
+def mirrored(plan: CapturePlan, square: Floats, some: slice = ALL) -> Floats:
+    """World mirror directions R of viewers at bucket coordinates B: (K, S, 2) -> (K, S, 3) float32.
+
+    `some`: of which texels `square` is.
+    """
+    return _to_world(plan, mirror_direction(square_to_direction(square)), some)
 
 
-def straight_through(plan: CapturePlan, square: Floats) -> Floats:
-    """World directions -I in which viewers at bucket coordinates B look: (K, S, 2) -> (K, S, 3) float32."""
-    return _to_world(plan, -square_to_direction(square))
+def straight_through(plan: CapturePlan, square: Floats, some: slice = ALL) -> Floats:
+    """World directions -I in which viewers at bucket coordinates B look: as `mirrored`."""
+    return _to_world(plan, -square_to_direction(square), some)
 
 
-def _to_world(plan: CapturePlan, local: Floats) -> Floats:
+def _to_world(plan: CapturePlan, local: Floats, some: slice) -> Floats:
     local = local.astype(np.float32)
     count = len(plan.texel)
     tangent, bitangent, normal = (
-        axis.reshape(-1, 3)[:count, None] for axis in (plan.tangent, plan.bitangent, plan.normal)
+        axis.reshape(-1, 3)[:count][some, None] for axis in (plan.tangent, plan.bitangent, plan.normal)
     )
     world = local[..., :1] * tangent + local[..., 1:2] * bitangent + local[..., 2:] * normal
     return cast(Floats, world)

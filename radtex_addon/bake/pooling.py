@@ -2,57 +2,89 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sums over samples, in the cells of octahedral buckets, and over neighbouring texels.
 
-A fit works on K texels of n x n cells; their tables are (K*n*n, C), flat index k n² + y n + x.
+A fit works on K texels of n x n cells; their tables are (C, K, n*n), the channels first, float32.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import Any
+from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 
 from ..core.arrays import Floats, Ints
-from ..core.octahedron import direction_to_octahedron, octahedron_taps
+from ..core.octahedron import octahedron_taps
+from .blocks import in_blocks, side_by_side
 from .plan import CapturePlan
 
 _KERNEL = np.array([0.054489, 0.244201, 0.402620, 0.244201, 0.054489], dtype=np.float32)  # sigma 1 texel
 _WIDE = 3  # texels between the taps of the second, wider blur
 _NEAR = 6.0  # times the usual distance of texels: farther ones belong to another island
+_TILE = (
+    4  # texels along a side of those pooled at once: OpenBLAS keeps a product of 16 x 64 x 256 to one core
+)
 SHARE = float((_KERNEL**2).sum() ** 2)  # of the variance of a sum that is left after pooling
+
+
+def corners(place: Floats, n: int | Ints) -> tuple[Ints, Floats]:
+    """Where places (2, ...) on the octahedron's square fall between the middles of n x n cells.
+
+    The flat index of the corner between four cells (...), of (n + 1) x (n + 1), the edges' too, and the
+    weights of those four (4, ...), in the order of `corner_cells`.
+    """
+    side = np.asarray(n, dtype=np.float32)
+    position = place * side + np.float32(0.5)
+    corner = np.minimum(np.floor(position), side)
+    x, y = position - corner
+    both = x * y
+    flat = corner[1] * (side + 1) + corner[0]  # exact below 4096 cells
+    return flat.astype(np.intp), np.stack([1 - x - y + both, x - both, y - both, both])
+
+
+@cache
+def corner_cells(n: int) -> Ints:
+    """The flat indices of the four cells around each corner: (4, (n + 1)²)."""
+    corner = np.arange(n + 1) / n
+    place = np.stack(np.meshgrid(corner, corner), axis=-1).reshape(-1, 2)
+    return np.stack([cell for cell, _ in octahedron_taps(place, n)]).astype(np.intp)
 
 
 @dataclass(frozen=True, eq=False)
 class Taps:
-    """Where samples fall in buckets of n x n cells: four cells each, (P,), and their weights."""
+    """Where a block's samples fall in buckets of n x n cells: four cells each and their weights (4, k, S)."""
 
-    cells: tuple[tuple[Ints, Floats], ...]
-    count: int
+    cells: Ints
+    weights: Floats
+    n: int
 
     @classmethod
-    def of(cls, axis: Floats, owner: Ints, texels: int, n: int) -> Taps:
-        """`axis` (P, 3) of samples of the texels `owner` (P,), of `texels` in all."""
-        found = octahedron_taps(direction_to_octahedron(axis), n)
-        cells = ((cell + owner * np.int32(n * n), weight.astype(np.float32)) for cell, weight in found)
-        return cls(tuple(cells), texels * n * n)
+    def of(cls, place: Floats, n: int) -> Taps:
+        """`place` (2, k, S) on the octahedron's square, of k texels' samples."""
+        corner, weights = corners(place, n)
+        first = np.arange(place.shape[1], dtype=np.intp)[:, None] * (n * n)
+        return cls(corner_cells(n).take(corner, axis=1) + first, weights, n)
 
     def gather(self, table: Floats) -> Floats:
-        """The table's values at the samples: (count, C) -> (P, C)."""
-        total = np.zeros((len(self.cells[0][0]), table.shape[1]), dtype=np.float32)
-        for cell, weight in self.cells:
-            total += weight[:, None] * table[cell]
-        return total
+        """The block's table (C, k, n*n) at the samples: (C, k, S)."""
+        found = [(self.weights * channel.ravel()[self.cells]).sum(axis=0) for channel in table]
+        return np.stack(found)
 
-    def scatter(self, columns: list[Floats]) -> Floats:
-        """Sums of the samples' columns, (P,) each, in the cells: (count, C) float32."""
-        table = np.empty((self.count, len(columns)), dtype=np.float32)
-        for index, column in enumerate(columns):
-            sums = np.zeros(self.count)
-            for cell, weight in self.cells:
-                sums += np.bincount(cell, weight * column, self.count)
-            table[:, index] = sums
-        return table
+    def scatter(self, columns: Iterable[Floats]) -> Floats:
+        """Sums of the samples' columns, (k, S) each, in the cells: (C, k, n*n)."""
+        texels, cells = self.cells.shape[1], self.n * self.n
+        flat = self.cells.ravel()
+        sums = [np.bincount(flat, (self.weights * column).ravel(), texels * cells) for column in columns]
+        return np.stack(sums).astype(np.float32).reshape(-1, texels, cells)
+
+
+@dataclass(frozen=True, eq=False)
+class _Tile:
+    """Some texels (g,), those around them (u,), and how much each of these counts (g, u)."""
+
+    texels: Ints
+    around: Ints
+    weights: Floats
 
 
 @dataclass
@@ -60,28 +92,48 @@ class Neighbours:
     """The texels around each of a plan's, on the same piece of surface."""
 
     plan: CapturePlan
-    _found: dict[int, list[tuple[Ints, Floats]]] = field(default_factory=dict)
+    _found: dict[int, list[_Tile]] = field(default_factory=dict)
 
-    def pool(self, table: Floats, wide: bool = False) -> Floats:
-        """Each texel's sums (K*n*n, C) with its neighbours', at the same world direction.
+    def pool(
+        self, table: Floats, wide: bool = False, solve: Callable[[Floats], Floats] = lambda sums: sums
+    ) -> Floats:
+        """Each texel's sums (C, K, m) with its neighbours', at the same world direction.
 
-        A Gaussian of one texel; `wide`: of about three.
+        A Gaussian of one texel; `wide`: of about three. `solve` turns the pooled sums of some texels,
+        (C, g, m), into what is wanted of them, (D, g, m).
         """
-        texels = table.reshape(len(self.plan.texel), -1)
-        for step in (1, _WIDE) if wide else (1,):
-            total = np.zeros_like(texels)
-            for other, weight in self._around(step):
-                total += weight[:, None] * texels[other]
-            texels = total
-        return texels.reshape(table.shape)
+        if not wide:
+            return self._pooled(table, 1, solve)
+        return self._pooled(self._pooled(table, 1, lambda sums: sums), _WIDE, solve)
 
-    def _around(self, step: int) -> list[tuple[Ints, Floats]]:
-        """Texel numbers (K,) and weights (K,) of a kernel whose taps are `step` texels apart."""
-        if step in self._found:
-            return self._found[step]
+    def _pooled(self, table: Floats, step: int, solve: Callable[[Floats], Floats]) -> Floats:
+        result = np.empty((len(solve(table[:, :0])), *table.shape[1:]), dtype=np.float32)
+
+        def pool(tile: _Tile) -> None:
+            result[:, tile.texels] = solve(tile.weights @ table.take(tile.around, axis=1))
+
+        side_by_side(pool, self._tiles(step))
+        return result
+
+    def _tiles(self, step: int) -> list[_Tile]:
+        """All texels, for a kernel whose taps are `step` texels apart: those of a tile share many."""
+        if step not in self._found:
+            other, weight = self._around(step)
+            j, i = np.divmod(self.plan.texel, self.plan.layout.width)
+            side = _TILE * step
+            corner = np.stack([j // side, i // side, j % step, i % step])
+            tile = np.unique(corner, axis=1, return_inverse=True)[1].ravel()
+            order = np.argsort(tile, kind="stable")
+            cuts = np.flatnonzero(np.diff(tile[order])) + 1
+            self._found[step] = [_tile(texels, other, weight) for texels in np.split(order, cuts)]
+        return self._found[step]
+
+    def _around(self, step: int) -> tuple[Ints, Floats]:
+        """Texel numbers and weights (25, K) of a kernel whose taps are `step` texels apart."""
         layout, count = self.plan.layout, len(self.plan.texel)
         place = self.plan.points
-        reach = len(_KERNEL) // 2 * step
+        middle = len(_KERNEL) // 2
+        reach = middle * step
         number = np.full((layout.height + 2 * reach, layout.width + 2 * reach), -1, dtype=np.int32)
         j, i = self.plan.texel // layout.width + reach, self.plan.texel % layout.width + reach
         number[j, i] = np.arange(count)
@@ -93,33 +145,47 @@ class Neighbours:
 
         _, apart = offset(0, 1) if layout.width > 1 else offset(1, 0)
         usual = float(np.median(apart[np.isfinite(apart)])) if np.isfinite(apart).any() else 0.0
-        found = []
+        others, weights = [], []
         for y, along_y in enumerate(_KERNEL):
             for x, along_x in enumerate(_KERNEL):
-                dy, dx = (y - len(_KERNEL) // 2) * step, (x - len(_KERNEL) // 2) * step
+                dy, dx = (y - middle) * step, (x - middle) * step
                 other, apart = offset(dy, dx)
                 near = apart <= _NEAR * usual * max(step, float(np.hypot(dx, dy)))
-                if near.any():
-                    found.append((np.maximum(other, 0), (along_y * along_x * near).astype(np.float32)))
-        self._found[step] = found
-        return found
+                others.append(np.maximum(other, 0))
+                weights.append((along_y * along_x * near).astype(np.float32))
+        return np.stack(others), np.stack(weights)
 
 
-def upsampled(table: Floats, texels: int, n: int, finer: int) -> Floats:
-    """Buckets of n x n cells looked up at the cells of finer ones: (K*n*n, C) -> (K*finer*finer, C)."""
-    if n == finer:
-        return table
+def _tile(texels: Ints, other: Ints, weight: Floats) -> _Tile:
+    """A tile of texels (g,); `other` and `weight` as of `_around`."""
+    tap, row = np.nonzero(weight[:, texels])
+    around, column = np.unique(other[tap, texels[row]], return_inverse=True)
+    weights = np.zeros((len(texels), len(around)), dtype=np.float32)
+    weights[row, column] = weight[tap, texels[row]]
+    return _Tile(texels, around, weights)
+
+
+@cache
+def _upsampling(n: int, finer: int) -> Floats:
+    """How much of each of n x n cells the cells of a finer bucket take: (n*n, finer*finer)."""
     middle = ((np.arange(finer) + 0.5) / finer).astype(np.float32)
     place = np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2)
-    buckets = table.reshape(texels, n * n, -1)
-    total = np.zeros((texels, finer * finer, buckets.shape[2]), dtype=np.float32)
+    share = np.zeros((n * n, finer * finer), dtype=np.float32)
     for cell, weight in octahedron_taps(place, n):
-        total += weight[None, :, None] * buckets[:, cell]
-    return total.reshape(texels * finer * finer, -1)
+        share[cell, np.arange(finer * finer)] += weight
+    return share
 
 
-def sums(index: Ints, values: npt.NDArray[Any], count: int) -> Floats:
-    """Sums of values (P, C) by index: (count, C) float64."""
-    columns = [np.bincount(index, values[:, c], count) for c in range(values.shape[1])]
-    total: Floats = np.stack(columns, axis=-1).astype(np.float64)
-    return total
+def upsampled(table: Floats, finer: int) -> Floats:
+    """Buckets of n x n cells looked up at the cells of finer ones: (C, K, n*n) -> (C, K, finer*finer)."""
+    channels, texels, cells = table.shape
+    n = round(cells**0.5)
+    if n == finer:
+        return table
+    result = np.empty((channels, texels, finer * finer), dtype=np.float32)
+
+    def look_up(some: slice) -> None:
+        np.matmul(table[:, some], _upsampling(n, finer), out=result[:, some])
+
+    in_blocks(look_up, texels, finer * finer, _TILE * _TILE * finer * finer)
+    return result

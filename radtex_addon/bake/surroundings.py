@@ -4,23 +4,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from math import cos, sin
 
 import numpy as np
 
-from ..core.arrays import Floats
+from ..core.arrays import Floats, Ints
 from ..core.frame import fallback_tangent, orthonormal_frame
 from ..core.gutter import dilate, nearest_covered
 from ..core.octahedron import (
     direction_to_octahedron,
     octahedron_cell,
-    octahedron_taps,
     octahedron_to_direction,
-    sample_octahedron,
 )
-from ..core.shared import LEAST_LEVEL, level_sizes, sample_surroundings
+from ..core.shared import LEAST_LEVEL, level_sizes
+from .blocks import in_blocks, planes
 from .light_samples import SurroundingsSamples
-from .pooling import sums
+from .pooling import Taps, corner_cells, corners
 
 NEARNESS_SIZE = 64
 _SMOOTH = (
@@ -51,8 +53,51 @@ class Surroundings:
         return cls(tuple(levels), sharpest)
 
     def look(self, direction: Floats, spread: Floats) -> Floats:
-        """The light around directions (P, 3), blurred by variances (P,): (P, 3)."""
-        return sample_surroundings(self.levels, self.sharpest, direction, spread)
+        """The light around directions (P, 3), blurred by variances (P,): (P, 3) float32.
+
+        As `core.shared.sample_surroundings`, quicker for many.
+        """
+        place = direction_to_octahedron(direction).T
+        last = len(self.levels) - 1
+        level = np.clip(np.log2(np.maximum(spread, 1e-12) / self.sharpest) / 2, 0, last).astype(np.float32)
+        lower = np.minimum(level.astype(np.intp), max(last - 1, 0))
+        light = np.zeros((3, len(direction)), dtype=np.float32)
+        for number, share in ((lower, 1 - (level - lower)), (np.minimum(lower + 1, last), level - lower)):
+            light += self._maps.look(place, number) * share.astype(np.float32)
+        return light.T
+
+    @cached_property
+    def _maps(self) -> _Maps:
+        return _Maps.of(self.levels)
+
+
+@dataclass(frozen=True, eq=False)
+class _Maps:
+    """Octahedral maps for many lookups: of each corner, the four cells around it (4, C, corners).
+
+    The maps' corners lie one after another; `first` and `size` of each map.
+    """
+
+    around: Floats
+    first: Ints
+    size: Ints
+
+    @classmethod
+    def of(cls, maps: Sequence[Floats]) -> _Maps:
+        """Of maps (M, M, C), whose M may differ."""
+        size = np.array([len(image) for image in maps])
+        around = [planes(image.reshape(len(image) ** 2, -1))[:, corner_cells(len(image))] for image in maps]
+        first = np.concatenate([[0], np.cumsum((size + 1) ** 2)[:-1]])
+        return cls(np.ascontiguousarray(np.concatenate(around, axis=2).swapaxes(0, 1)), first, size)
+
+    def look(self, place: Floats, number: Ints | int) -> Floats:
+        """The maps of these numbers (P,), or all of the same, at places (2, P): (C, P)."""
+        corner, weights = corners(place, self.size[number])
+        corner = corner + self.first[number]
+        light = np.zeros((self.around.shape[1], place.shape[1]), dtype=np.float32)
+        for cells, weight in zip(self.around, weights, strict=True):
+            light += [weight * values.take(corner) for values in cells]
+        return light
 
 
 def nearness_map(samples: SurroundingsSamples, far: float) -> Floats:
@@ -79,13 +124,12 @@ def meet_surroundings(nearness: Floats, middle: Floats, position: Floats, direct
     the direction found last, again and again: Szirmay-Kalos et al., "Approximate Ray-Tracing on the GPU with
     Distance Impostors" (2005).
     """
-    offset = (position - middle).astype(np.float32)
-    direction = direction.astype(np.float32)
+    offset, direction = (planes(vectors).T for vectors in (position - middle, direction))
     along = np.sum(offset * direction, axis=1)
     squared = np.sum(offset * offset, axis=1)
-    found = direction
+    found, maps = direction, _Maps.of([nearness[..., None]])
     for _ in range(_MEETINGS):
-        near = sample_octahedron(nearness[..., None], direction_to_octahedron(found))[:, 0]
+        near = maps.look(direction_to_octahedron(found).T, 0)[0]
         distance = np.sqrt(np.maximum(along * along - squared + 1 / (near * near), 0)) - along
         reached = offset + distance[:, None] * direction
         found = reached / np.sqrt(np.sum(reached * reached, axis=1, keepdims=True))
@@ -93,12 +137,11 @@ def meet_surroundings(nearness: Floats, middle: Floats, position: Floats, direct
 
 
 def _means(samples: SurroundingsSamples, size: int) -> Floats:
-    total = np.zeros((size * size, 4))
-    columns = np.concatenate([samples.radiance, np.ones((len(samples.radiance), 1), np.float32)], axis=1)
-    for cell, weight in octahedron_taps(direction_to_octahedron(samples.direction), size):
-        total += sums(cell, weight[:, None] * columns, size * size)
-    known = total[:, 3] > _KNOWN
-    image = (total[:, :3] / np.maximum(total[:, 3:], 1e-6)).astype(np.float32).reshape(size, size, 3)
+    place = planes(direction_to_octahedron(samples.direction))[:, None]
+    columns = [*planes(samples.radiance)[:, None], np.ones((1, len(samples.radiance)), dtype=np.float32)]
+    total = Taps.of(place, size).scatter(columns)[:, 0]
+    known = total[3] > _KNOWN
+    image = (total[:3] / np.maximum(total[3], 1e-6)).astype(np.float32).T.reshape(size, size, 3)
     if not known.any():
         return np.zeros_like(image)
     return dilate(image, nearest_covered(known.reshape(size, size)))
@@ -114,8 +157,14 @@ def _blurred(image: Floats, size: int, variance: float) -> Floats:
     cosine = 1 + variance * np.log(share + (1 - share) * np.exp(-2 / variance))
     sine = np.sqrt(np.maximum(1 - cosine**2, 0))
     azimuth = np.arange(_BLUR_TAPS) * np.pi * (3 - np.sqrt(5))
-    total = np.zeros((size * size, 3), dtype=np.float32)
-    for c, s, turn in zip(cosine, sine, azimuth, strict=True):
-        around = c * direction + s * (np.cos(turn) * tangent + np.sin(turn) * bitangent)
-        total += sample_octahedron(image, direction_to_octahedron(around.astype(np.float32)))
-    return (total / _BLUR_TAPS).reshape(size, size, 3)
+    direction, tangent, bitangent = (planes(axis).T for axis in (direction, tangent, bitangent))
+    maps = _Maps.of([image])
+
+    def blurred(some: slice) -> Floats:
+        total = np.zeros((3, some.stop - some.start), dtype=np.float32)
+        for c, s, turn in zip(cosine.tolist(), sine.tolist(), azimuth.tolist(), strict=True):
+            around = cos(turn) * tangent[some] + sin(turn) * bitangent[some]
+            total += maps.look(direction_to_octahedron(c * direction[some] + s * around).T, 0)
+        return total / _BLUR_TAPS
+
+    return np.concatenate(in_blocks(blurred, size * size, 1), axis=1).T.reshape(size, size, 3)

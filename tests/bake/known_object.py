@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -20,6 +20,7 @@ from radtex_addon.bake.light_samples import (
     straight_through,
 )
 from radtex_addon.bake.plan import CapturePlan, plan_capture
+from radtex_addon.bake.progress import Progress, finished
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.frame import fallback_tangent, orthonormal_frame
 from radtex_addon.core.hemisphere import cell_centres
@@ -152,6 +153,23 @@ class Known:
         samples = (np.zeros(3), direction, self.world(direction), nearness)
         return SurroundingsSamples(*(part.astype(np.float32) for part in samples))
 
+    def fitting(
+        self,
+        light: LightSamples | None = None,
+        ends: EndSamples | None = None,
+        surroundings: SurroundingsSamples | None = None,
+        size: int = SIZE,
+    ) -> Generator[Progress, None, Fitted]:
+        """The steps of the fit to its samples, or to those given instead."""
+        return fit_shared(
+            light or self.light(),
+            ends or self.ends(),
+            surroundings or self.surroundings(size),
+            enlarged(self.colour),
+            CELLS,
+            size,
+        )
+
     def fit(
         self,
         light: LightSamples | None = None,
@@ -160,14 +178,7 @@ class Known:
         size: int = SIZE,
     ) -> Fitted:
         """The fit to its samples, or to those given instead; every number in it is a number."""
-        fitted = fit_shared(
-            light or self.light(),
-            ends or self.ends(),
-            surroundings or self.surroundings(size),
-            enlarged(self.colour),
-            CELLS,
-            size,
-        )
+        fitted = finished(self.fitting(light, ends, surroundings, size))
         atlas = fitted.atlas
         buckets = [part for lobe in atlas.lobes for part in (lobe.ends, lobe.gain, lobe.rest)]
         for part in (atlas.colour, atlas.irradiance, atlas.falloff, *atlas.surroundings, *buckets):

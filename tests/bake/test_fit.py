@@ -4,13 +4,16 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from radtex_addon.bake import blocks
 from radtex_addon.bake.fit import Fitted
 from radtex_addon.bake.plan import CapturePlan
+from radtex_addon.bake.progress import Progress, Stage
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.frame import normalised
 from radtex_addon.core.hemisphere import square_to_direction
@@ -300,3 +303,49 @@ def test_light_is_not_lost_where_texels_see_nothing_in_common(shine: Shine) -> N
     found, truth = known.shown(known.fit().atlas)
     np.testing.assert_allclose(found.mean(axis=0), truth.mean(axis=0), rtol=0.01)
     assert np.median(relative_error(found, truth)) < 0.2  # their edges are blurred over two texels
+
+
+# how it runs
+
+
+def same(one: Fitted, other: Fitted) -> bool:
+    """Whether two fits are the same, to the last bit."""
+    parts = [
+        [fit.atlas.irradiance, fit.atlas.falloff, *fit.atlas.surroundings]
+        + [part for lobe in fit.atlas.lobes for part in (lobe.ends, lobe.gain, lobe.rest)]
+        for fit in (one, other)
+    ]
+    return one.fireflies == other.fireflies and all(map(np.array_equal, *parts))
+
+
+def test_the_fit_is_the_same_on_any_number_of_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    known = Known(sphere(), mirror=PLAIN, through=PLAIN, colour=CHEQUERS)
+    fits = []
+    for threads in (1, 3):
+        monkeypatch.setattr(blocks, "THREADS", threads)
+        fits.append(known.fit())
+    assert same(*fits)
+
+
+def test_progress_is_told_stage_by_stage() -> None:
+    steps = list(Known(sphere(), mirror=PLAIN, through=PLAIN).fitting())
+    assert steps[0] == Progress(Stage.FIT, 0, 1)
+    done = [step.done for step in steps[1:]]
+    total = steps[-1].total
+    assert done == sorted(done)
+    assert set(done) == set(range(total + 1))
+    assert {step.total for step in steps[1:]} == {total}
+    assert done[-1] == total
+
+
+def test_a_fit_can_be_dropped_at_any_step() -> None:
+    known = with_lobe(Axis.MIRROR, PLAIN)
+    light, ends, around = known.light(64), known.ends(16), known.surroundings(16)
+    number = len(list(known.fitting(light, ends, around, 16)))
+    running = threading.active_count()
+    for dropped in range(number):
+        steps = known.fitting(light, ends, around, 16)
+        for _ in range(dropped + 1):
+            next(steps)
+        steps.close()
+        assert threading.active_count() == running

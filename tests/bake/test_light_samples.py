@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -119,6 +121,17 @@ def test_mirror_directions_obey_the_law_of_reflection(tilted: CapturePlan) -> No
     expected = 2 * (viewer @ normal)[..., None] * normal - viewer
     np.testing.assert_allclose(mirrored(tilted, square), expected, atol=1e-6)
     np.testing.assert_allclose(straight_through(tilted, square), -viewer, atol=1e-6)
+
+
+@pytest.mark.parametrize("towards", [mirrored, straight_through])
+def test_some_texels_directions_are_those_of_all(towards: Callable[..., Floats]) -> None:
+    rng = np.random.default_rng(5)
+    frames = np.linalg.qr(rng.normal(size=(6, 3, 3)))[0].reshape(2, 3, 3, 3)
+    t, b, n = np.moveaxis(frames, 2, 0)
+    plan = CapturePlan(AtlasLayout(5, 1, 8), np.arange(5), np.zeros((2, 3, 3)), t, b, n, n)
+    square = rng.uniform(-1, 1, (5, 7, 2))
+    some = slice(1, 4)
+    np.testing.assert_array_equal(towards(plan, square[some], some), towards(plan, square)[some])
 
 
 def test_the_cell_of_a_cells_middle_is_its_own() -> None:

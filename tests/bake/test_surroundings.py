@@ -14,7 +14,7 @@ from radtex_addon.bake.surroundings import NEARNESS_SIZE, Surroundings, meet_sur
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
 from radtex_addon.core.octahedron import octahedron_to_direction
-from radtex_addon.core.shared import level_sizes
+from radtex_addon.core.shared import level_sizes, sample_surroundings
 
 COUNT = 4000
 FAR = 100.0
@@ -91,6 +91,16 @@ def test_the_sharpest_level_shows_what_the_samples_show() -> None:
     error = np.abs(around.look(seen, np.zeros(COUNT)) - world(seen))
     assert np.percentile(error, 99) < 0.01
     assert error.max() < 0.04  # half a cell's slope, where the octahedron has its edges
+
+
+def test_a_look_is_as_the_shared_layout_has_it() -> None:
+    rng = np.random.default_rng(8)
+    for size in (8, 100):
+        around = Surroundings.of(samples(unit(rng), rng.random((COUNT, 3))), size)
+        seen, spread = unit(rng) * rng.uniform(0.1, 3, (COUNT, 1)), 10 ** rng.uniform(-9, 3, COUNT)
+        spread[:10] = 0
+        expected = sample_surroundings(around.levels, around.sharpest, seen, spread)
+        np.testing.assert_allclose(around.look(seen, spread), expected, rtol=1e-4, atol=1e-6)
 
 
 @given(st.floats(1.05, 100), st.floats(-4, 4), st.integers(0, 2**32 - 1))
