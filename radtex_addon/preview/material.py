@@ -8,6 +8,7 @@ space, one vector a corner) and `radtex_sign` (one number a corner, the bitangen
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, cast
@@ -17,9 +18,13 @@ import bpy
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError
 from ..core.sampler import Filter
-from ..formats.packing import ENDS
-from ..formats.shared_files import layer_path, read_shared_sidecar
+from ..formats.atomic import replacing
+from ..formats.exr import Compression, stored_rows, write_rows
+from ..formats.packing import ENDS, WEIGHTS
+from ..formats.shared_files import layer_path, read_condensed, read_shared_sidecar
+from ..formats.shared_sidecar import SharedSidecar
 from ..scene.nodes import close_group, open_group, open_material
+from .condensed_group import condensed_layers
 from .node_group import build_sample_group
 from .shared_group import build_shared_group, check_shared_previewable
 
@@ -45,6 +50,23 @@ def load_atlas(path: Path, half: bool = True, data: bool = False) -> bpy.types.I
         bpy.data.images.remove(image)
         raise FormatError(f"{path}: Blender reads no image in it; bake it again")
     return image
+
+
+def load_layers(sidecar: Path, half: bool = True) -> tuple[dict[str, bpy.types.Image], SharedSidecar]:
+    """The images of a bake in the shared layout, by layer, and what the file `sidecar` says of them.
+
+    Of a condensed bake, whose textures Blender's nodes cannot look up, they are decoded and belong to the
+    .blend. `half` is as in `load_atlas`. Raises FormatError for files of no such bake, InputError where an
+    image is missing or larger than a GPU takes.
+    """
+    facts = read_shared_sidecar(sidecar)
+    check_shared_previewable(facts)
+    if facts.condensed is not None:
+        return _decoded(sidecar, facts.condensed.columns, half), facts
+    images = {
+        layer: load_atlas(layer_path(sidecar, layer), half, data=_is_data(layer)) for layer in facts.shapes
+    }
+    return images, facts
 
 
 def preview_material(
@@ -73,15 +95,9 @@ def preview_shared_material(name: str, sidecar: Path, uv_layer: str, half: bool 
     """A material that shows a bake in the shared layout on its baked copy: its light emitted.
 
     `sidecar` is its file, beside which its images lie; the others are as in `preview_material`. Raises
-    FormatError for a sidecar that is none, and as `load_atlas` and `build_shared_group` do.
+    as `load_layers` and `build_shared_group` do.
     """
-    facts = read_shared_sidecar(sidecar)
-    check_shared_previewable(facts)
-    images = {
-        layer: load_atlas(layer_path(sidecar, layer), half, data=layer.endswith(ENDS))
-        for layer in facts.shapes
-    }
-    sampler = build_shared_group(images, facts)
+    sampler = build_shared_group(*load_layers(sidecar, half))
     material, build = open_material(name)
     cast(Any, material).cycles.emission_sampling = "NONE"
     normal = build.group(build_frame_group())[0]
@@ -111,3 +127,27 @@ def build_frame_group() -> bpy.types.ShaderNodeTree:
     tangent = build.vector("NORMALIZE", build.transform(build.attribute("radtex_tangent"), "VECTOR"))
     sign = build.math("MULTIPLY", d, build.attribute("radtex_sign", "Fac"))
     return close_group(build, Normal=build.vector("SCALE", outward, d), Tangent=tangent, Sign=sign)
+
+
+def _decoded(sidecar: Path, columns: int, half: bool) -> dict[str, bpy.types.Image]:
+    """What `condensed_layers` has of the bake, in images that are packed into the .blend.
+
+    They pass through files, so that a scene that works in another space converts them like any other image.
+    """
+    atlas, facts = read_condensed(sidecar)
+    images: dict[str, bpy.types.Image] = {}
+    with tempfile.TemporaryDirectory(prefix="radtex-") as folder:
+        for layer, values in condensed_layers(atlas, columns).items():
+            path = layer_path(Path(folder) / sidecar.name, layer)
+            halved = half and not layer.endswith(WEIGHTS)  # a half float counts to 2048, clusters to 65535
+            rows, _ = stored_rows(path, values, halved)
+            with replacing(path) as beside:
+                write_rows(beside, rows, facts.to_json(), Compression.ZIP)
+            images[layer] = load_atlas(path, halved, data=_is_data(layer))
+            images[layer].pack()
+            images[layer].filepath_raw = ""  # soon there is no such file
+    return images
+
+
+def _is_data(layer: str) -> bool:
+    return layer.endswith((ENDS, WEIGHTS))

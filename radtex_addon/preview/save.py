@@ -32,8 +32,9 @@ def save_preview(
     """Write a .blend in which `copy` stands in `original`'s place, bears its name and wears `material`.
 
     `copy` shows its mesh as it is and is in no collection; `scene` is the one that opens. The material's
-    images are referenced relative to the file. The session (the objects, the file's name, unsaved edits) is
-    afterwards what it was, also after an error. Raises BakeError where Blender cannot write.
+    images are in the file if they are packed, else referenced relative to it. The session (the objects, the
+    file's name, unsaved edits) is afterwards what it was, also after an error. Raises BakeError where Blender
+    cannot write.
     """
     for image in bpy.data.images:
         if image.is_dirty and not image.packed_file:
@@ -84,7 +85,8 @@ def _relative_images(material: bpy.types.Material) -> Iterator[None]:
 
     A file never saved has no place to be relative to; Blender then writes all paths relative by itself.
     """
-    paths = {image: image.filepath_raw for image in _images_of(material.node_tree)}
+    images = _images_of(material.node_tree)
+    paths = {image: image.filepath_raw for image in images if not image.packed_file}
     try:
         if bpy.data.filepath:
             for image, path in paths.items():

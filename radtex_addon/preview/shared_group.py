@@ -4,24 +4,34 @@
 
 Each step is a group of its own, so that the tree reads like the maths: octahedron, bucket, surroundings,
 falloff. Octahedral images have a border of one cell that repeats what lies beyond their edges, so that no
-lookup needs to know how they are folded.
+lookup needs to know how they are folded. A condensed bake has a step more, between a texel and its buckets.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
-from typing import cast
 
 import bpy
 
 from ..core.errors import InputError
 from ..core.shared import Axis
-from ..formats.packing import COLOUR, ENDS, GAIN, IRRADIANCE, REST, SURROUNDINGS, level_places, lobe_layer
+from ..formats.packing import (
+    COLOUR,
+    ENDS,
+    GAIN,
+    IRRADIANCE,
+    REST,
+    SURROUNDINGS,
+    WEIGHTS,
+    level_places,
+    lobe_layer,
+)
 from ..formats.shared_sidecar import SharedSidecar
 from ..scene.nodes import NodeBuilder, Socket, close_group, open_group
+from .condensed_group import mixture_group
 from .node_group import MAX_PIXELS
-from .taps import bilinear, pair
+from .taps import bilinear, image_size, pair, pixel_centre
 
 _LEAST_SPREAD = 1e-12  # as in core.shared.level_weights
 _TINY = 1e-30  # keeps 0/0 away, as in core.octahedron
@@ -34,8 +44,8 @@ def build_shared_group(images: _Images, sidecar: SharedSidecar) -> bpy.types.Sha
     """A node group that samples the sidecar's `images`, by layer, as `core.shared.sample_shared` does.
 
     Inputs: UV (0..1, v up); Normal and Incoming, world space, of any length (Incoming points to the viewer;
-    left at zero it is the shaded point's own). Output: Color. `images` come from `load_atlas`, ends as
-    `data`. Raises InputError where one is not of the sidecar's size, or is larger than a GPU takes.
+    left at zero it is the shaded point's own). Output: Color. `images` and sidecar come from `load_layers`.
+    Raises InputError where an image is not of the sidecar's size, or is larger than a GPU takes.
     """
     check_shared_previewable(sidecar)
     _check_sizes(images, sidecar)
@@ -74,7 +84,7 @@ def check_shared_previewable(sidecar: SharedSidecar, max_pixels: int = MAX_PIXEL
 
 def _check_sizes(images: _Images, sidecar: SharedSidecar) -> None:
     for layer, (width, height, _) in sidecar.shapes.items():
-        actual = _size(images[layer])
+        actual = image_size(images[layer])
         if actual != (width, height):
             raise InputError(
                 f"{images[layer].name}: {actual[0]} x {actual[1]} pixels, but this bake's '{layer}' has "
@@ -90,32 +100,43 @@ def _lobe_group(
     around: bpy.types.ShaderNodeTree,
 ) -> bpy.types.ShaderNodeTree:
     """gain(uv, A) surroundings(A + shift(uv, A), spread(uv, A)) + rest(uv, A)."""
-    width, height, n = sidecar.bake.width, sidecar.bake.height, sidecar.bake.bucket
-    bucket = _bucket_group(_cell_group(axis, images, n), axis, n)
+    width, height = sidecar.bake.width, sidecar.bake.height
+    bucket = _texel_group(axis, images, sidecar)
     build, (uv, along) = open_group(f"RadTex {axis.title()}", UV="Vector", Axis="Vector")
     position, last = _position(build, uv, (width, height)), pair(width - 1, height - 1)
-    shift, spread, gain, rest = bilinear(build, bucket, position, _place(build, octahedron, along), last=last)
+    place, in_turn = _place(build, octahedron, along), sidecar.condensed is not None
+    shift, spread, gain, rest = bilinear(build, bucket, position, place, last=last, in_turn=in_turn)
     end = build.vector("ADD", along, shift, label="where it comes from")
     (met,) = build.group(around, _place(build, octahedron, end), spread)
     return close_group(build, Light=build.vector("MULTIPLY_ADD", gain, met, rest))
 
 
+def _texel_group(axis: Axis, images: _Images, sidecar: SharedSidecar) -> bpy.types.ShaderNodeTree:
+    """One texel's bucket at a place on the octahedron: one of its own, or one mixed from its cluster's."""
+    n, condensed = sidecar.bake.bucket, sidecar.condensed
+    bucket = _bucket_group(_cell_group(axis, images, n), axis, n)
+    if condensed is None:
+        return bucket
+    weights = images[lobe_layer(axis, WEIGHTS)]
+    return mixture_group(axis, bucket, weights, condensed.rank, condensed.columns)
+
+
 def _bucket_group(cell: bpy.types.ShaderNodeTree, axis: Axis, cells: int) -> bpy.types.ShaderNodeTree:
-    """One texel's bucket at a place on the octahedron, between four cells."""
+    """One bucket of the images at a place on the octahedron, between four cells."""
     build, (texel, place) = open_group(f"RadTex {axis.title()} Bucket", Texel="Vector", Place="Vector")
     shift, spread, gain, rest = bilinear(build, cell, _position(build, place, (cells, cells)), texel)
     return close_group(build, Shift=shift, Spread=spread, Gain=gain, Rest=rest)
 
 
 def _cell_group(axis: Axis, images: _Images, n: int) -> bpy.types.ShaderNodeTree:
-    """One cell of one texel, in all of the lobe's images: the pixel (i (n+2) + 1 + x, j (n+2) + 1 + y).
+    """One cell of one bucket, in all of the lobe's images: the pixel (i (n+2) + 1 + x, j (n+2) + 1 + y).
 
     The spread is the images', in units of the sharpest blur.
     """
     ends, gain, rest = (images[lobe_layer(axis, part)] for part in (ENDS, GAIN, REST))
     build, (cell, texel) = open_group(f"RadTex {axis.title()} Cell", Cell="Vector", Texel="Vector")
     pixel = build.vector("MULTIPLY_ADD", texel, pair(n + 2, n + 2), build.vector("ADD", cell, pair(1, 1)))
-    centre = _centre(build, pixel, _size(ends))
+    centre = pixel_centre(build, pixel, image_size(ends))
     shift, spread = build.image(ends, centre)
     taken, own = (build.image(image, centre)[0] for image in (gain, rest))
     return close_group(build, Shift=shift, Spread=spread, Gain=taken, Rest=own)
@@ -151,7 +172,7 @@ def _surroundings_cell_group(image: bpy.types.Image) -> bpy.types.ShaderNodeTree
     """One cell of the level whose border's corner is the pixel Corner."""
     build, (cell, corner) = open_group("RadTex Surroundings Cell", Cell="Vector", Corner="Vector")
     pixel = build.vector("ADD", build.vector("ADD", cell, corner), pair(1, 1), label="pixel")
-    return close_group(build, Light=build.image(image, _centre(build, pixel, _size(image)))[0])
+    return close_group(build, Light=build.image(image, pixel_centre(build, pixel, image_size(image)))[0])
 
 
 def _falloff_group(falloff: Sequence[_Triple]) -> bpy.types.ShaderNodeTree:
@@ -167,9 +188,9 @@ def _falloff_group(falloff: Sequence[_Triple]) -> bpy.types.ShaderNodeTree:
 
 def _map_group(name: str, image: bpy.types.Image) -> bpy.types.ShaderNodeTree:
     """An image that holds one colour a texel, at UV, between four texels."""
-    width, height = _size(image)
+    width, height = image_size(image)
     tap, (texel,) = open_group(f"RadTex {name} Texel", Texel="Vector")
-    color, _ = tap.image(image, _centre(tap, texel, (width, height)))
+    color, _ = tap.image(image, pixel_centre(tap, texel, (width, height)))
     texels = close_group(tap, Color=color)
     build, (uv,) = open_group(f"RadTex {name}", UV="Vector")
     position, last = _position(build, uv, (width, height)), pair(width - 1, height - 1)
@@ -201,12 +222,6 @@ def _position(build: NodeBuilder, place: Socket, size: tuple[int, int]) -> Socke
     return build.vector("MULTIPLY_ADD", place, pair(*size), pair(-0.5, -0.5), label="position")
 
 
-def _centre(build: NodeBuilder, pixel: Socket, size: tuple[int, int]) -> Socket:
-    """Where an image node finds a pixel's centre."""
-    width, height = size
-    return build.vector("MULTIPLY_ADD", pixel, pair(1 / width, 1 / height), pair(0.5 / width, 0.5 / height))
-
-
 def _climb(build: NodeBuilder, values: Sequence[_Triple], shares: Iterable[Socket]) -> Socket:
     """The first value, and each step from one to the next by its share: piecewise linear without an image."""
     total = build.combine(*values[0])
@@ -214,8 +229,3 @@ def _climb(build: NodeBuilder, values: Sequence[_Triple], shares: Iterable[Socke
         step = tuple(b - a for a, b in zip(low, high, strict=True))
         total = build.vector("MULTIPLY_ADD", share, step, total)
     return total
-
-
-def _size(image: bpy.types.Image) -> tuple[int, int]:
-    width, height = cast(Sequence[int], image.size)
-    return width, height

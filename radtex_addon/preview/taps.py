@@ -7,9 +7,14 @@ Images are read by `Closest` and blended here: Blender's `Linear` would mip, and
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from typing import cast
+
 import bpy
 
 from ..scene.nodes import NodeBuilder, Operand, Socket
+
+_TRIFLE = 1e-30
 
 
 def bilinear(
@@ -18,11 +23,12 @@ def bilinear(
     position: Socket,
     *rest: Socket,
     last: tuple[float, ...] | None = None,
+    in_turn: bool = False,
 ) -> tuple[Socket, ...]:
     """Blend all outputs of `tap` at the four whole places around `position`, each clamped to [0, last].
 
     The place is the group's first input, `rest` are the others. Without `last` nothing is clamped: there is a
-    border to be read.
+    border to be read. `in_turn` each tap comes `after` the one before.
     """
     corner = build.vector("FLOOR", position)
     fx, fy, _ = build.separate(build.vector("FRACTION", position))
@@ -31,10 +37,28 @@ def bilinear(
         corner, opposite = clamp(build, corner, last), clamp(build, opposite, last)
     x0, y0, _ = build.separate(corner)
     x1, y1, _ = build.separate(opposite)
-    below, above = (
-        _blend(build, fx, *(build.group(tap, build.combine(x, y), *rest) for x in (x0, x1))) for y in (y0, y1)
-    )
-    return _blend(build, fy, below, above)
+    rows: list[tuple[Socket, ...]] = []
+    taken: tuple[Socket, ...] = ()
+    for y in (y0, y1):
+        row = []
+        for x in (x0, x1):
+            place = build.combine(after(build, x, taken) if in_turn and taken else x, y)
+            taken = build.group(tap, place, *rest)
+            row.append(taken)
+        rows.append(_blend(build, fx, *row))
+    return _blend(build, fy, *rows)
+
+
+def after(build: NodeBuilder, number: Socket, known: Iterable[Socket]) -> Socket:
+    """`number`, a whole one, but not before all numbers and colours are `known`.
+
+    Cycles has room for 255 numbers that wait to be used. Left alone it first finds out where all lookups are,
+    or looks up one image everywhere. A trifle of what is known, which rounding swallows, puts them in turn.
+    """
+    for socket in known:
+        grey = socket if socket.type == "VALUE" else build.node("ShaderNodeRGBToBW", socket).outputs[0]
+        number = build.math("MULTIPLY_ADD", grey, _TRIFLE, number, label="then")
+    return number
 
 
 def clamp(build: NodeBuilder, place: Operand, last: tuple[float, ...], label: str = "") -> Socket:
@@ -45,6 +69,18 @@ def clamp(build: NodeBuilder, place: Operand, last: tuple[float, ...], label: st
 def pair(x: float, y: float) -> tuple[float, float, float]:
     """Two numbers as the vector that a node takes."""
     return float(x), float(y), 0.0
+
+
+def pixel_centre(build: NodeBuilder, pixel: Operand, size: tuple[int, int]) -> Socket:
+    """Where an image node finds a pixel's centre, in an image of that width and height."""
+    width, height = size
+    return build.vector("MULTIPLY_ADD", pixel, pair(1 / width, 1 / height), pair(0.5 / width, 0.5 / height))
+
+
+def image_size(image: bpy.types.Image) -> tuple[int, int]:
+    """An image's width and height."""
+    width, height = cast(Sequence[int], image.size)
+    return width, height
 
 
 def _blend(

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import cast
 
 import bpy
 import numpy as np
@@ -15,13 +14,11 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.shared import Axis, SharedAtlas
-from radtex_addon.formats.packing import ENDS
-from radtex_addon.formats.shared_files import layer_path, read_shared, write_shared
+from radtex_addon.formats.shared_files import read_shared, write_shared
 from radtex_addon.formats.shared_sidecar import SharedSidecar
-from radtex_addon.preview.material import load_atlas
+from radtex_addon.preview.material import load_layers
 from radtex_addon.preview.shared_group import build_shared_group, check_shared_previewable
-from radtex_addon.scene.nodes import NodeBuilder, Socket
-from tests.blender.lookup_stage import ENGINES, Inputs, LookupStage, Shader
+from tests.blender.lookup_stage import ENGINES, render_groups
 from tests.lookups import relative_error
 from tests.shared_atlases import facts_about, random_shared_atlas
 from tests.shared_lookups import random_fragments, shared_answers
@@ -34,32 +31,22 @@ Stored = tuple[SharedAtlas, SharedSidecar, dict[str, bpy.types.Image]]
 
 def stored(path: Path, atlas: SharedAtlas) -> Stored:
     """The atlas as its files have it, and its images."""
-    sidecar = write_shared(path, atlas, facts_about(atlas))
-    images = {name: load_atlas(layer_path(path, name), data=name.endswith(ENDS)) for name in sidecar.shapes}
+    write_shared(path, atlas, facts_about(atlas))
+    images, sidecar = load_layers(path)
     return read_shared(path)[0], sidecar, images
 
 
-def group_shader(group: bpy.types.ShaderNodeTree, viewer: bool) -> Shader:
-    def shader(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
-        uv, normal, _, _, towards = inputs
-        return *build.group(group, uv, normal, *([towards] if viewer else [])), build.math("ADD", 1.0, 0.0)
-
-    return shader
-
-
 def rendered(engine: str, bakes: list[Stored], folder: Path, viewer: bool = True) -> list[Floats]:
-    """What the group answers to LOOKUPS for each bake, (K, 4); without `viewer` Incoming stays zero."""
-    stage = LookupStage(cast(bpy.types.Scene, bpy.context.scene), engine)
-    for _, sidecar, images in bakes:
-        stage.add(LOOKUPS, group_shader(build_shared_group(images, sidecar), viewer))
-    return stage.render(folder / "answers.exr")
+    """What the group answers to LOOKUPS for each bake, (K, 3); without `viewer` Incoming stays zero."""
+    groups = [build_shared_group(images, sidecar) for _, sidecar, images in bakes]
+    return render_groups(engine, groups, LOOKUPS, folder, viewer)
 
 
 def worst_errors(engine: str, atlases: list[SharedAtlas], folder: Path) -> list[float]:
     """Each atlas's worst error, relative to the reference, in one render."""
     bakes = [stored(folder / f"{index}.json", atlas) for index, atlas in enumerate(atlases)]
     return [
-        float(relative_error(result[:, :3], shared_answers(atlas, LOOKUPS)).max())
+        float(relative_error(result, shared_answers(atlas, LOOKUPS)).max())
         for result, (atlas, _, _) in zip(rendered(engine, bakes, folder), bakes, strict=True)
     ]
 
@@ -87,14 +74,14 @@ def test_light_below_zero_is_none(tmp_path: Path) -> None:
     (lobe,) = atlas.lobes
     dark = replace(atlas, lobes=(replace(lobe, rest=lobe.rest - 10_000),))
     (result,) = rendered(ENGINES["Cycles"], [stored(tmp_path / "a.json", dark)], tmp_path)
-    assert not result[:, :3].any()
+    assert not result.any()
 
 
 def test_without_incoming_the_viewer_is_the_ray_s(tmp_path: Path) -> None:
     files = stored(tmp_path / "a.json", random_shared_atlas(WIDTH, HEIGHT))
     (result,) = rendered(ENGINES["Cycles"], [files], tmp_path, viewer=False)
     from_above = replace(LOOKUPS, viewer=np.full_like(LOOKUPS.viewer, [0, 0, 1]))
-    assert relative_error(result[:, :3], shared_answers(files[0], from_above)).max() <= 1e-3
+    assert relative_error(result, shared_answers(files[0], from_above)).max() <= 1e-3
 
 
 def test_an_image_of_another_bake_is_refused(tmp_path: Path) -> None:

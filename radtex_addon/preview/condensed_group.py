@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A condensed lobe by nodes: each texel's bucket is mixed from the tiles of its cluster.
+
+What the nodes look up has the layers and sizes of the condensed form's textures, but is decoded: tiles hold
+values, not shares of a range, and a texel's pixels hold its weights, its cluster and a 0.
+"""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..core.arrays import Floats
+from ..core.atlas import AtlasLayout
+from ..core.condensed import CondensedAtlas
+from ..core.shared import Axis
+from ..formats.condensed_packing import layer_values
+from ..formats.packing import LOBE_CHANNELS, WEIGHTS, lobe_layer, with_border
+from ..scene.nodes import NodeBuilder, Socket, close_group, open_group
+from .taps import after, image_size, pair, pixel_centre
+
+
+def condensed_layers(atlas: CondensedAtlas, columns: int) -> dict[str, Floats]:
+    """What the images of the group hold, by layer: (rows, columns, 3 or 4) float32, row 0 at the bottom.
+
+    The lobes' images are `columns` tiles wide. Raises ShapeError if the atlas's maps do not fit each other.
+    """
+    layers = layer_values(atlas)
+    for lobe in atlas.lobes:
+        rest = np.zeros_like(lobe.weights, shape=(*lobe.cluster.shape, 1))
+        named = np.concatenate([lobe.weights, lobe.cluster[..., None], rest], axis=2, dtype=np.float32)
+        layers[lobe_layer(lobe.axis, WEIGHTS)] = named.reshape(len(named), -1, 4)
+        for part in LOBE_CHANNELS:
+            layers[lobe_layer(lobe.axis, part)] = _grid(layers[lobe_layer(lobe.axis, part)], columns)
+    return layers
+
+
+def mixture_group(
+    axis: Axis, tile: bpy.types.ShaderNodeTree, weights: bpy.types.Image, rank: int, columns: int
+) -> bpy.types.ShaderNodeTree:
+    """One texel's bucket at a place on the octahedron: its cluster's first tile, and the others weighted.
+
+    `tile` looks up the tile at a column and a row of the lobe's images; inputs and outputs are alike.
+    """
+    build, (texel, place) = open_group(f"RadTex {axis.title()} Mixture", Texel="Vector", Place="Vector")
+    *shares, cluster = _named(build, texel, weights, rank)
+    first = build.math("MULTIPLY", cluster, 1.0 + rank, label="the cluster's first tile")
+    mixed = list(build.group(tile, _tile_place(build, first, columns), place))
+    for number, share in enumerate(shares, start=1):
+        following = after(build, build.math("ADD", first, float(number)), mixed)
+        some = build.group(tile, _tile_place(build, following, columns), place)
+        mixed = [_add(build, total, share, part) for total, part in zip(mixed, some, strict=True)]
+    shift, spread, gain, rest = mixed
+    return close_group(build, Shift=shift, Spread=spread, Gain=gain, Rest=rest)
+
+
+def _grid(tiles: Floats, columns: int) -> Floats:
+    """Tiles (C, 1 + r, n, n, channels) with their borders, row by row in an image."""
+    bordered = with_border(tiles.reshape(-1, *tiles.shape[2:]))
+    count, side, _, channels = bordered.shape
+    rows = -(-count // columns)
+    places = np.zeros((rows * columns, side, side, channels), dtype=np.float32)
+    places[:count] = bordered
+    return AtlasLayout(columns, rows, side).from_buckets(places.reshape(rows, columns, side, side, channels))
+
+
+def _named(build: NodeBuilder, texel: Socket, image: bpy.types.Image, rank: int) -> list[Socket]:
+    """A texel's `rank` weights, then its cluster, which is never an alpha."""
+    pixels = (rank + 2) // 4
+    first = build.vector("MULTIPLY", texel, pair(pixels, 1), label="the texel's first pixel")
+    values: list[Socket] = []
+    for number in range(pixels):
+        pixel = build.vector("ADD", first, pair(number, 0)) if number else first
+        color, alpha = build.image(image, pixel_centre(build, pixel, image_size(image)))
+        values += [*build.node("ShaderNodeSeparateColor", color).outputs, alpha]
+    return values[: rank + 1]
+
+
+def _tile_place(build: NodeBuilder, tile: Socket, columns: int) -> Socket:
+    """Column and row of a tile by its number."""
+    middle = build.math("MULTIPLY_ADD", tile, 1 / columns, 0.5 / columns, label="between whole numbers")
+    row = build.math("FLOOR", middle, label="row")
+    return build.combine(build.math("MULTIPLY_ADD", row, -float(columns), tile, label="column"), row)
+
+
+def _add(build: NodeBuilder, total: Socket, share: Socket, part: Socket) -> Socket:
+    """`total`, and `share` of `part`."""
+    if part.type == "VALUE":
+        return build.math("MULTIPLY_ADD", share, part, total)
+    return build.mix(share, total, part, part.type, "ADD")
