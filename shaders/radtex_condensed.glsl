@@ -6,10 +6,10 @@
 //
 //     vec3 V = normalize(camera - position), N = normalize(normal);  // in the world space of the bake
 //     vec3 light = radtex_diffuse(colour, fine, irradiance, texels, falloff, uv, dot(N, V))
-//         + radtex_condensed_lobe(mirror_weights, mirror_ends, mirror_gain, mirror_rest, mirror_ranges, columns, n,
-//                                 texels, surroundings, around, uv, reflect(-V, N))
-//         + radtex_condensed_lobe(through_weights, through_ends, through_gain, through_rest, through_ranges, columns,
-//                                 n, texels, surroundings, around, uv, -V);
+//         + radtex_condensed_lobe(mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest,
+//                                 mirror_ranges, columns, n, texels, surroundings, around, uv, reflect(-V, N))
+//         + radtex_condensed_lobe(through_weights, through_ends_xy, through_ends_zs, through_gain, through_rest,
+//                                 through_ranges, columns, n, texels, surroundings, around, uv, -V);
 //     light = max(light, 0.0);
 //
 // without a lobe that the sidecar's "lobes" lack, or with both by radtex_condensed. The samplers are
@@ -44,8 +44,8 @@ ivec4 radtex_texels(sampler2D image, ivec2 texels, vec2 uv, out vec4 weights[1 +
 }
 
 // Light that leaves along a lobe: its axis, in world space, is reflect(-V, N) for "mirror" and -V for "through".
-vec3 radtex_condensed_lobe(sampler2D weights, sampler2D ends, sampler2D gain, sampler2D rest, vec4 ranges[12],
-                           int columns, int n, ivec2 texels, sampler2D surroundings, ivec2 around,
+vec3 radtex_condensed_lobe(sampler2D weights, sampler2D ends_xy, sampler2D ends_zs, sampler2D gain, sampler2D rest,
+                           vec4 ranges[12], int columns, int n, ivec2 texels, sampler2D surroundings, ivec2 around,
                            vec2 uv, vec3 axis) {
     vec2 place = radtex_octahedron(axis, n);
     ivec2 box = ivec2(n + 2);
@@ -59,7 +59,9 @@ vec3 radtex_condensed_lobe(sampler2D weights, sampler2D ends, sampler2D gain, sa
             int tile = first * (1 + RADTEX_RANK) + k, range = k > 0 ? 2 : 0;
             ivec2 origin = ivec2(tile % columns, tile / columns) * box;
             float weight = dot(alike, shares[k]);
-            end += weight * mix(ranges[range], ranges[range + 1], radtex_bilinear(ends, origin, box, place));
+            vec4 ends = vec4(radtex_bilinear(ends_xy, origin, box, place).xy,
+                             radtex_bilinear(ends_zs, origin, box, place).xy);
+            end += weight * mix(ranges[range], ranges[range + 1], ends);
             scale += weight * mix(ranges[range + 4], ranges[range + 5], radtex_bilinear(gain, origin, box, place));
             own += weight * mix(ranges[range + 8], ranges[range + 9], radtex_bilinear(rest, origin, box, place));
         }
@@ -70,15 +72,15 @@ vec3 radtex_condensed_lobe(sampler2D weights, sampler2D ends, sampler2D gain, sa
 
 // Radiance of a bake with both lobes towards the viewer, in the unit direction V, where the unit normal is N.
 vec3 radtex_condensed(sampler2D colour, ivec2 fine, sampler2D irradiance, ivec2 texels, vec3 falloff[RADTEX_FALLOFF],
-                      sampler2D mirror_weights, sampler2D mirror_ends, sampler2D mirror_gain,
-                      sampler2D mirror_rest, vec4 mirror_ranges[12],
-                      sampler2D through_weights, sampler2D through_ends, sampler2D through_gain,
-                      sampler2D through_rest, vec4 through_ranges[12],
+                      sampler2D mirror_weights, sampler2D mirror_ends_xy, sampler2D mirror_ends_zs,
+                      sampler2D mirror_gain, sampler2D mirror_rest, vec4 mirror_ranges[12],
+                      sampler2D through_weights, sampler2D through_ends_xy, sampler2D through_ends_zs,
+                      sampler2D through_gain, sampler2D through_rest, vec4 through_ranges[12],
                       int columns, int n, sampler2D surroundings, ivec2 around, vec2 uv, vec3 N, vec3 V) {
     vec3 light = radtex_diffuse(colour, fine, irradiance, texels, falloff, uv, dot(N, V))
-        + radtex_condensed_lobe(mirror_weights, mirror_ends, mirror_gain, mirror_rest, mirror_ranges, columns, n,
-                                texels, surroundings, around, uv, reflect(-V, N))
-        + radtex_condensed_lobe(through_weights, through_ends, through_gain, through_rest, through_ranges, columns,
-                                n, texels, surroundings, around, uv, -V);
+        + radtex_condensed_lobe(mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest,
+                                mirror_ranges, columns, n, texels, surroundings, around, uv, reflect(-V, N))
+        + radtex_condensed_lobe(through_weights, through_ends_xy, through_ends_zs, through_gain, through_rest,
+                                through_ranges, columns, n, texels, surroundings, around, uv, -V);
     return max(light, 0.0);
 }

@@ -16,6 +16,7 @@ from ..core.arrays import Floats
 from ..core.condensed import CondensedAtlas, CondensedLobe
 from ..core.errors import BakeError, FormatError
 from ..core.shared import Axis
+from .bc5 import decode_bc5, encode_bc5
 from .bc6h import decode_bc6h, encode_bc6h
 from .bc7 import Blocks, decode_bc7, encode_bc7
 from .condensed_packing import (
@@ -34,8 +35,8 @@ from .memory import physical_memory, readable_size
 from .packing import (
     COLOUR,
     IRRADIANCE,
-    LOBE_CHANNELS,
     SURROUNDINGS,
+    TEXTURES,
     WEIGHTS,
     ends_unit,
     lobe_layer,
@@ -47,11 +48,17 @@ from .shared_sidecar import SharedSidecar
 LIMITS = {
     DdsFormat.BC6H_UF16: (0.0, HALF_MOST),
     DdsFormat.R8G8B8A8_UNORM: (-1.0, 1.0),
+    DdsFormat.BC5_UNORM: (-HALF_MOST, HALF_MOST),
     DdsFormat.BC7_UNORM: (-HALF_MOST, HALF_MOST),
 }
 ALIKE = 1e-6  # by how much the values of one colour may differ
 
 _SIDE = DdsFormat.BC6H_UF16.side  # pixels along a block's side
+_DECODERS = {
+    DdsFormat.BC5_UNORM: decode_bc5,
+    DdsFormat.BC6H_UF16: decode_bc6h,
+    DdsFormat.BC7_UNORM: decode_bc7,
+}
 _DECODED = 16  # bytes of a pixel: four floats
 
 
@@ -59,8 +66,8 @@ _DECODED = 16  # bytes of a pixel: four floats
 class StoredAtlas:
     """What an atlas's textures hold, within their limits but not yet rounded.
 
-    `atlas` has a small image of its colour if that is one. `values` are its `layer_values`, `clamped` is how
-    many of them were beyond the limits. `facts` lack the digests.
+    `atlas` has a small image of its colour if that is one. `values` are its `layer_values`, shared out among
+    the textures, `clamped` is how many of them were beyond the limits. `facts` lack the digests.
     """
 
     atlas: CondensedAtlas
@@ -75,7 +82,7 @@ class StoredAtlas:
         Raises ShapeError if its maps do not fit each other, BakeError for values that are not numbers.
         """
         atlas = _with_small_colour(atlas)
-        values, clamped = layer_values(atlas), 0
+        values, clamped = _by_texture(atlas), 0
         for layer in values:
             values[layer], beyond = _within_limits(file_of(layer), values[layer], texture_format(layer))
             clamped += beyond
@@ -83,7 +90,8 @@ class StoredAtlas:
             lobe.axis: Tiles(
                 clusters=len(lobe.ends),
                 ranges={
-                    part: as_range(value_range(values[lobe_layer(lobe.axis, part)])) for part in LOBE_CHANNELS
+                    part: as_range(np.hstack([value_range(values[layer]) for layer in layers]))
+                    for part, layers in _part_layers(lobe.axis).items()
                 },
             )
             for lobe in atlas.lobes
@@ -99,10 +107,11 @@ class StoredAtlas:
         for lobe in self.atlas.lobes:
             layer = lobe_layer(lobe.axis, WEIGHTS)
             yield layer, pack_weights(lobe.cluster, self.values[layer])
-            for part, limits in self.facts.lobes[lobe.axis].ranges.items():
-                layer = lobe_layer(lobe.axis, part)
-                image = pack_tiles(self.values[layer], np.array(limits, np.float32), self.facts.columns)
-                yield layer, encode_bc7(image)
+            for part, layers in _part_layers(lobe.axis).items():
+                limits = np.array(self.facts.lobes[lobe.axis].ranges[part], np.float32)
+                for layer, own in zip(layers, np.split(limits, len(layers), axis=1), strict=True):
+                    grid = pack_tiles(self.values[layer], own, self.facts.columns)
+                    yield layer, _encoded(grid, texture_format(layer))
 
 
 def read_texture(path: Path, layer: str, width: int, height: int) -> Any:
@@ -120,7 +129,7 @@ def read_texture(path: Path, layer: str, width: int, height: int) -> Any:
     if kind is DdsFormat.R8G8B8A8_UNORM:
         return blocks
     try:
-        pixels = decode_bc6h(blocks) if kind is DdsFormat.BC6H_UF16 else decode_bc7(blocks)
+        pixels = _DECODERS[kind](blocks)
     except FormatError as error:
         raise FormatError(f"{path}: {error}") from error
     return pixels[:height, :width]
@@ -185,13 +194,13 @@ def _lobe(
         raise FormatError(f"{found}, its sidecar says that there are {tiles.clusters}: bake it again")
     ends, gain, rest = (
         unpack_tiles(
-            pixels[lobe_layer(axis, part)],
-            np.array(limits, dtype=np.float32),
+            np.concatenate([pixels[layer] for layer in layers], axis=2),
+            np.array(tiles.ranges[part], dtype=np.float32),
             tiles.clusters,
             facts.rank,
             facts.columns,
         )
-        for part, limits in tiles.ranges.items()
+        for part, layers in _part_layers(axis).items()
     )
     return CondensedLobe(axis, cluster, weights, ends * ends_unit(sidecar.sharpest), gain, rest)
 
@@ -210,6 +219,28 @@ def _with_small_colour(atlas: CondensedAtlas) -> CondensedAtlas:
     if not colour.size or not np.isfinite(colour).all() or np.ptp(colour, axis=(0, 1)).max() > ALIKE:
         return atlas
     return replace(atlas, colour=np.broadcast_to(colour[:1, :1], (_SIDE, _SIDE, colour.shape[2])))
+
+
+def _part_layers(axis: Axis) -> dict[str, list[str]]:
+    """The textures of each part of a lobe."""
+    return {part: [lobe_layer(axis, texture) for texture in textures] for part, textures in TEXTURES.items()}
+
+
+def _by_texture(atlas: CondensedAtlas) -> dict[str, Floats]:
+    """The atlas's `layer_values`, a part's channels shared out among its textures."""
+    values = layer_values(atlas)
+    for axis in dict.fromkeys(lobe.axis for lobe in atlas.lobes):  # two of one axis are refused later
+        for part, layers in _part_layers(axis).items():
+            shares = np.split(values.pop(lobe_layer(axis, part)), len(layers), axis=-1)
+            values |= zip(layers, shares, strict=True)
+    return values
+
+
+def _encoded(grid: Floats, kind: DdsFormat) -> Blocks:
+    """The blocks of a grid of tiles (H, W, channels), with an alpha of 1 where there is one."""
+    if kind is DdsFormat.BC5_UNORM:
+        return encode_bc5(grid)
+    return encode_bc7(np.pad(grid, ((0, 0), (0, 0), (0, 4 - grid.shape[2])), constant_values=1))
 
 
 def _filled_up(image: Floats) -> Floats:

@@ -76,23 +76,25 @@ def value_range(tiles: Floats) -> Floats:
 
 
 def pack_tiles(tiles: Floats, limits: Floats, columns: int) -> Floats:
-    """Tiles (C, 1 + r, n, n, 3 or 4) with borders, as a grid (rows*(n+2), columns*(n+2), 4) in [0, 1].
+    """Tiles (C, 1 + r, n, n, channels) with borders, as a grid (rows*(n+2), columns*(n+2), channels).
 
-    `limits` (4, channels) say what 0 and 1 stand for, as `value_range` has them. A missing channel is 1; the
-    grid's places without a tile are 0 otherwise.
+    It is in [0, 1]: `limits` (4, channels) say what 0 and 1 stand for, as `value_range` has them. Places
+    without a tile are 0.
     """
     low, span = _low_and_span(limits, tiles.shape[1])
     bordered = with_border((tiles - low) / np.where(span > 0, span, 1))
     count, side, channels = tiles.shape[0] * tiles.shape[1], bordered.shape[2], tiles.shape[4]
     rows = -(-count // columns)
-    grid = np.zeros((rows * columns, side, side, 4), dtype=np.float32)
-    grid[..., channels:] = 1
-    grid[:count, ..., :channels] = np.clip(bordered, 0, 1).reshape(count, side, side, channels)
-    return AtlasLayout(columns, rows, side).from_buckets(grid.reshape(rows, columns, side, side, 4))
+    grid = np.zeros((rows * columns, side, side, channels), dtype=np.float32)
+    grid[:count] = np.clip(bordered, 0, 1).reshape(count, side, side, channels)
+    return AtlasLayout(columns, rows, side).from_buckets(grid.reshape(rows, columns, side, side, channels))
 
 
 def unpack_tiles(image: Floats, limits: Floats, clusters: int, rank: int, columns: int) -> Floats:
-    """The tiles (C, 1 + r, n, n, channels), float32, of a grid that `pack_tiles` made, without borders."""
+    """The tiles (C, 1 + r, n, n, channels), float32, of a grid that `pack_tiles` made, without borders.
+
+    The grid may have further channels than `limits`: an alpha, which says nothing.
+    """
     side, channels = image.shape[1] // columns, limits.shape[1]
     grid = AtlasLayout(columns, image.shape[0] // side, side).to_buckets(image)
     inner = grid[:, :, 1:-1, 1:-1, :channels].reshape(-1, side - 2, side - 2, channels)

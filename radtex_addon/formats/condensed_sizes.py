@@ -11,7 +11,17 @@ from dataclasses import dataclass, replace
 
 from ..core.shared import Axis
 from .dds import MOST_PIXELS, DdsFormat
-from .packing import COLOUR, IRRADIANCE, LOBE_CHANNELS, SURROUNDINGS, WEIGHTS, lobe_layer, surroundings_size
+from .packing import (
+    COLOUR,
+    ENDS,
+    IRRADIANCE,
+    LOBE_CHANNELS,
+    SURROUNDINGS,
+    TEXTURES,
+    WEIGHTS,
+    lobe_layer,
+    surroundings_size,
+)
 
 MOST_CLUSTERS = 65536  # of a lobe: two bytes name one
 
@@ -52,8 +62,10 @@ class CondensedSizes:
         for axis, clusters in self.clusters.items():
             rows = -(-clusters * (1 + self.rank) // columns)
             shapes[lobe_layer(axis, WEIGHTS)] = (self.width * texel_pixels(self.rank), self.height, 4)
-            for part, channels in LOBE_CHANNELS.items():
-                shapes[lobe_layer(axis, part)] = (columns * side, rows * side, channels)
+            for part, textures in TEXTURES.items():
+                channels = LOBE_CHANNELS[part] // len(textures)
+                for texture in textures:
+                    shapes[lobe_layer(axis, texture)] = (columns * side, rows * side, channels)
         return shapes
 
     def misfit(self, columns: int) -> str | None:
@@ -84,7 +96,10 @@ def texture_format(layer: str) -> DdsFormat:
     """How a layer's texture is stored."""
     if layer in (COLOUR, IRRADIANCE, SURROUNDINGS):
         return DdsFormat.BC6H_UF16
-    return DdsFormat.R8G8B8A8_UNORM if layer.endswith(f"_{WEIGHTS}") else DdsFormat.BC7_UNORM
+    texture = layer.partition("_")[2]
+    if texture == WEIGHTS:
+        return DdsFormat.R8G8B8A8_UNORM
+    return DdsFormat.BC5_UNORM if texture in TEXTURES[ENDS] else DdsFormat.BC7_UNORM
 
 
 def texture_bytes(shapes: Shapes) -> int:

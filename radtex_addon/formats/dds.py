@@ -26,6 +26,7 @@ class DdsFormat(IntEnum):
     """What a file holds, by its number in DXGI_FORMAT."""
 
     R8G8B8A8_UNORM = 28
+    BC5_UNORM = 83
     BC6H_UF16 = 95
     BC7_UNORM = 98
 

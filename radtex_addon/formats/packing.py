@@ -8,6 +8,7 @@ So every octahedral picture has a border of one cell, which repeats what lies be
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
 
 import numpy as np
 
@@ -21,11 +22,14 @@ COLOUR, IRRADIANCE, SURROUNDINGS = "colour", "irradiance", "surroundings"
 ENDS, GAIN, REST = "ends", "gain", "rest"
 LOBE_CHANNELS = {ENDS: 4, GAIN: 3, REST: 3}
 WEIGHTS = "weights"  # which only a condensed lobe has, before its parts
+ENDS_XY, ENDS_ZS = "ends_xy", "ends_zs"  # shift's x and y, its z and the spread
+# A condensed lobe's textures by part, which they share out among them: as many channels for each.
+TEXTURES = {ENDS: (ENDS_XY, ENDS_ZS), GAIN: (GAIN,), REST: (REST,)}
 
 
 def layer_names(lobes: Iterable[Axis], condensed: bool = False) -> tuple[str, ...]:
     """The images of an atlas with these lobes, in the files' order."""
-    parts = [WEIGHTS, *LOBE_CHANNELS] if condensed else [*LOBE_CHANNELS]
+    parts = [WEIGHTS, *chain(*TEXTURES.values())] if condensed else [*LOBE_CHANNELS]
     return (
         COLOUR,
         IRRADIANCE,

@@ -17,6 +17,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.condensed import CondensedAtlas, CondensedLobe
 from radtex_addon.core.errors import BakeError, FormatError, ShapeError
 from radtex_addon.core.shared import Axis
+from radtex_addon.formats.bc5 import decode_bc5
 from radtex_addon.formats.bc6h import decode_bc6h
 from radtex_addon.formats.bc7 import decode_bc7
 from radtex_addon.formats.dds import DdsFormat, read_dds, write_dds
@@ -33,7 +34,9 @@ from radtex_addon.formats.sidecar import file_name
 from tests.shared_atlases import SHARPEST, facts_about, random_condensed_atlas, random_shared_atlas
 
 LAYERS = ["colour", "irradiance", "surroundings"] + [
-    f"{axis}_{part}" for axis in ("mirror", "through") for part in ("weights", "ends", "gain", "rest")
+    f"{axis}_{texture}"
+    for axis in ("mirror", "through")
+    for texture in ("weights", "ends_xy", "ends_zs", "gain", "rest")
 ]
 STEP = 1 / 255
 
@@ -77,7 +80,10 @@ def spans(tiles: Floats) -> Floats:
 @pytest.mark.parametrize(("rank", "bucket"), [(2, 14), (2, 2), (6, 6)])
 @pytest.mark.parametrize("lobes", [(), (Axis.MIRROR,), (Axis.THROUGH, Axis.MIRROR)])
 def test_an_atlas_comes_back(path: Path, rank: int, bucket: int, lobes: tuple[Axis, ...]) -> None:
-    """Tiles are off by half a 255th of their range; by one and a half where alpha's 1 forbids a 0."""
+    """Tiles are off by half a 255th of their range; by one and a half where alpha's 1 forbids a 0.
+
+    Ends have no alpha beside them, and levels between 255ths.
+    """
     atlas = flat_condensed_atlas(6, 5, 4, rank, bucket, lobes=lobes)
     sidecar = write_condensed(path, atlas, facts_about(atlas))
     read, told = read_condensed(path)
@@ -100,6 +106,7 @@ def test_an_atlas_comes_back(path: Path, rank: int, bucket: int, lobes: tuple[Ax
             error = np.abs(near - tiles) / spans(tiles)
             assert error.max() <= 1.51 * STEP
             assert np.median(error) <= 0.51 * STEP
+        assert (np.abs(found.ends - lobe.ends) / spans(lobe.ends)).max() <= STEP / 13
 
 
 def test_both_ways_of_reading_agree(path: Path) -> None:
@@ -124,14 +131,19 @@ def test_the_files_bear_the_contracts_names_and_formats(path: Path) -> None:
         for layer in LAYERS
         for kind, _, *size in [read_dds(texture_path(path, layer))]
     }
-    grid = ("BC7_UNORM", 64, 48)  # twelve tiles of 16 pixels, four in a row
+    size = (64, 48)  # twelve tiles of 16 pixels, four in a row
     assert sizes == {
         "colour": ("BC6H_UF16", 4, 4),
         "irradiance": ("BC6H_UF16", 8, 8),
         "surroundings": ("BC6H_UF16", 76, 60),
         "mirror_weights": ("R8G8B8A8_UNORM", 7, 5),
         "through_weights": ("R8G8B8A8_UNORM", 7, 5),
-    } | {layer: grid for layer in LAYERS if layer.rpartition("_")[2] in ("ends", "gain", "rest")}
+    } | {
+        f"{axis}_{texture}": (kind, *size)
+        for axis in Axis
+        for kind, textures in {"BC5_UNORM": ("ends_xy", "ends_zs"), "BC7_UNORM": ("gain", "rest")}.items()
+        for texture in textures
+    }
 
 
 def test_version_1_says_exactly_this(path: Path) -> None:
@@ -196,6 +208,13 @@ def test_the_files_first_row_is_our_first(path: Path) -> None:
     tile = image[16:32, 48:64, :3]  # number 7: the second of the third cluster, k = 1
     np.testing.assert_allclose(
         low + tile * (high - low), np.broadcast_to(lobe.rest[2, 1, 0, 0], (16, 16, 3)), atol=0.1
+    )
+    low, high = np.array(sidecar.condensed.lobes[Axis.MIRROR].ranges["ends"])[2:]
+    halves = [decode_bc5(read_dds(texture_path(path, f"mirror_ends_{two}"))[1]) for two in ("xy", "zs")]
+    tile = np.concatenate(halves, axis=2)[16:32, 48:64]
+    ends = lobe.ends[2, 1, 0, 0] / (1, 1, 1, SHARPEST)
+    np.testing.assert_allclose(
+        tile, np.broadcast_to((ends - low) / (high - low), (16, 16, 4)), atol=STEP / 13
     )
 
 
@@ -265,7 +284,7 @@ def test_values_that_are_no_numbers_are_refused(path: Path) -> None:
     for part, lobe, named in [
         ("colour", False, "colour"),
         ("weights", True, "mirror_weights"),
-        ("ends", True, "mirror_ends"),
+        ("ends", True, "mirror_ends_xy"),
     ]:
         wrong = altered(atlas, part, np.nan, lobe)
         with pytest.raises(
@@ -296,7 +315,7 @@ def test_what_does_not_fit_is_refused(path: Path) -> None:
     assert list(path.parent.iterdir()) == []
 
 
-@pytest.mark.parametrize("failing", [1, 5, 11])
+@pytest.mark.parametrize("failing", [1, 5, 13])
 def test_a_failing_write_leaves_the_old_files(
     path: Path, monkeypatch: pytest.MonkeyPatch, failing: int
 ) -> None:
@@ -392,7 +411,7 @@ def test_sizes_that_differ_from_the_textures_are_refused(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     path.write_text(retold(path, columns=3), encoding="utf-8")
     with pytest.raises(
-        FormatError, match=r"mirror_ends\.dds has 64 x 48 .*, its sidecar says 48 x 64 of BC7"
+        FormatError, match=r"mirror_ends_xy\.dds has 64 x 48 .*, its sidecar says 48 x 64 of BC5"
     ):
         read_condensed(path)
     path.write_text(retold(path, rank=6), encoding="utf-8")
@@ -418,6 +437,11 @@ def test_textures_of_other_formats_are_refused(path: Path) -> None:
     written(path)
     replaced(path, "mirror_gain", (12, 16, 16), DdsFormat.BC7_UNORM)
     with pytest.raises(FormatError, match=r"mirror_gain\.dds: .*mode"):
+        read_condensed(path)
+    replaced(path, "mirror_ends_zs", (12, 16, 16), DdsFormat.BC7_UNORM)
+    with pytest.raises(
+        FormatError, match=r"mirror_ends_zs\.dds has .* of BC7_UNORM, .* 64 x 48 of BC5_UNORM"
+    ):
         read_condensed(path)
     replaced(path, "colour", (4, 4, 4), DdsFormat.R8G8B8A8_UNORM)
     with pytest.raises(
@@ -497,7 +521,7 @@ def test_a_sidecar_that_speaks_of_impossible_textures_is_refused(path: Path) -> 
     written(path)
     for changes, message in [
         ({"rank": 4}, "a rank of 4, expected 2, 6"),
-        ({"columns": 1025}, "more than 16384 pixels along a side of mirror_ends"),
+        ({"columns": 1025}, "more than 16384 pixels along a side of mirror_ends_xy"),
         ({"rank": 16382}, "more than 16384 pixels along a side of mirror_weights"),
     ]:
         with pytest.raises(

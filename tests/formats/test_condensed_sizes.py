@@ -40,12 +40,12 @@ def test_the_bytes_are_those_of_the_format_by_hand() -> None:
     weights = 128 * 126 * 4
     tiles = (18 * 16) * (17 * 16)  # 300 tiles: 18 columns, 17 rows
     assert VASE.columns == 18
-    assert condensed_bytes(VASE) == colour + irradiance + surroundings + weights + 3 * tiles
+    assert condensed_bytes(VASE) == colour + irradiance + surroundings + weights + 4 * tiles
     both = replace(VASE, clusters={Axis.MIRROR: 100, Axis.THROUGH: 7})
     fewer = 18 * 16 * 2 * 16  # 21 tiles, in 18 columns too
-    assert condensed_bytes(both) - condensed_bytes(VASE) == weights + 3 * fewer
+    assert condensed_bytes(both) - condensed_bytes(VASE) == weights + 4 * fewer
     deeper = replace(VASE, rank=6)
-    assert condensed_bytes(deeper) - condensed_bytes(VASE) == weights + 3 * ((27 * 26 * 256) - tiles)
+    assert condensed_bytes(deeper) - condensed_bytes(VASE) == weights + 4 * ((27 * 26 * 256) - tiles)
 
 
 @pytest.mark.parametrize("lobes", [(), (Axis.THROUGH,), tuple(Axis)])
@@ -99,7 +99,7 @@ def test_a_lobes_image_is_near_square(clusters: int, rank: int) -> None:
         ({"width": 8193, "rank": 6}, "more than 16384 pixels along a side of mirror_weights"),
         ({"colour": (16385, 1)}, "more than 16384 pixels along a side of colour"),
         ({"surroundings": 10**400}, "more than 16384 pixels along a side of surroundings"),
-        ({"bucket": 1022}, "more than 16384 pixels along a side of mirror_ends"),
+        ({"bucket": 1022}, "more than 16384 pixels along a side of mirror_ends_xy"),
     ],
 )
 def test_what_no_texture_holds_is_said(changes: dict[str, object], message: str) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 from radtex_addon.core.arrays import Floats
 
 VERSIONS = {"GLSL 330": "#version 330\n", "GLSL ES 300": "#version 300 es\n"}
+BC5_UNORM = 0x8DBD  # GL_COMPRESSED_RG_RGTC2
 BC6H_UF16, BC7_UNORM = 0x8E8F, 0x8E8C  # GL_COMPRESSED_RGB_BPTC_UNSIGNED_FLOAT, GL_COMPRESSED_RGBA_BPTC_UNORM
 _TEXTURE_2D = 0x0DE1  # GL_TEXTURE_2D
 _VERTEX = """
@@ -44,6 +45,18 @@ def drawn(
     target.use()
     context.vertex_array(program, []).render(vertices=3)
     return np.frombuffer(target.read(components=4, dtype="f4"), np.float32).reshape(-1, 4)
+
+
+def fetched(context: moderngl.Context, texture: moderngl.Texture, width: int, height: int) -> Floats:
+    """A texture's values as a shader gets them, (height, width, 4) float32."""
+    fragment = """
+        uniform sampler2D image;
+        out vec4 result;
+        void main() { result = texelFetch(image, ivec2(gl_FragCoord.xy), 0); }
+    """
+    side = max(width, height)
+    answers = drawn(context, compiled(context, VERSIONS["GLSL 330"], fragment), {"image": texture}, side)
+    return answers.reshape(side, side, 4)[:height, :width]
 
 
 def compressed(

@@ -16,14 +16,15 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.condensed import CondensedAtlas
 from radtex_addon.core.frame import normalised
 from radtex_addon.core.shared import Axis
+from radtex_addon.formats.bc5 import decode_bc5
 from radtex_addon.formats.bc6h import decode_bc6h
 from radtex_addon.formats.bc7 import Blocks, decode_bc7
 from radtex_addon.formats.condensed_packing import layer_values, pack_tiles, pack_weights, value_range
 from radtex_addon.formats.dds import DdsFormat, read_dds
-from radtex_addon.formats.packing import LOBE_CHANNELS, WEIGHTS, lobe_layer
+from radtex_addon.formats.packing import LOBE_CHANNELS, TEXTURES, WEIGHTS, lobe_layer
 from radtex_addon.formats.shared_files import read_condensed, write_condensed
 from tests.lookups import SIDE, Lookups, relative_error
-from tests.real.opengl import BC6H_UF16, BC7_UNORM, VERSIONS, compiled, compressed, drawn
+from tests.real.opengl import BC5_UNORM, BC6H_UF16, BC7_UNORM, VERSIONS, compiled, compressed, drawn, fetched
 from tests.shared_atlases import facts_about, random_condensed_atlas
 from tests.shared_lookups import random_fragments, shared_answers
 
@@ -31,10 +32,11 @@ SHADERS = [Path(__file__).parents[2] / "shaders" / f"radtex_{name}.glsl" for nam
 WIDTH, HEIGHT = 7, 5
 COLUMNS = 5
 WORST = 2e-3  # as far off as radtex_shared.glsl may be
+BC5_PRECISION = 2.01 / 255  # of Mesa's llvmpipe, which mixes levels in eight bits
 FRAGMENT = """
 uniform sampler2D colour, irradiance, surroundings, uvs, normals, viewers;
-uniform sampler2D mirror_weights, mirror_ends, mirror_gain, mirror_rest;
-uniform sampler2D through_weights, through_ends, through_gain, through_rest;
+uniform sampler2D mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest;
+uniform sampler2D through_weights, through_ends_xy, through_ends_zs, through_gain, through_rest;
 uniform vec4 mirror_ranges[12], through_ranges[12];
 uniform vec3 falloff[RADTEX_FALLOFF];
 uniform ivec2 fine, texels, around;
@@ -45,8 +47,8 @@ void main() {
     vec2 uv = texelFetch(uvs, here, 0).xy;
     vec3 N = texelFetch(normals, here, 0).xyz, V = texelFetch(viewers, here, 0).xyz;
     result = vec4(radtex_condensed(colour, fine, irradiance, texels, falloff,
-        mirror_weights, mirror_ends, mirror_gain, mirror_rest, mirror_ranges,
-        through_weights, through_ends, through_gain, through_rest, through_ranges,
+        mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest, mirror_ranges,
+        through_weights, through_ends_xy, through_ends_zs, through_gain, through_rest, through_ranges,
         columns, n, surroundings, around, uv, N, V), 1.0);
 }
 """
@@ -86,8 +88,9 @@ def uncompressed(atlas: CondensedAtlas) -> tuple[dict[str, Floats], Ranges]:
         limits = {part: value_range(values[lobe_layer(lobe.axis, part)]) for part in LOBE_CHANNELS}
         ranges[lobe.axis] = rows_of(limits)
         for part, rows in limits.items():
-            layer = lobe_layer(lobe.axis, part)
-            images[layer] = pack_tiles(values.pop(layer), rows, COLUMNS)
+            grid = pack_tiles(values.pop(lobe_layer(lobe.axis, part)), rows, COLUMNS)
+            layers = [lobe_layer(lobe.axis, texture) for texture in TEXTURES[part]]
+            images |= zip(layers, np.split(grid, len(layers), axis=2), strict=True)
         weights = lobe_layer(lobe.axis, WEIGHTS)
         images[weights] = pack_weights(lobe.cluster, values.pop(weights)) / np.float32(255)
     return images | {name: filled_up(image) for name, image in values.items()}, ranges
@@ -132,7 +135,7 @@ def test_one_hardware_lookup_is_as_good_as_its_weights(context: moderngl.Context
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_glsl_shows_the_files(context: moderngl.Context, tmp_path: Path, version: str) -> None:
-    """The files' blocks, which the driver decodes as the reader does.
+    """The files' blocks, which the driver decodes as the reader does; BC5's levels to its own precision.
 
     Where an octahedron's border is looked up the reader knows better: blocks change a border's pixels and the
     cells that these repeat, each in its own way.
@@ -152,8 +155,14 @@ def test_glsl_shows_the_files(context: moderngl.Context, tmp_path: Path, version
     decoded = {layer: pixels(kind, blocks) for layer, (kind, blocks, *_) in files.items()}
     textures = {layer: uploaded(context, *file) for layer, file in files.items()}
     read = run(context, VERSIONS[version], atlas, decoded, ranges, facts.columns, fragments)
+    error = relative_error(read, expected)
+    for layer, (kind, _, *size) in files.items():
+        if kind is DdsFormat.BC5_UNORM:
+            levels = fetched(context, textures[layer], *size)[..., :2]
+            np.testing.assert_allclose(levels, decoded[layer], atol=BC5_PRECISION)
+            decoded[layer] = levels
+    read = run(context, VERSIONS[version], atlas, decoded, ranges, facts.columns, fragments)
     shown = run(context, VERSIONS[version], atlas, textures, ranges, facts.columns, fragments)
-    error = relative_error(shown, expected)
     apart = relative_error(shown, read).max()
     print(f"{version}: driver and reader {apart:.1e} apart, {np.mean(error > WORST):.1%} meet borders")
     assert apart <= 1e-4
@@ -164,7 +173,12 @@ def pixels(kind: DdsFormat, blocks: Blocks) -> Floats:
     """What a file holds, decoded by the reader."""
     if kind is DdsFormat.R8G8B8A8_UNORM:
         return blocks / np.float32(255)
-    return decode_bc6h(blocks) if kind is DdsFormat.BC6H_UF16 else decode_bc7(blocks)
+    decoders = {
+        DdsFormat.BC5_UNORM: decode_bc5,
+        DdsFormat.BC6H_UF16: decode_bc6h,
+        DdsFormat.BC7_UNORM: decode_bc7,
+    }
+    return decoders[kind](blocks)
 
 
 def uploaded(
@@ -173,5 +187,9 @@ def uploaded(
     """What a file holds as a texture, as a game would upload it."""
     if kind is DdsFormat.R8G8B8A8_UNORM:
         return context.texture((width, height), 4, blocks.tobytes())
-    kinds = {DdsFormat.BC6H_UF16: BC6H_UF16, DdsFormat.BC7_UNORM: BC7_UNORM}
+    kinds = {
+        DdsFormat.BC5_UNORM: BC5_UNORM,
+        DdsFormat.BC6H_UF16: BC6H_UF16,
+        DdsFormat.BC7_UNORM: BC7_UNORM,
+    }
     return compressed(context, kinds[kind], (width, height), blocks.tobytes())
