@@ -82,6 +82,6 @@ def _check_previewable(name: str, spec: BakeSpec) -> None:
         levels=1,
         sharpest=1.0,
         falloff=((1.0, 1.0, 1.0),),
-        lobes=tuple(Axis),
+        lobes=() if spec.condensed else tuple(Axis),  # few tiles, not a bucket a texel
     )
     check_shared_previewable(largest)

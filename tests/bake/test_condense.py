@@ -59,7 +59,7 @@ def varied(rank: int) -> Floats:
 @pytest.mark.parametrize("axis", list(Axis))
 @pytest.mark.parametrize("rank", [2, 6])
 def test_mixtures_of_as_many_buckets_are_kept_wholly(axis: Axis, rank: int) -> None:
-    """On a floor, whose texels all see the same half of their buckets. Spreads, as lengths, are no mixtures."""
+    """On a floor, where all see the same half of their buckets. Spreads, as lengths, are no mixtures."""
     whole = lobe(axis, varied(rank))
     ends = np.full_like(whole.ends, 0.01)
     ends[..., :3] = whole.ends[..., :3]

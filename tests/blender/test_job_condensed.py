@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes for a budget or a target: textures of that size, that near, and no other form's beside them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.bake.progress import Stage
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.core.errors import InputError
+from radtex_addon.core.sampler import Filter
+from radtex_addon.core.shared import Axis
+from radtex_addon.formats.packing import layer_names
+from radtex_addon.formats.shared_files import layer_path, read_condensed, texture_path
+from radtex_addon.job import BakeResult, bake_object
+from tests.blender import stage
+
+pytestmark = pytest.mark.usefixtures("temporary")
+context: Any = bpy.context  # to the stubs, every pointer may be None
+
+HEADERS = 148  # bytes of a DDS file before its texture
+
+
+def spec(**changes: Any) -> BakeSpec:
+    options = {"texels": 16, "bucket": 6, "samples": 1, "budget": 40_000}
+    return BakeSpec(layout=Layout.SHARED, **(options | changes))
+
+
+def ball() -> Any:
+    """A ball that reflects, roughly, in a world with lamps."""
+    stage.lamps()
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=8)
+    context.object.name = "Ball"
+    context.object.data.materials.append(stage.material("Ball", "ShaderNodeBsdfAnisotropic", Roughness=0.3))
+    return context.object
+
+
+def bake(out: Path, wanted: BakeSpec, **options: Any) -> BakeResult:
+    return bake_object(context.scene, "Ball", wanted, out, **options)
+
+
+def names(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+def textures(axis: Axis = Axis.MIRROR) -> set[str]:
+    return {texture_path(Path("Ball.radiance.json"), layer).name for layer in layer_names([axis], True)}
+
+
+@pytest.mark.parametrize("budget", [25_000, 60_000])
+def test_a_budget_is_kept_and_made_use_of(out: Path, budget: int) -> None:
+    ball()
+    result = bake(out, spec(budget=budget))
+    assert names(out) == {"Ball.radiance.json", *textures()} == {path.name for path in result.files.all}
+    size = sum(path.stat().st_size - HEADERS for path in result.files.images)
+    chosen = result.condensed
+    assert chosen is not None
+    assert size == chosen.bytes
+    assert 0.85 * budget < size <= budget
+    atlas, sidecar = read_condensed(out / "Ball.radiance.json")
+    assert chosen.clusters == tuple(len(lobe.ends) for lobe in atlas.lobes)
+    assert (chosen.colour, chosen.surroundings) == (sidecar.colour, sidecar.surroundings)
+    assert 15 < chosen.agreement < 60
+    assert Stage.CONDENSE in result.seconds
+
+
+def test_a_larger_budget_comes_nearer(out: Path) -> None:
+    ball()
+    small, large = (bake(out / str(budget), spec(budget=budget)).condensed for budget in (25_000, 150_000))
+    assert small is not None
+    assert large is not None
+    print(f"{small.bytes} bytes: {small.agreement:.1f} dB; {large.bytes} bytes: {large.agreement:.1f} dB")
+    assert large.agreement > small.agreement + 2
+
+
+def test_a_target_is_reached_with_the_fewest_clusters_tried(
+    out: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    ball()
+    modest, fine = (
+        bake(out / str(target), spec(budget=None, target=target)).condensed for target in (20.0, 26.0)
+    )
+    assert modest is not None
+    assert fine is not None
+    assert modest.agreement >= 20
+    assert fine.agreement >= 26
+    assert modest.clusters <= fine.clusters
+    assert caplog.text == ""
+    most = bake(out / "60", spec(budget=None, target=60.0)).condensed
+    assert most is not None
+    assert f"condensed textures of object 'Ball' come to {most.agreement:.1f} dB" in caplog.text
+
+
+def test_one_form_replaces_the_other(out: Path) -> None:
+    ball()
+    dense = BakeSpec(layout=Layout.SHARED, texels=16, bucket=6, samples=1)
+    images = {layer_path(Path("Ball.radiance.json"), layer).name for layer in layer_names([Axis.MIRROR])}
+    bake(out, dense)
+    with pytest.raises(InputError, match="already there"):
+        bake(out, spec())
+    bake(out, spec(), overwrite=True)
+    assert names(out) == {"Ball.radiance.json", *textures()}
+    bake(out, dense, overwrite=True)
+    assert names(out) == {"Ball.radiance.json", *images}
+
+
+def test_a_budget_too_small_for_the_texels_is_refused_before_it_is_baked(out: Path) -> None:
+    ball()
+    with pytest.raises(
+        InputError, match=r"budget 9 KiB: 64 x 6. texels take .* at least; give more, or fewer"
+    ):
+        bake(out, spec(texels=64, budget=9_000))
+    assert not out.exists() or names(out) == set()
+
+
+def test_a_preview_holds_its_textures(out: Path) -> None:
+    """What the textures decode to: Blender reads no such files with the right rows."""
+    ball()
+    result = bake(out, spec(), preview=Filter.QUADRILINEAR)
+    assert result.files.preview is not None
+    libraries: Any = bpy.data.libraries
+    with libraries.load(str(result.files.preview)) as (there, wanted):
+        wanted.images = list(there.images)
+        wanted.materials = list(there.materials)
+    assert "RadTex Ball" in there.materials
+    packed = [image for image in wanted.images if image.packed_file]
+    assert packed
+    assert all(np.isfinite(image.pixels[:]).all() for image in packed)
