@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A condensed lobe by nodes: each texel's bucket is mixed from the tiles of its cluster.
 
-What the nodes look up has the layers and sizes of the condensed form's textures, but is decoded: tiles hold
-values, not shares of a range, and a texel's pixels hold its weights, its cluster and a 0.
+What the nodes look up has the sizes of the condensed form's textures, but is decoded: tiles hold values, not
+shares of a range, all of a part in one image, and a texel's pixels hold its weights, its cluster and a 0.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from ..core.atlas import AtlasLayout
 from ..core.condensed import CondensedAtlas
 from ..core.shared import Axis
 from ..formats.condensed_packing import layer_values
-from ..formats.packing import LOBE_CHANNELS, WEIGHTS, lobe_layer, with_border
+from ..formats.packing import LOBE_CHANNELS, TEXTURES, WEIGHTS, lobe_layer, with_border
 from ..scene.nodes import NodeBuilder, Socket, close_group, open_group
 from .taps import after, image_size, pair, pixel_centre
 
@@ -34,6 +34,13 @@ def condensed_layers(atlas: CondensedAtlas, columns: int) -> dict[str, Floats]:
         for part in LOBE_CHANNELS:
             layers[lobe_layer(lobe.axis, part)] = _grid(layers[lobe_layer(lobe.axis, part)], columns)
     return layers
+
+
+def image_layer(layer: str) -> str:
+    """The image of the group that holds a texture: "mirror_ends" has both textures of that part."""
+    axis, _, texture = layer.partition("_")
+    part = next((part for part, textures in TEXTURES.items() if texture in textures), texture)
+    return f"{axis}_{part}" if texture else layer
 
 
 def mixture_group(

@@ -29,7 +29,7 @@ from ..formats.packing import (
 )
 from ..formats.shared_sidecar import SharedSidecar
 from ..scene.nodes import NodeBuilder, Socket, close_group, open_group
-from .condensed_group import mixture_group
+from .condensed_group import image_layer, mixture_group
 from .node_group import MAX_PIXELS
 from .taps import bilinear, image_size, pair, pixel_centre
 
@@ -84,10 +84,11 @@ def check_shared_previewable(sidecar: SharedSidecar, max_pixels: int = MAX_PIXEL
 
 def _check_sizes(images: _Images, sidecar: SharedSidecar) -> None:
     for layer, (width, height, _) in sidecar.shapes.items():
-        actual = image_size(images[layer])
+        image = images[image_layer(layer)]
+        actual = image_size(image)
         if actual != (width, height):
             raise InputError(
-                f"{images[layer].name}: {actual[0]} x {actual[1]} pixels, but this bake's '{layer}' has "
+                f"{image.name}: {actual[0]} x {actual[1]} pixels, but this bake's '{layer}' has "
                 f"{width} x {height}; use the sidecar that belongs to this image"
             )
 

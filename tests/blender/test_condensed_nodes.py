@@ -113,7 +113,7 @@ def test_packed_images_survive_saving(path: Path, half: bool) -> None:
     group.node_tree = build_shared_group(images, sidecar)
     blend = path.with_name("a.blend")
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
-    for layer in LAYERS:
+    for layer in sidecar.shapes:
         texture_path(path, layer).unlink()
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.wm.open_mainfile(filepath=str(blend))
@@ -181,5 +181,5 @@ def test_a_bake_beyond_the_gpu_is_refused(path: Path) -> None:
     """700 clusters of 3 tiles of 4 x 4 pixels lie in 46 columns."""
     sidecar = read_shared_sidecar(written(path, small_atlas(clusters=700, bucket=2)))
     check_shared_previewable(sidecar, max_pixels=184)
-    with pytest.raises(InputError, match="'mirror_ends' has 184 x 184 pixels and cannot be previewed"):
+    with pytest.raises(InputError, match="'mirror_ends_xy' has 184 x 184 pixels and cannot be previewed"):
         check_shared_previewable(sidecar, max_pixels=183)
