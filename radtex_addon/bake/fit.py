@@ -35,6 +35,7 @@ FAR = 100.0  # of the object's size: where the world is
 GRAZING = 0.1  # N.I below which a sample is not fitted: the facet's own horizon is near
 _FAINT = 1e-3  # of all light: a lobe with less is left out
 _OUTLIER = 1.5  # length of an end: there, paths' weights differed too much to tell a direction
+_FEW = 0.25  # samples a cell of a texel's bucket, below which its near neighbours' do not fill it
 _WEIGHT_LIMIT = 4.0  # times the mean weight: a path counts for no more
 
 _Result = TypeVar("_Result")
@@ -69,7 +70,8 @@ def fit_shared(
     del facing
     irradiance = _divide_out(diffuse, light, falloff)
     around = Surroundings.of(surroundings, size)
-    fit = _LobeFit(light, ends, used, around, Neighbours(plan), cells)
+    few = light.square.shape[1] < _FEW * cells * cells
+    fit = _LobeFit(light, ends, used, around, Neighbours(plan, few), cells)
     parts: dict[Axis, list[Floats]] = {}
     lost = 0.0
     brightness = {axis: _sum_of(_lobe_light(light, axis), used) for axis in Axis}

@@ -29,6 +29,7 @@ _STAGES = ((1, True), (4, True), (8, True), (8, False))  # cells of a bucket, po
 _FINEST_ROUNDS = 2
 _LEAST_TOLD = 4  # cells of a bucket: in fewer the paths' weights tell the gain better than the light does
 _PRIOR = 8.0  # samples that a cell's light by coarser cells counts for
+_PRIOR_OF_FEW = 2.0  # the same, where texels have few samples and sums are pooled widely
 _EYE = 1.1  # power of the brightness that an error is relative to
 _BRIGHTEST = 12.0  # times the mean luminance: a sample that is brighter than its fit by more is limited
 _DOUBLE = 3.0  # times its fit: more of it than that is limited, too
@@ -185,7 +186,8 @@ class _GlossFit:
             return float(self.weight[some].sum(dtype=np.float64))
 
         total = sum(in_blocks(compare, *self.weight.shape))
-        return np.float32(max(_PRIOR * total / self.number, 1e-12))
+        prior = _PRIOR_OF_FEW if self.neighbours.few else _PRIOR
+        return np.float32(max(prior * total / self.number, 1e-12))
 
     def _solved(
         self,

@@ -89,9 +89,13 @@ class _Tile:
 
 @dataclass
 class Neighbours:
-    """The texels around each of a plan's, on the same piece of surface."""
+    """The texels around each of a plan's, on the same piece of surface.
+
+    Where texels have `few` samples, all sums are pooled widely.
+    """
 
     plan: CapturePlan
+    few: bool = False
     _found: dict[int, list[_Tile]] = field(default_factory=dict)
 
     def pool(
@@ -102,7 +106,7 @@ class Neighbours:
         A Gaussian of one texel; `wide`: of about three. `solve` turns the pooled sums of some texels,
         (C, g, m), into what is wanted of them, (D, g, m).
         """
-        if not wide:
+        if not (wide or self.few):
             return self._pooled(table, 1, solve)
         return self._pooled(self._pooled(table, 1, lambda sums: sums), _WIDE, solve)
 
