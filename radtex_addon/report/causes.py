@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Error by cause: the object is baked again with half of each thing that a bake spends, and judged again."""
+"""Error by cause: the object is baked again with half of each thing that a bake spends, and judged again.
+
+A condensed bake is condensed again, to as many bytes; and once more it is not condensed.
+"""
 
 from __future__ import annotations
 
@@ -32,26 +35,42 @@ _MATTERS = 0.2  # decibels: what costs less is no cause
 
 
 class Cause(StrEnum):
-    """What a bake may have too little of; the value is the specification's field."""
+    """What a bake may have too little of; the value is the specification's field, or "compression"."""
 
     SAMPLES = "samples"
     CELLS = "bucket"
     TEXELS = "texels"
+    COMPRESSION = "compression"
+
+    @property
+    def flag(self) -> str:
+        """The option that gives more of it."""
+        return "--budget" if self is Cause.COMPRESSION else f"--{self}"
 
 
 _SHOWS = {
     Cause.SAMPLES: "noise: blotches that no light explains",
     Cause.CELLS: "directions: reflections are blurred, and step where they should glide",
     Cause.TEXELS: "surface: textures, shadows and edges of light are blurred",
+    Cause.COMPRESSION: "condensing: reflections differ from place to place less than they should",
+}
+_ABOUT = {
+    Cause.SAMPLES: "half the samples",
+    Cause.CELLS: "half the cells",
+    Cause.TEXELS: "half the texels",
+    Cause.COMPRESSION: "not condensed",
 }
 
 
 @dataclass(frozen=True)
-class Halving:
-    """What the bake is with half of one thing; `lost` decibels are what the whole has more."""
+class Variant:
+    """What the bake is with half of one thing; `lost` decibels are what the whole has more.
+
+    `value` is the half. Without compression it is None, and `lost` is what condensing costs.
+    """
 
     cause: Cause
-    value: int
+    value: int | None
     psnr: float
     flip: float | None
     lost: float
@@ -59,28 +78,33 @@ class Halving:
     bytes: int
 
     @property
+    def name(self) -> str:
+        """What the bake is."""
+        return _ABOUT[self.cause] if self.value is None else f"half of {self.cause.flag}: {self.value}"
+
+    @property
     def shows(self) -> str:
         """How too little of it looks."""
         return _SHOWS[self.cause]
 
 
-def halve(
+def bake_variants(
     scene: bpy.types.Scene, spec: BakeSpec, name: str, views: Sequence[View], whole: float
-) -> Generator[Step, None, list[Halving]]:
+) -> Generator[Step, None, list[Variant]]:
     """Bake the object `name` with half of each thing and judge that; `whole` is the bake's own mean PSNR.
 
-    `spec` is the bake's own. What cannot be halved is left out. Everything made meanwhile goes away.
+    `spec` is the bake's own; if it is condensed, one bake is not. What cannot be halved is left out.
+    Everything made meanwhile goes away.
     """
     found = []
     for cause in Cause:
-        less = _half(spec, cause)
-        if less is None:
+        other = _without(spec, cause)
+        if other is None:
             continue
-        about = f"half the {'cells' if cause is Cause.CELLS else cause}"
         try:
-            found.append((yield from _judge_again(scene, less, name, views, whole, cause, about)))
+            found.append((yield from _judge_again(scene, other, name, views, whole, cause)))
         except InputError as error:  # such as too few texels for the islands of an unwrap
-            log.warning("%s cannot be baked: %s", about, error)
+            log.warning("%s cannot be baked: %s", _ABOUT[cause], error)
     return found
 
 
@@ -91,8 +115,8 @@ def _judge_again(
     views: Sequence[View],
     whole: float,
     cause: Cause,
-    about: str,
-) -> Generator[Step, None, Halving]:
+) -> Generator[Step, None, Variant]:
+    about = _ABOUT[cause]
     with tempfile.TemporaryDirectory(prefix="radtex-") as folder, new_data_removed():
         files = OutputFiles.of(name, spec, Path(folder), preview=False)
         baked = yield from steps_of(bake_and_keep(scene, name, spec, files, None, Stopwatch()), about)
@@ -103,22 +127,28 @@ def _judge_again(
         judged = judge(bake, surface, views)
         size = gpu_bytes(bake)
     psnr = mean_psnr(judged)
-    value = int(getattr(spec, cause))
-    return Halving(cause, value, psnr, mean_flip(judged), whole - psnr, baked.made.paths, size)
+    flip, paths = mean_flip(judged), baked.made.paths
+    if cause is Cause.COMPRESSION:
+        return Variant(cause, None, psnr, flip, psnr - whole, paths, size)
+    return Variant(cause, int(getattr(spec, cause)), psnr, flip, whole - psnr, paths, size)
 
 
-def _half(spec: BakeSpec, cause: Cause) -> BakeSpec | None:
-    """The same bake with half of something; None where there would be nothing left."""
+def _without(spec: BakeSpec, cause: Cause) -> BakeSpec | None:
+    """The same bake with half of something, or not condensed; None where there would be nothing left."""
+    if cause is Cause.COMPRESSION:
+        return replace(spec, budget=None) if spec.condensed else None
     if cause is Cause.SAMPLES:
         return replace(spec, samples=spec.samples // 2) if spec.samples >= 2 else None
     if cause is Cause.CELLS:
+        if spec.condensed:  # 2, 6, 10 and so on fill blocks
+            return replace(spec, bucket=spec.bucket // 8 * 4 + 2) if spec.bucket >= 6 else None
         return replace(spec, bucket=spec.bucket // 2) if spec.bucket >= 4 else None
     return replace(spec, texels=spec.texels // 2) if spec.texels >= 2 else None
 
 
-def first_change(bake: Finished, halvings: Sequence[Halving]) -> str:
+def first_change(bake: Finished, variants: Sequence[Variant]) -> str:
     """What to change first, and what that costs, in a sentence or two."""
-    worst = max(halvings, key=lambda halving: halving.lost, default=None)
+    worst = max(variants, key=lambda variant: variant.lost, default=None)
     if worst is None:
         return "The bake is too small for any of its settings to be halved."
     if worst.lost < _MATTERS:
@@ -126,19 +156,32 @@ def first_change(bake: Finished, halvings: Sequence[Halving]) -> str:
             f"No setting matters much here: halving any costs less than {_MATTERS} dB. What is left lies in "
             "the layout itself" + ("; try --layout shared." if bake.layout is Layout.BUCKETS else ".")
         )
-    flag, now = f"--{worst.cause}", 2 * worst.value
-    shows = worst.shows.partition(":")[0]
-    if worst.cause is Cause.SAMPLES:
-        price = "twice the paths, and no bytes"
-    elif worst.cause is Cause.CELLS:
-        paths = "no paths" if bake.layout is Layout.SHARED else "four times the paths"
-        price = f"{paths}, and {_grown(gpu_bytes(bake, cells=2), bake)}"
-    else:
-        price = f"about four times the paths, and {_grown(gpu_bytes(bake, texels=2), bake)}"
+    flag, shows = worst.cause.flag, worst.shows.partition(":")[0]
+    if worst.value is None:
+        return (
+            f"First give it a larger {flag}: condensing costs most, {worst.lost:.1f} dB. Without it the bake "
+            f"takes {_grown(worst.bytes, bake)}; a {flag} between them takes no more paths."
+        )
+    more = 4 * worst.value
+    if worst.cause is Cause.CELLS and bake.budget is not None:
+        more = 2 * bake.sidecar.bucket + 2  # twice as many, borders counted
     return (
         f"First give it more {flag}: half of them costs most, {worst.lost:.1f} dB ({shows}). "
-        f"{flag} {2 * now} takes {price}."
+        f"{flag} {more} takes {_price(worst.cause, bake)}."
     )
+
+
+def _price(cause: Cause, bake: Finished) -> str:
+    """What twice as much of something takes."""
+    if cause is Cause.SAMPLES:
+        return "twice the paths, and no bytes"
+    paths = "about four times the paths"
+    if cause is Cause.CELLS:
+        paths = "no paths" if bake.layout is Layout.SHARED else "four times the paths"
+    if bake.budget is not None:
+        return f"{paths}, and as many bytes as --budget allows"
+    twice = gpu_bytes(bake, cells=2) if cause is Cause.CELLS else gpu_bytes(bake, texels=2)
+    return f"{paths}, and {_grown(twice, bake)}"
 
 
 def _grown(larger: int, bake: Finished) -> str:

@@ -18,15 +18,24 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError
 from ..core.sampler import Filter, sample
 from ..core.shared import SharedAtlas, sample_shared
+from ..formats.condensed_files import read_texture
+from ..formats.condensed_sizes import texture_bytes
 from ..formats.exr import read_atlas, stored_compression
 from ..formats.facts import Facts
-from ..formats.packing import IRRADIANCE
-from ..formats.shared_files import layer_path, read_shared, read_shared_sidecar
+from ..formats.packing import IRRADIANCE, WEIGHTS
+from ..formats.shared_files import (
+    layer_path,
+    read_shared,
+    read_shared_sidecar,
+    texture_path,
+)
+from ..formats.shared_sidecar import SharedSidecar
 from ..formats.sidecar import Sidecar, read_sidecar, read_text
 from ..scene.copy import UV_LAYER
 from .gbuffer import Array, GBuffer
 
 _PER_LOOKUP = 1 << 18  # fragments that are looked up at once
+_DWAA_LOSS, _BC6H_LOSS = 0.05, 0.1  # see Finished.loss; BC6H: at 0.1 a gutter agrees by 90 %, another's by 83
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +43,11 @@ class Finished:
     """A bake's sidecar, its images, and the light in them.
 
     `radiance` gives the light (N, 3), linear, along a G-buffer's N rays, zero where they miss. `texels`
-    (H, W, K) are light that each texel has of its own, as it is stored. `compression` is None for one that
-    RadTex does not write.
+    (H, W, K) are what each texel has of its own, as it is stored: light, or of a condensed bake a number that
+    two texels share if they are the same mixtures. `compression` is None for one that RadTex does not write,
+    and for textures. `loss` is how far two of `texels` may be apart that were the same before they were
+    packed, over the larger. `budget` is how many bytes a condensed bake's textures take on a GPU, None for
+    another.
     """
 
     path: Path
@@ -45,6 +57,8 @@ class Finished:
     radiance: Callable[[GBuffer], Array]
     texels: Floats
     compression: Compression | None
+    loss: float = 0.0
+    budget: int | None = None
 
     @property
     def preview(self) -> Path:
@@ -58,7 +72,7 @@ class Finished:
         return self.sidecar.uv_map == UV_LAYER
 
     def spec(self, device: str) -> BakeSpec:
-        """The specification of the same bake again, as far as the sidecar tells."""
+        """The specification of the same bake again, as far as its files tell; condensed to as many bytes."""
         bake = self.sidecar
         return BakeSpec(
             kind=parse_kind(bake.kind),
@@ -71,6 +85,7 @@ class Finished:
             uv_layer=None if self.unwrapped else bake.uv_map,
             compression=self.compression or Compression.ZIP,
             device=device,
+            budget=self.budget,
         )
 
 
@@ -157,7 +172,7 @@ def _read_buckets(path: Path) -> Finished:
         raise FormatError(
             f"{image} is of another bake than {path}: put one bake's files together, or bake again"
         )
-    atlas = AtlasLayout(sidecar.width, sidecar.height, sidecar.bucket)
+    atlas, compression = AtlasLayout(sidecar.width, sidecar.height, sidecar.bucket), stored_compression(image)
     return Finished(
         path=path,
         layout=Layout.BUCKETS,
@@ -165,14 +180,19 @@ def _read_buckets(path: Path) -> Finished:
         images=(image,),
         radiance=_looked_up(partial(_sample_buckets, pixels.astype(np.float32), atlas)),
         texels=atlas.to_buckets(pixels)[..., :3].reshape(sidecar.height, sidecar.width, -1),
-        compression=stored_compression(image),
+        compression=compression,
+        loss=_loss(compression),
     )
 
 
 def _read_shared(path: Path) -> Finished:
-    sidecar = read_shared_sidecar(path).bake
+    facts = read_shared_sidecar(path)
+    if facts.condensed is not None:
+        return _read_condensed(path, texture_bytes(facts.shapes))
+    sidecar = facts.bake
     images = tuple(layer_path(path, layer) for layer in sidecar.layers)
     atlas, _ = read_shared(path)
+    compression = stored_compression(layer_path(path, IRRADIANCE))
     return Finished(
         path=path,
         layout=Layout.SHARED,
@@ -180,8 +200,40 @@ def _read_shared(path: Path) -> Finished:
         images=images,
         radiance=_looked_up(partial(_sample_shared, atlas)),
         texels=atlas.irradiance,
-        compression=stored_compression(layer_path(path, IRRADIANCE)),
+        compression=compression,
+        loss=_loss(compression),
     )
+
+
+def _read_condensed(path: Path, budget: int) -> Finished:
+    atlas, facts = read_shared(path)
+    return Finished(
+        path=path,
+        layout=Layout.SHARED,
+        sidecar=facts.bake,
+        images=tuple(texture_path(path, layer) for layer in facts.bake.layers),
+        radiance=_looked_up(partial(_sample_shared, atlas)),
+        texels=_mixtures(path, facts) if facts.lobes else atlas.irradiance,
+        compression=None,
+        loss=0.0 if facts.lobes else _BC6H_LOSS,
+        budget=budget,
+    )
+
+
+def _loss(compression: Compression | None) -> float:
+    return _DWAA_LOSS if compression is Compression.DWAA else 0.0
+
+
+def _mixtures(path: Path, facts: SharedSidecar) -> Floats:
+    """A number (H, W, 1) for each texel, the same where weights and clusters of all lobes are."""
+    stored = [
+        read_texture(texture_path(path, layer), layer, width, height).reshape(height, facts.bake.width, -1)
+        for layer, (width, height, _) in facts.shapes.items()
+        if layer.endswith(WEIGHTS)
+    ]
+    every = np.concatenate(stored, axis=2)
+    _, number = np.unique(every.reshape(-1, every.shape[2]), axis=0, return_inverse=True)
+    return number.reshape(*every.shape[:2], 1).astype(np.float32)
 
 
 def _sample_buckets(image: Floats, layout: AtlasLayout, buffer: GBuffer, some: slice) -> Floats:

@@ -17,7 +17,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from ..bake.spec import Compression, Unwrap
+from ..bake.spec import Unwrap
 from ..core.arrays import Bools, Floats
 from ..core.errors import InputError
 from ..core.gutter import nearest_covered
@@ -35,7 +35,6 @@ from .progress import Step, Task, steps_of
 _SURE = 0.93  # of the gutter's values: all, but where the bake filled texels that nobody sees
 _MAYBE = 0.85  # another layer's gutter has fewer
 _LOOKED_AT = 4096  # of the gutter's texels
-_LOSSY = 0.05  # how far two values may be apart that dwaa has packed, over the larger
 _SAME = 1e-5  # of the object's size: vertices that have moved less have not moved
 
 
@@ -123,8 +122,7 @@ def _agreement(covered: Bools, bake: Finished) -> float:
     nearest = np.ravel_multi_index(nearest_covered(covered), covered.shape).ravel()[gutter]
     flat = bake.texels.reshape(covered.size, -1)
     ours, theirs = (flat[place].astype(np.float32) for place in (gutter, nearest))
-    lossy = bake.compression is Compression.DWAA
-    allowed = _LOSSY * np.maximum(np.abs(ours), np.abs(theirs)) if lossy else 0.0
+    allowed = bake.loss * np.maximum(np.abs(ours), np.abs(theirs))
     return float((np.abs(ours - theirs) <= allowed).mean())
 
 

@@ -15,11 +15,11 @@ import numpy as np
 from ..bake.spec import Layout
 from ..formats.memory import readable_size
 from ..formats.png import encode_png
-from .causes import Halving, first_change
+from .causes import Variant, first_change
 from .finished import Finished
 from .judging import Judged, mean_energy, mean_flip, mean_psnr, verdict
 from .metrics import Figures, Picture, display
-from .sizes import ImageSize
+from .sizes import ImageSize, TextureSize, gpu_bytes
 
 GAIN = 4  # of the error's picture
 _STYLE = """
@@ -46,13 +46,13 @@ figcaption { grid-column: 1 / -1; }
 
 @dataclass(frozen=True, eq=False)
 class Contents:
-    """All that a report knows; `halvings` is None where causes were not asked for."""
+    """All that a report knows; `variants` is None where causes were not asked for."""
 
     bake: Finished
     judged: Sequence[Judged]
     floor: Figures
-    sizes: Sequence[ImageSize]
-    halvings: Sequence[Halving] | None
+    sizes: list[ImageSize] | list[TextureSize]
+    variants: Sequence[Variant] | None
     reference_samples: int
 
     @property
@@ -87,9 +87,11 @@ def page(contents: Contents) -> str:
 def _facts(bake: Finished) -> str:
     facts = bake.sidecar
     shared = "shared layout, " if bake.layout is Layout.SHARED else ""
+    condensed = "" if bake.budget is None else "condensed, "
     return (
-        f"{bake.path.name}: {shared}{facts.width} × {facts.height} texels of {facts.bucket} × {facts.bucket} "
-        f"cells, --samples {facts.samples}, {facts.tool}, Blender {facts.blender}"
+        f"{bake.path.name}: {shared}{condensed}{facts.width} × {facts.height} texels of "
+        f"{facts.bucket} × {facts.bucket} cells, --samples {facts.samples}, {facts.tool}, "
+        f"Blender {facts.blender}"
     )
 
 
@@ -131,7 +133,24 @@ def _data(picture: Picture) -> str:
     return "data:image/png;base64," + b64encode(encode_png(picture)).decode("ascii")
 
 
-def _sizes(sizes: Sequence[ImageSize]) -> str:
+def _sizes(sizes: Sequence[ImageSize | TextureSize]) -> str:
+    textures = [size for size in sizes if isinstance(size, TextureSize)]
+    images = [size for size in sizes if isinstance(size, ImageSize)]
+    return _texture_sizes(textures) if textures else _image_sizes(images)
+
+
+def _texture_sizes(sizes: Sequence[TextureSize]) -> str:
+    rows = [["texture", "pixels", "format", "on disk", "on a GPU"]]
+    for size in sizes:
+        pixels = f"{size.width} × {size.height}"
+        rows.append([size.name, pixels, size.format, _size(size.disk), _size(size.gpu)])
+    disk, gpu = sum(size.disk for size in sizes), sum(size.gpu for size in sizes)
+    rows.append(["together", "", "", _size(disk), _size(gpu)])
+    note = "A GPU takes the textures as they are stored. What that loses is in the figures above."
+    return _table(rows) + f'<p class="note">{note}</p>'
+
+
+def _image_sizes(sizes: Sequence[ImageSize]) -> str:
     rows = [["image", "pixels", "on disk", "GPU, RGBA16F", "RGB9E5", "BC6H"]]
     for size in sizes:
         packed = [_size(size.rgb9e5), _size(size.bc6h)]
@@ -150,29 +169,36 @@ def _sizes(sizes: Sequence[ImageSize]) -> str:
 
 
 def _causes(contents: Contents) -> str:
-    halvings = contents.halvings
-    if halvings is None:
+    variants, bake = contents.variants, contents.bake
+    if variants is None:
         return "<p>Not measured: with --variants the object is baked again with half of each setting.</p>"
-    whole, size = mean_psnr(contents.judged), sum(image.rgba16f for image in contents.sizes)
+    whole = f"{mean_psnr(contents.judged):.2f}"
     rows = [["", "PSNR, dB", "lost, dB", "FLIP", "M paths", "MB on a GPU"]]
-    rows.append(["as baked", f"{whole:.2f}", "", _flip(mean_flip(contents.judged)), "", f"{size / 1e6:.2f}"])
+    rows.append(
+        ["as baked", whole, "", _flip(mean_flip(contents.judged)), "", f"{gpu_bytes(bake) / 1e6:.2f}"]
+    )
     rows += [
         [
-            f"half of --{halving.cause}: {halving.value}",
-            f"{halving.psnr:.2f}",
-            f"{halving.lost:.2f}",
-            _flip(halving.flip),
-            f"{halving.paths / 1e6:.2f}",
-            f"{halving.bytes / 1e6:.2f}",
+            variant.name,
+            f"{variant.psnr:.2f}",
+            f"{variant.lost:.2f}",
+            _flip(variant.flip),
+            f"{variant.paths / 1e6:.2f}",
+            f"{variant.bytes / 1e6:.2f}",
         ]
-        for halving in halvings
+        for variant in variants
     ]
-    shown = "".join(f"<li>--{halving.cause}: {escape(halving.shows)}</li>" for halving in halvings)
+    shown = "".join(f"<li>{variant.cause.flag}: {escape(variant.shows)}</li>" for variant in variants)
     note = (
         "Each further row is a bake with half of one thing, against the same views. Less than nothing lost "
         "means that the smaller bake is the closer one."
     )
-    first = escape(first_change(contents.bake, halvings))
+    if bake.budget is not None:
+        note += (
+            " They are condensed to as many bytes at most. What is not condensed is larger (as RGBA16F), and "
+            "lost there is what condensing costs."
+        )
+    first = escape(first_change(bake, variants))
     return f'<p class="verdict">{first}</p>{_table(rows)}<p class="note">{note}</p><ul>{shown}</ul>'
 
 

@@ -17,13 +17,13 @@ from ..formats.atomic import check_writable, write_text
 from ..formats.sidecar import file_name
 from ..scene.objects import find_object
 from ..scene.scratch import scratch_scene
-from .causes import first_change, halve
+from .causes import bake_variants, first_change
 from .finished import Finished, object_of, read_bake
 from .judging import judge, mean_energy, mean_flip, mean_psnr, noise_floor
 from .mesh import Found, find_mesh
 from .page import Contents, page
 from .progress import Step, Task
-from .sizes import gpu_bytes, image_sizes
+from .sizes import gpu_bytes, sizes_of
 from .views import MOST_PIXELS, View, make_views
 
 _LIMITS = {"views": (1, 64), "pixels": (16, MOST_PIXELS), "samples": (1, 2**24)}
@@ -33,7 +33,8 @@ _LIMITS = {"views": (1, 64), "pixels": (16, MOST_PIXELS), "samples": (1, 2**24)}
 class ReportSpec:
     """How a bake is judged: `views` pictures of `pixels` a side, path traced at `samples` and denoised.
 
-    With `variants` the object is also baked with half of each setting. Raises InputError for what cannot be.
+    With `variants` the object is also baked with half of each setting, and a condensed bake's object not
+    condensed. Raises InputError for what cannot be.
     """
 
     views: int = 3
@@ -84,13 +85,13 @@ def report_steps(
     found, views = yield from _look(scene, bake, spec)
     yield Step(Task.COMPARE, 0, 1)
     judged = judge(bake, found.surface, views)
-    halvings = None
+    variants = None
     if spec.variants:
         again = replace(bake.spec(spec.device), uv_layer=found.uv_layer, unwrap=found.unwrap)
-        halvings = yield from halve(scene, again, bake.sidecar.object_name, views, mean_psnr(judged))
+        variants = yield from bake_variants(scene, again, bake.sidecar.object_name, views, mean_psnr(judged))
     yield Step(Task.PAGE, 0, 1)
-    sizes = image_sizes(bake)
-    contents = Contents(bake, judged, noise_floor(judged), sizes, halvings, spec.samples)
+    sizes = sizes_of(bake)
+    contents = Contents(bake, judged, noise_floor(judged), sizes, variants, spec.samples)
     write_text(out, page(contents))
     return ReportResult(
         page=out,
@@ -101,8 +102,8 @@ def report_steps(
         floor=contents.floor.psnr,
         disk=sum(size.disk for size in sizes),
         gpu=gpu_bytes(bake),
-        lost={halving.cause.value: halving.lost for halving in halvings or ()},
-        first_change=None if halvings is None else first_change(bake, halvings),
+        lost={variant.cause.value: variant.lost for variant in variants or ()},
+        first_change=None if variants is None else first_change(bake, variants),
     )
 
 

@@ -6,14 +6,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import ceil
-from pathlib import Path
 
 import numpy as np
 
 from ..bake.spec import Layout
 from ..core.arrays import Floats
+from ..formats.condensed_sizes import Shapes, texture_bytes, texture_format
 from ..formats.exr import read_pixels
-from ..formats.shared_files import layer_path, read_shared_sidecar
+from ..formats.shared_files import read_shared_sidecar
 from .finished import Finished
 
 _HALF_PIXEL = 8  # bytes: four half floats, for no GPU has three
@@ -37,10 +37,42 @@ class ImageSize:
     bc6h: int | None
 
 
-def image_sizes(bake: Finished) -> list[ImageSize]:
+@dataclass(frozen=True)
+class TextureSize:
+    """A condensed bake's texture: bytes of its file, and on a GPU, which takes it as it is stored."""
+
+    name: str
+    width: int
+    height: int
+    format: str
+    disk: int
+    gpu: int
+
+
+def sizes_of(bake: Finished) -> list[ImageSize] | list[TextureSize]:
     """Every image of a bake. Raises FormatError where one cannot be read."""
+    return image_sizes(bake) if bake.budget is None else texture_sizes(bake)
+
+
+def texture_sizes(bake: Finished) -> list[TextureSize]:
+    """Every texture of a condensed bake, in the files' order."""
+    return [
+        TextureSize(
+            name=texture.name,
+            width=shape[0],
+            height=shape[1],
+            format=texture_format(layer).name,
+            disk=texture.stat().st_size,
+            gpu=texture_bytes({layer: shape}),
+        )
+        for texture, (layer, shape) in zip(bake.images, _shapes(bake).items(), strict=True)
+    ]
+
+
+def image_sizes(bake: Finished) -> list[ImageSize]:
+    """Every image of a bake that is not condensed. Raises FormatError where one cannot be read."""
     sizes = []
-    for image, (width, height) in _shapes(bake).items():
+    for image, (width, height, _) in zip(bake.images, _shapes(bake).values(), strict=True):
         pixels = read_pixels(image, width, height)
         opaque = pixels.shape[2] < 4 or bool((pixels[..., 3] == 1).all())
         sizes.append(
@@ -58,12 +90,18 @@ def image_sizes(bake: Finished) -> list[ImageSize]:
 
 
 def gpu_bytes(bake: Finished, texels: int = 1, cells: int = 1) -> int:
-    """Bytes on a GPU as RGBA16F; with `texels` and `cells` times as many along a side."""
-    return sum(width * height * _HALF_PIXEL for width, height in _shapes(bake, texels, cells).values())
+    """Bytes on a GPU as RGBA16F; with `texels` and `cells` times as many along a side.
+
+    A condensed bake's textures are counted as they are stored.
+    """
+    shapes = _shapes(bake, texels, cells)
+    if bake.budget is not None:
+        return texture_bytes(shapes)
+    return sum(width * height * _HALF_PIXEL for width, height, _ in shapes.values())
 
 
-def _shapes(bake: Finished, texels: int = 1, cells: int = 1) -> dict[Path, tuple[int, int]]:
-    """Width and height of each image."""
+def _shapes(bake: Finished, texels: int = 1, cells: int = 1) -> Shapes:
+    """Width, height and channels of each image by its layer, in the order of `bake.images`."""
     facts = replace(
         bake.sidecar,
         width=bake.sidecar.width * texels,
@@ -71,11 +109,10 @@ def _shapes(bake: Finished, texels: int = 1, cells: int = 1) -> dict[Path, tuple
         bucket=bake.sidecar.bucket * cells,
     )
     if bake.layout is Layout.BUCKETS:
-        return {bake.images[0]: (facts.width * facts.bucket, facts.height * facts.bucket)}
+        return {"": (facts.width * facts.bucket, facts.height * facts.bucket, 4)}
     shared = read_shared_sidecar(bake.path)
     width, height = shared.colour
-    larger = replace(shared, bake=facts, colour=(width * texels, height * texels))
-    return {layer_path(bake.path, layer): shape[:2] for layer, shape in larger.shapes.items()}
+    return replace(shared, bake=facts, colour=(width * texels, height * texels)).shapes
 
 
 def _positive(pixels: Floats) -> bool:
