@@ -114,8 +114,8 @@ def _add_how(group: argparse._ArgumentGroup) -> None:
         "--variants",
         action="store_true",
         help="bake the object again, into a temporary folder, with half of each setting (a condensed "
-        "bake also not condensed), and say what that costs; takes about as long as the bake itself took, for a "
-        "condensed one three times that",
+        "bake also not condensed), and say what that costs; takes about as long as the bake itself took, "
+        "for a condensed one three times that",
     )
     add_device(group)
 

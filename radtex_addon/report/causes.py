@@ -152,8 +152,9 @@ def first_change(bake: Finished, variants: Sequence[Variant]) -> str:
     if worst is None:
         return "The bake is too small for any of its settings to be halved."
     if worst.lost < _MATTERS:
+        done = "halving any" if bake.budget is None else "halving any, or condensing,"
         return (
-            f"No setting matters much here: halving any costs less than {_MATTERS} dB. What is left lies in "
+            f"No setting matters much here: {done} costs less than {_MATTERS} dB. What is left lies in "
             "the layout itself" + ("; try --layout shared." if bake.layout is Layout.BUCKETS else ".")
         )
     flag, shows = worst.cause.flag, worst.shows.partition(":")[0]

@@ -146,7 +146,7 @@ def _texture_sizes(sizes: Sequence[TextureSize]) -> str:
         rows.append([size.name, pixels, size.format, _size(size.disk), _size(size.gpu)])
     disk, gpu = sum(size.disk for size in sizes), sum(size.gpu for size in sizes)
     rows.append(["together", "", "", _size(disk), _size(gpu)])
-    note = "A GPU takes the textures as they are stored. What that loses is in the figures above."
+    note = "A GPU takes the textures as they are stored."
     return _table(rows) + f'<p class="note">{note}</p>'
 
 

@@ -397,6 +397,7 @@ def test_what_a_condensed_bake_is_given_first(finished: Any) -> None:
         words = first_change(small, [variant(Cause.CELLS, 6, 1.0), dense])
     assert words.startswith("First give it a larger --budget: condensing costs most, 3.0 dB.")
     assert "takes 7.0 MB on a GPU instead of 0.1" in words
+    assert "halving any, or condensing, costs less" in first_change(small, [replace(dense, lost=0.1)])
     words = first_change(small, [variant(Cause.CELLS, 6, 4.0), dense])
     assert "--bucket 30 takes no paths, and as many bytes as --budget allows" in words
     words = first_change(small, [variant(Cause.TEXELS, 12, 4.0), dense])
