@@ -35,27 +35,29 @@ from radtex_addon.scene.scratch import scratch_scene
 from .methods.shared import look
 from .metrics import compare
 from .references import View, gbuffer, views
-from .report import markdown
+from .report import Result, Seen, markdown, save_sheet
 from .scenes import SCENES, Stage
 
-_RATIOS = (4, 7, 10, 15, 25, 50, 100)
+_RATIOS = (4, 10, 25, 50, 100)
+_SHOWN = (0, 2, 3)  # of all and those, on a sheet: all, 1/10 and 1/25
 _PLAIN_TEXEL = 8 * 8 * 8  # bytes of a texel of the plain layout: 8 x 8 cells, four half floats
 
 
 @dataclass(frozen=True, eq=False)
 class _Looked:
-    """The untuned and tuned views of a stage, and where their rays meet the baked mesh."""
+    """The views of a stage, and where their rays meet the baked mesh."""
 
     views: list[tuple[View, GBuffer]]
 
-    def quality(self, atlas: SharedAtlas) -> tuple[float, float]:
-        """Mean PSNR of the untuned views, and mean energy."""
-        found = [
-            compare(buffer.resolve(look(atlas, buffer)), view.reference, buffer.inside, buffer.eroded)
-            for view, buffer in self.views
-            if view.held_out
-        ]
-        return float(np.mean([f.psnr for f in found])), float(np.mean([f.energy for f in found]))
+    def result(self, name: str, atlas: SharedAtlas, size: int = 0) -> Result:
+        """The untuned views of an atlas of so many bytes."""
+        seen = []
+        for view, buffer in self.views:
+            if view.held_out:
+                picture = buffer.resolve(look(atlas, buffer))
+                figures = compare(picture, view.reference, buffer.inside, buffer.eroded)
+                seen.append(Seen(view, picture, buffer.inside, buffer.eroded, figures))
+        return Result(name, 0, 0.0, size, tuple(seen))
 
 
 def main() -> None:
@@ -67,10 +69,17 @@ def main() -> None:
     )
     parser.add_argument("--scenes", default=",".join(SCENES), help="of " + ", ".join(SCENES))
     parser.add_argument("--texels", type=int, default=128)
+    default = Path(tempfile.gettempdir(), "radtex-curve")
+    parser.add_argument(
+        "--out", type=Path, default=default, help=f"folder for sheets of pictures ({default})"
+    )
     options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
     summary: dict[str, list[float]] = {}
     for name in options.scenes.split(","):
-        summary[name] = _scene(name, options.texels)
+        results = _scene(name, options.texels)
+        summary[name] = [result.mean("psnr", held_out=True) for result in results]
+        save_sheet(options.out / f"{name}.png", [results[index] for index in _SHOWN])
     means = [float(np.mean(column)) for column in zip(*summary.values(), strict=True)]
     rows = [[name, *(f"{value:.2f}" for value in values)] for name, values in summary.items()]
     rows.append(["mean", *(f"{value:.2f}" for value in means)])
@@ -79,17 +88,16 @@ def main() -> None:
     print("\nPSNR of the untuned views, dB\n\n" + markdown([head, ["---"] * len(head), *rows]))
 
 
-def _scene(name: str, texels: int) -> list[float]:
-    """Decibels of all that was fitted, then by budget."""
+def _scene(name: str, texels: int) -> list[Result]:
+    """All that was fitted, then by budget."""
     stage = SCENES[name]()
     looked_from = views(stage)
     stage = SCENES[name]()
     spec = BakeSpec(layout=Layout.SHARED, texels=texels, budget=2**40)
     with tempfile.TemporaryDirectory() as folder:
         fitted, looked, uv_layer = _fit(stage, looked_from, spec, Path(folder))
-        psnr, energy = looked.quality(fitted.atlas)
-        print(f"\n{name}: {psnr:.2f} dB and energy {energy:.3f} with every texel's own buckets", flush=True)
-        found = [psnr]
+        found = [looked.result("all", fitted.atlas)]
+        print(f"\n{name}: {_quality(found[0])} with every texel's own buckets", flush=True)
         layout = fitted.plan.layout
         plain = layout.width * layout.height * _PLAIN_TEXEL
         facts = facts_of(stage.subject.name, spec, layout.width, layout.height, uv_layer)
@@ -98,9 +106,8 @@ def _scene(name: str, texels: int) -> list[float]:
             within = replace(spec, budget=plain // ratio)
             steps = condense_steps(path, fitted.atlas, fitted.plan, within, facts)
             _, chosen = finished(steps)
-            psnr, energy = looked.quality(read_shared(path)[0])
-            found.append(psnr)
-            print(_line(ratio, chosen, psnr, energy), flush=True)
+            found.append(looked.result(f"1/{ratio}", read_shared(path)[0], chosen.bytes))
+            print(_line(chosen, found[-1]), flush=True)
     return found
 
 
@@ -118,12 +125,16 @@ def _fit(
     return fitted, _Looked(seen), prepared.uv_layer
 
 
-def _line(ratio: int, chosen: Condensed, psnr: float, energy: float) -> str:
+def _quality(result: Result) -> str:
+    return f"{result.mean('psnr', True):.2f} dB, energy {result.mean('energy', True):.3f}"
+
+
+def _line(chosen: Condensed, result: Result) -> str:
     clusters = " and ".join(str(count) for count in chosen.clusters)
     return (
-        f"  1/{ratio}: {chosen.bytes / 1e6:.3f} MB, {clusters} clusters, colour {chosen.colour[0]} pixels "
-        f"and surroundings {chosen.surroundings} cells wide: {psnr:.2f} dB, energy {energy:.3f}; "
-        f"{chosen.agreement:.1f} dB from what was fitted"
+        f"  {result.method}: {chosen.bytes / 1e6:.3f} MB, {clusters} clusters, "
+        f"colour {chosen.colour[0]} pixels and surroundings {chosen.surroundings} cells wide: "
+        f"{_quality(result)}; {chosen.agreement:.1f} dB from what was fitted"
     )
 
 
