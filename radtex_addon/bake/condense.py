@@ -23,6 +23,7 @@ from .surroundings import Surroundings
 
 _ROUNDS = 2
 _NEAREST = 8  # clusters that a texel may go to
+_MOST_TEXELS = 1024  # of a cluster, from which its components are found
 _PLACE = 3.0  # of the object's size: how far texels are apart, against how much their normals differ
 _HORIZON = -0.15  # N·A at which a texel's cells end that any fragment of it can look up
 _SOFT = 0.04  # of that end
@@ -90,6 +91,7 @@ class _Condenser:
         mean = (counts * some).mean(axis=0) / usual
         root = np.sqrt(usual * self._importance(mean, seen.mean(axis=0))).astype(np.float32)
         off = (some - mean) * (root * np.sqrt(np.minimum(counts / usual, 1)))
+        off = off[:: -(-len(off) // _MOST_TEXELS)]
         values, vectors = np.linalg.eigh(off @ off.T)
         kept = values > 1e-6 * max(float(values[-1]), 1e-12)
         kept[: max(0, len(kept) - self.rank)] = False

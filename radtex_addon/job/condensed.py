@@ -51,7 +51,7 @@ class Condensed:
 
 
 def check_budget(spec: BakeSpec, width: int, height: int) -> None:
-    """Raise InputError for a budget that is too small for `width` x `height` texels, whatever they show."""
+    """Raise InputError for a budget that is too small for `width` x `height` texels, were all of one colour."""
     if spec.budget is None:
         return
     side = _LEAST_SURROUNDINGS
@@ -59,15 +59,15 @@ def check_budget(spec: BakeSpec, width: int, height: int) -> None:
         width=width,
         height=height,
         bucket=spec.bucket,
-        colour=(width, height),
+        colour=(4, 4),
         surroundings=side,
         levels=level_count(side),
-        clusters=dict.fromkeys(Axis, _FEWEST),
+        clusters={Axis.MIRROR: _FEWEST},
     )
     needed = condensed_bytes(least)
     if needed > spec.budget:
         raise InputError(
-            f"budget {readable_size(spec.budget)}: {width} x {height} texels take up to "
+            f"budget {readable_size(spec.budget)}: {width} x {height} texels take "
             f"{readable_size(needed)} at least; give more, or fewer texels"
         )
 
@@ -79,8 +79,16 @@ def condense_steps(
     if spec.budget is not None:
         yield Progress(Stage.CONDENSE, 0, 1)
         small = _reduced(atlas, spec.budget)
-        count = min(clusters_within(spec.budget, _sizes(small)), len(plan.texel))
-        return _written(path, atlas, small, plan, count, facts)
+        count = min(max(clusters_within(spec.budget, _sizes(small)), _FEWEST), len(plan.texel))
+        sidecar, found = _written(path, atlas, small, plan, count, facts)
+        if found.bytes > spec.budget:
+            _log.warning(
+                "budget %s: the textures of object '%s' take %s at least; give more, or fewer texels",
+                readable_size(spec.budget),
+                facts.object_name,
+                readable_size(found.bytes),
+            )
+        return sidecar, found
     assert spec.target is not None  # there is one of the two
     count, tries = _FIRST, 0
     while True:

@@ -113,10 +113,23 @@ def test_one_form_replaces_the_other(out: Path) -> None:
 def test_a_budget_too_small_for_the_texels_is_refused_before_it_is_baked(out: Path) -> None:
     ball()
     with pytest.raises(
-        InputError, match=r"budget 9 KiB: 64 x 6. texels take .* at least; give more, or fewer"
+        InputError, match=r"budget 9 KiB: 64 x 6. texels take [0-9]+ KiB at least; give more, or fewer"
     ):
         bake(out, spec(texels=64, budget=9_000))
     assert not out.exists() or names(out) == set()
+
+
+def test_a_budget_that_what_it_shows_does_not_fit_is_told(
+    out: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Glass, which has two lobes: that is not known before it is baked."""
+    ball().data.materials[0] = stage.material("Glass", "ShaderNodeBsdfGlass", Roughness=0.2)
+    made = bake(out, spec(budget=16_000)).condensed
+    assert made is not None
+    assert len(made.clusters) == 2
+    assert made.bytes > 16_000
+    assert "budget 16 KiB: the textures of object 'Ball' take" in caplog.text
+    assert names(out) == {"Ball.radiance.json", *textures(), *textures(Axis.THROUGH)}
 
 
 def test_a_preview_holds_its_textures(out: Path) -> None:

@@ -22,9 +22,10 @@ import numpy as np
 
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.core.errors import InputError
 from radtex_addon.core.shared import SharedAtlas
 from radtex_addon.formats.shared_files import read_shared
-from radtex_addon.job.condensed import Condensed, condense_steps
+from radtex_addon.job.condensed import Condensed, check_budget, condense_steps
 from radtex_addon.job.files import facts_of
 from radtex_addon.job.prepare import prepare
 from radtex_addon.job.shared import FittedBake, fit_bake
@@ -80,11 +81,11 @@ def main() -> None:
         results = _scene(name, options.texels)
         summary[name] = [result.mean("psnr", held_out=True) for result in results]
         save_sheet(options.out / f"{name}.png", [results[index] for index in _SHOWN])
-    means = [float(np.mean(column)) for column in zip(*summary.values(), strict=True)]
-    rows = [[name, *(f"{value:.2f}" for value in values)] for name, values in summary.items()]
+    means = [float(np.mean(column)) for column in zip(*summary.values(), strict=False)]
+    rows = [[name, *(f"{value:.2f}" for value in values[: len(means)])] for name, values in summary.items()]
     rows.append(["mean", *(f"{value:.2f}" for value in means)])
     rows.append(["loss", *(f"{means[0] - value:.2f}" for value in means)])
-    head = ["scene", "all", *(f"1/{ratio}" for ratio in _RATIOS)]
+    head = ["scene", "all", *(f"1/{ratio}" for ratio in _RATIOS)][: 1 + len(means)]
     print("\nPSNR of the untuned views, dB\n\n" + markdown([head, ["---"] * len(head), *rows]))
 
 
@@ -104,6 +105,11 @@ def _scene(name: str, texels: int) -> list[Result]:
         for ratio in _RATIOS:
             path = Path(folder, f"{ratio}.json")
             within = replace(spec, budget=plain // ratio)
+            try:
+                check_budget(within, layout.width, layout.height)
+            except InputError as refusal:
+                print(f"  1/{ratio}: {refusal}", flush=True)
+                break
             steps = condense_steps(path, fitted.atlas, fitted.plan, within, facts)
             _, chosen = finished(steps)
             found.append(looked.result(f"1/{ratio}", read_shared(path)[0], chosen.bytes))
