@@ -51,7 +51,7 @@ class Condensed:
 
 
 def check_budget(spec: BakeSpec, width: int, height: int) -> None:
-    """Raise InputError for a budget that is too small for `width` x `height` texels, were all of one colour."""
+    """Raise InputError for a budget too small for `width` x `height` texels, if all had one colour."""
     if spec.budget is None:
         return
     side = _LEAST_SURROUNDINGS
