@@ -29,7 +29,8 @@ def agreement(one: SharedAtlas, other: SharedAtlas, plan: CapturePlan) -> float:
     viewer = np.einsum("kc,ckx->kx", local, np.stack(list(axes))).astype(np.float32)
     width = plan.layout.width
     texel = plan.texel[chosen]
-    uv = (np.stack([texel % width, texel // width], axis=-1) + 0.5) / [width, plan.layout.height]
+    within = spread_shifts(len(chosen), seed=1)  # the colour is finer than texels
+    uv = (np.stack([texel % width, texel // width], axis=-1) + within) / [width, plan.layout.height]
     seen = [
         np.clip(sample_shared(atlas, uv.astype(np.float32), plan.normals[chosen], viewer), 0, 1)
         ** (1 / _GAMMA)

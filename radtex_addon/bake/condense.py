@@ -30,6 +30,7 @@ _SOFT = 0.04  # of that end
 _DARK = 0.3  # of the mean light: darker than that, errors count no more
 _STEP = 0.05  # of direction, over which the surroundings' change is taken
 _SPREAD_UNIT = 0.3  # a spread's error against a shift's
+_TEXELS_AT_ONCE = 4096
 _CHANNELS = (4, 3, 3)  # ends, gain, rest
 
 
@@ -179,7 +180,8 @@ def _cell_axes(n: int) -> Floats:
 def _places(plan: CapturePlan) -> Floats:
     """Where texels lie among those that may look alike: their normals and places, (K, 6)."""
     size = float(np.linalg.norm(np.ptp(plan.points, axis=0)))
-    return np.concatenate([plan.points * (_PLACE / max(size, 1e-12)), plan.normals], axis=1)
+    middle = plan.points.mean(axis=0)  # far from it, squares of float32 tell no neighbours apart
+    return np.concatenate([(plan.points - middle) * (_PLACE / max(size, 1e-12)), plan.normals], axis=1)
 
 
 def _nearest_seeds(place: Floats, count: int) -> Ints:
@@ -206,7 +208,11 @@ def _nearest_seeds(place: Floats, count: int) -> Ints:
 
 def _nearest(place: Floats, centres: Floats, count: int) -> Ints:
     """The `count` centres nearest to each place, (K, count), in no order."""
-    squared = (centres * centres).sum(axis=1) - 2 * (place @ centres.T)
     if count >= len(centres):
         return np.tile(np.arange(len(centres)), (len(place), 1))
-    return np.argpartition(squared, count, axis=1)[:, :count].astype(np.int32)
+    near = np.empty((len(place), count), dtype=np.int32)
+    for first in range(0, len(place), _TEXELS_AT_ONCE):
+        some = slice(first, first + _TEXELS_AT_ONCE)
+        squared = (centres * centres).sum(axis=1) - 2 * (place[some] @ centres.T)
+        near[some] = np.argpartition(squared, count, axis=1)[:, :count]
+    return near

@@ -129,5 +129,6 @@ def _columns(count: int, least: int, most: int) -> int:
         )
     square = int(np.ceil(np.sqrt(count)))
     candidates = np.arange(max(least, square // 2, -(-count // most)), max(least, min(most, 2 * square)) + 1)
-    waste = -count % candidates
-    return int(candidates[np.lexsort((np.abs(candidates - square), waste))[0]])
+    waste, rows = -count % candidates, -(-count // candidates)
+    stretched = np.maximum(rows, candidates) > 5 * np.minimum(rows, candidates)
+    return int(candidates[np.lexsort((np.abs(candidates - square), waste, stretched))[0]])

@@ -193,6 +193,8 @@ class BakeSpec:
             raise InputError(f"{asked} needs the shared layout: choose --layout shared, or leave it out")
         if self.budget is not None and self.target is not None:
             raise InputError("a budget and a target contradict each other: give one of them")
+        if not self.half or self.compression is not Compression.ZIP:
+            raise InputError(f"{asked} makes textures of one format: leave --float and --compression out")
         least, most = _TARGETS
         if self.target is not None and not least <= self.target <= most:
             raise InputError(f"target {self.target:g} dB: give {least:g} to {most:g} dB")

@@ -195,7 +195,8 @@ def _add_quality(group: argparse._ArgumentGroup) -> None:
         "--target",
         type=_decibels,
         metavar="DB",
-        help="as small as the shared layout can be and still come that near to itself, such as 40dB",
+        help="condense the shared layout to the fewest clusters, ever doubled, that come that near to "
+        "what was fitted, such as 40dB",
     )
 
 

@@ -161,5 +161,6 @@ def _light(passes: Passes, lobe: str) -> Floats:
 
 
 def _half(light: Floats) -> Floats:
-    limited: Floats = np.clip(light, 0, 65504).astype(np.float16)
+    """Within half floats; a sample that is no number, one of a shader's faults, is black."""
+    limited: Floats = np.clip(np.nan_to_num(light, nan=0.0), 0, 65504).astype(np.float16)
     return limited

@@ -90,14 +90,15 @@ def condense_steps(
             )
         return sidecar, found
     assert spec.target is not None  # there is one of the two
-    count, tries = _FIRST, 0
+    most = min(len(plan.texel), clusters_within(2**40, _sizes(atlas)))
+    count, tries = min(_FIRST, most), 0
     while True:
         yield Progress(Stage.CONDENSE, tries, tries + 1)
         with tempfile.TemporaryDirectory(prefix="radtex-") as folder:
             _, found = _written(Path(folder, path.name), atlas, atlas, plan, count, facts)
-        if found.agreement >= spec.target or 4 * count > len(plan.texel):
+        if found.agreement >= spec.target or count == most or not atlas.lobes:
             break
-        count, tries = 2 * count, tries + 1
+        count, tries = min(2 * count, most), tries + 1
     if found.agreement < spec.target:
         _log.warning(
             "target %g dB: condensed textures of object '%s' come to %.1f dB; bake it without a target "

@@ -33,7 +33,9 @@ def lobe(axis: Axis, weights: Floats, seed: int = 4) -> Lobe:
             np.einsum("yxd,rdc->ryxc", directions, rng.normal(size=(weights.shape[2], 3, channels)))
         )
         part = first + np.einsum("hwr,ryxc->hwyxc", weights, others)
-        parts.append((np.abs(part) if channels == 4 else part).astype(np.float32))
+        part = (np.abs(part) if channels == 4 else part).astype(np.float32)
+        covered = part.reshape(-1, CELLS, CELLS, channels)[PLAN.texel]
+        parts.append(PLAN.placed(covered, gutter=True))
     return Lobe(axis, *parts)
 
 

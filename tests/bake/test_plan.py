@@ -145,4 +145,4 @@ def test_the_packed_image_is_near_square_and_wastes_little(count: int, bucket: i
     assert columns <= most
     assert rows <= most
     assert max(rows, columns) <= 5 * min(rows, columns)
-    assert rows * columns - count <= 0.02 * count + 1
+    assert rows * columns - count <= 0.02 * count + 2

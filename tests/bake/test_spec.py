@@ -163,3 +163,26 @@ def test_an_unknown_choice_is_refused_with_the_choices() -> None:
     ):
         with pytest.raises(InputError, match=f"there is no {word} 'x': choose from "):
             parse("x")
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"budget": 1000, "layout": Layout.BUCKETS}, "a budget needs the shared layout"),
+        ({"target": 40.0, "layout": Layout.BUCKETS}, "a target needs the shared layout"),
+        ({"budget": 1000, "target": 40.0}, "a budget and a target contradict each other"),
+        ({"target": 70.0}, "target 70 dB: give 10 to 60 dB"),
+        ({"target": float("nan")}, "target nan dB: give 10 to 60 dB"),
+        ({"budget": 0}, "budget 0: give a whole number from 1"),
+        ({"budget": 1000, "bucket": 16}, "bucket 16 with a budget: give 6, 10, 14 or 18 cells"),
+        ({"budget": 1000, "half": False}, "leave --float and --compression out"),
+        ({"budget": 1000, "compression": "piz"}, "leave --float and --compression out"),
+    ],
+)
+def test_what_cannot_be_condensed_is_refused(changes: dict[str, Any], words: str) -> None:
+    assert words in refusal(**{"layout": Layout.SHARED} | changes)
+
+
+def test_condensed_buckets_fill_whole_blocks() -> None:
+    assert BakeSpec(layout=Layout.SHARED, budget=10**6).bucket == 14
+    assert BakeSpec(layout=Layout.SHARED, target=40.0).bucket == 14

@@ -80,7 +80,7 @@ def main() -> None:
     for name in options.scenes.split(","):
         results = _scene(name, options.texels)
         summary[name] = [result.mean("psnr", held_out=True) for result in results]
-        save_sheet(options.out / f"{name}.png", [results[index] for index in _SHOWN])
+        save_sheet(options.out / f"{name}.png", [results[index] for index in _SHOWN if index < len(results)])
     means = [float(np.mean(column)) for column in zip(*summary.values(), strict=False)]
     rows = [[name, *(f"{value:.2f}" for value in values[: len(means)])] for name, values in summary.items()]
     rows.append(["mean", *(f"{value:.2f}" for value in means)])
