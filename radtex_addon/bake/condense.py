@@ -103,7 +103,7 @@ class _Condenser:
 
     def _importance(self, mean: Floats, seen: Floats) -> Floats:
         """How much squared errors count in each number of a bucket near `mean`: (D,)."""
-        ends, gain, rest = self._parts(mean)
+        ends, gain, rest = (part.reshape(self.n**2, -1) for part in self._parts(mean))
         axis = _cell_axes(self.n)
 
         def met(step: Floats) -> Floats:
@@ -126,11 +126,10 @@ class _Condenser:
         )
         return np.concatenate([part.ravel() for part in by_part])
 
-    def _parts(self, bucket: Floats) -> list[Floats]:
-        """Ends, gain and rest (n*n, channels) of one bucket (D,)."""
-        cells = self.n * self.n
-        cuts = np.cumsum([cells * channels for channels in _CHANNELS])[:-1]
-        return [part.reshape(cells, -1) for part in np.split(bucket, cuts)]
+    def _parts(self, buckets: Floats) -> list[Floats]:
+        """Ends, gain and rest of buckets (..., D): (..., n*n*channels) each."""
+        cuts = np.cumsum([self.n * self.n * channels for channels in _CHANNELS])[:-1]
+        return np.split(buckets, cuts, axis=-1)
 
     def _reassigned(self, own: Ints, models: list[_Model], place: Floats) -> Ints:
         """The cluster of each texel (K,) that shows it best, of those near it."""
@@ -160,15 +159,9 @@ class _Condenser:
             weights[texels] = taken / most
             base[number, 0] = model.mean
             base[number, 1:] = model.components * most[:, None] / model.root
-        cells = n * n
-        cuts = np.cumsum([cells * channels for channels in _CHANNELS])[:-1]
-        ends, gain, rest = (
-            part.reshape(count, 1 + self.rank, n, n, -1) for part in np.split(base, cuts, axis=2)
-        )
+        parts = (part.reshape(count, 1 + self.rank, n, n, -1) for part in self._parts(base))
         placed = self.plan.placed
-        return CondensedLobe(
-            self.axis, placed(own, gutter=True), placed(weights, gutter=True), ends, gain, rest
-        )
+        return CondensedLobe(self.axis, placed(own, gutter=True), placed(weights, gutter=True), *parts)
 
 
 def _cell_axes(n: int) -> Floats:

@@ -11,6 +11,8 @@ from enum import StrEnum
 from typing import TypeVar
 
 _Result = TypeVar("_Result")
+_Step = TypeVar("_Step")
+_Other = TypeVar("_Other")
 
 
 class Stage(StrEnum):
@@ -48,9 +50,9 @@ def finished(steps: Generator[object, None, _Result]) -> _Result:
 
 
 def relayed(
-    steps: Generator[Progress, None, _Result], each: Callable[[Progress], Progress]
-) -> Generator[Progress, None, _Result]:
-    """Pass another generator's progress on, through `each`, and return its value; closed with it."""
+    steps: Generator[_Step, None, _Result], each: Callable[[_Step], _Other]
+) -> Generator[_Other, None, _Result]:
+    """Pass another generator's steps on, through `each`, and return its value; closed with it."""
     with closing(steps):
         while True:
             try:

@@ -19,7 +19,7 @@ from ..core.octahedron import (
     octahedron_cell,
     octahedron_to_direction,
 )
-from ..core.shared import LEAST_LEVEL, level_sizes
+from ..core.shared import level_count, level_sizes
 from .blocks import in_blocks, planes
 from .light_samples import SurroundingsSamples
 from .pooling import Taps, corner_cells, corners
@@ -43,10 +43,9 @@ class Surroundings:
     @classmethod
     def of(cls, samples: SurroundingsSamples, size: int) -> Surroundings:
         """The means of the samples in size x size cells, and their blurred copies."""
-        count = max(1, int(np.log2(max(size, LEAST_LEVEL) / LEAST_LEVEL)) + 1)
         sharpest = (_SMOOTH / size) ** 2
         levels = [_means(samples, size)]
-        for number, side in enumerate(level_sizes(size, count)):
+        for number, side in enumerate(level_sizes(size, level_count(size))):
             if number:
                 blurred = sharpest * (4**number - (4 ** (number - 1) if number > 1 else 0))
                 levels.append(_blurred(levels[-1], side, blurred))

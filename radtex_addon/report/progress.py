@@ -5,12 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from contextlib import closing
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeVar
 
-from ..bake.progress import Progress, Stage
+from ..bake.progress import Progress, Stage, relayed
 
 _Result = TypeVar("_Result")
 
@@ -37,11 +36,4 @@ class Step:
 
 def steps_of(steps: Generator[Progress, None, _Result], about: str = "") -> Generator[Step, None, _Result]:
     """Pass a bake's steps on; closed with it."""
-    with closing(steps):
-        while True:
-            try:
-                step = next(steps)
-            except StopIteration as stop:
-                result: _Result = stop.value
-                return result
-            yield Step(step.stage, step.done, step.total, about)
+    return relayed(steps, lambda step: Step(step.stage, step.done, step.total, about))
