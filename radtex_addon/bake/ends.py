@@ -119,6 +119,7 @@ class _EndsFit:
             table[:, some] = taps.scatter([*(counted * self.off[:, some]), counted])
 
         in_blocks(sum_up, *self.distance.shape)
+        wide |= self.neighbours.few
         table = self.neighbours.pool(table, wide)
         step = table[:3] / (table[3] + max(1e-3 * float(table[3].mean()), 1e-12))
         left = SHARE * (_WIDER if wide else 1.0) * self.mean_weight / np.maximum(table[3], 1e-12)

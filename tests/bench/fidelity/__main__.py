@@ -5,15 +5,18 @@
     python -m tests.bench.fidelity                     all scenes, all four views
     python -m tests.bench.fidelity --quick             three scenes, two views: 15 minutes at most
     python -m tests.bench.fidelity --scenes glass,ceramic --methods plain --out DIR
+    python -m tests.bench.fidelity --methods shared --texels 256
+    python -m tests.bench.fidelity --methods shared --samples 1     a sixteenth of the paths
 
 Prints tables, and leaves them with figures.json and a sheet of pictures per scene in DIR. References are
-rendered where the user's cache folder lacks them. A method is a module in methods/ with a METHOD of its own.
+rendered where the user's cache folder lacks them. A method is a module in methods/ with a `make` of its own.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import resource
 import tempfile
 from collections.abc import Callable
 from dataclasses import asdict
@@ -38,7 +41,7 @@ def main() -> None:
     """Bake, look, compare, print."""
     options = _options()
     options.out.mkdir(parents=True, exist_ok=True)
-    chosen = [_method(name) for name in options.methods]
+    chosen = [_method(name, options.texels, options.samples) for name in options.methods]
     record: dict[str, object] = {"blender": bpy.app.version_string, "reference_samples": SAMPLES}
     summary: dict[str, list[Result]] = {}
     tables: list[str] = []
@@ -49,6 +52,8 @@ def main() -> None:
         summary[name] = results
         tables.append(scene_table(name, results, floor))
         print(f"\n{tables[-1]}", flush=True)
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        print(f"Peak of memory so far: {peak / 1e6:.1f} GB", flush=True)
         save_sheet(options.out / f"{name}.png", results)
         record[name] = _facts(results, floor)
         (options.out / "figures.json").write_text(json.dumps(record, indent=2) + "\n")
@@ -69,6 +74,8 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--quick", action="store_true", help="three scenes, two views of each")
     parser.add_argument("--scenes", type=_names_of(list(SCENES)), help="of " + ", ".join(SCENES))
     parser.add_argument("--methods", type=_names_of(found), default=found, help="of " + ", ".join(found))
+    parser.add_argument("--texels", type=int, default=128, help="along each side of the atlas (128)")
+    parser.add_argument("--samples", type=int, default=16, help="as of bake.py --samples (16)")
     default = Path(tempfile.gettempdir(), "radtex-fidelity")
     parser.add_argument("--out", type=Path, default=default, help=f"folder for what it makes ({default})")
     options = parser.parse_args()
@@ -87,8 +94,8 @@ def _names_of(known: list[str]) -> Callable[[str], list[str]]:
     return names
 
 
-def _method(name: str) -> Method:
-    return cast(Method, import_module(f"{methods.__name__}.{name}").METHOD)
+def _method(name: str, texels: int, samples: int) -> Method:
+    return cast(Method, import_module(f"{methods.__name__}.{name}").make(texels, samples))
 
 
 def _measure(method: Method, stage: Stage, looked_from: list[View]) -> Result:

@@ -64,4 +64,6 @@ def mesh_of_preview(path: Path, name: str) -> bpy.types.Mesh:
     return cast(bpy.types.Mesh, wanted.objects[0].data)
 
 
-METHOD = Plain(BakeSpec(texels=128, bucket=8, samples=16))
+def make(texels: int, samples: int) -> Plain:
+    """The plain method with buckets of 8 x 8 cells."""
+    return Plain(BakeSpec(texels=texels, bucket=8, samples=samples))
