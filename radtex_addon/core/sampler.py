@@ -30,23 +30,34 @@ def sample(image: Floats, layout: AtlasLayout, uv: Floats, incidence: Floats, ki
     unit vectors in the frame. Returns (K, C) in the image's unit, float32 or float64 as `uv` is. A NaN in
     `uv` or `incidence` gives NaN for that lookup. Raises ShapeError for shapes that do not fit.
     """
+    uv, incidence = checked_lookups(uv, incidence)
+    buckets, texels = layout.to_buckets(image), np.array([layout.width, layout.height], dtype=uv.dtype)
+    known = np.isfinite(uv).all(axis=1) & np.isfinite(incidence).all(axis=1)
+    result = np.full((len(uv), image.shape[2]), np.nan, dtype=uv.dtype)
+    b = direction_to_square(incidence[known])
+    result[known] = blend_buckets(buckets, uv[known] * texels, b, texels, kind)
+    return result
+
+
+def checked_lookups(uv: Floats, incidence: Floats) -> tuple[Floats, Floats]:
+    """`uv` (K, 2) and `incidence` (K, 3) as float arrays. Raises ShapeError for other shapes."""
     uv, incidence = as_floats("uv", uv, 2), as_floats("incidence", incidence, 3)
     if uv.ndim != 2 or incidence.shape != (len(uv), 3):
         raise ShapeError(
             f"uv and incidence: expected (K, 2) and (K, 3), got {uv.shape} and {incidence.shape}"
         )
-    buckets = layout.to_buckets(image)
-    known = np.isfinite(uv).all(axis=1) & np.isfinite(incidence).all(axis=1)
-    result = np.full((len(uv), image.shape[2]), np.nan, dtype=uv.dtype)
-    result[known] = _sample_known(buckets, layout, uv[known], direction_to_square(incidence[known]), kind)
-    return result
+    return uv, incidence
 
 
-def _sample_known(buckets: Floats, layout: AtlasLayout, uv: Floats, b: Floats, kind: Filter) -> Floats:
-    size = np.array([layout.width, layout.height], dtype=uv.dtype)
-    n = layout.bucket
-    total = np.zeros((len(uv), buckets.shape[4]), dtype=uv.dtype)
-    for texel, texel_weight in _texels(uv * size, size, blend=kind is Filter.QUADRILINEAR):
+def blend_buckets(buckets: Floats, position: Floats, b: Floats, texels: Floats, kind: Filter) -> Floats:
+    """Values (K, C) of `buckets` (H, W, n, n, C), [j, i, q, p], at positions in texels and in buckets.
+
+    `position` (K, 2), x first: texel (i, j) has its middle at (i + 0.5, j + 0.5). `b` (K, 2) is B.
+    Of the buckets only the first `texels` (2,), x first, are looked up: beyond them lies the atlas's edge.
+    """
+    n = buckets.shape[2]
+    total = np.zeros((len(position), buckets.shape[4]), dtype=position.dtype)
+    for texel, texel_weight in _texels(position, texels, blend=kind is Filter.QUADRILINEAR):
         for cell, cell_weight in _cells(b, n, blend=kind is not Filter.NEAREST):
             value = buckets[texel[:, 1], texel[:, 0], cell[:, 1], cell[:, 0]]
             total += (texel_weight * cell_weight)[:, None] * value

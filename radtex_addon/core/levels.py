@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The bucket matrix with levels, for objects far away: mip level L averages blocks of texels, cell by cell.
+
+Every level is a matrix of n x n cells a texel again. Stored, the atlas is padded so that each level is
+exactly half the one before, which makes the levels a legal mip chain. Images have row 0 at the bottom (v =
+0).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .arrays import Floats
+from .atlas import AtlasLayout
+from .errors import ShapeError
+from .hemisphere import direction_to_square
+from .sampler import Filter, blend_buckets, checked_lookups
+
+PADDING = 0.25  # of the pixels: what padding for a further level may add
+
+
+def padded_layout(layout: AtlasLayout, levels: int) -> AtlasLayout:
+    """The stored layout: width and height rounded up to multiples of 2^(levels - 1) texels.
+
+    Raises ShapeError where there is no such number of levels.
+    """
+    if not 1 <= levels <= 16:
+        raise ShapeError(f"levels: expected 1 to 16, got {levels}")
+    unit = 1 << (levels - 1)
+    return AtlasLayout(-(-layout.width // unit) * unit, -(-layout.height // unit) * unit, layout.bucket)
+
+
+def fitting_levels(layout: AtlasLayout) -> int:
+    """The most levels, down to one texel on the shorter side, whose padding adds a quarter at most."""
+    affordable = layout.width * layout.height * (1 + PADDING)
+    count = 1
+    while (1 << count) <= min(layout.width, layout.height):
+        stored = padded_layout(layout, count + 1)
+        if stored.width * stored.height > affordable:
+            break
+        count += 1
+    return count
+
+
+def pad(image: Floats, layout: AtlasLayout, stored: AtlasLayout) -> Floats:
+    """The atlas (H*n, W*n, C) of `layout` within that of `stored`, filled with the last texels' buckets.
+
+    Texels are added at the right (high u) and at the top (high v), each a copy of the nearest texel that the
+    atlas has. The dtype stays. Raises ShapeError where `stored` is smaller or has other buckets.
+    """
+    if stored.bucket != layout.bucket or stored.width < layout.width or stored.height < layout.height:
+        raise ShapeError(f"pad: {layout} does not fit into {stored}")
+    more = ((0, stored.height - layout.height), (0, stored.width - layout.width), (0, 0), (0, 0), (0, 0))
+    return stored.from_buckets(np.pad(layout.to_buckets(image), more, mode="edge"))
+
+
+def level_chain(image: Floats, layout: AtlasLayout, levels: int) -> list[Floats]:
+    """The stored mip chain of an atlas (H*n, W*n, C): the padded image, then each level half the one before.
+
+    Level L has (W_stored >> L) * n x (H_stored >> L) * n pixels; its texel is the plain mean of 2^L x 2^L
+    stored texels, cell by cell (premultiplied colours; what padding repeated counts like any texel).
+    float64 stays, all else becomes float32. Raises ShapeError for an image or a number of levels that does
+    not fit.
+    """
+    stored = padded_layout(layout, levels)
+    exact = image if image.dtype == np.float64 else image.astype(np.float32)
+    chain = [pad(exact, layout, stored)]
+    for level in range(1, levels):
+        above = AtlasLayout(stored.width >> (level - 1), stored.height >> (level - 1), layout.bucket)
+        chain.append(halved(chain[-1], above))
+    return chain
+
+
+def halved(image: Floats, layout: AtlasLayout) -> Floats:
+    """An atlas of half as many texels each way: the mean of every 2 x 2 of them, cell by cell.
+
+    Raises ShapeError where the layout's width or height is odd.
+    """
+    if layout.width % 2 or layout.height % 2:
+        raise ShapeError(f"halved: {layout.width} x {layout.height} texels have no half; pad them")
+    half = AtlasLayout(layout.width // 2, layout.height // 2, layout.bucket)
+    buckets = layout.to_buckets(image)
+    mean = (buckets[0::2, 0::2] + buckets[0::2, 1::2] + buckets[1::2, 0::2] + buckets[1::2, 1::2]) / 4
+    return half.from_buckets(mean)
+
+
+def sample_level(
+    chain: Sequence[Floats], layout: AtlasLayout, uv: Floats, incidence: Floats, level: Floats
+) -> Floats:
+    """Quadrilinear lookups at a fractional level: linear between the levels below and above.
+
+    `chain` from `level_chain`, `layout` that of the atlas before it was padded, `uv` and `incidence` as in
+    `sampler.sample`, `level` (K,), clamped to [0, levels - 1]. At the level L a place is uv (W, H) / 2^L in
+    texels, of which ceil((W, H) / 2^L) are looked up; W and H are the layout's. Returns (K, C), float32 or
+    float64 as `uv` is; NaN where `uv`, `incidence` or `level` is NaN. Raises ShapeError for shapes that do
+    not fit.
+    """
+    uv, incidence = checked_lookups(uv, incidence)
+    level = np.broadcast_to(np.asarray(level, dtype=uv.dtype), len(uv))
+    stored = padded_layout(layout, len(chain))
+    result = np.full((len(uv), chain[0].shape[2]), np.nan, dtype=uv.dtype)
+    known = np.isfinite(uv).all(axis=1) & np.isfinite(incidence).all(axis=1) & ~np.isnan(level)
+    result[known] = 0
+    level = np.clip(level, 0, len(chain) - 1)
+    texels = np.array([layout.width, layout.height], dtype=uv.dtype)
+    for number, image in enumerate(chain):
+        weight = np.maximum(1 - np.abs(level - number), 0)
+        here = known & (weight > 0)
+        half = AtlasLayout(stored.width >> number, stored.height >> number, layout.bucket)
+        place, b = uv[here] * texels / (1 << number), direction_to_square(incidence[here])
+        last = np.ceil(texels / (1 << number))
+        value = blend_buckets(half.to_buckets(image), place, b, last, Filter.QUADRILINEAR)
+        result[here] += weight[here, None] * value
+    return result

@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bucket matrix larger than a device's textures, cut into pages of texels: layers of one array texture.
+
+Texel (i, j) lies in the layer floor(j / height) * columns + floor(i / width), at (i mod width, j mod
+height). Images have row 0 at the bottom (v = 0), and pages are counted from the bottom left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .arrays import Floats
+from .atlas import AtlasLayout
+from .errors import InputError, ShapeError
+from .levels import pad
+from .slices import LAYERS
+
+
+@dataclass(frozen=True)
+class Pages:
+    """columns x rows pages of width x height texels each: the shader's ivec4, in this order."""
+
+    columns: int
+    rows: int
+    width: int
+    height: int
+
+    @property
+    def layers(self) -> int:
+        return self.columns * self.rows
+
+    def stored(self, bucket: int) -> AtlasLayout:
+        """The layout of all pages together, with the texels that fill the last ones."""
+        return AtlasLayout(self.columns * self.width, self.rows * self.height, bucket)
+
+    def at_level(self, level: int) -> Pages:
+        """The pages of a mip level: as many, of width >> level x height >> level texels.
+
+        Raises ShapeError where a page has no such level, as its size is no multiple of 2^level.
+        """
+        if self.width % (1 << level) or self.height % (1 << level):
+            raise ShapeError(f"pages: {self.width} x {self.height} texels have no level {level}")
+        return Pages(self.columns, self.rows, self.width >> level, self.height >> level)
+
+
+def fitting_pages(layout: AtlasLayout, limit: int, levels: int = 1) -> Pages:
+    """As few pages as fit textures of limit x limit pixels, of about one size.
+
+    A page's width and height are multiples of 2^(levels - 1) texels. Raises InputError where not even one
+    such multiple fits, or too many layers would be needed.
+    """
+    unit = 1 << (levels - 1)
+    most = limit // layout.bucket // unit * unit
+    if most < 1:
+        raise InputError(
+            f"limit: {limit} pixels hold no {unit} texels of {layout.bucket} cells;"
+            " allow larger textures or take fewer levels"
+        )
+    columns, rows = -(-layout.width // most), -(-layout.height // most)
+    width, height = (
+        -(-texels // (count * unit)) * unit
+        for texels, count in ((layout.width, columns), (layout.height, rows))
+    )
+    pages = Pages(columns, rows, width, height)
+    if pages.layers > LAYERS:
+        raise InputError(
+            f"limit: {limit} pixels make {pages.layers} pages, textures have {LAYERS} layers;"
+            " allow larger textures"
+        )
+    return pages
+
+
+def split_pages(image: Floats, layout: AtlasLayout, pages: Pages) -> Floats:
+    """An atlas (H*n, W*n, C) as pages (layers, height*n, width*n, C).
+
+    What the last ones lack is filled as `levels.pad` does. A mip level of a padded atlas is split alike, by
+    its own layout and `pages.at_level`. The dtype stays. Raises ShapeError where the pages do not hold the
+    layout.
+    """
+    stored = pages.stored(layout.bucket)
+    page_height, page_width = pages.height * layout.bucket, pages.width * layout.bucket
+    filled = pad(image, layout, stored)
+    cut = filled.reshape(pages.rows, page_height, pages.columns, page_width, image.shape[2])
+    return cut.transpose(0, 2, 1, 3, 4).reshape(pages.layers, page_height, page_width, image.shape[2])
+
+
+def join_pages(stack: Floats, layout: AtlasLayout, pages: Pages) -> Floats:
+    """The atlas (H*n, W*n, C) of its pages (layers, height*n, width*n, C), without what fills the last ones.
+
+    Raises ShapeError where the pages have another shape or do not hold the layout.
+    """
+    page_height, page_width = pages.height * layout.bucket, pages.width * layout.bucket
+    if stack.ndim != 4 or stack.shape[:3] != (pages.layers, page_height, page_width):
+        expected = f"({pages.layers}, {page_height}, {page_width}, C)"
+        raise ShapeError(f"pages: expected shape {expected}, got {stack.shape}")
+    stored = pages.stored(layout.bucket)
+    if stored.width < layout.width or stored.height < layout.height:
+        raise ShapeError(f"pages: {pages} do not hold {layout.width} x {layout.height} texels")
+    cut = stack.reshape(pages.rows, pages.columns, page_height, page_width, stack.shape[3])
+    whole = cut.transpose(0, 2, 1, 3, 4).reshape(stored.pixel_height, stored.pixel_width, stack.shape[3])
+    return whole[: layout.pixel_height, : layout.pixel_width]

@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The atlas as slices: one image a cell, all texels in it, so that a GPU's own filters and mipmaps work.
+
+Layer q*n + p holds the cell (p, q) of every texel: W x H pixels. Images have row 0 at the bottom (v = 0).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isqrt
+
+import numpy as np
+
+from .arrays import Floats
+from .atlas import AtlasLayout
+from .errors import ShapeError
+from .hemisphere import direction_to_square
+from .sampler import Filter, blend_buckets, checked_lookups
+
+LAYERS = 2048  # that desktop GPUs have in an array texture; WebGL 2 and WebGPU promise 256
+
+
+def to_slices(image: Floats, layout: AtlasLayout) -> Floats:
+    """An atlas (H*n, W*n, C) as slices (n*n, H, W, C); the dtype stays.
+
+    Raises ShapeError for an image that does not fit, and for more cells a bucket than a texture has layers.
+    """
+    n = layout.bucket
+    if n * n > LAYERS:
+        raise ShapeError(
+            f"slices: {n} x {n} cells need {n * n} layers, textures have {LAYERS}; export the matrix"
+        )
+    cells = layout.to_buckets(image).transpose(2, 3, 0, 1, 4)
+    return cells.reshape(n * n, layout.height, layout.width, image.shape[2])
+
+
+def from_slices(slices: Floats) -> Floats:
+    """The atlas (H*n, W*n, C) of slices (n*n, H, W, C). Raises ShapeError where the layers are no square."""
+    buckets = _to_buckets(slices)
+    height, width, bucket = buckets.shape[:3]
+    return AtlasLayout(width, height, bucket).from_buckets(buckets)
+
+
+def mip_chain(slices: Floats) -> list[Floats]:
+    """Slices (n*n, H, W, C) and all their mip levels, down to 1 x 1 pixel: the box filter.
+
+    A level has max(1, floor(size / 2)) pixels each way, and a pixel is the mean over its own area of the
+    level before: of 2 x 2 pixels where that is even, of three with the weights of their overlaps where it
+    is odd. So no level is shifted, and all have the same mean. float64 stays, all else becomes float32.
+    """
+    chain = [slices if slices.dtype == np.float64 else slices.astype(np.float32)]
+    while max(chain[-1].shape[1:3]) > 1:
+        chain.append(_halved(_halved(chain[-1], axis=1), axis=2))
+    return chain
+
+
+def sample_slices(chain: Sequence[Floats], uv: Floats, incidence: Floats, level: Floats) -> Floats:
+    """What four hardware lookups return: quadrilinear, linear between two mip levels.
+
+    `chain` from `mip_chain`, `uv` (K, 2), clamped to the edge, `incidence` (K, 3) unit vectors in the
+    frame, `level` (K,), clamped to [0, len(chain) - 1]: the ideal trilinear filter, with exact weights. The
+    four cells around B, kept inside the bucket (`bleed_guard`), are blended bilinearly. Returns (K, C),
+    float32 or float64 as `uv` is; NaN where `uv`, `incidence` or `level` is NaN. Raises ShapeError for
+    shapes that do not fit.
+    """
+    uv, incidence = checked_lookups(uv, incidence)
+    level = np.broadcast_to(np.asarray(level, dtype=uv.dtype), len(uv))
+    result = np.full((len(uv), chain[0].shape[3]), np.nan, dtype=uv.dtype)
+    known = np.isfinite(uv).all(axis=1) & np.isfinite(incidence).all(axis=1) & ~np.isnan(level)
+    result[known] = 0
+    level = np.clip(level, 0, len(chain) - 1)
+    for number, slices in enumerate(chain):
+        weight = np.maximum(1 - np.abs(level - number), 0)
+        here = known & (weight > 0)
+        texels = np.array(slices.shape[2:0:-1], dtype=uv.dtype)
+        b = direction_to_square(incidence[here])
+        value = blend_buckets(_to_buckets(slices), uv[here] * texels, b, texels, Filter.QUADRILINEAR)
+        result[here] += weight[here, None] * value
+    return result
+
+
+def _bucket(slices: Floats) -> int:
+    n = isqrt(len(slices))
+    if slices.ndim != 4 or n < 1 or n * n != len(slices):
+        raise ShapeError(f"slices: expected shape (n*n, H, W, C), got {slices.shape}")
+    return n
+
+
+def _to_buckets(slices: Floats) -> Floats:
+    """A view (H, W, n, n, C), [j, i, q, p]."""
+    n = _bucket(slices)
+    return slices.reshape(n, n, *slices.shape[1:]).transpose(2, 3, 0, 1, 4)
+
+
+def _halved(values: Floats, axis: int) -> Floats:
+    """The box filter along one axis: floor(size / 2) means, each over its own share of the axis."""
+    along = np.moveaxis(values, axis, -1)
+    size = along.shape[-1]
+    half = size // 2
+    if half == 0:
+        return values
+    if size % 2 == 0:
+        mean = (along[..., 0::2] + along[..., 1::2]) / 2
+    else:  # pixel k covers [k, k + 1] * size / half: parts of the pixels 2k and 2k + 2, and 2k + 1 wholly
+        k = np.arange(half, dtype=values.dtype)
+        mean = ((half - k) * along[..., 0:-1:2] + half * along[..., 1::2] + (k + 1) * along[..., 2::2]) / size
+    return np.moveaxis(mean, -1, axis)

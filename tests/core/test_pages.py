@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pages of a large atlas: whole texels, within the limit, and back without a loss."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.errors import InputError, ShapeError
+from radtex_addon.core.levels import level_chain
+from radtex_addon.core.pages import Pages, fitting_pages, join_pages, split_pages
+from tests.lookups import LAYOUT, random_atlas
+
+ATLAS = random_atlas()
+
+
+@pytest.mark.parametrize(
+    ("size", "limit", "levels", "pages"),
+    [
+        ((13, 7), 78, 1, Pages(1, 1, 13, 7)),  # 13 texels of 6 cells are 78 pixels
+        ((13, 7), 77, 1, Pages(2, 1, 7, 7)),
+        ((13, 7), 30, 1, Pages(3, 2, 5, 4)),
+        ((13, 7), 30, 3, Pages(4, 2, 4, 4)),
+        ((2048, 2000), 8192, 5, Pages(2, 2, 1024, 1008)),
+    ],
+)
+def test_pages_are_few_and_fit(size: tuple[int, int], limit: int, levels: int, pages: Pages) -> None:
+    layout = AtlasLayout(*size, 6)
+    assert fitting_pages(layout, limit, levels) == pages
+    assert max(pages.width, pages.height) * 6 <= limit
+    assert pages.stored(6).width >= size[0]
+    assert pages.stored(6).height >= size[1]
+
+
+def test_a_texel_lies_where_the_contract_says() -> None:
+    pages = Pages(3, 2, 5, 4)
+    stack = split_pages(ATLAS, LAYOUT, pages)
+    assert stack.shape == (6, 24, 30, 4)
+    i, j = 11, 6
+    layer, x, y = (j // 4) * 3 + i // 5, i % 5, j % 4
+    bucket = stack[layer, y * 6 : y * 6 + 6, x * 6 : x * 6 + 6]
+    assert (bucket == ATLAS[j * 6 : j * 6 + 6, i * 6 : i * 6 + 6]).all()
+    assert (stack[layer, :, 18:24] == stack[layer, :, 12:18]).all()  # the 14th texel repeats the 13th
+
+
+def test_joined_pages_are_the_atlas() -> None:
+    for limit in (12, 30, 77, 1000):
+        pages = fitting_pages(LAYOUT, limit)
+        assert (join_pages(split_pages(ATLAS, LAYOUT, pages), LAYOUT, pages) == ATLAS).all()
+
+
+def test_levels_of_the_pages_are_pages_of_the_levels() -> None:
+    pages = fitting_pages(LAYOUT, 30, levels=3)
+    page, stored = AtlasLayout(pages.width, pages.height, 6), pages.stored(6)
+    whole = level_chain(join_pages(split_pages(ATLAS, LAYOUT, pages), stored, pages), stored, 3)
+    each = [level_chain(layer, page, 3) for layer in split_pages(ATLAS, LAYOUT, pages)]
+    for level in (1, 2):
+        half = AtlasLayout(stored.width >> level, stored.height >> level, 6)
+        cut = split_pages(whole[level], half, pages.at_level(level))
+        np.testing.assert_array_equal(cut, np.stack([chain[level] for chain in each]))
+
+
+def test_what_cannot_be_is_refused_in_words() -> None:
+    with pytest.raises(InputError, match="30 pixels hold no 8 texels of 6 cells"):
+        fitting_pages(LAYOUT, 30, levels=4)
+    with pytest.raises(InputError, match="4096 pages"):
+        fitting_pages(AtlasLayout(64, 64, 6), 6)
+    with pytest.raises(ShapeError, match="no level 2"):
+        Pages(1, 1, 6, 8).at_level(2)
+    with pytest.raises(ShapeError, match="does not fit"):
+        split_pages(ATLAS, LAYOUT, Pages(1, 1, 12, 7))
+    with pytest.raises(ShapeError, match="expected shape"):
+        join_pages(np.zeros((1, 42, 72, 4)), LAYOUT, Pages(1, 1, 13, 7))
+    with pytest.raises(ShapeError, match="do not hold"):
+        join_pages(np.zeros((1, 42, 72, 4)), LAYOUT, Pages(1, 1, 12, 7))
