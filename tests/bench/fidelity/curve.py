@@ -13,52 +13,26 @@ from __future__ import annotations
 
 import argparse
 import tempfile
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import cast
 
-import bpy
 import numpy as np
 
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.errors import InputError
-from radtex_addon.core.shared import SharedAtlas
 from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.job.condensed import Condensed, check_budget, condense_steps
 from radtex_addon.job.files import facts_of
-from radtex_addon.job.prepare import prepare
-from radtex_addon.job.shared import FittedBake, fit_bake
-from radtex_addon.report.gbuffer import GBuffer
-from radtex_addon.scene.objects import find_object
-from radtex_addon.scene.scratch import scratch_scene
 
-from .methods.shared import look
-from .metrics import compare
-from .references import View, gbuffer, views
-from .report import Result, Seen, markdown, save_sheet
-from .scenes import SCENES, Stage
+from .fitted import fit_stage, quality
+from .references import views
+from .report import Result, markdown, save_sheet
+from .scenes import SCENES
 
 _RATIOS = (4, 10, 25, 50, 100)
 _SHOWN = (0, 2, 3)  # of all and those, on a sheet: all, 1/10 and 1/25
 _PLAIN_TEXEL = 8 * 8 * 8  # bytes of a texel of the plain layout: 8 x 8 cells, four half floats
-
-
-@dataclass(frozen=True, eq=False)
-class _Looked:
-    """The views of a stage, and where their rays meet the baked mesh."""
-
-    views: list[tuple[View, GBuffer]]
-
-    def result(self, name: str, atlas: SharedAtlas, size: int = 0) -> Result:
-        """The untuned views of an atlas of so many bytes."""
-        seen = []
-        for view, buffer in self.views:
-            if view.held_out:
-                picture = buffer.resolve(look(atlas, buffer))
-                figures = compare(picture, view.reference, buffer.inside, buffer.eroded)
-                seen.append(Seen(view, picture, buffer.inside, buffer.eroded, figures))
-        return Result(name, 0, 0.0, size, tuple(seen))
 
 
 def main() -> None:
@@ -96,9 +70,9 @@ def _scene(name: str, texels: int) -> list[Result]:
     stage = SCENES[name]()
     spec = BakeSpec(layout=Layout.SHARED, texels=texels, budget=2**40)
     with tempfile.TemporaryDirectory() as folder:
-        fitted, looked, uv_layer = _fit(stage, looked_from, spec, Path(folder))
+        fitted, looked, uv_layer = fit_stage(stage, looked_from, spec, Path(folder))
         found = [looked.result("all", fitted.atlas)]
-        print(f"\n{name}: {_quality(found[0])} with every texel's own buckets", flush=True)
+        print(f"\n{name}: {quality(found[0])} with every texel's own buckets", flush=True)
         layout = fitted.plan.layout
         plain = layout.width * layout.height * _PLAIN_TEXEL
         facts = facts_of(stage.subject.name, spec, layout.width, layout.height, uv_layer)
@@ -117,30 +91,12 @@ def _scene(name: str, texels: int) -> list[Result]:
     return found
 
 
-def _fit(
-    stage: Stage, looked_from: list[View], spec: BakeSpec, folder: Path
-) -> tuple[FittedBake, _Looked, str]:
-    scene = cast(bpy.types.Scene, bpy.context.scene)
-    kept: list[bpy.types.ID] = []
-    with scratch_scene(scene, None, kept) as scratch:
-        item = find_object(scratch, stage.subject.name)
-        prepared = finished(prepare(scratch, item, spec, kept))
-        fitted = finished(fit_bake(scratch, item, spec, prepared, folder))
-    matrix = np.array(stage.subject.matrix_world)
-    seen = [(view, gbuffer(view, prepared.mesh, matrix, prepared.uv_layer)) for view in looked_from]
-    return fitted, _Looked(seen), prepared.uv_layer
-
-
-def _quality(result: Result) -> str:
-    return f"{result.mean('psnr', True):.2f} dB, energy {result.mean('energy', True):.3f}"
-
-
 def _line(chosen: Condensed, result: Result) -> str:
     clusters = " and ".join(str(count) for count in chosen.clusters)
     return (
         f"  {result.method}: {chosen.bytes / 1e6:.3f} MB, {clusters} clusters, "
         f"colour {chosen.colour[0]} pixels and surroundings {chosen.surroundings} cells wide: "
-        f"{_quality(result)}; {chosen.agreement:.1f} dB from what was fitted"
+        f"{quality(result)}; {chosen.agreement:.1f} dB from what was fitted"
     )
 
 
