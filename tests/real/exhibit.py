@@ -1,0 +1,196 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One small real bake of the demo's head, the same cameras for every program, and what each must show.
+
+    python -m tests.real.exhibit plain FOLDER        bakes it; also shared, condensed
+
+The head is turned, moved and stretched, so that a program which forgets the object's matrix shows it, and
+its gold is worn, so that it scatters light too. It stands alone: behind it everything is black.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cache, cached_property
+from math import radians, tan
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import numpy as np
+from mathutils import Euler, Matrix, Vector
+
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.sampler import Filter, sample
+from radtex_addon.formats.exr import read_atlas
+from radtex_addon.job import bake_object
+from radtex_addon.report.finished import Finished, find_bake, read_bake
+from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
+from radtex_addon.report.metrics import Mask, Picture, psnr
+from radtex_addon.scene.demo import OBJECT, build_demo_scene
+from radtex_addon.scene.scratch import new_data_removed
+
+ROOT = Path(__file__).resolve().parents[2]
+PLACE = Matrix.LocRotScale((0.1, -0.05, 0.15), Euler((0.15, -0.1, 0.4)), (1.0, 1.1, 0.95))
+
+
+class Form(StrEnum):
+    """How the head is baked."""
+
+    PLAIN = "plain"
+    SHARED = "shared"
+    CONDENSED = "condensed"
+
+    @property
+    def spec(self) -> BakeSpec:
+        small = BakeSpec(texels=64, bucket=8, samples=4)
+        if self is Form.PLAIN:
+            return small
+        budget = 400_000 if self is Form.CONDENSED else None
+        return BakeSpec(texels=64, bucket=6, samples=2, layout=Layout.SHARED, budget=budget)
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Looks from `place` at `target`, both in Blender's world, z up; `fovy` degrees; `pixels` a side."""
+
+    name: str
+    place: tuple[float, float, float]
+    target: tuple[float, float, float] = (0.1, -0.05, 0.15)
+    fovy: float = 40.0
+    pixels: int = 256
+
+    @property
+    def matrix(self) -> Matrix:
+        """The camera's place in the world (4, 4), as Blender has it: it looks along its own −z, y up."""
+        away = Vector(self.place) - Vector(self.target)
+        matrix = away.to_track_quat("Z", "Y").to_matrix().to_4x4()
+        matrix.translation = Vector(self.place)
+        return matrix
+
+    @property
+    def rays(self) -> Rays:
+        """One ray through the middle of each pixel, rows from the top."""
+        matrix = np.array(self.matrix)
+        return Rays.of_camera(matrix[:3, 3], matrix[:3, :3], tan(radians(self.fovy) / 2), self.pixels, 1)
+
+
+CAMERAS = (
+    Camera("front", (1.6, -3.4, 0.9)),
+    Camera("left", (-3.1, -2.2, 0.4)),
+    Camera("behind", (0.9, 3.6, 1.9)),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Bake:
+    """A finished bake in `folder`: `sidecar`, images, and `preview`, the .blend with the baked copy."""
+
+    folder: Path
+
+    @cached_property
+    def sidecar(self) -> Path:
+        return find_bake(self.folder, None)
+
+    @cached_property
+    def finished(self) -> Finished:
+        return read_bake(self.sidecar)
+
+    @property
+    def preview(self) -> Path:
+        return self.finished.preview
+
+    @cached_property
+    def surface(self) -> BakedSurface:
+        """The baked copy in the world, without Blender's data."""
+        libraries: Any = bpy.data.libraries
+        with new_data_removed():
+            with libraries.load(str(self.preview)) as (_, wanted):
+                wanted.objects = [OBJECT]
+            mesh = cast(bpy.types.Mesh, wanted.objects[0].data)
+            return BakedSurface(mesh, np.array(PLACE), self.finished.sidecar.uv_map)
+
+    @cached_property
+    def buffer(self) -> Callable[[Camera], GBuffer]:
+        """What a shader knows at each pixel's middle."""
+
+        @cache
+        def seen(camera: Camera) -> GBuffer:
+            return self.surface.gbuffer(camera.rays, np.full(camera.pixels**2, np.inf))
+
+        return seen
+
+    def picture(self, camera: Camera, kind: Filter = Filter.QUADRILINEAR) -> Picture:
+        """Linear light (H, W, 3), rows from the top, black beside the head; `kind` is for plain bakes."""
+        buffer = self.buffer(camera)
+        if self.finished.layout is Layout.SHARED:
+            return buffer.resolve(self.finished.radiance(buffer))
+        pixels, facts = self._atlas
+        layout = AtlasLayout(facts.width, facts.height, facts.bucket)
+        seen = sample(pixels, layout, buffer.uv[buffer.hit], buffer.incidence[buffer.hit], kind)
+        return buffer.resolve(buffer.spread(seen[:, :3]))
+
+    @cached_property
+    def _atlas(self) -> Any:
+        pixels, facts = read_atlas(self.finished.images[0])
+        return pixels.astype(np.float32), facts
+
+    def inside(self, camera: Camera) -> Mask:
+        """Pixels whose middle shows the head, (H, W)."""
+        return self.buffer(camera).inside
+
+    def eroded(self, camera: Camera) -> Mask:
+        """The same without its outermost pixels, where programs may disagree about the edge."""
+        return self.buffer(camera).eroded
+
+
+@dataclass(frozen=True, eq=False)
+class Exhibit:
+    """The bakes, made when they are first asked for; and from where they are looked at."""
+
+    folder: Path
+    cameras: tuple[Camera, ...] = CAMERAS
+
+    @cached_property
+    def plain(self) -> Bake:
+        return self._baked(Form.PLAIN)
+
+    @cached_property
+    def shared(self) -> Bake:
+        return self._baked(Form.SHARED)
+
+    @cached_property
+    def condensed(self) -> Bake:
+        return self._baked(Form.CONDENSED)
+
+    def _baked(self, form: Form) -> Bake:
+        """Bake in a process of its own: the file that is open here stays as it is."""
+        folder = self.folder / form
+        command = [sys.executable, "-m", "tests.real.exhibit", form, str(folder)]
+        ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=1200)
+        assert ended.returncode == 0, ended.stderr
+        return Bake(folder)
+
+
+def decibels(picture: Picture, reference: Picture, mask: Mask) -> float:
+    """PSNR of display values (clipped, gamma 2.2) of two linear pictures, inside the mask."""
+    return psnr(picture, reference, mask)
+
+
+def main(form: Form, folder: Path) -> None:
+    """Bake the head in one form, with its preview."""
+    scene = build_demo_scene()
+    head: Any = bpy.data.objects[OBJECT]
+    head.matrix_world = PLACE
+    gold = next(node for node in head.active_material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    gold.inputs["Metallic"].default_value = 0.6
+    bake_object(scene, OBJECT, form.spec, folder, preview=Filter.QUADRILINEAR, overwrite=True)
+
+
+if __name__ == "__main__":
+    main(Form(sys.argv[1]), Path(sys.argv[2]))
