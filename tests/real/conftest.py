@@ -1,13 +1,17 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tests of shaders share."""
+"""What tests of shaders and of exported folders share."""
 
 from __future__ import annotations
 
+import faulthandler
 from collections.abc import Iterator
 
 import moderngl
 import pytest
+
+from tests.real.exhibit import Exhibit
+from tests.real.root import Root, RootUnavailableError, ready_root
 
 
 @pytest.fixture(scope="module")
@@ -15,3 +19,23 @@ def context() -> Iterator[moderngl.Context]:
     """OpenGL over EGL, without a window."""
     with moderngl.create_context(standalone=True, backend="egl") as context:  # type: ignore[arg-type]  # wrong stub
         yield context
+
+
+@pytest.fixture(scope="session")
+def exhibit(tmp_path_factory: pytest.TempPathFactory) -> Exhibit:
+    """A small bake to show in real programs, and what they must show."""
+    return Exhibit(tmp_path_factory.mktemp("exhibit"))
+
+
+@pytest.fixture(scope="session")
+def root(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Root:
+    """Godot, Chromium and the others in a Debian of their own, which the first use builds."""
+    faulthandler.cancel_dump_traceback_later()  # building, or waiting for who builds, may take longer
+    try:
+        path, seconds = ready_root()
+    except RootUnavailableError as error:
+        pytest.skip(str(error))
+    reporter = request.config.pluginmanager.get_plugin("terminalreporter")
+    if seconds and reporter is not None:
+        reporter.write_line(f"\n{path}: built in {seconds:.0f} s")
+    return Root(path, tmp_path_factory.mktemp("shared"))

@@ -1,0 +1,250 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A small Debian of its own, with the programs that tests run: Godot, Chromium, Mesa, shader compilers, wgpu.
+
+It is made once, in the user's cache, by debootstrap; `python tests/real/root.py` makes it without a test.
+What runs in it is in a namespace of its own: it sees the root read-only, this repository read-only at
+/repository, what both sides share at /shared, an empty /tmp, and the machine's network. Nothing stays mounted
+or running afterwards.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "radtex"
+SUITE = "sid"  # the one with a Godot of 4.6
+PACKAGES = (
+    *("godot", "chromium", "fonts-dejavu-core"),
+    *("libgl1-mesa-dri", "libegl1", "libegl-mesa0", "libgles2", "mesa-vulkan-drivers"),
+    *("xvfb", "xauth", "xdotool", "imagemagick"),
+    *("glslang-tools", "spirv-tools", "spirv-cross"),
+    *("python3-numpy", "python3-cffi", "python3-pip"),
+)
+WHEELS = ("wgpu==0.32.0",)
+_KEYRING = Path("/usr/share/keyrings/debian-archive-keyring.gpg")
+_CERTIFICATES = Path("/etc/ssl/certs/ca-certificates.crt")
+_PIP_SETTINGS = ("/etc/pip.conf", "~/.pip/pip.conf", "~/.config/pip/pip.conf")
+_QUICK_DPKG = "force-unsafe-io\npath-exclude=/usr/share/doc/*\npath-exclude=/usr/share/locale/*\n"
+_INSTALL = f"""
+set -e
+export DEBIAN_FRONTEND=noninteractive
+apt-get -q -o Acquire::Check-Valid-Until=false update
+apt-get -q install --yes --no-install-recommends {" ".join(PACKAGES)}
+apt-get clean
+"""
+_INSTALL_WHEELS = f"pip install --break-system-packages --no-cache-dir {' '.join(WHEELS)}"
+# What is mounted or started in it ends with it, and it ends with who started it.
+_NAMESPACE = ("setpriv", "--pdeathsig", "KILL", "unshare", "--mount", "--pid", "--fork", "--kill-child")
+_ENTER = REPOSITORY / "tests/real/enter.sh"
+_ENVIRONMENT = {
+    "PATH": "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin:/usr/games",
+    "HOME": "/root",
+    "LANG": "C.UTF-8",
+}
+
+
+class RootUnavailableError(Exception):
+    """One line that says why this machine cannot have the root."""
+
+
+class Started(subprocess.Popen[bytes]):
+    """A program in the root. Whatever it started itself ends with it."""
+
+    def terminate(self) -> None:
+        self.kill()  # `unshare` ignores SIGTERM; at its death the kernel kills all that it held
+
+    def __exit__(self, *error: Any) -> None:
+        self.kill()
+        super().__exit__(*error)
+
+
+@dataclass(frozen=True)
+class Root:
+    """The root at `path`; `exchange` is the folder seen inside as /shared."""
+
+    path: Path
+    exchange: Path
+
+    def command(
+        self, argv: Sequence[str], *, env: Mapping[str, str] | None = None, cwd: str = "/shared"
+    ) -> list[str]:
+        """What to execute on this machine to execute `argv` inside; `env` adds to PATH, HOME and LANG."""
+        variables = [f"{name}={value}" for name, value in {**_ENVIRONMENT, **(env or {})}.items()]
+        places = (str(self.path), str(self.exchange), str(REPOSITORY), cwd)
+        return [*_entered(*places), "/usr/bin/env", "-i", *variables, *argv]
+
+    def run(
+        self,
+        argv: Sequence[str],
+        *,
+        env: Mapping[str, str] | None = None,
+        timeout: float = 120,
+        cwd: str = "/shared",
+    ) -> subprocess.CompletedProcess[str]:
+        """Run a program to its end in the folder `cwd` of the inside; its exit code is unchecked."""
+        command = self.command(argv, env=env, cwd=cwd)
+        return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
+
+    def start(
+        self,
+        argv: Sequence[str],
+        *,
+        env: Mapping[str, str] | None = None,
+        cwd: str = "/shared",
+        log: Path | None = None,
+    ) -> Started:
+        """Start a program that speaks into the file `log`; `with` ends it, as do kill and terminate."""
+        command = self.command(argv, env=env, cwd=cwd)
+        with (log or Path(os.devnull)).open("wb") as output:
+            return Started(command, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT)
+
+    def shared(self, name: str) -> tuple[Path, str]:
+        """A new folder that both sides see: its path here and its path inside."""
+        folder = Path(tempfile.mkdtemp(prefix=f"{name}-", dir=self.exchange))
+        return folder, f"/shared/{folder.name}"
+
+
+def screen(argv: Sequence[str], width: int = 1280, height: int = 720) -> list[str]:
+    """`argv` before an X screen of its own, for programs that want a window."""
+    return ["xvfb-run", "--auto-servernum", f"--server-args=-screen 0 {width}x{height}x24", *argv]
+
+
+def root_path() -> Path:
+    """Where the root of this recipe lies, built or not."""
+    recipe = repr((SUITE, _QUICK_DPKG, _INSTALL, _INSTALL_WHEELS))
+    return CACHE / f"real-{hashlib.sha256(recipe.encode()).hexdigest()[:12]}"
+
+
+def ready_root() -> tuple[Path, float]:
+    """The root, built if it is not there, and how many seconds that took.
+
+    Raises RootUnavailableError where it cannot be built, CalledProcessError where building it failed.
+    """
+    if sys.platform != "linux" or os.geteuid() != 0:
+        raise RootUnavailableError("a root of real programs needs Linux and the rights of its user root")
+    start, path = time.monotonic(), root_path()
+    CACHE.mkdir(parents=True, exist_ok=True)
+    with _locked(CACHE / "real.lock"):
+        if not path.is_dir():
+            _build(path)
+            return path, time.monotonic() - start
+    return path, 0.0
+
+
+def _build(path: Path) -> None:
+    missing = [
+        name for name in ("setpriv", "unshare", "chroot", "apt-get", "dpkg-deb") if shutil.which(name) is None
+    ]
+    if missing or not _KEYRING.is_file():
+        raise RootUnavailableError(f"a root of real programs needs {' and '.join(missing) or _KEYRING}")
+    mirror, unfinished = _mirror(), path.with_name(f"{path.name}.unfinished")
+    shutil.rmtree(unfinished, ignore_errors=True)
+    with tempfile.TemporaryDirectory(dir=CACHE) as folder:
+        command, variables = _debootstrap(Path(folder))
+        options = [f"--keyring={_KEYRING}", "--variant=minbase"]
+        _checked([*_NAMESPACE, *command, *options, SUITE, str(unfinished), mirror], os.environ | variables)
+    (unfinished / "etc/dpkg/dpkg.cfg.d/radtex").write_text(_QUICK_DPKG)
+    (unfinished / "etc/hosts").write_text("127.0.0.1 localhost\n::1 localhost\n")
+    shutil.copyfile("/etc/resolv.conf", unfinished / "etc/resolv.conf")
+    for name in ("shared", "repository"):
+        (unfinished / name).mkdir()
+    enter = _entered(str(unfinished), "", "", "/")
+    _checked([*enter, "/bin/sh", "-c", _INSTALL], os.environ | _ENVIRONMENT)
+    with _pip_configured(unfinished) as variables:
+        _checked([*enter, "/bin/sh", "-c", _INSTALL_WHEELS], os.environ | _ENVIRONMENT | variables)
+    unfinished.rename(path)
+
+
+def _entered(root: str, shared: str, repository: str, folder: str) -> list[str]:
+    """How to run a command in a root; without `shared`, as its administrator, who writes to it."""
+    return [*_NAMESPACE, "/bin/sh", str(_ENTER), root, shared, repository, folder]
+
+
+def _mirror() -> str:
+    """The mirror of Debian that this machine's apt uses, or Debian's own."""
+    listed = subprocess.run(
+        ["apt-get", "indextargets", "--format", "$(ORIGIN) $(REPO_URI)"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    origins = [line.split(" ") for line in listed.stdout.splitlines()]
+    archives = [uri for origin, uri in origins if origin == "Debian" and uri.rstrip("/").endswith("/debian")]
+    mirror = min(archives, default="http://deb.debian.org/debian")
+    try:
+        with urllib.request.urlopen(f"{mirror.rstrip('/')}/dists/{SUITE}/InRelease", timeout=30):
+            return mirror
+    except (urllib.error.URLError, TimeoutError) as error:
+        raise RootUnavailableError(f"a root of real programs needs {mirror}: {error}") from error
+
+
+def _debootstrap(folder: Path) -> tuple[list[str], dict[str, str]]:
+    """The program and variables that it needs; unpacked in `folder` where it is not installed."""
+    if shutil.which("debootstrap"):
+        return ["debootstrap"], {}
+    _checked(["apt-get", "download", "debootstrap"], os.environ, folder)
+    (package,) = folder.glob("debootstrap_*.deb")
+    _checked(["dpkg-deb", "-x", str(package), str(folder)], os.environ)
+    return [str(folder / "usr/sbin/debootstrap")], {"DEBOOTSTRAP_DIR": str(folder / "usr/share/debootstrap")}
+
+
+@contextmanager
+def _pip_configured(root: Path) -> Iterator[dict[str, str]]:
+    """Lend pip inside this machine's settings, which may hold a password; the variables that it needs."""
+    lent = [(Path(name).expanduser(), root / name.replace("~", "root").lstrip("/")) for name in _PIP_SETTINGS]
+    lent = [(source, target) for source, target in lent if source.is_file()]
+    for source, target in lent:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, target)
+    variables = {}
+    if _CERTIFICATES.is_file():
+        variables = {"PIP_CERT": str(_CERTIFICATES)}
+        certificates = root / _CERTIFICATES.relative_to("/")
+        certificates.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(_CERTIFICATES, certificates)
+    yield variables
+    for _, target in lent:
+        target.unlink()
+
+
+def _checked(command: Sequence[str], variables: Mapping[str, str], folder: Path | None = None) -> None:
+    """Run a step of the build; CalledProcessError, with the end of what it said, where it fails."""
+    done = subprocess.run(
+        command, env=variables, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False
+    )
+    if done.returncode != 0:
+        sys.stderr.write(done.stdout.decode(errors="replace")[-4000:])
+        raise subprocess.CalledProcessError(done.returncode, shlex.join(command[-3:]), done.stdout)
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    """One process at a time; the others wait."""
+    with path.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+if __name__ == "__main__":
+    try:
+        found, seconds = ready_root()
+    except RootUnavailableError as error:
+        sys.exit(str(error))
+    print(f"{found}: built in {seconds:.0f} s" if seconds else f"{found}: was there")
