@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""shaders/radtex.osl as a Script node: for Cycles on the CPU, in builds that bring Open Shading Language.
+"""shaders/*.osl as Script nodes: for Cycles on the CPU, in builds that bring Open Shading Language.
 
 Blender 5.2 reads a shader's textures bilinearly whatever it asks for. Read at a pixel's centre that is the
-pixel, but for rounding: 1e-4 of its neighbour for an atlas 1,000 pixels wide, 1e-3 for 10,000. The node group
-has no such limit.
+pixel, but for rounding: 1e-4 of its neighbour for an image 1,000 pixels wide, 1e-3 for 10,000. The node
+groups have no such limit.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 import importlib
 import logging
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, cast
@@ -22,8 +22,13 @@ import bpy
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.sampler import Filter
+from ..core.shared import Axis
+from ..formats.shared_files import read_shared_sidecar
 
-SOURCE = Path(__file__).parents[2] / "shaders" / "radtex.osl"
+_SHADERS = Path(__file__).parents[2] / "shaders"
+SOURCE = _SHADERS / "radtex.osl"
+SHARED_SOURCE = _SHADERS / "radtex_shared.osl"
+_FALLOFF = 16  # points that the shader takes
 _FILTERS = {Filter.NEAREST: 0, Filter.LINEAR: 1, Filter.QUADRILINEAR: 2}
 
 _log = logging.getLogger(__name__)
@@ -39,6 +44,46 @@ def add_osl_node(
     (`scene.cycles.shading_system`) on the CPU, working in Rec.709. Raises InputError where this Blender
     cannot compile the shader.
     """
+    constants = {
+        "Atlas": str(atlas),
+        "Width": layout.width,
+        "Height": layout.height,
+        "Bucket": layout.bucket,
+        "Filter": _FILTERS[kind],
+    }
+    return _script_node(tree, source, constants)
+
+
+def add_shared_osl_node(tree: bpy.types.NodeTree, path: Path, source: Path = SHARED_SOURCE) -> bpy.types.Node:
+    """A Script node that samples the bake in the shared layout whose sidecar is the file `path`.
+
+    Inputs: UV, Normal (unlinked: the shading normal) and Incoming (the viewer), world space; output: Color.
+    The scene must render as for `add_osl_node`. Raises FormatError as `read_shared_sidecar` does, InputError
+    for a bake that is condensed and where this Blender cannot compile the shader.
+    """
+    sidecar = read_shared_sidecar(path)
+    if sidecar.condensed is not None:
+        raise InputError(f"{path} is of a condensed bake, which OSL does not read: use the node group")
+    if len(sidecar.falloff) != _FALLOFF:
+        found = f"{path}: a falloff of {len(sidecar.falloff)} points"
+        raise InputError(f"{found}, the shader takes {_FALLOFF}: use the node group")
+    constants = {
+        "Bake": str(path.with_suffix("")),
+        "ColourWidth": sidecar.colour[0],
+        "ColourHeight": sidecar.colour[1],
+        "Width": sidecar.bake.width,
+        "Height": sidecar.bake.height,
+        "Bucket": sidecar.bake.bucket,
+        "Surroundings": sidecar.surroundings,
+        "Levels": sidecar.levels,
+        **{axis.title(): axis in sidecar.lobes for axis in Axis},
+        **{f"Falloff{point}": (*light, 1.0) for point, light in enumerate(sidecar.falloff)},
+    }
+    return _script_node(tree, source, constants)
+
+
+def _script_node(tree: bpy.types.NodeTree, source: Path, constants: Mapping[str, Any]) -> bpy.types.Node:
+    """A node of the shader in the file `source`, whose sockets have the values `constants`."""
     node = cast(Any, tree.nodes.new("ShaderNodeScript"))
     text = cast(Any, bpy.data.texts.new(source.name))
     text.from_string(source.read_text(encoding="utf-8"))
@@ -48,17 +93,10 @@ def add_osl_node(
         tree.nodes.remove(node)
         bpy.data.texts.remove(text)
         raise
-    constants = {
-        "Atlas": str(atlas),
-        "Width": layout.width,
-        "Height": layout.height,
-        "Bucket": layout.bucket,
-        "Filter": _FILTERS[kind],
-        "BottomUp": bpy.app.version
-        >= (5, 0),  # 4.5 reads textures by OpenImageIO, 5.2 by Cycles's own reader
-    }
     for name, value in constants.items():
         node.inputs[name].default_value = value
+    # 4.5 reads textures by OpenImageIO, 5.2 by Cycles's own reader
+    node.inputs["BottomUp"].default_value = bpy.app.version >= (5, 0)
     return cast(bpy.types.Node, node)
 
 

@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""shaders/radtex.osl as a Script node in Cycles against the reference sampler."""
+"""shaders/*.osl as Script nodes in Cycles against the reference samplers."""
 
 from __future__ import annotations
 
+import runpy
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -13,12 +15,38 @@ import bpy
 import numpy as np
 import pytest
 
+from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
+from radtex_addon.core.shared import Axis, SharedAtlas
+from radtex_addon.formats.shared_files import read_shared, write_condensed, write_shared
+from radtex_addon.formats.sidecar import Sidecar, write_sidecar
 from radtex_addon.preview import osl
 from radtex_addon.scene.nodes import NodeBuilder, Socket
-from tests.blender.lookup_stage import Inputs, LookupStage, Shader, write_exr
-from tests.lookups import LAYOUT, random_atlas, random_lookups, worst_error
+from tests.blender.lookup_stage import (
+    Inputs,
+    LookupStage,
+    Shader,
+    add_camera_above,
+    render_exr,
+    set_up_render,
+    write_exr,
+)
+from tests.lookups import (
+    COUNT,
+    LAYOUT,
+    SIDE,
+    Lookups,
+    random_atlas,
+    random_lookups,
+    relative_error,
+    worst_error,
+)
+from tests.shared_atlases import facts_about, random_condensed_atlas, random_shared_atlas
+from tests.shared_lookups import random_fragments, shared_answers
+
+WIDTH, HEIGHT = 7, 5  # of the shared layout's atlases
+FRAGMENTS = random_fragments(WIDTH, HEIGHT)
 
 
 def osl_shader(atlas: Path, kind: Filter) -> Shader:
@@ -45,8 +73,9 @@ def test_the_script_node_agrees_with_the_reference(tmp_path: Path) -> None:
         assert across <= 2e-3
 
 
-def test_unlinked_vectors_are_the_shaded_point_s_own(tmp_path: Path) -> None:
-    """Seen from straight above, every lookup is the pole of its bucket, the mean of four central cells."""
+@pytest.mark.parametrize("linked", [("UV", "Tangent", "Sign"), ("UV", "Normal", "Tangent", "Sign")])
+def test_unlinked_vectors_are_the_shaded_point_s_own(linked: tuple[str, ...], tmp_path: Path) -> None:
+    """Seen from straight above: without a normal every lookup is the pole of its bucket."""
     atlas, lookups = random_atlas(), random_lookups()
     path = write_exr(tmp_path / "random.exr", atlas)
     stage = LookupStage(cast(bpy.types.Scene, bpy.context.scene), "CYCLES")
@@ -54,13 +83,80 @@ def test_unlinked_vectors_are_the_shaded_point_s_own(tmp_path: Path) -> None:
 
     def shader(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
         node = osl.add_osl_node(build.tree, path, LAYOUT, Filter.LINEAR)
-        build.feed(node.inputs["UV"], inputs[0])
+        for name, source in zip(("UV", "Normal", "Tangent", "Sign"), inputs, strict=False):
+            if name in linked:
+                build.feed(node.inputs[name], source)
         return node.outputs["Color"], node.outputs["Alpha"]
 
     stage.add(lookups, shader)
     (result,) = stage.render(tmp_path / "answers.exr")
     up = np.tile(np.array([0, 0, 1], np.float32), (len(lookups.uv), 1))
-    assert worst_error(result, atlas, replace(lookups, normal=up, viewer=up), Filter.LINEAR)[0] <= 2e-3
+    normal = lookups.normal if "Normal" in linked else up
+    assert worst_error(result, atlas, replace(lookups, normal=normal, viewer=up), Filter.LINEAR)[0] <= 2e-3
+
+
+def shared_shader(sidecar: Path, viewer: bool = True) -> Shader:
+    """Without `viewer` Incoming is not linked."""
+
+    def shader(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
+        node = osl.add_shared_osl_node(build.tree, sidecar)
+        sources = {"UV": inputs[0], "Normal": inputs[1]} | ({"Incoming": inputs[4]} if viewer else {})
+        for name, source in sources.items():
+            build.feed(node.inputs[name], source)
+        return node.outputs["Color"], build.math("ADD", 1.0, 0.0)
+
+    return shader
+
+
+def shared_results(atlases: list[SharedAtlas], folder: Path, viewer: bool = True) -> list[Floats]:
+    """What the Script node answers to FRAGMENTS for each atlas, (K, 3)."""
+    stage = LookupStage(cast(bpy.types.Scene, bpy.context.scene), "CYCLES")
+    cast(Any, stage.scene).cycles.shading_system = True
+    for index, atlas in enumerate(atlases):
+        write_shared(folder / f"{index}.radiance.json", atlas, facts_about(atlas))
+        stage.add(FRAGMENTS, shared_shader(folder / f"{index}.radiance.json", viewer))
+    return [answers[:, :3] for answers in stage.render(folder / "answers.exr")]
+
+
+def test_the_shared_layout_s_node_agrees_with_the_reference(tmp_path: Path) -> None:
+    atlases = [
+        random_shared_atlas(WIDTH, HEIGHT),
+        random_shared_atlas(WIDTH, HEIGHT, lobes=()),
+        random_shared_atlas(WIDTH, HEIGHT, lobes=(Axis.THROUGH,), levels=1),
+        random_shared_atlas(WIDTH, HEIGHT, lobes=(Axis.MIRROR,), surroundings=33, levels=7, bucket=1),
+    ]
+    for index, result in enumerate(shared_results(atlases, tmp_path)):
+        stored, _ = read_shared(tmp_path / f"{index}.radiance.json")
+        worst = float(relative_error(result, shared_answers(stored, FRAGMENTS)).max())
+        print(f"OSL, shared layout {index}: worst error {worst:.1e}")
+        assert worst <= 2e-3
+
+
+def test_the_shared_layout_s_light_below_zero_is_none(tmp_path: Path) -> None:
+    atlas = random_shared_atlas(WIDTH, HEIGHT, lobes=(Axis.THROUGH,))
+    (lobe,) = atlas.lobes
+    (result,) = shared_results([replace(atlas, lobes=(replace(lobe, rest=lobe.rest - 10_000),))], tmp_path)
+    assert not result.any()
+
+
+def test_the_shared_layout_s_viewer_is_the_ray_s_where_none_is_linked(tmp_path: Path) -> None:
+    (result,) = shared_results([random_shared_atlas(WIDTH, HEIGHT)], tmp_path, viewer=False)
+    from_above = replace(FRAGMENTS, viewer=np.full_like(FRAGMENTS.viewer, [0, 0, 1]))
+    stored, _ = read_shared(tmp_path / "0.radiance.json")
+    assert relative_error(result, shared_answers(stored, from_above)).max() <= 2e-3
+
+
+def test_a_bake_that_the_shared_shader_cannot_show_is_refused(tmp_path: Path) -> None:
+    tree, path = empty_tree(), tmp_path / "a.json"
+    condensed = random_condensed_atlas(WIDTH, HEIGHT)
+    write_condensed(path, condensed, facts_about(condensed))
+    with pytest.raises(InputError, match=r"a\.json is of a condensed bake.*: use the node group"):
+        osl.add_shared_osl_node(tree, path)
+    atlas = random_shared_atlas(WIDTH, HEIGHT)
+    write_shared(path, replace(atlas, falloff=atlas.falloff[:8]), facts_about(atlas))
+    with pytest.raises(InputError, match="a falloff of 8 points, the shader takes 16: use the node group"):
+        osl.add_shared_osl_node(tree, path)
+    assert not tree.nodes
 
 
 def test_a_shader_that_does_not_compile_is_refused_and_leaves_nothing(tmp_path: Path) -> None:
@@ -80,6 +176,74 @@ def test_a_blender_without_osl_is_told_what_to_do(tmp_path: Path, monkeypatch: p
     monkeypatch.setitem(sys.modules, "oslquery", None)
     with pytest.raises(InputError, match="official build, or the node group"):
         osl.add_osl_node(empty_tree(), tmp_path / "a.exr", LAYOUT, Filter.NEAREST)
+
+
+EXAMPLE = osl.SOURCE.parent / "examples" / "script_node.py"
+SLOPE = 1.5  # of the example's plane
+
+
+@pytest.fixture
+def example(monkeypatch: pytest.MonkeyPatch) -> Callable[[Path], Floats]:
+    """What a square shows from above whose material the example made: SIDE x SIDE lookups, (K, 4).
+
+    The square has the bake's UV layer and sign, and rises along u.
+    """
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    python = Path(bpy.utils.resource_path("LOCAL"), "python", "lib")
+    bundled = [str(python / version / "site-packages"), str(python / "site-packages")]
+
+    def shown(sidecar: Path) -> Floats:
+        scene = cast(Any, bpy.context.scene)
+        set_up_render(scene, "CYCLES")
+        mesh = bpy.data.meshes.new("square")
+        corners = [(x, y) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        mesh.from_pydata([(x, y, SLOPE * x) for x, y in corners], [], [(0, 1, 2, 3)])
+        mesh.uv_layers.new(name="RadTex").uv.foreach_set("vector", np.ravel(corners))
+        sign = cast(Any, mesh.attributes.new("radtex_sign", "FLOAT", "CORNER"))
+        sign.data.foreach_set("value", np.ones(4, np.float32))
+        square = bpy.data.objects.new("square", mesh)
+        scene.collection.objects.link(square)
+        bpy.context.view_layer.objects.active = square
+        add_camera_above(scene, (0.5, 0.5), (1, 1), SIDE)
+        # Blender's program has them on its path, its module has not.
+        monkeypatch.setattr(sys, "path", [*sys.path, *bundled])
+        monkeypatch.setattr(sys, "argv", ["blender", "--", str(sidecar)])
+        runpy.run_path(str(EXAMPLE))
+        return render_exr(scene, sidecar.with_name("shown.exr")).reshape(-1, 4)
+
+    return shown
+
+
+def seen_from_above() -> Lookups:
+    """The square's lookups, row by row from the bottom."""
+    middle = (np.arange(SIDE) + 0.5) / SIDE
+    uv = np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2)
+
+    def everywhere(*vector: float) -> Floats:
+        return np.tile(np.array(vector, np.float32), (COUNT, 1))
+
+    normal, tangent = everywhere(-SLOPE, 0, 1), everywhere(1, 0, SLOPE)
+    return Lookups(uv.astype(np.float32), normal, tangent, np.ones(COUNT, np.float32), everywhere(0, 0, 1))
+
+
+def test_the_example_shows_an_atlas(example: Callable[[Path], Floats], tmp_path: Path) -> None:
+    atlas, sidecar = random_atlas(), tmp_path / "Vase.radiance.json"
+    facts = Sidecar("Vase", "radiance", 13, 7, 6, "RadTex", 16, 0, "portal", "RadTex 0.1.0", "5.2.3")
+    write_exr(sidecar.with_suffix(".exr"), atlas)
+    write_sidecar(sidecar, facts)
+    result = example(sidecar)[:, :3]
+    assert worst_error(result, atlas, seen_from_above(), Filter.QUADRILINEAR)[0] <= 2e-3
+
+
+def test_the_example_shows_a_bake_in_the_shared_layout(
+    example: Callable[[Path], Floats], tmp_path: Path
+) -> None:
+    written, sidecar = random_shared_atlas(WIDTH, HEIGHT), tmp_path / "Vase.radiance.json"
+    write_shared(sidecar, written, facts_about(written))
+    answers = shared_answers(read_shared(sidecar)[0], seen_from_above())
+    error = relative_error(example(sidecar)[:, :3], answers)
+    assert error.max() <= 1e-2  # a ray is up to 1/200 of a pixel beside its pixel's middle
+    assert np.median(error) <= 1e-4
 
 
 def empty_tree() -> bpy.types.NodeTree:
