@@ -31,7 +31,7 @@ from .condensed_sidecar import CondensedFacts, Tiles, as_range
 from .condensed_sizes import columns_of, texture_format
 from .dds import DdsFormat, read_dds
 from .exr import HALF_MOST
-from .memory import physical_memory, readable_size
+from .memory import check_memory
 from .packing import (
     COLOUR,
     IRRADIANCE,
@@ -144,7 +144,9 @@ def read_textures(path: Path, sidecar: SharedSidecar, file_of: Callable[[str], P
     facts = sidecar.condensed
     if facts is None:
         raise FormatError(f"{path} is of a bake that is not condensed: its images are EXRs")
-    check_memory(path, sum(width * height * _DECODED for width, height, _ in sidecar.shapes.values()))
+    check_memory(
+        f"the bake of {path}", sum(width * height * _DECODED for width, height, _ in sidecar.shapes.values())
+    )
     pixels = {}
     for layer, (width, height, _) in sidecar.shapes.items():
         texture = file_of(layer)
@@ -169,14 +171,6 @@ def digest(path: Path) -> str:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
-
-
-def check_memory(path: Path, needed: int) -> None:
-    """Make sure that the machine has `needed` bytes for the bake at `path`. Raises FormatError if not."""
-    memory = physical_memory()
-    if memory is not None and needed > memory:
-        needs, has = readable_size(needed), readable_size(memory)
-        raise FormatError(f"the bake of {path} needs {needs} of memory, this machine has {has}")
 
 
 def _lobe(

@@ -13,9 +13,9 @@ import numpy as np
 from ..core.arrays import Floats
 from ..core.shared import Axis
 from .condensed_sizes import MOST_CLUSTERS
-from .dds import MOST_PIXELS
 from .facts import Facts
 from .packing import LOBE_CHANNELS
+from .texture import MOST_PIXELS
 
 # The least and the greatest value of each channel: of the tiles taken wholly, then of the weighted ones.
 Range: TypeAlias = tuple[tuple[float, ...], ...]

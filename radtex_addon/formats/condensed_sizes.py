@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from ..core.shared import Axis
-from .dds import MOST_PIXELS, DdsFormat
+from .dds import DdsFormat
 from .packing import (
     COLOUR,
     ENDS,
@@ -22,6 +22,7 @@ from .packing import (
     lobe_layer,
     surroundings_size,
 )
+from .texture import MOST_PIXELS
 
 MOST_CLUSTERS = 65536  # of a lobe: two bytes name one
 

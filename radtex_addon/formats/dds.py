@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""DDS files of one picture: blocks as a GPU takes them, behind 148 bytes of header.
+"""DDS files of one texture: blocks as a GPU takes them, behind 148 bytes of header.
 
 Format: https://learn.microsoft.com/windows/win32/direct3ddds/dds-header and .../dds-header-dxt10
 """
@@ -10,16 +10,17 @@ from __future__ import annotations
 import os
 import struct
 from enum import IntEnum
+from math import prod
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from ..core.errors import FormatError, ShapeError
+from ..core.errors import FormatError, InputError, ShapeError
 from .atomic import replacing
 from .bc7 import Blocks, described
-
-MOST_PIXELS = 16384  # a side, as in Direct3D 11 and what every GPU of its time takes
+from .memory import check_memory
+from .texture import MOST_PIXELS, PixelFormat, Texture, blocks_shape, size_misfit
 
 
 class DdsFormat(IntEnum):
@@ -29,16 +30,32 @@ class DdsFormat(IntEnum):
     BC5_UNORM = 83
     BC6H_UF16 = 95
     BC7_UNORM = 98
+    R16G16B16A16_FLOAT = 10
+
+    @property
+    def pixel_format(self) -> PixelFormat:
+        """The same as other files call it."""
+        return _PIXEL_FORMATS[self]
 
     @property
     def side(self) -> int:
         """Pixels along a block's side."""
-        return 1 if self is DdsFormat.R8G8B8A8_UNORM else 4
+        return self.pixel_format.side
 
     @property
     def block_bytes(self) -> int:
         """The size of a block."""
-        return 4 if self is DdsFormat.R8G8B8A8_UNORM else 16
+        return self.pixel_format.block_bytes
+
+
+_PIXEL_FORMATS = {
+    DdsFormat.R8G8B8A8_UNORM: PixelFormat.RGBA8,
+    DdsFormat.BC5_UNORM: PixelFormat.BC5,
+    DdsFormat.BC6H_UF16: PixelFormat.BC6H,
+    DdsFormat.BC7_UNORM: PixelFormat.BC7,
+    DdsFormat.R16G16B16A16_FLOAT: PixelFormat.RGBA16F,
+}
+_DDS_FORMATS = {theirs: ours for ours, theirs in _PIXEL_FORMATS.items()}
 
 
 class _Header(NamedTuple):
@@ -78,12 +95,13 @@ _FLAGS = 0x1 | 0x2 | 0x4 | 0x1000  # the header has capabilities, height, width,
 _PITCH, _LINEAR_SIZE = 0x8, 0x80000  # and the bytes of a row, or of all
 _FOUR_CC, _DX10 = 0x4, b"DX10"
 _TEXTURE = 0x1000
+_MIPMAPPED, _MIPMAPS = 0x20000, 0x8 | 0x400000  # in flags, and in caps: one of several surfaces, with mipmaps
 _CUBE_OR_VOLUME = 0x200 | 0x200000  # in caps2
 _TEXTURE_2D, _CUBE = 3, 0x4
 
 
 def write_dds(path: Path, blocks: Blocks, texture_format: DdsFormat) -> None:
-    """Write one 2D texture without mipmaps: (H/4, W/4, 16) uint8 of blocks, or (H, W, 4) of R8G8B8A8.
+    """Write one 2D texture without mipmaps: (H/4, W/4, 16) uint8 of blocks, or (H, W, bytes) of pixels.
 
     Rows are stored as given: whether the first is the picture's top or bottom is the caller's business. On
     failure `path` is what it was. Raises ShapeError for another shape or type, or more than 16384 pixels a
@@ -96,10 +114,27 @@ def write_dds(path: Path, blocks: Blocks, texture_format: DdsFormat) -> None:
     height, width = blocks.shape[0] * kind.side, blocks.shape[1] * kind.side
     if max(height, width) > MOST_PIXELS:
         raise ShapeError(f"{path}: {width} x {height} pixels are too many, {MOST_PIXELS} a side is the most")
-    header = _header(kind, width, height, blocks.nbytes)
+    write_texture(path, Texture(kind.pixel_format, width, height, (blocks[None],)))
+
+
+def write_texture(path: Path, texture: Texture) -> None:
+    """Write a texture, with its layers and mip levels, rows as they are stored.
+
+    On failure `path` is what it was. Raises InputError for a format that DDS does not know, or for blocks
+    that reach beyond the edge, which Direct3D refuses; BakeError where the system refuses.
+    """
+    kind = _DDS_FORMATS.get(texture.format)
+    if kind is None:
+        raise InputError(f"{path}: {texture.format} is not written to DDS; choose {', '.join(_DDS_FORMATS)}")
+    if texture.width % kind.side or texture.height % kind.side:
+        found = f"{texture.width} x {texture.height} pixels are no whole blocks of 4 x 4"
+        raise InputError(f"{path}: {found}, which Direct3D needs; choose {PixelFormat.RGBA16F}, or KTX2")
+    header = _header(kind, texture)
     with replacing(path) as beside, beside.open("wb") as file:
         file.write(_LAYOUT.pack(*header))
-        file.write(np.ascontiguousarray(blocks).data)
+        for layer in range(texture.layers):
+            for blocks in texture.levels:
+                file.write(np.ascontiguousarray(blocks[layer]).data)
 
 
 def read_dds(path: Path) -> tuple[DdsFormat, Blocks, int, int]:
@@ -108,47 +143,69 @@ def read_dds(path: Path) -> tuple[DdsFormat, Blocks, int, int]:
     The last blocks of a row and a column may reach beyond the width and height. Raises FormatError, with the
     path, for a file that is missing, cut short, no DDS, or holds anything else than one 2D texture of ours.
     """
+    kind, texture = _read(path, alone=True)
+    return kind, texture.levels[0][0], texture.width, texture.height
+
+
+def read_texture(path: Path) -> Texture:
+    """What `write_texture` wrote; one layer is read as no array.
+
+    Raises FormatError as `read_dds` does, and for a file too large for this machine's memory.
+    """
+    return _read(path, alone=False)[1]
+
+
+def _read(path: Path, alone: bool) -> tuple[DdsFormat, Texture]:
+    """The texture of a file; `alone` refuses layers and mip levels."""
     try:
         with path.open("rb") as file:
             size = os.fstat(file.fileno()).st_size
-            kind, width, height = _checked(path, file.read(_LAYOUT.size), size)
-            rows, columns = -(-height // kind.side), -(-width // kind.side)
-            data = np.empty((rows, columns, kind.block_bytes), np.uint8)
-            got = file.readinto(data.data)
+            header, kind = _checked(path, file.read(_LAYOUT.size), size, alone)
+            shapes = _shapes(header, kind)
+            levels = tuple(np.empty(shape, np.uint8) for shape in shapes)
+            parts = [level[layer] for layer in range(header.layers) for level in levels]
+            got = sum(file.readinto(part.data) for part in parts)
     except OSError as error:
         raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
-    if got != data.nbytes:
+    if got != sum(level.nbytes for level in levels):
         raise FormatError(f"{path} was cut short while it was read: bake it again")
-    return kind, data, width, height
+    return kind, Texture(kind.pixel_format, header.width, header.height, levels, header.layers > 1)
 
 
-def _header(kind: DdsFormat, width: int, height: int, size: int) -> _Header:
-    packed = kind.side > 1
+def _header(kind: DdsFormat, texture: Texture) -> _Header:
+    packed, mipmapped = kind.side > 1, len(texture.levels) > 1
+    pitch = texture.levels[0][0].nbytes if packed else texture.width * kind.block_bytes
     return _Header(
         magic=_MAGIC,
         size=_SIZE,
-        flags=_FLAGS | (_LINEAR_SIZE if packed else _PITCH),
-        height=height,
-        width=width,
-        pitch=size if packed else width * kind.block_bytes,
+        flags=_FLAGS | (_LINEAR_SIZE if packed else _PITCH) | (_MIPMAPPED if mipmapped else 0),
+        height=texture.height,
+        width=texture.width,
+        pitch=pitch,
         depth=0,
-        mipmaps=1,
+        mipmaps=len(texture.levels),
         pixel_size=_PIXEL_SIZE,
         pixel_flags=_FOUR_CC,
         four_cc=_DX10,
         **dict.fromkeys(("bits", "red", "green", "blue", "alpha"), 0),
-        caps=_TEXTURE,
+        caps=_TEXTURE | (_MIPMAPS if mipmapped else 0),
         **dict.fromkeys(("caps2", "caps3", "caps4", "reserved"), 0),
         dxgi=int(kind),
         dimension=_TEXTURE_2D,
         misc=0,
-        layers=1,
+        layers=texture.layers,
         misc2=0,  # what alpha means is unknown: old readers refuse anything else
     )
 
 
-def _checked(path: Path, head: bytes, size: int) -> tuple[DdsFormat, int, int]:
-    """Format, width and height of a file of `size` bytes that begins with `head`, once nothing is amiss."""
+def _shapes(header: _Header, kind: DdsFormat) -> list[tuple[int, int, int, int]]:
+    """Those of the levels' blocks; a file may say that it has no mipmaps by their number 0."""
+    width, height, count = header.width, header.height, max(1, header.mipmaps)
+    return [blocks_shape(kind.pixel_format, width, height, header.layers, level) for level in range(count)]
+
+
+def _checked(path: Path, head: bytes, size: int, alone: bool) -> tuple[_Header, DdsFormat]:
+    """The header and format of a file of `size` bytes that begins with `head`, once nothing is amiss."""
     if head[: len(_MAGIC)] != _MAGIC[: len(head)] or not head:
         raise FormatError(f"{path} is not a DDS file")
     if len(head) < _LAYOUT.size:
@@ -157,17 +214,18 @@ def _checked(path: Path, head: bytes, size: int) -> tuple[DdsFormat, int, int]:
     if header.size != _SIZE or header.pixel_size != _PIXEL_SIZE:
         raise FormatError(f"{path} is damaged, its header cannot be read: bake it again")
     kind = _kind(path, header)
-    one = header.dimension == _TEXTURE_2D and header.layers == 1 and header.mipmaps <= 1
-    if not one or header.misc & _CUBE or header.caps2 & _CUBE_OR_VOLUME:
-        raise FormatError(f"{path} is no single 2D texture: save it without mipmaps, layers, sides and depth")
-    width, height = header.width, header.height
-    if not (1 <= width <= MOST_PIXELS and 1 <= height <= MOST_PIXELS):
-        raise FormatError(f"{path} has {width} x {height} pixels, expected 1 to {MOST_PIXELS} a side")
-    expected = _LAYOUT.size + -(-height // kind.side) * -(-width // kind.side) * kind.block_bytes
+    if header.dimension != _TEXTURE_2D or header.misc & _CUBE or header.caps2 & _CUBE_OR_VOLUME:
+        raise FormatError(f"{path} is no single 2D texture: save it without sides and depth")
+    if alone and (header.layers != 1 or header.mipmaps > 1):
+        raise FormatError(f"{path} is no single 2D texture: save it without mipmaps and layers")
+    if misfit := size_misfit(header.width, header.height, header.layers, max(1, header.mipmaps)):
+        raise FormatError(f"{path} has {misfit}")
+    expected = _LAYOUT.size + sum(prod(shape) for shape in _shapes(header, kind))
     if size != expected:
         wrong = "is cut short" if size < expected else "has more in it than one texture"
         raise FormatError(f"{path} {wrong}: {size} bytes, its header says {expected}; bake it again")
-    return kind, width, height
+    check_memory(str(path), size)
+    return header, kind
 
 
 def _kind(path: Path, header: _Header) -> DdsFormat:

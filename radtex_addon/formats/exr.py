@@ -19,7 +19,7 @@ import OpenEXR
 from ..core.arrays import Floats
 from ..core.errors import BakeError, FormatError, ShapeError
 from .atomic import replacing
-from .memory import physical_memory, readable_size
+from .memory import check_memory
 from .sidecar import Sidecar
 
 HALF_MOST = 65504.0  # the largest finite half float
@@ -181,20 +181,13 @@ def _headers(path: Path) -> list[dict[str, Any]]:
         raise FormatError(f"{path} is damaged: it has no image in it")
     if any(header["type"] not in _FLAT for header in headers):
         raise FormatError(f"{path} is a deep image: flat ones can be read")
-    _check_memory(path, sum(_pixel_bytes(header) for header in headers))
+    check_memory(str(path), sum(_pixel_bytes(header) for header in headers))
     return headers
 
 
 def _pixel_bytes(header: dict[str, Any]) -> int:
     (x0, y0), (x1, y1) = header["dataWindow"]
     return (int(x1) - int(x0) + 1) * (int(y1) - int(y0) + 1) * len(header["channels"]) * 4
-
-
-def _check_memory(path: Path, needed: int) -> None:
-    memory = physical_memory()
-    if memory is not None and needed > memory:
-        needs, has = readable_size(needed), readable_size(memory)
-        raise FormatError(f"{path} needs {needs} of memory, this machine has {has}")
 
 
 def _layers(path: Path, count: int) -> dict[str, Floats]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A sidecar's JSON, read key by key with errors that name the key."""
+"""The JSON of a sidecar or a manifest, read key by key with errors that name the key."""
 
 from __future__ import annotations
 
@@ -19,30 +19,31 @@ def json_text(facts: dict[str, Any]) -> str:
 
 @dataclass(frozen=True)
 class Facts:
-    """A JSON object whose keys are read with their types; `source` names it in errors.
+    """A JSON object whose keys are read with their types; `source` names it in errors, `what` is its kind.
 
     Every method raises FormatError for a missing or mistyped key.
     """
 
     values: dict[str, Any]
     source: str
+    what: str = "RadTex sidecar"
 
     @classmethod
-    def parse(cls, text: str, source: str) -> Facts:
+    def parse(cls, text: str, source: str, what: str = "RadTex sidecar") -> Facts:
         """Read what `json_text` wrote. Raises FormatError for what is no JSON object."""
         try:
             values = json.loads(text)
         except (ValueError, RecursionError) as error:
             raise FormatError(f"{source} is not JSON ({error}): bake it again") from error
         if not isinstance(values, dict):
-            raise FormatError(f"{source} is not a JSON object: it is no RadTex sidecar")
-        return cls(values, source)
+            raise FormatError(f"{source} is not a JSON object: it is no {what}")
+        return cls(values, source, what)
 
     def inner(self, key: str) -> Facts:
         value = self._of(key)
         if not isinstance(value, dict):
             raise self._mistyped(key, "an object")
-        return Facts(value, f'{self.source}, in "{key}",')
+        return Facts(value, f'{self.source}, in "{key}",', self.what)
 
     def whole_number(self, key: str, least: int, most: float = math.inf) -> int:
         value = self._of(key)
@@ -69,16 +70,30 @@ class Facts:
             raise self._mistyped(key, "a list of texts")
         return tuple(value)
 
+    def truth(self, key: str) -> bool:
+        value = self._of(key)
+        if not isinstance(value, bool):
+            raise self._mistyped(key, "true or false")
+        return value
+
+    def choice(self, key: str, among: tuple[str, ...]) -> str:
+        value = self._of(key)
+        if value not in among:
+            raise self._mistyped(key, " or ".join(among))
+        return str(value)
+
     def choices(self, key: str, among: tuple[str, ...]) -> tuple[str, ...]:
         value = self._of(key)
         if not isinstance(value, list) or any(item not in among or value.count(item) > 1 for item in value):
             raise self._mistyped(key, f"a list of {' or '.join(among)}, each at most once")
         return tuple(value)
 
-    def size(self, key: str) -> tuple[int, int]:
+    def size(self, key: str, most: float = math.inf) -> tuple[int, int]:
         value = self._of(key)
-        if not isinstance(value, list) or len(value) != 2 or any(type(n) is not int or n < 1 for n in value):
-            raise self._mistyped(key, "two whole numbers of at least 1")
+        pair = isinstance(value, list) and len(value) == 2
+        if not pair or any(type(n) is not int or not 1 <= n <= most for n in value):
+            bound = "of at least 1" if most == math.inf else f"from 1 to {most}"
+            raise self._mistyped(key, f"two whole numbers {bound}")
         return value[0], value[1]
 
     def colours(self, key: str) -> tuple[tuple[float, float, float], ...]:
@@ -93,7 +108,7 @@ class Facts:
 
     def _of(self, key: str) -> Any:
         if key not in self.values:
-            raise FormatError(f'{self.source} lacks "{key}": it is no RadTex sidecar, or it was cut short')
+            raise FormatError(f'{self.source} lacks "{key}": it is no {self.what}, or it was cut short')
         return self.values[key]
 
     def _mistyped(self, key: str, expected: str) -> FormatError:

@@ -8,6 +8,8 @@ import ctypes
 import os
 import sys
 
+from ..core.errors import FormatError
+
 
 def physical_memory() -> int | None:
     """Bytes of memory that the machine has; None where the system does not tell."""
@@ -26,6 +28,14 @@ def readable_size(count: float) -> str:
             return f"{count:.0f} {unit}"
         count /= 1024
     return f"{count:.1f} GiB"
+
+
+def check_memory(what: str, needed: int) -> None:
+    """Make sure that the machine has `needed` bytes for `what`. Raises FormatError if not."""
+    memory = physical_memory()
+    if memory is not None and needed > memory:
+        needs, has = readable_size(needed), readable_size(memory)
+        raise FormatError(f"{what} needs {needs} of memory, this machine has {has}")
 
 
 def _windows_memory() -> int | None:

@@ -19,10 +19,11 @@ from ..core.condensed import CondensedAtlas
 from ..core.errors import BakeError, FormatError
 from ..core.shared import SharedAtlas
 from .atomic import replacing
-from .condensed_files import StoredAtlas, check_memory, digest, read_textures
+from .condensed_files import StoredAtlas, digest, read_textures
 from .condensed_sizes import texture_format
 from .dds import write_dds
 from .exr import Compression, header_text, read_pixels, stored_rows, write_rows
+from .memory import check_memory
 from .packing import (
     COLOUR,
     ENDS,
@@ -116,7 +117,7 @@ def read_shared(path: Path) -> tuple[SharedAtlas, SharedSidecar]:
     """
     sidecar = read_shared_sidecar(path)
     if sidecar.condensed is not None:
-        check_memory(path, _expanded_bytes(sidecar))
+        check_memory(f"the bake of {path}", _expanded_bytes(sidecar))
         return read_condensed(path)[0].expanded(), sidecar
     images = {layer: _read_layer(path, sidecar, layer) for layer in sidecar.shapes}
     atlas = SharedAtlas(

@@ -464,7 +464,7 @@ def test_what_no_memory_holds_is_refused_before_it_is_read(
         ),
         (200_000, r"Vase\.radiance\.json needs"),
     ]:
-        monkeypatch.setattr("radtex_addon.formats.condensed_files.physical_memory", lambda has=memory: has)
+        monkeypatch.setattr("radtex_addon.formats.memory.physical_memory", lambda has=memory: has)
         with pytest.raises(FormatError, match=message):
             read_shared(path)
     with pytest.raises(FormatError, match=r"Vase\.radiance\.json needs .* of memory"):

@@ -35,7 +35,7 @@ BLENDER = {"bpy", "bmesh", "mathutils", "bpy_extras", "gpu", "_cycles"}
 ALLOWED: dict[str, set[str]] = {
     "version": set(),
     "core": {"numpy"},
-    "formats": {"numpy", "OpenEXR"},
+    "formats": {"numpy", "OpenEXR", "zstandard"},
     "bake": {"numpy"},
     "scene": {"numpy"} | BLENDER,
 } | dict.fromkeys(("cycles", "preview", "export", "job", "report", "ui", "cli"), {"numpy"} | BLENDER)

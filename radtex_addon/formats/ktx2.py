@@ -1,0 +1,239 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""KTX 2.0 files: textures of light, 2D and 2D arrays, with mip levels, packed by Zstandard or not.
+
+Format: KTX File Format Specification 2.0, https://registry.khronos.org/KTX/specs/2.0/ktxspec.v2.html
+The first row is the bottom one, which the file says: KTXorientation is "ru".
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+import numpy as np
+import zstandard
+
+from ..core.errors import FormatError, InputError
+from ..version import VERSION
+from .atomic import replacing
+from .bc7 import Blocks
+from .ktx2_descriptor import descriptor
+from .memory import check_memory
+from .texture import PixelFormat, Texture, blocks_shape, size_misfit
+
+VK_FORMATS = {PixelFormat.RGBA16F: 97, PixelFormat.RGB9E5: 123, PixelFormat.BC6H: 143}  # VkFormat
+
+_TYPE_SIZES = {PixelFormat.RGBA16F: 2, PixelFormat.RGB9E5: 4, PixelFormat.BC6H: 1}
+_MAGIC = b"\xabKTX 20\xbb\r\n\x1a\n"
+_NONE, _ZSTD = 0, 2  # supercompression schemes
+_EFFORT = 9  # Zstandard's level
+_MOST_IN_A_BYTE = 1 << 15  # Zstandard's blocks have at least 4 bytes and hold at most 128 KiB
+_MOST_KEYS = 1 << 16  # bytes of key/value data that are read
+_ORIENTATION, _UPWARDS = b"KTXorientation", b"ru"
+
+
+class _Header(NamedTuple):
+    """What a file begins with, up to the level index."""
+
+    magic: bytes
+    vk_format: int
+    type_size: int
+    width: int
+    height: int
+    depth: int
+    layers: int
+    faces: int
+    levels: int
+    scheme: int
+    dfd_offset: int
+    dfd_length: int
+    kvd_offset: int
+    kvd_length: int
+    sgd_offset: int
+    sgd_length: int
+
+
+class _Level(NamedTuple):
+    """Where a mip level lies."""
+
+    offset: int
+    length: int
+    unpacked: int
+
+
+_LAYOUT = struct.Struct("<12s13I2Q")
+_LEVEL_LAYOUT = struct.Struct("<3Q")
+
+
+def write_ktx2(path: Path, texture: Texture, zstd: bool = True, premultiplied: bool = True) -> None:
+    """Write a texture of RGBA16F, RGB9E5 or BC6H, its rows as they are; ours begin with the bottom one.
+
+    `zstd` packs it without loss; `premultiplied` says that RGBA16F has associated alpha. On failure `path`
+    is what it was. Raises InputError for another format, BakeError where the system refuses.
+    """
+    kind = texture.format
+    if kind not in VK_FORMATS:
+        raise InputError(f"{path}: {kind} is not written to KTX2; choose {', '.join(VK_FORMATS)}")
+    data = [np.ascontiguousarray(blocks).data for blocks in texture.levels]
+    packer = zstandard.ZstdCompressor(level=_EFFORT, write_checksum=True, write_content_size=True)
+    stored: list[bytes | memoryview] = [packer.compress(level) if zstd else level for level in data]
+    dfd = descriptor(kind, premultiplied and kind is PixelFormat.RGBA16F)
+    kvd = _key_values({_ORIENTATION: _UPWARDS, b"KTXwriter": f"RadTex {VERSION}".encode()})
+    dfd_offset = _LAYOUT.size + len(data) * _LEVEL_LAYOUT.size
+    header = _Header(
+        magic=_MAGIC,
+        vk_format=VK_FORMATS[kind],
+        type_size=_TYPE_SIZES[kind],
+        width=texture.width,
+        height=texture.height,
+        depth=0,
+        layers=texture.layers if texture.is_array else 0,
+        faces=1,
+        levels=len(data),
+        scheme=_ZSTD if zstd else _NONE,
+        dfd_offset=dfd_offset,
+        dfd_length=len(dfd),
+        kvd_offset=dfd_offset + len(dfd),
+        kvd_length=len(kvd),
+        sgd_offset=0,
+        sgd_length=0,
+    )
+    alignment = 1 if zstd else max(kind.block_bytes, 4)  # the least common multiple: both are powers of 2
+    index: list[_Level] = []
+    end = dfd_offset + len(dfd) + len(kvd)
+    for packed, level in zip(reversed(stored), reversed(data), strict=True):  # the smallest lies first
+        begin = -(-end // alignment) * alignment
+        end = begin + memoryview(packed).nbytes
+        index.insert(0, _Level(begin, end - begin, level.nbytes))
+    with replacing(path) as beside, beside.open("wb") as file:
+        file.write(_LAYOUT.pack(*header))
+        file.writelines(_LEVEL_LAYOUT.pack(*level) for level in index)
+        file.write(dfd + kvd)
+        for place, packed in zip(reversed(index), reversed(stored), strict=True):
+            file.write(bytes(place.offset - file.tell()))
+            file.write(packed)
+
+
+def read_ktx2(path: Path) -> Texture:
+    """What `write_ktx2` wrote.
+
+    Raises FormatError, with the path, for a file that is missing, cut short, no KTX2, too large for this
+    machine's memory, or holds anything else than a texture of ours.
+    """
+    try:
+        with path.open("rb") as file:
+            size = os.fstat(file.fileno()).st_size
+            header, kind = _read_header(path, file)
+            index = _read_index(path, file, header, kind, size)
+            _check_descriptor(path, file, header, kind)
+            _check_orientation(path, file, header)
+            levels = tuple(_read_level(path, file, header, kind, index, level) for level in range(len(index)))
+    except OSError as error:
+        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
+    return Texture(kind, header.width, header.height, levels, header.layers > 0)
+
+
+def _key_values(values: dict[bytes, bytes]) -> bytes:
+    """Key/value data, sorted by key, each value ended by a NUL and filled up to a multiple of 4."""
+    data = b""
+    for key, value in sorted(values.items()):
+        pair = key + b"\0" + value + b"\0"
+        data += struct.pack("<I", len(pair)) + pair + bytes(-len(pair) % 4)
+    return data
+
+
+def _read_header(path: Path, file: BinaryIO) -> tuple[_Header, PixelFormat]:
+    head = file.read(_LAYOUT.size)
+    if head[: len(_MAGIC)] != _MAGIC[: len(head)] or not head:
+        raise FormatError(f"{path} is not a KTX2 file")
+    if len(head) < _LAYOUT.size:
+        raise FormatError(f"{path} is cut short: export it again")
+    header = _Header._make(_LAYOUT.unpack(head))
+    kinds = {number: kind for kind, number in VK_FORMATS.items()}
+    if header.vk_format not in kinds:
+        raise FormatError(f"{path} holds VkFormat {header.vk_format}: save it as {', '.join(kinds.values())}")
+    if header.depth or header.faces != 1:
+        raise FormatError(f"{path} is no 2D texture: save it without sides and depth")
+    if header.scheme not in (_NONE, _ZSTD):
+        raise FormatError(f"{path} is packed by scheme {header.scheme}: pack it by Zstandard or not at all")
+    if header.type_size != _TYPE_SIZES[kinds[header.vk_format]] or header.sgd_length:
+        raise FormatError(f"{path} is damaged, its header cannot be read: export it again")
+    if misfit := size_misfit(header.width, header.height, max(1, header.layers), header.levels):
+        raise FormatError(f"{path} has {misfit}")
+    return header, kinds[header.vk_format]
+
+
+def _read_index(path: Path, file: BinaryIO, header: _Header, kind: PixelFormat, size: int) -> list[_Level]:
+    """The levels' places in a file of `size` bytes, all of which it has, once they fit into memory."""
+    length = header.levels * _LEVEL_LAYOUT.size
+    data = file.read(length)
+    if len(data) < length:
+        raise FormatError(f"{path} is cut short: export it again")
+    index = [_Level._make(fields) for fields in _LEVEL_LAYOUT.iter_unpack(data)]
+    for number, level in enumerate(index):
+        expected = int(np.prod(_shape(header, kind, number), dtype=np.int64))
+        if level.offset + level.length > size:
+            raise FormatError(f"{path} is cut short: export it again")
+        possible = level.length * _MOST_IN_A_BYTE if header.scheme else level.length
+        packed = header.scheme or level.length == expected
+        if level.unpacked != expected or possible < expected or not packed:
+            raise FormatError(f"{path} is damaged, its level {number} is not of its size: export it again")
+    if max(level.offset + level.length for level in index) != size:
+        raise FormatError(f"{path} has more in it than one texture: export it again")
+    check_memory(str(path), sum(level.length + level.unpacked for level in index))
+    return index
+
+
+def _shape(header: _Header, kind: PixelFormat, level: int) -> tuple[int, int, int, int]:
+    return blocks_shape(kind, header.width, header.height, max(1, header.layers), level)
+
+
+def _check_descriptor(path: Path, file: BinaryIO, header: _Header, kind: PixelFormat) -> None:
+    ours = [descriptor(kind, premultiplied) for premultiplied in (False, True)]
+    file.seek(header.dfd_offset)
+    if header.dfd_length != len(ours[0]) or file.read(len(ours[0])) not in ours:
+        raise FormatError(f"{path} says of its {kind} what RadTex does not write: export it again")
+
+
+def _check_orientation(path: Path, file: BinaryIO, header: _Header) -> None:
+    file.seek(header.kvd_offset)
+    data = file.read(min(header.kvd_length, _MOST_KEYS))
+    found = dict(_pairs(data)).get(_ORIENTATION, b"rd").rstrip(b"\0")
+    if found != _UPWARDS:
+        shown = found[:8].decode("latin-1")
+        raise FormatError(f'{path} has the orientation {shown!r}, expected "ru", v upwards: export it again')
+
+
+def _pairs(data: bytes) -> Iterator[tuple[bytes, bytes]]:
+    """Keys and values, as far as they are whole."""
+    place = 0
+    while place + 4 <= len(data):
+        (length,) = struct.unpack_from("<I", data, place)
+        key, _, value = data[place + 4 : place + 4 + length].partition(b"\0")
+        yield key, value
+        place += 4 + length + -length % 4
+
+
+def _read_level(
+    path: Path, file: BinaryIO, header: _Header, kind: PixelFormat, index: list[_Level], level: int
+) -> Blocks:
+    file.seek(index[level].offset)
+    data = file.read(index[level].length)
+    if len(data) != index[level].length:
+        raise FormatError(f"{path} was cut short while it was read: export it again")
+    if header.scheme == _ZSTD:
+        data = _unpacked(path, data, index[level].unpacked)
+    return np.frombuffer(data, np.uint8).reshape(_shape(header, kind, level))
+
+
+def _unpacked(path: Path, data: bytes, size: int) -> bytes:
+    try:
+        if zstandard.get_frame_parameters(data).content_size == size:
+            return zstandard.ZstdDecompressor().decompress(data, max_output_size=size)
+    except zstandard.ZstdError as error:
+        raise FormatError(f"{path} is damaged: {error}; export it again") from error
+    raise FormatError(f"{path} is damaged, a level unpacks to another size: export it again")

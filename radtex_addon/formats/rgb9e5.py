@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""RGB9E5: light in four bytes a pixel, three mantissas of nine bits that share an exponent of five.
+
+Format: Khronos Data Format Specification 1.3, section "Shared exponent formats",
+https://registry.khronos.org/DataFormat/specs/1.3/dataformat.1.3.html; OpenGL's EXT_texture_shared_exponent
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from ..core.arrays import Floats
+from ..core.errors import FormatError, InputError, ShapeError
+
+MOST = 65408.0  # 511/512 of 2^16
+
+_BITS, _BIAS, _LAST = 9, 15, 511  # of a mantissa, of the exponent, and a mantissa's greatest value
+_ROWS = 256  # encoded at once
+
+
+def encode_rgb9e5(image: Floats) -> npt.NDArray[np.uint8]:
+    """Pixels (H, W, 4), the words' bytes, low one first, of an image (H, W, 3), linear; clamped to 0..65408.
+
+    A value is off by at most 1/512 of the pixel's greatest one, or 2^-25 in pixels below 2^-16: the
+    greatest by 0.003 stops. Raises ShapeError for another shape, InputError for values that are not numbers.
+    """
+    if image.ndim != 3 or image.shape[2] != 3 or image.dtype.kind != "f":
+        raise ShapeError(f"image: expected shape (H, W, 3) of floats, got {image.shape} of {image.dtype}")
+    words = np.empty(image.shape[:2], "<u4")
+    for first in range(0, len(image), _ROWS):
+        some = image[first : first + _ROWS].astype(np.float32)
+        if wrong := np.count_nonzero(np.isnan(some)):
+            raise InputError(f"image: {wrong} of its values are not numbers; bake it again")
+        words[first : first + _ROWS] = _words(np.clip(some, 0, np.float32(MOST)))
+    return words.view(np.uint8).reshape(*image.shape[:2], 4)
+
+
+def decode_rgb9e5(pixels: npt.NDArray[np.uint8]) -> Floats:
+    """The image (H, W, 3) float32 of pixels (H, W, 4). Raises FormatError for another shape or type."""
+    if pixels.ndim != 3 or pixels.shape[2] != 4 or pixels.dtype != np.uint8:
+        raise FormatError(f"pixels: expected (H, W, 4) of uint8, got {pixels.shape} of {pixels.dtype}")
+    words = np.ascontiguousarray(pixels).view("<u4")
+    mantissas = (words >> np.array([0, _BITS, 2 * _BITS], np.uint32)) & np.uint32(_LAST)
+    exponent = (words >> np.uint32(3 * _BITS)).astype(np.int32) - _BIAS - _BITS
+    return np.ldexp(mantissas.astype(np.float32), exponent)
+
+
+def _words(light: Floats) -> npt.NDArray[np.uint32]:
+    """Words (H, W) of light (H, W, 3) within 0..MOST, float32."""
+    greatest = light.max(axis=2)
+    exponent = np.maximum(np.frexp(greatest)[1], -_BIAS)  # greatest < 2^exponent
+    exponent += np.rint(np.ldexp(greatest, _BITS - exponent)) > _LAST  # where rounding reaches 2^exponent
+    mantissas = np.rint(np.ldexp(light, (_BITS - exponent)[..., None])).astype(np.uint32)
+    shifted: npt.NDArray[np.uint32] = mantissas << np.array([0, _BITS, 2 * _BITS], np.uint32)
+    biased = (exponent + _BIAS).astype(np.uint32) << np.uint32(3 * _BITS)
+    words: npt.NDArray[np.uint32] = np.bitwise_or.reduce(shifted, axis=2) | biased
+    return words

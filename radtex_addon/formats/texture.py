@@ -1,0 +1,164 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A texture as a GPU takes it: format, mip levels, layers; encoded from images and decoded again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from ..core.arrays import Floats
+from ..core.errors import InputError, ShapeError
+from .bc6h import MOST, decode_bc6h, encode_bc6h
+from .bc7 import Blocks, described
+from .rgb9e5 import decode_rgb9e5, encode_rgb9e5
+
+MOST_PIXELS = 16384  # a side, as in Direct3D 11 and what every GPU of its time takes
+MOST_LAYERS = 2048  # of an array, likewise
+
+_PACKED = ("BC5", "BC6H", "BC7")
+_BYTES = {"RGBA16F": 8, "RGB9E5": 4, "RGBA8": 4}  # of a pixel; a block of 4 x 4 pixels has 16
+
+
+class PixelFormat(StrEnum):
+    """What a pixel or a block of pixels is. BC6H is the one without signs."""
+
+    RGBA16F = "RGBA16F"
+    RGB9E5 = "RGB9E5"
+    BC6H = "BC6H"
+    BC5 = "BC5"
+    BC7 = "BC7"
+    RGBA8 = "RGBA8"
+
+    @property
+    def side(self) -> int:
+        """Pixels along a block's side."""
+        return 4 if self in _PACKED else 1
+
+    @property
+    def block_bytes(self) -> int:
+        """The size of a block."""
+        return _BYTES.get(self, 16)
+
+
+ENCODED = (PixelFormat.RGBA16F, PixelFormat.RGB9E5, PixelFormat.BC6H)  # what holds light
+
+
+@dataclass(frozen=True, eq=False)
+class Texture:
+    """A 2D texture, or an array of such, of `width` x `height` pixels.
+
+    `levels` are the mip levels, the largest first, each (layers, rows, columns, bytes of a block) uint8;
+    level L has max(1, width >> L) x max(1, height >> L) pixels. Rows are as they are stored: ours begin with
+    the bottom one. Raises ShapeError for levels that are no such texture or that GPUs do not take.
+    """
+
+    format: PixelFormat
+    width: int
+    height: int
+    levels: tuple[Blocks, ...]
+    is_array: bool = False
+
+    def __post_init__(self) -> None:
+        if misfit := size_misfit(self.width, self.height, self.layers, len(self.levels)):
+            raise ShapeError(f"texture: {misfit}")
+        if self.layers > 1 and not self.is_array:
+            raise ShapeError(f"texture: {self.layers} layers make an array")
+        for level, blocks in enumerate(self.levels):
+            expected = blocks_shape(self.format, self.width, self.height, self.layers, level)
+            if blocks.shape != expected or blocks.dtype != np.uint8:
+                raise ShapeError(f"level {level}: expected {expected} of uint8, got {described(blocks)}")
+
+    @property
+    def layers(self) -> int:
+        """How many images a level has: 1 of what is no array."""
+        return len(self.levels[0]) if self.levels else 0
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes on a GPU."""
+        return sum(blocks.nbytes for blocks in self.levels)
+
+
+def most_levels(width: int, height: int) -> int:
+    """How many mip levels there are down to 1 x 1 pixel."""
+    return max(width, height).bit_length()
+
+
+def size_misfit(width: int, height: int, layers: int, levels: int) -> str | None:
+    """Why GPUs do not take such a texture; None if they do."""
+    if not (1 <= width <= MOST_PIXELS and 1 <= height <= MOST_PIXELS):
+        return f"{width} x {height} pixels, expected 1 to {MOST_PIXELS} a side"
+    if not 1 <= layers <= MOST_LAYERS:
+        return f"{layers} layers, expected 1 to {MOST_LAYERS}"
+    if not 1 <= levels <= most_levels(width, height):
+        return f"{levels} mip levels, expected 1 to {most_levels(width, height)}"
+    return None
+
+
+def blocks_shape(
+    pixel_format: PixelFormat, width: int, height: int, layers: int, level: int
+) -> tuple[int, int, int, int]:
+    """The shape of a level's blocks: layers, rows, columns, bytes of a block."""
+    side = pixel_format.side
+    rows, columns = (-(-max(1, size >> level) // side) for size in (height, width))
+    return layers, rows, columns, pixel_format.block_bytes
+
+
+def encode_texture(images: Sequence[Floats], pixel_format: PixelFormat, is_array: bool = False) -> Texture:
+    """The texture of mip levels (layers, H, W, C), the largest first, scene-linear; C is 3 or 4.
+
+    Where C is 3, RGBA16F gets an alpha of 1; where it is 4, the others lose alpha. Values beyond the format
+    are clamped, below 0 too where it has no sign. Blocks that reach beyond an edge repeat the last pixels.
+    Raises ShapeError for images of other shapes, InputError for values that are not numbers and for formats
+    that do not hold light.
+    """
+    if pixel_format not in ENCODED:
+        raise InputError(f"{pixel_format} does not hold light: choose {', '.join(ENCODED)}")
+    for image in images:
+        if image.ndim != 4 or image.shape[3] not in (3, 4) or not image.size:
+            raise ShapeError(f"image: expected shape (layers, H, W, 3 or 4), got {image.shape}")
+    height, width = images[0].shape[1:3]
+    levels = tuple(np.stack([_encoded(layer, pixel_format) for layer in image]) for image in images)
+    return Texture(pixel_format, width, height, levels, is_array)
+
+
+def decode_texture(texture: Texture) -> list[Floats]:
+    """The mip levels (layers, H, W, C), float32; C is 4 of RGBA16F, else 3.
+
+    Raises FormatError for blocks that RadTex does not write, InputError for formats that do not hold light.
+    """
+    if texture.format not in ENCODED:
+        raise InputError(f"{texture.format} does not hold light: choose {', '.join(ENCODED)}")
+    images = []
+    for level, blocks in enumerate(texture.levels):
+        whole = np.stack([_decoded(layer, texture.format) for layer in blocks])
+        images.append(whole[:, : max(1, texture.height >> level), : max(1, texture.width >> level)])
+    return images
+
+
+def _encoded(image: Floats, pixel_format: PixelFormat) -> Blocks:
+    """The blocks of an image (H, W, 3 or 4)."""
+    if pixel_format is PixelFormat.RGB9E5:
+        return encode_rgb9e5(image[..., :3])
+    if pixel_format is PixelFormat.BC6H:
+        height, width = image.shape[:2]
+        filled = np.pad(image[..., :3], ((0, -height % 4), (0, -width % 4), (0, 0)), mode="edge")
+        return encode_bc6h(filled)
+    if wrong := np.count_nonzero(np.isnan(image)):
+        raise InputError(f"image: {wrong} of its values are not numbers; bake it again")
+    half = np.ones((*image.shape[:2], 4), "<f2")
+    half[..., : image.shape[2]] = np.clip(image, -MOST, MOST)
+    return half.view(np.uint8)
+
+
+def _decoded(blocks: Blocks, pixel_format: PixelFormat) -> Floats:
+    """The image of one layer's blocks."""
+    if pixel_format is PixelFormat.RGB9E5:
+        return decode_rgb9e5(blocks)
+    if pixel_format is PixelFormat.BC6H:
+        return decode_bc6h(blocks)
+    return np.ascontiguousarray(blocks).view("<f2").astype(np.float32)
