@@ -34,7 +34,7 @@ PACKAGES = (
     *("godot", "chromium", "fonts-dejavu-core"),
     *("libgl1-mesa-dri", "libegl1", "libegl-mesa0", "libgles2", "mesa-vulkan-drivers"),
     *("xvfb", "xauth", "xdotool", "imagemagick"),
-    *("glslang-tools", "spirv-tools", "spirv-cross"),
+    *("glslang-tools", "spirv-tools", "spirv-cross", "vkd3d-compiler"),
     *("python3-numpy", "python3-cffi", "python3-pip"),
 )
 WHEELS = ("wgpu==0.32.0",)
