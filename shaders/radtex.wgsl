@@ -1,0 +1,169 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+//
+// Look up a radiance texture: WGSL. Put it before your shader's text, then
+//
+//     let I = radtex_incidence(camera - position, normal, tangent.xyz, tangent.w);
+//     let colour = radtex_sample(atlas, vec2i(W, H), n, uv, I, RADTEX_QUADRILINEAR);
+//
+// `atlas` is <name>.<kind>.exr: W x H texels of n x n cells, scene-linear Rec.709, alpha premultiplied, uploaded bottom
+// row first (v = 0 is row 0). Normal and tangent are MikkTSpace's of the baked UV map, interpolated; tangent.w is the
+// bitangent's sign, times the sign of the model matrix's determinant. Far away, either of
+//
+//     radtex_sample_level(atlas, vec2i(W, H), n, uv, I, radtex_level(uv, vec2i(W, H), levels));
+//     radtex_slices(slices, filtering, n, uv, I);
+//
+// with the atlas's mip levels, or with its slices: an array texture; `filtering` is linear and clamps to the edge. Such
+// a sampler can blend an atlas's cells, too, where names end in _filtered. An atlas in pages needs radtex_pages.wgsl.
+
+const RADTEX_NEAREST: i32 = 0;       // one cell: the paper's one lookup
+const RADTEX_LINEAR: i32 = 1;        // bilinear inside the bucket
+const RADTEX_QUADRILINEAR: i32 = 2;  // four texels, each bilinear inside its bucket
+
+// The vector towards the viewer in the surface frame (T, Bt, N). Vectors in any one space, of any length but zero.
+fn radtex_incidence(to_viewer: vec3f, normal: vec3f, tangent: vec3f, bitangent_sign: f32) -> vec3f {
+    let N = normalize(normal);
+    var T = tangent / max(length(tangent), 1e-30);
+    T -= N * dot(N, T);
+    if dot(T, T) < 1e-8 { T = cross(select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 0.0, 1.0), abs(N.z) < 0.9), N); }
+    T = normalize(T);
+    let Bt = sign(bitangent_sign) * cross(N, T);
+    let V = normalize(to_viewer);
+    return vec3f(dot(V, T), dot(V, Bt), dot(V, N));
+}
+
+// Where a unit direction in the frame lies in its bucket: B in [-1, 1]^2. Below the horizon: the rim, at its azimuth.
+fn radtex_bucket(I: vec3f) -> vec2f {
+    var A = I.xy / sqrt(max(1.0 + I.z, 1e-30));         // equisolid: sqrt(2) I.xy / |I + (0,0,1)|, for a unit I
+    A /= max(length(A), 1.0);
+    let widest = max(abs(A.x), abs(A.y));
+    return A * (length(A) / max(widest, 1e-30));        // disc to square: A |A| / max(|A.x|, |A.y|)
+}
+
+// Where to look between whole numbers: the pixels or texels around, and how far towards `high`.
+struct RadtexBetween { low: vec2i, high: vec2i, f: vec2f }
+
+// The four cells around B, never beyond the bucket's own: the bleed guard, B in [1/n - 1, 1 - 1/n].
+fn radtex_cells(n: i32, B: vec2f) -> RadtexBetween {
+    let position = clamp((B + 1.0) * 0.5 * f32(n), vec2f(0.5), vec2f(f32(n) - 0.5)) - 0.5;
+    let low = vec2i(position);
+    return RadtexBetween(low, min(low + 1, vec2i(n - 1)), position - vec2f(low));
+}
+
+// The four texels around `uv` at a mip level, never beyond the atlas's edge.
+fn radtex_around(texels: vec2i, uv: vec2f, level: i32) -> RadtexBetween {
+    let position = uv * vec2f(texels) / f32(1u << u32(level)) - 0.5;
+    let last = (texels - 1) >> vec2u(u32(level));       // ceil(texels / 2^level) - 1
+    let corner = vec2i(floor(position));
+    return RadtexBetween(clamp(corner, vec2i(0), last), clamp(corner + 1, vec2i(0), last), fract(position));
+}
+
+// Bilinear between four values, in the order in which rows are read.
+fn radtex_mix(a: vec4f, b: vec4f, c: vec4f, d: vec4f, f: vec2f) -> vec4f {
+    return mix(mix(a, b, f.x), mix(c, d, f.x), f.y);
+}
+
+// One texel's bucket at B, by cells or bilinear between the four around it.
+fn radtex_texel(atlas: texture_2d<f32>, texel: vec2i, n: i32, B: vec2f, blend: bool, level: i32) -> vec4f {
+    let origin = texel * n;
+    if !blend {
+        let cell = clamp(vec2i((B + 1.0) * 0.5 * f32(n)), vec2i(0), vec2i(n - 1));
+        return textureLoad(atlas, origin + cell, level);
+    }
+    let c = radtex_cells(n, B);
+    return radtex_mix(textureLoad(atlas, origin + c.low, level),
+                      textureLoad(atlas, origin + vec2i(c.high.x, c.low.y), level),
+                      textureLoad(atlas, origin + vec2i(c.low.x, c.high.y), level),
+                      textureLoad(atlas, origin + c.high, level), c.f);
+}
+
+// The four texels around `uv`, each bilinear in its bucket. Level L averages blocks of 2^L x 2^L texels, cell by cell.
+fn radtex_four(atlas: texture_2d<f32>, texels: vec2i, n: i32, uv: vec2f, B: vec2f, level: i32) -> vec4f {
+    let t = radtex_around(texels, uv, level);
+    return radtex_mix(radtex_texel(atlas, t.low, n, B, true, level),
+                      radtex_texel(atlas, vec2i(t.high.x, t.low.y), n, B, true, level),
+                      radtex_texel(atlas, vec2i(t.low.x, t.high.y), n, B, true, level),
+                      radtex_texel(atlas, t.high, n, B, true, level), t.f);
+}
+
+// Radiance (rgb, premultiplied) and alpha that leave the surface at `uv` in the direction I of the frame.
+fn radtex_sample(atlas: texture_2d<f32>, texels: vec2i, n: i32, uv: vec2f, I: vec3f, mode: i32) -> vec4f {
+    let B = radtex_bucket(I);
+    if mode == RADTEX_QUADRILINEAR { return radtex_four(atlas, texels, n, uv, B, 0); }
+    let texel = clamp(vec2i(floor(uv * vec2f(texels))), vec2i(0), texels - 1);
+    return radtex_texel(atlas, texel, n, B, mode == RADTEX_LINEAR, 0);
+}
+
+// The same, quadrilinear, between the mip levels around `level`, which is 0 or more and the atlas's last at most.
+fn radtex_sample_level(atlas: texture_2d<f32>, texels: vec2i, n: i32, uv: vec2f, I: vec3f, level: f32) -> vec4f {
+    let B = radtex_bucket(I);
+    let low = i32(level);
+    let sharper = radtex_four(atlas, texels, n, uv, B, low);
+    if level == f32(low) { return sharper; }            // always so where the texture is magnified
+    return mix(sharper, radtex_four(atlas, texels, n, uv, B, low + 1), level - f32(low));
+}
+
+// The mip level at which a texel is as wide as a pixel of the screen: log2 of the longer derivative, in texels. Only in
+// the fragment stage, in uniform control flow.
+fn radtex_level(uv: vec2f, texels: vec2i, levels: i32) -> f32 {
+    let across = dpdx(uv) * vec2f(texels);
+    let up = dpdy(uv) * vec2f(texels);
+    return min(0.5 * log2(max(max(dot(across, across), dot(up, up)), 1.0)), f32(levels - 1));
+}
+
+// The quadrilinear filter of slices: layer q * n + p holds the cell (p, q) of all texels, so that the four cells around
+// B take one hardware lookup each, with mipmaps and anisotropy. Only in the fragment stage, in uniform control flow.
+fn radtex_slices(slices: texture_2d_array<f32>, filtering: sampler, n: i32, uv: vec2f, I: vec3f) -> vec4f {
+    let c = radtex_cells(n, radtex_bucket(I));
+    return radtex_mix(textureSample(slices, filtering, uv, c.low.y * n + c.low.x),
+                      textureSample(slices, filtering, uv, c.low.y * n + c.high.x),
+                      textureSample(slices, filtering, uv, c.high.y * n + c.low.x),
+                      textureSample(slices, filtering, uv, c.high.y * n + c.high.x), c.f);
+}
+
+// The same at a mip level of your choice, in any stage.
+fn radtex_slices_level(slices: texture_2d_array<f32>, filtering: sampler, n: i32, uv: vec2f, I: vec3f,
+                       level: f32) -> vec4f {
+    let c = radtex_cells(n, radtex_bucket(I));
+    return radtex_mix(textureSampleLevel(slices, filtering, uv, c.low.y * n + c.low.x, level),
+                      textureSampleLevel(slices, filtering, uv, c.low.y * n + c.high.x, level),
+                      textureSampleLevel(slices, filtering, uv, c.high.y * n + c.low.x, level),
+                      textureSampleLevel(slices, filtering, uv, c.high.y * n + c.high.x, level), c.f);
+}
+
+// As radtex_texel, blended by the sampler: one lookup. Its weights have 8 bits.
+fn radtex_texel_filtered(atlas: texture_2d<f32>, filtering: sampler, texel: vec2i, n: i32, B: vec2f,
+                         level: i32) -> vec4f {
+    let c = radtex_cells(n, B);
+    let position = vec2f(texel * n + c.low) + c.f + 0.5;
+    return textureSampleLevel(atlas, filtering, position / vec2f(textureDimensions(atlas, level)), f32(level));
+}
+
+// As radtex_four.
+fn radtex_four_filtered(atlas: texture_2d<f32>, filtering: sampler, texels: vec2i, n: i32, uv: vec2f, B: vec2f,
+                          level: i32) -> vec4f {
+    let t = radtex_around(texels, uv, level);
+    return radtex_mix(radtex_texel_filtered(atlas, filtering, t.low, n, B, level),
+                      radtex_texel_filtered(atlas, filtering, vec2i(t.high.x, t.low.y), n, B, level),
+                      radtex_texel_filtered(atlas, filtering, vec2i(t.low.x, t.high.y), n, B, level),
+                      radtex_texel_filtered(atlas, filtering, t.high, n, B, level), t.f);
+}
+
+// As radtex_sample, but for RADTEX_NEAREST, which needs no sampler.
+fn radtex_sample_filtered(atlas: texture_2d<f32>, filtering: sampler, texels: vec2i, n: i32, uv: vec2f, I: vec3f,
+                          mode: i32) -> vec4f {
+    let B = radtex_bucket(I);
+    if mode == RADTEX_QUADRILINEAR { return radtex_four_filtered(atlas, filtering, texels, n, uv, B, 0); }
+    let texel = clamp(vec2i(floor(uv * vec2f(texels))), vec2i(0), texels - 1);
+    return radtex_texel_filtered(atlas, filtering, texel, n, B, 0);
+}
+
+// As radtex_sample_level.
+fn radtex_sample_level_filtered(atlas: texture_2d<f32>, filtering: sampler, texels: vec2i, n: i32, uv: vec2f, I: vec3f,
+                                level: f32) -> vec4f {
+    let B = radtex_bucket(I);
+    let low = i32(level);
+    let sharper = radtex_four_filtered(atlas, filtering, texels, n, uv, B, low);
+    if level == f32(low) { return sharper; }
+    return mix(sharper, radtex_four_filtered(atlas, filtering, texels, n, uv, B, low + 1), level - f32(low));
+}

@@ -1,0 +1,232 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""shaders/radtex.wgsl and radtex_pages.wgsl by wgpu, on a real Vulkan, against the reference samplers."""
+
+from __future__ import annotations
+
+from dataclasses import astuple, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.levels import level_chain, padded_layout, sample_level
+from radtex_addon.core.pages import Pages, fitting_pages, split_pages
+from radtex_addon.core.sampler import Filter, sample
+from radtex_addon.core.slices import mip_chain, sample_slices, to_slices
+from tests.lookups import (
+    COUNT,
+    LAYOUT,
+    SIDE,
+    Lookups,
+    constant_buckets,
+    random_atlas,
+    random_lookups,
+    relative_error,
+    worst_error,
+)
+from tests.real.root import Root
+from tests.real.webgpu import Resource, Sampler, Texture, drawn, image
+
+SHADERS = [Path(__file__).parents[2] / "shaders" / f"{name}.wgsl" for name in ("radtex", "radtex_pages")]
+QUADS = COUNT // 4  # derivatives are those within 2 x 2 fragments
+LEVELS = 4  # 13 x 7 texels are stored as 16 x 8
+PAGES = fitting_pages(LAYOUT, limit=40)
+TALL_PAGES = fitting_pages(LAYOUT, limit=48, levels=LEVELS)
+WORST = 2e-3
+FRAGMENT = """
+struct Settings { texels: vec2i, n: i32, mode: i32, pages: vec4i }
+@group(0) @binding(0) var<uniform> s: Settings;
+@group(0) @binding(1) var fields: texture_2d_array<f32>;
+@group(0) @binding(2) var atlas: %s;
+@group(0) @binding(3) var filtering: sampler;
+@fragment fn main(@builtin(position) at: vec4f) -> @location(0) vec4f {
+    let here = vec2i(at.xy);
+    let place = textureLoad(fields, here, 0, 0);
+    let uv = place.xy;
+    let level = place.z;
+    let normal = textureLoad(fields, here, 1, 0);
+    let tangent = textureLoad(fields, here, 2, 0).xyz;
+    let I = radtex_incidence(textureLoad(fields, here, 3, 0).xyz, normal.xyz, tangent, normal.w);
+    let result = %s;
+    if s.n < 0 { return vec4f(level); }  // never: all bindings are in use
+    return result;
+}
+"""
+SINGLE, ARRAY = "texture_2d<f32>", "texture_2d_array<f32>"
+
+
+def run(
+    root: Root,
+    lookup: str,
+    atlas: Texture,
+    lookups: Lookups,
+    *,
+    kind: Filter = Filter.QUADRILINEAR,
+    level: Floats | float = 0.0,
+    pages: Pages = PAGES,
+) -> Floats:
+    """What the expression `lookup` is for each of the lookups, (K, 4) float32."""
+    places = np.concatenate([lookups.uv, np.broadcast_to(level, COUNT)[:, None]], axis=1)
+    normals = np.concatenate([lookups.normal, lookups.sign[:, None]], axis=1)
+    layers = [fitted(values) for values in (places, normals, lookups.tangent, lookups.viewer)]
+    settings = [LAYOUT.width, LAYOUT.height, LAYOUT.bucket, list(Filter).index(kind), *astuple(pages)]
+    resources: dict[int | str, Resource] = {
+        "s": np.array(settings, np.int32),
+        "fields": image(np.stack(layers)),
+        "atlas": atlas,
+    }
+    if "filtering" in lookup:
+        resources["filtering"] = Sampler("linear")
+    code = "".join(path.read_text(encoding="utf-8") for path in SHADERS)
+    return drawn(root, code + FRAGMENT % (ARRAY if atlas.array else SINGLE, lookup), resources, SIDE)
+
+
+def fitted(values: Floats) -> Floats:
+    """A value for each fragment (K, C) as a picture of four channels."""
+    rows = np.pad(values, ((0, 0), (0, 4 - values.shape[1]))).astype(np.float32)
+    return rows.reshape(SIDE, SIDE, 4)
+
+
+@pytest.mark.parametrize("kind", list(Filter))
+def test_wgsl_agrees_with_the_reference(root: Root, kind: Filter) -> None:
+    atlas, lookups = random_atlas(), random_lookups()
+    result = run(root, "radtex_sample(atlas, s.texels, s.n, uv, I, s.mode)", image(atlas), lookups, kind=kind)
+    worst, across = worst_error(result, atlas, lookups, kind)
+    print(f"{kind}: worst error {worst:.1e}, across an edge {across:.2%}")
+    assert worst <= WORST
+    assert across <= 2e-3
+
+
+@pytest.mark.parametrize("kind", list(Filter))
+def test_pages_agree_with_the_reference(root: Root, kind: Filter) -> None:
+    atlas, lookups = random_atlas(), random_lookups()
+    lookup = "radtex_sample_paged(atlas, s.pages, s.texels, s.n, uv, I, s.mode)"
+    result = run(root, lookup, image(split_pages(atlas, LAYOUT, PAGES)), lookups, kind=kind)
+    worst, across = worst_error(result, atlas, lookups, kind)
+    print(f"{PAGES.layers} pages, {kind}: worst error {worst:.1e}, across an edge {across:.2%}")
+    assert worst <= WORST
+    assert across <= 2e-3
+
+
+def test_levels_agree_with_the_reference(root: Root) -> None:
+    lookups, level = random_lookups(), random_levels(LEVELS)
+    chain = level_chain(random_atlas(), LAYOUT, LEVELS)
+    expected = sample_level(chain, LAYOUT, lookups.uv.astype(float), lookups.incidence, level)
+    lookup = "radtex_sample_level(atlas, s.texels, s.n, uv, I, level)"
+    error = relative_error(run(root, lookup, image(*chain), lookups, level=level), expected)
+    stored = padded_layout(LAYOUT, LEVELS)
+    parts = [AtlasLayout(stored.width >> k, stored.height >> k, LAYOUT.bucket) for k in range(LEVELS)]
+    split = [split_pages(chain[k], parts[k], TALL_PAGES.at_level(k)) for k in range(LEVELS)]
+    lookup = "radtex_sample_level_paged(atlas, s.pages, s.texels, s.n, uv, I, level)"
+    paged = run(root, lookup, image(*split), lookups, level=level, pages=TALL_PAGES)
+    print(
+        f"{LEVELS} levels: worst error {error.max():.1e}, paged {relative_error(paged, expected).max():.1e}"
+    )
+    assert error.max() <= WORST
+    assert relative_error(paged, expected).max() <= WORST
+
+
+def test_slices_agree_with_the_reference(root: Root) -> None:
+    chain = mip_chain(to_slices(random_atlas(), LAYOUT))
+    lookups, level = random_lookups(), random_levels(len(chain))
+    lookup = "radtex_slices_level(atlas, filtering, s.n, uv, I, level)"
+    result = run(root, lookup, image(*chain), lookups, level=level)
+    error = relative_error(result, sample_slices(chain, lookups.uv.astype(float), lookups.incidence, level))
+    print(f"slices: worst error {error.max():.1e}, median {np.median(error):.1e}")
+    assert error.max() <= WORST
+
+
+def test_fragments_know_their_level(root: Root) -> None:
+    rng = np.random.default_rng(6)
+    across, up = (np.exp(rng.uniform(-1, 3, (QUADS, 1))) * turned(rng) for _ in "xy")
+    longer = np.maximum(np.linalg.norm(across, axis=1), np.linalg.norm(up, axis=1))
+    expected = np.clip(np.log2(longer), 0, LEVELS - 1)
+    lookup = f"vec4f(radtex_level(uv, s.texels, {LEVELS}) + 0.0 * textureLoad(atlas, vec2i(0), 0))"
+    result = run(root, lookup, image(random_atlas()), in_quads(across, up, rng))
+    error = np.abs(result[:, 0] - of_quads(expected))
+    print(f"levels by derivatives: worst error {error.max():.1e}")
+    assert error.max() <= 1e-3
+
+
+def test_slices_are_filtered_by_the_hardware(root: Root) -> None:
+    """Places half a texel to nine texels apart. Mesa's logarithm, hence its level, is 0.04 off at most."""
+    rng = np.random.default_rng(7)
+    across, up = np.exp(rng.uniform(-0.7, 2.2, (2, QUADS, 1))) * np.eye(2)[:, None]
+    chain, lookups = mip_chain(to_slices(random_atlas(), LAYOUT)), in_quads(across, up, rng)
+    lookup = "radtex_slices(atlas, filtering, s.n, uv, I)"
+    numbers = [np.full_like(slices, number) for number, slices in enumerate(chain)]
+    level = run(root, lookup, image(*numbers), lookups)[:, 0]
+    exact = np.log2(np.maximum(across[:, 0], up[:, 1]))
+    apart = np.abs(level - np.clip(of_quads(exact), 0, len(chain) - 1)).max()
+    result = run(root, lookup, image(*chain), lookups)
+    error = relative_error(result, sample_slices(chain, lookups.uv.astype(float), lookups.incidence, level))
+    print(f"mipmapped slices: worst error {error.max():.1e}, of the level {apart:.2f}")
+    assert error.max() <= WORST
+    assert apart <= 0.05
+
+
+@pytest.mark.parametrize(
+    ("lookup", "rounding"),
+    [
+        ("radtex_sample(atlas, s.texels, s.n, uv, I, s.mode)", 1e-7),
+        ("radtex_sample_filtered(atlas, filtering, s.texels, s.n, uv, I, s.mode)", 5e-4),
+    ],
+)
+def test_buckets_do_not_bleed(root: Root, lookup: str, rounding: float) -> None:
+    atlas, lookups = constant_buckets(), random_lookups()
+    result = run(root, lookup, image(atlas), lookups, kind=Filter.LINEAR)
+    assert worst_error(result, atlas, lookups, Filter.LINEAR)[0] <= rounding
+
+
+@pytest.mark.parametrize("kind", [Filter.LINEAR, Filter.QUADRILINEAR])
+def test_one_hardware_lookup_is_as_good_as_its_weights(root: Root, kind: Filter) -> None:
+    atlas, lookups = random_atlas(), random_lookups()
+    lookup = "radtex_sample_filtered(atlas, filtering, s.texels, s.n, uv, I, s.mode)"
+    result = run(root, lookup, image(atlas), lookups, kind=kind)
+    expected = sample(atlas.astype(float), LAYOUT, lookups.uv.astype(float), lookups.incidence, kind)
+    np.testing.assert_allclose(result, expected, rtol=0, atol=float(atlas.max()) * 2 / 256)
+
+
+def test_one_hardware_lookup_at_a_level(root: Root) -> None:
+    lookups, level = random_lookups(), random_levels(LEVELS)
+    chain = level_chain(random_atlas(), LAYOUT, LEVELS)
+    expected = sample_level(chain, LAYOUT, lookups.uv.astype(float), lookups.incidence, level)
+    lookup = "radtex_sample_level_filtered(atlas, filtering, s.texels, s.n, uv, I, level)"
+    result = run(root, lookup, image(*chain), lookups, level=level)
+    np.testing.assert_allclose(result, expected, rtol=0, atol=float(chain[0].max()) * 2 / 256)
+
+
+def test_what_is_wrong_with_a_shader_is_told(root: Root) -> None:
+    with pytest.raises(ValueError, match="radtex_bukcet"):
+        run(root, "vec4f(radtex_bukcet(I), 0.0, 0.0)", image(random_atlas()), random_lookups())
+
+
+def random_levels(levels: int) -> Floats:
+    """A level for each lookup, whole ones and the last among them, (K,) float32."""
+    rng = np.random.default_rng(5)
+    level = rng.uniform(0, levels - 1, COUNT)
+    level[: COUNT // 4] = rng.integers(0, levels, COUNT // 4)
+    return level.astype(np.float32)
+
+
+def turned(rng: np.random.Generator) -> Floats:
+    """Unit vectors, one a quad, (QUADS, 2)."""
+    angle = rng.uniform(0, 2 * np.pi, QUADS)
+    return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def of_quads(values: Floats) -> Floats:
+    """A value of each 2 x 2 fragments (QUADS, ...) for all four, (K, ...)."""
+    grid = values.reshape(SIDE // 2, SIDE // 2, *values.shape[1:])
+    return grid.repeat(2, axis=0).repeat(2, axis=1).reshape(COUNT, *values.shape[1:])
+
+
+def in_quads(across: Floats, up: Floats, rng: np.random.Generator) -> Lookups:
+    """Lookups `across` and `up` (QUADS, 2), in texels, from the next fragment of the same quad."""
+    y, x = np.divmod(np.arange(COUNT), SIDE)
+    step = of_quads(across) * (x % 2)[:, None] + of_quads(up) * (y % 2)[:, None]
+    uv = of_quads(rng.uniform(0, 1, (QUADS, 2))) + step / [LAYOUT.width, LAYOUT.height]
+    return replace(random_lookups(), uv=uv.astype(np.float32))

@@ -1,0 +1,130 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shaders on a real WebGPU, in WGSL or SPIR-V: many lookups at once, one a pixel.
+
+inside/webgpu.py runs them, in the root of real programs.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from radtex_addon.core.arrays import Floats
+from tests.real.root import Root
+
+RUNNER = "/repository/tests/real/inside/webgpu.py"
+Values = npt.NDArray[Any]
+_FORMATS = {"f2": "16float", "f4": "32float", "u1": "8unorm"}
+_BINDING = re.compile(r"@group\(0\)\s*@binding\((\d+)\)\s*var(?:<\w+>)?\s+(\w+)")
+
+
+@dataclass(frozen=True)
+class Texture:
+    """A texture as WebGPU takes it; each of `levels` is (layers, rows, bytes of a row) uint8."""
+
+    format: str
+    size: tuple[int, int]  # width and height of level 0, in pixels
+    levels: tuple[npt.NDArray[np.uint8], ...]
+    array: bool = False
+
+
+@dataclass(frozen=True)
+class Sampler:
+    """How a texture is filtered: "nearest" or "linear", clamped to its edge."""
+
+    kind: str = "linear"
+    anisotropy: int = 1
+
+
+Resource = Texture | Sampler | Values
+
+
+def image(*levels: Values) -> Texture:
+    """A texture of its mip levels: (H, W, C), or (layers, H, W, C) for an array texture.
+
+    float16, float32 or uint8 (0 to 1); of three channels the fourth is filled with ones.
+    """
+    filled = [np.ascontiguousarray(_four(level)) for level in levels]
+    *_, height, width, channels = filled[0].shape
+    kind = "r" if channels == 1 else "rg" if channels == 2 else "rgba"
+    rows = [level.view(np.uint8) for level in filled]
+    return Texture(
+        kind + _FORMATS[filled[0].dtype.str[1:]],
+        (width, height),
+        tuple(level.reshape(-1, *(level.shape[-3], level.shape[-2] * level.shape[-1])) for level in rows),
+        levels[0].ndim == 4,
+    )
+
+
+def blocks(kind: str, size: tuple[int, int], data: bytes) -> Texture:
+    """A texture of blocks of 4 x 4 pixels, 16 bytes each; `kind` is "bc5-rg-unorm" or another of WebGPU's."""
+    rows = np.frombuffer(data, np.uint8).reshape(1, -(-size[1] // 4), -(-size[0] // 4) * 16)
+    return Texture(kind, size, (rows,))
+
+
+def _four(values: Values) -> Values:
+    if values.shape[-1] != 3:
+        return values
+    one = np.array(255 if values.dtype.kind == "u" else 1, values.dtype)
+    return np.concatenate([values, np.broadcast_to(one, (*values.shape[:-1], 1))], axis=-1)
+
+
+def drawn(
+    root: Root,
+    shader: str | bytes,
+    resources: Mapping[int | str, Resource],
+    side: int,
+    entry: str = "main",
+    constants: Mapping[str, float] | None = None,
+) -> Floats:
+    """What the fragment shader `entry` returns for each pixel of a picture, (side², 4) float32.
+
+    `shader` is WGSL or SPIR-V. `resources` stand at the bindings of group 0, by number, or in WGSL by name:
+    textures, samplers, and arrays that are the bytes of uniform buffers. All must be in use. `constants` are
+    the overrides' values. Row 0 is where the fragment's y is 0. Raises ValueError with what wgpu says of
+    a bad shader.
+    """
+    numbers = {} if isinstance(shader, bytes) else {name: int(k) for k, name in _BINDING.findall(shader)}
+    facts: dict[str, Any] = {
+        "size": [side, side],
+        "entry": entry,
+        "constants": dict(constants or {}),
+        "bindings": {},
+    }
+    code = shader if isinstance(shader, bytes) else shader.encode()
+    job: dict[str, Values] = {"shader": np.frombuffer(code, np.uint8)}
+    for name, resource in resources.items():
+        binding = str(name if isinstance(name, int) else numbers[name])
+        facts["bindings"][binding] = _described(resource)
+        job |= _fields(binding, resource)
+    host, inside = root.shared("webgpu")
+    job["facts"] = np.array(json.dumps(facts))
+    np.savez(host / "job.npz", allow_pickle=False, **job)
+    run = root.run(["python3", RUNNER, f"{inside}/job.npz", f"{inside}/answers.npy"])
+    if run.returncode:
+        raise ValueError(f"wgpu refused the shader:\n{run.stderr}")
+    answers: Floats = np.load(host / "answers.npy").reshape(-1, 4)
+    return answers
+
+
+def _described(resource: Resource) -> dict[str, Any]:
+    if isinstance(resource, Texture):
+        about = {"format": resource.format, "size": resource.size, "levels": len(resource.levels)}
+        return {"kind": "texture", "dimension": "2d-array" if resource.array else "2d", **about}
+    if isinstance(resource, Sampler):
+        filters = dict.fromkeys(("mag_filter", "min_filter", "mipmap_filter"), resource.kind)
+        return {"kind": "sampler", "settings": {**filters, "max_anisotropy": resource.anisotropy}}
+    return {"kind": "uniform"}
+
+
+def _fields(binding: str, resource: Resource) -> dict[str, Values]:
+    if isinstance(resource, Texture):
+        return {f"{binding}.{level}": data for level, data in enumerate(resource.levels)}
+    return {} if isinstance(resource, Sampler) else {binding: np.ascontiguousarray(resource)}
