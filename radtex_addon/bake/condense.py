@@ -16,7 +16,7 @@ import numpy as np
 
 from ..core.arrays import Floats, Ints
 from ..core.condensed import CondensedAtlas, CondensedLobe
-from ..core.octahedron import octahedron_to_direction
+from ..core.octahedron import cell_directions
 from ..core.shared import Axis, Lobe, SharedAtlas
 from .plan import CapturePlan
 from .surroundings import Surroundings
@@ -70,7 +70,7 @@ class _Condenser:
             part.reshape(-1, *part.shape[2:])[plan.texel].reshape(count, -1)
             for part in (lobe.ends, lobe.gain, lobe.rest)
         ]
-        cosine = plan.normals @ _cell_axes(n).T
+        cosine = plan.normals @ cell_directions(n).T
         towards = cosine if lobe.axis is Axis.MIRROR else -cosine
         seen = 1 / (1 + np.exp(np.clip((_HORIZON - towards) / _SOFT, -30, 30)))
         around = Surroundings(atlas.surroundings, atlas.sharpest)
@@ -104,7 +104,7 @@ class _Condenser:
     def _importance(self, mean: Floats, seen: Floats) -> Floats:
         """How much squared errors count in each number of a bucket near `mean`: (D,)."""
         ends, gain, rest = (part.reshape(self.n**2, -1) for part in self._parts(mean))
-        axis = _cell_axes(self.n)
+        axis = cell_directions(self.n)
 
         def met(step: Floats) -> Floats:
             return self.around.look(axis + ends[:, :3] + step, np.maximum(ends[:, 3], 0))
@@ -162,12 +162,6 @@ class _Condenser:
         parts = (part.reshape(count, 1 + self.rank, n, n, -1) for part in self._parts(base))
         placed = self.plan.placed
         return CondensedLobe(self.axis, placed(own, gutter=True), placed(weights, gutter=True), *parts)
-
-
-def _cell_axes(n: int) -> Floats:
-    """The directions of an octahedral bucket's cells, (n*n, 3)."""
-    middle = ((np.arange(n) + 0.5) / n).astype(np.float32)
-    return octahedron_to_direction(np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2))
 
 
 def _places(plan: CapturePlan) -> Floats:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.arrays import Floats
-from ..core.octahedron import octahedron_to_direction
+from ..core.octahedron import cell_directions
 from .blocks import in_blocks
 from .pooling import SHARE, Neighbours, Taps, upsampled
 from .surroundings import meet_surroundings
@@ -150,8 +150,7 @@ class _EndsFit:
 
 def parallax(nearness: Floats, middle: Floats, places: Floats, n: int) -> Floats:
     """Shifts by which mirror rays from places (K, 3) find near things, (3, K, n*n)."""
-    cell = ((np.arange(n) + 0.5) / n).astype(np.float32)
-    axis = octahedron_to_direction(np.stack(np.meshgrid(cell, cell), axis=-1).reshape(-1, 2))
+    axis = cell_directions(n)
     shift = np.empty((3, len(places), n * n), dtype=np.float32)
 
     def meet(some: slice) -> None:

@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 
 from ..core.arrays import Floats, Ints
-from ..core.octahedron import octahedron_taps
+from ..core.octahedron import cell_places, octahedron_taps
 from .blocks import in_blocks, side_by_side
 from .plan import CapturePlan
 
@@ -172,10 +172,8 @@ def _tile(texels: Ints, other: Ints, weight: Floats) -> _Tile:
 @cache
 def _upsampling(n: int, finer: int) -> Floats:
     """How much of each of n x n cells the cells of a finer bucket take: (n*n, finer*finer)."""
-    middle = ((np.arange(finer) + 0.5) / finer).astype(np.float32)
-    place = np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2)
     share = np.zeros((n * n, finer * finer), dtype=np.float32)
-    for cell, weight in octahedron_taps(place, n):
+    for cell, weight in octahedron_taps(cell_places(finer), n):
         share[cell, np.arange(finer * finer)] += weight
     return share
 

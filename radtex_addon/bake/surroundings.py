@@ -14,11 +14,7 @@ import numpy as np
 from ..core.arrays import Floats, Ints
 from ..core.frame import fallback_tangent, orthonormal_frame
 from ..core.gutter import dilate, nearest_covered
-from ..core.octahedron import (
-    direction_to_octahedron,
-    octahedron_cell,
-    octahedron_to_direction,
-)
+from ..core.octahedron import cell_directions, direction_to_octahedron, octahedron_cell
 from ..core.shared import level_count, level_sizes
 from .blocks import in_blocks, planes
 from .light_samples import SurroundingsSamples
@@ -148,9 +144,7 @@ def _means(samples: SurroundingsSamples, size: int) -> Floats:
 
 def _blurred(image: Floats, size: int, variance: float) -> Floats:
     """The image (M, M, 3) blurred by a von Mises-Fisher lobe of a variance an axis: (size, size, 3)."""
-    middle = ((np.arange(size) + 0.5) / size).astype(np.float32)
-    place = np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2)
-    direction = octahedron_to_direction(place)
+    direction = cell_directions(size)
     tangent, bitangent, _ = orthonormal_frame(direction, fallback_tangent(direction), np.ones(len(direction)))
     share = (np.arange(_BLUR_TAPS) + 0.5) / _BLUR_TAPS
     cosine = 1 + variance * np.log(share + (1 - share) * np.exp(-2 / variance))

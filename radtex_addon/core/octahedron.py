@@ -38,6 +38,17 @@ def octahedron_to_direction(place: Floats) -> Floats:
     return unit
 
 
+def cell_places(size: int) -> Floats:
+    """The middles of a map of size x size cells on the square, row by row: (size * size, 2) float32."""
+    middle = ((np.arange(size) + 0.5) / size).astype(np.float32)
+    return np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2)
+
+
+def cell_directions(size: int) -> Floats:
+    """The unit directions of the middles of a map of size x size cells, (size * size, 3) float32."""
+    return octahedron_to_direction(cell_places(size))
+
+
 def octahedron_cell(place: Floats, size: int) -> Ints:
     """Flat index y * size + x of the cell that holds each place (..., 2), on a map of size x size cells."""
     place = as_floats("place", place, 2)

@@ -135,6 +135,15 @@ def test_a_lookup_at_a_cells_centre_is_the_cell(size: int) -> None:
     np.testing.assert_array_equal(oc.octahedron_cell(centres(size), size), numbers)
 
 
+@pytest.mark.parametrize("size", [1, 3, 8])
+def test_a_map_s_cells_know_their_places_and_directions(size: int) -> None:
+    places, found = oc.cell_places(size), oc.cell_directions(size)
+    assert places.dtype == found.dtype == np.float32
+    np.testing.assert_array_equal(oc.octahedron_cell(places, size), np.arange(size * size))
+    np.testing.assert_allclose(places, centres(size).reshape(-1, 2), atol=1e-7)
+    np.testing.assert_allclose(oc.direction_to_octahedron(found), places, atol=1e-6)
+
+
 def test_the_squares_far_edge_belongs_to_the_last_cells() -> None:
     corners = np.array([[0, 0], [1, 0], [0, 1], [1, 1]], float)
     np.testing.assert_array_equal(oc.octahedron_cell(corners, 4), [0, 3, 12, 15])
