@@ -1,19 +1,36 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
 //
-// Look up a radiance texture: GLSL 330 and later, GLSL ES 300 (WebGL 2) and later. Include it, then
+// Look up a radiance texture: GLSL 330 and later, GLSL ES 300 (WebGL 2) and later, Vulkan's GLSL. Include it, then
 //
 //     vec3 I = radtex_incidence(camera - position, normal, tangent.xyz, tangent.w);
 //     vec4 colour = radtex_sample(atlas, ivec2(W, H), n, uv, I, RADTEX_QUADRILINEAR);
 //
-// `atlas` is <name>.<kind>.exr: W x H texels of n x n cells, scene-linear Rec.709, alpha premultiplied, without mipmaps,
-// uploaded bottom row first (v = 0 is row 0). Normal and tangent are MikkTSpace's of the baked UV map, interpolated;
-// tangent.w is the bitangent's sign, times the sign of the model matrix's determinant.
+// `atlas` is <name>.<kind>.exr: W x H texels of n x n cells, scene-linear Rec.709, alpha premultiplied, uploaded bottom
+// row first (v = 0 is row 0). Normal and tangent are MikkTSpace's of the baked UV map, interpolated; tangent.w is the
+// bitangent's sign, times the sign of the model matrix's determinant. Far away, either of
+//
+//     radtex_sample_level(atlas, ivec2(W, H), n, uv, I, radtex_level(uv, ivec2(W, H), levels));
+//     radtex_slices(slices, n, uv, I);
+//
+// with the atlas's mip levels, or with its slices: a texture array, trilinear, clamped to its edge. Before the include,
+// `#define RADTEX_PAGES` makes `atlas` an array of pages and `atlas, pages` every first argument of an atlas's lookup;
+// `#define RADTEX_HARDWARE_LINEAR` blends cells by the sampler, and `#define RADTEX_NO_DERIVATIVES` leaves radtex_level
+// out, for stages other than the fragment's.
 
 #ifdef GL_ES
 precision highp float;
 precision highp int;
 precision highp sampler2D;
+precision highp sampler2DArray;
+#endif
+
+#ifdef RADTEX_PAGES  // pages = (columns, rows, texels a page across, up)
+#define RADTEX_ATLAS sampler2DArray atlas, ivec4 pages
+#define RADTEX_PASSED atlas, pages
+#else
+#define RADTEX_ATLAS sampler2D atlas
+#define RADTEX_PASSED atlas
 #endif
 
 const int RADTEX_NEAREST = 0;       // one cell: the paper's one lookup
@@ -41,34 +58,79 @@ vec2 radtex_bucket(vec3 I) {
 }
 
 // One texel's bucket at B, by cells or bilinear between the four around it, never beyond the bucket's own.
-vec4 radtex_texel(sampler2D atlas, ivec2 texel, int n, vec2 B, bool blend) {
-    ivec2 origin = texel * n, last = ivec2(n - 1);
+vec4 radtex_texel(RADTEX_ATLAS, ivec2 texel, int n, vec2 B, bool blend, int level) {
+    ivec2 last = ivec2(n - 1);
+#ifdef RADTEX_PAGES
+    ivec2 size = pages.zw >> level, page = texel / size;
+    ivec3 origin = ivec3((texel - page * size) * n, page.y * pages.x + page.x);
+#define RADTEX_CELL(cell) texelFetch(atlas, origin + ivec3(cell, 0), level)
+#define RADTEX_BETWEEN(place) textureLod(atlas, vec3(place, origin.z), float(level))
+#else
+    ivec2 origin = texel * n;
+#define RADTEX_CELL(cell) texelFetch(atlas, origin + (cell), level)
+#define RADTEX_BETWEEN(place) textureLod(atlas, place, float(level))
+#endif
     vec2 position = (B + 1.0) * 0.5 * float(n);
-    if (!blend) return texelFetch(atlas, origin + clamp(ivec2(position), ivec2(0), last), 0);
+    if (!blend) return RADTEX_CELL(clamp(ivec2(position), ivec2(0), last));
     position = clamp(position, 0.5, float(n) - 0.5);    // the bleed guard: B in [1/n - 1, 1 - 1/n]
-#ifdef RADTEX_HARDWARE_LINEAR                           // one lookup; the sampler must be LINEAR. Its weights have 8 bits
-    return textureLod(atlas, (vec2(origin) + position) / vec2(textureSize(atlas, 0)), 0.0);
+#ifdef RADTEX_HARDWARE_LINEAR                           // one lookup; the sampler must be LINEAR. It weighs by 8 bits
+    return RADTEX_BETWEEN((vec2(origin) + position) / vec2(textureSize(atlas, 0) >> level));
 #else
     ivec2 low = ivec2(position - 0.5), high = min(low + 1, last);
     vec2 f = position - 0.5 - vec2(low);
-    vec4 below = mix(texelFetch(atlas, origin + low, 0), texelFetch(atlas, origin + ivec2(high.x, low.y), 0), f.x);
-    vec4 above = mix(texelFetch(atlas, origin + ivec2(low.x, high.y), 0), texelFetch(atlas, origin + high, 0), f.x);
+    vec4 below = mix(RADTEX_CELL(low), RADTEX_CELL(ivec2(high.x, low.y)), f.x);
+    vec4 above = mix(RADTEX_CELL(ivec2(low.x, high.y)), RADTEX_CELL(high), f.x);
     return mix(below, above, f.y);
 #endif
 }
 
-// Radiance (rgb, premultiplied) and alpha that leave the surface at `uv` in the direction I of the frame.
-vec4 radtex_sample(sampler2D atlas, ivec2 texels, int n, vec2 uv, vec3 I, int mode) {
-    vec2 B = radtex_bucket(I), position = uv * vec2(texels);
-    ivec2 last = texels - 1;
-    if (mode != RADTEX_QUADRILINEAR) {
-        ivec2 texel = clamp(ivec2(floor(position)), ivec2(0), last);
-        return radtex_texel(atlas, texel, n, B, mode == RADTEX_LINEAR);
-    }
-    ivec2 corner = ivec2(floor(position - 0.5));
+// The four texels around `uv`, each bilinear in its bucket. Level L averages blocks of 2^L x 2^L texels, cell by cell.
+vec4 radtex_four(RADTEX_ATLAS, ivec2 texels, int n, vec2 uv, vec2 B, int level) {
+    vec2 position = uv * vec2(texels) / float(1 << level) - 0.5;
+    ivec2 last = (texels - 1) >> level, corner = ivec2(floor(position));  // ceil(texels / 2^L) - 1
     ivec2 low = clamp(corner, ivec2(0), last), high = clamp(corner + 1, ivec2(0), last);
-    vec2 f = fract(position - 0.5);
-    vec4 below = mix(radtex_texel(atlas, low, n, B, true), radtex_texel(atlas, ivec2(high.x, low.y), n, B, true), f.x);
-    vec4 above = mix(radtex_texel(atlas, ivec2(low.x, high.y), n, B, true), radtex_texel(atlas, high, n, B, true), f.x);
+    vec2 f = fract(position);
+    vec4 below = mix(radtex_texel(RADTEX_PASSED, low, n, B, true, level),
+                     radtex_texel(RADTEX_PASSED, ivec2(high.x, low.y), n, B, true, level), f.x);
+    vec4 above = mix(radtex_texel(RADTEX_PASSED, ivec2(low.x, high.y), n, B, true, level),
+                     radtex_texel(RADTEX_PASSED, high, n, B, true, level), f.x);
+    return mix(below, above, f.y);
+}
+
+// Radiance (rgb, premultiplied) and alpha that leave the surface at `uv` in the direction I of the frame.
+vec4 radtex_sample(RADTEX_ATLAS, ivec2 texels, int n, vec2 uv, vec3 I, int mode) {
+    vec2 B = radtex_bucket(I);
+    if (mode == RADTEX_QUADRILINEAR) return radtex_four(RADTEX_PASSED, texels, n, uv, B, 0);
+    ivec2 texel = clamp(ivec2(floor(uv * vec2(texels))), ivec2(0), texels - 1);
+    return radtex_texel(RADTEX_PASSED, texel, n, B, mode == RADTEX_LINEAR, 0);
+}
+
+// The same, quadrilinear, between the mip levels around `level`, which is 0 or more and the atlas's last at most.
+vec4 radtex_sample_level(RADTEX_ATLAS, ivec2 texels, int n, vec2 uv, vec3 I, float level) {
+    vec2 B = radtex_bucket(I);
+    int low = int(level);
+    vec4 sharper = radtex_four(RADTEX_PASSED, texels, n, uv, B, low);
+    if (level == float(low)) return sharper;            // always so where the texture is magnified
+    return mix(sharper, radtex_four(RADTEX_PASSED, texels, n, uv, B, low + 1), level - float(low));
+}
+
+#ifndef RADTEX_NO_DERIVATIVES
+// The mip level at which a texel is as wide as a pixel of the screen: log2 of the longer derivative, in texels.
+float radtex_level(vec2 uv, ivec2 texels, int levels) {
+    vec2 across = dFdx(uv) * vec2(texels), up = dFdy(uv) * vec2(texels);
+    return min(0.5 * log2(max(max(dot(across, across), dot(up, up)), 1.0)), float(levels - 1));
+}
+#endif
+
+// The quadrilinear filter of slices: layer q * n + p holds the cell (p, q) of all texels, so that the four cells around
+// B take one hardware lookup each, with mipmaps and anisotropy. Never call it where pixels go different ways.
+vec4 radtex_slices(sampler2DArray slices, int n, vec2 uv, vec3 I) {
+    vec2 position = clamp((radtex_bucket(I) + 1.0) * 0.5 * float(n), 0.5, float(n) - 0.5) - 0.5;  // the bleed guard
+    ivec2 low = ivec2(position), high = min(low + 1, n - 1);
+    vec2 f = position - vec2(low);
+    low.y *= n;
+    high.y *= n;
+    vec4 below = mix(texture(slices, vec3(uv, low.y + low.x)), texture(slices, vec3(uv, low.y + high.x)), f.x);
+    vec4 above = mix(texture(slices, vec3(uv, high.y + low.x)), texture(slices, vec3(uv, high.y + high.x)), f.x);
     return mix(below, above, f.y);
 }

@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from .arrays import Floats
 from .atlas import AtlasLayout
 from .errors import InputError, ShapeError
-from .levels import pad
+from .levels import level_chain, pad
 from .slices import LAYERS
 
 
@@ -83,6 +85,18 @@ def split_pages(image: Floats, layout: AtlasLayout, pages: Pages) -> Floats:
     filled = pad(image, layout, stored)
     cut = filled.reshape(pages.rows, page_height, pages.columns, page_width, image.shape[2])
     return cut.transpose(0, 2, 1, 3, 4).reshape(pages.layers, page_height, page_width, image.shape[2])
+
+
+def page_chain(image: Floats, layout: AtlasLayout, pages: Pages, levels: int) -> list[Floats]:
+    """The pages of an atlas (H*n, W*n, C) and their mip levels, (layers, (height >> L)*n, (width >> L)*n, C).
+
+    They are the pages of `levels.level_chain`, whose dtype they have. Raises ShapeError as `split_pages`, and
+    where the pages' sizes are no multiples of 2^(levels - 1) texels.
+    """
+    pages.at_level(levels - 1)
+    page = AtlasLayout(pages.width, pages.height, layout.bucket)
+    chains = [level_chain(cut, page, levels) for cut in split_pages(image, layout, pages)]
+    return [np.stack(level) for level in zip(*chains, strict=True)]
 
 
 def join_pages(stack: Floats, layout: AtlasLayout, pages: Pages) -> Floats:

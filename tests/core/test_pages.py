@@ -9,8 +9,8 @@ import pytest
 
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError, ShapeError
-from radtex_addon.core.levels import level_chain
-from radtex_addon.core.pages import Pages, fitting_pages, join_pages, split_pages
+from radtex_addon.core.levels import level_chain, pad
+from radtex_addon.core.pages import Pages, fitting_pages, join_pages, page_chain, split_pages
 from tests.lookups import LAYOUT, random_atlas
 
 ATLAS = random_atlas()
@@ -53,13 +53,11 @@ def test_joined_pages_are_the_atlas() -> None:
 
 def test_levels_of_the_pages_are_pages_of_the_levels() -> None:
     pages = fitting_pages(LAYOUT, 30, levels=3)
-    page, stored = AtlasLayout(pages.width, pages.height, 6), pages.stored(6)
-    whole = level_chain(join_pages(split_pages(ATLAS, LAYOUT, pages), stored, pages), stored, 3)
-    each = [level_chain(layer, page, 3) for layer in split_pages(ATLAS, LAYOUT, pages)]
-    for level in (1, 2):
+    stored = pages.stored(6)
+    whole = level_chain(pad(ATLAS, LAYOUT, stored), stored, 3)
+    for level, paged in enumerate(page_chain(ATLAS, LAYOUT, pages, 3)):
         half = AtlasLayout(stored.width >> level, stored.height >> level, 6)
-        cut = split_pages(whole[level], half, pages.at_level(level))
-        np.testing.assert_array_equal(cut, np.stack([chain[level] for chain in each]))
+        np.testing.assert_array_equal(paged, split_pages(whole[level], half, pages.at_level(level)))
 
 
 def test_what_cannot_be_is_refused_in_words() -> None:
@@ -69,6 +67,8 @@ def test_what_cannot_be_is_refused_in_words() -> None:
         fitting_pages(AtlasLayout(64, 64, 6), 6)
     with pytest.raises(ShapeError, match="no level 2"):
         Pages(1, 1, 6, 8).at_level(2)
+    with pytest.raises(ShapeError, match="no level 2"):
+        page_chain(ATLAS, LAYOUT, Pages(2, 1, 10, 8), 3)
     with pytest.raises(ShapeError, match="does not fit"):
         split_pages(ATLAS, LAYOUT, Pages(1, 1, 12, 7))
     with pytest.raises(ShapeError, match="expected shape"):

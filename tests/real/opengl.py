@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import ctypes
 import ctypes.util
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import TypeAlias
 
 import moderngl
 import numpy as np
@@ -16,12 +17,16 @@ from radtex_addon.core.arrays import Floats
 VERSIONS = {"GLSL 330": "#version 330\n", "GLSL ES 300": "#version 300 es\n"}
 BC5_UNORM = 0x8DBD  # GL_COMPRESSED_RG_RGTC2
 BC6H_UF16, BC7_UNORM = 0x8E8F, 0x8E8C  # GL_COMPRESSED_RGB_BPTC_UNSIGNED_FLOAT, GL_COMPRESSED_RGBA_BPTC_UNORM
-_TEXTURE_2D = 0x0DE1  # GL_TEXTURE_2D
+_TEXTURE_2D, _TEXTURE_2D_ARRAY = 0x0DE1, 0x8C1A  # GL_TEXTURE_2D, GL_TEXTURE_2D_ARRAY
+_PIXEL_FORMATS = {1: 0x1903, 2: 0x8227, 3: 0x1907, 4: 0x1908}  # GL_RED, GL_RG, GL_RGB, GL_RGBA
+_FLOAT_TYPES = {2: 0x140B, 4: 0x1406}  # GL_HALF_FLOAT, GL_FLOAT
 _VERTEX = """
 void main() {  // one triangle that covers the picture
     gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
 }
 """
+
+Texture: TypeAlias = moderngl.Texture | moderngl.TextureArray
 
 
 def compiled(context: moderngl.Context, head: str, fragment: str) -> moderngl.Program:
@@ -32,19 +37,55 @@ def compiled(context: moderngl.Context, head: str, fragment: str) -> moderngl.Pr
 def drawn(
     context: moderngl.Context,
     program: moderngl.Program,
-    textures: Mapping[str, Floats | moderngl.Texture],
+    textures: Mapping[str, Floats | Texture],
     side: int,
 ) -> Floats:
     """The shader's answers, (side², 4) float32; `textures`, or arrays (H, W, C), by their samplers' names."""
     for unit, (name, values) in enumerate(textures.items()):
-        texture = values if isinstance(values, moderngl.Texture) else _uploaded(context, values)
-        texture.filter = (moderngl.LINEAR, moderngl.LINEAR)  # what lies about this must not matter
+        texture = _uploaded(context, values) if isinstance(values, np.ndarray) else values
         texture.use(unit)
         program[name] = unit
     target = context.framebuffer([context.texture((side, side), 4, dtype="f4")])
     target.use()
     context.vertex_array(program, []).render(vertices=3)
     return np.frombuffer(target.read(components=4, dtype="f4"), np.float32).reshape(-1, 4)
+
+
+def mipmapped(context: moderngl.Context, chain: Sequence[Floats], minified: int) -> Texture:
+    """A texture of mip levels (H, W, C), or an array texture of such (layers, H, W, C), clamped to its edge.
+
+    `minified` is the filter for minification, one of moderngl's; magnified it is linear.
+    """
+    first = np.ascontiguousarray(chain[0])
+    *layers, height, width, channels = first.shape
+    kind = f"f{first.dtype.itemsize}"
+    texture: Texture
+    if layers:
+        texture = context.texture_array(
+            (width, height, layers[0]), channels, first.tobytes(), alignment=1, dtype=kind
+        )
+    else:
+        texture = context.texture((width, height), channels, first.tobytes(), alignment=1, dtype=kind)
+    if len(chain) > 1:
+        texture.build_mipmaps(0, len(chain) - 1)  # makes room; what is in it is overwritten
+    for level, image in enumerate(chain[1:], start=1):
+        _write_level(context, texture, level, image)
+    texture.filter = (minified, moderngl.LINEAR)
+    texture.repeat_x = texture.repeat_y = False
+    return texture
+
+
+def _write_level(context: moderngl.Context, texture: Texture, level: int, image: Floats) -> None:
+    """A level of any texture: moderngl writes none of an array's."""
+    target = _TEXTURE_2D_ARRAY if isinstance(texture, moderngl.TextureArray) else _TEXTURE_2D
+    size = image.shape[-2::-1]
+    _gl("glBindTexture", ctypes.c_uint, ctypes.c_uint)(target, texture.glo)
+    _gl("glPixelStorei", ctypes.c_uint, ctypes.c_int)(0x0CF5, 1)  # GL_UNPACK_ALIGNMENT
+    upload = _gl(f"glTexSubImage{len(size)}D", *[ctypes.c_uint] * (4 + 2 * len(size)), ctypes.c_char_p)
+    kind = (_PIXEL_FORMATS[image.shape[-1]], _FLOAT_TYPES[image.dtype.itemsize])
+    upload(target, level, *[0] * len(size), *size, *kind, np.ascontiguousarray(image).tobytes())
+    if context.error != "GL_NO_ERROR":
+        raise ValueError(f"level {level} of {size}: the driver refused it")
 
 
 def fetched(context: moderngl.Context, texture: moderngl.Texture, width: int, height: int) -> Floats:
@@ -82,4 +123,6 @@ def _gl(name: str, *arguments: type) -> ctypes._FuncPointer:
 def _uploaded(context: moderngl.Context, values: Floats) -> moderngl.Texture:
     height, width, channels = values.shape
     data = np.ascontiguousarray(values).tobytes()
-    return context.texture((width, height), channels, data, dtype=f"f{values.dtype.itemsize}", alignment=1)
+    texture = context.texture((width, height), channels, data, dtype=f"f{values.dtype.itemsize}", alignment=1)
+    texture.filter = (moderngl.LINEAR, moderngl.LINEAR)  # what lies about this must not matter
+    return texture
