@@ -119,7 +119,7 @@ def read_shared(path: Path) -> tuple[SharedAtlas, SharedSidecar]:
     if sidecar.condensed is not None:
         check_memory(f"the bake of {path}", _expanded_bytes(sidecar))
         return read_condensed(path)[0].expanded(), sidecar
-    images = {layer: _read_layer(path, sidecar, layer) for layer in sidecar.shapes}
+    images = {layer: read_layer(path, sidecar, layer) for layer in sidecar.shapes}
     atlas = SharedAtlas(
         colour=images[COLOUR].astype(np.float32),
         irradiance=images[IRRADIANCE].astype(np.float32),
@@ -147,14 +147,11 @@ def read_shared_sidecar(path: Path) -> SharedSidecar:
     return SharedSidecar.from_json(read_text(path), str(path))
 
 
-def _expanded_bytes(sidecar: SharedSidecar) -> int:
-    """The memory that all texels' buckets take."""
-    values = sidecar.bake.width * sidecar.bake.height * sidecar.bake.bucket**2 * sum(LOBE_CHANNELS.values())
-    return 4 * values * len(sidecar.lobes)
+def read_layer(path: Path, sidecar: SharedSidecar, layer: str) -> Floats:
+    """An image (H, W, C) of the sidecar at `path`, as it is stored, row 0 at the bottom.
 
-
-def _read_layer(path: Path, sidecar: SharedSidecar, layer: str) -> Floats:
-    """An image of the sidecar at `path`, as it is stored."""
+    Raises FormatError as `read_shared` does.
+    """
     image = layer_path(path, layer)
     if SharedSidecar.from_json(header_text(image), f"the header of {image}") != sidecar:
         raise FormatError(
@@ -162,3 +159,9 @@ def _read_layer(path: Path, sidecar: SharedSidecar, layer: str) -> Floats:
         )
     width, height, channels = sidecar.shapes[layer]
     return read_pixels(image, width, height, [channels])
+
+
+def _expanded_bytes(sidecar: SharedSidecar) -> int:
+    """The memory that all texels' buckets take."""
+    values = sidecar.bake.width * sidecar.bake.height * sidecar.bake.bucket**2 * sum(LOBE_CHANNELS.values())
+    return 4 * values * len(sidecar.lobes)

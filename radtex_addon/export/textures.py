@@ -1,0 +1,223 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A finished bake's images as textures that engines load.
+
+Their first row is the bottom one, v = 0; an EXR's is the top one, as the bake wrote it.
+"""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+
+from ..core.arrays import Floats
+from ..core.atlas import AtlasLayout
+from ..core.errors import FormatError, InputError
+from ..core.levels import fitting_levels, level_chain, padded_layout
+from ..core.pages import Pages, fitting_pages, split_pages
+from ..core.slices import mip_chain, to_slices
+from ..formats.atomic import replacing
+from ..formats.condensed_files import digest
+from ..formats.dds import read_dds, write_texture
+from ..formats.exr import read_atlas
+from ..formats.facts import Facts
+from ..formats.ktx2 import write_ktx2
+from ..formats.packing import COLOUR, ENDS, IRRADIANCE, SURROUNDINGS
+from ..formats.shared_files import layer_path, read_layer, read_shared_sidecar, texture_path
+from ..formats.shared_sidecar import LAYOUT as SHARED
+from ..formats.shared_sidecar import SharedSidecar
+from ..formats.sidecar import read_sidecar, read_text
+from ..formats.texture import MOST_PIXELS, PixelFormat, Texture, encode_texture
+from .manifest import Arranged, Container, TextureEntry
+from .spec import Arrangement, ExportSpec, TextureFormat
+from .texture_choice import (
+    check_limit,
+    checked_levels,
+    choice,
+    container_of,
+    straddled_bucket,
+    straddled_layout,
+)
+
+_CONDENSED = (TextureFormat.AUTO, TextureFormat.DDS_BC6H)  # what leaves a condensed bake as it is
+_SMOOTH = (COLOUR, IRRADIANCE, SURROUNDINGS)  # without buckets that a block could straddle
+_BLOCK = PixelFormat.BC6H.side
+
+
+def write_textures(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+    """Write the textures of the bake whose sidecar is the file `sidecar` into `folder`; entries by layer.
+
+    They are called as the bake's images, but for the ending. EXR and RGBA16F hold what the bake holds; RGB9E5
+    and BC6H lose a little, and light below 0. A shared layer that has negative values is RGBA16F whatever
+    `spec` says. A condensed bake's files are copied as they are. Raises InputError for what the bake or the
+    format cannot be, FormatError, with the path, for files that are missing, damaged or of different bakes,
+    BakeError where the system refuses.
+    """
+    if Facts.parse(read_text(sidecar), str(sidecar)).text("layout") != SHARED:
+        return _write_buckets(sidecar, spec, folder)
+    shared = read_shared_sidecar(sidecar)
+    if spec.arrangement is not Arrangement.MATRIX or (spec.levels or 1) > 1:
+        raise InputError(f"{sidecar} is of the shared layout: leave --arrangement and --levels out")
+    if shared.condensed is not None:
+        return _copy_condensed(sidecar, shared, spec, folder)
+    return {layer: _write_layer(sidecar, shared, layer, spec, folder) for layer in shared.shapes}
+
+
+def _write_buckets(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+    facts, source = read_sidecar(sidecar), sidecar.with_suffix(".exr")
+    pixels, inner = read_atlas(source)
+    if inner != facts:
+        raise _mixed(source, sidecar)
+    layout = AtlasLayout(facts.width, facts.height, facts.bucket)
+    container, kind = choice(source, pixels, spec, straddled_layout(layout, spec))
+    if container is Container.EXR:
+        if spec.arrangement is Arrangement.SLICES or (spec.levels or 1) > 1:
+            raise InputError(f"{source} holds one image: for slices or levels choose --format ktx2-rgba16f")
+        check_limit(source, layout.pixel_width, layout.pixel_height, spec)
+        pages = Pages(1, 1, layout.width, layout.height)
+        return {facts.kind: _copy_exr(source, folder, pixels, Arranged.MATRIX, pages)}
+    light = pixels if pixels.shape[2] > 1 else np.repeat(pixels, 3, axis=2)
+    sliced = spec.arrangement is Arrangement.SLICES
+    texture, pages = (_slices if sliced else _matrix)(source, light, layout, kind, spec)
+    path = folder / source.with_suffix(f".{container}").name
+    zstd = _write(path, container, texture, spec, premultiplied=True)
+    texels = (layout.width, layout.height)
+    arranged = Arranged.SLICES if sliced else Arranged.MATRIX
+    return {facts.kind: _entry(path, container, texture, zstd, arranged, texels, pages)}
+
+
+def _matrix(
+    source: Path, pixels: Floats, layout: AtlasLayout, kind: PixelFormat, spec: ExportSpec
+) -> tuple[Texture, Pages]:
+    """The bucket matrix with its levels, in as many pages as the limit asks for."""
+    limit = min(spec.most_pixels, MOST_PIXELS)
+    fitting = min(fitting_levels(layout), (limit // layout.bucket).bit_length())
+    levels = checked_levels(source, layout, spec) or max(1, fitting)
+    pages = fitting_pages(layout, limit, levels)
+    stored = padded_layout(layout, levels)
+    images = []
+    for level, image in enumerate(level_chain(pixels, layout, levels)):
+        here = AtlasLayout(stored.width >> level, stored.height >> level, layout.bucket)
+        images.append(split_pages(image, here, pages.at_level(level)))
+    return encode_texture(images, kind, is_array=pages.layers > 1), pages
+
+
+def _slices(
+    source: Path, pixels: Floats, layout: AtlasLayout, kind: PixelFormat, spec: ExportSpec
+) -> tuple[Texture, Pages]:
+    """A layer for each cell, with as many mip levels as `spec` asks for, or all."""
+    levels = checked_levels(source, layout, spec)
+    slices = to_slices(pixels, layout)
+    check_limit(source, layout.width, layout.height, spec)
+    texture = encode_texture(mip_chain(slices)[:levels], kind, is_array=True)
+    return texture, Pages(1, 1, layout.width, layout.height)
+
+
+def _write_layer(
+    sidecar: Path, shared: SharedSidecar, layer: str, spec: ExportSpec, folder: Path
+) -> TextureEntry:
+    """One image of a bake in the shared layout; blocks beyond its edge are filled with its last pixels."""
+    source, image = layer_path(sidecar, layer), read_layer(sidecar, shared, layer)
+    height, width = image.shape[:2]
+    check_limit(source, width, height, spec)
+    if spec.format is TextureFormat.EXR:
+        return _copy_exr(source, folder, image, Arranged.IMAGE, Pages(1, 1, width, height))
+    if layer.endswith(ENDS) or image.min() < 0:
+        container, kind = container_of(spec), PixelFormat.RGBA16F
+    else:
+        straddled = None if layer in _SMOOTH else straddled_bucket(shared.bake.bucket, border=1)
+        container, kind = choice(source, image, spec, straddled)
+    if kind is PixelFormat.BC6H:
+        image = np.pad(image, ((0, -height % _BLOCK), (0, -width % _BLOCK), (0, 0)), mode="edge")
+    texture = encode_texture([image[None]], kind)
+    path = folder / source.with_suffix(f".{container}").name
+    zstd = _write(path, container, texture, spec, premultiplied=False)
+    pages = Pages(1, 1, texture.width, texture.height)
+    return _entry(path, container, texture, zstd, Arranged.IMAGE, (width, height), pages)
+
+
+def _copy_condensed(
+    sidecar: Path, shared: SharedSidecar, spec: ExportSpec, folder: Path
+) -> dict[str, TextureEntry]:
+    """The textures of a condensed bake, byte for byte."""
+    if spec.format not in _CONDENSED:
+        raise InputError(f"{sidecar} is condensed, its textures are DDS files already: leave --format out")
+    digests = shared.condensed.digests if shared.condensed else {}
+    entries = {}
+    for layer, (width, height, _) in shared.shapes.items():
+        source = texture_path(sidecar, layer)
+        if digest(source) != digests[layer]:
+            raise _mixed(source, sidecar)
+        kind, blocks, stored_width, stored_height = read_dds(source)
+        texture = Texture(kind.pixel_format, stored_width, stored_height, (blocks[None],))
+        check_limit(source, stored_width, stored_height, spec)
+        path, pages = _copied(source, folder), Pages(1, 1, stored_width, stored_height)
+        entries[layer] = _entry(path, Container.DDS, texture, False, Arranged.IMAGE, (width, height), pages)
+    return entries
+
+
+def _write(path: Path, container: Container, texture: Texture, spec: ExportSpec, premultiplied: bool) -> bool:
+    """Write a texture; whether it is packed by Zstandard."""
+    if container is Container.DDS:
+        write_texture(path, texture)
+        return False
+    write_ktx2(path, texture, spec.zstd, premultiplied)
+    return spec.zstd
+
+
+def _copy_exr(source: Path, folder: Path, image: Floats, arranged: Arranged, pages: Pages) -> TextureEntry:
+    height, width = image.shape[:2]
+    return TextureEntry(
+        file=_copied(source, folder).name,
+        container=Container.EXR,
+        format=PixelFormat.RGBA16F,
+        zstd=False,
+        arrangement=arranged,
+        size=(width, height),
+        layers=1,
+        texels=(pages.width, pages.height),
+        stored=(pages.width, pages.height),
+        levels=1,
+        pages=(1, 1),
+        page_texels=(pages.width, pages.height),
+    )
+
+
+def _copied(source: Path, folder: Path) -> Path:
+    path = folder / source.name
+    with replacing(path) as beside:
+        shutil.copyfile(source, beside)
+    return path
+
+
+def _entry(
+    path: Path,
+    container: Container,
+    texture: Texture,
+    zstd: bool,
+    arranged: Arranged,
+    texels: tuple[int, int],
+    pages: Pages,
+) -> TextureEntry:
+    return TextureEntry(
+        file=path.name,
+        container=container,
+        format=texture.format,
+        zstd=zstd,
+        arrangement=arranged,
+        size=(texture.width, texture.height),
+        layers=texture.layers,
+        texels=texels,
+        stored=(pages.columns * pages.width, pages.rows * pages.height),
+        levels=len(texture.levels),
+        pages=(pages.columns, pages.rows),
+        page_texels=(pages.width, pages.height),
+    )
+
+
+def _mixed(image: Path, sidecar: Path) -> FormatError:
+    return FormatError(
+        f"{image} is of another bake than {sidecar}: put one bake's files together, or bake again"
+    )
