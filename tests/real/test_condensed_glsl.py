@@ -9,20 +9,15 @@ from pathlib import Path
 
 import moderngl
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.condensed import CondensedAtlas
 from radtex_addon.core.frame import normalised
-from radtex_addon.core.shared import Axis
-from radtex_addon.formats.bc5 import decode_bc5
-from radtex_addon.formats.bc6h import decode_bc6h
-from radtex_addon.formats.bc7 import Blocks, decode_bc7
-from radtex_addon.formats.condensed_packing import layer_values, pack_tiles, pack_weights, value_range
+from radtex_addon.formats.bc7 import Blocks
 from radtex_addon.formats.dds import DdsFormat, read_dds
-from radtex_addon.formats.packing import LOBE_CHANNELS, TEXTURES, WEIGHTS, lobe_layer
 from radtex_addon.formats.shared_files import read_condensed, write_condensed
+from tests.condensed_textures import COLUMNS, Ranges, pixels, rows_of, uncompressed
 from tests.lookups import SIDE, Lookups, relative_error
 from tests.real.opengl import BC5_UNORM, BC6H_UF16, BC7_UNORM, VERSIONS, compiled, compressed, drawn, fetched
 from tests.shared_atlases import facts_about, random_condensed_atlas
@@ -30,7 +25,6 @@ from tests.shared_lookups import random_fragments, shared_answers
 
 SHADERS = [Path(__file__).parents[2] / "shaders" / f"radtex_{name}.glsl" for name in ("shared", "condensed")]
 WIDTH, HEIGHT = 7, 5
-COLUMNS = 5
 WORST = 2e-3  # as far off as radtex_shared.glsl may be
 BC5_PRECISION = 2.01 / 255  # of Mesa's llvmpipe, which mixes levels in eight bits
 FRAGMENT = """
@@ -52,7 +46,6 @@ void main() {
         columns, n, surroundings, around, uv, N, V), 1.0);
 }
 """
-Ranges = dict[Axis, Floats]
 
 
 def run(
@@ -77,35 +70,6 @@ def run(
     inputs = {"uvs": fragments.uv, "normals": normal, "viewers": viewer}
     fields = {name: values.reshape(SIDE, SIDE, -1) for name, values in inputs.items()}
     return drawn(context, program, dict(images) | fields, SIDE)[:, :3]
-
-
-def uncompressed(atlas: CondensedAtlas) -> tuple[dict[str, Floats], Ranges]:
-    """What the textures hold if nothing is lost, tiles COLUMNS side by side, and the lobes' ranges."""
-    images: dict[str, Floats] = {}
-    ranges: Ranges = {}
-    values = layer_values(atlas)
-    for lobe in atlas.lobes:
-        limits = {part: value_range(values[lobe_layer(lobe.axis, part)]) for part in LOBE_CHANNELS}
-        ranges[lobe.axis] = rows_of(limits)
-        for part, rows in limits.items():
-            grid = pack_tiles(values.pop(lobe_layer(lobe.axis, part)), rows, COLUMNS)
-            layers = [lobe_layer(lobe.axis, texture) for texture in TEXTURES[part]]
-            images |= zip(layers, np.split(grid, len(layers), axis=2), strict=True)
-        weights = lobe_layer(lobe.axis, WEIGHTS)
-        images[weights] = pack_weights(lobe.cluster, values.pop(weights)) / np.float32(255)
-    return images | {name: filled_up(image) for name, image in values.items()}, ranges
-
-
-def filled_up(image: Floats) -> Floats:
-    """An image with more on the right and at the top, which no lookup may see."""
-    more = [(0, 4 - length % 4) for length in image.shape[:2]]
-    return np.pad(image, (*more, (0, 0)), constant_values=1e6)
-
-
-def rows_of(limits: Mapping[str, npt.ArrayLike]) -> Floats:
-    """A lobe's ranges as the shader takes them, (12, 4)."""
-    rows = [np.asarray(limits[part], dtype=np.float32) for part in LOBE_CHANNELS]
-    return np.concatenate([np.pad(some, ((0, 0), (0, 4 - some.shape[1]))) for some in rows])
 
 
 @pytest.mark.parametrize("version", VERSIONS)
@@ -167,18 +131,6 @@ def test_glsl_shows_the_files(context: moderngl.Context, tmp_path: Path, version
     print(f"{version}: driver and reader {apart:.1e} apart, {np.mean(error > WORST):.1%} meet borders")
     assert apart <= 1e-4
     assert np.quantile(error, 0.6) <= WORST
-
-
-def pixels(kind: DdsFormat, blocks: Blocks) -> Floats:
-    """What a file holds, decoded by the reader."""
-    if kind is DdsFormat.R8G8B8A8_UNORM:
-        return blocks / np.float32(255)
-    decoders = {
-        DdsFormat.BC5_UNORM: decode_bc5,
-        DdsFormat.BC6H_UF16: decode_bc6h,
-        DdsFormat.BC7_UNORM: decode_bc7,
-    }
-    return decoders[kind](blocks)
 
 
 def uploaded(
