@@ -17,7 +17,12 @@ from ..core.errors import FormatError
 
 _MAGIC, _VERSION = b"glTF", 2
 _JSON, _BINARY = b"JSON", b"BIN\0"
-_TYPES = {5121: np.dtype("u1"), 5123: np.dtype("<u2"), 5125: np.dtype("<u4"), 5126: np.dtype("<f4")}
+_TYPES: dict[int, np.dtype[Any]] = {
+    5121: np.dtype("u1"),
+    5123: np.dtype("<u2"),
+    5125: np.dtype("<u4"),
+    5126: np.dtype("<f4"),
+}
 _COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 _ARRAY_BUFFER = 34962
 
@@ -62,8 +67,8 @@ class Glb:
         accessor = self.document["accessors"][index]
         view = self.document["bufferViews"][accessor["bufferView"]]
         dtype, width = _TYPES[accessor["componentType"]], _COMPONENTS[accessor["type"]]
-        first = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
-        values = np.frombuffer(self.buffer, dtype, accessor["count"] * width, first).copy()
+        first = int(view.get("byteOffset", 0) + accessor.get("byteOffset", 0))
+        values: Values = np.frombuffer(self.buffer, dtype, int(accessor["count"]) * width, first).copy()
         return values if width == 1 else values.reshape(-1, width)
 
     def add_view(self, data: bytes, **facts: object) -> int:

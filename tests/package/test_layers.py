@@ -31,7 +31,7 @@ ORDER = [
 ]
 RANK = {layer: rank for rank, row in enumerate(ORDER) for layer in row}
 
-BLENDER = {"bpy", "bmesh", "mathutils", "bpy_extras", "gpu", "_cycles"}
+BLENDER = {"addon_utils", "bpy", "bmesh", "mathutils", "bpy_extras", "gpu", "_cycles"}
 ALLOWED: dict[str, set[str]] = {
     "version": set(),
     "core": {"numpy"},

@@ -1,0 +1,126 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a folder needs beside mesh and textures where no project of ours is made: the includes, and a README.
+
+Unreal takes includes that end in .ush; they are the HLSL files by that name.
+"""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+from .manifest import Arranged, Container, TextureEntry
+from .pack import Pack
+from .spec import Target
+
+SHADERS = Path(__file__).parents[2] / "shaders"
+_LANGUAGES = {
+    Target.GLTF: ("glsl",),
+    Target.UNITY: ("hlsl",),
+    Target.UNREAL: ("hlsl",),
+    Target.RAW: ("glsl", "hlsl", "wgsl", "gdshaderinc", "osl"),
+}
+_WHERE = {
+    Target.GLTF: "Any program opens the .glb; one that knows no radiance textures shows the flat lightmap.",
+    Target.UNITY: "Step by step: docs/unity.md of RadTex. It was written by the manual, not run in Unity.",
+    Target.UNREAL: "Step by step: docs/unreal.md of RadTex. It was written by the manual, not run in Unreal.",
+    Target.RAW: "The includes say at their top how they are called.",
+}
+_HIGHEST = "first row: v = {}"
+
+
+def write_engine(pack: Pack, folder: Path) -> None:
+    """Add the shader includes that the bake's layout needs, and a README.txt, to a pack's folder."""
+    target = pack.spec.target
+    shaders = folder / "shaders"
+    shaders.mkdir()
+    for source in includes(target, pack):
+        _copy_include(source, shaders, target)
+    shutil.copyfile(SHADERS / "LICENSE", shaders / "LICENSE")
+    (folder / "README.txt").write_text(readme(pack), encoding="utf-8", newline="\n")
+
+
+def includes(target: Target, pack: Pack) -> list[Path]:
+    """The shader files that look the bake up, in the languages of the target."""
+    bake = pack.manifest.bake
+    stems = ["radtex"]
+    if bake["layout"] == "shared":
+        stems.append("radtex_shared")
+        if "condensed" in bake["shared"]:
+            stems.append("radtex_condensed")
+    found = [SHADERS / f"{stem}.{ending}" for ending in _LANGUAGES[target] for stem in stems]
+    if "wgsl" in _LANGUAGES[target]:
+        found.append(SHADERS / "radtex_pages.wgsl")
+    return [path for path in found if path.is_file()]
+
+
+def readme(pack: Pack) -> str:
+    """What lies in the folder, and how to look it up."""
+    manifest, target = pack.manifest, pack.spec.target
+    bake = manifest.bake
+    width, height = bake["texels"]
+    lines = [
+        f"{manifest.name}: a radiance texture, made by {manifest.tool}",
+        "",
+        f"{manifest.mesh}: the mesh. TEXCOORD_0 is the baked UV layer, NORMAL and TANGENT its frame.",
+        f"{manifest.flat}: a flat lightmap, the mean of each texel's light; also inside the mesh's file.",
+        f"{manifest.name}.export.json: all of this for programs.",
+        "shaders/: the includes to look it up by (MIT licence).",
+        "",
+        f"layout {bake['layout']}, {width} x {height} texels of {bake['bucket']} x {bake['bucket']} cells",
+        "",
+        *(_described(layer, entry) for layer, entry in manifest.textures.items()),
+        "",
+        *_settings(pack),
+        "",
+        "Import every texture as linear data (never sRGB), with no compression and no mipmaps but its own.",
+        _WHERE[target],
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _described(layer: str, entry: TextureEntry) -> str:
+    width, height = entry.size
+    layers = f" x {entry.layers} layers" if entry.layers > 1 else ""
+    levels = f", {entry.levels} mip levels" if entry.levels > 1 else ""
+    first = _HIGHEST.format("1, the top" if entry.container is Container.EXR else "0, the bottom")
+    return f"{entry.file}: {layer}, {entry.format}, {width} x {height}{layers}{levels}; {first}"
+
+
+def _settings(pack: Pack) -> list[str]:
+    """How the lookup is called for these very textures."""
+    manifest = pack.manifest
+    bake = manifest.bake
+    if bake["layout"] == "shared":
+        return [
+            "Light is looked up in the world space of the bake, in Blender's axes (z up): docs/format.md,",
+            '"The shared layout". All numbers stand in the manifest under "bake".',
+        ]
+    (entry,) = manifest.textures.values()
+    width, height = bake["texels"]
+    n = bake["bucket"]
+    if entry.arrangement is Arranged.SLICES:
+        return [f"radtex_slices(slices, {n}, uv, I), of a texture array with {n} x {n} layers"]
+    columns, rows = entry.pages
+    defined: list[str] = []
+    if entry.layers > 1:
+        across, up = entry.page_texels
+        defined = [f"#define RADTEX_PAGES, pages = ({columns}, {rows}, {across}, {up})"]
+    if entry.container is Container.EXR and pack.spec.target is Target.UNREAL:
+        defined.append("#define RADTEX_TOP_DOWN")
+    size = f"({width}, {height})"
+    lookups = [f"radtex_sample(atlas, {size}, {n}, uv, I, RADTEX_QUADRILINEAR)"]
+    if entry.levels > 1:
+        level = f"radtex_level(uv, {size}, {entry.levels})"
+        lookups.append(f"radtex_sample_level(atlas, {size}, {n}, uv, I, {level})")
+    return [*defined, *lookups]
+
+
+def _copy_include(source: Path, folder: Path, target: Target) -> None:
+    if target is not Target.UNREAL:
+        shutil.copyfile(source, folder / source.name)
+        return
+    text = source.read_text(encoding="utf-8")
+    name = source.with_suffix(".ush").name
+    (folder / name).write_text(text.replace('.hlsl"', '.ush"'), encoding="utf-8", newline="\n")

@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The flat lightmap: what a texel shows on the mean, for viewers that do not know radiance textures.
+
+Each texel's radiance is averaged over the solid angle of the hemisphere above it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from pathlib import Path
+
+import numpy as np
+
+from ..core.arrays import Floats
+from ..core.atlas import AtlasLayout
+from ..core.errors import FormatError
+from ..core.gutter import dilate, nearest_covered
+from ..core.hemisphere import equisolid_inverse
+from ..core.shared import SharedAtlas, sample_shared
+from ..core.solid_angle import cell_solid_angles_sr
+from ..core.surface import SurfaceMesh
+from ..core.texel_map import rasterise
+from ..formats.exr import read_atlas
+from ..formats.png import encode_png
+from ..formats.shared_files import read_shared
+from ..formats.sidecar import read_sidecar
+from .progress import Step, Task
+
+DIRECTIONS = 64  # that a texel of the shared layout is looked at from
+_GOLDEN = np.pi * (3 - np.sqrt(5))
+_BRIGHT = 99.5  # percent of the texels that the picture shows unclipped
+
+
+def flat_buckets(sidecar: Path) -> Floats:
+    """The mean light (H, W, 3) of each bucket of an atlas, float32, row 0 at v = 0, over black.
+
+    Raises FormatError for files that cannot be read.
+    """
+    facts, image = read_sidecar(sidecar), sidecar.with_suffix(".exr")
+    pixels, inner = read_atlas(image)
+    if inner != facts:
+        raise FormatError(f"{image} is of another bake than {sidecar}: put one bake's files together")
+    return mean_of_buckets(pixels, AtlasLayout(facts.width, facts.height, facts.bucket))
+
+
+def mean_of_buckets(pixels: Floats, layout: AtlasLayout) -> Floats:
+    """The mean light (H, W, 3), float32, of an atlas (H*n, W*n, C), each cell weighing its solid angle."""
+    weight = (cell_solid_angles_sr(layout.bucket) / (2 * np.pi)).astype(np.float32)
+    buckets = layout.to_buckets(pixels)
+    rows = (np.einsum("wqpc,qp->wc", row[..., :3].astype(np.float32), weight) for row in buckets)
+    light: Floats = np.stack(list(rows))
+    return np.broadcast_to(light, (*light.shape[:2], 3)) if light.shape[2] == 1 else light
+
+
+def flat_shared(sidecar: Path, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+    """The mean light (H, W, 3) of each texel of a bake in the shared layout, float32, row 0 at v = 0.
+
+    Raises FormatError for files that cannot be read.
+    """
+    atlas, facts = read_shared(sidecar)
+    return (yield from mean_of_shared(atlas, facts.bake.width, facts.bake.height, surface))
+
+
+def mean_of_shared(
+    atlas: SharedAtlas, width: int, height: int, surface: SurfaceMesh
+) -> Generator[Step, None, Floats]:
+    """The same of an atlas: its texels are seen from directions that share the hemisphere evenly."""
+    texels = rasterise(surface, width, height)
+    rows, columns = np.nonzero(texels.covered)
+    uv = ((np.stack([columns, rows], axis=1) + 0.5) / (width, height)).astype(np.float32)
+    normal, tangent = texels.normal[rows, columns], texels.tangent[rows, columns]
+    bitangent = texels.sign[rows, columns, None] * np.cross(normal, tangent)
+    total = np.zeros((len(rows), 3))
+    for done, (x, y, z) in enumerate(even_directions(DIRECTIONS)):
+        yield Step(Task.FLAT, done, DIRECTIONS)
+        viewer = (x * tangent + y * bitangent + z * normal).astype(np.float32)
+        total += sample_shared(atlas, uv, normal, viewer)
+    light = np.zeros((height, width, 3), dtype=np.float32)
+    light[rows, columns] = total / DIRECTIONS
+    return dilate(light, nearest_covered(texels.covered))
+
+
+def even_directions(count: int) -> Floats:
+    """Directions (count, 3) in the frame, each standing for as much solid angle: a sunflower's seeds.
+
+    The projection keeps areas, so that what is even on the disc is even on the hemisphere.
+    """
+    index = np.arange(count)
+    radius, angle = np.sqrt((index + 0.5) / count), index * _GOLDEN
+    return equisolid_inverse(np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1))
+
+
+def flat_png(light: Floats) -> tuple[bytes, float]:
+    """A PNG of light (H, W, 3), row 0 at v = 0, in sRGB; and by what the light was multiplied for that.
+
+    That is 1 unless more than a few texels are brighter than white.
+    """
+    brightest = float(np.percentile(light.max(axis=2), _BRIGHT))
+    scale = 1 / brightest if brightest > 1 else 1.0
+    return encode_png(srgb(light[::-1] * scale)), scale
+
+
+def srgb(linear: Floats) -> Floats:
+    """Display values of linear light, clipped to 0..1. Formula: IEC 61966-2-1."""
+    light = np.clip(linear, 0, 1)
+    shown: Floats = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+    return shown

@@ -1,0 +1,227 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The baked copy as binary glTF: the very frame of the bake, our extension, and a fallback for any viewer.
+
+Blender's own exporter writes the mesh and its node. It rounds normals and tangents to four digits, so these
+are replaced by what the bake used. glTF's y is up and its texture coordinates run down: (x, y, z) becomes
+(x, z, -y), v becomes 1 - v.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, cast
+from urllib.parse import quote
+
+import addon_utils
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ..core.arrays import Floats
+from ..core.errors import BakeError
+from ..core.frame import normalised
+from ..formats.glb import Glb
+from ..scene.copy import NORMAL, SIGN, TANGENT
+from .manifest import Manifest
+
+EXTENSION = "RADTEX_radiance_texture"
+UNLIT = "KHR_materials_unlit"
+_EXPORTER = "io_scene_gltf2"
+_CARRIED = {NORMAL: "_RADTEX_NORMAL", TANGENT: "_RADTEX_TANGENT", SIGN: "_RADTEX_SIGN"}
+_CLAMP, _LINEAR, _LINEAR_MIPMAPPED = 33071, 9729, 9987
+_SHEARED = 1e-5  # of a matrix's largest value: how far its rotation, move and scale may miss it
+
+
+def write_gltf(
+    scene: bpy.types.Scene,
+    copy: bpy.types.Object,
+    uv_layer: str,
+    flat: bytes,
+    manifest: Manifest,
+    path: Path,
+) -> None:
+    """Write the baked copy, alone in `scene` (which it may change), to `path`.
+
+    `flat` is the fallback's PNG. Raises BakeError where Blender's exporter fails.
+    """
+    _strip(copy, uv_layer)
+    with tempfile.TemporaryDirectory(prefix="radtex-") as folder:
+        file = Path(folder, "mesh.glb")
+        _export(scene, file)
+        glb = Glb.read(file)
+    document = glb.document
+    (mesh,), (node,) = document["meshes"], document["nodes"]
+    mesh["name"] = node["name"] = manifest.bake["object"]
+    document["scenes"][0]["name"] = manifest.name
+    for primitive in mesh["primitives"]:
+        _set_frame(glb, primitive["attributes"])
+        primitive["material"] = 0
+    _add_material(glb, flat, manifest)
+    glb.compact()
+    document["asset"]["generator"] = f"{manifest.tool}, {document['asset']['generator']}"
+    glb.write(path)
+
+
+def extension_facts(manifest: Manifest) -> dict[str, Any]:
+    """What our extension says: the manifest, each texture's file also as a relative `uri`."""
+    facts = manifest.facts()
+    for texture in facts["textures"].values():
+        texture["uri"] = quote(texture["file"])
+    return facts
+
+
+def to_gltf(vectors: Floats) -> Floats:
+    """Vectors (..., 3) from Blender's axes to glTF's: (x, z, -y)."""
+    turned: Floats = np.stack([vectors[..., 0], vectors[..., 2], -vectors[..., 1]], axis=-1)
+    return turned
+
+
+def _strip(copy: bpy.types.Object, uv_layer: str) -> None:
+    """Leave of the copy what is written: triangles, the baked layer, the frame by names that stay."""
+    matrix = copy.matrix_world.copy()
+    copy.parent = None
+    copy.constraints.clear()
+    copy.animation_data_clear()
+    copy.matrix_world = matrix
+    mesh: Any = copy.data
+    mesh.animation_data_clear()
+    copy.vertex_groups.clear()
+    mesh.materials.clear()
+    for name in [layer.name for layer in mesh.uv_layers if layer.name != uv_layer]:
+        mesh.uv_layers.remove(mesh.uv_layers[name])
+    for name in [layer.name for layer in mesh.color_attributes]:
+        mesh.color_attributes.remove(mesh.color_attributes[name])
+    foreign = [each.name for each in mesh.attributes if each.name.startswith(("_", "KHR_"))]
+    for name in [*foreign, "material_index"]:
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
+    _straighten(copy, mesh)
+    for ours, carried in _CARRIED.items():
+        mesh.attributes[ours].name = carried
+
+
+def _straighten(copy: bpy.types.Object, mesh: Any) -> None:
+    """Where a matrix shears, which no glTF node does, give it to the mesh."""
+    matrix = np.array(copy.matrix_world)
+    parts: Any = copy.matrix_world.decompose()
+    plain = np.array(Matrix.LocRotScale(*parts))
+    if np.abs(plain - matrix).max() <= _SHEARED * np.abs(matrix).max():
+        return
+    turn = matrix[:3, :3]
+    _change(mesh, NORMAL, "vector", lambda values: normalised(values @ np.linalg.inv(turn)))
+    _change(mesh, TANGENT, "vector", lambda values: normalised(values @ turn.T))
+    if np.linalg.det(turn) < 0:
+        _change(mesh, SIGN, "value", lambda values: -values)
+        mesh.flip_normals()
+    mesh.transform(copy.matrix_world)
+    copy.matrix_world = Matrix.Identity(4)
+
+
+def _change(mesh: Any, name: str, field: str, change: Any) -> None:
+    data = mesh.attributes[name].data
+    values = np.empty(len(data) * (3 if field == "vector" else 1), dtype=np.float32)
+    data.foreach_get(field, values)
+    changed = change(values.reshape(len(data), -1).astype(np.float64))
+    data.foreach_set(field, np.ascontiguousarray(changed, dtype=np.float32).ravel())
+
+
+def _export(scene: bpy.types.Scene, path: Path) -> None:
+    wanted = {
+        "export_format": "GLB",
+        "use_active_scene": True,
+        "export_attributes": True,
+        "export_normals": False,
+        "export_tangents": False,
+        "export_texcoords": True,
+        "export_materials": "NONE",
+        "export_animations": False,
+        "export_current_frame": True,
+        "export_morph": False,
+        "export_skins": False,
+        "export_cameras": False,
+        "export_lights": False,
+        "export_extras": False,
+        "export_yup": True,
+    }
+    with _exporter_enabled(), _shown(scene):
+        try:
+            cast(Any, bpy.ops).export_scene.gltf(filepath=str(path), check_existing=False, **wanted)
+        except RuntimeError as error:
+            reason = " ".join(str(error).split())
+            raise BakeError(f"Blender's glTF exporter failed: {reason}; export by another Blender") from error
+    if not path.is_file():
+        raise BakeError("Blender's glTF exporter wrote nothing; export by another Blender")
+
+
+@contextmanager
+def _exporter_enabled() -> Iterator[None]:
+    """Blender's exporter is an add-on that users may have switched off."""
+    _, enabled = addon_utils.check(_EXPORTER)
+    if enabled:
+        yield
+        return
+    if cast(Any, addon_utils).enable(_EXPORTER, default_set=False, persistent=False) is None:
+        raise BakeError("this Blender has no glTF exporter (the add-on io_scene_gltf2): install it again")
+    try:
+        yield
+    finally:
+        addon_utils.disable(_EXPORTER, default_set=False)
+
+
+@contextmanager
+def _shown(scene: bpy.types.Scene) -> Iterator[None]:
+    """Make `scene` the window's: the exporter looks there."""
+    manager = bpy.context.window_manager
+    window = cast(Any, manager).windows[0]
+    before, layer = window.scene, window.view_layer
+    window.scene = scene
+    try:
+        with cast(Any, bpy.context).temp_override(
+            window=window, scene=scene, view_layer=scene.view_layers[0]
+        ):
+            yield
+    finally:
+        window.scene, window.view_layer = before, layer
+
+
+def _set_frame(glb: Glb, attributes: dict[str, int]) -> None:
+    """Turn the carried attributes into NORMAL and TANGENT; they never lose a bit but by normalising."""
+    normal, tangent, sign = (glb.accessor(attributes.pop(name)) for name in _CARRIED.values())
+    attributes["NORMAL"] = glb.add_vertices(_unit(to_gltf(normal), (0.0, 1.0, 0.0)))
+    frame = np.column_stack([_unit(to_gltf(tangent), (1.0, 0.0, 0.0)), np.where(sign < 0, -1.0, 1.0)])
+    attributes["TANGENT"] = glb.add_vertices(frame)
+
+
+def _unit(vectors: Floats, otherwise: tuple[float, float, float]) -> Floats:
+    """Unit vectors; what has no direction, which triangles without an area bring, gets one."""
+    unit = normalised(vectors.astype(np.float64))
+    lost = np.sum(unit * unit, axis=1) < 0.5
+    unit[lost] = otherwise
+    return unit
+
+
+def _add_material(glb: Glb, flat: bytes, manifest: Manifest) -> None:
+    document = glb.document
+    document["images"] = [{"bufferView": glb.add_view(flat), "mimeType": "image/png", "name": manifest.flat}]
+    sampler = {"magFilter": _LINEAR, "minFilter": _LINEAR_MIPMAPPED, "wrapS": _CLAMP, "wrapT": _CLAMP}
+    document["samplers"] = [sampler]
+    document["textures"] = [{"source": 0, "sampler": 0}]
+    facts = extension_facts(manifest)
+    document["materials"] = [
+        {
+            "name": f"{manifest.name} radiance",
+            "doubleSided": True,
+            "pbrMetallicRoughness": {
+                "baseColorTexture": {"index": 0, "texCoord": 0},
+                "metallicFactor": 0.0,
+                "roughnessFactor": 1.0,
+            },
+            "extensions": {UNLIT: {}, EXTENSION: facts},
+            "extras": {"radtex": facts},
+        }
+    ]
+    document["extensionsUsed"] = sorted({*document.get("extensionsUsed", []), UNLIT, EXTENSION})

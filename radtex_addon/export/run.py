@@ -1,0 +1,125 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An export from a finished bake to a folder that engines and browsers take."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..core.arrays import Floats
+from ..core.errors import FormatError
+from ..formats.facts import Facts
+from ..formats.shared_files import read_shared_sidecar
+from ..formats.shared_sidecar import LAYOUT as SHARED
+from ..formats.sidecar import Sidecar, read_sidecar, read_text
+from ..scene.preview_file import baked_copy, check_preview, surface_of
+from ..version import VERSION
+from .engines import write_engine
+from .flat import flat_buckets, flat_png, flat_shared
+from .folder import check_out, files_in, replacing_folder
+from .gltf import write_gltf
+from .manifest import EXTENSION, Manifest, write_manifest
+from .pack import Pack
+from .progress import Step, Task
+from .spec import ExportSpec, Target
+from .textures import write_textures
+
+_WRITERS: dict[Target, Callable[[Pack, Path], None]] = {
+    Target.GLTF: write_engine,
+    Target.UNITY: write_engine,
+    Target.UNREAL: write_engine,
+    Target.RAW: write_engine,
+}
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What an export made: the `folder`, and the `files` in it, relative, that take `bytes` together."""
+
+    folder: Path
+    name: str
+    target: Target
+    files: tuple[str, ...]
+    bytes: int
+
+
+@dataclass(frozen=True)
+class _Bake:
+    """What is exported; `name` is the stem of its files' names."""
+
+    sidecar: Path
+    facts: Facts
+    bake: Sidecar
+    name: str
+
+    @classmethod
+    def of(cls, sidecar: Path) -> _Bake:
+        facts = Facts.parse(read_text(sidecar), str(sidecar))
+        shared = facts.text("layout") == SHARED
+        bake = read_shared_sidecar(sidecar).bake if shared else read_sidecar(sidecar)
+        ending = f".{bake.kind}.json"
+        if not sidecar.name.endswith(ending):
+            raise FormatError(f"{sidecar} is not called NAME{ending}: give the bake's files their names back")
+        return cls(sidecar, facts, bake, sidecar.name.removesuffix(ending))
+
+    @property
+    def preview(self) -> Path:
+        return self.sidecar.with_name(f"{self.name}.preview.blend")
+
+
+def export_path(sidecar: Path, target: Target) -> Path:
+    """Where the export of a bake goes, if nobody says. Raises FormatError for what is no sidecar."""
+    return sidecar.with_name(f"{_Bake.of(sidecar).name}.{target}")
+
+
+def export_steps(
+    sidecar: Path, spec: ExportSpec, out: Path | None = None, *, overwrite: bool = False
+) -> Generator[Step, None, Exported]:
+    """Make a folder of the finished bake whose sidecar is the file `sidecar`, at `export_path` by default.
+
+    Yields progress; returns what was made. The folder is written whole or not at all, and Blender's session
+    is what it was afterwards, also after an error or when the generator is closed. Raises InputError for what
+    cannot be exported, FormatError for files that cannot be read, BakeError for what fails meanwhile.
+    """
+    bake = _Bake.of(sidecar)
+    out = out or export_path(sidecar, spec.target)
+    check_out(out, sidecar.parent, overwrite)
+    check_preview(bake.preview)
+    with replacing_folder(out) as folder:
+        pack = yield from _pack(bake, spec, folder)
+        yield Step(Task.PACK, 0, 1)
+        _WRITERS[spec.target](pack, folder)
+        files = tuple(files_in(folder))
+        size = sum((folder / name).stat().st_size for name in files)
+    return Exported(out, bake.name, spec.target, files, size)
+
+
+def _pack(bake: _Bake, spec: ExportSpec, folder: Path) -> Generator[Step, None, Pack]:
+    """What all targets have."""
+    yield Step(Task.TEXTURES, 0, 1)
+    textures = write_textures(bake.sidecar, spec, folder)
+    layer = bake.bake.uv_map
+    with baked_copy(bake.preview, bake.bake.object_name, layer) as (scene, copy):
+        yield Step(Task.FLAT, 0, 1)
+        light: Floats
+        if bake.facts.text("layout") == SHARED:
+            light = yield from flat_shared(bake.sidecar, surface_of(copy, layer))
+        else:
+            light = flat_buckets(bake.sidecar)
+        flat, scale = flat_png(light)
+        manifest = Manifest(
+            tool=f"RadTex {VERSION}",
+            name=bake.name,
+            mesh=f"{bake.name}.glb",
+            flat=f"{bake.name}.flat.png",
+            bake=bake.facts.values,
+            textures=textures,
+            flat_scale=scale,
+        )
+        (folder / manifest.flat).write_bytes(flat)
+        yield Step(Task.MESH, 0, 1)
+        write_gltf(scene, copy, layer, flat, manifest, folder / manifest.mesh)
+    write_manifest(folder / f"{bake.name}.{EXTENSION}", manifest)
+    return Pack(bake.name, manifest, folder, spec)
