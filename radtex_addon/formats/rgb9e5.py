@@ -50,7 +50,8 @@ def decode_rgb9e5(pixels: npt.NDArray[np.uint8]) -> Floats:
 def _words(light: Floats) -> npt.NDArray[np.uint32]:
     """Words (H, W) of light (H, W, 3) within 0..MOST, float32."""
     greatest = light.max(axis=2)
-    exponent = np.maximum(np.frexp(greatest)[1], -_BIAS)  # greatest < 2^exponent
+    exponent = np.where(greatest > 0, np.frexp(greatest)[1], -_BIAS)  # greatest < 2^exponent
+    exponent = np.maximum(exponent, -_BIAS)
     exponent += np.rint(np.ldexp(greatest, _BITS - exponent)) > _LAST  # where rounding reaches 2^exponent
     mantissas = np.rint(np.ldexp(light, (_BITS - exponent)[..., None])).astype(np.uint32)
     shifted: npt.NDArray[np.uint32] = mantissas << np.array([0, _BITS, 2 * _BITS], np.uint32)

@@ -17,11 +17,12 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.errors import BakeError, FormatError, ShapeError
+from radtex_addon.core.errors import BakeError, FormatError, InputError, ShapeError
 from radtex_addon.formats.bc5 import decode_bc5
 from radtex_addon.formats.bc6h import decode_bc6h
 from radtex_addon.formats.bc7 import Blocks, decode_bc7
-from radtex_addon.formats.dds import DdsFormat, read_dds, write_dds
+from radtex_addon.formats.dds import DdsFormat, read_dds, read_texture, write_dds, write_texture
+from radtex_addon.formats.texture import PixelFormat, Texture, encode_texture
 
 HEADER = 148
 
@@ -58,6 +59,84 @@ def test_blocks_come_back_as_they_were(tmp_path: Path, kind: DdsFormat) -> None:
     assert (found, width, height) == (kind, 9 * kind.side, 6 * kind.side)
     assert list(path.parent.iterdir()) == [path]
     assert path.stat().st_size == HEADER + blocks.nbytes
+
+
+@pytest.mark.parametrize(
+    ("kind", "flags", "pitch"),
+    [
+        (DdsFormat.R8G8B8A8_UNORM, 0x100F, 36),
+        (DdsFormat.BC5_UNORM, 0x81007, 864),
+        (DdsFormat.BC6H_UF16, 0x81007, 864),
+        (DdsFormat.BC7_UNORM, 0x81007, 864),
+        (DdsFormat.R16G16B16A16_FLOAT, 0x100F, 72),
+    ],
+)
+def test_the_header_is_as_microsoft_has_it(tmp_path: Path, kind: DdsFormat, flags: int, pitch: int) -> None:
+    """Of a condensed bake's textures: their digests must not change from one RadTex to the next."""
+    blocks = random_blocks(kind)
+    write_dds(tmp_path / "a.dds", blocks, kind)
+    width, height = 9 * kind.side, 6 * kind.side
+    header = struct.pack("<4s7I44x", b"DDS ", 124, flags, height, width, pitch, 0, 1)
+    header += struct.pack("<2I4s5I", 32, 4, b"DX10", 0, 0, 0, 0, 0)
+    header += struct.pack("<5I5I", 0x1000, 0, 0, 0, 0, int(kind), 3, 0, 1, 0)
+    assert (tmp_path / "a.dds").read_bytes() == header + blocks.tobytes()
+
+
+@pytest.mark.parametrize("kind", [PixelFormat.BC6H, PixelFormat.RGBA16F])
+@pytest.mark.parametrize(("layers", "levels"), [(1, 1), (1, 3), (3, 1), (3, 6)])
+def test_layers_and_levels_come_back(tmp_path: Path, kind: PixelFormat, layers: int, levels: int) -> None:
+    written = mipmapped(kind, layers, levels)
+    write_texture(tmp_path / "a.dds", written)
+    read = read_texture(tmp_path / "a.dds")
+    assert (read.format, read.width, read.height, read.is_array) == (kind, 32, 24, layers > 1)
+    for ours, theirs in zip(written.levels, read.levels, strict=True):
+        np.testing.assert_array_equal(theirs, ours)
+
+
+def test_a_layer_has_all_its_levels_before_the_next(tmp_path: Path) -> None:
+    written = mipmapped(PixelFormat.BC6H, 2, 3)
+    write_texture(tmp_path / "a.dds", written)
+    data = (tmp_path / "a.dds").read_bytes()
+    flags, *_, levels = struct.unpack_from("<6I", data, 8)
+    assert (flags, levels) == (0x1007 | 0x80000 | 0x20000, 3)
+    assert struct.unpack_from("<I", data, 108) == (0x1000 | 0x400000 | 0x8,)
+    assert struct.unpack_from("<4I", data, 128) == (95, 3, 0, 2)
+    parts = [level[layer].tobytes() for layer in range(2) for level in written.levels]
+    assert data[HEADER:] == b"".join(parts)
+
+
+def mipmapped(kind: PixelFormat, layers: int, levels: int) -> Texture:
+    """32 x 24 pixels of light."""
+    rng = np.random.default_rng(1)
+    sizes = [(layers, max(1, 24 >> level), max(1, 32 >> level), 4) for level in range(levels)]
+    return encode_texture([np.exp(rng.normal(0, 2, size)) for size in sizes], kind, layers > 1)
+
+
+def test_what_dds_cannot_hold_is_refused(tmp_path: Path) -> None:
+    light = np.ones((1, 6, 8, 3))
+    with pytest.raises(InputError, match="RGB9E5 is not written to DDS"):
+        write_texture(tmp_path / "a.dds", encode_texture([light], PixelFormat.RGB9E5))
+    with pytest.raises(InputError, match="8 x 6 pixels are no whole blocks of 4 x 4"):
+        write_texture(tmp_path / "a.dds", encode_texture([light], PixelFormat.BC6H))
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("offset", "value", "message"),
+    [
+        (28, 7, "7 mip levels, expected 1 to 6"),
+        (140, 0, "0 layers"),
+        (140, 9999, "9999 layers"),
+        (140, 3, "cut"),
+    ],
+)
+def test_impossible_layers_and_levels_are_refused(
+    tmp_path: Path, offset: int, value: int, message: str
+) -> None:
+    write_texture(tmp_path / "a.dds", mipmapped(PixelFormat.BC6H, 2, 6))
+    patched(tmp_path / "a.dds", offset, value)
+    with pytest.raises(FormatError, match=message):
+        read_texture(tmp_path / "a.dds")
 
 
 def test_pillow_reads_bc7_as_we_do(file: Path) -> None:

@@ -1,0 +1,305 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""KTX2 files: every field as the specification has it, and bad files refused by name."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zstandard
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.errors import BakeError, FormatError, InputError, ShapeError
+from radtex_addon.formats.bc7 import Blocks
+from radtex_addon.formats.ktx2 import read_ktx2, write_ktx2
+from radtex_addon.formats.texture import (
+    ENCODED,
+    PixelFormat,
+    Texture,
+    decode_texture,
+    encode_texture,
+    most_levels,
+)
+from radtex_addon.version import VERSION
+
+VK_FORMATS = {PixelFormat.RGBA16F: 97, PixelFormat.RGB9E5: 123, PixelFormat.BC6H: 143}  # vulkan_core.h
+LEVELS, DESCRIPTOR = 80, 152  # where the level index of three levels and the descriptor begin
+
+
+def images(layers: int = 1, height: int = 22, width: int = 33, levels: int = 3) -> list[Floats]:
+    rng = np.random.default_rng(1)
+    return [
+        np.exp(rng.normal(0, 2, (layers, max(1, height >> k), max(1, width >> k), 4))).astype(np.float32)
+        for k in range(levels)
+    ]
+
+
+def texture(kind: PixelFormat = PixelFormat.RGB9E5, layers: int = 2) -> Texture:
+    return encode_texture(images(layers), kind, is_array=True)
+
+
+@pytest.fixture(params=[False, True], ids=["plain", "zstd"])
+def file(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    path = tmp_path / "a.ktx2"
+    write_ktx2(path, texture(), zstd=request.param)
+    return path
+
+
+def patched(path: Path, offset: int, value: int, size: int = 4) -> None:
+    data = bytearray(path.read_bytes())
+    data[offset : offset + size] = value.to_bytes(size, "little")
+    path.write_bytes(data)
+
+
+def words(data: bytes, offset: int, count: int) -> tuple[int, ...]:
+    return struct.unpack_from(f"<{count}I", data, offset)
+
+
+@pytest.mark.parametrize("kind", ENCODED)
+@pytest.mark.parametrize("zstd", [False, True])
+@pytest.mark.parametrize(("layers", "is_array"), [(1, False), (1, True), (3, True)])
+def test_a_texture_comes_back_as_it_was(
+    tmp_path: Path, kind: PixelFormat, zstd: bool, layers: int, is_array: bool
+) -> None:
+    path = tmp_path / "new" / "a.ktx2"
+    written = encode_texture(images(layers), kind, is_array)
+    write_ktx2(path, written, zstd)
+    read = read_ktx2(path)
+    assert (read.format, read.width, read.height, read.is_array) == (kind, 33, 22, is_array)
+    for ours, theirs in zip(written.levels, read.levels, strict=True):
+        np.testing.assert_array_equal(theirs, ours)
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_half_floats_are_exact_and_the_others_near(tmp_path: Path) -> None:
+    source = [image.astype(np.float16).astype(np.float32) for image in images(2)]
+    for kind in ENCODED:
+        write_ktx2(tmp_path / "a.ktx2", encode_texture(source, kind, is_array=True))
+        for image, decoded in zip(source, decode_texture(read_ktx2(tmp_path / "a.ktx2")), strict=True):
+            assert decoded.shape[:3] == image.shape[:3]
+            if kind is PixelFormat.RGBA16F:
+                np.testing.assert_array_equal(decoded, image)
+            if kind is PixelFormat.RGB9E5:
+                stops = np.log2(decoded.max(axis=3) / image[..., :3].max(axis=3))
+                assert np.abs(stops).max() <= 0.005
+
+
+@pytest.mark.parametrize("kind", ENCODED)
+@pytest.mark.parametrize("zstd", [False, True])
+def test_the_header_is_as_the_specification_has_it(tmp_path: Path, kind: PixelFormat, zstd: bool) -> None:
+    path = tmp_path / "a.ktx2"
+    write_ktx2(path, texture(kind), zstd)
+    data = path.read_bytes()
+    assert data[:12] == bytes((0xAB, 0x4B, 0x54, 0x58, 0x20, 0x32, 0x30, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A))
+    type_size = {PixelFormat.RGBA16F: 2, PixelFormat.RGB9E5: 4, PixelFormat.BC6H: 1}[kind]
+    assert words(data, 12, 9) == (VK_FORMATS[kind], type_size, 33, 22, 0, 2, 1, 3, 2 if zstd else 0)
+    dfd, dfd_length, kvd, kvd_length = words(data, 48, 4)
+    assert struct.unpack_from("<2Q", data, 64) == (0, 0)
+    assert dfd == DESCRIPTOR
+    assert words(data, dfd, 1) == (dfd_length,)
+    assert kvd == dfd + dfd_length
+    writer = b"KTXwriter\0RadTex " + VERSION.encode() + b"\0"
+    pairs = struct.pack("<I", 18) + b"KTXorientation\0ru\0\0\0" + struct.pack("<I", len(writer)) + writer
+    assert data[kvd : kvd + kvd_length] == pairs + bytes(-len(pairs) % 4)
+
+
+@pytest.mark.parametrize("kind", ENCODED)
+@pytest.mark.parametrize("zstd", [False, True])
+def test_levels_lie_from_the_smallest_to_the_largest(tmp_path: Path, kind: PixelFormat, zstd: bool) -> None:
+    path, written = tmp_path / "a.ktx2", texture(kind)
+    write_ktx2(path, written, zstd)
+    data = path.read_bytes()
+    end = sum(words(data, 56, 2))
+    for level in reversed(range(3)):
+        offset, length, unpacked = struct.unpack_from("<3Q", data, LEVELS + 24 * level)
+        assert 0 <= offset - end < (1 if zstd else kind.block_bytes)
+        assert offset % (1 if zstd else kind.block_bytes) == 0
+        assert not any(data[end:offset])
+        assert unpacked == written.levels[level].nbytes
+        stored = data[offset : offset + length]
+        raw = zstandard.ZstdDecompressor().decompress(stored) if zstd else stored
+        assert raw == written.levels[level].tobytes()
+        end = offset + length
+    assert end == len(data)
+
+
+@pytest.mark.parametrize("zstd", [False, True])
+def test_the_descriptors_are_those_of_khronos(tmp_path: Path, zstd: bool) -> None:
+    """Word by word what Khronos's dfdutils make of each VkFormat, but for the flag of associated alpha."""
+    one, minus_one = 0x3F800000, 0xBF800000
+    half = [(0 << 24, 0), (1 << 24, 16), (2 << 24, 32), (15 << 24, 48)]
+    expected = {
+        PixelFormat.RGBA16F: [92, 0, 88 << 16 | 2, 1 << 24 | 1 << 16 | 1 << 8 | 1, 0, 8, 0]
+        + [
+            word for channel, at in half for word in (0xC0 << 24 | channel | 15 << 16 | at, 0, minus_one, one)
+        ],
+        PixelFormat.RGB9E5: [124, 0, 120 << 16 | 2, 1 << 16 | 1 << 8 | 1, 0, 4, 0]
+        + [
+            word
+            for channel in range(3)
+            for word in (
+                *(channel << 24 | 8 << 16 | 9 * channel, 0, 0, 8448),
+                *((0x20 | channel) << 24 | 4 << 16 | 27, 0, 15, 31),
+            )
+        ],
+        PixelFormat.BC6H: [
+            *(44, 0, 40 << 16 | 2, 1 << 16 | 1 << 8 | 133, 3 << 8 | 3, 16, 0),
+            *(0x80 << 24 | 127 << 16, 0, 0, one),
+        ],
+    }
+    for kind, fields in expected.items():
+        write_ktx2(tmp_path / "a.ktx2", texture(kind), zstd)
+        data = (tmp_path / "a.ktx2").read_bytes()
+        assert list(words(data, DESCRIPTOR, len(fields))) == fields, kind
+    write_ktx2(tmp_path / "a.ktx2", texture(PixelFormat.RGBA16F), zstd, premultiplied=False)
+    assert (tmp_path / "a.ktx2").read_bytes()[DESCRIPTOR + 15] == 0
+    read_ktx2(tmp_path / "a.ktx2")
+
+
+def test_a_texture_that_is_no_array_has_no_layers(tmp_path: Path) -> None:
+    write_ktx2(tmp_path / "a.ktx2", encode_texture(images(1), PixelFormat.BC6H))
+    assert words((tmp_path / "a.ktx2").read_bytes(), 32, 1) == (0,)
+
+
+@pytest.mark.parametrize("length", [0, 5, 12, 79, 100, 200, 300, 700])
+def test_a_file_that_is_cut_short_is_refused(file: Path, length: int) -> None:
+    file.write_bytes(file.read_bytes()[:length])
+    with pytest.raises(FormatError, match=r"a\.ktx2 is (cut short|not a KTX2 file)"):
+        read_ktx2(file)
+
+
+def test_a_file_with_more_in_it_is_refused(file: Path) -> None:
+    file.write_bytes(file.read_bytes() + b"x")
+    with pytest.raises(FormatError, match=r"a\.ktx2 has more in it"):
+        read_ktx2(file)
+
+
+@pytest.mark.parametrize(
+    ("offset", "value", "message"),
+    [
+        (4, 0x31312058, "not a KTX2 file"),  # KTX 11
+        (12, 145, "VkFormat 145: save it as RGBA16F, RGB9E5, BC6H"),
+        (16, 2, "header cannot be read"),
+        (20, 0, "0 x 22 pixels"),
+        (24, 16385, "33 x 16385 pixels"),
+        (28, 1, "no 2D texture"),
+        (32, 4096, "4096 layers"),
+        (36, 6, "no 2D texture"),
+        (40, 0, "0 mip levels"),
+        (40, 7, "7 mip levels, expected 1 to 6"),
+        (44, 1, "packed by scheme 1"),
+        (72, 8, "header cannot be read"),
+        (52, 44, "what RadTex does not write"),
+        (DESCRIPTOR + 12, 0x02010201, "what RadTex does not write"),
+        (60, 20, "orientation 'rd'"),
+        (LEVELS + 16, 1 << 30, "level 0 is not of its size"),
+        (LEVELS + 4, 1, "cut short"),
+    ],
+)
+def test_other_files_are_refused_by_name(file: Path, offset: int, value: int, message: str) -> None:
+    if offset == 60:  # the key/value data without the first pair
+        patched(file, 56, words(file.read_bytes(), 56, 1)[0] + 24)
+    patched(file, offset, value)
+    with pytest.raises(FormatError, match=message) as caught:
+        read_ktx2(file)
+    assert str(file) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_picture_whose_first_row_is_the_top_one_is_refused(file: Path) -> None:
+    file.write_bytes(file.read_bytes().replace(b"KTXorientation\0ru", b"KTXorientation\0rd"))
+    with pytest.raises(FormatError, match=r"orientation 'rd', expected \"ru\""):
+        read_ktx2(file)
+
+
+def test_damage_is_seen_in_packed_levels(tmp_path: Path) -> None:
+    path = tmp_path / "a.ktx2"
+    write_ktx2(path, texture())
+    data = bytearray(path.read_bytes())
+    data[-40] ^= 0x10
+    path.write_bytes(data)
+    with pytest.raises(FormatError, match=r"a\.ktx2 is damaged"):
+        read_ktx2(path)
+
+
+@pytest.mark.parametrize("zstd", [False, True])
+def test_a_header_that_promises_much_takes_no_memory(tmp_path: Path, zstd: bool) -> None:
+    """16384 x 16384 pixels of 2048 layers, which are 4 TiB."""
+    path = tmp_path / "a.ktx2"
+    write_ktx2(path, encode_texture(images(levels=1), PixelFormat.RGBA16F, is_array=True), zstd)
+    for offset, value in ((20, 16384), (24, 16384), (32, 2048)):
+        patched(path, offset, value)
+    patched(path, LEVELS + 16, 16384 * 16384 * 2048 * 8, 8)
+    with pytest.raises(FormatError, match="not of its size"):
+        read_ktx2(path)
+
+
+def test_a_texture_beyond_the_memory_is_refused(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("radtex_addon.formats.memory.physical_memory", lambda: 3000)
+    with pytest.raises(FormatError, match=r"a\.ktx2 needs .* of memory, this machine has 3 KiB"):
+        read_ktx2(file)
+
+
+@given(st.lists(st.tuples(st.integers(0, 400), st.integers(0, 255)), min_size=1, max_size=4), st.data())
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_any_header_is_read_or_refused(
+    file: Path, changes: list[tuple[int, int]], data: st.DataObject
+) -> None:
+    whole = file.read_bytes()
+    damaged = bytearray(whole)
+    for offset, value in changes:
+        damaged[offset] = value
+    other = file.with_name("b.ktx2")
+    other.write_bytes(damaged[: data.draw(st.sampled_from([len(whole), 200, len(whole) - 1]))])
+    try:
+        read = read_ktx2(other)
+    except FormatError:
+        return
+    assert (read.width, read.height, read.layers, len(read.levels)) == (33, 22, 2, 3)
+
+
+def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
+    for path in (tmp_path / "none.ktx2", tmp_path):
+        with pytest.raises(FormatError, match="cannot be read"):
+            read_ktx2(path)
+
+
+def test_other_formats_are_not_written(tmp_path: Path) -> None:
+    blocks: Blocks = np.zeros((1, 2, 2, 16), np.uint8)
+    with pytest.raises(InputError, match=r"BC7 is not written to KTX2; choose RGBA16F, RGB9E5, BC6H"):
+        write_ktx2(tmp_path / "a.ktx2", Texture(PixelFormat.BC7, 8, 8, (blocks,)))
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_failed_write_leaves_nothing(tmp_path: Path) -> None:
+    (tmp_path / "a.ktx2").mkdir()
+    with pytest.raises(BakeError, match=r"a\.ktx2 could not be written"):
+        write_ktx2(tmp_path / "a.ktx2", texture())
+    assert list(tmp_path.iterdir()) == [tmp_path / "a.ktx2"]
+
+
+def test_levels_that_are_no_mip_chain_make_no_texture() -> None:
+    with pytest.raises(ShapeError, match="level 1: expected"):
+        encode_texture([np.ones((1, 8, 8, 3)), np.ones((1, 3, 4, 3))], PixelFormat.RGB9E5)
+    with pytest.raises(ShapeError, match="2 layers make an array"):
+        encode_texture([np.ones((2, 8, 8, 3))], PixelFormat.RGB9E5)
+    with pytest.raises(ShapeError, match="5 mip levels, expected 1 to 4"):
+        encode_texture([np.ones((1, max(1, 8 >> k), max(1, 8 >> k), 3)) for k in range(5)], ENCODED[0])
+    with pytest.raises(ShapeError, match="expected shape"):
+        encode_texture([np.ones((8, 8, 3))], PixelFormat.RGB9E5)
+    with pytest.raises(InputError, match="BC7 does not hold light"):
+        encode_texture([np.ones((1, 8, 8, 3))], PixelFormat.BC7)
+    with pytest.raises(InputError, match="1 of its values are not numbers"):
+        encode_texture([np.array([[[[0, np.nan, 1]]]])], PixelFormat.RGBA16F)
+
+
+@pytest.mark.parametrize(
+    ("size", "levels"), [((1, 1), 1), ((2, 1), 2), ((3, 2), 2), ((33, 22), 6), ((64, 9), 7)]
+)
+def test_levels_end_at_one_pixel(size: tuple[int, int], levels: int) -> None:
+    assert most_levels(*size) == levels
