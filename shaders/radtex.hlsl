@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+//
+// Look up a radiance texture: HLSL, shader model 5 and later. Include it, then
+//
+//     float3 I = radtex_incidence(camera - position, normal, tangent.xyz, tangent.w);
+//     float4 colour = radtex_sample(atlas, int2(W, H), n, uv, I, RADTEX_QUADRILINEAR);
+//
+// `atlas` is W x H texels of n x n cells, scene-linear Rec.709 (never sRGB), alpha premultiplied. In `uv`, v = 0 is the
+// bottom, as in Blender. Normal and tangent are MikkTSpace's of the baked UV map, interpolated; tangent.w is the
+// bitangent's sign, times the sign of the model matrix's determinant. Far away, in a pixel shader, either of
+//
+//     radtex_sample_level(atlas, int2(W, H), n, uv, I, radtex_level(uv, int2(W, H), levels));
+//     radtex_slices(slices, trilinear_clamp, n, uv, I);
+//
+// with the atlas's mip levels, or with its slices. Before the include, `#define RADTEX_TOP_DOWN` if row 0 of the
+// textures is the top (an EXR in Unreal) and not the bottom (KTX2, DDS, anything in Unity); `#define RADTEX_PAGES` makes
+// `atlas` a Texture2DArray of pages and `atlas, pages` every first argument of an atlas's lookup; and
+// `#define RADTEX_HARDWARE_LINEAR linear_clamp` blends cells by the SamplerState of that name.
+
+#ifndef RADTEX_HLSL
+#define RADTEX_HLSL
+
+#ifdef RADTEX_PAGES  // pages = (columns, rows, texels a page across, up)
+#define RADTEX_ATLAS Texture2DArray atlas, int4 pages
+#define RADTEX_PASSED atlas, pages
+#else
+#define RADTEX_ATLAS Texture2D atlas
+#define RADTEX_PASSED atlas
+#endif
+
+static const int RADTEX_NEAREST = 0;       // one cell: the paper's one lookup
+static const int RADTEX_LINEAR = 1;        // bilinear inside the bucket
+static const int RADTEX_QUADRILINEAR = 2;  // four texels, each bilinear inside its bucket
+
+// The size of a mip level in pixels: GLSL's textureSize. Each level is exactly half the one before.
+int2 radtex_size(Texture2D image, int level) {
+    uint width, height, levels;
+    image.GetDimensions(0, width, height, levels);
+    return int2(width, height) >> level;
+}
+
+int2 radtex_size(Texture2DArray image, int level) {
+    uint width, height, layers, levels;
+    image.GetDimensions(0, width, height, layers, levels);
+    return int2(width, height) >> level;
+}
+
+// A pixel, counted from the bottom left: GLSL's texelFetch.
+float4 radtex_fetch(Texture2D image, int2 pixel, int level) {
+#ifdef RADTEX_TOP_DOWN
+    pixel.y = radtex_size(image, level).y - 1 - pixel.y;
+#endif
+    return image.Load(int3(pixel, level));
+}
+
+float4 radtex_fetch(Texture2DArray image, int2 pixel, int level, int layer) {
+#ifdef RADTEX_TOP_DOWN
+    pixel.y = radtex_size(image, level).y - 1 - pixel.y;
+#endif
+    return image.Load(int4(pixel, layer, level));
+}
+
+// A texture coordinate whose v grows upwards as the texture has it.
+float2 radtex_upwards(float2 uv) {
+#ifdef RADTEX_TOP_DOWN
+    uv.y = 1.0 - uv.y;
+#endif
+    return uv;
+}
+
+#ifdef RADTEX_HARDWARE_LINEAR
+// Between pixels, their centres at a half: GLSL's textureLod.
+float4 radtex_filtered(Texture2D image, float2 position, int level) {
+    float2 uv = radtex_upwards(position / radtex_size(image, level));
+    return image.SampleLevel(RADTEX_HARDWARE_LINEAR, uv, float(level));
+}
+
+float4 radtex_filtered(Texture2DArray image, float2 position, int level, int layer) {
+    float2 uv = radtex_upwards(position / radtex_size(image, level));
+    return image.SampleLevel(RADTEX_HARDWARE_LINEAR, float3(uv, layer), float(level));
+}
+#endif
+
+// The vector towards the viewer in the surface frame (T, Bt, N). Vectors in any one space, of any length but zero.
+float3 radtex_incidence(float3 to_viewer, float3 normal, float3 tangent, float bitangent_sign) {
+    float3 N = normalize(normal);
+    float3 T = tangent / max(length(tangent), 1e-30);
+    T -= N * dot(N, T);
+    if (dot(T, T) < 1e-8) T = cross(abs(N.z) < 0.9 ? float3(0.0, 0.0, 1.0) : float3(1.0, 0.0, 0.0), N);
+    T = normalize(T);
+    float3 Bt = sign(bitangent_sign) * cross(N, T);
+    float3 V = normalize(to_viewer);
+    return float3(dot(V, T), dot(V, Bt), dot(V, N));
+}
+
+// Where a unit direction in the frame lies in its bucket: B in [-1, 1]^2. Below the horizon: the rim, at its azimuth.
+float2 radtex_bucket(float3 I) {
+    float2 A = I.xy / sqrt(max(1.0 + I.z, 1e-30));      // equisolid: sqrt(2) I.xy / |I + (0,0,1)|, for a unit I
+    A /= max(length(A), 1.0);
+    float widest = max(abs(A.x), abs(A.y));
+    return A * (length(A) / max(widest, 1e-30));        // disc to square: A |A| / max(|A.x|, |A.y|)
+}
+
+// One texel's bucket at B, by cells or bilinear between the four around it, never beyond the bucket's own.
+float4 radtex_texel(RADTEX_ATLAS, int2 texel, int n, float2 B, bool blend, int level) {
+    int2 last = n - 1;
+#ifdef RADTEX_PAGES
+    int2 size = pages.zw >> level, page = texel / size, origin = (texel - page * size) * n;
+    int layer = page.y * pages.x + page.x;
+#define RADTEX_CELL(cell) radtex_fetch(atlas, origin + (cell), level, layer)
+#define RADTEX_BETWEEN(place) radtex_filtered(atlas, origin + (place), level, layer)
+#else
+    int2 origin = texel * n;
+#define RADTEX_CELL(cell) radtex_fetch(atlas, origin + (cell), level)
+#define RADTEX_BETWEEN(place) radtex_filtered(atlas, origin + (place), level)
+#endif
+    float2 position = (B + 1.0) * 0.5 * n;
+    if (!blend) return RADTEX_CELL(clamp(int2(position), 0, last));
+    position = clamp(position, 0.5, n - 0.5);           // the bleed guard: B in [1/n - 1, 1 - 1/n]
+#ifdef RADTEX_HARDWARE_LINEAR                           // one lookup. Its weights have 8 bits
+    return RADTEX_BETWEEN(position);
+#else
+    int2 low = int2(position - 0.5), high = min(low + 1, last);
+    float2 f = position - 0.5 - low;
+    float4 below = lerp(RADTEX_CELL(low), RADTEX_CELL(int2(high.x, low.y)), f.x);
+    float4 above = lerp(RADTEX_CELL(int2(low.x, high.y)), RADTEX_CELL(high), f.x);
+    return lerp(below, above, f.y);
+#endif
+}
+
+// The four texels around `uv`, each bilinear in its bucket. Level L averages blocks of 2^L x 2^L texels, cell by cell.
+float4 radtex_four(RADTEX_ATLAS, int2 texels, int n, float2 uv, float2 B, int level) {
+    float2 position = uv * texels / (1 << level) - 0.5;
+    int2 last = (texels - 1) >> level, corner = int2(floor(position));  // ceil(texels / 2^L) - 1
+    int2 low = clamp(corner, 0, last), high = clamp(corner + 1, 0, last);
+    float2 f = frac(position);
+    float4 below = lerp(radtex_texel(RADTEX_PASSED, low, n, B, true, level),
+                        radtex_texel(RADTEX_PASSED, int2(high.x, low.y), n, B, true, level), f.x);
+    float4 above = lerp(radtex_texel(RADTEX_PASSED, int2(low.x, high.y), n, B, true, level),
+                        radtex_texel(RADTEX_PASSED, high, n, B, true, level), f.x);
+    return lerp(below, above, f.y);
+}
+
+// Radiance (rgb, premultiplied) and alpha that leave the surface at `uv` in the direction I of the frame.
+float4 radtex_sample(RADTEX_ATLAS, int2 texels, int n, float2 uv, float3 I, int mode) {
+    float2 B = radtex_bucket(I);
+    if (mode == RADTEX_QUADRILINEAR) return radtex_four(RADTEX_PASSED, texels, n, uv, B, 0);
+    int2 texel = clamp(int2(floor(uv * texels)), 0, texels - 1);
+    return radtex_texel(RADTEX_PASSED, texel, n, B, mode == RADTEX_LINEAR, 0);
+}
+
+// The same, quadrilinear, between the mip levels around `level`, which is 0 or more and the atlas's last at most.
+float4 radtex_sample_level(RADTEX_ATLAS, int2 texels, int n, float2 uv, float3 I, float level) {
+    float2 B = radtex_bucket(I);
+    int low = int(level);
+    float4 sharper = radtex_four(RADTEX_PASSED, texels, n, uv, B, low);
+    if (level == low) return sharper;                   // always so where the texture is magnified
+    return lerp(sharper, radtex_four(RADTEX_PASSED, texels, n, uv, B, low + 1), level - low);
+}
+
+// The mip level at which a texel is as wide as a pixel of the screen: log2 of the longer derivative, in texels.
+float radtex_level(float2 uv, int2 texels, int levels) {
+    float2 across = ddx(uv) * texels, up = ddy(uv) * texels;
+    return min(0.5 * log2(max(max(dot(across, across), dot(up, up)), 1.0)), levels - 1.0);
+}
+
+// The quadrilinear filter of slices: layer q * n + p holds the cell (p, q) of all texels, so that the four cells around
+// B take one hardware lookup each, with mipmaps and anisotropy. Never call it where pixels go different ways.
+float4 radtex_slices(Texture2DArray slices, SamplerState filtering, int n, float2 uv, float3 I) {
+    float2 position = clamp((radtex_bucket(I) + 1.0) * 0.5 * n, 0.5, n - 0.5) - 0.5;  // the bleed guard
+    int2 low = int2(position), high = min(low + 1, n - 1);
+    float2 f = position - low;
+    low.y *= n;
+    high.y *= n;
+    uv = radtex_upwards(uv);
+    float4 below = lerp(slices.Sample(filtering, float3(uv, low.y + low.x)),
+                        slices.Sample(filtering, float3(uv, low.y + high.x)), f.x);
+    float4 above = lerp(slices.Sample(filtering, float3(uv, high.y + low.x)),
+                        slices.Sample(filtering, float3(uv, high.y + high.x)), f.x);
+    return lerp(below, above, f.y);
+}
+
+#endif
