@@ -6,6 +6,7 @@ blender -b scene.blend -P bake.py -- --object NAME --out DIR
 python bake.py scene.blend --object NAME --out DIR
 python bake.py demo
 python bake.py report DIR --scene scene.blend
+python bake.py export DIR --to web
 """
 
 from __future__ import annotations

@@ -19,6 +19,7 @@ from ..version import VERSION
 
 DEMO = "demo"
 REPORT = "report"
+EXPORT = "export"
 _DEFAULT = BakeSpec()
 
 _DESCRIPTION = """\
@@ -35,6 +36,7 @@ examples:
   blender -b room.blend -P bake.py -- --object Vase --object Lamp --samples 64
   python bake.py demo
   python bake.py report radtex --scene demo
+  python bake.py export radtex --to web
 
 exit codes:
   0  done
@@ -108,7 +110,7 @@ def _parser(inside_blender: bool) -> Parser:
     parser = Parser(
         prog=program,
         usage=f"{program} {scene}--object NAME [options]\n       {program} {DEMO} [options]\n       "
-        f"{program} {REPORT} DIR [options]",
+        f"{program} {REPORT} DIR [options]\n       {program} {EXPORT} DIR --to TARGET [options]",
         description=_DESCRIPTION,
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -302,9 +304,14 @@ def add_help(group: argparse._ArgumentGroup) -> None:
 
 
 def add_choice(
-    group: argparse._ArgumentGroup, flag: str, options: type[StrEnum], default: StrEnum, text: str
+    group: argparse._ArgumentGroup,
+    flag: str,
+    options: type[StrEnum],
+    default: StrEnum | None,
+    text: str,
+    dest: str | None = None,
 ) -> None:
-    """An option for one of a few words."""
+    """An option for one of a few words; without a default it may be left out, or `text` says what then."""
 
     def chosen(word: str) -> StrEnum:
         try:
@@ -312,8 +319,9 @@ def add_choice(
         except ValueError:
             raise InputError(f"{flag} {word}: choose from {', '.join(options)}") from None
 
+    known = "" if default is None else " (default: %(default)s)"
     group.add_argument(
-        flag, type=chosen, default=default, metavar="|".join(options), help=f"{text} (default: %(default)s)"
+        flag, dest=dest, type=chosen, default=default, metavar="|".join(options), help=f"{text}{known}"
     )
 
 

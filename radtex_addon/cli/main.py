@@ -20,7 +20,9 @@ from ..formats.memory import readable_size
 from ..job import BakeResult, bake_steps, check_request
 from ..preview.picture import render_picture
 from ..scene.demo import OBJECT
-from .arguments import REPORT, Request, parse
+from .arguments import EXPORT, REPORT, Request, parse
+from .export import run_export
+from .export_arguments import ExportRequest, parse_export
 from .interruption import INTERRUPTED, Interruption, interruptible
 from .opening import open_scene
 from .report import run_report
@@ -30,10 +32,12 @@ from .reporting import Report, reporting
 
 def main(arguments: list[str], inside_blender: bool) -> int:
     """Run the batch with `arguments`; returns the exit code. An error is one line on standard error."""
-    request: Request | ReportRequest
+    request: Request | ReportRequest | ExportRequest
     try:
         if arguments[:1] == [REPORT]:
             request = parse_report(arguments[1:], inside_blender)
+        elif arguments[:1] == [EXPORT]:
+            request = parse_export(arguments[1:], inside_blender)
         else:
             request = parse(arguments, inside_blender)
     except RadTexError as error:
@@ -43,6 +47,8 @@ def main(arguments: list[str], inside_blender: bool) -> int:
             with _warnings_to(report), interruptible() as interruption:
                 if isinstance(request, ReportRequest):
                     run_report(request, report, interruption)
+                elif isinstance(request, ExportRequest):
+                    run_export(request, report, interruption)
                 else:
                     _run(request, report, interruption)
         except (Exception, KeyboardInterrupt) as raised:  # noqa: BLE001  # or Blender went on, and left with 0

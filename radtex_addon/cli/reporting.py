@@ -17,6 +17,7 @@ from typing import Protocol, TextIO
 
 from ..bake.progress import Stage
 from ..core.errors import Cancelled
+from ..export.progress import Task as ExportTask
 from ..report.progress import Task
 from .arguments import ProgressStyle
 
@@ -37,6 +38,10 @@ _SAYS: dict[StrEnum, str] = {
     Task.REFERENCE: "path tracing",
     Task.COMPARE: "comparing",
     Task.PAGE: "writing the page",
+    ExportTask.TEXTURES: "storing textures",
+    ExportTask.FLAT: "averaging its light",
+    ExportTask.MESH: "writing the mesh",
+    ExportTask.PACK: "packing",
 }
 
 

@@ -28,6 +28,7 @@ from ..formats.sidecar import read_sidecar
 from .progress import Step, Task
 
 DIRECTIONS = 64  # that a texel of the shared layout is looked at from
+_EACH = 8  # directions between two signs of life
 _GOLDEN = np.pi * (3 - np.sqrt(5))
 _BRIGHT = 99.5  # percent of the texels that the picture shows unclipped
 
@@ -73,7 +74,8 @@ def mean_of_shared(
     bitangent = texels.sign[rows, columns, None] * np.cross(normal, tangent)
     total = np.zeros((len(rows), 3))
     for done, (x, y, z) in enumerate(even_directions(DIRECTIONS)):
-        yield Step(Task.FLAT, done, DIRECTIONS)
+        if done % _EACH == 0:
+            yield Step(Task.FLAT, done, DIRECTIONS)
         viewer = (x * tangent + y * bitangent + z * normal).astype(np.float32)
         total += sample_shared(atlas, uv, normal, viewer)
     light = np.zeros((height, width, 3), dtype=np.float32)

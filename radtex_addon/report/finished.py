@@ -89,16 +89,16 @@ class Finished:
         )
 
 
-def find_bake(place: Path, object_name: str | None) -> Path:
+def find_bake(place: Path, object_name: str | None, purpose: str = "judged") -> Path:
     """The sidecar of a bake of radiance: `place` itself, or the one in the folder `place`.
 
-    `object_name` tells several apart. Raises InputError where there is none, or more than one; FormatError
-    for a file that is no sidecar.
+    `object_name` tells several apart; `purpose` is what errors say of it. Raises InputError where there is
+    none, or more than one; FormatError for a file that is no sidecar.
     """
     if not place.exists():
         raise InputError(f"there is no {place}: name the folder of a bake, or its sidecar, a .json file")
     if not place.is_dir():
-        _check(place, _identity(place), object_name)
+        _check(place, _identity(place), object_name, purpose)
         return place
     found = {path: facts for path in _json_files(place) if (facts := _identity_if_ours(path))}
     if not found:
@@ -110,7 +110,7 @@ def find_bake(place: Path, object_name: str | None) -> Path:
     if len(of_radiance) > 1:
         raise InputError(f"{place} holds bakes of {_listed(wanted.values())}: name one, --object NAME")
     path = of_radiance[0] if of_radiance else next(iter(wanted))
-    _check(path, wanted[path], object_name)
+    _check(path, wanted[path], object_name, purpose)
     return path
 
 
@@ -140,13 +140,14 @@ def _identity_if_ours(path: Path) -> tuple[str, str] | None:
         return None
 
 
-def _check(path: Path, identity: tuple[str, str], object_name: str | None) -> None:
+def _check(path: Path, identity: tuple[str, str], object_name: str | None, purpose: str) -> None:
     name, kind = identity
     if object_name not in (None, name):
         raise InputError(f"{path} is a bake of '{name}', not of '{object_name}': leave --object out")
     if kind != Kind.RADIANCE:
         raise InputError(
-            f"{path} holds {kind} light, which no camera sees: only a bake of {Kind.RADIANCE} can be judged"
+            f"{path} holds {kind} light, which no camera sees: "
+            f"only a bake of {Kind.RADIANCE} can be {purpose}"
         )
 
 

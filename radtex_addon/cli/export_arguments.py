@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What `bake.py export` understands."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+from ..core.errors import InputError
+from ..export.spec import Arrangement, ExportSpec, Target, TextureFormat
+from .arguments import EXPORT, Parser, ProgressStyle, add_choice, add_help, add_number, add_progress
+
+_DESCRIPTION = """\
+Make a folder of a finished bake that an engine or a browser takes: the mesh
+as glTF, the textures in a format that the target loads, a flat lightmap for
+programs that know no radiance textures, and what the target needs beside.
+The bake must have been made with --save-preview, which keeps its mesh."""
+
+_EPILOG = """\
+examples:
+  python bake.py export baked --to web
+  python bake.py export baked --object Vase --to godot --out game/vase
+  python bake.py export baked --to unreal --format dds-bc6h
+
+exit codes: as of a bake"""
+
+
+@dataclass(frozen=True)
+class ExportRequest:
+    """One export. `bake` is a folder or a sidecar; `out` is None for the place beside the bake."""
+
+    bake: Path
+    object: str | None
+    spec: ExportSpec
+    out: Path | None
+    overwrite: bool
+    progress: ProgressStyle
+    verbose: bool
+
+
+def parse_export(arguments: list[str], inside_blender: bool) -> ExportRequest:
+    """Read what follows the word. Raises InputError; `--help` prints and raises SystemExit(0)."""
+    found = _parser(inside_blender).parse_args(arguments)
+    if found.bake is None:
+        raise InputError("which bake? name its folder, or its sidecar (--help lists everything)")
+    if found.target is None:
+        raise InputError(f"for whom? --to {', '.join(Target)} (--help lists everything)")
+    return ExportRequest(
+        bake=Path(found.bake),
+        object=found.object,
+        spec=ExportSpec(**{field.name: getattr(found, field.name) for field in fields(ExportSpec)}),
+        out=None if found.out is None else Path(found.out),
+        overwrite=found.overwrite,
+        progress=found.progress,
+        verbose=found.verbose,
+    )
+
+
+def _parser(inside_blender: bool) -> Parser:
+    program = f"blender -b -P bake.py -- {EXPORT}" if inside_blender else f"bake.py {EXPORT}"
+    parser = Parser(
+        prog=program,
+        usage=f"{program} DIR --to TARGET [options]",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+        add_help=False,
+    )
+    _add_what(parser.add_argument_group("what is exported"))
+    _add_textures(parser.add_argument_group("textures"))
+    _add_output(parser.add_argument_group("output"))
+    add_help(parser.add_argument_group("help"))
+    return parser
+
+
+def _add_what(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("bake", nargs="?", metavar="DIR", help="the folder of a bake, or its sidecar's .json")
+    group.add_argument("--object", metavar="NAME", help="whose bake, if there are several in the folder")
+    add_choice(
+        group,
+        "--to",
+        Target,
+        None,
+        "web: a page for any static server; godot: a project; gltf, unity, unreal: mesh, textures and "
+        "shader includes; raw: the same with the includes of all languages",
+        dest="target",
+    )
+
+
+def _add_textures(group: argparse._ArgumentGroup) -> None:
+    add_choice(
+        group,
+        "--format",
+        TextureFormat,
+        TextureFormat.AUTO,
+        "how textures are stored; auto: what the target loads best; "
+        "a condensed bake's are copied as they are",
+    )
+    group.add_argument(
+        "--no-zstd", dest="zstd", action="store_false", help="leave KTX2 files uncompressed (default: zstd)"
+    )
+    add_choice(
+        group,
+        "--arrangement",
+        Arrangement,
+        Arrangement.MATRIX,
+        "of layout buckets; matrix: as in the bake; slices: a texture array with a layer for each cell, "
+        "which hardware filters",
+    )
+    add_number(
+        group, "--levels", "levels", "N", "mip levels, for objects far away (default: as many as fit)", None
+    )
+    add_number(
+        group,
+        "--limit",
+        "limit",
+        "PIXELS",
+        "the most pixels along a texture's side: a larger matrix is split "
+        "(default: 8192 for the web, else 16384)",
+        None,
+    )
+
+
+def _add_output(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--out", metavar="OUT", help="the folder to make (default: DIR/NAME.TARGET, such as DIR/Vase.web)"
+    )
+    group.add_argument(
+        "--overwrite", action="store_true", help="replace what an earlier export wrote, and nothing else"
+    )
+    add_progress(group)
