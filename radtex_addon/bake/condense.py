@@ -81,7 +81,7 @@ class _Condenser:
         place = _places(self.plan)
         own = _nearest_seeds(place, clusters)
         for _ in range(_ROUNDS):
-            models = [self._model(np.flatnonzero(own == number)) for number in range(own.max() + 1)]
+            models = [self._model(texels) for texels in members(own)]
             own = self._reassigned(own, models, place)
         return self._mixtures(own)
 
@@ -133,12 +133,10 @@ class _Condenser:
 
     def _reassigned(self, own: Ints, models: list[_Model], place: Floats) -> Ints:
         """The cluster of each texel (K,) that shows it best, of those near it."""
-        centres = np.stack([place[own == number].mean(axis=0) for number in range(len(models))])
-        near = _nearest(place, centres, _NEAREST)
+        near = np.column_stack([_nearest(place, _middles(place, own), _NEAREST), own])
         least = np.full(len(own), np.inf, dtype=np.float32)
         best = own.copy()
-        for number, model in enumerate(models):
-            texels = np.flatnonzero((near == number).any(axis=1) | (own == number))
+        for number, (model, texels) in enumerate(zip(models, members(near), strict=True)):
             off = (self.buckets[texels] - model.mean) * model.root
             error = (off * off).sum(axis=1) - ((off @ model.components.T) ** 2).sum(axis=1)
             better = error < least[texels]
@@ -151,8 +149,7 @@ class _Condenser:
         count, n = int(own.max()) + 1, self.n
         weights = np.zeros((len(own), self.rank), dtype=np.float32)
         base = np.empty((count, 1 + self.rank, self.buckets.shape[1]), dtype=np.float32)
-        for number in range(count):
-            texels = np.flatnonzero(own == number)
+        for number, texels in enumerate(members(own)):
             model = self._model(texels)
             taken = ((self.buckets[texels] - model.mean) * model.root) @ model.components.T
             most = np.maximum(np.abs(taken).max(axis=0), 1e-12)
@@ -162,6 +159,23 @@ class _Condenser:
         parts = (part.reshape(count, 1 + self.rank, n, n, -1) for part in self._parts(base))
         placed = self.plan.placed
         return CondensedLobe(self.axis, placed(own, gutter=True), placed(weights, gutter=True), *parts)
+
+
+def members(clusters: Ints) -> list[Ints]:
+    """The texels of each cluster in turn, ascending.
+
+    `clusters` (K, ...) are the numbers of each texel's, one or more of them; no cluster has no texel.
+    """
+    count = len(clusters)
+    both = np.sort((clusters.reshape(count, -1) * np.int64(count) + np.arange(count)[:, None]).ravel())
+    both = both[np.diff(both, prepend=-1) > 0]  # np.unique of millions is ten times slower
+    number, texel = np.divmod(both, count)
+    return np.split(texel, np.flatnonzero(np.diff(number)) + 1)
+
+
+def _middles(place: Floats, own: Ints) -> Floats:
+    """The mean place of each cluster's texels, (C, 6)."""
+    return np.stack([place[texels].mean(axis=0) for texels in members(own)])
 
 
 def _places(plan: CapturePlan) -> Floats:
@@ -187,8 +201,7 @@ def _nearest_seeds(place: Floats, count: int) -> Ints:
             break
         seeds.append(farthest)
     for _ in range(8):  # Lloyd's rounds
-        centres = np.stack([place[own == number].mean(axis=0) for number in range(own.max() + 1)])
-        _, compact = np.unique(_nearest(place, centres, 1)[:, 0], return_inverse=True)
+        _, compact = np.unique(_nearest(place, _middles(place, own), 1)[:, 0], return_inverse=True)
         own = compact.astype(np.int32)
     return own
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.agreement import agreement
-from radtex_addon.bake.condense import condense
+from radtex_addon.bake.condense import condense, members
 from radtex_addon.bake.fit import FALLOFF_SIZE
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.octahedron import octahedron_to_direction
@@ -74,6 +74,14 @@ def test_mixtures_of_as_many_buckets_are_kept_wholly(axis: Axis, rank: int) -> N
     for part in ("gain", "rest"):
         off = getattr(found.expanded(), part) - getattr(whole, part)
         assert np.abs(off[:, :, seen]).max() < 5e-3, part
+
+
+@pytest.mark.parametrize("each", [(), (1,), (3,)])
+def test_each_cluster_has_the_texels_that_name_it_once(each: tuple[int, ...]) -> None:
+    clusters = np.random.default_rng(1).integers(0, 20, (500, *each)).astype(np.int32)
+    for number, texels in zip(range(20), members(clusters), strict=True):
+        naming = (clusters.reshape(500, -1) == number).any(axis=1)
+        np.testing.assert_array_equal(texels, np.flatnonzero(naming))
 
 
 def test_more_clusters_come_nearer() -> None:
