@@ -1,0 +1,158 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Manifests come back as they were written; what is no manifest is refused in a line that names the key."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from radtex_addon.core.errors import FormatError
+from radtex_addon.export.manifest import (
+    Arranged,
+    Container,
+    Manifest,
+    TextureEntry,
+    read_manifest,
+    write_manifest,
+)
+from radtex_addon.formats.shared_files import write_shared
+from radtex_addon.formats.sidecar import Sidecar
+from radtex_addon.formats.texture import PixelFormat
+from tests.shared_atlases import facts_about, random_shared_atlas
+
+BAKE = Sidecar("Vase", "radiance", 100, 60, 8, "RadTex", 4, 0, "portal", "RadTex 1", "5.2")
+
+
+def entry(**changes: Any) -> TextureEntry:
+    facts: dict[str, Any] = {
+        "file": "Vase.radiance.ktx2",
+        "container": Container.KTX2,
+        "format": PixelFormat.RGB9E5,
+        "zstd": True,
+        "arrangement": Arranged.MATRIX,
+        "size": (416, 512),
+        "layers": 2,
+        "texels": (100, 60),
+        "stored": (104, 64),
+        "levels": 3,
+        "pages": (2, 1),
+        "page_texels": (52, 64),
+    }
+    return TextureEntry(**facts | changes)
+
+
+def manifest(**changes: Any) -> Manifest:
+    facts: dict[str, Any] = {
+        "tool": "RadTex 1",
+        "name": "Vase",
+        "mesh": "Vase.glb",
+        "flat": "Vase.flat.png",
+        "bake": BAKE.facts(),
+        "textures": {"radiance": entry()},
+        "flat_scale": 0.25,
+    }
+    return Manifest(**facts | changes)
+
+
+def test_a_manifest_comes_back(tmp_path: Path) -> None:
+    path = tmp_path / "Vase.export.json"
+    write_manifest(path, manifest())
+    assert read_manifest(path) == manifest()
+    assert path.read_text() == manifest().to_json()
+
+
+def test_the_keys_are_the_contracts() -> None:
+    facts = json.loads(manifest().to_json())
+    assert list(facts) == ["version", "tool", "name", "mesh", "flat", "flat_scale", "bake", "textures"]
+    assert facts["version"] == 1
+    assert facts["bake"] == BAKE.facts()
+    assert facts["textures"]["radiance"] == {
+        "file": "Vase.radiance.ktx2",
+        "container": "ktx2",
+        "format": "RGB9E5",
+        "zstd": True,
+        "arrangement": "matrix",
+        "size": [416, 512],
+        "layers": 2,
+        "texels": [100, 60],
+        "stored": [104, 64],
+        "levels": 3,
+        "pages": [2, 1],
+        "page_texels": [52, 64],
+    }
+
+
+def test_slices_have_layers_in_one_page() -> None:
+    sliced = entry(arrangement=Arranged.SLICES, layers=64, pages=(1, 1), page_texels=(104, 64))
+    written = manifest(textures={"radiance": sliced})
+    assert Manifest.from_json(written.to_json()) == written
+
+
+def test_a_shared_bake_has_its_layers(tmp_path: Path) -> None:
+    atlas = random_shared_atlas()
+    shared = write_shared(tmp_path / "Vase.radiance.json", atlas, facts_about(atlas))
+    image = entry(arrangement=Arranged.IMAGE, layers=1, pages=(1, 1), page_texels=(104, 64))
+    bake = json.loads(shared.to_json())
+    written = manifest(bake=bake, textures=dict.fromkeys(shared.bake.layers, image))
+    assert Manifest.from_json(written.to_json()) == written
+    lacking = manifest(bake=bake, textures={"colour": image})
+    with pytest.raises(
+        FormatError, match="has the textures colour, expected colour, irradiance, surroundings"
+    ):
+        Manifest.from_json(lacking.to_json())
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "message"),
+    [
+        (("version",), 2, "is of version 2, this RadTex reads 1: update RadTex"),
+        (("version",), None, '"version" is null, expected a whole number'),
+        (("tool",), 5, '"tool" is 5, expected text'),
+        (("mesh",), "../../etc/passwd", '"mesh" is "../../etc/passwd", expected a file of the same folder'),
+        (("flat",), "", "expected a file of the same folder"),
+        (("flat_scale",), 0, "expected a number above 0"),
+        (("bake",), [], '"bake" is \\[\\], expected an object'),
+        (("bake", "version"), 9, 'in "bake", is of version 9'),
+        (("bake", "texels"), [0, 4], 'in "bake",: "texels" is \\[0, 4\\]'),
+        (("textures",), {}, "has the textures none, expected radiance"),
+        (("textures", "radiance", "file"), "a\\b", "expected a file of the same folder"),
+        (("textures", "radiance", "container"), "png", '"container" is "png", expected exr or ktx2 or dds'),
+        (("textures", "radiance", "format"), "BC1", '"format" is "BC1", expected RGBA16F or'),
+        (("textures", "radiance", "zstd"), 1, '"zstd" is 1, expected true or false'),
+        (("textures", "radiance", "size"), [416, 99999], "expected two whole numbers from 1 to 16384"),
+        (("textures", "radiance", "layers"), 4096, "expected a whole number from 1 to 2048"),
+        (("textures", "radiance", "layers"), 3, "has other layers than pages"),
+        (("textures", "radiance", "levels"), 11, "expected a whole number from 1 to 10"),
+        (("textures", "radiance", "texels"), [105, 60], "pages that do not hold its texels"),
+        (("textures", "radiance", "page_texels"), [50, 64], "pages that do not hold its texels"),
+    ],
+)
+def test_what_is_no_manifest_is_refused_by_its_key(
+    place: tuple[str, ...], value: object, message: str
+) -> None:
+    facts = json.loads(manifest().to_json())
+    inner = facts
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = value
+    with pytest.raises(FormatError, match=message) as caught:
+        Manifest.from_json(json.dumps(facts), "Vase.export.json")
+    assert "Vase.export.json" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_key_and_no_json_are_refused(tmp_path: Path) -> None:
+    facts = json.loads(manifest().to_json())
+    del facts["textures"]["radiance"]["pages"]
+    with pytest.raises(FormatError, match='lacks "pages": it is no RadTex export'):
+        Manifest.from_json(json.dumps(facts))
+    with pytest.raises(FormatError, match="is not JSON"):
+        Manifest.from_json("{")
+    with pytest.raises(FormatError, match="no RadTex export"):
+        Manifest.from_json("[]")
+    with pytest.raises(FormatError, match=r"none\.json cannot be read"):
+        read_manifest(tmp_path / "none.json")

@@ -1,0 +1,354 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake's textures hold its light, each texel where its entry says; what cannot be is refused in a line."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.errors import FormatError, InputError, ShapeError
+from radtex_addon.core.levels import level_chain, padded_layout
+from radtex_addon.core.pages import Pages, join_pages
+from radtex_addon.core.slices import from_slices, mip_chain
+from radtex_addon.export.manifest import Arranged, Container, TextureEntry
+from radtex_addon.export.spec import Arrangement, ExportSpec, Target, TextureFormat
+from radtex_addon.export.textures import write_textures
+from radtex_addon.formats.dds import read_texture
+from radtex_addon.formats.exr import read_atlas, write_atlas
+from radtex_addon.formats.ktx2 import read_ktx2
+from radtex_addon.formats.packing import pack
+from radtex_addon.formats.shared_files import texture_path, write_condensed, write_shared
+from radtex_addon.formats.sidecar import Sidecar, write_sidecar
+from radtex_addon.formats.texture import PixelFormat, Texture, decode_texture
+from tests.shared_atlases import facts_about, random_condensed_atlas, random_shared_atlas
+
+WEB = ExportSpec(Target.WEB)
+RAW = ExportSpec(Target.RAW)
+
+
+def bake(folder: Path, width: int = 13, height: int = 6, bucket: int = 8, channels: int = 4) -> Path:
+    """A plain bake of smooth light from 0.05 to 20, no two values alike, with an alpha of 1; its sidecar."""
+    rng = np.random.default_rng(1)
+    pixels = np.ones((height * bucket, width * bucket, channels))
+    across, up = np.arange(width * bucket), np.arange(height * bucket)[:, None]
+    bright = np.exp(np.sin(across / 9) * 2 + np.cos(up / 7) - 0.0001 * across * up)
+    colour = np.array([1.0, 0.8, 0.5]) * rng.uniform(0.98, 1.02, (*bright.shape, 3))
+    lit = min(3, channels)
+    pixels[..., :lit] = bright[..., None] * colour[..., :lit]
+    return written(folder, pixels, width, height, bucket)
+
+
+def written(folder: Path, pixels: Floats, width: int, height: int, bucket: int) -> Path:
+    sidecar = Sidecar("Vase", "radiance", width, height, bucket, "RadTex", 4, 0, "portal", "RadTex 1", "5.2")
+    path = folder / "Vase.radiance.json"
+    write_sidecar(path, write_atlas(path.with_suffix(".exr"), pixels, sidecar))
+    return path
+
+
+def exported(sidecar: Path, spec: ExportSpec, folder: Path) -> tuple[TextureEntry, Texture]:
+    """The one texture of a plain bake, held to its entry."""
+    (layer, entry), *_ = write_textures(sidecar, spec, folder).items()
+    assert layer == "radiance"
+    texture = texture_of(folder, entry)
+    assert entry.file == f"Vase.radiance.{entry.container}"
+    return entry, texture
+
+
+def texture_of(folder: Path, entry: TextureEntry) -> Texture:
+    """What the file of an entry holds, which must be what the entry says."""
+    path = folder / entry.file
+    texture = read_ktx2(path) if entry.container is Container.KTX2 else read_texture(path)
+    assert (texture.format, (texture.width, texture.height)) == (entry.format, entry.size)
+    assert (texture.layers, len(texture.levels)) == (entry.layers, entry.levels)
+    return texture
+
+
+def source_of(sidecar: Path) -> tuple[Floats, AtlasLayout]:
+    pixels, facts = read_atlas(sidecar.with_suffix(".exr"))
+    return pixels.astype(np.float32), AtlasLayout(facts.width, facts.height, facts.bucket)
+
+
+def stops(ours: Floats, source: Floats) -> float:
+    """By how much the greatest channel of a pixel is off at most."""
+    return float(np.abs(np.log2(ours[..., :3].max(axis=-1) / source[..., :3].max(axis=-1))).max())
+
+
+def test_the_matrix_is_the_atlas_from_the_bottom_row_on(tmp_path: Path) -> None:
+    sidecar = bake(tmp_path)
+    pixels, _ = source_of(sidecar)
+    for spec in (TextureFormat.KTX2_RGBA16F, TextureFormat.DDS_RGBA16F):
+        entry, texture = exported(sidecar, replace(RAW, format=spec, levels=1), tmp_path / "out")
+        np.testing.assert_array_equal(decode_texture(texture)[0][0], pixels)
+        assert (entry.texels, entry.stored, entry.arrangement) == ((13, 6), (13, 6), Arranged.MATRIX)
+
+
+def test_by_itself_opaque_light_is_rgb9e5_and_packed(tmp_path: Path) -> None:
+    sidecar = bake(tmp_path)
+    entry, texture = exported(sidecar, replace(WEB, levels=1), tmp_path / "out")
+    assert (entry.container, entry.format, entry.zstd) == (Container.KTX2, PixelFormat.RGB9E5, True)
+    assert stops(decode_texture(texture)[0][0], source_of(sidecar)[0]) <= 0.005
+
+
+@pytest.mark.parametrize("channels", [1, 3])
+def test_light_without_alpha_is_opaque(tmp_path: Path, channels: int) -> None:
+    entry, texture = exported(bake(tmp_path, channels=channels), replace(WEB, levels=1), tmp_path / "out")
+    assert entry.format is PixelFormat.RGB9E5
+    pixels = source_of(tmp_path / "Vase.radiance.json")[0]
+    assert stops(decode_texture(texture)[0][0], pixels) <= 0.005
+
+
+@pytest.mark.parametrize(("channel", "value"), [(3, 0.5), (1, -0.01)])
+def test_by_itself_other_light_is_exact(tmp_path: Path, channel: int, value: float) -> None:
+    sidecar = bake(tmp_path)
+    pixels, layout = source_of(sidecar)
+    pixels[7, 9, channel] = value
+    written(tmp_path, pixels, layout.width, layout.height, layout.bucket)
+    for target in (Target.WEB, Target.UNITY):
+        entry, texture = exported(sidecar, ExportSpec(target, levels=1), tmp_path / "out")
+        assert entry.format is PixelFormat.RGBA16F
+        np.testing.assert_array_equal(decode_texture(texture)[0][0], pixels.astype(np.float16))
+
+
+def test_engines_get_dds_by_themselves(tmp_path: Path) -> None:
+    for target, bucket, kind in (
+        (Target.UNITY, 8, PixelFormat.BC6H),
+        (Target.UNREAL, 6, PixelFormat.RGBA16F),  # blocks would straddle buckets
+    ):
+        entry, _ = exported(bake(tmp_path, bucket=bucket), ExportSpec(target), tmp_path / "out")
+        assert (entry.container, entry.format, entry.zstd) == (Container.DDS, kind, False)
+
+
+@pytest.mark.parametrize("levels", [2, 3, 4])
+def test_levels_are_those_of_the_reference(tmp_path: Path, levels: int) -> None:
+    sidecar = bake(tmp_path)
+    spec = replace(RAW, format=TextureFormat.KTX2_RGBA16F, levels=levels)
+    entry, texture = exported(sidecar, spec, tmp_path / "out")
+    pixels, layout = source_of(sidecar)
+    stored = padded_layout(layout, levels)
+    assert entry.stored == entry.page_texels == (stored.width, stored.height)
+    chain = level_chain(pixels, layout, levels)
+    for ours, reference in zip(decode_texture(texture), chain, strict=True):
+        np.testing.assert_array_equal(ours[0], reference.astype(np.float16))
+
+
+def test_by_themselves_levels_are_as_many_as_padding_affords(tmp_path: Path) -> None:
+    entry, _ = exported(bake(tmp_path, 32, 16, 4), WEB, tmp_path / "out")
+    assert (entry.levels, entry.stored) == (5, (32, 16))
+
+
+@pytest.mark.parametrize("levels", [1, 2])
+def test_pages_join_to_the_atlas(tmp_path: Path, levels: int) -> None:
+    sidecar = bake(tmp_path)
+    spec = replace(RAW, format=TextureFormat.KTX2_RGBA16F, levels=levels, limit=33)
+    entry, texture = exported(sidecar, spec, tmp_path / "out")
+    assert texture.is_array
+    assert entry.layers == entry.pages[0] * entry.pages[1] == 8
+    assert max(entry.size) <= 33
+    assert entry.size == tuple(8 * side for side in entry.page_texels)
+    pixels, layout = source_of(sidecar)
+    pages = Pages(*entry.pages, *entry.page_texels)
+    for level, stack in enumerate(decode_texture(texture)):
+        here = AtlasLayout(-(-layout.width >> level), -(-layout.height >> level), 8) if level else layout
+        reference = level_chain(pixels, layout, levels)[level]
+        joined = join_pages(stack, here, pages.at_level(level))
+        np.testing.assert_array_equal(joined, reference[: len(joined), : joined.shape[1]].astype(np.float16))
+
+
+def test_slices_have_a_layer_for_each_cell(tmp_path: Path) -> None:
+    sidecar = bake(tmp_path, bucket=6)
+    spec = replace(RAW, format=TextureFormat.KTX2_RGBA16F, arrangement=Arrangement.SLICES)
+    entry, texture = exported(sidecar, spec, tmp_path / "out")
+    assert (entry.arrangement, entry.layers, entry.size) == (Arranged.SLICES, 36, (13, 6))
+    assert entry.levels == 4
+    pixels, _ = source_of(sidecar)
+    levels = decode_texture(texture)
+    np.testing.assert_array_equal(from_slices(levels[0]), pixels)
+    np.testing.assert_array_equal(levels[0][6 * 2 + 3, 4, 9], pixels[4 * 6 + 2, 9 * 6 + 3])
+    for ours, reference in zip(levels, mip_chain(levels[0]), strict=True):
+        np.testing.assert_array_equal(ours, reference.astype(np.float16))
+    entry, _ = exported(sidecar, replace(spec, levels=2), tmp_path / "out")
+    assert entry.levels == 2
+
+
+def test_bc6h_is_near_and_straddles_no_buckets(tmp_path: Path) -> None:
+    """A bucket changed altogether changes no other one."""
+    sidecar = bake(tmp_path)
+    pixels, layout = source_of(sidecar)
+    spec = replace(RAW, format=TextureFormat.DDS_BC6H, levels=1)
+    before = decode_texture(exported(sidecar, spec, tmp_path / "out")[1])[0][0]
+    rms = np.sqrt(np.mean(np.log2(before / pixels[..., :3]) ** 2))
+    print(f"BC6H: {rms:.4f} stops RMSE")
+    assert rms < 0.05
+    pixels[8:16, 16:24, :3] *= 37
+    written(tmp_path, pixels, layout.width, layout.height, layout.bucket)
+    after = decode_texture(exported(sidecar, spec, tmp_path / "out")[1])[0][0]
+    changed = layout.to_buckets(after != before).any(axis=(2, 3, 4))
+    assert np.argwhere(changed).tolist() == [[1, 2]]
+
+
+def test_an_exr_is_the_bakes(tmp_path: Path) -> None:
+    sidecar = bake(tmp_path)
+    spec = replace(RAW, format=TextureFormat.EXR)
+    entry = write_textures(sidecar, spec, tmp_path / "out")["radiance"]
+    assert (entry.container, entry.size, entry.levels) == (Container.EXR, (104, 48), 1)
+    copied = tmp_path / "out" / entry.file
+    assert copied.read_bytes() == sidecar.with_suffix(".exr").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("spec", "message"),
+    [
+        (
+            replace(RAW, format=TextureFormat.KTX2_BC6H),
+            "straddle buckets of 6 cells; bake with --bucket 8, or",
+        ),
+        (
+            replace(RAW, format=TextureFormat.EXR, levels=2),
+            "for slices or levels choose --format ktx2-rgba16f",
+        ),
+        (replace(RAW, levels=5), "13 x 6 texels, which make 4 levels at most"),
+        (replace(RAW, format=TextureFormat.EXR, limit=64), "78 x 36 pixels, which cannot be split"),
+        (
+            replace(RAW, format=TextureFormat.DDS_BC6H, arrangement=Arrangement.SLICES),
+            "slices of 13 x 6 are no whole blocks",
+        ),
+        (replace(RAW, levels=4, limit=32), "limit: 32 pixels hold no 8 texels"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_a_line(tmp_path: Path, spec: ExportSpec, message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        write_textures(bake(tmp_path, bucket=6), spec, tmp_path / "out")
+    assert "\n" not in str(caught.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_formats_without_alpha_are_refused_where_there_is_some(tmp_path: Path) -> None:
+    sidecar = bake(tmp_path)
+    pixels, layout = source_of(sidecar)
+    pixels[0, 0, 3] = 0.9
+    written(tmp_path, pixels, layout.width, layout.height, layout.bucket)
+    for kind, other in (("ktx2-rgb9e5", "ktx2-rgba16f"), ("dds-bc6h", "dds-rgba16f")):
+        with pytest.raises(InputError, match=f"alpha below 1, .* cannot hold: choose --format {other}"):
+            write_textures(sidecar, replace(RAW, format=TextureFormat(kind)), tmp_path / "out")
+
+
+def test_too_many_cells_make_no_slices(tmp_path: Path) -> None:
+    sidecar, spec = bake(tmp_path, 2, 1, 46), replace(RAW, arrangement=Arrangement.SLICES)
+    with pytest.raises(ShapeError, match="2116 layers, textures have 2048; export the matrix"):
+        write_textures(sidecar, spec, tmp_path / "out")
+
+
+def test_bad_files_are_refused_by_name(tmp_path: Path) -> None:
+    sidecar = bake(tmp_path)
+    image = sidecar.with_suffix(".exr")
+    whole, text = image.read_bytes(), sidecar.read_text()
+    with pytest.raises(FormatError, match=r"nowhere\.json cannot be read"):
+        write_textures(tmp_path / "nowhere.json", WEB, tmp_path / "out")
+    for damaged in (whole[:-200], whole[:100], b"", b"foreign" * 100):
+        image.write_bytes(damaged)
+        with pytest.raises(FormatError, match=r"Vase\.radiance\.exr"):
+            write_textures(sidecar, WEB, tmp_path / "out")
+    image.write_bytes(whole)
+    sidecar.write_text(text.replace('"samples": 4', '"samples": 5'))
+    with pytest.raises(FormatError, match=r"\.exr is of another bake than .*\.json"):
+        write_textures(sidecar, WEB, tmp_path / "out")
+    sidecar.write_text(text.replace('"version": 1', '"version": 2'))
+    with pytest.raises(FormatError, match="of version 2, this RadTex reads 1: update RadTex"):
+        write_textures(sidecar, WEB, tmp_path / "out")
+    image.unlink()
+    sidecar.write_text(text)
+    with pytest.raises(FormatError, match=r"Vase\.radiance\.exr cannot be read"):
+        write_textures(sidecar, WEB, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_shared_layers_are_images_and_ends_are_exact(tmp_path: Path) -> None:
+    atlas = random_shared_atlas()
+    sidecar = tmp_path / "Vase.radiance.json"
+    write_shared(sidecar, atlas, facts_about(atlas))
+    entries = write_textures(sidecar, WEB, tmp_path / "out")
+    assert list(entries) == list(pack(atlas))
+    for layer, image in pack(atlas).items():
+        entry = entries[layer]
+        decoded = decode_texture(texture_of(tmp_path / "out", entry))[0][0]
+        assert entry.file == f"Vase.radiance.{layer}.ktx2"
+        assert entry.arrangement is Arranged.IMAGE
+        assert entry.texels == entry.stored == (image.shape[1], image.shape[0])
+        if layer.endswith("ends"):
+            assert entry.format is PixelFormat.RGBA16F
+            np.testing.assert_array_equal(decoded, np.clip(image, -65504, 65504).astype(np.float16))
+        else:
+            assert entry.format is PixelFormat.RGB9E5
+            lit = image.max(axis=2) > 0
+            assert stops(decoded[lit], image[lit]) <= 0.005
+            assert not decoded[~lit].any()
+
+
+def test_shared_light_below_zero_keeps_its_sign(tmp_path: Path) -> None:
+    atlas = random_shared_atlas()
+    atlas.lobes[0].rest[0, 0, 0, 0] = -0.5
+    sidecar = tmp_path / "Vase.radiance.json"
+    write_shared(sidecar, atlas, facts_about(atlas))
+    spec = replace(RAW, format=TextureFormat.KTX2_RGB9E5)
+    entries = write_textures(sidecar, spec, tmp_path / "out")
+    assert entries["mirror_rest"].format is PixelFormat.RGBA16F
+    assert entries["through_rest"].format is PixelFormat.RGB9E5
+
+
+def test_shared_blocks_are_filled_up_as_condensed_ones_are(tmp_path: Path) -> None:
+    atlas = replace(random_shared_atlas(bucket=6), irradiance=np.full((5, 7, 3), 1.5))
+    sidecar = tmp_path / "Vase.radiance.json"
+    write_shared(sidecar, atlas, facts_about(atlas))
+    entries = write_textures(sidecar, replace(RAW, format=TextureFormat.DDS_BC6H), tmp_path / "out")
+    assert (entries["irradiance"].texels, entries["irradiance"].stored) == ((7, 5), (8, 8))
+    blocks = decode_texture(texture_of(tmp_path / "out", entries["irradiance"]))[0][0]
+    np.testing.assert_array_equal(blocks, np.full((8, 8, 3), 1.5))
+
+
+@pytest.mark.parametrize(
+    ("spec", "message"),
+    [
+        (replace(RAW, arrangement=Arrangement.SLICES), "shared layout: leave --arrangement and --levels out"),
+        (replace(RAW, levels=2), "shared layout: leave --arrangement and --levels out"),
+        (replace(RAW, limit=48), r"surroundings\.exr would be a texture of .* cannot be split"),
+        (replace(RAW, format=TextureFormat.DDS_BC6H), "straddle buckets of 5 cells; bake with --bucket 6"),
+    ],
+)
+def test_what_shared_bakes_cannot_be_is_refused(tmp_path: Path, spec: ExportSpec, message: str) -> None:
+    atlas = random_shared_atlas(bucket=5)
+    write_shared(tmp_path / "Vase.radiance.json", atlas, facts_about(atlas))
+    with pytest.raises(InputError, match=message):
+        write_textures(tmp_path / "Vase.radiance.json", spec, tmp_path / "out")
+
+
+def test_condensed_textures_are_copied_byte_for_byte(tmp_path: Path) -> None:
+    atlas = random_condensed_atlas()
+    sidecar = tmp_path / "Vase.radiance.json"
+    facts = write_condensed(sidecar, atlas, facts_about(atlas))
+    entries = write_textures(sidecar, WEB, tmp_path / "out")
+    assert list(entries) == list(facts.bake.layers)
+    for layer, entry in entries.items():
+        texture = texture_of(tmp_path / "out", entry)
+        assert (tmp_path / "out" / entry.file).read_bytes() == texture_path(sidecar, layer).read_bytes()
+        assert entry.texels == facts.shapes[layer][:2]
+        assert entry.stored == (texture.width, texture.height)
+    formats = {layer.partition("_")[2] or layer: str(entry.format) for layer, entry in entries.items()}
+    assert formats == {
+        **dict.fromkeys(("colour", "irradiance", "surroundings"), "BC6H"),
+        **dict.fromkeys(("ends_xy", "ends_zs"), "BC5"),
+        **dict.fromkeys(("gain", "rest"), "BC7"),
+        "weights": "RGBA8",
+    }
+    with pytest.raises(InputError, match="its textures are DDS files already: leave --format out"):
+        write_textures(sidecar, replace(WEB, format=TextureFormat.KTX2_RGBA16F), tmp_path / "out")
+    with texture_path(sidecar, "mirror_gain").open("r+b") as file:
+        file.seek(200)
+        file.write(b"x")
+    with pytest.raises(FormatError, match=r"mirror_gain\.dds is of another bake than"):
+        write_textures(sidecar, WEB, tmp_path / "other")
