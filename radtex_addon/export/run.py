@@ -25,8 +25,10 @@ from .pack import Pack
 from .progress import Step, Task
 from .spec import ExportSpec, Target
 from .textures import write_textures
+from .web import write_web
 
 _WRITERS: dict[Target, Callable[[Pack, Path], None]] = {
+    Target.WEB: write_web,
     Target.GLTF: write_engine,
     Target.UNITY: write_engine,
     Target.UNREAL: write_engine,

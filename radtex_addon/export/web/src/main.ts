@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The page's entry: load, show, or say why not.
+
+import "./style.css";
+
+import { Inspector } from "./inspector";
+import { load } from "./loading";
+import { element, Panel } from "./panel";
+import { asProblem } from "./problem";
+import { scriptOf } from "./script";
+import type { Viewer } from "./viewer";
+
+async function open(): Promise<[Viewer, Inspector]> {
+  const canvas = element<HTMLCanvasElement>("view");
+  const viewer = await load(element("stage"), canvas, (step) => (element("step").textContent = step));
+  viewer.draw();
+  const inspector = new Inspector(viewer, element<HTMLCanvasElement>("bucket"));
+  new Panel(viewer, inspector);
+  canvas.addEventListener("webglcontextlost", (event) => {
+    event.preventDefault();
+    complain("The graphics device was taken away", "Its memory may have run out: reload the page.");
+  });
+  document.body.classList.remove("loading");
+  return [viewer, inspector];
+}
+
+function complain(headline: string, remedy: string): void {
+  element("headline").textContent = headline;
+  element("remedy").textContent = remedy;
+  document.body.classList.remove("loading");
+  document.body.classList.add("failed");
+}
+
+const page = open();
+window.radtex = scriptOf(page);
+page.catch((error: unknown) => {
+  const problem = asProblem(error);
+  console.error(error);
+  complain(problem.message, problem.remedy);
+});

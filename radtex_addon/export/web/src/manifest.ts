@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The export's manifest, <name>.export.json: which file is which. docs/format.md describes it.
+
+import { fetchBytes } from "./fetching";
+import { Problem } from "./problem";
+
+export const VERSION = 1;
+
+export type Size = [number, number];
+export type PixelFormat = "RGB9E5" | "RGBA16F" | "BC6H" | "BC5" | "BC7" | "RGBA8";
+export type Lobe = "mirror" | "through";
+
+/** One texture of the export; sizes are in pixels or texels, x first. */
+export interface TextureEntry {
+  file: string;
+  container: "ktx2" | "dds" | "exr";
+  format: PixelFormat;
+  arrangement: "matrix" | "slices" | "image";
+  size: Size;
+  layers: number;
+  texels: Size;
+  levels: number;
+  pages: Size;
+  page_texels: Size;
+}
+
+/** A condensed lobe's clusters, and the ranges of its textures' values. */
+export interface CondensedLobe {
+  clusters: number;
+  ends: number[][];
+  gain: number[][];
+  rest: number[][];
+}
+
+/** What the sidecar of a shared bake says beyond that of a plain one. */
+export interface SharedFacts {
+  colour: Size;
+  surroundings: number;
+  levels: number;
+  falloff: number[][];
+  lobes: Lobe[];
+  condensed?: { rank: number; columns: number; lobes: Record<Lobe, CondensedLobe> };
+}
+
+/** The bake's sidecar, as far as the page reads it. */
+export interface Sidecar {
+  kind: string;
+  layout: "buckets" | "shared";
+  texels: Size;
+  bucket: number;
+  samples: number;
+  shared?: SharedFacts;
+}
+
+export interface Manifest {
+  version: number;
+  tool: string;
+  name: string;
+  mesh: string;
+  flat: string;
+  /** The flat lightmap's light was multiplied by this before it was encoded. */
+  flat_scale: number;
+  bake: Sidecar;
+  textures: Record<string, TextureEntry>;
+}
+
+/** Read a manifest. Throws a Problem where it is missing, damaged, or of a newer version. */
+export async function readManifest(url: URL): Promise<Manifest> {
+  const text = new TextDecoder().decode(await fetchBytes(url));
+  let manifest: Manifest;
+  try {
+    manifest = JSON.parse(text) as Manifest;
+  } catch {
+    throw damaged(url, "it is no JSON");
+  }
+  if (typeof manifest?.version !== "number") throw damaged(url, "it has no version");
+  if (manifest.version > VERSION) {
+    throw new Problem(
+      `${fileName(url)} is of version ${manifest.version}, this page reads version ${VERSION}`,
+      `${manifest.tool ?? "A newer RadTex"} wrote it: take the page that the same export made.`,
+    );
+  }
+  for (const key of ["name", "mesh", "flat", "bake", "textures"] as const) {
+    if (!manifest[key]) throw damaged(url, `it has no “${key}”`);
+  }
+  const { layout, texels, bucket } = manifest.bake;
+  if (!["buckets", "shared"].includes(layout) || !(texels?.length === 2) || !(bucket >= 1)) {
+    throw damaged(url, "its “bake” is no sidecar that this page knows");
+  }
+  if (layout === "shared" && !manifest.bake.shared) throw damaged(url, "its “bake” has no “shared”");
+  return manifest;
+}
+
+/** The last part of an address, as a person would name the file. */
+export function fileName(url: URL): string {
+  return decodeURIComponent(url.pathname.split("/").pop() ?? "") || url.href;
+}
+
+function damaged(url: URL, reason: string): Problem {
+  return new Problem(`${fileName(url)} is no manifest of RadTex: ${reason}`, "Export the object again.");
+}

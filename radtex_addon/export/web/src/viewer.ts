@@ -1,0 +1,304 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The picture: camera, mesh, and drawing it by its light, by its flat lightmap, or by both side by side.
+
+import {
+  Box3,
+  type BufferAttribute,
+  type BufferGeometry,
+  FloatType,
+  type Material,
+  Matrix3,
+  Matrix4,
+  type Mesh,
+  NoBlending,
+  PerspectiveCamera,
+  type RawShaderMaterial,
+  Raycaster,
+  Scene,
+  Sphere,
+  Spherical,
+  type Texture,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+  WebGLRenderTarget,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+
+import type { Manifest } from "./manifest";
+import { type Filter, filtersOf, flatMaterial, lightMaterial, shown, type Tone, TONES } from "./shaders";
+import { blendLevels, type Loaded } from "./textures";
+
+/** A point of the surface, in the page's world, and how it lies there. */
+export interface SurfacePoint {
+  place: Vector3;
+  /** v grows upwards, as in Blender. */
+  uv: [number, number];
+  normal: [number, number, number];
+  /** Its fourth number is the bitangent's sign. */
+  tangent: [number, number, number, number];
+}
+
+const FOVY = 35; // degrees
+const FIRST_VIEW = new Vector3(0.45, 0.22, 1).normalize(); // Blender's front, a little from the right and above
+
+export class Viewer {
+  readonly camera = new PerspectiveCamera(FOVY);
+  readonly controls: OrbitControls;
+  readonly filters: Filter[];
+  /** Called after each frame that was drawn. */
+  drawn: () => void = () => undefined;
+  filter: Filter;
+  tone: Tone = "none";
+  /** In stops. */
+  exposure = 0;
+  /** Where the flat lightmap begins, from the left, in shares of the width; null shows light alone. */
+  divider: number | null = null;
+  /** Frames a second while pictures follow one another, else null. */
+  rate: number | null = null;
+
+  private readonly scene = new Scene();
+  private readonly ball: Sphere;
+  private readonly materials = new Map<Filter, RawShaderMaterial>();
+  private readonly flat: RawShaderMaterial;
+  private scheduled = 0;
+  private before = 0;
+  private scripted = false;
+
+  constructor(
+    readonly renderer: WebGLRenderer,
+    readonly stage: HTMLElement,
+    readonly manifest: Manifest,
+    readonly meshes: Mesh[],
+    readonly textures: Map<string, Loaded>,
+    flat: Texture,
+  ) {
+    this.filters = filtersOf(manifest);
+    this.filter = this.filters.at(-1) as Filter;
+    this.flat = flatMaterial(flat, manifest.flat_scale || 1);
+    const box = new Box3();
+    for (const mesh of meshes) {
+      this.scene.attach(mesh);
+      box.expandByObject(mesh);
+    }
+    this.ball = box.getBoundingSphere(new Sphere());
+    this.controls = new OrbitControls(this.camera, renderer.domElement);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.12;
+    this.controls.autoRotateSpeed = 1.5;
+    this.controls.minDistance = this.ball.radius * 0.15;
+    this.controls.maxDistance = this.ball.radius * 40;
+    this.controls.addEventListener("change", () => this.invalidate());
+    new ResizeObserver(() => this.resize()).observe(stage);
+    this.setFilter(this.filter);
+    this.resize();
+    this.resetView();
+  }
+
+  /** Bytes of all textures: on the GPU, and as files. */
+  get memory(): [number, number] {
+    const all = [...this.textures.values()];
+    return [all.reduce((sum, each) => sum + each.bytes, 0), all.reduce((sum, each) => sum + each.fileBytes, 0)];
+  }
+
+  /** Draw soon. */
+  invalidate(): void {
+    this.scheduled ||= requestAnimationFrame((now) => this.frame(now));
+  }
+
+  setFilter(filter: Filter): void {
+    if (!this.filters.includes(filter)) throw new Error(`no filter ${filter}: there are ${this.filters.join(", ")}`);
+    this.filter = filter;
+    const radiance = this.textures.get(this.manifest.bake.kind);
+    if (radiance?.entry.arrangement === "slices") blendLevels(this.renderer, radiance, filter === "levels");
+    this.invalidate();
+  }
+
+  setTone(tone: Tone): void {
+    if (!TONES.includes(tone)) throw new Error(`no tone curve ${tone}: there are ${TONES.join(", ")}`);
+    this.tone = tone;
+    shown.u_tone.value = TONES.indexOf(tone);
+    this.invalidate();
+  }
+
+  setExposure(stops: number): void {
+    this.exposure = Math.min(10, Math.max(-10, stops));
+    shown.toneMappingExposure.value = 2 ** this.exposure;
+    this.invalidate();
+  }
+
+  setDivider(share: number | null): void {
+    this.divider = share === null ? null : Math.min(1, Math.max(0, share));
+    this.invalidate();
+  }
+
+  setTurning(turning: boolean): void {
+    this.controls.autoRotate = turning;
+    this.invalidate();
+  }
+
+  /** The whole object, seen from its front. */
+  resetView(): void {
+    const half = (FOVY / 2) * (Math.PI / 180);
+    const narrow = Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect));
+    this.controls.target.copy(this.ball.center);
+    this.camera.position
+      .copy(FIRST_VIEW)
+      .multiplyScalar((this.ball.radius / Math.sin(narrow)) * 1.05)
+      .add(this.ball.center);
+    this.controls.update();
+    this.invalidate();
+  }
+
+  /** Orbit by angles in radians and come nearer by a factor. */
+  orbit(across: number, up: number, nearer = 1): void {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const ball = new Spherical().setFromVector3(offset);
+    ball.theta += across;
+    ball.phi = Math.min(Math.PI - 0.01, Math.max(0.01, ball.phi - up));
+    ball.radius = Math.min(this.controls.maxDistance, Math.max(this.controls.minDistance, ball.radius / nearer));
+    this.camera.position.copy(this.controls.target).add(offset.setFromSpherical(ball));
+    this.controls.update();
+    this.invalidate();
+  }
+
+  /** A camera of the script's: its matrix in the page's world, row by row, its angle of view, and pixels. */
+  setCamera(matrix: number[], fovy: number, width: number, height: number): void {
+    this.scripted = true;
+    this.controls.enabled = false;
+    this.controls.autoRotate = false;
+    new Matrix4().fromArray(matrix).transpose().decompose(this.camera.position, this.camera.quaternion, new Vector3());
+    this.camera.fov = (fovy * 180) / Math.PI;
+    this.camera.aspect = width / height;
+    this.renderer.setPixelRatio(1);
+    this.renderer.setSize(width, height);
+    this.draw();
+  }
+
+  /** The surface under a place of the canvas, in CSS pixels from its upper left corner; null beside it. */
+  pick(x: number, y: number): SurfacePoint | null {
+    const { clientWidth: width, clientHeight: height } = this.renderer.domElement;
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2((x / width) * 2 - 1, 1 - (y / height) * 2), this.camera);
+    const [hit] = caster.intersectObjects<Mesh>(this.meshes, false);
+    if (!hit?.face || !hit.barycoord) return null;
+    const { geometry, matrixWorld } = hit.object;
+    const corners = [hit.face.a, hit.face.b, hit.face.c];
+    const between = (name: string): number[] => interpolated(geometry, name, corners, hit.barycoord?.toArray() ?? []);
+    const [u = 0, v = 0] = between("uv");
+    const [nx, ny, nz] = between("normal") as [number, number, number];
+    const [tx, ty, tz, sign] = between("tangent") as [number, number, number, number];
+    const turn = new Matrix3().setFromMatrix4(matrixWorld);
+    const mirrored = Math.sign(turn.determinant());
+    const normal = new Vector3(nx, ny, nz).applyMatrix3(turn.clone().invert().transpose());
+    const tangent = new Vector3(tx, ty, tz).applyMatrix3(turn);
+    return {
+      place: hit.point,
+      uv: [u, 1 - v],
+      normal: normal.normalize().toArray(),
+      tangent: [...tangent.normalize().toArray(), sign * mirrored],
+    };
+  }
+
+  /** Draw now. */
+  draw(): void {
+    const { renderer } = this;
+    const { width, height } = renderer.getSize(new Vector2());
+    this.setDepths();
+    renderer.setScissorTest(false);
+    renderer.clear();
+    const edge = this.divider === null ? width : Math.round(width * this.divider);
+    renderer.setScissorTest(true);
+    if (edge > 0) {
+      renderer.setScissor(0, 0, edge, height);
+      this.render(this.light());
+    }
+    if (edge < width) {
+      renderer.setScissor(edge, 0, width - edge, height);
+      this.render(this.flat);
+    }
+    renderer.setScissorTest(false);
+    this.drawn();
+  }
+
+  /** The light of each pixel, linear, (height, width, 4) with the upper row first; 0 beside the object. */
+  pixels(flat = false): { width: number; height: number; values: Float32Array } {
+    const { renderer } = this;
+    const { width, height } = renderer.getDrawingBufferSize(new Vector2());
+    const target = new WebGLRenderTarget(width, height, { type: FloatType });
+    const material = flat ? this.flat : this.light();
+    const { blending } = material;
+    material.blending = NoBlending; // many devices do not blend floats
+    shown.u_tone.value = -1;
+    renderer.setRenderTarget(target);
+    renderer.clear();
+    this.render(material);
+    const below = new Float32Array(width * height * 4);
+    renderer.readRenderTargetPixels(target, 0, 0, width, height, below);
+    renderer.setRenderTarget(null);
+    target.dispose();
+    material.blending = blending;
+    this.setTone(this.tone);
+    const values = new Float32Array(below.length);
+    for (let row = 0; row < height; row++) {
+      values.set(below.subarray((height - 1 - row) * width * 4, (height - row) * width * 4), row * width * 4);
+    }
+    return { width, height, values };
+  }
+
+  private light(): RawShaderMaterial {
+    const { filter } = this;
+    const material = this.materials.get(filter) ?? lightMaterial(this.manifest, this.textures, filter, "mesh");
+    this.materials.set(filter, material);
+    return material;
+  }
+
+  private render(material: Material): void {
+    for (const mesh of this.meshes) mesh.material = material;
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  private frame(now: number): void {
+    this.scheduled = 0;
+    const moving = this.controls.enabled && this.controls.update(); // which also asks for the next frame
+    const since = now - this.before;
+    this.before = now;
+    if (since > 0 && since < 400) {
+      const rate = 1000 / since;
+      this.rate = this.rate === null ? rate : this.rate + (rate - this.rate) * 0.15;
+    } else {
+      this.rate = null;
+    }
+    this.draw();
+    if (moving || this.controls.autoRotate) this.invalidate();
+  }
+
+  /** Have the object between the camera's planes, as tightly as depth wants. */
+  private setDepths(): void {
+    const away = this.camera.position.distanceTo(this.ball.center);
+    const { radius } = this.ball;
+    this.camera.near = Math.max(radius / 200, (away - radius) * 0.9);
+    this.camera.far = (away + radius) * 1.1;
+    this.camera.updateProjectionMatrix();
+  }
+
+  private resize(): void {
+    if (this.scripted) return;
+    const { clientWidth: width, clientHeight: height } = this.stage;
+    if (!width || !height) return;
+    this.camera.aspect = width / height;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setSize(width, height);
+    this.invalidate();
+  }
+}
+
+/** A vertex attribute between three vertices. */
+function interpolated(geometry: BufferGeometry, name: string, corners: number[], weights: number[]): number[] {
+  const attribute = geometry.getAttribute(name) as BufferAttribute | undefined;
+  if (!attribute) return [];
+  return Array.from({ length: attribute.itemSize }, (_, component) =>
+    corners.reduce((sum, corner, place) => sum + (weights[place] ?? 0) * attribute.getComponent(corner, component), 0),
+  );
+}
