@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +19,8 @@ from radtex_addon.formats.bc7 import Blocks, decode_bc7
 from radtex_addon.formats.condensed_packing import layer_values, pack_tiles, pack_weights, value_range
 from radtex_addon.formats.dds import DdsFormat
 from radtex_addon.formats.packing import LOBE_CHANNELS, TEXTURES, WEIGHTS, lobe_layer
+from tests.lookups import Lookups, relative_error
+from tests.shared_lookups import shared_answers
 
 COLUMNS = 5
 Ranges = dict[Axis, Floats]
@@ -50,6 +53,23 @@ def rows_of(limits: Mapping[str, npt.ArrayLike]) -> Floats:
     """A lobe's ranges as the shader takes them, (12, 4)."""
     rows = [np.asarray(limits[part], dtype=np.float32) for part in LOBE_CHANNELS]
     return np.concatenate([np.pad(some, ((0, 0), (0, 4 - some.shape[1]))) for some in rows])
+
+
+def doubts(atlas: CondensedAtlas, lookups: Lookups) -> Floats:
+    """How far each answer moves, relatively, where spreads are off by float32's step at the largest of them.
+
+    A texture says no more: the range of a part's spreads begins near 0 and ends at tens of thousands.
+    """
+    dense = atlas.expanded()
+    step = max(np.spacing(lobe.ends[..., 3].max() / dense.sharpest) for lobe in dense.lobes) * dense.sharpest
+    answers = shared_answers(dense, lookups)
+    apart = np.zeros(len(answers))
+    for off in (-step, step):
+        change = np.array([0, 0, 0, off])
+        lobes = tuple(replace(lobe, ends=lobe.ends + change) for lobe in dense.lobes)
+        moved = shared_answers(replace(dense, lobes=lobes), lookups)
+        apart = np.maximum(apart, relative_error(moved, answers))
+    return apart
 
 
 def pixels(kind: DdsFormat, blocks: Blocks) -> Floats:

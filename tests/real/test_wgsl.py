@@ -28,9 +28,10 @@ from tests.lookups import (
     worst_error,
 )
 from tests.real.root import Root
-from tests.real.webgpu import Resource, Sampler, Texture, drawn, image
+from tests.real.webgpu import Resource, Sampler, Texture, drawn, fields, image
 
-SHADERS = [Path(__file__).parents[2] / "shaders" / f"{name}.wgsl" for name in ("radtex", "radtex_pages")]
+FILES = ("radtex", "radtex_pages", "radtex_shared", "radtex_condensed")  # all in one: their names do not clash
+SHADERS = [Path(__file__).parents[2] / "shaders" / f"{name}.wgsl" for name in FILES]
 QUADS = COUNT // 4  # derivatives are those within 2 x 2 fragments
 LEVELS = 4  # 13 x 7 texels are stored as 16 x 8
 PAGES = fitting_pages(LAYOUT, limit=40)
@@ -71,23 +72,16 @@ def run(
     """What the expression `lookup` is for each of the lookups, (K, 4) float32."""
     places = np.concatenate([lookups.uv, np.broadcast_to(level, COUNT)[:, None]], axis=1)
     normals = np.concatenate([lookups.normal, lookups.sign[:, None]], axis=1)
-    layers = [fitted(values) for values in (places, normals, lookups.tangent, lookups.viewer)]
     settings = [LAYOUT.width, LAYOUT.height, LAYOUT.bucket, list(Filter).index(kind), *astuple(pages)]
     resources: dict[int | str, Resource] = {
         "s": np.array(settings, np.int32),
-        "fields": image(np.stack(layers)),
+        "fields": fields(SIDE, places, normals, lookups.tangent, lookups.viewer),
         "atlas": atlas,
     }
     if "filtering" in lookup:
         resources["filtering"] = Sampler("linear")
     code = "".join(path.read_text(encoding="utf-8") for path in SHADERS)
     return drawn(root, code + FRAGMENT % (ARRAY if atlas.array else SINGLE, lookup), resources, SIDE)
-
-
-def fitted(values: Floats) -> Floats:
-    """A value for each fragment (K, C) as a picture of four channels."""
-    rows = np.pad(values, ((0, 0), (0, 4 - values.shape[1]))).astype(np.float32)
-    return rows.reshape(SIDE, SIDE, 4)
 
 
 @pytest.mark.parametrize("kind", list(Filter))

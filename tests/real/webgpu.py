@@ -69,6 +69,12 @@ def blocks(kind: str, size: tuple[int, int], data: bytes) -> Texture:
     return Texture(kind, size, (rows,))
 
 
+def fields(side: int, *values: Floats) -> Texture:
+    """Values for each pixel of a picture, (side², C) with C up to 4, as layers of one array texture."""
+    rows = [np.pad(some, ((0, 0), (0, 4 - some.shape[1]))) for some in values]
+    return image(np.stack(rows).astype(np.float32).reshape(-1, side, side, 4))
+
+
 def _four(values: Values) -> Values:
     if values.shape[-1] != 3:
         return values
