@@ -4,12 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
-from contextlib import contextmanager
+from collections.abc import Generator
 from dataclasses import dataclass
 from math import ceil, sqrt
 from pathlib import Path
-from typing import cast
 
 import bpy
 import numpy as np
@@ -21,7 +19,7 @@ from ..bake.rays import Rays
 from ..core.arrays import Floats
 from ..core.texel_map import TexelMap
 from ..scene.others import read_beside
-from ..scene.scratch import new_data_removed, remove_scene
+from ..scene.scratch import scene_copied
 from .hidden import PROBES, find_hidden
 from .path_ends import path_ends
 from .sampling import capture_colour, capture_ends, capture_samples, capture_surroundings
@@ -76,7 +74,7 @@ def capture_shared(
     middle, radius = _reach(lit)
     yield Progress(Stage.CAPTURE, 0, total)
     beside = read_beside(scratch, baked)
-    with _copied(scratch) as scene, path_ends(scene, baked, mesh, beside, middle) as ends:
+    with scene_copied(scratch) as scene, path_ends(scene, baked, mesh, beside, middle) as ends:
         found = capture_ends(ends, plan(rays.ends), seed, folder)
         done = 2 * count * rays.ends**2
         yield Progress(Stage.CAPTURE, done, total)
@@ -84,17 +82,17 @@ def capture_shared(
     done += 2 * count * rays.around**2
     yield Progress(Stage.CAPTURE, done, total)
     around = panorama_plan(near, middle, radius, rays.size, rays.panorama)
-    with _copied(scratch) as scene, path_ends(scene, baked, mesh, beside, middle) as ends:
+    with scene_copied(scratch) as scene, path_ends(scene, baked, mesh, beside, middle) as ends:
         far = capture_surroundings(scene, ends, around, middle, seed, folder)
     done += all_around
 
     def in_paths(step: Progress) -> Progress:
         return Progress(step.stage, done + step.done * rays.light**2, total)
 
-    with _copied(scratch) as scene:
+    with scene_copied(scratch) as scene:
         steps = capture_samples(scene, lit, hidden[~buried], seed, folder)
         light = yield from relayed(steps, in_paths)
-    with _copied(scratch) as scene:
+    with scene_copied(scratch) as scene:
         colour = capture_colour(scene, fine, seed, folder)
     yield Progress(Stage.CAPTURE, total, total)
     probes = len(probe.texel) * PROBES * _PROBE**2
@@ -106,14 +104,3 @@ def _reach(plan: CapturePlan) -> tuple[Floats, float]:
     places = plan.points
     middle: Floats = ((places.min(axis=0) + places.max(axis=0)) / 2).astype(np.float32)
     return middle, _OUTSIDE * max(float(np.linalg.norm(places - middle, axis=1).max()), 1e-6)
-
-
-@contextmanager
-def _copied(scene: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
-    """A copy of a scratch scene; what a capture makes to fill it goes with it."""
-    with new_data_removed():
-        copy = cast(bpy.types.Scene, scene.copy())
-        try:
-            yield copy
-        finally:
-            remove_scene(copy)

@@ -8,7 +8,6 @@ All is rendered in scratch scenes, so that nothing of the user's is written.
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from math import cos, pi, radians, sin, sqrt
 from pathlib import Path
@@ -21,7 +20,7 @@ from mathutils import Matrix, Vector
 from ..core.errors import InputError
 from ..cycles.apparatus import render_layers
 from ..cycles.settings import apply_capture_settings, first_hit_only, keep_passes, look_at_centres
-from ..scene.scratch import new_data_removed, remove_scene
+from ..scene.scratch import scene_copied
 from .gbuffer import Array, BakedSurface, GBuffer, Rays
 from .metrics import Picture
 from .progress import Step, Task
@@ -148,7 +147,7 @@ def _share_seen(scratch: bpy.types.Scene, surface: BakedSurface, camera: _Camera
 def _distances(scratch: bpy.types.Scene, camera: _Camera, rays: Rays, folder: Path) -> Array:
     """How far along each ray something renders, a hair beyond it; infinite where nothing does."""
     count = rays.pixels * rays.subsamples
-    with _copied(scratch) as scene:
+    with scene_copied(scratch) as scene:
         apply_capture_settings(scene, 1, 0)
         look_at_centres(scene)
         keep_passes(scene, ("use_pass_z",))
@@ -163,7 +162,7 @@ def _distances(scratch: bpy.types.Scene, camera: _Camera, rays: Rays, folder: Pa
 def _picture(
     scratch: bpy.types.Scene, camera: _Camera, pixels: int, samples: int, seed: int, folder: Path
 ) -> Picture:
-    with _copied(scratch) as scene:
+    with scene_copied(scratch) as scene:
         apply_capture_settings(scene, samples, seed)
         cycles = cast(Any, scene).cycles
         cycles.use_denoising, cycles.denoiser = True, "OPENIMAGEDENOISE"
@@ -188,14 +187,3 @@ def _camera_object(scene: bpy.types.Scene, camera: _Camera) -> bpy.types.Object:
     item.matrix_world = camera.matrix
     scene.collection.objects.link(item)
     return item
-
-
-@contextmanager
-def _copied(scratch: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
-    """A copy of a scratch scene, so that settings of one render are none of the next."""
-    with new_data_removed():
-        copy = cast(bpy.types.Scene, scratch.copy())
-        try:
-            yield copy
-        finally:
-            remove_scene(copy)

@@ -59,6 +59,20 @@ def scratch_scene(
             remove_scene(scratch)
 
 
+@contextmanager
+def scene_copied(scratch: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
+    """A copy of a scratch scene, for one render whose settings are none of the next's.
+
+    At exit it is removed with every data-block that was made meanwhile.
+    """
+    with new_data_removed():
+        copy = cast("bpy.types.Scene", scratch.copy())
+        try:
+            yield copy
+        finally:
+            remove_scene(copy)
+
+
 def remove_scene(scene: bpy.types.Scene) -> None:
     """Remove a scene of ours, and what its renders have kept.
 

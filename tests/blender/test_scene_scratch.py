@@ -8,7 +8,7 @@ import weakref
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import bpy
 import pytest
@@ -16,7 +16,7 @@ import pytest
 from radtex_addon.core.errors import InputError
 from radtex_addon.scene.copy import baked_mesh, copy_object, surface_mesh
 from radtex_addon.scene.evaluated import evaluate
-from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.scene.scratch import scene_copied, scratch_scene
 from radtex_addon.scene.unwrap import unwrap_blender, unwrap_xatlas
 from tests.blender import stage
 from tests.blender.conftest import PlannedError
@@ -112,6 +112,19 @@ def test_what_is_kept_stays_with_all_that_it_uses() -> None:
     assert [item.name for item in bpy.data.materials] == ["preview"]
     assert [item.name for item in bpy.data.images] == ["atlas"]
     assert len(bpy.data.scenes) == 1
+
+
+def test_one_render_s_settings_and_data_are_none_of_the_next_s() -> None:
+    with scratch_scene(context.scene) as scratch:
+        samples = cast(Any, scratch).cycles.samples
+        with suppress(PlannedError), scene_copied(scratch) as scene:
+            cast(Any, scene).cycles.samples = samples + 7
+            scene.collection.objects.link(bpy.data.objects.new("lamp", None))
+            raise PlannedError
+        with scene_copied(scratch) as scene:
+            assert cast(Any, scene).cycles.samples == samples
+            assert list(bpy.data.objects) == []
+        assert set(bpy.data.scenes) == {context.scene, scratch}
 
 
 def test_nothing_of_a_render_outlives_its_scene() -> None:
