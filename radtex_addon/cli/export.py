@@ -4,11 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from contextlib import closing
+from functools import partial
 
-from ..export.progress import Step
-from ..export.run import Exported, export_steps
+from ..export.run import export_steps
 from ..formats.memory import readable_size
 from ..report.finished import find_bake, object_of
 from .export_arguments import ExportRequest
@@ -21,7 +19,7 @@ def run_export(request: ExportRequest, report: Report, interruption: Interruptio
     sidecar = find_bake(request.bake, request.object, "exported")
     name = object_of(sidecar)
     steps = export_steps(sidecar, request.spec, request.out, overwrite=request.overwrite)
-    made = _finish(steps, name, report, interruption)
+    made = interruption.between(steps, partial(report.progress, name))
     summary = f"{name} for {made.target}: {len(made.files)} files, {readable_size(made.bytes)}"
     report.event(
         "done",
@@ -32,16 +30,3 @@ def run_export(request: ExportRequest, report: Report, interruption: Interruptio
         target=str(made.target),
         bytes=made.bytes,
     )
-
-
-def _finish(
-    steps: Generator[Step, None, Exported], name: str, report: Report, interruption: Interruption
-) -> Exported:
-    with closing(steps):
-        while True:
-            interruption.check()
-            try:
-                report.progress(name, next(steps))
-            except StopIteration as stop:
-                made: Exported = stop.value
-                return made

@@ -10,11 +10,16 @@ between its steps.
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import TypeVar
 
+from ..bake.progress import finished, relayed
 from ..core.errors import Cancelled
+
+_Step = TypeVar("_Step")
+_Result = TypeVar("_Result")
 
 INTERRUPTED = "interrupted: nothing unfinished is left"
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)  # Ctrl-C, and how a farm ends a job
@@ -35,6 +40,19 @@ class Interruption:
         """Raise Cancelled if the run shall end."""
         if self._asked:
             raise Cancelled(INTERRUPTED)
+
+    def between(self, steps: Generator[_Step, None, _Result], tell: Callable[[_Step], None]) -> _Result:
+        """Run a generator to its end, `tell` of each of its steps, and return its value.
+
+        Raises Cancelled, and closes it, if the run shall end before that.
+        """
+
+        def told(step: _Step) -> None:
+            tell(step)
+            self.check()
+
+        self.check()
+        return finished(relayed(steps, told))
 
 
 @contextmanager

@@ -8,8 +8,9 @@ import logging
 import sys
 import traceback
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -121,14 +122,7 @@ def _bake(
     steps = bake_steps(
         scene, name, request.spec, request.out, preview=request.preview, overwrite=request.overwrite
     )
-    with closing(steps):
-        while True:
-            interruption.check()
-            try:
-                report.progress(name, next(steps))
-            except StopIteration as stop:
-                result: BakeResult = stop.value
-                return result
+    return interruption.between(steps, partial(report.progress, name))
 
 
 def _pictures(request: Request, result: BakeResult) -> list[Path]:

@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from contextlib import closing
-
 from ..report.finished import find_bake, object_of
 from ..report.progress import Step
 from ..report.run import ReportResult, report_path, report_steps
@@ -23,22 +20,12 @@ def run_report(request: ReportRequest, report: Report, interruption: Interruptio
     out = request.out or report_path(sidecar)
     scene = open_scene(request.scene, request.demo)
     steps = report_steps(scene, sidecar.absolute(), request.spec, out)
-    result = _finish(steps, name, report, interruption)
+
+    def tell(step: Step) -> None:
+        report.progress(f"{name}, {step.about}" if step.about else name, step)
+
+    result = interruption.between(steps, tell)
     report.event("done", object=name, summary=_summary(result), **_facts(result))
-
-
-def _finish(
-    steps: Generator[Step, None, ReportResult], name: str, report: Report, interruption: Interruption
-) -> ReportResult:
-    with closing(steps):
-        while True:
-            interruption.check()
-            try:
-                step = next(steps)
-            except StopIteration as stop:
-                result: ReportResult = stop.value
-                return result
-            report.progress(f"{name}, {step.about}" if step.about else name, step)
 
 
 def _summary(result: ReportResult) -> str:

@@ -12,6 +12,7 @@ import time
 
 import numpy as np
 
+from ..bake.progress import finished
 from ..bake.spec import Unwrap
 from ..core.arrays import Bools, Floats
 from ..core.errors import InputError
@@ -61,7 +62,7 @@ def unwrap_steps(
 
 def unwrap_xatlas(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
     """Unwrap by xatlas at one go: see `unwrap_steps`. Announces a long unwrap before it begins."""
-    return _at_one_go(unwrap_steps(evaluated, texels, Unwrap.XATLAS, options))
+    return finished(unwrap_steps(evaluated, texels, Unwrap.XATLAS, options))
 
 
 def unwrap_blender(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
@@ -70,16 +71,7 @@ def unwrap_blender(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions
     It works in a scene of its own: the user's mode and selection stay. Of the options that shape islands only
     `blender_angle` counts.
     """
-    return _at_one_go(unwrap_steps(evaluated, texels, Unwrap.BLENDER, options))
-
-
-def _at_one_go(steps: Steps[Unwrapped]) -> Unwrapped:
-    while True:
-        try:
-            next(steps)
-        except StopIteration as stop:
-            done: Unwrapped = stop.value
-            return done
+    return finished(unwrap_steps(evaluated, texels, Unwrap.BLENDER, options))
 
 
 def _announce(evaluated: EvaluatedMesh, options: UnwrapOptions) -> None:

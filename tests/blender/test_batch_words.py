@@ -7,7 +7,9 @@ from __future__ import annotations
 import importlib
 import io
 import json
+import signal
 import sys
+from collections.abc import Generator
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +22,8 @@ from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.cli import main as batch_module
 from radtex_addon.cli import reporting
 from radtex_addon.cli.arguments import ProgressStyle, parse
-from radtex_addon.core.errors import InputError
+from radtex_addon.cli.interruption import Interruption
+from radtex_addon.core.errors import Cancelled, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.version import VERSION
 from tests.blender.batch_process import BAKE, process, refusal
@@ -223,3 +226,34 @@ def test_names_that_are_no_unicode_still_make_json(capfd: pytest.CaptureFixture[
     with reporting.reporting(ProgressStyle.JSON, verbose=False) as report:
         report.event("done", files=["caf\udce9", "Wände"])
     assert json.loads(capfd.readouterr().out)["files"] == ["caf\udce9", "Wände"]
+
+
+def counting(ended: list[str]) -> Generator[int, None, str]:
+    """Three steps, and a word."""
+    try:
+        yield from range(3)
+    finally:
+        ended.append("ended")
+    return "done"
+
+
+def test_steps_are_told_and_their_value_returned() -> None:
+    told: list[int] = []
+    assert Interruption().between(counting([]), told.append) == "done"
+    assert told == [0, 1, 2]
+
+
+def test_whoever_wants_the_end_gets_it_between_steps() -> None:
+    interruption, told, ended = Interruption(), list[int](), list[str]()
+
+    def tell(step: int) -> None:
+        told.append(step)
+        if step == 1:
+            interruption.ask(signal.SIGTERM, None)
+
+    with pytest.raises(Cancelled, match="nothing unfinished is left"):
+        interruption.between(counting(ended), tell)
+    assert (told, ended) == ([0, 1], ["ended"])
+    with pytest.raises(Cancelled):
+        interruption.between(counting(ended), tell)
+    assert told == [0, 1], "not even begun"

@@ -4,26 +4,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.core.arrays import Bools
+from radtex_addon.bake.progress import finished
 from radtex_addon.cycles.hidden import find_hidden
 from tests.blender import stage
-
-
-def drained(steps: Generator[object, None, Bools]) -> Bools:
-    """A generator's result, its steps passed over."""
-    while True:
-        try:
-            next(steps)
-        except StopIteration as stop:
-            result: Bools = stop.value
-            return result
 
 
 def active_mesh() -> bpy.types.Mesh:
@@ -46,12 +35,12 @@ def test_a_sheared_convex_mesh_hides_nothing(tmp_path: Path, mirrored: bool) -> 
     point, normal = point[::40], normal[::40] @ turn
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     plan = stage.plan_of(point @ matrix[:3, :3].T, normal, 4)
-    assert not drained(find_hidden(mesh, matrix, plan, tmp_path)).any()
+    assert not finished(find_hidden(mesh, matrix, plan, tmp_path)).any()
 
 
 def test_the_inside_of_another_part_is_hidden(tmp_path: Path) -> None:
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1)
     plan = stage.plan_of(np.array([[0, 0, 0], [0, 0, 2.0]]), np.array([[0, 0, 1.0], [0, 0, 1.0]]), 4)
-    hidden = drained(find_hidden(active_mesh(), np.eye(4), plan, tmp_path))
+    hidden = finished(find_hidden(active_mesh(), np.eye(4), plan, tmp_path))
     assert hidden[0].all()
     assert not hidden[1].any()

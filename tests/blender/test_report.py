@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Generator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ import bpy
 import numpy as np
 import pytest
 
+from radtex_addon.bake import progress
 from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layout, Unwrap
 from radtex_addon.core.errors import FormatError, InputError
 from radtex_addon.core.sampler import Filter
@@ -21,7 +21,6 @@ from radtex_addon.job import bake_object
 from radtex_addon.report.causes import Cause, Variant, first_change
 from radtex_addon.report.finished import find_bake, read_bake
 from radtex_addon.report.gbuffer import BakedSurface, Rays, eroded
-from radtex_addon.report.progress import Step
 from radtex_addon.report.run import ReportResult, ReportSpec, report_path, report_steps
 from radtex_addon.report.sizes import gpu_bytes, image_sizes, texture_sizes
 from tests.blender import stage
@@ -59,17 +58,8 @@ def bake(name: str, spec: BakeSpec, out: Path, **options: Any) -> Path:
     return bake_object(context.scene, name, spec, out, **options).files.sidecar
 
 
-def finish(steps: Generator[Step, None, ReportResult]) -> ReportResult:
-    while True:
-        try:
-            next(steps)
-        except StopIteration as stop:
-            result: ReportResult = stop.value
-            return result
-
-
 def report(sidecar: Path, spec: ReportSpec = QUICK) -> ReportResult:
-    return finish(report_steps(context.scene, sidecar, spec, report_path(sidecar)))
+    return progress.finished(report_steps(context.scene, sidecar, spec, report_path(sidecar)))
 
 
 # what is found

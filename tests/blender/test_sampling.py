@@ -4,10 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any
 
 import bpy
 import numpy as np
@@ -15,7 +15,7 @@ import pytest
 
 from radtex_addon.bake.light_samples import EndSamples, SurroundingsSamples, mirrored
 from radtex_addon.bake.plan import CapturePlan
-from radtex_addon.bake.progress import Progress
+from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised
@@ -31,7 +31,6 @@ from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
-_Result = TypeVar("_Result")
 
 TINT = (0.8, 0.4, 0.2, 1)
 
@@ -40,14 +39,6 @@ TINT = (0.8, 0.4, 0.2, 1)
 def scratch() -> Iterator[bpy.types.Scene]:
     with scratch_scene(context.scene, context.scene.view_layers[0].name) as copy:
         yield copy
-
-
-def finish(steps: Generator[Progress, None, _Result]) -> _Result:
-    while True:
-        try:
-            next(steps)
-        except StopIteration as stop:
-            return cast(_Result, stop.value)
 
 
 def card(shader: str = "ShaderNodeBsdfDiffuse", size: float = 2, **inputs: object) -> Any:
@@ -116,7 +107,7 @@ def test_a_furnace_is_all_diffuse_light_and_has_its_colour(tmp_path: Path) -> No
     card()
     plan = upward(16, 8)
     with scratch() as scene:
-        samples = finish(capture_samples(scene, plan, nothing_hidden(plan), 0, tmp_path))
+        samples = finished(capture_samples(scene, plan, nothing_hidden(plan), 0, tmp_path))
     assert samples.mirrored.shape == samples.through.shape == samples.diffuse.shape == (16, 64, 3)
     expected = np.broadcast_to(TINT[:3], (16, 64, 3))
     np.testing.assert_allclose(samples.diffuse.astype(float), expected, atol=1e-3)
@@ -135,7 +126,7 @@ def test_mirrored_light_is_told_from_what_comes_through(lobe: str, shader: str, 
     card(shader, Roughness=0.0)
     plan = upward(4, 4)
     with scratch() as scene:
-        samples = finish(capture_samples(scene, plan, nothing_hidden(plan), 0, tmp_path))
+        samples = finished(capture_samples(scene, plan, nothing_hidden(plan), 0, tmp_path))
     light = {name: getattr(samples, name).astype(float) for name in ("diffuse", "mirrored", "through")}
     expected = np.broadcast_to(np.array(TINT[:3]) * [1, 2, 3], (4, 16, 3))
     np.testing.assert_allclose(light.pop(lobe), expected, rtol=2e-3)
@@ -150,7 +141,7 @@ def test_hidden_directions_are_marked_by_the_cell_that_holds_them(tmp_path: Path
     hidden = nothing_hidden(plan)
     hidden[2, 1, 3] = True
     with scratch() as scene:
-        samples = finish(capture_samples(scene, plan, hidden, 0, tmp_path))
+        samples = finished(capture_samples(scene, plan, hidden, 0, tmp_path))
     texel, ray = np.nonzero(~samples.seen)
     assert set(texel) == {2}
     assert len(ray) == 4  # of 8 x 8 rays, four lie in each of 4 x 4 cells
@@ -201,7 +192,7 @@ def test_an_object_without_material_lets_through_what_it_does_in_the_users_scene
     baked, plan = context.object, upward(64, 12)
     found = ends_of(baked, tmp_path, plan)
     with scratch() as scene:
-        light = finish(capture_samples(scene, plan, nothing_hidden(plan), 0, tmp_path))
+        light = finished(capture_samples(scene, plan, nothing_hidden(plan), 0, tmp_path))
     mean = light.mirrored.astype(float).mean()
     assert (mean > 0.05) == (bpy.app.version >= (5, 0, 0))
     np.testing.assert_allclose(found.mirrored_weight.astype(float).mean(), mean, atol=5e-3)

@@ -12,7 +12,7 @@ from typing import TypeVar, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.progress import Progress, Stage
+from radtex_addon.bake.progress import Progress, Stage, finished, relayed
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.shared import SharedAtlas, sample_shared
 from radtex_addon.formats.packing import pack
@@ -79,11 +79,7 @@ class Shared:
 
 def _finish(steps: Generator[Progress, None, _Result], reached: dict[Stage, float]) -> _Result:
     """Run to the end; note when each stage was first reached."""
-    while True:
-        try:
-            reached.setdefault(next(steps).stage, perf_counter())
-        except StopIteration as stop:
-            return cast(_Result, stop.value)
+    return finished(relayed(steps, lambda step: reached.setdefault(step.stage, perf_counter())))
 
 
 def make(texels: int, samples: int) -> Shared:
