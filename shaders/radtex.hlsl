@@ -40,28 +40,14 @@ int2 radtex_size(Texture2D image, int level) {
     return int2(width, height) >> level;
 }
 
-int2 radtex_size(Texture2DArray image, int level) {
-    uint width, height, layers, levels;
-    image.GetDimensions(0, width, height, layers, levels);
-    return int2(width, height) >> level;
-}
-
-// A pixel, counted from the bottom left: GLSL's texelFetch.
-float4 radtex_fetch(Texture2D image, int2 pixel, int level) {
+// A pixel and a texture coordinate, counted from the bottom, as the texture has them.
+int2 radtex_row(int2 pixel, int2 size) {
 #ifdef RADTEX_TOP_DOWN
-    pixel.y = radtex_size(image, level).y - 1 - pixel.y;
+    pixel.y = size.y - 1 - pixel.y;
 #endif
-    return image.Load(int3(pixel, level));
+    return pixel;
 }
 
-float4 radtex_fetch(Texture2DArray image, int2 pixel, int level, int layer) {
-#ifdef RADTEX_TOP_DOWN
-    pixel.y = radtex_size(image, level).y - 1 - pixel.y;
-#endif
-    return image.Load(int4(pixel, layer, level));
-}
-
-// A texture coordinate whose v grows upwards as the texture has it.
 float2 radtex_upwards(float2 uv) {
 #ifdef RADTEX_TOP_DOWN
     uv.y = 1.0 - uv.y;
@@ -69,16 +55,16 @@ float2 radtex_upwards(float2 uv) {
     return uv;
 }
 
+// A pixel: GLSL's texelFetch.
+float4 radtex_fetch(Texture2D image, int2 pixel, int level) {
+    return image.Load(int3(radtex_row(pixel, radtex_size(image, level)), level));
+}
+
 #ifdef RADTEX_HARDWARE_LINEAR
 // Between pixels, their centres at a half: GLSL's textureLod.
 float4 radtex_filtered(Texture2D image, float2 position, int level) {
     float2 uv = radtex_upwards(position / radtex_size(image, level));
     return image.SampleLevel(RADTEX_HARDWARE_LINEAR, uv, float(level));
-}
-
-float4 radtex_filtered(Texture2DArray image, float2 position, int level, int layer) {
-    float2 uv = radtex_upwards(position / radtex_size(image, level));
-    return image.SampleLevel(RADTEX_HARDWARE_LINEAR, float3(uv, layer), float(level));
 }
 #endif
 
@@ -108,8 +94,9 @@ float4 radtex_texel(RADTEX_ATLAS, int2 texel, int n, float2 B, bool blend, int l
 #ifdef RADTEX_PAGES
     int2 size = pages.zw >> level, page = texel / size, origin = (texel - page * size) * n;
     int layer = page.y * pages.x + page.x;
-#define RADTEX_CELL(cell) radtex_fetch(atlas, origin + (cell), level, layer)
-#define RADTEX_BETWEEN(place) radtex_filtered(atlas, origin + (place), level, layer)
+#define RADTEX_CELL(cell) atlas.Load(int4(radtex_row(origin + (cell), size * n), layer, level))
+#define RADTEX_PLACE(place) float3(radtex_upwards((origin + (place)) / (size * n)), layer)
+#define RADTEX_BETWEEN(place) atlas.SampleLevel(RADTEX_HARDWARE_LINEAR, RADTEX_PLACE(place), float(level))
 #else
     int2 origin = texel * n;
 #define RADTEX_CELL(cell) radtex_fetch(atlas, origin + (cell), level)

@@ -1,0 +1,173 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""shaders/radtex.hlsl through SPIR-V on a real Vulkan, against the references: filters, levels, pages, slices."""
+
+from __future__ import annotations
+
+from dataclasses import astuple
+
+import numpy as np
+import pytest
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.levels import level_chain, sample_level
+from radtex_addon.core.pages import fitting_pages, page_chain
+from radtex_addon.core.sampler import Filter
+from tests.lookups import (
+    COUNT,
+    LAYOUT,
+    SIDE,
+    constant_buckets,
+    random_atlas,
+    random_lookups,
+    relative_error,
+    worst_error,
+)
+from tests.real.hlsl import COMPILERS, looked_up
+from tests.real.root import Root
+from tests.real.test_glsl_derivatives import half_slices, reference, uvs_of_quads
+from tests.real.webgpu import Sampler, fields, image
+
+WORST = 2e-3
+LEVELS = 4  # 13 x 7 texels are stored as 16 x 8, and the last level as 2 x 1
+PAGES = fitting_pages(LAYOUT, 50, LEVELS)
+PAGED, TOP_DOWN = "#define RADTEX_PAGES\n", "#define RADTEX_TOP_DOWN\n"
+HARDWARE = "#define RADTEX_HARDWARE_LINEAR filtering\n"
+WAYS = {"one texture": "", "pages": PAGED, "top down": TOP_DOWN, "pages top down": PAGED + TOP_DOWN}
+ALL_FILTERS = 4 * COUNT  # lookups: by each filter, then at levels
+SHADER = """
+SamplerState filtering : register(s0);
+#include "radtex.hlsl"
+#ifdef RADTEX_PAGES
+Texture2DArray atlas : register(t0);
+#else
+Texture2D atlas : register(t0);
+#endif
+Texture2DArray fields : register(t1);
+cbuffer Facts : register(b0) { int4 pages; int4 facts; };
+float4 main(float4 at : SV_Position) : SV_Target {
+    int2 here = int2(at.xy), texels = facts.xy;
+    int n = facts.z;
+    float4 place = fields.Load(int4(here, 0, 0));  // u, v, filter, level
+    float4 normal = fields.Load(int4(here, 1, 0)), tangent = fields.Load(int4(here, 2, 0));
+    float3 I = radtex_incidence(fields.Load(int4(here, 3, 0)).xyz, normal.xyz, tangent.xyz, normal.w);
+    int mode = int(place.z);
+    if (mode < 3) return radtex_sample(RADTEX_PASSED, texels, n, place.xy, I, mode);
+    return radtex_sample_level(RADTEX_PASSED, texels, n, place.xy, I, place.w);
+}
+"""
+SLICES = """
+#include "radtex.hlsl"
+Texture2DArray slices : register(t0), fields : register(t1);
+SamplerState filtering : register(s0);
+cbuffer Facts : register(b0) { int4 pages; int4 facts; };
+float4 main(float4 at : SV_Position) : SV_Target {
+    int2 here = int2(at.xy);
+    float2 uv = fields.Load(int4(here, 0, 0)).xy;
+    return radtex_slices(slices, filtering, facts.z, uv, fields.Load(int4(here, 1, 0)).xyz);
+}
+"""
+LEVEL = """
+#include "radtex.hlsl"
+Texture2DArray fields : register(t1);
+cbuffer Facts : register(b0) { int4 pages; int4 facts; };
+float4 main(float4 at : SV_Position) : SV_Target {
+    return radtex_level(fields.Load(int4(int2(at.xy), 0, 0)).xy, facts.xy, facts.w);
+}
+"""
+FACTS = np.array([*astuple(PAGES), LAYOUT.width, LAYOUT.height, LAYOUT.bucket, LEVELS], np.int32)
+
+
+def run(root: Root, compiler: str, defines: str, atlas: Floats, level: Floats) -> list[Floats]:
+    """The shader's answers to `random_lookups`, (COUNT, 4) float32 by each filter, then at `level` (COUNT,)."""
+    lookups = random_lookups()
+    paged = PAGED in defines
+    chain = page_chain(atlas, LAYOUT, PAGES, LEVELS) if paged else level_chain(atlas, LAYOUT, LEVELS)
+    stored = [values.astype(np.float16) for values in chain]
+    if TOP_DOWN in defines:
+        stored = [np.flip(values, axis=-3) for values in stored]
+    mode = np.repeat(np.arange(4), COUNT)[:, None]
+    places = np.concatenate([np.tile(lookups.uv, (4, 1)), mode, np.tile(level, 4)[:, None]], axis=1)
+    normals = np.concatenate([lookups.normal, lookups.sign[:, None]], axis=1)
+    vectors = [np.tile(values, (4, 1)) for values in (normals, lookups.tangent, lookups.viewer)]
+    resources = {
+        "t0": image(*stored),
+        "t1": fields(2 * SIDE, places, *vectors),
+        "s0": Sampler("linear"),
+        "b0": FACTS,
+    }
+    answers = looked_up(root, compiler, defines + SHADER, resources, 2 * SIDE)
+    return np.split(answers, 4)
+
+
+def random_levels(seed: int = 5) -> Floats:
+    """Levels (COUNT,) float32, many of them whole."""
+    level = np.random.default_rng(seed).uniform(0, LEVELS - 1, COUNT)
+    level[::3] = np.round(level[::3])
+    return level.astype(np.float32)
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_hlsl_agrees_with_the_reference(root: Root, compiler: str, way: str) -> None:
+    atlas, lookups, level = random_atlas(), random_lookups(), random_levels()
+    *results, at_level = run(root, compiler, WAYS[way], atlas, level)
+    for kind, result in zip(Filter, results, strict=True):
+        worst, across = worst_error(result, atlas, lookups, kind)
+        print(f"{compiler}, {way}, {kind}: worst error {worst:.1e}, across an edge {across:.2%}")
+        assert worst <= WORST
+        assert across <= 2e-3
+    chain = [values.astype(np.float16).astype(float) for values in level_chain(atlas, LAYOUT, LEVELS)]
+    expected = sample_level(chain, LAYOUT, lookups.uv.astype(float), lookups.incidence, level.astype(float))
+    error = relative_error(at_level, expected)
+    print(f"{compiler}, {way}, levels: worst error {error.max():.1e}")
+    assert error.max() <= WORST
+
+
+@pytest.mark.parametrize(("defines", "rounding"), [("", 1e-7), (HARDWARE, 5e-4), (HARDWARE + PAGED, 5e-4)])
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_buckets_do_not_bleed(root: Root, compiler: str, defines: str, rounding: float) -> None:
+    atlas, lookups = constant_buckets(), random_lookups()
+    result = run(root, compiler, defines, atlas, random_levels())[list(Filter).index(Filter.LINEAR)]
+    assert worst_error(result, atlas, lookups, Filter.LINEAR)[0] <= rounding
+
+
+@pytest.mark.parametrize("way", ["one texture", "pages top down"])
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_one_hardware_lookup_is_as_good_as_its_weights(root: Root, compiler: str, way: str) -> None:
+    atlas, level = random_atlas(), random_levels()
+    filtered = run(root, compiler, HARDWARE + WAYS[way], atlas, level)
+    exact = run(root, compiler, WAYS[way], atlas, level)
+    np.testing.assert_allclose(filtered, exact, rtol=0, atol=float(atlas.max()) * 2 / 256)
+
+
+@pytest.mark.parametrize("defines", ["", TOP_DOWN])
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_slices_agree_with_the_reference(root: Root, compiler: str, defines: str) -> None:
+    uv, level = uvs_of_quads(axis=True, whole=True)
+    chain = half_slices()
+    stored = [values[:, ::-1] if defines else values for values in chain]
+    resources = {
+        "t0": image(*stored),
+        "t1": fields(SIDE, uv.reshape(COUNT, 2), random_lookups().incidence),
+        "s0": Sampler("linear"),
+        "b0": FACTS,
+    }
+    result = looked_up(root, compiler, defines + SLICES, resources, SIDE)
+    error = relative_error(result, reference(chain, uv, level))
+    print(f"{compiler}, slices {defines.strip()}: worst error {error.max():.1e}, median {np.median(error):.1e}")
+    assert error.max() <= WORST
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_the_level_is_where_a_texel_is_as_wide_as_a_pixel(root: Root, compiler: str) -> None:
+    uv, level = uvs_of_quads(axis=False, whole=False)
+    resources = {"t1": fields(SIDE, uv.reshape(COUNT, 2)), "b0": FACTS}
+    found = looked_up(root, compiler, LEVEL, resources, SIDE)[:, 0]
+    np.testing.assert_allclose(found, np.minimum(level, LEVELS - 1).ravel(), atol=1e-4)
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_what_is_wrong_with_a_shader_is_told(root: Root, compiler: str) -> None:
+    with pytest.raises(ValueError, match="radtex_bukcet"):
+        looked_up(root, compiler, LEVEL.replace("radtex_level", "radtex_bukcet"), {}, SIDE)
