@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shaders in a real Godot: many lookups at once, one a pixel, and projects as a player sees them."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from subprocess import CompletedProcess
+
+import numpy as np
+
+from radtex_addon.core.arrays import Floats
+from tests.lookups import SIDE
+from tests.real.root import REPOSITORY, Root, screen
+
+RENDERERS = {  # of Godot, on Mesa's software drivers
+    "Compatibility": ("--rendering-method", "gl_compatibility", "--rendering-driver", "opengl3"),
+    "Forward+": ("--rendering-method", "forward_plus", "--rendering-driver", "vulkan"),
+}
+SHADERS = REPOSITORY / "shaders"
+_PROJECT = Path(__file__).parent / "inside" / "godot"
+# Godot draws bytes, so a float is a pixel of four bytes, and four pictures side by side hold R, G, B and A.
+_FRAGMENT = f"""
+void fragment() {{
+    ivec2 pixel = ivec2(UV * vec2({4 * SIDE}.0, {SIDE}.0));
+    vec4 result = answer(ivec2(pixel.x % {SIDE}, pixel.y));
+    uint bits = floatBitsToUint(result[pixel.x / {SIDE}]);
+    COLOR = vec4(uvec4(bits, bits >> 8u, bits >> 16u, bits >> 24u) & uvec4(255u)) / 255.0;
+}}
+"""
+Image = Floats | list[Floats] | Path
+
+
+@dataclass(frozen=True)
+class Job:
+    """What to draw: `code` defines `vec4 answer(ivec2 here)`, after the `includes` of shaders/.
+
+    `textures` are, by their uniforms: arrays (H, W, C), or of layers (L, H, W, C), float16 or float32; lists
+    of their mip levels, each half as wide and high as the one before; or files. `hints` say how they are
+    filtered, linearly unless told otherwise, and repeated.
+    """
+
+    code: str
+    textures: Mapping[str, Image]
+    includes: Sequence[str] = ("radtex",)
+    defines: str = ""
+    hints: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def shader(self) -> str:
+        includes = "".join(f'#include "{name}.gdshaderinc"\n' for name in self.includes)
+        head = "shader_type canvas_item;\nrender_mode blend_disabled;\n"
+        uniforms = "".join(
+            f"uniform {_sampler(image)} {name} : {self.hints.get(name, 'filter_linear')};\n"
+            for name, image in self.textures.items()
+        )
+        return head + self.defines + includes + uniforms + self.code + _FRAGMENT
+
+
+def answers(root: Root, renderer: str, jobs: Sequence[Job]) -> list[Floats]:
+    """Each job's answers, (SIDE², 4) float32, from one start of Godot."""
+    folder, inside = root.shared("godot")
+    shutil.copytree(_PROJECT, folder, dirs_exist_ok=True)
+    for path in SHADERS.glob("*.gdshaderinc"):
+        shutil.copy(path, folder)
+    described = []
+    for number, job in enumerate(jobs):
+        (folder / f"{number}.gdshader").write_text(job.shader, encoding="utf-8")
+        textures = {name: _stored(folder, f"{number}.{name}", image) for name, image in job.textures.items()}
+        described.append(
+            {
+                "shader": f"res://{number}.gdshader",
+                "textures": textures,
+                "size": [4 * SIDE, SIDE],
+                "output": f"res://{number}.answers",
+            }
+        )
+    (folder / "jobs.json").write_text(json.dumps(described), encoding="utf-8")
+    run_godot(root, ["--path", inside, *RENDERERS[renderer], "--script", "res://draw.gd"])
+    return [_answered(folder / f"{number}.answers") for number in range(len(jobs))]
+
+
+def run_godot(root: Root, arguments: Sequence[str], timeout: float = 240) -> CompletedProcess[str]:
+    """Run Godot before a screen of its own; AssertionError, with what it said, where it found an error."""
+    ended = root.run(screen(["godot", "--audio-driver", "Dummy", *arguments]), timeout=timeout)
+    said = ended.stdout + ended.stderr
+    assert ended.returncode == 0, said
+    assert "ERROR" not in said, said
+    return ended
+
+
+def _answered(path: Path) -> Floats:
+    side_by_side = np.fromfile(path, np.float32).reshape(SIDE, 4, SIDE)
+    return side_by_side.transpose(0, 2, 1).reshape(SIDE * SIDE, 4)
+
+
+def _sampler(image: Image) -> str:
+    first = image[0] if isinstance(image, list) else image
+    return "sampler2DArray" if isinstance(first, np.ndarray) and first.ndim == 4 else "sampler2D"
+
+
+def _stored(folder: Path, name: str, image: Image) -> dict[str, object]:
+    """Write a texture beside the project; what draw.gd must know to load it."""
+    if isinstance(image, Path):
+        shutil.copy(image, folder / f"{name}{image.suffix}")
+        return {"file": f"res://{name}{image.suffix}"}
+    levels = [_layers(level) for level in (image if isinstance(image, list) else [image])]
+    while len(levels) > 1 and max(levels[-1].shape[1:3]) > 1:  # Godot wants all, of which a lookup sees none
+        count, height, width = levels[-1].shape[:3]
+        levels.append(np.full((count, max(height // 2, 1), max(width // 2, 1), 4), 99, levels[0].dtype))
+    layers = zip(*levels, strict=True)
+    (folder / f"{name}.raw").write_bytes(b"".join(part.tobytes() for layer in layers for part in layer))
+    count, height, width = levels[0].shape[:3]
+    return {
+        "file": f"res://{name}.raw",
+        "half": levels[0].dtype == np.float16,
+        "mipmaps": len(levels) > 1,
+        "layers": count,
+        "layered": _sampler(image) == "sampler2DArray",
+        "size": [width, height],
+    }
+
+
+def _layers(image: Floats) -> Floats:
+    """An image as layers of four channels."""
+    layers = image if image.ndim == 4 else image[np.newaxis]
+    filled = np.ones((*layers.shape[:3], 4), np.float16 if layers.dtype == np.float16 else np.float32)
+    filled[..., : layers.shape[3]] = layers
+    return filled
