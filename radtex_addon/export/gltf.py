@@ -19,7 +19,6 @@ from urllib.parse import quote
 import addon_utils
 import bpy
 import numpy as np
-from mathutils import Matrix
 
 from ..core.arrays import Floats
 from ..core.errors import BakeError
@@ -33,7 +32,6 @@ UNLIT = "KHR_materials_unlit"
 _EXPORTER = "io_scene_gltf2"
 _CARRIED = {NORMAL: "_RADTEX_NORMAL", TANGENT: "_RADTEX_TANGENT", SIGN: "_RADTEX_SIGN"}
 _CLAMP, _LINEAR, _LINEAR_MIPMAPPED = 33071, 9729, 9987
-_SHEARED = 1e-5  # of a matrix's largest value: how far its rotation, move and scale may miss it
 
 
 def write_gltf(
@@ -82,11 +80,6 @@ def to_gltf(vectors: Floats) -> Floats:
 
 def _strip(copy: bpy.types.Object, uv_layer: str) -> None:
     """Leave of the copy what is written: triangles, the baked layer, the frame by names that stay."""
-    matrix = copy.matrix_world.copy()
-    copy.parent = None
-    copy.constraints.clear()
-    copy.animation_data_clear()
-    copy.matrix_world = matrix
     mesh: Any = copy.data
     mesh.animation_data_clear()
     copy.vertex_groups.clear()
@@ -99,34 +92,8 @@ def _strip(copy: bpy.types.Object, uv_layer: str) -> None:
     for name in [*foreign, "material_index"]:
         if name in mesh.attributes:
             mesh.attributes.remove(mesh.attributes[name])
-    _straighten(copy, mesh)
     for ours, carried in _CARRIED.items():
         mesh.attributes[ours].name = carried
-
-
-def _straighten(copy: bpy.types.Object, mesh: Any) -> None:
-    """Where a matrix shears, which no glTF node does, give it to the mesh."""
-    matrix = np.array(copy.matrix_world)
-    parts: Any = copy.matrix_world.decompose()
-    plain = np.array(Matrix.LocRotScale(*parts))
-    if np.abs(plain - matrix).max() <= _SHEARED * np.abs(matrix).max():
-        return
-    turn = matrix[:3, :3]
-    _change(mesh, NORMAL, "vector", lambda values: normalised(values @ np.linalg.inv(turn)))
-    _change(mesh, TANGENT, "vector", lambda values: normalised(values @ turn.T))
-    if np.linalg.det(turn) < 0:
-        _change(mesh, SIGN, "value", lambda values: -values)
-        mesh.flip_normals()
-    mesh.transform(copy.matrix_world)
-    copy.matrix_world = Matrix.Identity(4)
-
-
-def _change(mesh: Any, name: str, field: str, change: Any) -> None:
-    data = mesh.attributes[name].data
-    values = np.empty(len(data) * (3 if field == "vector" else 1), dtype=np.float32)
-    data.foreach_get(field, values)
-    changed = change(values.reshape(len(data), -1).astype(np.float64))
-    data.foreach_set(field, np.ascontiguousarray(changed, dtype=np.float32).ravel())
 
 
 def _export(scene: bpy.types.Scene, path: Path) -> None:

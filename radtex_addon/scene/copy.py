@@ -20,6 +20,7 @@ from .evaluated import ATTRIBUTE_LAYOUT, EvaluatedMesh, MeshAttribute
 
 UV_LAYER = "RadTex"
 NORMAL, TANGENT, SIGN = "radtex_normal", "radtex_tangent", "radtex_sign"  # on corners, in object space
+MATRIX = "radtex_matrix_world"  # of the mesh: where the object stood, row by row
 
 
 def baked_mesh(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> bpy.types.Mesh:
@@ -28,8 +29,8 @@ def baked_mesh(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> b
     It carries the UV layers, colours and other attributes of the evaluated mesh, its materials and its
     normals, and for shaders, on corners in object space: `radtex_normal` (exactly Cycles's shading
     normal), `radtex_tangent` (MikkTSpace's of that layer, unit; `fallback_tangent` where the layer has
-    no direction) and `radtex_sign` of the bitangent. Raises ShapeError where uv does not fit the
-    triangles.
+    no direction) and `radtex_sign` of the bitangent. Its custom property MATRIX is the object's matrix.
+    Raises ShapeError where uv does not fit the triangles.
     """
     count = len(evaluated.triangles)
     if uv.shape != (count, 3, 2):
@@ -45,6 +46,7 @@ def baked_mesh(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> b
     _write(mesh, MeshAttribute(layer, "CORNER", "FLOAT2", uv))
     _choose_active(mesh, evaluated, layer)
     _write_frame(mesh, evaluated, layer)
+    cast(Any, mesh)[MATRIX] = evaluated.matrix_world.ravel().tolist()
     return mesh
 
 

@@ -11,25 +11,30 @@ from typing import Any, cast
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ..core.errors import FormatError, InputError
+from ..core.frame import normalised
 from ..core.surface import SurfaceMesh
-from .copy import NORMAL, SIGN, TANGENT
+from .copy import MATRIX, NORMAL, SIGN, TANGENT
 from .scratch import new_data_removed, remove_scene
+
+_SHEARED = 1e-5  # of a matrix's largest value: how far its rotation, move and scale may miss it
 
 
 @contextmanager
 def baked_copy(preview: Path, name: str, uv_layer: str) -> Iterator[tuple[bpy.types.Scene, bpy.types.Object]]:
-    """The baked copy called `name` of a preview's .blend, alone in a scene of its own, its matrix evaluated.
+    """The baked copy called `name` of a preview's .blend, alone in a scene of its own, as it was baked.
 
-    All that was loaded goes away at exit. Raises InputError where there is no preview, FormatError where it
-    is no .blend that this Blender reads, or not of a bake on `uv_layer`.
+    It stands where it stood then, and nothing moves it: no parent, no animation, no constraint; a matrix that
+    shears is given to the mesh. All that was loaded goes away at exit. Raises InputError where there is no
+    preview, FormatError where it is no .blend that this Blender reads, or not of a bake on `uv_layer`.
     """
     check_preview(preview)
     with appended(preview, name) as found:
-        mesh: Any = found.data if found is not None else None
-        if not isinstance(mesh, bpy.types.Mesh):
+        if found is None or not isinstance(found.data, bpy.types.Mesh):
             raise FormatError(f"{preview} holds no mesh '{name}': bake it again with --save-preview")
+        mesh: Any = found.data
         lacking = [wanted for wanted in (NORMAL, TANGENT, SIGN, uv_layer) if wanted not in mesh.attributes]
         if lacking:
             raise FormatError(
@@ -37,11 +42,49 @@ def baked_copy(preview: Path, name: str, uv_layer: str) -> Iterator[tuple[bpy.ty
             )
         scene = cast("bpy.types.Scene", bpy.data.scenes.new("RadTex copy"))
         try:
-            scene.collection.objects.link(cast("bpy.types.Object", found))
+            scene.collection.objects.link(found)
             scene.view_layers[0].update()
-            yield scene, cast("bpy.types.Object", found)
+            _settle(found, mesh)
+            scene.view_layers[0].update()
+            yield scene, found
         finally:
             remove_scene(scene)
+
+
+def _settle(copy: bpy.types.Object, mesh: Any) -> None:
+    """Put the copy where the bake had it."""
+    matrix = copy.matrix_world.copy()
+    if MATRIX in mesh:
+        matrix = Matrix(np.array(mesh[MATRIX]).reshape(4, 4).tolist())
+    copy.parent = None
+    copy.constraints.clear()
+    copy.animation_data_clear()
+    if _sheared(matrix):
+        _give_to_mesh(matrix, mesh)
+        matrix = Matrix.Identity(4)
+    copy.matrix_world = matrix
+
+
+def _sheared(matrix: Matrix) -> bool:
+    """Whether no rotation, move and scale makes the matrix, as under a parent that stretches."""
+    parts: Any = matrix.decompose()
+    gap = np.abs(np.array(Matrix.LocRotScale(*parts)) - np.array(matrix)).max()
+    return bool(gap > _SHEARED * np.abs(np.array(matrix)).max())
+
+
+def _give_to_mesh(matrix: Matrix, mesh: Any) -> None:
+    """Move the mesh and its frame to where the matrix has them."""
+    turn = np.array(matrix.to_3x3())
+    mirrored = np.linalg.det(turn) < 0
+    for name, change in ((NORMAL, np.linalg.inv(turn)), (TANGENT, turn.T)):
+        data = mesh.attributes[name].data
+        moved = normalised(_values(data, "vector", 3).astype(np.float64) @ change)
+        data.foreach_set("vector", np.ascontiguousarray(moved, dtype=np.float32).ravel())
+    if mirrored:
+        data = mesh.attributes[SIGN].data
+        data.foreach_set("value", -_values(data, "value", 1).ravel())
+        mesh.flip_normals()
+    mesh.transform(matrix)
 
 
 def check_preview(preview: Path) -> None:
