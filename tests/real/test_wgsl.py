@@ -12,6 +12,7 @@ import pytest
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.frame import normalised, orthonormal_frame, to_frame
 from radtex_addon.core.levels import level_chain, padded_layout, sample_level
 from radtex_addon.core.pages import Pages, fitting_pages, split_pages
 from radtex_addon.core.sampler import Filter, sample
@@ -30,8 +31,8 @@ from tests.lookups import (
 from tests.real.root import Root
 from tests.real.webgpu import Resource, Sampler, Texture, drawn, fields, image
 
-FILES = ("radtex", "radtex_pages", "radtex_shared", "radtex_condensed")  # all in one: their names do not clash
-SHADERS = [Path(__file__).parents[2] / "shaders" / f"{name}.wgsl" for name in FILES]
+FOLDER = Path(__file__).parents[2] / "shaders"
+FILES = ("radtex", "radtex_pages", "radtex_shared", "radtex_condensed")  # all in one: names do not clash
 QUADS = COUNT // 4  # derivatives are those within 2 x 2 fragments
 LEVELS = 4  # 13 x 7 texels are stored as 16 x 8
 PAGES = fitting_pages(LAYOUT, limit=40)
@@ -80,7 +81,7 @@ def run(
     }
     if "filtering" in lookup:
         resources["filtering"] = Sampler("linear")
-    code = "".join(path.read_text(encoding="utf-8") for path in SHADERS)
+    code = "".join(FOLDER.joinpath(f"{name}.wgsl").read_text(encoding="utf-8") for name in FILES)
     return drawn(root, code + FRAGMENT % (ARRAY if atlas.array else SINGLE, lookup), resources, SIDE)
 
 
@@ -191,6 +192,42 @@ def test_one_hardware_lookup_at_a_level(root: Root) -> None:
     lookup = "radtex_sample_level_filtered(atlas, filtering, s.texels, s.n, uv, I, level)"
     result = run(root, lookup, image(*chain), lookups, level=level)
     np.testing.assert_allclose(result, expected, rtol=0, atol=float(chain[0].max()) * 2 / 256)
+
+
+def test_the_example_draws_an_object(root: Root) -> None:
+    """A stretched and mirrored square before the camera; normals lean, and v grows downwards as in glTF."""
+    model = np.diag([-1.6, 0.8, 1.2, 1])
+    model[:3, 3] = 0.3, -0.2, 0.1
+    camera, normal, tangent = np.array([0.4, -0.3, 1.1]), np.array([0.3, 0.2, 1.0]), np.array([1.0, 0.4, 0.2])
+    corners = np.array([[-1, -1], [1, -1], [-1, 1], [-1, 1], [1, -1], [1, 1]], float)
+    world = np.column_stack([corners, np.zeros(6), np.ones(6)])
+    vertices = [
+        (world @ np.linalg.inv(model).T)[:, :3],
+        np.tile(normal, (6, 1)),
+        np.tile([*tangent, 1.0], (6, 1)),
+        (corners * [1, -1] + 1) / 2,
+    ]
+    flat = np.diag([1.0, 1, 0, 1])  # what is seen is what lies in [-1, 1]²
+    scene = b"".join([
+        np.array([flat.T, model.T], np.float32).tobytes(),
+        np.array(camera, np.float32).tobytes(),
+        np.array([LAYOUT.bucket, LAYOUT.width, LAYOUT.height, LEVELS, 0], np.int32).tobytes(),
+    ])  # fmt: skip
+    chain = level_chain(random_atlas(), LAYOUT, LEVELS)
+    resources: dict[int | str, Resource] = {"scene": np.frombuffer(scene, np.uint8), "atlas": image(*chain)}
+    files = (FOLDER / "radtex.wgsl", FOLDER / "examples" / "object.wgsl")
+    code = "".join(path.read_text(encoding="utf-8") for path in files)
+    result = drawn(root, code, resources, SIDE, "fragment", vertices=vertices)
+
+    y, x = np.divmod(np.arange(COUNT), SIDE)
+    seen = np.stack([(x + 0.5) / SIDE, 1 - (y + 0.5) / SIDE], axis=1)
+    viewer = normalised(camera - np.column_stack([2 * seen - 1, np.zeros(COUNT)]))
+    upright, along = np.linalg.inv(model[:3, :3]).T @ normal, model[:3, :3] @ tangent
+    t, bt, n = orthonormal_frame(upright[None], along[None], np.array([-1.0]))
+    expected = sample_level(chain, LAYOUT, seen, to_frame(viewer, t, bt, n), np.array(0.0))
+    error = relative_error(result, expected)
+    print(f"example: worst error {error.max():.1e}")
+    assert error.max() <= WORST
 
 
 def test_what_is_wrong_with_a_shader_is_told(root: Root) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -89,23 +89,30 @@ def drawn(
     side: int,
     entry: str = "main",
     constants: Mapping[str, float] | None = None,
+    vertices: Sequence[Floats] = (),
 ) -> Floats:
     """What the fragment shader `entry` returns for each pixel of a picture, (side², 4) float32.
 
     `shader` is WGSL or SPIR-V. `resources` stand at the bindings of group 0, by number, or in WGSL by name:
     textures, samplers, and arrays that are the bytes of uniform buffers. All must be in use. `constants` are
-    the overrides' values. Row 0 is where the fragment's y is 0. Raises ValueError with what wgpu says of
-    a bad shader.
+    the overrides' values. Triangles of `vertices`, attributes (K, 2 to 4) in the order of their locations,
+    are drawn by the shader's own `vertex`; without them one triangle covers the picture. Row 0 is where the
+    fragment's y is 0, the top. Raises ValueError with what wgpu says of a bad shader.
     """
     numbers = {} if isinstance(shader, bytes) else {name: int(k) for k, name in _BINDING.findall(shader)}
     facts: dict[str, Any] = {
         "size": [side, side],
         "entry": entry,
         "constants": dict(constants or {}),
+        "attributes": [attribute.shape[1] for attribute in vertices],
         "bindings": {},
     }
     code = shader if isinstance(shader, bytes) else shader.encode()
-    job: dict[str, Values] = {"shader": np.frombuffer(code, np.uint8)}
+    corners = np.concatenate(vertices, axis=1) if vertices else np.empty((0, 0))
+    job: dict[str, Values] = {
+        "shader": np.frombuffer(code, np.uint8),
+        "vertices": corners.astype(np.float32),
+    }
     for name, resource in resources.items():
         binding = str(name if isinstance(name, int) else numbers[name])
         facts["bindings"][binding] = _described(resource)

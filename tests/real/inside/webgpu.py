@@ -60,6 +60,16 @@ def uploaded(device: Any, facts: dict[str, Any], levels: list[Any]) -> Any:
     return texture.create_view(dimension=facts["dimension"])
 
 
+def attributes(sizes: list[int]) -> dict[str, Any]:
+    """A vertex buffer's layout: attributes of 2 to 4 float32 each, one behind another."""
+    offsets = np.cumsum([0, *sizes]).tolist()
+    places = [
+        {"format": f"float32x{size}", "offset": 4 * offset, "shader_location": k}
+        for k, (size, offset) in enumerate(zip(sizes, offsets, strict=False))
+    ]
+    return {"array_stride": 4 * offsets[-1], "step_mode": "vertex", "attributes": places}
+
+
 def bound(device: Any, job: Any, binding: str, facts: dict[str, Any]) -> Any:
     """What stands at a binding: a texture, a sampler, or a uniform buffer."""
     if facts["kind"] == "texture":
@@ -77,9 +87,12 @@ def drawn(device: Any, job: Any) -> Any:
     code = job["shader"].tobytes()  # SPIR-V begins with its number; anything else is WGSL
     spirv = code[:4] == b"\x03\x02\x23\x07"
     fragment = device.create_shader_module(code=code if spirv else code.decode())
+    vertex = {"module": device.create_shader_module(code=VERTEX), "entry_point": "main"}
+    if facts["attributes"]:
+        vertex = {"module": fragment, "entry_point": "vertex", "buffers": [attributes(facts["attributes"])]}
     pipeline = device.create_render_pipeline(
         layout="auto",
-        vertex={"module": device.create_shader_module(code=VERTEX), "entry_point": "main"},
+        vertex=vertex,
         primitive={"topology": "triangle-list"},
         fragment={
             "module": fragment,
@@ -105,7 +118,11 @@ def drawn(device: Any, job: Any) -> Any:
     work.set_bind_group(
         0, device.create_bind_group(layout=pipeline.get_bind_group_layout(0), entries=entries)
     )
-    work.draw(3)
+    vertices = job["vertices"]
+    if len(vertices):
+        buffer = device.create_buffer_with_data(data=vertices, usage=wgpu.BufferUsage.VERTEX)
+        work.set_vertex_buffer(0, buffer)
+    work.draw(len(vertices) or 3)
     work.end()
     device.queue.submit([encoder.finish()])
     layout = {"bytes_per_row": 16 * width, "rows_per_image": height}
