@@ -27,8 +27,8 @@ _BLOCK = PixelFormat.BC6H.side
 
 
 def choice(
-    source: Path, image: Floats, spec: ExportSpec, straddled: str | None
-) -> tuple[Container, PixelFormat]:
+    source: Path, image: Floats, spec: ExportSpec, container: Container, straddled: str | None
+) -> PixelFormat:
     """How the light (H, W, C) of the file `source` is stored; `straddled` says why BC6H does not suit it.
 
     By itself that is RGB9E5, or BC6H for what loads DDS, where alpha is 1 and nothing negative; else RGBA16F.
@@ -36,33 +36,38 @@ def choice(
     """
     opaque = image.shape[2] < 4 or bool((image[..., 3].astype(np.float16) == 1).all())
     if spec.format is not TextureFormat.AUTO:
-        container, kind = _STORED[spec.format]
+        kind = _STORED[spec.format][1]
         lossless = f"choose --format {container}-rgba16f"
         if kind is not PixelFormat.RGBA16F and not opaque:
-            raise InputError(f"{source} has alpha below 1, which {kind} cannot hold: {lossless}")
+            raise InputError(f"{source} has an alpha that is not 1, which {kind} cannot hold: {lossless}")
         if kind is PixelFormat.BC6H and straddled:
             raise InputError(f"{source} cannot be BC6H: {straddled}, or {lossless}")
-        return container, kind
-    container = container_of(spec)
+        return kind
     if not opaque or image[..., :3].min() < 0:
-        return container, PixelFormat.RGBA16F
+        return PixelFormat.RGBA16F
     if container is Container.KTX2:
-        return container, PixelFormat.RGB9E5
-    return container, PixelFormat.RGBA16F if straddled else PixelFormat.BC6H
+        return PixelFormat.RGB9E5
+    # Godot's Compatibility renderer may unpack BC6H to bytes.
+    return PixelFormat.RGBA16F if straddled or spec.target is Target.GODOT else PixelFormat.BC6H
 
 
-def container_of(spec: ExportSpec) -> Container:
-    """What kind of file textures are written to."""
-    if spec.format is not TextureFormat.AUTO:
-        return _STORED[spec.format][0]
-    return Container.DDS if spec.target in (Target.UNITY, Target.UNREAL) else Container.KTX2
+def container_of(source: Path, spec: ExportSpec, is_array: bool) -> Container:
+    """What kind of file a texture is written to. Raises InputError for one that the target does not read."""
+    container = _STORED[spec.format][0] if spec.format is not TextureFormat.AUTO else None
+    if is_array and spec.target is Target.GODOT:  # its KTX2 loader knows no arrays
+        if container is Container.KTX2:
+            found = f"{source} would have slices or pages"
+            raise InputError(f"{found}, which Godot reads from DDS only: choose --format dds-rgba16f")
+        return Container.DDS
+    engine = spec.target in (Target.UNITY, Target.UNREAL)
+    return container or (Container.DDS if engine else Container.KTX2)
 
 
-def straddled_layout(layout: AtlasLayout, spec: ExportSpec) -> str | None:
+def straddled_layout(layout: AtlasLayout, spec: ExportSpec, container: Container) -> str | None:
     """Why blocks of 4 x 4 pixels do not suit a bucket matrix or its slices; None if they do."""
     if spec.arrangement is Arrangement.MATRIX:
         return straddled_bucket(layout.bucket)
-    if container_of(spec) is Container.DDS and (layout.width % _BLOCK or layout.height % _BLOCK):
+    if container is Container.DDS and (layout.width % _BLOCK or layout.height % _BLOCK):
         return (
             f"slices of {layout.width} x {layout.height} are no whole blocks of 4 x 4, which Direct3D needs"
         )

@@ -8,6 +8,7 @@ Their first row is the bottom one, v = 0; an EXR's is the top one, as the bake w
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -29,9 +30,9 @@ from ..formats.shared_files import layer_path, read_layer, read_shared_sidecar, 
 from ..formats.shared_sidecar import LAYOUT as SHARED
 from ..formats.shared_sidecar import SharedSidecar
 from ..formats.sidecar import read_sidecar, read_text
-from ..formats.texture import MOST_PIXELS, PixelFormat, Texture, encode_texture
+from ..formats.texture import MOST_PIXELS, PixelFormat, Texture, encode_texture, most_levels
 from .manifest import Arranged, Container, TextureEntry
-from .spec import Arrangement, ExportSpec, TextureFormat
+from .spec import Arrangement, ExportSpec, Target, TextureFormat
 from .texture_choice import (
     check_limit,
     checked_levels,
@@ -71,48 +72,63 @@ def _write_buckets(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, T
     if inner != facts:
         raise _mixed(source, sidecar)
     layout = AtlasLayout(facts.width, facts.height, facts.bucket)
-    container, kind = choice(source, pixels, spec, straddled_layout(layout, spec))
-    if container is Container.EXR:
-        if spec.arrangement is Arrangement.SLICES or (spec.levels or 1) > 1:
+    sliced = spec.arrangement is Arrangement.SLICES
+    if spec.format is TextureFormat.EXR:
+        if sliced or (spec.levels or 1) > 1:
             raise InputError(f"{source} holds one image: for slices or levels choose --format ktx2-rgba16f")
         check_limit(source, layout.pixel_width, layout.pixel_height, spec)
         pages = Pages(1, 1, layout.width, layout.height)
         return {facts.kind: _copy_exr(source, folder, pixels, Arranged.MATRIX, pages)}
+    levels, pages = (_sliced if sliced else _paged)(source, layout, spec)
+    is_array = sliced or pages.layers > 1
+    container = container_of(source, spec, is_array)
+    kind = choice(source, pixels, spec, container, straddled_layout(layout, spec, container))
     light = pixels if pixels.shape[2] > 1 else np.repeat(pixels, 3, axis=2)
-    sliced = spec.arrangement is Arrangement.SLICES
-    texture, pages = (_slices if sliced else _matrix)(source, light, layout, kind, spec)
+    images = _slices(light, layout, levels) if sliced else _matrix(light, layout, levels, pages)
+    texture = encode_texture(_chain(images, spec), kind, is_array)
     path = folder / source.with_suffix(f".{container}").name
     zstd = _write(path, container, texture, spec, premultiplied=True)
     texels = (layout.width, layout.height)
     arranged = Arranged.SLICES if sliced else Arranged.MATRIX
-    return {facts.kind: _entry(path, container, texture, zstd, arranged, texels, pages)}
+    entry = _entry(path, container, texture, zstd, arranged, texels, pages)
+    return {facts.kind: replace(entry, levels=levels)}
 
 
-def _matrix(
-    source: Path, pixels: Floats, layout: AtlasLayout, kind: PixelFormat, spec: ExportSpec
-) -> tuple[Texture, Pages]:
-    """The bucket matrix with its levels, in as many pages as the limit asks for."""
+def _paged(source: Path, layout: AtlasLayout, spec: ExportSpec) -> tuple[int, Pages]:
+    """How many levels a matrix has, and its pages, as few as the limit allows."""
     limit = min(spec.most_pixels, MOST_PIXELS)
     fitting = min(fitting_levels(layout), (limit // layout.bucket).bit_length())
     levels = checked_levels(source, layout, spec) or max(1, fitting)
-    pages = fitting_pages(layout, limit, levels)
+    return levels, fitting_pages(layout, limit, levels)
+
+
+def _sliced(source: Path, layout: AtlasLayout, spec: ExportSpec) -> tuple[int, Pages]:
+    """How many mip levels slices have, all by themselves, and the one page of their texels."""
+    check_limit(source, layout.width, layout.height, spec)
+    levels = checked_levels(source, layout, spec) or most_levels(layout.width, layout.height)
+    return levels, Pages(1, 1, layout.width, layout.height)
+
+
+def _matrix(pixels: Floats, layout: AtlasLayout, levels: int, pages: Pages) -> list[Floats]:
+    """The levels (layers, H, W, C) of the bucket matrix, a layer for each page."""
     stored = padded_layout(layout, levels)
     images = []
     for level, image in enumerate(level_chain(pixels, layout, levels)):
         here = AtlasLayout(stored.width >> level, stored.height >> level, layout.bucket)
         images.append(split_pages(image, here, pages.at_level(level)))
-    return encode_texture(images, kind, is_array=pages.layers > 1), pages
+    return images
 
 
-def _slices(
-    source: Path, pixels: Floats, layout: AtlasLayout, kind: PixelFormat, spec: ExportSpec
-) -> tuple[Texture, Pages]:
-    """A layer for each cell, with as many mip levels as `spec` asks for, or all."""
-    levels = checked_levels(source, layout, spec)
-    slices = to_slices(pixels, layout)
-    check_limit(source, layout.width, layout.height, spec)
-    texture = encode_texture(mip_chain(slices)[:levels], kind, is_array=True)
-    return texture, Pages(1, 1, layout.width, layout.height)
+def _slices(pixels: Floats, layout: AtlasLayout, levels: int) -> list[Floats]:
+    """The levels (layers, H, W, C) of the slices."""
+    return mip_chain(to_slices(pixels, layout))[:levels]
+
+
+def _chain(images: list[Floats], spec: ExportSpec) -> list[Floats]:
+    """The levels as the target loads them: Godot wants all, though no lookup reads the further ones."""
+    if spec.target is not Target.GODOT or len(images) == 1:
+        return images
+    return [*images, *mip_chain(images[-1])[1:]]
 
 
 def _write_layer(
@@ -124,11 +140,10 @@ def _write_layer(
     check_limit(source, width, height, spec)
     if spec.format is TextureFormat.EXR:
         return _copy_exr(source, folder, image, Arranged.IMAGE, Pages(1, 1, width, height))
-    if layer.endswith(ENDS) or image.min() < 0:
-        container, kind = container_of(spec), PixelFormat.RGBA16F
-    else:
+    container, kind = container_of(source, spec, is_array=False), PixelFormat.RGBA16F
+    if not layer.endswith(ENDS) and image.min() >= 0:
         straddled = None if layer in _SMOOTH else straddled_bucket(shared.bake.bucket, border=1)
-        container, kind = choice(source, image, spec, straddled)
+        kind = choice(source, image, spec, container, straddled)
     if kind is PixelFormat.BC6H:
         image = np.pad(image, ((0, -height % _BLOCK), (0, -width % _BLOCK), (0, 0)), mode="edge")
     texture = encode_texture([image[None]], kind)

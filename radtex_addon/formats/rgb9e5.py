@@ -23,7 +23,7 @@ _ROWS = 256  # encoded at once
 def encode_rgb9e5(image: Floats) -> npt.NDArray[np.uint8]:
     """Pixels (H, W, 4), the words' bytes, low one first, of an image (H, W, 3), linear; clamped to 0..65408.
 
-    A value is off by at most 1/512 of the pixel's greatest one, or 2^-25 in pixels below 2^-16: the
+    A value is off by at most 1/511 of the pixel's greatest one, or 2^-25 in pixels below 2^-16: the
     greatest by 0.003 stops. Raises ShapeError for another shape, InputError for values that are not numbers.
     """
     if image.ndim != 3 or image.shape[2] != 3 or image.dtype.kind != "f":

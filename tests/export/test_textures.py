@@ -176,6 +176,24 @@ def test_slices_have_a_layer_for_each_cell(tmp_path: Path) -> None:
     assert entry.levels == 2
 
 
+def test_godot_gets_whole_mip_chains_and_arrays_as_dds(tmp_path: Path) -> None:
+    """Its loaders make nothing of a chain that ends early, and refuse arrays in KTX2."""
+    sidecar, godot = bake(tmp_path), ExportSpec(Target.GODOT)
+    for spec, container, levels, whole in (
+        (replace(godot, levels=1), Container.KTX2, 1, 1),
+        (replace(godot, levels=2), Container.KTX2, 2, 7),
+        (replace(godot, limit=64, levels=2), Container.DDS, 2, 7),
+        (replace(godot, arrangement=Arrangement.SLICES), Container.DDS, 4, 4),
+    ):
+        entry = write_textures(sidecar, spec, tmp_path / "out")["radiance"]
+        assert (entry.container, entry.levels) == (container, levels)
+        path = tmp_path / "out" / entry.file
+        texture = read_ktx2(path) if container is Container.KTX2 else read_texture(path)
+        assert len(texture.levels) == whole
+    with pytest.raises(InputError, match="which Godot reads from DDS only"):
+        write_textures(sidecar, replace(godot, format=TextureFormat.KTX2_RGBA16F, limit=64), tmp_path / "out")
+
+
 def test_bc6h_is_near_and_straddles_no_buckets(tmp_path: Path) -> None:
     """A bucket changed altogether changes no other one."""
     sidecar = bake(tmp_path)
@@ -234,7 +252,7 @@ def test_formats_without_alpha_are_refused_where_there_is_some(tmp_path: Path) -
     pixels[0, 0, 3] = 0.9
     written(tmp_path, pixels, layout.width, layout.height, layout.bucket)
     for kind, other in (("ktx2-rgb9e5", "ktx2-rgba16f"), ("dds-bc6h", "dds-rgba16f")):
-        with pytest.raises(InputError, match=f"alpha below 1, .* cannot hold: choose --format {other}"):
+        with pytest.raises(InputError, match=f"alpha that is not 1, .* cannot hold: choose --format {other}"):
             write_textures(sidecar, replace(RAW, format=TextureFormat(kind)), tmp_path / "out")
 
 
