@@ -7,7 +7,10 @@ An EXR's first row is the top one, ours is the bottom one (v = 0): rows are flip
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import os
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
@@ -173,7 +176,8 @@ def _headers(path: Path) -> list[dict[str, Any]]:
     if magic != _MAGIC:
         raise FormatError(f"{path} is not an OpenEXR file")
     try:
-        parts = OpenEXR.File(str(path), header_only=True).parts
+        with _hushed():
+            parts = OpenEXR.File(str(path), header_only=True).parts
         headers: list[dict[str, Any]] = [part.header for part in parts]
     except (RuntimeError, ValueError) as error:
         raise FormatError(f"{path} is damaged: {_one_line(error)}") from error
@@ -196,7 +200,8 @@ def _layers(path: Path, count: int) -> dict[str, Floats]:
     The module joins R, G, B and A itself; the other channels come one by one.
     """
     try:
-        parts: list[Any] = OpenEXR.File(str(path)).parts
+        with _hushed():
+            parts: list[Any] = OpenEXR.File(str(path)).parts
     except (RuntimeError, ValueError) as error:
         raise FormatError(f"{path} is damaged: {_one_line(error)}") from error
     if len(parts) != count:  # how the module tells that it could not read a part's pixels
@@ -215,6 +220,25 @@ def _layers(path: Path, count: int) -> dict[str, Floats]:
         ordered = sorted(channels, key=lambda last: (_ORDER.find(last), last))
         layers[layer] = np.stack([channels[last] for last in ordered], axis=-1)
     return layers
+
+
+@contextmanager
+def _hushed() -> Iterator[None]:
+    """Keep standard error free of what OpenEXR's C code says there of damaged files: we say it ourselves."""
+    try:
+        before = os.dup(2)
+    except OSError:  # a program without standard error
+        yield
+        return
+    if sys.stderr is not None:
+        sys.stderr.flush()
+    try:
+        with Path(os.devnull).open("w") as nowhere:
+            os.dup2(nowhere.fileno(), 2)
+        yield
+    finally:
+        os.dup2(before, 2)
+        os.close(before)
 
 
 def _one_line(error: Exception) -> str:

@@ -233,3 +233,14 @@ def test_sizes_are_readable() -> None:
     assert [readable_size(n) for n in (512, 2**20 - 1, 1.5 * 2**30)] == ["512 bytes", "1024 KiB", "1.5 GiB"]
     memory = physical_memory()
     assert memory is None or 2**28 < memory < 2**50
+
+
+def test_standard_error_hears_nothing_of_a_damaged_file(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "cut.exr"
+    write_atlas(path, light(), SIDECAR)
+    path.write_bytes(path.read_bytes()[:-8])
+    with pytest.raises(FormatError, match="damaged"):
+        read_atlas(path)
+    assert capfd.readouterr().err == ""

@@ -1,0 +1,170 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""bake.py export: its words, its exit codes, in a process and inside Blender."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import bpy
+import pytest
+
+from radtex_addon.bake.spec import BakeSpec, Kind
+from radtex_addon.cli import main as batch_module
+from radtex_addon.cli.arguments import ProgressStyle
+from radtex_addon.cli.export_arguments import ExportRequest, parse_export
+from radtex_addon.core.errors import InputError
+from radtex_addon.core.sampler import Filter
+from radtex_addon.export.spec import Arrangement, ExportSpec, Target, TextureFormat
+from radtex_addon.job import bake_object
+from tests.blender import stage
+from tests.blender.batch_process import Outcome, process, refusal
+
+context: Any = bpy.context  # to the stubs, every pointer may be None
+
+QUIET = ("--progress", "none")
+STAGES = ["textures", "flat", "mesh", "pack"]
+
+
+@pytest.fixture(scope="module")
+def bakes(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the bakes of two balls, one of which has no preview, and with incident light."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    folder = tmp_path_factory.mktemp("ein schöner Raum")
+    for name, place in (("Ball", 0.0), ("Bare", 3.0), ("Lit", 6.0)):
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=1, location=(place, 0, 0))
+        context.object.name = name
+        context.object.data.materials.append(stage.material(name, "ShaderNodeEmission"))
+        kind = Kind.INCIDENT if name == "Lit" else Kind.RADIANCE
+        spec = BakeSpec(texels=32, bucket=2, samples=1, kind=kind)
+        preview = Filter.QUADRILINEAR if name == "Ball" else None
+        bake_object(context.scene, name, spec, folder / "baked", preview=preview)
+    return folder / "baked"
+
+
+@pytest.fixture
+def bake(bakes: Path, tmp_path: Path) -> Path:
+    """The same for a test of its own."""
+    return Path(shutil.copytree(bakes, tmp_path / "baked"))
+
+
+def test_an_export_prints_json_lines_and_leaves_one_folder(bake: Path) -> None:
+    before = set(bake.iterdir())
+    ended = process("export", bake, "--object", "Ball", "--to", "gltf", "--progress", "json")
+    assert (ended.code, ended.err) == (0, "")
+    *progress, done = [json.loads(line) for line in ended.out.splitlines()]
+    assert {event["event"] for event in progress} == {"progress"}
+    assert list(dict.fromkeys(event["stage"] for event in progress)) == STAGES
+    made = bake / "Ball.gltf"
+    assert set(bake.iterdir()) == before | {made}
+    assert (done["event"], done["object"], done["target"]) == ("done", "Ball", "gltf")
+    assert done["files"] == [str(made)]
+    assert {"Ball.glb", "Ball.flat.png", "Ball.radiance.ktx2"} <= set(done["contents"])
+    assert done["summary"].startswith(f"Ball for gltf: {len(done['contents'])} files, ")
+
+
+def test_inside_blender_the_open_file_stays_open(
+    bake: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    bpy.ops.mesh.primitive_cube_add()
+    context.object.name = "Mine"
+    capfd.readouterr()
+    out = tmp_path / "made"
+    arguments = ["export", str(bake / "Ball.radiance.json"), "--to", "unity", "--out", str(out)]
+    assert batch_module.main(arguments, inside_blender=True) == 0
+    said, err = capfd.readouterr()
+    assert err.splitlines() == [
+        "Ball: storing textures",
+        "Ball: averaging its light",
+        "Ball: writing the mesh",
+        "Ball: packing",
+    ]
+    assert said.splitlines()[1] == f"  {out}"
+    assert [item.name for item in bpy.data.objects] == ["Mine"]
+
+
+def test_help_shows_every_option() -> None:
+    ended = process("export", "--help")
+    assert (ended.code, ended.err) == (0, "")
+    flags = ("--object", "--to", "--format", "--no-zstd", "--arrangement", "--levels", "--limit", "--out")
+    others = ("--overwrite", "--progress", "--verbose", "--help")
+    assert [flag for flag in (*flags, *others) if flag not in ended.out] == []
+    told = " ".join(ended.out.split())
+    for word in (*Target, *TextureFormat, *Arrangement):
+        assert word in told
+    assert max(len(line) for line in ended.out.splitlines()) <= 80
+    assert ended.out.startswith("usage: bake.py export DIR --to TARGET [options]\n")
+
+
+def test_a_request_is_what_was_said() -> None:
+    words = "baked --to web --no-zstd --arrangement slices --format ktx2-rgba16f --limit 4096 --levels 2"
+    assert parse_export(words.split(), inside_blender=False) == ExportRequest(
+        bake=Path("baked"),
+        object=None,
+        spec=ExportSpec(
+            Target.WEB, TextureFormat.KTX2_RGBA16F, False, Arrangement.SLICES, levels=2, limit=4096
+        ),
+        out=None,
+        overwrite=False,
+        progress=ProgressStyle.BAR,
+        verbose=False,
+    )
+    plain = parse_export(["baked", "--to", "raw"], inside_blender=True)
+    assert plain.spec == ExportSpec(Target.RAW)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "which bake"),
+        (["baked"], r"for whom\? --to web, godot, gltf, unity, unreal, raw"),
+        (["baked", "--to", "wii"], r"--to wii: choose from web, godot"),
+        (["baked", "--to", "web", "--format", "png"], r"--format png: choose from auto, exr"),
+        (["baked", "--to", "web", "--format", "exr"], r"--format exr: web does not read it; choose from"),
+        (["baked", "--to", "web", "--limit", "many"], r"--limit many: give a whole number"),
+        (["baked", "--to", "web", "--limit", "1"], r"--limit 1: a texture needs"),
+        (["baked", "--to", "web", "--levels", "99"], r"--levels 99: give a whole number from 1"),
+    ],
+)
+def test_what_is_missing_or_wrong_is_named(arguments: list[str], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        parse_export(arguments, inside_blender=False)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere"], "there is no nowhere"),
+        (["."], "holds no bake"),
+        (["baked"], "holds bakes of 'Ball', 'Bare'"),
+        (["baked", "--object", "Bare"], "Bare.preview.blend is missing"),
+        (["baked", "--object", "Lit"], "only a bake of radiance can be exported"),
+        (["baked", "--object", "Ball", "--out", "baked"], "holds the bake itself"),
+        (["baked", "--object", "Ball", "--out", "baked/Ball.radiance.json"], "is a file"),
+    ],
+)
+def test_a_refusal_is_one_line_and_leaves_nothing(
+    arguments: list[str],
+    words: str,
+    bake: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(bake.parent)
+    before = set(bake.parent.rglob("*"))
+    capfd.readouterr()
+    code = batch_module.main(["export", *arguments, "--to", "gltf", *QUIET], inside_blender=False)
+    assert words in refusal(Outcome(code, *capfd.readouterr()))
+    assert set(bake.parent.rglob("*")) == before
+
+
+def test_a_truncated_atlas_is_one_line_of_the_process(bake: Path) -> None:
+    atlas = bake / "Ball.radiance.exr"
+    atlas.write_bytes(atlas.read_bytes()[:-64])
+    before = set(bake.rglob("*"))
+    ended = process("export", bake / "Ball.radiance.json", "--to", "raw", *QUIET)
+    assert "Ball.radiance.exr is damaged" in refusal(ended)
+    assert set(bake.rglob("*")) == before
