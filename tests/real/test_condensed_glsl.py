@@ -69,7 +69,7 @@ def run(
     normal, viewer = (normalised(vectors) for vectors in (fragments.normal, fragments.viewer))
     inputs = {"uvs": fragments.uv, "normals": normal, "viewers": viewer}
     fields = {name: values.reshape(SIDE, SIDE, -1) for name, values in inputs.items()}
-    return drawn(context, program, dict(images) | fields, SIDE)[:, :3]
+    return drawn(context, program, {**images, **fields}, SIDE)[:, :3]
 
 
 @pytest.mark.parametrize("version", VERSIONS)
