@@ -61,7 +61,8 @@ def doubts(atlas: CondensedAtlas, lookups: Lookups) -> Floats:
     A texture says no more: the range of a part's spreads begins near 0 and ends at tens of thousands.
     """
     dense = atlas.expanded()
-    step = max(np.spacing(lobe.ends[..., 3].max() / dense.sharpest) for lobe in dense.lobes) * dense.sharpest
+    most = max(float(lobe.ends[..., 3].max()) for lobe in dense.lobes)
+    step = float(np.spacing(np.float32(most / dense.sharpest))) * dense.sharpest
     answers = shared_answers(dense, lookups)
     apart = np.zeros(len(answers))
     for off in (-step, step):
