@@ -14,8 +14,8 @@
 //     radtex_slices(slices, trilinear_clamp, n, uv, I);
 //
 // with the atlas's mip levels, or with its slices. Before the include, `#define RADTEX_TOP_DOWN` if row 0 of the
-// textures is the top (an EXR in Unreal) and not the bottom (KTX2, DDS, anything in Unity); `#define RADTEX_PAGES` makes
-// `atlas` a Texture2DArray of pages and `atlas, pages` every first argument of an atlas's lookup; and
+// textures is the top (an EXR in Unreal) and not the bottom (KTX2, DDS, anything in Unity); `#define RADTEX_PAGES`
+// makes `atlas` a Texture2DArray of pages and `atlas, pages` every first argument of an atlas's lookup; and
 // `#define RADTEX_HARDWARE_LINEAR linear_clamp` blends cells by the SamplerState of that name.
 
 #ifndef RADTEX_HLSL

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """HLSL by two compilers, to SPIR-V, which wgpu executes: many lookups at once, one a pixel.
 
-glslang translates the text itself; vkd3d compiles it for shader model 5, to Direct3D's byte code, and translates that.
+glslang translates the text itself; vkd3d compiles it for shader model 5, to Direct3D's byte code, and
+translates that.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from tests.real.webgpu import Resource, drawn
 SHADERS = "/repository/shaders"  # where programs in the root run, so that they find what is included
 KINDS = "tsb"  # registers of textures, samplers and constants
 COMPILERS = {
-    "glslang": "glslangValidator -D -V -I. --stb 0 --ssb 32 --scb 64".split(),
-    "vkd3d": "vkd3d-compiler -x hlsl -b spirv-binary".split(),
+    "glslang": ["glslangValidator", "-D", "-V", "-I.", "--stb", "0", "--ssb", "32", "--scb", "64"],
+    "vkd3d": ["vkd3d-compiler", "-x", "hlsl", "-b", "spirv-binary"],
 }
 STAGES = {
     "glslang": {"pixel": ["-S", "frag"], "vertex": ["-S", "vert"]},
@@ -50,7 +51,7 @@ def compiled(
 
 
 def looked_up(root: Root, compiler: str, source: str, resources: Mapping[str, Resource], side: int) -> Floats:
-    """What the pixel shader `main` returns for each pixel, (side², 4) float32; `resources` by their registers."""
+    """What the pixel shader `main` returns for each pixel, (side², 4) float32; `resources` by register."""
     code, registers = compiled(root, compiler, source)
     return drawn(root, code, {number: resources[name] for name, number in registers.items()}, side)
 

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""shaders/radtex.hlsl through SPIR-V on a real Vulkan, against the references: filters, levels, pages, slices."""
+"""shaders/radtex.hlsl, through SPIR-V on a real Vulkan, against the references."""
 
 from __future__ import annotations
 
 from dataclasses import astuple
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,18 +24,18 @@ from tests.lookups import (
     relative_error,
     worst_error,
 )
-from tests.real.hlsl import COMPILERS, looked_up
+from tests.real.hlsl import COMPILERS, compiled, looked_up
 from tests.real.root import Root
 from tests.real.test_glsl_derivatives import half_slices, reference, uvs_of_quads
-from tests.real.webgpu import Sampler, fields, image
+from tests.real.webgpu import Resource, Sampler, fields, image
 
+EXAMPLE = Path(__file__).parents[2] / "shaders" / "examples" / "object.hlsl"
 WORST = 2e-3
 LEVELS = 4  # 13 x 7 texels are stored as 16 x 8, and the last level as 2 x 1
 PAGES = fitting_pages(LAYOUT, 50, LEVELS)
 PAGED, TOP_DOWN = "#define RADTEX_PAGES\n", "#define RADTEX_TOP_DOWN\n"
 HARDWARE = "#define RADTEX_HARDWARE_LINEAR filtering\n"
 WAYS = {"one texture": "", "pages": PAGED, "top down": TOP_DOWN, "pages top down": PAGED + TOP_DOWN}
-ALL_FILTERS = 4 * COUNT  # lookups: by each filter, then at levels
 SHADER = """
 SamplerState filtering : register(s0);
 #include "radtex.hlsl"
@@ -79,7 +80,7 @@ FACTS = np.array([*astuple(PAGES), LAYOUT.width, LAYOUT.height, LAYOUT.bucket, L
 
 
 def run(root: Root, compiler: str, defines: str, atlas: Floats, level: Floats) -> list[Floats]:
-    """The shader's answers to `random_lookups`, (COUNT, 4) float32 by each filter, then at `level` (COUNT,)."""
+    """The answers to `random_lookups`, (COUNT, 4) float32 by each filter, then at `level` (COUNT,)."""
     lookups = random_lookups()
     paged = PAGED in defines
     chain = page_chain(atlas, LAYOUT, PAGES, LEVELS) if paged else level_chain(atlas, LAYOUT, LEVELS)
@@ -90,7 +91,7 @@ def run(root: Root, compiler: str, defines: str, atlas: Floats, level: Floats) -
     places = np.concatenate([np.tile(lookups.uv, (4, 1)), mode, np.tile(level, 4)[:, None]], axis=1)
     normals = np.concatenate([lookups.normal, lookups.sign[:, None]], axis=1)
     vectors = [np.tile(values, (4, 1)) for values in (normals, lookups.tangent, lookups.viewer)]
-    resources = {
+    resources: dict[str, Resource] = {
         "t0": image(*stored),
         "t1": fields(2 * SIDE, places, *vectors),
         "s0": Sampler("linear"),
@@ -147,7 +148,7 @@ def test_slices_agree_with_the_reference(root: Root, compiler: str, defines: str
     uv, level = uvs_of_quads(axis=True, whole=True)
     chain = half_slices()
     stored = [values[:, ::-1] if defines else values for values in chain]
-    resources = {
+    resources: dict[str, Resource] = {
         "t0": image(*stored),
         "t1": fields(SIDE, uv.reshape(COUNT, 2), random_lookups().incidence),
         "s0": Sampler("linear"),
@@ -155,16 +156,27 @@ def test_slices_agree_with_the_reference(root: Root, compiler: str, defines: str
     }
     result = looked_up(root, compiler, defines + SLICES, resources, SIDE)
     error = relative_error(result, reference(chain, uv, level))
-    print(f"{compiler}, slices {defines.strip()}: worst error {error.max():.1e}, median {np.median(error):.1e}")
+    print(
+        f"{compiler}, slices {defines.strip()}: worst error {error.max():.1e}, median {np.median(error):.1e}"
+    )
     assert error.max() <= WORST
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_the_level_is_where_a_texel_is_as_wide_as_a_pixel(root: Root, compiler: str) -> None:
     uv, level = uvs_of_quads(axis=False, whole=False)
-    resources = {"t1": fields(SIDE, uv.reshape(COUNT, 2)), "b0": FACTS}
+    resources: dict[str, Resource] = {"t1": fields(SIDE, uv.reshape(COUNT, 2)), "b0": FACTS}
     found = looked_up(root, compiler, LEVEL, resources, SIDE)[:, 0]
     np.testing.assert_allclose(found, np.minimum(level, LEVELS - 1).ravel(), atol=1e-4)
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_the_example_compiles(root: Root, compiler: str) -> None:
+    example = EXAMPLE.read_text(encoding="utf-8").replace('"../', '"')
+    _, registers = compiled(root, compiler, example, "vertex", "vertex_main")
+    assert "b0" in registers
+    _, registers = compiled(root, compiler, example, "pixel", "pixel_main")
+    assert {"t0", "b0", "b1"} <= set(registers)
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
