@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The exported .glb by Khronos's validator, which .ci/build_web.py installs from npm by its lock file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from radtex_addon.bake.progress import finished
+from radtex_addon.export.run import export_steps
+from radtex_addon.export.spec import ExportSpec, Target
+from radtex_addon.formats.glb import Glb
+from tests.real.exhibit import Bake, Exhibit, Form
+from tests.real.web import build_page, node
+
+VALIDATE = """
+const fs = require("fs"), validator = require("gltf-validator");
+validator.validateBytes(new Uint8Array(fs.readFileSync(process.argv[1])), { maxIssues: 0 })
+  .then((report) => process.stdout.write(JSON.stringify(report)));
+"""
+# What it cannot know: our extension, what we need tangents for, and that textures may have any size by now.
+KNOWN = {"UNSUPPORTED_EXTENSION", "MULTIPLE_EXTENSIONS", "UNUSED_MESH_TANGENT", "IMAGE_NPOT_DIMENSIONS"}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _packages() -> None:
+    """The validator comes with what the page is built by."""
+    build_page()
+
+
+def validated(glb: Path) -> dict[str, Any]:
+    report: dict[str, Any] = json.loads(node("node", "-e", VALIDATE, str(glb)))
+    return report
+
+
+def exported(bake: Bake, folder: Path) -> Path:
+    made = finished(export_steps(bake.sidecar, ExportSpec(Target.GLTF), folder))
+    return made.folder / f"{made.name}.glb"
+
+
+@pytest.mark.parametrize("form", Form)
+def test_the_validator_finds_no_error(form: Form, exhibit: Exhibit, tmp_path: Path) -> None:
+    report = validated(exported(getattr(exhibit, form), tmp_path / "made"))
+    issues = report["issues"]
+    assert issues["numErrors"] == 0, issues["messages"]
+    assert {message["code"] for message in issues["messages"]} <= KNOWN
+    facts = report["info"]
+    assert (facts["materialCount"], facts["drawCallCount"], facts["totalTriangleCount"]) == (1, 1, 15744)
+    assert facts["resources"][1]["image"]["transfer"] == "srgb"
+
+
+def test_it_would_find_a_tangent_that_is_no_unit(exhibit: Exhibit, tmp_path: Path) -> None:
+    path = exported(exhibit.plain, tmp_path / "made")
+    glb = Glb.read(path)
+    attributes = glb.document["meshes"][0]["primitives"][0]["attributes"]
+    attributes["TANGENT"] = glb.add_vertices(4 * glb.accessor(attributes["TANGENT"]))
+    glb.write(path)
+    codes = {message["code"] for message in validated(path)["issues"]["messages"]}
+    assert "ACCESSOR_VECTOR3_NON_UNIT" in codes
