@@ -5,9 +5,9 @@
     python -m tests.bench.fragment DIR
 
 DIR keeps the bakes of `tests.real.exhibit`, which are made if they are missing. The head fills a square
-picture of 8-bit colours; all shaders draw in turns, round after round. Prints the median frame and the median,
-over the rounds, of its ratio to the diffuse shader's on the same mesh. On llvmpipe that is the processor's time,
-all threads together, which other programs disturb less.
+picture of 8-bit colours; all shaders draw in turns, round after round. Prints the median frame and the
+median, over the rounds, of its ratio to the diffuse shader's on the same mesh. On llvmpipe that is the
+processor's time, all threads together, which other programs disturb less.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@
     python -m tests.bench.minification DIR --figure docs/figures/minification.png
 
 Prints PSNR (display values: clipped, gamma 2.2) and flicker: how much the picture changes from frame to
-frame, as a share of what the supersampled one changes (1 is right, more shimmers); both where the object covers
-a pixel wholly.
+frame, as a share of what the supersampled one changes (1 is right, more shimmers); both where the object
+covers a pixel wholly.
 """
 
 from __future__ import annotations

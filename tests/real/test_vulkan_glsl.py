@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The GLSL includes as Vulkan wants them: compiled by glslang, the result checked by spirv-val."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.real.root import Root
+
+EXAMPLES = "/repository/shaders/examples"
+WAYS = {
+    "matrix": [],
+    "matrix, by hardware": ["-DRADTEX_HARDWARE_LINEAR"],
+    "pages": ["-DRADTEX_PAGES"],
+    "pages, by hardware": ["-DRADTEX_PAGES", "-DRADTEX_HARDWARE_LINEAR"],
+    "slices": ["-DRADTEX_SLICES"],
+}
+LOBES = """#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "radtex.glsl"
+#include "radtex_shared.glsl"
+#include "radtex_condensed.glsl"
+layout(set = 0, binding = 0) uniform Bake {
+    vec3 falloff[RADTEX_FALLOFF];
+    vec4 ranges[12];
+    ivec2 fine, texels, around;
+    int columns, n;
+};
+layout(set = 0, binding = 1) uniform sampler2D layers[8];
+layout(location = 0) in vec3 V;
+layout(location = 1) in vec3 N;
+layout(location = 2) in vec2 uv;
+layout(location = 0) out vec4 result;
+void main() {
+    vec3 light = radtex_diffuse(layers[0], fine, layers[1], texels, falloff, uv, dot(N, V))
+        + radtex_lobe(layers[3], layers[4], layers[5], n, layers[2], around, uv, reflect(-V, N))
+        + radtex_condensed_lobe(layers[3], layers[4], layers[5], layers[6], layers[7],
+                                ranges, columns, n, texels, layers[2], around, uv, reflect(-V, N));
+    result = vec4(light, 1.0);
+}
+"""
+COMPUTE = """#version 450
+#extension GL_GOOGLE_include_directive : require
+#define RADTEX_NO_DERIVATIVES
+#include "radtex.glsl"
+layout(local_size_x = 64) in;
+layout(set = 0, binding = 0) uniform sampler2D atlas;
+layout(set = 0, binding = 1) buffer Seen { vec4 light[]; };
+void main() {
+    vec3 I = radtex_incidence(vec3(0, 0, 1), vec3(0, 0, 1), vec3(1, 0, 0), 1.0);
+    light[gl_GlobalInvocationID.x] = radtex_sample(atlas, ivec2(64), 8, vec2(0.5), I, RADTEX_QUADRILINEAR);
+}
+"""
+
+
+def check(root: Root, arguments: list[str], folder: str) -> None:
+    compiled = root.run(["glslangValidator", "-V", *arguments, "-o", "out.spv"], cwd=folder)
+    assert compiled.returncode == 0, compiled.stdout
+    checked = root.run(["spirv-val", "out.spv"], cwd=folder)
+    assert checked.returncode == 0, checked.stderr
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_the_example_is_good_spirv(root: Root, way: str) -> None:
+    _, inside = root.shared("example")
+    check(root, [*WAYS[way], f"{EXAMPLES}/object.frag.glsl"], inside)
+
+
+def test_so_is_its_vertex_stage(root: Root) -> None:
+    _, inside = root.shared("vertex")
+    check(root, [f"{EXAMPLES}/object.vert.glsl"], inside)
+
+
+@pytest.mark.parametrize("hardware", [[], ["-DRADTEX_HARDWARE_LINEAR"]])
+def test_all_includes_go_together(root: Root, hardware: list[str]) -> None:
+    here, inside = root.shared("lobes")
+    (here / "all.frag").write_text(LOBES, encoding="utf-8")
+    check(root, ["-I/repository/shaders", *hardware, "all.frag"], inside)
+
+
+def test_lookups_work_in_stages_without_derivatives(root: Root) -> None:
+    here, inside = root.shared("compute")
+    (here / "seen.comp").write_text(COMPUTE, encoding="utf-8")
+    check(root, ["-I/repository/shaders", "seen.comp"], inside)
