@@ -20,6 +20,7 @@ from .engines import write_engine
 from .flat import flat_buckets, flat_png, flat_shared
 from .folder import check_out, files_in, replacing_folder
 from .gltf import write_gltf
+from .godot import write_godot
 from .manifest import EXTENSION, Manifest, write_manifest
 from .pack import Pack
 from .progress import Step, Task
@@ -29,6 +30,7 @@ from .web import write_web
 
 _WRITERS: dict[Target, Callable[[Pack, Path], None]] = {
     Target.WEB: write_web,
+    Target.GODOT: write_godot,
     Target.GLTF: write_engine,
     Target.UNITY: write_engine,
     Target.UNREAL: write_engine,

@@ -46,7 +46,7 @@ _KTX2 = frozenset((TextureFormat.KTX2_RGBA16F, TextureFormat.KTX2_RGB9E5))
 _DDS = frozenset((TextureFormat.DDS_BC6H, TextureFormat.DDS_RGBA16F))
 TAKES: dict[Target, frozenset[TextureFormat]] = {
     Target.WEB: _KTX2 | {TextureFormat.AUTO},
-    Target.GODOT: _EVERY,
+    Target.GODOT: _EVERY - {TextureFormat.EXR},
     Target.GLTF: _EVERY,
     Target.UNITY: _DDS | {TextureFormat.AUTO, TextureFormat.EXR},
     Target.UNREAL: _DDS | {TextureFormat.AUTO, TextureFormat.EXR},

@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A small project for Godot: the mesh with its radiance texture, and a camera that orbits around it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from ..core.arrays import Floats
+from ..core.errors import InputError
+from ..formats.glb import Glb
+from .godot_shader import GodotShader, bake_shader
+from .manifest import Container, TextureEntry
+from .pack import Pack
+
+SHADERS = Path(__file__).parents[2] / "shaders"
+TEMPLATES = Path(__file__).with_name("godot_project")
+_TO_BLENDER = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])  # the inverse of gltf.to_gltf
+
+
+def write_godot(pack: Pack, folder: Path) -> None:
+    """Make a pack's folder a project: the scene, a material with its shader, the includes, a README.txt.
+
+    Raises InputError for textures that Godot does not load.
+    """
+    for entry in pack.manifest.textures.values():
+        _check(entry)
+    manifest, name = pack.manifest, pack.name
+    glb = Glb.read(folder / manifest.mesh)
+    shader = bake_shader(manifest, baked_matrix(glb))
+    files = {"MATERIAL": f"{name}.material.tres", "SHADER": f"{name}.gdshader", "MESH": manifest.mesh}
+    paths = {word: quoted(f"res://{file}") for word, file in files.items()}
+    facts = paths | {"NAME": quoted(name), "MATERIAL_NAME": quoted(glb.document["materials"][0]["name"])}
+    for template in ("project.godot", "main.tscn", "orbit.gd"):
+        _write(folder / template, template, facts)
+    _write(folder / f"{manifest.mesh}.import", "mesh.import", facts)
+    _write(folder / "README.txt", "README.txt", {"NAME": name, **files})
+    _write(folder / files["SHADER"], shader.template, shader.words)
+    material = material_text(shader, files["SHADER"])
+    (folder / files["MATERIAL"]).write_text(material, encoding="utf-8", newline="\n")
+    (folder / "shaders").mkdir()
+    for file in (*(f"{include}.gdshaderinc" for include in shader.includes), "LICENSE"):
+        shutil.copyfile(SHADERS / file, folder / "shaders" / file)
+
+
+def baked_matrix(glb: Glb) -> Floats:
+    """What turns the mesh's directions in a .glb of ours into Blender's world of the bake, (3, 3) float64."""
+    (node,) = (node for node in glb.document["nodes"] if "mesh" in node)
+    x, y, z, w = node.get("rotation", (0, 0, 0, 1))
+    turn = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    baked: Floats = _TO_BLENDER @ (turn * np.array(node.get("scale", (1, 1, 1)), dtype=np.float64))
+    return baked
+
+
+def material_text(shader: GodotShader, file: str) -> str:
+    """A ShaderMaterial as Godot's text resource, which finds beside itself its shader `file` and the textures."""
+    lines = [f'[gd_resource type="ShaderMaterial" load_steps={len(shader.textures) + 2} format=3]', ""]
+    lines.append(f'[ext_resource type="Shader" path={quoted(file)} id="0"]')
+    for number, entry in enumerate(shader.textures.values(), 1):
+        kind = "Texture2DArray" if entry.layers > 1 else "Texture2D"
+        lines.append(f'[ext_resource type="{kind}" path={quoted(entry.file)} id="{number}"]')
+    lines += ["", "[resource]", 'shader = ExtResource("0")']
+    lines += [f"shader_parameter/{name} = {value}" for name, value in shader.parameters.items()]
+    for number, uniform in enumerate(shader.textures, 1):
+        lines.append(f'shader_parameter/{uniform} = ExtResource("{number}")')
+    return "\n".join(lines) + "\n"
+
+
+def quoted(text: str) -> str:
+    """A string as Godot's files have it."""
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _check(entry: TextureEntry) -> None:
+    """What Godot's loaders refuse: array textures in KTX2; and EXR, whose first row is the top one."""
+    if entry.container is Container.EXR:
+        raise InputError(f"{entry.file}: the project for Godot takes KTX2 and DDS; choose --format auto")
+    if entry.container is Container.KTX2 and entry.layers > 1:
+        raise InputError(f"{entry.file}: Godot loads no KTX2 with layers; choose --format dds-rgba16f")
+
+
+def _write(path: Path, template: str, words: Mapping[str, str]) -> None:
+    """A file of the project, with the words between two @ replaced."""
+    text = (TEMPLATES / template).read_text(encoding="utf-8")
+    for word, value in words.items():
+        text = text.replace(f"@{word}@", value)
+    path.write_text(text, encoding="utf-8", newline="\n")
