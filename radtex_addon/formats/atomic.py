@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..core.errors import BakeError, InputError
+from ..core.errors import BakeError, InputError, RadTexError
 
 
 @contextmanager
@@ -29,8 +29,35 @@ def replacing(path: Path) -> Iterator[Path]:
         finally:
             beside.unlink(missing_ok=True)
     except OSError as error:
-        reason = str(error.strerror or error).replace(str(beside), str(path))
-        raise BakeError(f"{path} could not be written: {reason}; free its disk, or choose another") from error
+        raise BakeError(_refused(path, error).replace(str(beside), str(path))) from error
+
+
+@contextmanager
+def replacing_together(path: Path) -> Iterator[Path]:
+    """Yield `path`'s name in a new folder beside it; all that is written there moves out when all went well.
+
+    `path` itself moves last, so that it speaks of no file that is not there. After any error or interruption
+    before that nothing is left and all is what it was; our errors then name the files by their places. Makes
+    the folder if need be. Raises BakeError where the system refuses.
+    """
+    place = None
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".radtex-", dir=path.parent) as folder:
+            place, inside = folder, Path(folder, path.name)
+            yield inside
+            for file in sorted(Path(folder).iterdir(), key=lambda file: (file == inside, file.name)):
+                target = path.with_name(file.name)
+                try:
+                    file.replace(target)
+                except OSError as error:
+                    raise BakeError(_refused(target, error)) from error
+    except RadTexError as error:
+        if place is None or place not in str(error):
+            raise
+        raise type(error)(str(error).replace(place, str(path.parent))) from error
+    except OSError as error:
+        raise BakeError(_refused(path, error)) from error
 
 
 def write_text(path: Path, text: str) -> None:
@@ -63,3 +90,7 @@ def check_absent(paths: Iterable[Path], overwrite: bool) -> None:
             raise InputError(f"{path} is a folder where a file must go: move it, or choose another folder")
         if path.exists() and not overwrite:
             raise InputError(f"{path} is already there: overwrite it (--overwrite), or choose another folder")
+
+
+def _refused(path: Path, error: OSError) -> str:
+    return f"{path} could not be written: {error.strerror or error}; free its disk, or choose another"

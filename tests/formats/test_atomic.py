@@ -11,8 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from radtex_addon.core.errors import BakeError, InputError
-from radtex_addon.formats.atomic import check_absent, check_writable, replacing, write_text
+from radtex_addon.core.errors import BakeError, FormatError, InputError
+from radtex_addon.formats.atomic import (
+    check_absent,
+    check_writable,
+    replacing,
+    replacing_together,
+    write_text,
+)
 
 
 def test_a_file_appears_only_when_it_is_whole(tmp_path: Path) -> None:
@@ -40,6 +46,67 @@ def test_after_any_interruption_the_folder_is_what_it_was(tmp_path: Path, error:
         interrupted()
     assert target.read_text() == "old"
     assert list(tmp_path.iterdir()) == [target]
+
+
+def contents(folder: Path) -> dict[str, str]:
+    return {path.name: path.read_text() for path in folder.iterdir()}
+
+
+def test_files_move_together_when_all_went_well(tmp_path: Path) -> None:
+    sidecar = tmp_path / "new" / "a.json"
+    with replacing_together(sidecar) as beside:
+        assert beside.parent.parent == sidecar.parent
+        for name in ("a.json", "a.exr", "z.exr"):
+            beside.with_name(name).write_text("new")
+        assert [path.is_dir() for path in sidecar.parent.iterdir()] == [True]
+    assert contents(sidecar.parent) == {"a.json": "new", "a.exr": "new", "z.exr": "new"}
+
+
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, GeneratorExit])
+def test_or_none_of_them_does(tmp_path: Path, error: type[BaseException]) -> None:
+    sidecar = tmp_path / "a.json"
+    sidecar.write_text("old")
+
+    def interrupted() -> None:
+        with replacing_together(sidecar) as beside:
+            beside.write_text("new")
+            beside.with_name("a.exr").write_text("new")
+            raise error
+
+    with pytest.raises(error):
+        interrupted()
+    assert contents(tmp_path) == {"a.json": "old"}
+
+
+def test_the_named_file_moves_last(tmp_path: Path) -> None:
+    """Where another cannot take its place, none speaks of it; the error names that place."""
+    sidecar = tmp_path / "a.json"
+    (tmp_path / "z.exr").mkdir()
+
+    def blocked() -> None:
+        with replacing_together(sidecar) as beside:
+            for name in ("a.json", "z.exr"):
+                beside.with_name(name).write_text("new")
+
+    with pytest.raises(BakeError, match=r"z\.exr could not be written: .*; free its disk"):
+        blocked()
+    assert [path.name for path in tmp_path.iterdir()] == ["z.exr"]
+
+
+def test_errors_name_files_by_their_places(tmp_path: Path) -> None:
+    def damaged() -> None:
+        with replacing_together(tmp_path / "a.json") as beside:
+            raise FormatError(f"{beside.with_name('a.exr')} is damaged: bake it again")
+
+    with pytest.raises(FormatError) as raised:
+        damaged()
+    assert str(raised.value) == f"{tmp_path / 'a.exr'} is damaged: bake it again"
+    (tmp_path / "file").touch()
+    with (
+        pytest.raises(BakeError, match=r"a\.json could not be written: .*; free its disk"),
+        replacing_together(tmp_path / "file" / "a.json"),
+    ):
+        pass
 
 
 def test_a_killed_process_leaves_nothing_under_the_final_name(tmp_path: Path) -> None:
