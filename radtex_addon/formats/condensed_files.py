@@ -51,7 +51,7 @@ LIMITS = {
     DdsFormat.BC5_UNORM: (-HALF_MOST, HALF_MOST),
     DdsFormat.BC7_UNORM: (-HALF_MOST, HALF_MOST),
 }
-ALIKE = 1e-6  # by how much the values of one colour may differ
+_ALIKE = 1e-6  # by how much the values of one colour may differ
 
 _SIDE = DdsFormat.BC6H_UF16.side  # pixels along a block's side
 _DECODERS = {
@@ -81,7 +81,7 @@ class StoredAtlas:
 
         Raises ShapeError if its maps do not fit each other, BakeError for values that are not numbers.
         """
-        atlas = _with_small_colour(atlas)
+        atlas = replace(atlas, colour=stored_colour(atlas.colour))
         values, clamped = _by_texture(atlas), 0
         for layer in values:
             values[layer], beyond = _within_limits(file_of(layer), values[layer], texture_format(layer))
@@ -112,6 +112,13 @@ class StoredAtlas:
                 for layer, own in zip(layers, np.split(limits, len(layers), axis=1), strict=True):
                     grid = pack_tiles(self.values[layer], own, self.facts.columns)
                     yield layer, _encoded(grid, texture_format(layer))
+
+
+def stored_colour(colour: Floats) -> Floats:
+    """The image (H, W, C) that is stored of a colour: of one block's size where it is one colour."""
+    if not colour.size or not np.isfinite(colour).all() or np.ptp(colour, axis=(0, 1)).max() > _ALIKE:
+        return colour
+    return np.broadcast_to(colour[:1, :1], (_SIDE, _SIDE, colour.shape[2]))
 
 
 def read_texture(path: Path, layer: str, width: int, height: int) -> Any:
@@ -205,14 +212,6 @@ def _within_limits(path: Path, values: Floats, kind: DdsFormat) -> tuple[Floats,
     if wrong := int(np.count_nonzero(np.isnan(values))):
         raise BakeError(f"{path} was not written: {wrong} of its values are not numbers; bake it again")
     return np.clip(values, low, high), int(np.count_nonzero((values < low) | (values > high)))
-
-
-def _with_small_colour(atlas: CondensedAtlas) -> CondensedAtlas:
-    """The atlas; its colour is of one block's size where it is one colour."""
-    colour = atlas.colour
-    if not colour.size or not np.isfinite(colour).all() or np.ptp(colour, axis=(0, 1)).max() > ALIKE:
-        return atlas
-    return replace(atlas, colour=np.broadcast_to(colour[:1, :1], (_SIDE, _SIDE, colour.shape[2])))
 
 
 def _part_layers(axis: Axis) -> dict[str, list[str]]:

@@ -10,8 +10,6 @@ from collections.abc import Generator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from ..bake.agreement import agreement
 from ..bake.condense import condense
 from ..bake.plan import CapturePlan
@@ -20,7 +18,7 @@ from ..bake.spec import BakeSpec
 from ..core.arrays import Floats
 from ..core.errors import InputError
 from ..core.shared import Axis, SharedAtlas, level_count
-from ..formats.condensed_files import ALIKE
+from ..formats.condensed_files import stored_colour
 from ..formats.condensed_sizes import CondensedSizes, clusters_within, condensed_bytes, texture_bytes
 from ..formats.memory import readable_size
 from ..formats.shared_files import read_shared, write_condensed
@@ -153,14 +151,14 @@ def _halved(image: Floats) -> Floats:
 
 
 def _sizes(atlas: SharedAtlas) -> CondensedSizes:
-    """The atlas's own; a colour that is the same everywhere takes next to nothing."""
+    """The atlas's own, as it is stored: a colour that is the same everywhere takes next to nothing."""
     height, width = atlas.irradiance.shape[:2]
-    even = float(np.ptp(atlas.colour, axis=(0, 1)).max()) <= ALIKE
+    colour = stored_colour(atlas.colour)
     return CondensedSizes(
         width=width,
         height=height,
         bucket=atlas.lobes[0].ends.shape[2] if atlas.lobes else 1,
-        colour=(4, 4) if even else (atlas.colour.shape[1], atlas.colour.shape[0]),
+        colour=(colour.shape[1], colour.shape[0]),
         surroundings=len(atlas.surroundings[0]),
         levels=len(atlas.surroundings),
         clusters={lobe.axis: 1 for lobe in atlas.lobes},
