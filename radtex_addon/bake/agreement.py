@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+
 import numpy as np
 
 from ..core.hemisphere import square_to_direction
@@ -12,14 +14,16 @@ from .light_samples import spread_shifts
 from .plan import CapturePlan
 
 _LOOKUPS = 40_000  # give 0.1 dB
+_AT_ONCE = 4000
 _GAMMA = 2.2
 _STEEP = 0.8  # of the bucket's square: beyond, the surface is seen at too flat an angle to matter
 
 
-def agreement(one: SharedAtlas, other: SharedAtlas, plan: CapturePlan) -> float:
+def agreement(one: SharedAtlas, other: SharedAtlas, plan: CapturePlan) -> Generator[None, None, float]:
     """PSNR in dB between what viewers see of both, of values clipped to 0..1 with a gamma of 2.2.
 
-    Viewers look at all covered texels, from directions spread over each hemisphere.
+    Viewers look at all covered texels, from directions spread over each hemisphere. Yields between blocks of
+    work.
     """
     count = len(plan.texel)
     chosen = np.arange(_LOOKUPS) % count if count < _LOOKUPS else np.arange(0, count, count // _LOOKUPS)
@@ -31,10 +35,15 @@ def agreement(one: SharedAtlas, other: SharedAtlas, plan: CapturePlan) -> float:
     texel = plan.texel[chosen]
     within = spread_shifts(len(chosen), seed=1)  # the colour is finer than texels
     uv = (np.stack([texel % width, texel // width], axis=-1) + within) / [width, plan.layout.height]
-    seen = [
-        np.clip(sample_shared(atlas, uv.astype(np.float32), plan.normals[chosen], viewer), 0, 1)
-        ** (1 / _GAMMA)
-        for atlas in (one, other)
-    ]
-    error = float(np.mean((seen[0] - seen[1]) ** 2, dtype=np.float64))
+    looks = uv.astype(np.float32), plan.normals[chosen], viewer
+    off = np.empty((len(chosen), 3), dtype=np.float32)
+    for first in range(0, len(chosen), _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        seen = [
+            np.clip(sample_shared(atlas, *(look[some] for look in looks)), 0, 1) ** (1 / _GAMMA)
+            for atlas in (one, other)
+        ]
+        off[some] = seen[0] - seen[1]
+        yield
+    error = float(np.mean(off**2, dtype=np.float64))
     return float(-10 * np.log10(max(error, 1e-10)))

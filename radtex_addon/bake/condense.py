@@ -10,6 +10,7 @@ is; and nowhere below the texel's horizon.
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,11 +35,19 @@ _TEXELS_AT_ONCE = 4096
 _CHANNELS = (4, 3, 3)  # ends, gain, rest
 
 
-def condense(atlas: SharedAtlas, plan: CapturePlan, clusters: int, rank: int = 2) -> CondensedAtlas:
-    """The atlas with the lobes' texels in at most `clusters` clusters each, of 1 + `rank` buckets."""
-    lobes = tuple(_Condenser.of(atlas, lobe, plan, rank).lobe(clusters) for lobe in atlas.lobes)
+def condense(
+    atlas: SharedAtlas, plan: CapturePlan, clusters: int, rank: int = 2
+) -> Generator[None, None, CondensedAtlas]:
+    """The atlas with the lobes' texels in at most `clusters` clusters each, of 1 + `rank` buckets.
+
+    Yields between blocks of work.
+    """
+    lobes = []
+    for lobe in atlas.lobes:
+        condensed = yield from _Condenser.of(atlas, lobe, plan, rank).lobe(clusters)
+        lobes.append(condensed)
     return CondensedAtlas(
-        atlas.colour, atlas.irradiance, atlas.falloff, atlas.surroundings, atlas.sharpest, lobes
+        atlas.colour, atlas.irradiance, atlas.falloff, atlas.surroundings, atlas.sharpest, tuple(lobes)
     )
 
 
@@ -77,13 +86,16 @@ class _Condenser:
         buckets = np.concatenate(parts, axis=1).astype(np.float32)
         return cls(lobe.axis, plan, rank, n, buckets, seen.astype(np.float32), around)
 
-    def lobe(self, clusters: int) -> CondensedLobe:
+    def lobe(self, clusters: int) -> Generator[None, None, CondensedLobe]:
         place = _places(self.plan)
-        own = _nearest_seeds(place, clusters)
+        own = yield from _nearest_seeds(place, clusters)
         for _ in range(_ROUNDS):
-            models = [self._model(texels) for texels in members(own)]
-            own = self._reassigned(own, models, place)
-        return self._mixtures(own)
+            models = []
+            for texels in members(own):
+                models.append(self._model(texels))
+                yield
+            own = yield from self._reassigned(own, models, place)
+        return (yield from self._mixtures(own))
 
     def _model(self, texels: Ints) -> _Model:
         some, seen = self.buckets[texels], self.seen[texels] + 1e-4
@@ -131,9 +143,10 @@ class _Condenser:
         cuts = np.cumsum([self.n * self.n * channels for channels in _CHANNELS])[:-1]
         return np.split(buckets, cuts, axis=-1)
 
-    def _reassigned(self, own: Ints, models: list[_Model], place: Floats) -> Ints:
+    def _reassigned(self, own: Ints, models: list[_Model], place: Floats) -> Generator[None, None, Ints]:
         """The cluster of each texel (K,) that shows it best, of those near it."""
-        near = np.column_stack([_nearest(place, _middles(place, own), _NEAREST), own])
+        near = yield from _nearest(place, _middles(place, own), _NEAREST)
+        near = np.column_stack([near, own])
         least = np.full(len(own), np.inf, dtype=np.float32)
         best = own.copy()
         for number, (model, texels) in enumerate(zip(models, members(near), strict=True)):
@@ -142,10 +155,11 @@ class _Condenser:
             better = error < least[texels]
             least[texels[better]] = error[better]
             best[texels[better]] = number
+            yield
         _, compact = np.unique(best, return_inverse=True)
         return compact.astype(np.int32)
 
-    def _mixtures(self, own: Ints) -> CondensedLobe:
+    def _mixtures(self, own: Ints) -> Generator[None, None, CondensedLobe]:
         count, n = int(own.max()) + 1, self.n
         weights = np.zeros((len(own), self.rank), dtype=np.float32)
         base = np.empty((count, 1 + self.rank, self.buckets.shape[1]), dtype=np.float32)
@@ -156,6 +170,7 @@ class _Condenser:
             weights[texels] = taken / most
             base[number, 0] = model.mean
             base[number, 1:] = model.components * most[:, None] / model.root
+            yield
         parts = (part.reshape(count, 1 + self.rank, n, n, -1) for part in self._parts(base))
         placed = self.plan.placed
         return CondensedLobe(self.axis, placed(own, gutter=True), placed(weights, gutter=True), *parts)
@@ -185,7 +200,7 @@ def _places(plan: CapturePlan) -> Floats:
     return np.concatenate([(plan.points - middle) * (_PLACE / max(size, 1e-12)), plan.normals], axis=1)
 
 
-def _nearest_seeds(place: Floats, count: int) -> Ints:
+def _nearest_seeds(place: Floats, count: int) -> Generator[None, None, Ints]:
     """Texels (K, 6) in at most `count` clusters around seeds, each as far from the others as can be."""
     seeds = [0]
     distance = np.full(len(place), np.inf, dtype=np.float32)
@@ -200,13 +215,15 @@ def _nearest_seeds(place: Floats, count: int) -> Ints:
         if distance[farthest] <= 0:
             break
         seeds.append(farthest)
+        yield
     for _ in range(8):  # Lloyd's rounds
-        _, compact = np.unique(_nearest(place, _middles(place, own), 1)[:, 0], return_inverse=True)
+        near = yield from _nearest(place, _middles(place, own), 1)
+        _, compact = np.unique(near[:, 0], return_inverse=True)
         own = compact.astype(np.int32)
     return own
 
 
-def _nearest(place: Floats, centres: Floats, count: int) -> Ints:
+def _nearest(place: Floats, centres: Floats, count: int) -> Generator[None, None, Ints]:
     """The `count` centres nearest to each place, (K, count), in no order."""
     if count >= len(centres):
         return np.tile(np.arange(len(centres)), (len(place), 1))
@@ -215,4 +232,5 @@ def _nearest(place: Floats, centres: Floats, count: int) -> Ints:
         some = slice(first, first + _TEXELS_AT_ONCE)
         squared = (centres * centres).sum(axis=1) - 2 * (place[some] @ centres.T)
         near[some] = np.argpartition(squared, count, axis=1)[:, :count]
+        yield
     return near

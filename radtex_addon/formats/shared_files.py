@@ -7,6 +7,7 @@ Those are EXRs, or textures as GPUs take them if the bake is condensed.
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
@@ -90,6 +91,16 @@ def write_condensed(path: Path, atlas: CondensedAtlas, bake: Sidecar) -> SharedS
     A colour that is the same everywhere is stored once. Raises ShapeError if the atlas does not fit itself,
     `bake` or the textures, BakeError for values that are not numbers and where the system refuses.
     """
+    for _ in writing_condensed(path, atlas, bake):
+        pass
+    return read_shared_sidecar(path)
+
+
+def writing_condensed(path: Path, atlas: CondensedAtlas, bake: Sidecar) -> Generator[str, None, None]:
+    """Write as `write_condensed` does, yielding each layer once its texture is made.
+
+    The files take their places after the last; closed before that, it leaves nothing.
+    """
     stored = StoredAtlas.of(atlas, partial(texture_path, path))
     sidecar = SharedSidecar.of(stored.atlas, replace(bake, clamped=stored.clamped), stored.facts)
     digests: dict[str, str] = {}
@@ -103,9 +114,9 @@ def write_condensed(path: Path, atlas: CondensedAtlas, bake: Sidecar) -> SharedS
             except BakeError as error:
                 raise BakeError(str(error).replace(str(beside), str(texture))) from error
             digests[layer] = digest(beside)
+            yield layer
         sidecar = replace(sidecar, condensed=replace(stored.facts, digests=digests))
         beside_sidecar.write_text(sidecar.to_json(), encoding="utf-8", newline="\n")
-    return sidecar
 
 
 def read_shared(path: Path) -> tuple[SharedAtlas, SharedSidecar]:

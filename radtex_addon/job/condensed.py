@@ -5,23 +5,24 @@
 from __future__ import annotations
 
 import logging
-import tempfile
 from collections.abc import Generator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeAlias, TypeVar
 
 from ..bake.agreement import agreement
 from ..bake.condense import condense
 from ..bake.plan import CapturePlan
-from ..bake.progress import Progress, Stage
+from ..bake.progress import Progress, Stage, relayed
 from ..bake.spec import BakeSpec
 from ..core.arrays import Floats
 from ..core.errors import InputError
 from ..core.shared import Axis, SharedAtlas, level_count
+from ..formats.atomic import replacing_together
 from ..formats.condensed_files import stored_colour
 from ..formats.condensed_sizes import CondensedSizes, clusters_within, condensed_bytes, texture_bytes
 from ..formats.memory import readable_size
-from ..formats.shared_files import read_shared, write_condensed
+from ..formats.shared_files import read_shared, writing_condensed
 from ..formats.shared_sidecar import SharedSidecar
 from ..formats.sidecar import Sidecar
 
@@ -48,6 +49,10 @@ class Condensed:
     agreement: float
 
 
+_Step = TypeVar("_Step")
+_Steps: TypeAlias = Generator[_Step, None, tuple[SharedSidecar, Condensed]]
+
+
 def check_budget(spec: BakeSpec, width: int, height: int) -> None:
     """Raise InputError for a budget too small for `width` x `height` texels, if all had one colour."""
     if spec.budget is None:
@@ -72,56 +77,81 @@ def check_budget(spec: BakeSpec, width: int, height: int) -> None:
 
 def condense_steps(
     path: Path, atlas: SharedAtlas, plan: CapturePlan, spec: BakeSpec, facts: Sidecar
-) -> Generator[Progress, None, tuple[SharedSidecar, Condensed]]:
-    """Condense the atlas as `spec` wishes; write the sidecar to `path` and the textures beside it."""
-    if spec.budget is not None:
-        yield Progress(Stage.CONDENSE, 0, 1)
-        small = _reduced(atlas, spec.budget)
-        count = min(max(clusters_within(spec.budget, _sizes(small)), _FEWEST), len(plan.texel))
-        sidecar, found = _written(path, atlas, small, plan, count, facts)
-        if found.bytes > spec.budget:
-            _log.warning(
-                "budget %s: the textures of object '%s' take %s at least; give more, or fewer texels",
-                readable_size(spec.budget),
-                facts.object_name,
-                readable_size(found.bytes),
-            )
-        return sidecar, found
-    assert spec.target is not None  # there is one of the two
-    most = min(len(plan.texel), clusters_within(2**40, _sizes(atlas)))
+) -> _Steps[Progress]:
+    """Condense the atlas as `spec` wishes; write the sidecar to `path` and the textures beside it.
+
+    They take their places once they were measured: closed before that, it leaves all as it was.
+    """
+    with replacing_together(path) as beside:
+        making = _Making(beside, atlas, plan, facts)
+        if spec.budget is not None:
+            return (yield from _within_budget(making, spec.budget))
+        assert spec.target is not None  # there is one of the two
+        return (yield from _to_target(making, spec.target))
+
+
+@dataclass(frozen=True, eq=False)
+class _Making:
+    """Tries to condense the `fitted` atlas: each writes the files at `path` anew."""
+
+    path: Path
+    fitted: SharedAtlas
+    plan: CapturePlan
+    facts: Sidecar
+
+    def of(self, small: SharedAtlas, count: int, progress: Progress) -> _Steps[Progress]:
+        """Write `small` in `count` clusters and compare it with what was fitted; yields `progress` alone."""
+        return relayed(self._steps(small, count), lambda _: progress)
+
+    def _steps(self, small: SharedAtlas, count: int) -> _Steps[str | None]:
+        yield None
+        condensed = yield from condense(small, self.plan, count)
+        yield from writing_condensed(self.path, condensed, self.facts)
+        stored, sidecar = read_shared(self.path)
+        assert sidecar.condensed is not None  # it was just written
+        near = yield from agreement(stored, self.fitted, self.plan)
+        return sidecar, Condensed(
+            clusters=tuple(tiles.clusters for tiles in sidecar.condensed.lobes.values()),
+            colour=sidecar.colour,
+            surroundings=sidecar.surroundings,
+            bytes=texture_bytes(sidecar.shapes),
+            agreement=near,
+        )
+
+
+def _within_budget(making: _Making, budget: int) -> _Steps[Progress]:
+    small = _reduced(making.fitted, budget)
+    count = min(max(clusters_within(budget, _sizes(small)), _FEWEST), len(making.plan.texel))
+    sidecar, found = yield from making.of(small, count, Progress(Stage.CONDENSE, 0, 1))
+    if found.bytes > budget:
+        _log.warning(
+            "budget %s: the textures of object '%s' take %s at least; give more, or fewer texels",
+            readable_size(budget),
+            making.facts.object_name,
+            readable_size(found.bytes),
+        )
+    return sidecar, found
+
+
+def _to_target(making: _Making, target: float) -> _Steps[Progress]:
+    atlas = making.fitted
+    most = min(len(making.plan.texel), clusters_within(2**40, _sizes(atlas)))
     count, tries = min(_FIRST, most), 0
     while True:
-        yield Progress(Stage.CONDENSE, tries, tries + 1)
-        with tempfile.TemporaryDirectory(prefix="radtex-") as folder:
-            _, found = _written(Path(folder, path.name), atlas, atlas, plan, count, facts)
-        if found.agreement >= spec.target or count == most or not atlas.lobes:
+        step = Progress(Stage.CONDENSE, tries, tries + 1)
+        sidecar, found = yield from making.of(atlas, count, step)
+        if found.agreement >= target or count == most or not atlas.lobes:
             break
         count, tries = min(2 * count, most), tries + 1
-    if found.agreement < spec.target:
+    if found.agreement < target:
         _log.warning(
             "target %g dB: condensed textures of object '%s' come to %.1f dB; bake it without a target "
             "for all of it",
-            spec.target,
-            facts.object_name,
+            target,
+            making.facts.object_name,
             found.agreement,
         )
-    return _written(path, atlas, atlas, plan, count, facts)
-
-
-def _written(
-    path: Path, fitted: SharedAtlas, small: SharedAtlas, plan: CapturePlan, count: int, facts: Sidecar
-) -> tuple[SharedSidecar, Condensed]:
-    """Write `small` in `count` clusters, and compare it with what was `fitted`."""
-    sidecar = write_condensed(path, condense(small, plan, count), facts)
-    stored, _ = read_shared(path)
-    assert sidecar.condensed is not None  # it was just written
-    return sidecar, Condensed(
-        clusters=tuple(tiles.clusters for tiles in sidecar.condensed.lobes.values()),
-        colour=sidecar.colour,
-        surroundings=sidecar.surroundings,
-        bytes=texture_bytes(sidecar.shapes),
-        agreement=agreement(stored, fitted, plan),
-    )
+    return sidecar, found
 
 
 def _reduced(atlas: SharedAtlas, budget: int) -> SharedAtlas:

@@ -12,6 +12,7 @@ import pytest
 from radtex_addon.bake.agreement import agreement
 from radtex_addon.bake.condense import condense, members
 from radtex_addon.bake.fit import FALLOFF_SIZE
+from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.octahedron import octahedron_to_direction
 from radtex_addon.core.shared import Axis, Lobe, SharedAtlas, level_sizes
@@ -65,7 +66,7 @@ def test_mixtures_of_as_many_buckets_are_kept_wholly(axis: Axis, rank: int) -> N
     whole = lobe(axis, varied(rank))
     ends = np.full_like(whole.ends, 0.01)
     ends[..., :3] = whole.ends[..., :3]
-    found = condense(atlas(replace(whole, ends=ends)), floor(), clusters=1, rank=rank).lobes[0]
+    found = finished(condense(atlas(replace(whole, ends=ends)), floor(), clusters=1, rank=rank)).lobes[0]
     assert found.ends.shape == (1, 1 + rank, CELLS, CELLS, 4)
     assert np.abs(found.weights).max() == pytest.approx(1, abs=1e-5)
     cell = (np.arange(CELLS) + 0.5) / CELLS
@@ -86,32 +87,41 @@ def test_each_cluster_has_the_texels_that_name_it_once(each: tuple[int, ...]) ->
 
 def test_more_clusters_come_nearer() -> None:
     full = atlas(lobe(Axis.MIRROR, varied(12)), lobe(Axis.THROUGH, varied(12), seed=9))
-    found = [agreement(condense(full, PLAN, count).expanded(), full, PLAN) for count in (1, 16, 128)]
+    condensed = [finished(condense(full, PLAN, count)).expanded() for count in (1, 16, 128)]
+    found = [finished(agreement(one, full, PLAN)) for one in condensed]
     print("dB from the whole:", *(f"{value:.1f}" for value in found))
     assert found[0] + 1 < found[1] < found[2] - 1
 
 
 def test_texels_that_are_one_each_lose_nothing() -> None:
     full = atlas(lobe(Axis.MIRROR, varied(12)))
-    condensed = condense(full, PLAN, clusters=10 * HEIGHT * WIDTH)
+    condensed = finished(condense(full, PLAN, clusters=10 * HEIGHT * WIDTH))
     assert len(condensed.lobes[0].ends) <= len(PLAN.texel)
-    assert agreement(condensed.expanded(), full, PLAN) > 45
+    assert finished(agreement(condensed.expanded(), full, PLAN)) > 45
 
 
 def test_it_is_the_same_again() -> None:
     full = atlas(lobe(Axis.MIRROR, varied(5)))
-    one, other = (condense(full, PLAN, 16).lobes[0] for _ in range(2))
+    one, other = (finished(condense(full, PLAN, 16)).lobes[0] for _ in range(2))
     for part in ("cluster", "weights", "ends", "gain", "rest"):
         np.testing.assert_array_equal(getattr(one, part), getattr(other, part))
 
 
+def test_it_gives_way_between_blocks_of_work() -> None:
+    """So that nobody waits for the end of it who wants it to end: once a cluster at least, in each turn."""
+    full = atlas(lobe(Axis.MIRROR, varied(5)))
+    steps = condense(full, PLAN, 16)
+    assert sum(1 for _ in steps) > 5 * 10
+    assert sum(1 for _ in agreement(full, full, PLAN)) >= 5
+
+
 def test_an_atlas_without_a_lobe_stays_as_it_is() -> None:
-    assert condense(atlas(), PLAN, 16).expanded().lobes == ()
+    assert finished(condense(atlas(), PLAN, 16)).expanded().lobes == ()
 
 
 def test_texels_that_nothing_covers_have_a_neighbours_mixture() -> None:
     """Fragments at an island's edge are blended with them."""
-    condensed = condense(atlas(lobe(Axis.MIRROR, varied(3))), PLAN, 8).lobes[0]
+    condensed = finished(condense(atlas(lobe(Axis.MIRROR, varied(3))), PLAN, 8)).lobes[0]
     assert condensed.cluster.shape == (HEIGHT, WIDTH)
     mixture = np.concatenate([condensed.cluster[..., None], condensed.weights], axis=-1)
     own = {tuple(texel) for texel in mixture[PLAN.covered].tolist()}
@@ -121,5 +131,5 @@ def test_texels_that_nothing_covers_have_a_neighbours_mixture() -> None:
 def test_agreement_is_the_psnr_of_what_viewers_see() -> None:
     dim, bright = (replace(atlas(), colour=np.full((HEIGHT, WIDTH, 3), c, np.float32)) for c in (0.4, 0.6))
     step = 0.3 ** (1 / 2.2) - 0.2 ** (1 / 2.2)
-    assert agreement(dim, bright, PLAN) == pytest.approx(-20 * np.log10(step), abs=0.01)
-    assert agreement(dim, dim, PLAN) == pytest.approx(100)
+    assert finished(agreement(dim, bright, PLAN)) == pytest.approx(-20 * np.log10(step), abs=0.01)
+    assert finished(agreement(dim, dim, PLAN)) == pytest.approx(100)

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -11,15 +13,19 @@ import bpy
 import numpy as np
 import pytest
 
+from radtex_addon.bake.condense import condense
+from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.core.condensed import CondensedAtlas
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
-from radtex_addon.core.shared import Axis
+from radtex_addon.core.shared import Axis, SharedAtlas
 from radtex_addon.formats.packing import layer_names
 from radtex_addon.formats.shared_files import layer_path, read_condensed, texture_path
-from radtex_addon.job import BakeResult, bake_object
+from radtex_addon.job import BakeResult, bake_object, bake_steps
 from tests.blender import stage
+from tests.blender.conftest import PlannedError
 
 pytestmark = pytest.mark.usefixtures("temporary")
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -108,6 +114,55 @@ def test_one_form_replaces_the_other(out: Path) -> None:
     assert names(out) == {"Ball.radiance.json", *textures()}
     bake(out, dense, overwrite=True)
     assert names(out) == {"Ball.radiance.json", *images}
+
+
+def test_a_failure_while_it_is_measured_leaves_the_other_form(
+    out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ball()
+    bake(out, BakeSpec(layout=Layout.SHARED, texels=16, bucket=6, samples=1))
+    before = {path.name: path.read_bytes() for path in out.iterdir()}
+
+    def fails(*_: object) -> float:
+        assert len(names(out)) == len(before) + 1, "the new files' folder"
+        raise PlannedError
+
+    monkeypatch.setattr("radtex_addon.job.condensed.agreement", fails)
+    with pytest.raises(PlannedError):
+        bake(out, spec(), overwrite=True)
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+
+
+def test_it_ends_between_blocks_of_work_and_leaves_nothing(out: Path) -> None:
+    ball()
+    taken, given_up = 0, True
+    while given_up:
+        steps = bake_steps(context.scene, "Ball", spec(budget=25_000), out, overwrite=True)
+        condensing = (step for step in steps if step.stage is Stage.CONDENSE)
+        given_up = sum(1 for _ in islice(condensing, taken)) == taken
+        steps.close()
+        if given_up:
+            assert not out.exists() or names(out) == set()
+            taken = 1 + 4 * taken
+    assert taken > 50
+    assert names(out) == {"Ball.radiance.json", *textures()}
+
+
+def test_a_target_s_tries_are_made_once_each(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ball()
+    tried: list[int] = []
+
+    def noted(atlas: SharedAtlas, plan: CapturePlan, clusters: int) -> Generator[None, None, CondensedAtlas]:
+        tried.append(clusters)
+        return condense(atlas, plan, clusters)
+
+    monkeypatch.setattr("radtex_addon.job.condensed.condense", noted)
+    made = bake(out, spec(budget=None, target=60.0)).condensed
+    assert made is not None
+    assert len(tried) > 2
+    assert tried == sorted(set(tried))
+    atlas, _ = read_condensed(out / "Ball.radiance.json")
+    assert made.clusters == tuple(len(lobe.ends) for lobe in atlas.lobes)
 
 
 def test_a_budget_too_small_for_the_texels_is_refused_before_it_is_baked(out: Path) -> None:
