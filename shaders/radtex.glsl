@@ -40,9 +40,9 @@ const int RADTEX_QUADRILINEAR = 2;  // four texels, each bilinear inside its buc
 // The vector towards the viewer in the surface frame (T, Bt, N). Vectors in any one space, of any length but zero.
 vec3 radtex_incidence(vec3 to_viewer, vec3 normal, vec3 tangent, float bitangent_sign) {
     vec3 N = normalize(normal);
-    vec3 T = tangent / max(length(tangent), 1e-30);
-    T -= N * dot(N, T);
-    if (dot(T, T) < 1e-8) T = cross(abs(N.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0), N);
+    vec3 T = tangent - N * dot(N, tangent);
+    bool degenerate = dot(T, T) <= 1e-8 * dot(tangent, tangent);
+    if (degenerate) T = cross(abs(N.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0), N);
     T = normalize(T);
     vec3 Bt = sign(bitangent_sign) * cross(N, T);
     vec3 V = normalize(to_viewer);
@@ -51,10 +51,9 @@ vec3 radtex_incidence(vec3 to_viewer, vec3 normal, vec3 tangent, float bitangent
 
 // Where a unit direction in the frame lies in its bucket: B in [-1, 1]^2. Below the horizon: the rim, at its azimuth.
 vec2 radtex_bucket(vec3 I) {
-    vec2 A = I.xy / sqrt(max(1.0 + I.z, 1e-30));        // equisolid: sqrt(2) I.xy / |I + (0,0,1)|, for a unit I
-    A /= max(length(A), 1.0);
-    float widest = max(abs(A.x), abs(A.y));
-    return A * (length(A) / max(widest, 1e-30));        // disc to square: A |A| / max(|A.x|, |A.y|)
+    float A2 = dot(I.xy, I.xy) / max(1.0 + I.z, 1e-30);  // |A|^2; equisolid: A = sqrt(2) I.xy / |I + (0,0,1)|, |I| = 1
+    float widest = max(abs(I.x), abs(I.y));
+    return I.xy * (sqrt(min(A2, 1.0)) / max(widest, 1e-30));  // disc to square: A |A| / max(|A.x|, |A.y|)
 }
 
 // One texel's bucket at B, by cells or bilinear between the four around it, never beyond the bucket's own.

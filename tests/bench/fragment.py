@@ -35,6 +35,7 @@ from tests.real.exhibit import Bake, Exhibit, Form
 from tests.real.opengl import Texture, mipmapped
 from tests.real.test_condensed_glsl import uploaded
 
+SRGB8_ALPHA8 = 0x8C43  # GL_SRGB8_ALPHA8: colours as games store them
 HALF = 0.2  # tangent of half the angle of view
 DIFFUSE = """
 uniform sampler2D colour;
@@ -109,8 +110,9 @@ def view_of(model: Model) -> View:
 
 
 def diffuse(context: moderngl.Context, model: Model) -> Painter:
+    """A colour texture, trilinear, times the cosine to a lamp."""
     image = np.random.default_rng(1).integers(0, 256, (512, 512, 4)).astype(np.uint8)
-    texture = context.texture((512, 512), 4, image.tobytes())
+    texture = context.texture((512, 512), 4, image.tobytes(), internal_format=SRGB8_ALPHA8)
     texture.build_mipmaps()
     return Painter(context, model, DIFFUSE, {"colour": texture}, {})
 
