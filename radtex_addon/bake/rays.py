@@ -5,7 +5,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
+from math import ceil, sqrt
+
+FINER = 4  # times as many texels along each side has the diffuse colour, which needs no light
+PROBE_CELLS = 4  # along a side of the buckets that tell hidden directions
+PROBES = 2  # rays for each of their cells; one is hidden if all of them are
 
 _SAMPLES = 16  # of a plain bake whose 8 x 8 cells cost as much as the rays below
 _FEWEST = {"light": 4, "ends": 2, "around": 2, "panorama": 1}  # below, there is nothing to fit
@@ -41,3 +45,12 @@ class Rays:
     def of_texel(self) -> int:
         """Paths of one texel, but for its share of the panorama."""
         return self.light**2 + 2 * self.ends**2 + 2 * self.around**2
+
+    @property
+    def of_panorama(self) -> int:
+        """Paths of both panoramas; Cycles takes a cell's as a square."""
+        return 2 * self.size**2 * ceil(sqrt(self.panorama)) ** 2
+
+    def most(self, texels: int) -> int:
+        """All paths of a bake that covers so many texels, if none of them is hidden."""
+        return texels * (self.of_texel + FINER**2 + PROBES * PROBE_CELLS**2) + self.of_panorama

@@ -163,9 +163,9 @@ class BakeSpec:
 
     @property
     def path_count(self) -> int:
-        """Most camera paths that the bake can take; the shared layout adds some to find hidden texels."""
+        """Most camera paths that the bake can take."""
         if self.layout is Layout.SHARED:
-            return self.texels**2 * self.rays.of_texel + 2 * self.rays.size**2 * self.rays.panorama
+            return self.rays.most(self.texels**2)
         return self.pixel_count * self.samples
 
     @property

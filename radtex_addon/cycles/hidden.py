@@ -18,13 +18,13 @@ from mathutils import Matrix
 
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
+from ..bake.rays import PROBES
 from ..bake.spec import Kind
 from ..core.arrays import Bools, Floats
 from ..scene.nodes import open_material, open_world
 from ..scene.scratch import remove_scene
 from .portal import PortalCapture
 
-PROBES = 2  # rays per cell; a cell is hidden if all of them are
 _TILE_PIXELS = 1 << 20
 
 

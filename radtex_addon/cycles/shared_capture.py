@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass
-from math import ceil, sqrt
 from pathlib import Path
 
 import bpy
@@ -15,16 +14,15 @@ import numpy as np
 from ..bake.light_samples import EndSamples, LightSamples, SurroundingsSamples, joined, panorama_plan
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage, relayed
-from ..bake.rays import Rays
+from ..bake.rays import PROBE_CELLS, PROBES, Rays
 from ..core.arrays import Floats
 from ..core.texel_map import TexelMap
 from ..scene.others import read_beside
 from ..scene.scratch import scene_copied
-from .hidden import PROBES, find_hidden
+from .hidden import find_hidden
 from .path_ends import path_ends
 from .sampling import capture_colour, capture_ends, capture_samples, capture_surroundings
 
-_PROBE = 4  # cells of the buckets that tell hidden directions
 _OUTSIDE = 1.05  # of the object's reach from its middle: beyond it
 
 
@@ -60,7 +58,7 @@ def capture_shared(
     the diffuse colour. `folder` takes temporary files. Yields progress in texels, then in paths. Raises
     InputError where no texel is covered, BakeError where Cycles fails.
     """
-    probe = plan_capture(texels, _PROBE)
+    probe = plan_capture(texels, PROBE_CELLS)
     hidden = yield from find_hidden(mesh, matrix_world, probe, folder)
     buried = hidden.all(axis=(1, 2))
     without = probe.texel[buried]
@@ -69,7 +67,7 @@ def capture_shared(
         return plan_capture(texels, cells, without=without)
 
     lit, fine = plan(rays.light), plan_capture(finer, 1)
-    count, all_around = len(lit.texel), 2 * rays.size**2 * ceil(sqrt(rays.panorama)) ** 2
+    count, all_around = len(lit.texel), rays.of_panorama
     total = count * rays.of_texel + all_around + len(fine.texel)
     middle, radius = _reach(lit)
     yield Progress(Stage.CAPTURE, 0, total)
@@ -95,7 +93,7 @@ def capture_shared(
     with scene_copied(scratch) as scene:
         colour = capture_colour(scene, fine, seed, folder)
     yield Progress(Stage.CAPTURE, total, total)
-    probes = len(probe.texel) * PROBES * _PROBE**2
+    probes = len(probe.texel) * PROBES * PROBE_CELLS**2
     return SharedCapture(light, found, joined(near, far), colour, total + probes)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import bpy
 
+from ..bake.rays import FINER
 from ..bake.spec import BakeSpec, CaptureMethod, Layout
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
@@ -23,7 +24,6 @@ from ..scene.objects import find_object
 from ..scene.scratch import find_view_layer
 from ..scene.xatlas_process import check_xatlas
 from .files import OutputFiles, facts_of
-from .shared import FINER
 
 
 def check_request(

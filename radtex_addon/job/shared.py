@@ -13,6 +13,7 @@ import bpy
 from ..bake.fit import fit_shared
 from ..bake.plan import CapturePlan
 from ..bake.progress import Progress, Stage
+from ..bake.rays import FINER
 from ..bake.spec import BakeSpec
 from ..core.atlas import AtlasLayout
 from ..core.shared import SharedAtlas
@@ -22,8 +23,6 @@ from .condensed import Condensed, check_budget, condense_steps
 from .files import OutputFiles, facts_of
 from .made import Made
 from .prepare import Prepared
-
-FINER = 4  # times as many texels along each side has the diffuse colour, which needs no light
 
 
 @dataclass(frozen=True, eq=False)

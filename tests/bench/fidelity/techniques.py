@@ -32,12 +32,12 @@ from radtex_addon.bake.light_samples import SurroundingsSamples
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.bake.progress import finished
+from radtex_addon.bake.rays import FINER
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.shared import Lobe, SharedAtlas
 from radtex_addon.cycles.shared_capture import SharedCapture, capture_shared
 from radtex_addon.job.prepare import Prepared, prepare
-from radtex_addon.job.shared import FINER
 from radtex_addon.report.gbuffer import GBuffer
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene

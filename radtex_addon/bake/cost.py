@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a bake costs, known before it starts: at most, for no texel is yet known to be left empty."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import prod
+
+from ..core.shared import Axis, level_count
+from ..formats.condensed_sizes import CondensedSizes, Shapes, clusters_within, condensed_bytes
+from ..formats.packing import COLOUR, IRRADIANCE, LOBE_CHANNELS, SURROUNDINGS, lobe_layer, surroundings_size
+from .rays import FINER
+from .spec import BakeSpec, Layout
+
+_LARGEST_BUDGET = 2**40
+_GPU_CHANNELS = 4  # what three take on a GPU, too
+
+
+@dataclass(frozen=True)
+class Cost:
+    """The most that a bake of a square atlas can take.
+
+    `side` is in pixels, of the largest image; `disk` in bytes, of all its images without what compression
+    saves; `gpu` in bytes, of the same images as textures without mip levels; `memory` in bytes, of the
+    machine while it bakes; `paths` are camera paths.
+    """
+
+    side: int
+    disk: int
+    gpu: int
+    memory: int
+    paths: int
+
+
+def cost_of(spec: BakeSpec) -> Cost:
+    """What a bake of `spec` costs at most."""
+    shapes = _shapes(spec)
+    value = 2 if spec.half else 4
+    disk = value * sum(prod(shape) for shape in shapes.values())
+    gpu = value * _GPU_CHANNELS * sum(width * height for width, height, _ in shapes.values())
+    if spec.condensed:
+        sizes = _condensed_sizes(spec)
+        shapes = sizes.shapes(sizes.columns)
+        disk = gpu = min(condensed_bytes(sizes), spec.budget or _LARGEST_BUDGET)
+    side = max(max(shape[:2]) for shape in shapes.values())
+    return Cost(side=side, disk=disk, gpu=gpu, memory=spec.atlas_bytes, paths=spec.path_count)
+
+
+def _shapes(spec: BakeSpec) -> Shapes:
+    """Each image's width, height and channels, were the atlas square and had both lobes."""
+    if spec.layout is Layout.BUCKETS:
+        return {"atlas": (spec.pixels_a_side, spec.pixels_a_side, 4)}
+    texels, side, around = spec.texels, spec.pixels_a_side, spec.rays.size
+    return {
+        COLOUR: (FINER * texels, FINER * texels, 3),
+        IRRADIANCE: (texels, texels, 3),
+        SURROUNDINGS: (*surroundings_size(around, level_count(around)), 3),
+    } | {
+        lobe_layer(axis, part): (side, side, channels)
+        for axis in Axis
+        for part, channels in LOBE_CHANNELS.items()
+    }
+
+
+def _condensed_sizes(spec: BakeSpec) -> CondensedSizes:
+    """As many clusters as a budget pays for, or else as there are texels."""
+    largest = CondensedSizes(
+        width=spec.texels,
+        height=spec.texels,
+        bucket=spec.bucket,
+        colour=(FINER * spec.texels, FINER * spec.texels),
+        surroundings=spec.rays.size,
+        levels=level_count(spec.rays.size),
+        clusters=dict.fromkeys(Axis, 1),
+    )
+    count = clusters_within(spec.budget or _LARGEST_BUDGET, largest)
+    return replace(largest, clusters=dict.fromkeys(Axis, count))
