@@ -22,7 +22,7 @@ _EPILOG = """\
 examples:
   python bake.py export baked --to web
   python bake.py export baked --object Vase --to godot --out game/vase
-  python bake.py export baked --to unreal --format dds-bc6h
+  python bake.py export baked --to unity --format exr
 
 exit codes: as of a bake"""
 

@@ -40,7 +40,7 @@ class Arrangement(StrEnum):
     SLICES = "slices"
 
 
-# What each target reads: three.js no BC6H in a KTX2, Unity and Unreal no KTX2 at all.
+# What each target reads: three.js no BC6H in a KTX2, Unity and Unreal no KTX2, Unreal no blocks in a DDS.
 _EVERY = frozenset(TextureFormat)
 _KTX2 = frozenset((TextureFormat.KTX2_RGBA16F, TextureFormat.KTX2_RGB9E5))
 _DDS = frozenset((TextureFormat.DDS_BC6H, TextureFormat.DDS_RGBA16F))
@@ -49,7 +49,7 @@ TAKES: dict[Target, frozenset[TextureFormat]] = {
     Target.GODOT: _EVERY - {TextureFormat.EXR},
     Target.GLTF: _EVERY,
     Target.UNITY: _DDS | {TextureFormat.AUTO, TextureFormat.EXR},
-    Target.UNREAL: _DDS | {TextureFormat.AUTO, TextureFormat.EXR},
+    Target.UNREAL: frozenset((TextureFormat.AUTO, TextureFormat.EXR, TextureFormat.DDS_RGBA16F)),
     Target.RAW: _EVERY,
 }
 _LIMITS = {Target.WEB: 8192}

@@ -47,8 +47,9 @@ def choice(
         return PixelFormat.RGBA16F
     if container is Container.KTX2:
         return PixelFormat.RGB9E5
-    # Godot's Compatibility renderer may unpack BC6H to bytes.
-    return PixelFormat.RGBA16F if straddled or spec.target is Target.GODOT else PixelFormat.BC6H
+    # Godot's Compatibility renderer may unpack BC6H to bytes; Unreal packs what it imports by itself.
+    unpacked = straddled or spec.target in (Target.GODOT, Target.UNREAL)
+    return PixelFormat.RGBA16F if unpacked else PixelFormat.BC6H
 
 
 def container_of(source: Path, spec: ExportSpec, is_array: bool) -> Container:

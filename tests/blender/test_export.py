@@ -277,6 +277,7 @@ def test_a_bake_that_cannot_be_read_is_named(
         ({"target": Target.WEB, "format": TextureFormat.EXR}, "--format exr: web does not read it; choose"),
         ({"target": Target.WEB, "format": TextureFormat.KTX2_BC6H}, "ktx2-bc6h: web does not read it"),
         ({"target": Target.UNITY, "format": TextureFormat.KTX2_RGBA16F}, "unity does not read it"),
+        ({"target": Target.UNREAL, "format": TextureFormat.DDS_BC6H}, "unreal does not read it"),
         ({"target": Target.RAW, "levels": 0}, "--levels 0: give a whole number from 1 to"),
         ({"target": Target.RAW, "limit": 1}, "--limit 1: a texture needs 16 pixels at least"),
     ],
