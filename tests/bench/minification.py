@@ -137,7 +137,7 @@ def print_table(frames: list[Frame]) -> None:
     """PSNR and flicker by the object's height, halving from row to row."""
     ways = list(WAYS)
     heights = np.geomspace(LARGEST, SMALLEST, 5)
-    print("| height, pixels | " + " | ".join(f"{way}, dB | flicker" for way in ways) + " |")
+    print("| its sphere, pixels | " + " | ".join(f"{way}, dB | flicker" for way in ways) + " |")
     print("|---|" + "---|---|" * len(ways))
     for high, low in pairwise(heights):
         some = [frame for frame in frames if low * 0.999 <= frame.height <= high * 1.001]
