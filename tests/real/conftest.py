@@ -9,9 +9,12 @@ from collections.abc import Iterator
 
 import moderngl
 import pytest
+from playwright.sync_api import BrowserType, sync_playwright
 
+from tests.real.browser import SOFTWARE_GL, chromium, served
 from tests.real.exhibit import Exhibit
 from tests.real.root import Root, RootUnavailableError, ready_root
+from tests.real.web import Site, build_page
 
 
 @pytest.fixture(scope="module")
@@ -39,3 +42,19 @@ def root(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     if seconds and reporter is not None:
         reporter.write_line(f"\n{path}: built in {seconds:.0f} s")
     return Root(path, tmp_path_factory.mktemp("shared"))
+
+
+@pytest.fixture(scope="session")
+def driver() -> Iterator[BrowserType]:
+    """What drives Chromium; there may be one in a process."""
+    with sync_playwright() as playwright:
+        yield playwright.chromium
+
+
+@pytest.fixture(scope="session")
+def web(root: Root, driver: BrowserType, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    """A browser, and a server for web exports."""
+    build_page()
+    folder = tmp_path_factory.mktemp("site")
+    with chromium(root, driver, *SOFTWARE_GL) as browser, served(folder) as address:
+        yield Site(folder, address, browser)

@@ -112,19 +112,20 @@ export class Inspector {
     if (!context || !at) return;
     const { width } = this.canvas;
     const one = width / at.side;
+    const line = width / Math.max(1, this.canvas.clientWidth); // a CSS pixel
     context.imageSmoothingEnabled = false;
     context.drawImage(this.picture, 0, 0, width, width);
     const [x, y] = [at.cell[0] * one, (at.side - 1 - at.cell[1]) * one];
-    for (const [colour, thick] of [["#000c", 6], ["#ffb454", 3]] as const) {
+    for (const [colour, thick] of [["#000", 4], ["#fff", 2]] as const) {
       context.strokeStyle = colour;
-      context.lineWidth = thick;
-      context.strokeRect(x + 1, y + 1, one - 2, one - 2);
+      context.lineWidth = thick * line;
+      context.strokeRect(x, y, one, one);
     }
     const [bx = 0, by = 0] = at.square;
-    for (const [colour, radius] of [["#000c", 5.5], ["#ffb454", 4]] as const) {
+    for (const [colour, radius] of [["#000", 4], ["#fff", 2.5]] as const) {
       context.fillStyle = colour;
       context.beginPath();
-      context.arc(((bx + 1) / 2) * width, ((1 - by) / 2) * width, radius, 0, 2 * Math.PI);
+      context.arc(((bx + 1) / 2) * width, ((1 - by) / 2) * width, radius * line, 0, 2 * Math.PI);
       context.fill();
     }
   }

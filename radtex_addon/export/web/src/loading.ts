@@ -83,8 +83,11 @@ async function loadMeshes(url: URL, manifest: Manifest): Promise<Mesh[]> {
 }
 
 async function loadFlat(url: URL): Promise<Texture> {
-  const address = URL.createObjectURL(new Blob([await fetchBytes(url)]));
+  const bytes = await fetchBytes(url);
+  const address = URL.createObjectURL(new Blob([bytes]));
   try {
+    const end = new TextDecoder("latin1").decode(bytes.subarray(-8, -4));
+    if (end !== "IEND") throw new Error("browsers show a PNG that is cut short without a word");
     const texture = await new TextureLoader().loadAsync(address);
     texture.colorSpace = NoColorSpace; // the shader decodes it
     texture.flipY = true;

@@ -14,14 +14,14 @@ import type { Viewer } from "./viewer";
 async function open(): Promise<[Viewer, Inspector]> {
   const canvas = element<HTMLCanvasElement>("view");
   const viewer = await load(element("stage"), canvas, (step) => (element("step").textContent = step));
-  viewer.draw();
+  document.body.classList.remove("loading"); // the panel measures what it covers
   const inspector = new Inspector(viewer, element<HTMLCanvasElement>("bucket"));
   new Panel(viewer, inspector);
   canvas.addEventListener("webglcontextlost", (event) => {
     event.preventDefault();
     complain("The graphics device was taken away", "Its memory may have run out: reload the page.");
   });
-  document.body.classList.remove("loading");
+  viewer.draw();
   return [viewer, inspector];
 }
 

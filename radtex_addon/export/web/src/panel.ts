@@ -29,6 +29,7 @@ export class Panel {
   private readonly exposure = element<HTMLInputElement>("exposure");
   private readonly divider = element("divider");
   private readonly help = element<HTMLDialogElement>("help");
+  private readonly cards = element("cards");
   private told = 0; // when, in milliseconds
   private later = 0; // a timer
 
@@ -41,7 +42,7 @@ export class Panel {
     this.choices("tones", [...TONES], (tone) => [TONE_WORDS[tone], ""], (tone) => viewer.setTone(tone));
     this.exposure.addEventListener("input", () => this.change(() => viewer.setExposure(Number(this.exposure.value))));
     this.exposure.addEventListener("dblclick", () => this.change(() => viewer.setExposure(0)));
-    this.button("compare", () => viewer.setDivider(viewer.divider === null ? 0.5 : null));
+    this.button("compare", () => viewer.setDivider(viewer.divider === null ? viewer.middle : null));
     this.button("turn", () => viewer.setTurning(!viewer.controls.autoRotate));
     this.button("reset", () => viewer.resetView());
     this.button("settings", () => document.body.classList.toggle("open"));
@@ -53,7 +54,11 @@ export class Panel {
     this.followBucket();
     document.addEventListener("keydown", (event) => this.key(event));
     viewer.drawn = () => this.afterFrame();
+    element("filters").hidden = element("filters-title").hidden = viewer.filters.length < 2;
+    new ResizeObserver(() => this.cover()).observe(this.cards);
     this.sync();
+    this.cover();
+    viewer.resetView();
   }
 
   /** What is shown, in one line. */
@@ -126,13 +131,17 @@ export class Panel {
     this.divider.setAttribute("aria-valuenow", String(Math.round(share * 100)));
   }
 
+  /** Tell the viewer how much of the stage the cards cover: its right, or on small screens its bottom. */
+  private cover(): void {
+    const { width, height, left } = this.cards.getBoundingClientRect();
+    const beside = left > this.viewer.stage.clientWidth / 3;
+    this.viewer.setCovered(beside ? width + 16 : 0, beside ? 0 : height + 16);
+  }
+
   private followPointer(): void {
     const canvas = this.viewer.renderer.domElement;
     let down: PointerEvent | null = null;
-    canvas.addEventListener("pointerdown", (event) => {
-      down = event.isPrimary ? event : null;
-      canvas.focus({ preventScroll: true });
-    });
+    canvas.addEventListener("pointerdown", (event) => (down = event.isPrimary ? event : null));
     canvas.addEventListener("pointerup", (event) => {
       const still = down && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) <= CLICK;
       if (still && event.isPrimary && event.button === 0) this.inspectAt(event.clientX, event.clientY);
@@ -201,7 +210,7 @@ export class Panel {
       "]": () => viewer.setExposure(viewer.exposure + 0.5),
       "0": () => viewer.setExposure(0),
       t: () => viewer.setTone(next),
-      c: () => viewer.setDivider(viewer.divider === null ? 0.5 : null),
+      c: () => viewer.setDivider(viewer.divider === null ? viewer.middle : null),
       r: () => viewer.resetView(),
       i: () => this.inspectAt(box.left + box.width / 2, box.top + box.height / 2),
       " ": () => viewer.setTurning(!viewer.controls.autoRotate),
@@ -235,7 +244,7 @@ export class Panel {
     const { viewer } = this;
     const [bytes, fileBytes] = viewer.memory;
     const { width, height } = viewer.renderer.domElement;
-    element("rate").textContent = viewer.rate === null ? "still" : `${Math.round(viewer.rate)} frames/s`;
+    element("rate").textContent = viewer.rate === null ? "at rest" : `${Math.round(viewer.rate)} frames/s`;
     element("memory").textContent = `${mebibytes(bytes)} textures`;
     element("memory").title = `${mebibytes(fileBytes)} as files`;
     element("size").textContent = `${width} × ${height}`;

@@ -41,6 +41,7 @@ export interface SurfacePoint {
 }
 
 const FOVY = 35; // degrees
+const FILLED = 0.84; // of the free stage, by the first view
 const FIRST_VIEW = new Vector3(0.45, 0.22, 1).normalize(); // Blender's front, a little from the right and above
 
 export class Viewer {
@@ -65,6 +66,7 @@ export class Viewer {
   private scheduled = 0;
   private before = 0;
   private scripted = false;
+  private covered = { right: 0, bottom: 0 }; // CSS pixels of the stage under cards
 
   constructor(
     readonly renderer: WebGLRenderer,
@@ -93,6 +95,7 @@ export class Viewer {
     new ResizeObserver(() => this.resize()).observe(stage);
     this.setFilter(this.filter);
     this.resize();
+    this.scene.updateMatrixWorld(true);
     this.resetView();
   }
 
@@ -138,15 +141,40 @@ export class Viewer {
     this.invalidate();
   }
 
+  /** Keep the object in the middle of what cards leave free, in CSS pixels from the right and the bottom. */
+  setCovered(right: number, bottom: number): void {
+    this.covered = { right, bottom };
+    this.frameView();
+    this.invalidate();
+  }
+
+  /** The middle of what is free, in shares of the width. */
+  get middle(): number {
+    return (1 - this.covered.right / Math.max(1, this.stage.clientWidth)) / 2;
+  }
+
   /** The whole object, seen from its front. */
   resetView(): void {
-    const half = (FOVY / 2) * (Math.PI / 180);
-    const narrow = Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect));
+    const { clientWidth: width, clientHeight: height } = this.stage;
+    const high = Math.tan((FOVY / 2) * (Math.PI / 180));
+    const freely = [(width - this.covered.right) / height, (height - this.covered.bottom) / height];
+    const [right, up] = freely.map((share) => high * share * FILLED) as [number, number];
+    const turn = new Matrix4().lookAt(FIRST_VIEW, new Vector3(), new Vector3(0, 1, 0)).transpose();
+    const corner = new Vector3();
+    let away = this.ball.radius * 0.1;
+    for (const mesh of this.meshes) {
+      const places = mesh.geometry.getAttribute("position") as BufferAttribute;
+      for (let vertex = 0; vertex < places.count; vertex++) {
+        corner.fromBufferAttribute(places, vertex).applyMatrix4(mesh.matrixWorld).sub(this.ball.center);
+        corner.applyMatrix4(turn);
+        away = Math.max(away, corner.z + Math.max(Math.abs(corner.x) / right, Math.abs(corner.y) / up));
+      }
+    }
+    this.controls.enableDamping = false; // ends what motion is left
+    this.controls.update();
+    this.controls.enableDamping = true;
     this.controls.target.copy(this.ball.center);
-    this.camera.position
-      .copy(FIRST_VIEW)
-      .multiplyScalar((this.ball.radius / Math.sin(narrow)) * 1.05)
-      .add(this.ball.center);
+    this.camera.position.copy(FIRST_VIEW).multiplyScalar(away).add(this.ball.center);
     this.controls.update();
     this.invalidate();
   }
@@ -170,6 +198,7 @@ export class Viewer {
     this.controls.autoRotate = false;
     new Matrix4().fromArray(matrix).transpose().decompose(this.camera.position, this.camera.quaternion, new Vector3());
     this.camera.fov = (fovy * 180) / Math.PI;
+    this.camera.clearViewOffset();
     this.camera.aspect = width / height;
     this.renderer.setPixelRatio(1);
     this.renderer.setSize(width, height);
@@ -290,7 +319,16 @@ export class Viewer {
     this.camera.aspect = width / height;
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.setSize(width, height);
+    this.frameView();
     this.invalidate();
+  }
+
+  /** Shift the picture towards what is free. */
+  private frameView(): void {
+    if (this.scripted) return;
+    const { clientWidth: width, clientHeight: height } = this.stage;
+    const { right, bottom } = this.covered;
+    if (width && height) this.camera.setViewOffset(width, height, right / 2, bottom / 2, width, height);
   }
 }
 

@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A real Chromium in the root of real programs, driven from here, and a static server for what it opens."""
+
+from __future__ import annotations
+
+import base64
+import functools
+import http.server
+import io
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+from playwright.sync_api import Browser, BrowserType, Page
+
+from radtex_addon.core.arrays import Floats
+from tests.real.exhibit import Camera
+from tests.real.root import Root
+
+_FLAGS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--no-first-run",
+    "--hide-scrollbars",
+    "--remote-debugging-port=0",
+)
+SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
+_START = 60.0  # seconds that Chromium may take
+TO_GLTF = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], dtype=np.float64)
+
+
+@contextmanager
+def chromium(root: Root, driver: BrowserType, *flags: str) -> Iterator[Browser]:
+    """Chromium of the root, with `flags` beside those that every test needs; `driver` is Playwright's."""
+    profile, inside = root.shared("chromium")
+    argv = ["chromium", *_FLAGS, f"--user-data-dir={inside}", *flags, "about:blank"]
+    log = profile.with_suffix(".log")
+    with root.start(argv, log=log):
+        port = profile / "DevToolsActivePort"
+        end = time.monotonic() + _START
+        while not (port.is_file() and port.read_text().strip()):
+            assert time.monotonic() < end, f"Chromium does not start: {log.read_text()[-2000:]}"
+            time.sleep(0.1)
+        browser = driver.connect_over_cdp(f"http://127.0.0.1:{port.read_text().split()[0]}")
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+class _Quiet(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *message: Any) -> None:
+        pass
+
+
+@contextmanager
+def served(folder: Path) -> Iterator[str]:
+    """The address at which `folder` is served."""
+    handler = functools.partial(_Quiet, directory=str(folder))
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        thread = threading.Thread(target=server.serve_forever, daemon=True)
+        thread.start()
+        try:
+            yield f"http://127.0.0.1:{server.server_address[1]}"
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+@dataclass(frozen=True)
+class Shown:
+    """An opened page of the web export."""
+
+    page: Page
+
+    def wait(self) -> Shown:
+        """Until the object is on the screen and the picture stands still."""
+        self.page.evaluate("radtex.ready")
+        self.still()
+        return self
+
+    def still(self) -> None:
+        """Until two screenshots are the same."""
+        before = self.screen()
+        for _ in range(40):
+            self.page.wait_for_timeout(150)
+            now = self.screen()
+            if np.array_equal(now, before):
+                return
+            before = now
+        raise AssertionError("the picture does not come to rest")
+
+    def screen(self) -> Floats:
+        """What the screen shows, (H, W, 3) in [0, 1], without the line that tells the frame rate."""
+        self.page.evaluate("document.getElementById('status').style.visibility = 'hidden'")
+        with Image.open(io.BytesIO(self.page.screenshot())) as image:
+            return np.asarray(image.convert("RGB"), dtype=np.float32) / 255
+
+    @staticmethod
+    def view(camera: Camera) -> list[Any]:
+        """An exhibit's camera as window.radtex takes it."""
+        matrix = (TO_GLTF @ np.array(camera.matrix)).ravel().tolist()
+        return [matrix, float(np.radians(camera.fovy)), camera.pixels, camera.pixels]
+
+    def set_camera(self, camera: Camera) -> None:
+        """Take the place of an exhibit's camera."""
+        self.page.evaluate("camera => radtex.setCamera(...camera)", self.view(camera))
+
+    def pixels(self, flat: bool = False) -> Floats:
+        """Linear light of the picture, (H, W, 4), rows from the top."""
+        made = self.page.evaluate("flat => radtex.pixels(flat)", flat)
+        return decoded(made["values"]).reshape(made["height"], made["width"], 4)
+
+    def text(self, element: str) -> str:
+        """What an element of the page says."""
+        return self.page.text_content(f"#{element}") or ""
+
+
+def decoded(text: str) -> Floats:
+    """Floats from base64, as window.radtex gives them."""
+    return np.frombuffer(base64.b64decode(text), np.float32)

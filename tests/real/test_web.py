@@ -1,0 +1,207 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The web page in a real Chromium: each switch by real clicks and keys, and the inspector."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.hemisphere import direction_to_square
+from radtex_addon.formats.exr import read_atlas
+from radtex_addon.report.metrics import Mask
+from tests.real.browser import Shown
+from tests.real.exhibit import CAMERAS, Camera, Exhibit
+from tests.real.web import Site, encoded, save
+
+FRONT = CAMERAS[0]
+MOST = 0.02  # of the screen's white: 8 bits, twice rounded
+HEADER = 90  # pixels at the top that words may cover
+
+
+@pytest.fixture
+def shown(web: Site, exhibit: Exhibit) -> Iterator[Shown]:
+    """The plain bake, on the screen."""
+    web.add("plain", exhibit.plain)
+    with web.opened("plain/") as shown:
+        yield shown.wait()
+
+
+def far_off(picture: Floats, other: Floats) -> float:
+    """How far pixels are from each other, but for the tenth that lies at edges, which the screen smooths."""
+    return float(np.quantile(np.abs(picture - other).max(axis=-1), 0.9))
+
+
+def on_object(exhibit: Exhibit, camera: Camera) -> Mask:
+    """Pixels of the head that no words cover."""
+    mask = exhibit.plain.eroded(camera).copy()
+    mask[:HEADER] = False
+    return mask
+
+
+def test_dragging_orbits_and_reset_goes_back(shown: Shown) -> None:
+    first = shown.screen()
+    mouse = shown.page.mouse
+    mouse.move(350, 350)
+    mouse.down()
+    mouse.move(500, 330, steps=5)
+    mouse.up()
+    shown.still()
+    assert np.abs(shown.screen() - first).mean() > 0.01
+    assert shown.page.locator("#inspector").is_hidden()  # it was no click
+    mouse.wheel(0, -400)
+    shown.still()
+    shown.page.get_by_role("button", name="Reset").click()
+    shown.still()
+    assert far_off(shown.screen(), first) < MOST
+
+
+def test_keys_orbit_too(shown: Shown) -> None:
+    first = shown.pixels()
+    for key in ("ArrowRight", "ArrowUp", "+"):
+        before = shown.pixels()
+        shown.page.keyboard.press(key)
+        shown.still()
+        assert np.abs(shown.pixels() - before).max() > 0.05
+    shown.page.keyboard.press("r")
+    shown.still()
+    assert np.allclose(shown.pixels(), first, atol=1e-3)
+
+
+def test_turning_moves_until_it_is_switched_off(shown: Shown) -> None:
+    turn = shown.page.get_by_role("button", name="Turn")
+    before = shown.pixels()
+    turn.click()
+    shown.page.wait_for_timeout(1500)
+    assert "frames/s" in shown.text("rate")
+    turn.click()
+    shown.still()
+    assert np.abs(shown.pixels() - before).max() > 0.05
+
+
+def test_tone_curves_and_exposure(shown: Shown, exhibit: Exhibit) -> None:
+    page = shown.page
+    shown.set_camera(FRONT)
+    mask = on_object(exhibit, FRONT)
+    light = shown.pixels()[..., :3][mask]
+
+    def seen() -> Floats:
+        shown.still()
+        return shown.screen()[: FRONT.pixels, : FRONT.pixels][mask]
+
+    assert far_off(seen(), encoded(light)) < MOST
+    for _ in range(10):
+        page.locator("#exposure").press("ArrowRight")
+    assert shown.text("stops") == "+1.0 stops"
+    assert far_off(seen(), encoded(2 * light)) < MOST
+    for key in "[[":
+        page.keyboard.press(key)
+    assert shown.text("stops") == "0.0 stops"
+    curves = {}
+    for word in ("ACES", "AgX", "Neutral"):
+        page.get_by_role("button", name=word).click()
+        assert page.locator("#tones [aria-pressed=true]").inner_text() == word
+        curves[word] = seen()
+    assert far_off(curves["Neutral"], encoded(khronos_neutral(light))) < MOST
+    assert far_off(curves["ACES"], encoded(aces(light))) < MOST
+    assert min(far_off(curves["AgX"], curves[other]) for other in ("ACES", "Neutral")) > 2 * MOST
+
+
+def aces(light: Floats) -> Floats:
+    """Stephen Hill's fit of ACES, exposed as three.js does."""
+    into = np.array([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
+    back = np.array(
+        [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]]
+    )
+    a = light / 0.6 @ into.T
+    fitted = (a * (a + 0.0245786) - 0.000090537) / (a * (0.983729 * a + 0.4329510) + 0.238081)
+    toned: Floats = fitted @ back.T
+    return toned
+
+
+def khronos_neutral(light: Floats) -> Floats:
+    """The PBR Neutral tone mapper, as Khronos specifies it."""
+    start, desaturation = 0.8 - 0.04, 0.15
+    least = light.min(axis=1, keepdims=True)
+    colour = light - np.where(least < 0.08, least - 6.25 * least * least, 0.04)
+    peak = colour.max(axis=1, keepdims=True)
+    compressed = 1 - (1 - start) ** 2 / (peak + 1 - 2 * start)
+    grey = 1 - 1 / (desaturation * (peak - compressed) + 1)
+    bright: Floats = colour * compressed / peak * (1 - grey) + compressed * grey
+    return np.where(peak < start, colour, bright)
+
+
+def test_compare_draws_the_flat_lightmap_beside(shown: Shown) -> None:
+    page, before = shown.page, shown.screen()
+    page.get_by_role("button", name="Compare").click()
+    shown.still()
+    divider = page.locator("#divider").bounding_box()
+    assert divider is not None
+    middle = round(divider["x"] + divider["width"] / 2)
+    beside, change = 40, np.abs(shown.screen() - before)[:500]
+    assert change[:, : middle - beside].max() < MOST
+    assert change[:, middle + beside : 660].mean() > 0.01
+    save(shown, "compare")
+    page.mouse.move(middle, 300)
+    page.mouse.down()
+    page.mouse.move(middle - 150, 300, steps=4)
+    page.mouse.up()
+    moved = page.locator("#divider").bounding_box()
+    assert moved is not None
+    assert moved["x"] == pytest.approx(divider["x"] - 150, abs=1)
+    page.locator("#divider").press("Home")
+    shown.still()
+    flat = encoded(shown.pixels(flat=True)[..., :3])
+    covered = shown.pixels()[..., 3] == 1
+    covered[:HEADER] = covered[500:] = covered[:, :beside] = covered[:, 660:] = False
+    inner = covered & np.roll(covered, 2, 0) & np.roll(covered, -2, 0) & np.roll(covered, 2, 1)
+    inner &= np.roll(covered, -2, 1)
+    assert far_off(shown.screen()[inner], flat[inner]) < MOST
+
+
+def test_the_inspector_shows_the_bucket_under_a_click(shown: Shown, exhibit: Exhibit) -> None:
+    shown.set_camera(FRONT)
+    buffer = exhibit.plain.buffer(FRONT)
+    pixels, facts = read_atlas(exhibit.plain.finished.images[0])
+    layout = AtlasLayout(facts.width, facts.height, facts.bucket)
+    buckets = layout.to_buckets(pixels.astype(np.float32))[..., :3]
+    rows, columns = np.nonzero(on_object(exhibit, FRONT))
+    for number in np.linspace(0, len(rows) - 1, 5).astype(int):
+        row, column = int(rows[number]), int(columns[number])
+        shown.page.mouse.click(column + 0.5, row + 0.5)
+        place = row * FRONT.pixels + column
+        uv = buffer.uv[place]
+        square = direction_to_square(buffer.incidence[place][None])[0]
+        found = shown.page.evaluate("([x, y]) => radtex.inspect(x, y)", [column + 0.5, row + 0.5])
+        assert found["uv"] == pytest.approx(uv, abs=1e-3)
+        assert found["square"] == pytest.approx(square, abs=5e-3)
+        i, j = found["texel"]
+        assert np.abs(np.array([i, j]) + 0.5 - uv * [facts.width, facts.height]).max() < 0.6
+        p, q = found["cell"]
+        assert np.abs(np.array([p, q]) + 0.5 - (square + 1) / 2 * facts.bucket).max() < 0.6
+        assert shown.text("at-texel") == f"({i}, {j})"
+        assert shown.text("at-cell").startswith(f"({p}, {q})")
+        assert_pictured(shown, encoded(buckets[j, i]), (p, q))
+    save(shown, "inspector")
+    shown.page.keyboard.press("Escape")
+    assert shown.page.locator("#inspector").is_hidden()
+
+
+def assert_pictured(shown: Shown, cells: Floats, marked: tuple[int, int]) -> None:
+    """The canvas shows these cells (n, n, 3), row 0 below, and frames the marked one."""
+    address = shown.page.evaluate("document.getElementById('bucket').toDataURL()")
+    image = Image.open(io.BytesIO(base64.b64decode(address.partition(",")[2]))).convert("RGB")
+    picture = np.asarray(image, dtype=np.float32)[::-1] / 255
+    n, side = len(cells), len(picture) // len(cells)
+    tiles = picture.reshape(n, side, n, side, 3).swapaxes(1, 2)
+    middle = tiles[:, :, side // 4 : -side // 4, side // 4 : -side // 4].reshape(n, n, -1, 3)
+    assert np.abs(np.median(middle, axis=2) - cells).max() < MOST
+    p, q = marked
+    assert (tiles[q, p][:, :1] > 0.98).mean() > 0.7  # its left edge

@@ -1,0 +1,170 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the web page says where it cannot show the object, and how it stands on a small screen."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import BrowserType
+
+from tests.real.browser import Shown, chromium
+from tests.real.exhibit import Exhibit
+from tests.real.root import Root
+from tests.real.web import Site, save
+
+# What a smaller device says, where this machine's own is asked.
+SMALL_TEXTURES = """
+    const asked = WebGL2RenderingContext.prototype.getParameter;
+    WebGL2RenderingContext.prototype.getParameter = function (name) {
+        return name === this.MAX_TEXTURE_SIZE ? 256 : asked.call(this, name);
+    };
+"""
+NO_BLOCKS = """
+    const asked = WebGL2RenderingContext.prototype.getExtension;
+    WebGL2RenderingContext.prototype.getExtension = function (name) {
+        return name.includes("bptc") ? null : asked.call(this, name);
+    };
+"""
+
+
+def says(shown: Shown, *words: str) -> None:
+    """The message is there, with these words, and nothing else is in its way."""
+    shown.page.locator("#message").wait_for(state="visible", timeout=20_000)
+    message = shown.page.locator("#message").inner_text()
+    for word in words:
+        assert word in message
+    assert shown.page.locator("#cards").is_hidden()
+
+
+@pytest.fixture
+def copied(web: Site, exhibit: Exhibit) -> Iterator[Path]:
+    """A copy of the plain export, to be spoilt."""
+    folder = web.folder / "spoilt"
+    shutil.copytree(web.add("plain", exhibit.plain), folder)
+    yield folder
+    shutil.rmtree(folder)
+
+
+def changed(folder: Path, change: Callable[[dict[str, Any]], None]) -> None:
+    """The manifest with a change."""
+    (path,) = folder.glob("*.export.json")
+    facts = json.loads(path.read_text())
+    change(facts)
+    path.write_text(json.dumps(facts))
+
+
+@pytest.mark.parametrize("ending", [".export.json", ".radiance.ktx2", ".glb", ".flat.png"])
+def test_a_missing_file_is_named(web: Site, copied: Path, ending: str) -> None:
+    (path,) = copied.glob(f"*{ending}")
+    path.unlink()
+    with web.opened("spoilt/") as shown:
+        says(shown, f"{path.name} is missing", "one folder")
+        save(shown, "missing")
+
+
+@pytest.mark.parametrize("ending", [".radiance.ktx2", ".glb", ".flat.png", ".export.json"])
+def test_a_file_cut_short_is_named(web: Site, copied: Path, ending: str) -> None:
+    (path,) = copied.glob(f"*{ending}")
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with web.opened("spoilt/") as shown:
+        says(shown, path.name, "export", "damaged" if ending != ".export.json" else "no manifest")
+
+
+def test_noise_in_a_texture_is_found(web: Site, copied: Path) -> None:
+    (path,) = copied.glob("*.ktx2")
+    data = bytearray(path.read_bytes())
+    middle = len(data) // 2
+    data[middle : middle + 999] = bytes(999)
+    path.write_bytes(data)
+    with web.opened("spoilt/") as shown:
+        says(shown, f"{path.name} is damaged", "does not unpack")
+
+
+def test_a_texture_that_is_not_the_manifests_is_found(web: Site, copied: Path) -> None:
+    changed(copied, lambda facts: facts["textures"]["radiance"].update(size=[64, 64]))
+    with web.opened("spoilt/") as shown:
+        says(shown, ".ktx2 is damaged", "pixels")
+
+
+def test_a_newer_manifest_is_refused(web: Site, copied: Path) -> None:
+    changed(copied, lambda facts: facts.update(version=2, tool="RadTex 9.0"))
+    with web.opened("spoilt/") as shown:
+        says(shown, "is of version 2, this page reads version 1", "RadTex 9.0")
+
+
+def test_a_page_without_a_bake_says_how_to_name_one(web: Site, copied: Path) -> None:
+    page = copied / "index.html"
+    (manifest,) = copied.glob("*.export.json")
+    page.write_text(page.read_text().replace(f'content="{manifest.name}"', 'content=""'))
+    with web.opened("spoilt/") as shown:
+        says(shown, "which bake", "?bake=")
+    with web.opened(f"spoilt/?bake={manifest.name}") as shown:
+        shown.wait()
+
+
+def test_a_texture_too_large_for_the_device_is_named(web: Site, copied: Path) -> None:
+    with web.opened("spoilt/", before=SMALL_TEXTURES) as shown:
+        says(shown, "takes 256 a side at most", "--limit 256")
+
+
+def test_blocks_that_the_device_does_not_know_are_named(web: Site, exhibit: Exhibit) -> None:
+    web.add("condensed", exhibit.condensed)
+    with web.opened("condensed/", before=NO_BLOCKS) as shown:
+        says(shown, "EXT_texture_compression_bptc", "desktop")
+
+
+def test_a_browser_without_webgl_is_told(root: Root, driver: BrowserType, web: Site, copied: Path) -> None:
+    with chromium(root, driver, "--disable-3d-apis") as browser:
+        page = browser.new_context().new_page()
+        page.goto(f"{web.address}/spoilt/")
+        says(Shown(page), "no WebGL 2", "hardware acceleration")
+
+
+def test_a_phone_has_all_of_it_by_taps(web: Site, exhibit: Exhibit) -> None:
+    web.add("plain", exhibit.plain)
+    with web.opened("plain/", 360, 740, has_touch=True, is_mobile=True, device_scale_factor=2) as shown:
+        shown.wait()
+        page = shown.page
+        save(shown, "phone")
+        assert page.locator("#panel").is_hidden()
+        page.get_by_role("button", name="Settings").tap()
+        page.get_by_role("button", name="Nearest").tap()
+        assert page.locator("#filters [aria-pressed=true]").inner_text() == "Nearest"
+        within(shown)
+        save(shown, "phone-settings")
+        page.get_by_role("button", name="Settings").tap()
+        shown.still()
+        page.touchscreen.tap(170, 300)
+        page.locator("#inspector").wait_for(state="visible")
+        shown.still()
+        within(shown)
+        save(shown, "phone-inspector")
+        page.get_by_role("button", name="Close the inspector").tap()
+        page.get_by_role("button", name="Help").tap()
+        page.locator("#help").wait_for(state="visible")
+        within(shown)
+        page.get_by_role("button", name="Close", exact=True).tap()
+        assert page.locator("#help").is_hidden()
+
+
+def within(shown: Shown) -> None:
+    """No button and no card lies beyond the screen, and none is too small for a finger."""
+    boxes = shown.page.evaluate("""
+        [...document.querySelectorAll("button, section, nav, dialog")]
+            .filter((each) => each.checkVisibility())
+            .map((each) => [each.id || each.textContent, each.tagName, each.getBoundingClientRect().toJSON()])
+    """)
+    size = shown.page.viewport_size
+    assert size is not None
+    assert len(boxes) > 5
+    for name, tag, box in boxes:
+        assert box["left"] >= 0, name
+        assert box["right"] <= size["width"], name
+        assert box["bottom"] <= size["height"], name
+        assert tag != "BUTTON" or box["height"] >= 36, name

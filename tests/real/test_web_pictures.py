@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The web page's pictures in a real Chromium, against the reference sampler's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.levels import fitting_levels, level_chain, sample_level
+from radtex_addon.core.sampler import Filter
+from radtex_addon.export.spec import Arrangement
+from radtex_addon.formats.exr import read_atlas
+from radtex_addon.report.metrics import Mask, Picture
+from tests.real.browser import Shown
+from tests.real.exhibit import CAMERAS, Camera, Exhibit, decibels
+from tests.real.web import Site, save
+
+LEAST = 38.0  # dB
+LEAST_ABRUPT = 33.0  # where texels or cells end at an edge, and rasterisers know places to a part of a pixel
+WORDS = {Filter.NEAREST: "Nearest", Filter.LINEAR: "Linear", Filter.QUADRILINEAR: "Quadrilinear"}
+SETTINGS: dict[str, dict[str, Any]] = {"slices": {"arrangement": Arrangement.SLICES}, "pages": {"limit": 192}}
+
+
+@pytest.fixture
+def shown(web: Site, exhibit: Exhibit) -> Iterator[Shown]:
+    """The plain bake, on the screen."""
+    web.add("plain", exhibit.plain)
+    with web.opened("plain/") as shown:
+        yield shown.wait()
+
+
+def seen(shown: Shown) -> Picture:
+    """The page's linear light, as the reference's pictures have it."""
+    return shown.pixels()[..., :3].astype(np.float64)
+
+
+def agreement(shown: Shown, exhibit: Exhibit, form: str, camera: Camera, kind: Filter) -> float:
+    """Decibels between the page's picture and the reference sampler's."""
+    bake = getattr(exhibit, form)
+    return decibels(seen(shown), bake.picture(camera, kind), bake.eroded(camera))
+
+
+@pytest.mark.parametrize("camera", CAMERAS, ids=lambda camera: camera.name)
+def test_filters_show_what_the_reference_says(shown: Shown, exhibit: Exhibit, camera: Camera) -> None:
+    shown.set_camera(camera)
+    for kind, word in WORDS.items():
+        shown.page.get_by_role("button", name=word, exact=True).click()
+        found = {other: agreement(shown, exhibit, "plain", camera, other) for other in WORDS}
+        print(f"{camera.name}, {kind}: {found[kind]:.1f} dB")
+        assert found[kind] >= (LEAST if kind is Filter.QUADRILINEAR else LEAST_ABRUPT)
+        assert max(found, key=lambda other: found[other]) is kind
+
+
+@pytest.mark.parametrize("form", ["slices", "pages", "shared", "condensed"])
+def test_other_layouts_show_what_the_reference_says(web: Site, exhibit: Exhibit, form: str) -> None:
+    bake = getattr(exhibit, form, exhibit.plain)
+    web.add(form, bake, **SETTINGS.get(form, {}))
+    with web.opened(f"{form}/") as shown:
+        shown.wait()
+        if form in ("slices", "pages"):
+            shown.page.get_by_role("button", name="Quadrilinear").click()
+        for camera in CAMERAS:
+            shown.set_camera(camera)
+            source = form if bake is not exhibit.plain else "plain"
+            found = agreement(shown, exhibit, source, camera, Filter.QUADRILINEAR)
+            print(f"{form}, {camera.name}: {found:.1f} dB")
+            assert found >= LEAST
+        save(shown, form)
+
+
+@pytest.mark.parametrize("form", ["plain", "slices"])
+def test_levels_change_what_is_far_and_leave_what_is_near(web: Site, exhibit: Exhibit, form: str) -> None:
+    web.add(form, exhibit.plain, **SETTINGS.get(form, {}))
+    far = Camera("far", (9.7, -20.3, 5.1), pixels=128)
+    reference, mask = far_picture(exhibit, far)
+    with web.opened(f"{form}/") as shown:
+        shown.wait()
+        near, found = [], []
+        for word in ("Quadrilinear", "Levels"):
+            shown.page.get_by_role("button", name=word).click()
+            shown.set_camera(Camera("close", (0.4, -1.3, 0.3), pixels=128))
+            near.append(shown.pixels())
+            shown.set_camera(far)
+            found.append(decibels(seen(shown), reference, mask))
+        print(f"{form}, far away: {found[0]:.1f} dB without levels, {found[1]:.1f} dB with")
+        assert found[1] > found[0] + 2  # slices are filtered anisotropically, which the reference is not
+        assert np.quantile(np.abs(near[1] - near[0]), 0.9) < 1e-3
+
+
+def far_picture(exhibit: Exhibit, camera: Camera) -> tuple[Picture, Mask]:
+    """The reference's picture with levels, and where it holds: quads of pixels within one island."""
+    buffer, size = exhibit.plain.buffer(camera), camera.pixels
+    pixels, facts = read_atlas(exhibit.plain.finished.images[0])
+    layout = AtlasLayout(facts.width, facts.height, facts.bucket)
+    uv = buffer.uv.reshape(size // 2, 2, size // 2, 2, 2) * [facts.width, facts.height]
+    across = np.repeat(np.abs(uv[:, :, :, 1] - uv[:, :, :, 0])[:, :, :, None], 2, axis=3)
+    up = np.repeat(np.abs(uv[:, 1] - uv[:, 0])[:, None], 2, axis=1)
+    longer = np.maximum(np.linalg.norm(across, axis=-1), np.linalg.norm(up, axis=-1)).reshape(size, size)
+    chain = level_chain(pixels, layout, fitting_levels(layout))
+    level = np.log2(np.maximum(longer, 1)).ravel()
+    light = np.zeros((size * size, 3))
+    hit = buffer.hit
+    light[hit] = sample_level(chain, layout, buffer.uv[hit], buffer.incidence[hit], level[hit])[:, :3]
+    whole = exhibit.plain.eroded(camera).reshape(size // 2, 2, size // 2, 2).all(axis=(1, 3))
+    mask = np.repeat(np.repeat(whole, 2, 0), 2, 1) & (longer < 8)
+    return light.reshape(size, size, 3), mask

@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Web exports of the exhibit, built, served and opened; and Node, for what tests ask of npm's packages."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from playwright.sync_api import Browser
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.export.run import Exported, export_steps
+from radtex_addon.export.spec import ExportSpec, Target
+from tests.real.browser import Shown
+from tests.real.exhibit import Bake
+from tests.real.root import REPOSITORY
+
+SOURCES = REPOSITORY / "radtex_addon/export/web"
+UV = os.environ.get("UV") or shutil.which("uv") or "uv"
+FIGURES = os.environ.get("RADTEX_FIGURES")  # a folder for screenshots of the page, docs/figures for one
+
+
+@dataclass(frozen=True)
+class Site:
+    """Exports below `folder`, which is served at `address`, in tabs of `browser`."""
+
+    folder: Path
+    address: str
+    browser: Browser
+
+    def add(self, name: str, bake: Bake, **settings: Any) -> Path:
+        """The export of that name, made if it is not there."""
+        folder = self.folder / name
+        if not folder.is_dir():
+            exported(bake, folder, **settings)
+        return folder
+
+    @contextmanager
+    def opened(
+        self, name: str, width: int = 1000, height: int = 700, before: str = "", **context: Any
+    ) -> Iterator[Shown]:
+        """A tab with the export of that name; `before` is a script that runs before the page's."""
+        tab = self.browser.new_context(viewport={"width": width, "height": height}, **context)
+        try:
+            page = tab.new_page()
+            page.add_init_script(before)
+            page.goto(f"{self.address}/{name}")
+            yield Shown(page)
+        finally:
+            tab.close()
+
+
+def build_page() -> None:
+    """Have the page built of its present sources."""
+    subprocess.run([sys.executable, str(REPOSITORY / ".ci/build_web.py")], check=True)
+
+
+def exported(bake: Bake, folder: Path, **settings: Any) -> Exported:
+    """Export a bake for the web."""
+    steps = export_steps(bake.sidecar, ExportSpec(Target.WEB, **settings), folder)
+    while True:
+        try:
+            next(steps)
+        except StopIteration as stop:
+            made: Exported = stop.value
+            return made
+
+
+def node(*arguments: str) -> str:
+    """What Node prints, with the page's packages at hand. CalledProcessError where it fails."""
+    tool = [UV, "run", "--quiet", "--frozen", "--isolated", "--only-group=package", f"--project={REPOSITORY}"]
+    run = subprocess.run([*tool, *arguments], cwd=SOURCES, check=True, capture_output=True, text=True)
+    return run.stdout
+
+
+def encoded(light: Floats) -> Floats:
+    """Linear light as the screen shows it without a tone curve, in [0, 1]."""
+    shown = np.clip(light, 0, 1)
+    srgb: Floats = np.where(shown <= 0.0031308, shown * 12.92, 1.055 * shown ** (1 / 2.4) - 0.055)
+    return srgb
+
+
+def save(shown: Shown, name: str) -> None:
+    """Keep a screenshot, if somebody asked for them."""
+    if FIGURES:
+        shown.page.screenshot(path=Path(FIGURES, f"web-{name}.png"))
