@@ -12,18 +12,19 @@ from __future__ import annotations
 from collections.abc import Generator
 from contextlib import closing
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 import bpy
 import numpy as np
 
 from ..bake.spec import Unwrap
 from ..core.arrays import Bools, Floats
-from ..core.errors import InputError
+from ..core.errors import FormatError, InputError
 from ..core.gutter import nearest_covered
 from ..core.texel_map import rasterise
 from ..scene.copy import baked_mesh, surface_mesh
 from ..scene.evaluated import EvaluatedMesh, evaluate
+from ..scene.preview_file import appended
 from ..scene.scratch import new_data_removed
 from ..scene.unwrap import unwrap_steps
 from ..scene.unwrap_options import UnwrapOptions
@@ -144,17 +145,14 @@ def _uv_of_preview(bake: Finished, evaluated: EvaluatedMesh) -> Floats | None:
     """The layer of the mesh in the saved preview, if there is one and it shows the same triangles."""
     if not bake.preview.is_file():
         return None
-    name = bake.sidecar.object_name
-    with new_data_removed():
-        try:
-            with cast(Any, bpy.data.libraries).load(str(bake.preview)) as (there, wanted):
-                wanted.objects = [name] if name in there.objects else []
-        except OSError:  # no .blend, or one of a newer Blender
-            return None
-        mesh = wanted.objects[0].data if wanted.objects else None
-        if not isinstance(mesh, bpy.types.Mesh) or not _same_triangles(mesh, evaluated):
-            return None
-        return _layer(mesh, bake.sidecar.uv_map)
+    try:
+        with appended(bake.preview, bake.sidecar.object_name) as found:
+            mesh = None if found is None else found.data
+            if not isinstance(mesh, bpy.types.Mesh) or not _same_triangles(mesh, evaluated):
+                return None
+            return _layer(mesh, bake.sidecar.uv_map)
+    except FormatError:  # no .blend, or one of a newer Blender
+        return None
 
 
 def _same_triangles(mesh: Any, evaluated: EvaluatedMesh) -> bool:

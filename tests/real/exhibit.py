@@ -33,7 +33,7 @@ from radtex_addon.report.finished import Finished, find_bake, read_bake
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
 from radtex_addon.report.metrics import Mask, Picture, psnr
 from radtex_addon.scene.demo import OBJECT, build_demo_scene
-from radtex_addon.scene.scratch import new_data_removed
+from radtex_addon.scene.preview_file import baked_copy
 
 ROOT = Path(__file__).resolve().parents[2]
 PLACE = Matrix.LocRotScale((0.1, -0.05, 0.15), Euler((0.15, -0.1, 0.4)), (1.0, 1.1, 0.95))
@@ -108,12 +108,9 @@ class Bake:
     @cached_property
     def surface(self) -> BakedSurface:
         """The baked copy in the world, without Blender's data."""
-        libraries: Any = bpy.data.libraries
-        with new_data_removed():
-            with libraries.load(str(self.preview)) as (_, wanted):
-                wanted.objects = [OBJECT]
-            mesh = cast(bpy.types.Mesh, wanted.objects[0].data)
-            return BakedSurface(mesh, np.array(PLACE), self.finished.sidecar.uv_map)
+        facts = self.finished.sidecar
+        with baked_copy(self.preview, facts.object_name, facts.uv_map) as (_, copy):
+            return BakedSurface(cast(bpy.types.Mesh, copy.data), np.array(PLACE), facts.uv_map)
 
     @cached_property
     def buffer(self) -> Callable[[Camera], GBuffer]:
