@@ -8,6 +8,7 @@ import json
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
@@ -59,12 +60,11 @@ def baked_matrix(glb: Glb) -> Floats:
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
         ]
     )
-    baked: Floats = _TO_BLENDER @ (turn * np.array(node.get("scale", (1, 1, 1)), dtype=np.float64))
-    return baked
+    return cast(Floats, _TO_BLENDER @ (turn * np.array(node.get("scale", (1, 1, 1)), dtype=np.float64)))
 
 
 def material_text(shader: GodotShader, file: str) -> str:
-    """A ShaderMaterial as Godot's text resource, which finds beside itself its shader `file` and the textures."""
+    """A ShaderMaterial as Godot's text resource, to lie beside its textures and its shader, `file`."""
     lines = [f'[gd_resource type="ShaderMaterial" load_steps={len(shader.textures) + 2} format=3]', ""]
     lines.append(f'[ext_resource type="Shader" path={quoted(file)} id="0"]')
     for number, entry in enumerate(shader.textures.values(), 1):

@@ -12,9 +12,12 @@ from pathlib import Path
 from subprocess import CompletedProcess
 
 import numpy as np
+import PIL.Image
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.report.metrics import Picture
 from tests.lookups import SIDE
+from tests.real.exhibit import Camera
 from tests.real.root import REPOSITORY, Root, screen
 
 RENDERERS = {  # of Godot, on Mesa's software drivers
@@ -22,6 +25,9 @@ RENDERERS = {  # of Godot, on Mesa's software drivers
     "Forward+": ("--rendering-method", "forward_plus", "--rendering-driver", "vulkan"),
 }
 SHADERS = REPOSITORY / "shaders"
+_TO_GODOT = np.array(
+    [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]
+)  # Blender's axes, as glTF does
 _PROJECT = Path(__file__).parent / "inside" / "godot"
 # Godot draws bytes, so a float is a pixel of four bytes, and four pictures side by side hold R, G, B and A.
 _FRAGMENT = f"""
@@ -82,6 +88,64 @@ def answers(root: Root, renderer: str, jobs: Sequence[Job]) -> list[Floats]:
     (folder / "jobs.json").write_text(json.dumps(described), encoding="utf-8")
     run_godot(root, ["--path", inside, *RENDERERS[renderer], "--script", "res://draw.gd"])
     return [_answered(folder / f"{number}.answers") for number in range(len(jobs))]
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A picture that a project's main scene shall show: by a camera, its shader's `parameters` set.
+
+    `turn` is by how many degrees the camera and the scene are turned together about the vertical.
+    """
+
+    camera: Camera
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    turn: float = 0.0
+
+    def facts(self, output: str) -> dict[str, object]:
+        """What shoot.gd must know; matrices are Godot's, rows of four."""
+        angle = np.radians(self.turn)
+        turned = np.eye(4)
+        turned[0, 0] = turned[2, 2] = np.cos(angle)
+        turned[0, 2] = np.sin(angle)
+        turned[2, 0] = -turned[0, 2]
+        matrix = _TO_GODOT @ np.array(self.camera.matrix)
+        return {
+            "matrix": matrix.tolist(),
+            "turn": turned.tolist(),
+            "fovy": self.camera.fovy,
+            "parameters": dict(self.parameters),
+            "output": output,
+        }
+
+
+def imported(root: Root, project: Path) -> tuple[Path, str]:
+    """A copy of a project that both sides see, after Godot's editor has imported its files."""
+    folder, inside = root.shared("project")
+    shutil.copytree(project, folder, dirs_exist_ok=True)
+    run_godot(root, ["--headless", "--path", inside, "--import"])
+    return folder, inside
+
+
+def pictures(root: Root, project: tuple[Path, str], renderer: str, shots: Sequence[Shot]) -> list[Picture]:
+    """Linear light (H, W, 3) of each shot of an imported project, rows from the top, clipped to 0..1."""
+    folder, inside = project
+    shutil.copy(_PROJECT / "shoot.gd", folder)
+    outputs = [f"{number}.png" for number in range(len(shots))]
+    facts = [shot.facts(f"res://{output}") for shot, output in zip(shots, outputs, strict=True)]
+    (folder / "shots.json").write_text(json.dumps(facts), encoding="utf-8")
+    (pixels,) = {shot.camera.pixels for shot in shots}
+    size = f"{pixels}x{pixels}"
+    arguments = ["--path", inside, *RENDERERS[renderer], "--resolution", size, "--script", "res://shoot.gd"]
+    run_godot(root, arguments)
+    return [light_of(folder / output) for output in outputs]
+
+
+def light_of(path: Path) -> Picture:
+    """Linear light of a picture in sRGB."""
+    with PIL.Image.open(path) as image:
+        shown = np.asarray(image.convert("RGB")) / 255
+    light: Picture = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
+    return light
 
 
 def run_godot(root: Root, arguments: Sequence[str], timeout: float = 240) -> CompletedProcess[str]:

@@ -1,0 +1,30 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+extends SceneTree
+## Takes pictures of a project's main scene, each from a camera of shots.json, which godot.py writes.
+
+
+func _initialize() -> void:
+	var main: Node3D = load("res://main.tscn").instantiate()
+	root.add_child(main)
+	root.msaa_3d = Viewport.MSAA_DISABLED  # the reference looks through the middles of pixels
+	await process_frame
+	var camera: Camera3D = main.get_node("Camera")
+	for shot: Dictionary in JSON.parse_string(FileAccess.get_file_as_string("res://shots.json")):
+		camera.fov = shot.fovy
+		camera.transform = placed(shot.matrix)
+		main.transform = placed(shot.turn)
+		for mesh: MeshInstance3D in main.find_children("*", "MeshInstance3D", true, false):
+			for parameter: String in shot.parameters:
+				mesh.get_active_material(0).set_shader_parameter(parameter, shot.parameters[parameter])
+		for frame in 2:
+			await RenderingServer.frame_post_draw
+		root.get_texture().get_image().save_png(shot.output)
+	quit()
+
+
+func placed(rows: Array) -> Transform3D:
+	var columns: Array[Vector3] = []
+	for column in 4:
+		columns.append(Vector3(rows[0][column], rows[1][column], rows[2][column]))
+	return Transform3D(columns[0], columns[1], columns[2], columns[3])

@@ -1,0 +1,195 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The exported project in a real Godot against the reference sampler's pictures.
+
+With RADTEX_FIGURES=docs/figures the pictures are kept: reference, Compatibility, Forward+.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections import deque
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.errors import InputError
+from radtex_addon.core.sampler import Filter, sample
+from radtex_addon.export.run import export_steps
+from radtex_addon.export.spec import Arrangement, ExportSpec, Target, TextureFormat
+from radtex_addon.formats.ktx2 import read_ktx2
+from radtex_addon.formats.texture import decode_texture
+from radtex_addon.report.metrics import Picture, display
+from tests.real.exhibit import CAMERAS, Bake, Exhibit, Form, decibels
+from tests.real.godot import RENDERERS, Shot, imported, light_of, pictures, run_godot
+from tests.real.root import Root, screen
+
+LEAST = 38.0  # dB
+MODES = {kind: mode for mode, kind in enumerate(Filter)}
+FRONT = CAMERAS[0]
+FIGURES = os.environ.get("RADTEX_FIGURES")
+INSIDE = Path(__file__).parent / "inside" / "godot"
+DRAG = """
+set -e
+godot --audio-driver Dummy --path . --rendering-method gl_compatibility --rendering-driver opengl3 \\
+    --resolution 640x480 --position 0,0 > godot.log 2>&1 &
+shot() { import -window root "$1"; }
+for attempt in $(seq 60); do
+    sleep 0.5
+    shot before.png
+    [ "$(identify -format '%k' before.png)" -gt 1000 ] && break
+done
+xdotool mousemove 200 240 mousedown 1 mousemove_relative 120 0 mousemove_relative 120 30 mouseup 1
+sleep 2
+shot turned.png
+xdotool click 5 click 5 click 5 click 5
+sleep 2
+shot farther.png
+cp godot.log said.log
+kill $!
+wait
+"""
+
+
+def project(bake: Bake, folder: Path, spec: ExportSpec | None = None) -> Path:
+    """The exhibit's bake, exported."""
+    deque(export_steps(bake.sidecar, spec or ExportSpec(Target.GODOT), folder / "project"), maxlen=0)
+    return folder / "project"
+
+
+def shots_of(form: Form) -> list[Shot]:
+    """The exhibit's cameras, quadrilinear without mipmaps as the reference; the last one with all turned."""
+    parameters = {"filtering": MODES[Filter.QUADRILINEAR]} if form is Form.PLAIN else {}
+    return [*(Shot(camera, parameters) for camera in CAMERAS), Shot(FRONT, parameters, turn=70)]
+
+
+@pytest.mark.parametrize("form", Form)
+def test_godot_shows_the_reference(form: Form, exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
+    bake: Bake = getattr(exhibit, form)
+    opened, shots = imported(root, project(bake, tmp_path)), shots_of(form)
+    shown = {renderer: pictures(root, opened, renderer, shots) for renderer in RENDERERS}
+    for renderer, taken in shown.items():
+        for shot, picture in zip(shots, taken, strict=True):
+            reference, inside = bake.picture(shot.camera), bake.inside(shot.camera)
+            found = decibels(picture, reference, bake.eroded(shot.camera))
+            print(f"{renderer} {form}, {shot.camera.name}, turned by {shot.turn}: {found:.1f} dB")
+            assert found > LEAST
+            assert decibels(picture, reference, np.ones_like(inside)) > LEAST
+    if FIGURES:
+        strip = [bake.picture(FRONT), *(taken[0] for taken in shown.values())]
+        _keep(Path(FIGURES, f"godot-{form}.png"), strip)
+
+
+def test_each_filter_and_the_exposure_do_what_they_say(exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
+    bake = exhibit.plain
+    opened = imported(root, project(bake, tmp_path))
+    shots = [Shot(FRONT, {"filtering": mode}) for mode in MODES.values()]
+    *taken, darker = pictures(root, opened, "Compatibility", [*shots, Shot(FRONT, {"exposure": 0.25})])
+    for kind, picture in zip(MODES, taken, strict=True):
+        found = {other: decibels(picture, bake.picture(FRONT, other), bake.eroded(FRONT)) for other in Filter}
+        print(f"{kind}: {found[kind]:.1f} dB")
+        assert found[kind] > LEAST
+        assert max(found, key=lambda other: found[other]) is kind
+    assert decibels(darker, bake.picture(FRONT) / 4, bake.eroded(FRONT)) > LEAST
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        ExportSpec(Target.GODOT, arrangement=Arrangement.SLICES, levels=1),
+        ExportSpec(Target.GODOT, limit=256, levels=1),
+        ExportSpec(Target.GODOT, format=TextureFormat.KTX2_RGBA16F, levels=1),
+        ExportSpec(Target.GODOT, format=TextureFormat.KTX2_BC6H, levels=1),
+    ],
+    ids=["slices", "pages", "rgba16f", "bc6h"],
+)
+@pytest.mark.parametrize("renderer", RENDERERS)
+def test_other_arrangements_and_formats_show_it_too(
+    spec: ExportSpec, renderer: str, exhibit: Exhibit, root: Root, tmp_path: Path
+) -> None:
+    bake = exhibit.plain
+    opened = imported(root, project(bake, tmp_path, spec))
+    (picture,) = pictures(root, opened, renderer, [Shot(FRONT)])
+    reference = bake.picture(FRONT)
+    if spec.format is TextureFormat.KTX2_BC6H:
+        reference = picture_of_file(bake, next(opened[0].glob("*.ktx2")))
+    found = decibels(picture, reference, bake.eroded(FRONT))
+    print(f"{renderer} {spec.format} {spec.arrangement}: {found:.1f} dB")
+    assert found > LEAST
+
+
+def picture_of_file(bake: Bake, path: Path) -> Picture:
+    """What the reference sampler sees of a bucket matrix that lost something when it was packed."""
+    (image,) = decode_texture(read_ktx2(path))
+    buffer, facts = bake.buffer(FRONT), bake.finished.sidecar
+    layout = AtlasLayout(facts.width, facts.height, facts.bucket)
+    pixels = image[0, : layout.pixel_height, : layout.pixel_width, :3].astype(float)
+    seen = sample(pixels, layout, buffer.uv[buffer.hit], buffer.incidence[buffer.hit], Filter.QUADRILINEAR)
+    return buffer.resolve(buffer.spread(seen))
+
+
+def test_far_away_mipmaps_show_what_more_samples_show(exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
+    """From afar, against the mean of 8 x 8 lookups a pixel: with levels it is nearer to that than without."""
+    bake = exhibit.plain
+    opened = imported(root, project(bake, tmp_path))
+    large = replace(FRONT, place=(11.0, -24.0, 6.0), pixels=512)
+    small = replace(large, pixels=64)
+    mean = bake.picture(large).reshape(64, 8, 64, 8, 3).mean(axis=(1, 3))
+    whole = bake.inside(large).reshape(64, 8, 64, 8).all(axis=(1, 3))
+    shots = [Shot(small, {"filtering": mode}) for mode in (3, 2)]
+    by_levels, plain = pictures(root, opened, "Compatibility", shots)
+    assert decibels(by_levels, mean, whole) > decibels(plain, mean, whole) + 0.5
+
+
+def test_dragging_turns_it_and_the_wheel_moves_it(exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
+    folder, inside = imported(root, project(exhibit.plain, tmp_path))
+    ended = root.run(screen(["sh", "-c", DRAG], 640, 480), cwd=inside, timeout=240)
+    said = (folder / "said.log").read_text(encoding="utf-8")
+    assert ended.returncode == 0, ended.stderr
+    assert "ERROR" not in said, said
+    before, turned, farther = (light_of(folder / f"{name}.png") for name in ("before", "turned", "farther"))
+    sizes = [np.count_nonzero(picture.max(axis=2) > 0.01) for picture in (before, turned, farther)]
+    print(f"pixels of it: {sizes}")
+    assert np.mean(np.abs(turned - before)[before.max(axis=2) > 0.01]) > 0.02
+    assert sizes[2] < 0.75 * sizes[1]
+
+
+def test_without_our_extension_the_mesh_shows_the_flat_lightmap(
+    exhibit: Exhibit, root: Root, tmp_path: Path
+) -> None:
+    bake = exhibit.plain
+    exported = project(bake, tmp_path)
+    (mesh,), (flat,) = exported.glob("*.glb"), exported.glob("*.flat.png")
+    bare = tmp_path / "bare"
+    bare.mkdir()
+    for file in (INSIDE / "project.godot", INSIDE / "open.gd"):
+        shutil.copy(file, bare)
+    shutil.copy(mesh, bare / "mesh.glb")
+    opened = imported(root, bare)
+    run_godot(root, ["--headless", "--path", opened[1], "--script", "res://open.gd"])
+    (picture,) = pictures(root, opened, "Forward+", [Shot(FRONT)])
+    buffer, light = bake.buffer(FRONT), light_of(flat)[::-1]
+    layout = AtlasLayout(light.shape[1], light.shape[0], 1)
+    seen = sample(light, layout, buffer.uv[buffer.hit], buffer.incidence[buffer.hit], Filter.QUADRILINEAR)
+    found = decibels(picture, buffer.resolve(buffer.spread(seen)), bake.eroded(FRONT))
+    print(f"{found:.1f} dB")
+    assert found > LEAST
+
+
+def test_what_godot_does_not_load_is_refused(exhibit: Exhibit, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="godot does not read it; choose from"):
+        ExportSpec(Target.GODOT, format=TextureFormat.EXR)
+    spec = ExportSpec(Target.GODOT, TextureFormat.KTX2_RGBA16F, arrangement=Arrangement.SLICES)
+    with pytest.raises(InputError, match="choose --format dds-rgba16f"):
+        project(exhibit.plain, tmp_path, spec)
+    assert not any(tmp_path.iterdir())
+
+
+def _keep(path: Path, taken: list[Picture]) -> None:
+    strip = display(np.concatenate(taken, axis=1))
+    Image.fromarray((strip * 255 + 0.5).astype(np.uint8)).save(path, optimize=True)
