@@ -12,8 +12,12 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from .arrays import Bools, Ints
+from .arrays import Bools, Floats, Ints
 from .errors import InputError, ShapeError
+
+LEAST_AGREEMENT = 0.85  # another UV layer's gutter agrees less with a bake
+
+_LOOKED_AT = 4096  # of the gutter's texels
 
 Nearest: TypeAlias = tuple[Ints, Ints]
 
@@ -53,6 +57,27 @@ def dilate(values: npt.NDArray[Any], nearest: Nearest) -> npt.NDArray[Any]:
         gutter = np.flatnonzero((j[row] != row) | (i[row] != columns))
         values[row, gutter] = values[j[row, gutter], i[row, gutter]]
     return values
+
+
+def gutter_agreement(covered: Bools, texels: Floats, loss: float = 0.0) -> float:
+    """How well a UV layer, which has these texels `covered` (H, W), agrees with a bake's `texels` (H, W, K).
+
+    The share of the gutter's values that are copies of the nearest covered texel's, 0 to 1; they may differ
+    by `loss`, over the larger. Raises ShapeError if the sizes differ.
+    """
+    if texels.shape[:2] != covered.shape:
+        raise ShapeError(f"texels: expected shape {(*covered.shape, '...')}, got {texels.shape}")
+    if not covered.any():
+        return 0.0
+    gutter = np.flatnonzero(~covered)
+    gutter = gutter[:: len(gutter) // _LOOKED_AT + 1]
+    if not len(gutter):
+        return 1.0
+    nearest = np.ravel_multi_index(nearest_covered(covered), covered.shape).ravel()[gutter]
+    flat = texels.reshape(covered.size, -1)
+    ours, theirs = (flat[place].astype(np.float32) for place in (gutter, nearest))
+    allowed = loss * np.maximum(np.abs(ours), np.abs(theirs))
+    return float((np.abs(ours - theirs) <= allowed).mean())
 
 
 def _nearest_in_column(covered: Bools) -> Ints:

@@ -15,34 +15,39 @@ import numpy as np
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError
-from ..core.gutter import dilate, nearest_covered
+from ..core.gutter import LEAST_AGREEMENT, dilate, gutter_agreement, nearest_covered
 from ..core.hemisphere import equisolid_inverse
 from ..core.shared import SharedAtlas, sample_shared
 from ..core.solid_angle import cell_solid_angles_sr
 from ..core.surface import SurfaceMesh
-from ..core.texel_map import rasterise
-from ..formats.exr import read_atlas
+from ..core.texel_map import TexelMap, rasterise
+from ..formats.exr import Compression, read_atlas, stored_compression
+from ..formats.packing import IRRADIANCE
 from ..formats.png import encode_png
-from ..formats.shared_files import read_shared
+from ..formats.shared_files import layer_path, read_shared
 from ..formats.sidecar import read_sidecar
 from .progress import Step, Task
 
 DIRECTIONS = 64  # that a texel of the shared layout is looked at from
 _EACH = 8  # directions between two signs of life
 _GOLDEN = np.pi * (3 - np.sqrt(5))
+_EXACT, _DWAA, _BC6H = 1e-4, 0.05, 0.1  # by how much equal texels may differ once they were packed
 _BRIGHT = 99.5  # percent of the texels that the picture shows unclipped
 
 
-def flat_buckets(sidecar: Path) -> Floats:
+def flat_buckets(sidecar: Path, surface: SurfaceMesh) -> Floats:
     """The mean light (H, W, 3) of each bucket of an atlas, float32, row 0 at v = 0, over black.
 
-    Raises FormatError for files that cannot be read.
+    Raises FormatError for files that cannot be read, and a surface that the atlas is not of.
     """
     facts, image = read_sidecar(sidecar), sidecar.with_suffix(".exr")
     pixels, inner = read_atlas(image)
     if inner != facts:
         raise FormatError(f"{image} is of another bake than {sidecar}: put one bake's files together")
-    return mean_of_buckets(pixels, AtlasLayout(facts.width, facts.height, facts.bucket))
+    light = mean_of_buckets(pixels, AtlasLayout(facts.width, facts.height, facts.bucket))
+    lossy = stored_compression(image) is Compression.DWAA
+    _check_surface(sidecar, rasterise(surface, facts.width, facts.height), light, _DWAA if lossy else _EXACT)
+    return light
 
 
 def mean_of_buckets(pixels: Floats, layout: AtlasLayout) -> Floats:
@@ -57,17 +62,30 @@ def mean_of_buckets(pixels: Floats, layout: AtlasLayout) -> Floats:
 def flat_shared(sidecar: Path, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
     """The mean light (H, W, 3) of each texel of a bake in the shared layout, float32, row 0 at v = 0.
 
-    Raises FormatError for files that cannot be read.
+    Raises FormatError for files that cannot be read, and a surface that the atlas is not of.
     """
     atlas, facts = read_shared(sidecar)
-    return (yield from mean_of_shared(atlas, facts.bake.width, facts.bake.height, surface))
+    texels = rasterise(surface, facts.bake.width, facts.bake.height)
+    if facts.condensed is not None:
+        loss = _BC6H
+    else:
+        lossy = stored_compression(layer_path(sidecar, IRRADIANCE)) is Compression.DWAA
+        loss = _DWAA if lossy else _EXACT
+    _check_surface(sidecar, texels, atlas.irradiance, loss)
+    return (yield from mean_of_shared(atlas, texels))
 
 
-def mean_of_shared(
-    atlas: SharedAtlas, width: int, height: int, surface: SurfaceMesh
-) -> Generator[Step, None, Floats]:
+def _check_surface(sidecar: Path, texels: TexelMap, stored: Floats, loss: float) -> None:
+    """Raise FormatError where an atlas's gutter is not that of a surface."""
+    if gutter_agreement(texels.covered, stored, loss) < LEAST_AGREEMENT:
+        raise FormatError(
+            f"the preview beside {sidecar} is of another bake: bake it again with --save-preview"
+        )
+
+
+def mean_of_shared(atlas: SharedAtlas, texels: TexelMap) -> Generator[Step, None, Floats]:
     """The same of an atlas: its texels are seen from directions that share the hemisphere evenly."""
-    texels = rasterise(surface, width, height)
+    height, width = texels.covered.shape
     rows, columns = np.nonzero(texels.covered)
     uv = ((np.stack([columns, rows], axis=1) + 0.5) / (width, height)).astype(np.float32)
     normal, tangent = texels.normal[rows, columns], texels.tangent[rows, columns]

@@ -108,10 +108,11 @@ def _pack(bake: _Bake, spec: ExportSpec, folder: Path) -> Generator[Step, None, 
     with baked_copy(bake.preview, bake.bake.object_name, layer) as (scene, copy):
         yield Step(Task.FLAT, 0, 1)
         light: Floats
+        surface = surface_of(copy, layer)
         if bake.facts.text("layout") == SHARED:
-            light = yield from flat_shared(bake.sidecar, surface_of(copy, layer))
+            light = yield from flat_shared(bake.sidecar, surface)
         else:
-            light = flat_buckets(bake.sidecar)
+            light = flat_buckets(bake.sidecar, surface)
         flat, scale = flat_png(light)
         manifest = Manifest(
             tool=f"RadTex {VERSION}",

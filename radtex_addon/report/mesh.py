@@ -18,9 +18,9 @@ import bpy
 import numpy as np
 
 from ..bake.spec import Unwrap
-from ..core.arrays import Bools, Floats
+from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
-from ..core.gutter import nearest_covered
+from ..core.gutter import LEAST_AGREEMENT, gutter_agreement
 from ..core.texel_map import rasterise
 from ..scene.copy import baked_mesh, surface_mesh
 from ..scene.evaluated import EvaluatedMesh, evaluate
@@ -34,8 +34,6 @@ from .gbuffer import BakedSurface
 from .progress import Step, Task, steps_of
 
 _SURE = 0.93  # of the gutter's values: all, but where the bake filled texels that nobody sees
-_MAYBE = 0.85  # another layer's gutter has fewer
-_LOOKED_AT = 4096  # of the gutter's texels
 _SAME = 1e-5  # of the object's size: vertices that have moved less have not moved
 
 
@@ -69,7 +67,7 @@ def find_mesh(
                 best = agreement, Found(surface, found.own, found.unwrap)
             if agreement >= _SURE:
                 break
-    if best is None or best[0] < _MAYBE:
+    if best is None or best[0] < LEAST_AGREEMENT:
         raise InputError(
             f"object '{original.name}' does not fit {bake.path}: it was changed since, or unwrapped with "
             "another padding or by another Blender; bake it again, with --save-preview"
@@ -109,22 +107,8 @@ def _surface(evaluated: EvaluatedMesh, uv: Floats, bake: Finished) -> tuple[Bake
         mesh = baked_mesh(evaluated, uv, layer)
         surface = surface_mesh(evaluated, mesh, layer)
         covered = rasterise(surface, bake.sidecar.width, bake.sidecar.height).covered
-        return BakedSurface(mesh, evaluated.matrix_world, layer), _agreement(covered, bake)
-
-
-def _agreement(covered: Bools, bake: Finished) -> float:
-    """The share of values where nothing is `covered` (H, W) that are copies of the nearest covered one's."""
-    if not covered.any():
-        return 0.0
-    gutter = np.flatnonzero(~covered)
-    gutter = gutter[:: len(gutter) // _LOOKED_AT + 1]
-    if not len(gutter):
-        return 1.0
-    nearest = np.ravel_multi_index(nearest_covered(covered), covered.shape).ravel()[gutter]
-    flat = bake.texels.reshape(covered.size, -1)
-    ours, theirs = (flat[place].astype(np.float32) for place in (gutter, nearest))
-    allowed = bake.loss * np.maximum(np.abs(ours), np.abs(theirs))
-    return float((np.abs(ours - theirs) <= allowed).mean())
+        agreement = gutter_agreement(covered, bake.texels, bake.loss)
+        return BakedSurface(mesh, evaluated.matrix_world, layer), agreement
 
 
 def _unwrapped(

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.bake.spec import BakeSpec, Compression, Layout
 from radtex_addon.core.errors import FormatError, InputError, RadTexError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export import folder as folder_module
@@ -269,6 +269,22 @@ def test_a_bake_that_cannot_be_read_is_named(
     assert differences(before, fingerprint()) == {}
     assert not out.exists()
     assert {path.name for path in out.parent.iterdir()} == {"bake", "temporary"}
+
+
+@pytest.mark.parametrize("spec", [PLAIN, replace(PLAIN, compression=Compression.DWAA), SHARED])
+def test_a_preview_of_another_unwrap_is_refused(spec: BakeSpec, tmp_path: Path) -> None:
+    bpy.ops.mesh.primitive_monkey_add()
+    name, scene = context.object.name, context.scene
+    context.object.data.materials.append(stage.material("white", "ShaderNodeBsdfDiffuse"))
+    stage.hdri(stage.world())
+    spec = replace(spec, texels=64, bucket=2)
+    bake_object(scene, name, replace(spec, padding=4), tmp_path / "baked", preview=Filter.QUADRILINEAR)
+    files = bake_object(scene, name, spec, tmp_path / "new", preview=Filter.QUADRILINEAR).files
+    export(files.sidecar, GLTF, tmp_path / "good")
+    assert files.preview is not None
+    shutil.copyfile(tmp_path / "baked" / files.preview.name, files.preview)
+    with pytest.raises(FormatError, match=r"is of another bake: bake it again with --save-preview"):
+        export(files.sidecar, GLTF, tmp_path / "bad")
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.core.shared import Axis, Lobe, SharedAtlas
 from radtex_addon.core.solid_angle import cell_solid_angles_sr
 from radtex_addon.core.surface import SurfaceMesh
+from radtex_addon.core.texel_map import TexelMap, rasterise
 from radtex_addon.export.flat import even_directions, flat_png, mean_of_buckets, mean_of_shared, srgb
 from tests.shared_atlases import random_shared_atlas
 
@@ -57,11 +58,11 @@ def test_directions_share_the_hemisphere_evenly() -> None:
     np.testing.assert_allclose(second, np.eye(3) / 3, atol=1e-2)
 
 
-def square(normal: tuple[float, float, float] = (0, 0, 1)) -> SurfaceMesh:
-    """A square from (0, 0) to (1, 1) in the lower left quarter of its UV layer."""
+def square(normal: tuple[float, float, float] = (0, 0, 1)) -> TexelMap:
+    """A square from (0, 0) to (1, 1) in the lower left quarter of 8 x 8 texels."""
     corner = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.float64)
     triangles = np.array([[0, 1, 2], [0, 2, 3]])
-    return SurfaceMesh(
+    surface = SurfaceMesh(
         position=np.column_stack([corner, np.zeros(4)]),
         triangles=triangles,
         normal=np.broadcast_to(np.array(normal, dtype=np.float64), (2, 3, 3)),
@@ -69,6 +70,7 @@ def square(normal: tuple[float, float, float] = (0, 0, 1)) -> SurfaceMesh:
         sign=np.ones((2, 3)),
         uv=(corner / 2)[triangles].astype(np.float32),
     )
+    return rasterise(surface, 8, 8)
 
 
 def lit_from_above(atlas: SharedAtlas) -> SharedAtlas:
@@ -90,11 +92,11 @@ def lit_from_above(atlas: SharedAtlas) -> SharedAtlas:
 
 def test_the_shared_layout_is_seen_from_all_around() -> None:
     atlas = lit_from_above(random_shared_atlas(8, 8, lobes=(Axis.MIRROR,)))
-    seen = finished(mean_of_shared(atlas, 8, 8, square()))
+    seen = finished(mean_of_shared(atlas, square()))
     np.testing.assert_allclose(seen, 1, atol=0.03)  # mirrored views go up, and the gutter is filled
-    below = finished(mean_of_shared(atlas, 8, 8, square((0, 0, -1))))
+    below = finished(mean_of_shared(atlas, square((0, 0, -1))))
     np.testing.assert_allclose(below, 0, atol=0.02)
-    tilted = finished(mean_of_shared(atlas, 8, 8, square((0, -1, 1e-9))))
+    tilted = finished(mean_of_shared(atlas, square((0, -1, 1e-9))))
     np.testing.assert_allclose(tilted, 0.5, atol=0.03)
 
 
@@ -106,7 +108,7 @@ def test_diffuse_light_is_colour_times_irradiance() -> None:
         irradiance=np.full_like(atlas.irradiance, 3),
         falloff=np.full_like(atlas.falloff, 0.25),
     )
-    np.testing.assert_allclose(finished(mean_of_shared(even, 8, 8, square())), 0.375, rtol=1e-5)
+    np.testing.assert_allclose(finished(mean_of_shared(even, square())), 0.375, rtol=1e-5)
 
 
 def test_the_picture_is_srgb_and_its_top_row_is_v_1() -> None:
