@@ -192,6 +192,6 @@ def _stored(folder: Path, name: str, image: Image) -> dict[str, object]:
 def _layers(image: Floats) -> Floats:
     """An image as layers of four channels."""
     layers = image if image.ndim == 4 else image[np.newaxis]
-    filled = np.ones((*layers.shape[:3], 4), np.float16 if layers.dtype == np.float16 else np.float32)
+    filled: Floats = np.ones((*layers.shape[:3], 4), np.float16 if layers.dtype == np.float16 else np.float32)
     filled[..., : layers.shape[3]] = layers
     return filled
