@@ -4,7 +4,8 @@
 
 1. Fetch the wheels that blender_manifest.toml names, with uv.lock's hashes, into wheels/fetched/ (kept).
 2. Seal those for Linux against Blender's own libraries (seal_wheel.py), and lay all of them into wheels/.
-3. Build and validate with Blender's own tool, taken from the bpy wheel of the running environment.
+3. Build the web page that exports ship (build_web.py).
+4. Build and validate with Blender's own tool, taken from the bpy wheel of the running environment.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+from build_web import build_web
 from seal_wheel import seal_wheel
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -79,6 +81,7 @@ def main() -> None:
     fetch_wheels(wheels)
     for wheel in wheels:
         wheel.lay()
+    build_web()
     for path in build(out):
         print(f"{path}  {path.stat().st_size / 2**20:.1f} MiB", flush=True)
 

@@ -99,8 +99,8 @@ class Shown:
 
     def screen(self) -> Floats:
         """What the screen shows, (H, W, 3) in [0, 1], without the line that tells the frame rate."""
-        self.page.evaluate("document.getElementById('status').style.visibility = 'hidden'")
-        with Image.open(io.BytesIO(self.page.screenshot())) as image:
+        hidden = "#status { visibility: hidden }"
+        with Image.open(io.BytesIO(self.page.screenshot(style=hidden))) as image:
             return np.asarray(image.convert("RGB"), dtype=np.float32) / 255
 
     @staticmethod

@@ -166,6 +166,21 @@ def test_compare_draws_the_flat_lightmap_beside(shown: Shown) -> None:
     assert far_off(shown.screen()[inner], flat[inner]) < MOST
 
 
+def test_a_click_opens_the_inspector_and_orbiting_moves_its_cell(shown: Shown) -> None:
+    page = shown.page
+    page.mouse.click(330, 350)
+    shown.still()
+    texel, place, direction = (shown.text(name) for name in ("at-texel", "at-uv", "at-incidence"))
+    save(shown, "inspector")
+    for _ in range(4):
+        page.keyboard.press("ArrowLeft")
+    shown.still()
+    assert (shown.text("at-texel"), shown.text("at-uv")) == (texel, place)
+    assert shown.text("at-incidence") != direction
+    page.mouse.click(20, 350)
+    assert page.locator("#inspector").is_hidden()  # nothing is there
+
+
 def test_the_inspector_shows_the_bucket_under_a_click(shown: Shown, exhibit: Exhibit) -> None:
     shown.set_camera(FRONT)
     buffer = exhibit.plain.buffer(FRONT)
@@ -189,7 +204,6 @@ def test_the_inspector_shows_the_bucket_under_a_click(shown: Shown, exhibit: Exh
         assert shown.text("at-texel") == f"({i}, {j})"
         assert shown.text("at-cell").startswith(f"({p}, {q})")
         assert_pictured(shown, encoded(buckets[j, i]), (p, q))
-    save(shown, "inspector")
     shown.page.keyboard.press("Escape")
     assert shown.page.locator("#inspector").is_hidden()
 

@@ -65,7 +65,6 @@ def test_a_missing_file_is_named(web: Site, copied: Path, ending: str) -> None:
     path.unlink()
     with web.opened("spoilt/") as shown:
         says(shown, f"{path.name} is missing", "one folder")
-        save(shown, "missing")
 
 
 @pytest.mark.parametrize("ending", [".radiance.ktx2", ".glb", ".flat.png", ".export.json"])
@@ -131,20 +130,18 @@ def test_a_phone_has_all_of_it_by_taps(web: Site, exhibit: Exhibit) -> None:
     with web.opened("plain/", 360, 740, has_touch=True, is_mobile=True, device_scale_factor=2) as shown:
         shown.wait()
         page = shown.page
-        save(shown, "phone")
         assert page.locator("#panel").is_hidden()
         page.get_by_role("button", name="Settings").tap()
         page.get_by_role("button", name="Nearest").tap()
         assert page.locator("#filters [aria-pressed=true]").inner_text() == "Nearest"
         within(shown)
-        save(shown, "phone-settings")
         page.get_by_role("button", name="Settings").tap()
         shown.still()
         page.touchscreen.tap(170, 300)
         page.locator("#inspector").wait_for(state="visible")
         shown.still()
         within(shown)
-        save(shown, "phone-inspector")
+        save(shown, "phone")
         page.get_by_role("button", name="Close the inspector").tap()
         page.get_by_role("button", name="Help").tap()
         page.locator("#help").wait_for(state="visible")

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from PIL import Image
 from playwright.sync_api import Browser
 
 from radtex_addon.core.arrays import Floats
@@ -93,3 +94,10 @@ def save(shown: Shown, name: str) -> None:
     """Keep a screenshot, if somebody asked for them."""
     if FIGURES:
         shown.page.screenshot(path=Path(FIGURES, f"web-{name}.png"))
+
+
+def save_light(light: Floats, name: str) -> None:
+    """Keep a picture of linear light, if somebody asked for them."""
+    if FIGURES:
+        bytes_shown = np.round(encoded(light[..., :3]) * 255).astype(np.uint8)
+        Image.fromarray(bytes_shown).save(Path(FIGURES, f"web-{name}.png"))

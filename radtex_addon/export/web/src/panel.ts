@@ -230,12 +230,10 @@ export class Panel {
       this.placeMark();
       if (inspector.inspection) this.tellInspection(inspector.inspection);
     }
+    window.clearTimeout(this.later);
+    this.later = window.setTimeout(() => this.tellStatus(), 300);
     const now = performance.now();
-    if (now - this.told < 250) {
-      window.clearTimeout(this.later);
-      this.later = window.setTimeout(() => this.tellStatus(), 300);
-      return;
-    }
+    if (now - this.told < 250) return;
     this.told = now;
     this.tellStatus();
   }

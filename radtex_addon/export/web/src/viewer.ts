@@ -64,7 +64,8 @@ export class Viewer {
   private readonly materials = new Map<Filter, RawShaderMaterial>();
   private readonly flat: RawShaderMaterial;
   private scheduled = 0;
-  private before = 0;
+  private before = 0; // when the last frame was, in milliseconds
+  private flowing = false; // one frame asks for the next
   private scripted = false;
   private covered = { right: 0, bottom: 0 }; // CSS pixels of the stage under cards
 
@@ -291,16 +292,13 @@ export class Viewer {
   private frame(now: number): void {
     this.scheduled = 0;
     const moving = this.controls.enabled && this.controls.update(); // which also asks for the next frame
-    const since = now - this.before;
+    const rate = 1000 / Math.max(1, now - this.before);
     this.before = now;
-    if (since > 0 && since < 400) {
-      const rate = 1000 / since;
-      this.rate = this.rate === null ? rate : this.rate + (rate - this.rate) * 0.15;
-    } else {
-      this.rate = null;
-    }
+    this.rate = !this.flowing ? null : this.rate === null ? rate : this.rate + (rate - this.rate) * 0.15;
     this.draw();
     if (moving || this.controls.autoRotate) this.invalidate();
+    this.flowing = this.scheduled !== 0;
+    if (!this.flowing) this.rate = null;
   }
 
   /** Have the object between the camera's planes, as tightly as depth wants. */
