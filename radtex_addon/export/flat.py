@@ -24,7 +24,7 @@ from ..core.texel_map import TexelMap, rasterise
 from ..formats.exr import Compression, read_atlas, stored_compression
 from ..formats.packing import IRRADIANCE
 from ..formats.png import encode_png
-from ..formats.shared_files import layer_path, read_shared
+from ..formats.shared_files import layer_path, read_condensed, read_shared
 from ..formats.sidecar import read_sidecar
 from .progress import Step, Task
 
@@ -66,13 +66,24 @@ def flat_shared(sidecar: Path, surface: SurfaceMesh) -> Generator[Step, None, Fl
     """
     atlas, facts = read_shared(sidecar)
     texels = rasterise(surface, facts.bake.width, facts.bake.height)
-    if facts.condensed is not None:
-        loss = _BC6H
+    if facts.condensed is not None and facts.lobes:
+        _check_surface(sidecar, texels, _mixtures(sidecar), 0.0)
+    elif facts.condensed is not None:
+        _check_surface(sidecar, texels, atlas.irradiance, _BC6H)
     else:
         lossy = stored_compression(layer_path(sidecar, IRRADIANCE)) is Compression.DWAA
-        loss = _DWAA if lossy else _EXACT
-    _check_surface(sidecar, texels, atlas.irradiance, loss)
+        _check_surface(sidecar, texels, atlas.irradiance, _DWAA if lossy else _EXACT)
     return (yield from mean_of_shared(atlas, texels))
+
+
+def _mixtures(sidecar: Path) -> Floats:
+    """A number (H, W, 1) for each texel of a condensed bake, the same where texels are the same mixtures."""
+    atlas, _ = read_condensed(sidecar)
+    parts = [part for lobe in atlas.lobes for part in (lobe.cluster[..., None], lobe.weights)]
+    every = np.concatenate(parts, axis=2)
+    _, number = np.unique(every.reshape(-1, every.shape[2]), axis=0, return_inverse=True)
+    numbered: Floats = number.reshape(*every.shape[:2], 1).astype(np.float32)
+    return numbered
 
 
 def _check_surface(sidecar: Path, texels: TexelMap, stored: Floats, loss: float) -> None:

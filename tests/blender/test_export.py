@@ -271,13 +271,19 @@ def test_a_bake_that_cannot_be_read_is_named(
     assert {path.name for path in out.parent.iterdir()} == {"bake", "temporary"}
 
 
-@pytest.mark.parametrize("spec", [PLAIN, replace(PLAIN, compression=Compression.DWAA), SHARED])
+@pytest.mark.parametrize(
+    "spec",
+    [PLAIN, replace(PLAIN, compression=Compression.DWAA), SHARED, CONDENSED],
+    ids=["plain", "dwaa", "shared", "condensed"],
+)
 def test_a_preview_of_another_unwrap_is_refused(spec: BakeSpec, tmp_path: Path) -> None:
     bpy.ops.mesh.primitive_monkey_add()
     name, scene = context.object.name, context.scene
-    context.object.data.materials.append(stage.material("white", "ShaderNodeBsdfDiffuse"))
+    shader = "ShaderNodeBsdfGlossy" if spec.condensed else "ShaderNodeBsdfDiffuse"
+    context.object.data.materials.append(stage.material("white", shader))
     stage.hdri(stage.world())
-    spec = replace(spec, texels=64, bucket=2)
+    budget = None if spec.budget is None else 120_000
+    spec = replace(spec, texels=64, bucket=2, budget=budget)
     bake_object(scene, name, replace(spec, padding=4), tmp_path / "baked", preview=Filter.QUADRILINEAR)
     files = bake_object(scene, name, spec, tmp_path / "new", preview=Filter.QUADRILINEAR).files
     export(files.sidecar, GLTF, tmp_path / "good")
