@@ -66,6 +66,11 @@ class Request:
     overwrite: bool
     progress: ProgressStyle
     verbose: bool
+    resume: bool = False
+    thumbnail: Path | None = None
+    in_scene: str | None = None
+    unsaved_images: Path | None = None
+    parent_pipe: bool = False
 
 
 class Parser(argparse.ArgumentParser):
@@ -101,6 +106,11 @@ def parse(arguments: list[str], inside_blender: bool) -> Request:
         overwrite=found.overwrite or demo,
         progress=found.progress,
         verbose=found.verbose,
+        resume=found.resume,
+        thumbnail=None if found.thumbnail is None else Path(found.thumbnail),
+        in_scene=found.in_scene,
+        unsaved_images=None if found.unsaved_images is None else Path(found.unsaved_images),
+        parent_pipe=found.parent_pipe,
     )
 
 
@@ -121,6 +131,7 @@ def _parser(inside_blender: bool) -> Parser:
     _add_quality(parser.add_argument_group("quality"))
     _add_how(parser.add_argument_group("how"))
     _add_output(parser.add_argument_group("output"))
+    _add_parent(parser.add_argument_group("for a program that runs this one"))
     add_help(parser.add_argument_group("help"))
     return parser
 
@@ -139,6 +150,11 @@ def _add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         action="append",
         metavar="NAME",
         help="the mesh object to bake; may be given several times",
+    )
+    group.add_argument(
+        "--in-scene",
+        metavar="NAME",
+        help="the scene of the file (default: the one that it opens with)",
     )
     add_choice(
         group,
@@ -247,6 +263,12 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument("--overwrite", action="store_true", help="replace files that are already there")
     group.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on with a bake that was interrupted, killed or failed, from what is kept of it in "
+        "DIR/NAME.KIND.radtex-unfinished; the atlas is what it would have been, bit by bit",
+    )
+    group.add_argument(
         "--save-preview",
         action="store_true",
         help="also write DIR/NAME.preview.blend: the scene with the baked object in it",
@@ -268,7 +290,26 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
         _DEFAULT.compression,
         "how the atlas is packed; dwaa is small and loses a little",
     )
+    group.add_argument(
+        "--thumbnail",
+        metavar="FILE",
+        help="a small PNG of what is baked so far, written anew every second",
+    )
     add_progress(group)
+
+
+def _add_parent(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--parent-pipe",
+        action="store_true",
+        help="end as by Ctrl-C when standard input ends, and at the latest three seconds later: the program "
+        "closes the pipe to cancel, and its death closes it too",
+    )
+    group.add_argument(
+        "--unsaved-images",
+        metavar="DIR",
+        help="images as they were painted in a Blender that has not saved them",
+    )
 
 
 def add_progress(group: argparse._ArgumentGroup) -> None:

@@ -1,0 +1,233 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checkpoints: what was kept comes back bit by bit, or not at all."""
+
+from __future__ import annotations
+
+import json
+import logging
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from radtex_addon.bake.analytic import AnalyticCapture
+from radtex_addon.bake.checkpoint import KEY, Checkpoint, is_unfinished, replaced_by
+from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
+from radtex_addon.bake.progress import Progress, Stage, finished
+from radtex_addon.bake.session import fill_atlas
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.errors import BakeError, InputError
+from tests.bake.test_session import card, telltale
+
+FACTS = {"samples": "16", "mesh": "sha256:aa"}
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return tmp_path / "out" / "Card.radiance.radtex-unfinished"
+
+
+def begun(folder: Path, resume: bool = False, **facts: str) -> Checkpoint:
+    checkpoint = Checkpoint(folder, resume, [folder.parent / "Card.radiance.exr"])
+    checkpoint.expect({**FACTS, **facts})
+    return checkpoint
+
+
+def some() -> dict[str, np.ndarray]:
+    random = np.random.default_rng(3)
+    return {
+        "cells": random.normal(size=(7, 3, 3, 4)).astype(np.float32)[:, ::-1],  # not in one piece of memory
+        "half": random.normal(size=5).astype(np.float16),
+        "marks": random.random((4, 2)) < 0.5,
+        "none": np.zeros((0, 3), dtype=np.int64),
+    }
+
+
+def test_a_piece_comes_back_bit_by_bit(folder: Path) -> None:
+    begun(folder).keep("first", some())
+    resumed = begun(folder, resume=True)
+    assert resumed.names() == ["first"]
+    found = resumed.found("first")
+    assert found is not None
+    assert list(found) == list(some())
+    for name, array in some().items():
+        assert found[name].dtype == array.dtype
+        np.testing.assert_array_equal(found[name], array)
+    assert resumed.found("second") is None
+
+
+def test_nothing_is_there_before_the_first_piece_or_after_the_end(folder: Path) -> None:
+    checkpoint = begun(folder)
+    assert not folder.parent.exists()
+    checkpoint.keep("first", some())
+    assert is_unfinished(folder)
+    checkpoint.remove()
+    assert list(folder.parent.iterdir()) == []
+
+
+def test_what_is_not_ours_stays(folder: Path) -> None:
+    checkpoint = begun(folder)
+    checkpoint.keep("first", some())
+    (folder / "notes.txt").write_text("mine")
+    checkpoint.remove()
+    assert [path.name for path in folder.iterdir()] == ["notes.txt"]
+    assert not is_unfinished(folder)
+
+
+def test_every_byte_of_a_piece_is_guarded(folder: Path, caplog: pytest.LogCaptureFixture) -> None:
+    begun(folder).keep("first", {"values": np.arange(6, dtype=np.float32)})
+    path = folder / "first.piece"
+    whole = path.read_bytes()
+    for place in range(len(whole)):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
+        assert begun(folder, resume=True).found("first") is None, place
+    for length in range(len(whole)):  # as a power cut leaves it
+        path.write_bytes(whole[:length])
+        assert begun(folder, resume=True).found("first") is None, length
+    assert caplog.messages[-1].startswith(f"{path} is damaged and is made again")
+    path.write_bytes(whole)
+    assert begun(folder, resume=True).found("first") is not None
+
+
+def test_a_piece_of_another_bake_or_name_is_not_taken(folder: Path) -> None:
+    begun(folder).keep("first", some())
+    foreign = folder.with_name("other")
+    begun(foreign, samples="64").keep("second", some())
+    (foreign / "second.piece").replace(folder / "second.piece")
+    (folder / "third.piece").write_bytes((folder / "first.piece").read_bytes())
+    resumed = begun(folder, resume=True)
+    assert resumed.found("second") is None
+    assert resumed.found("third") is None
+    assert resumed.found("first") is not None
+
+
+def test_what_differs_is_named_in_one_line(folder: Path) -> None:
+    begun(folder).keep("first", some())
+    with pytest.raises(InputError) as raised:
+        begun(folder, resume=True, samples="64", mesh="sha256:bb")
+    assert str(raised.value) == (
+        f"{folder} is of a bake that differs in samples (16, now 64), mesh: bake as before, "
+        "or begin anew (--overwrite, without --resume)"
+    )
+    begun(folder, resume=True)
+
+
+def test_without_resume_all_is_begun_anew_at_the_first_piece(folder: Path) -> None:
+    begun(folder).keep("first", some())
+    anew = begun(folder, samples="64")
+    assert anew.names() == []
+    assert anew.found("first") is None
+    assert (folder / "first.piece").exists()
+    anew.keep("second", some())
+    assert sorted(path.name for path in folder.iterdir()) == [KEY, "second.piece"]
+    assert begun(folder, resume=True, samples="64").names() == ["second"]
+
+
+def test_an_input_error_leaves_another_bakes_pieces_alone(folder: Path) -> None:
+    begun(folder).keep("first", some())
+    resumed = begun(folder, resume=True)
+    resumed.keep("second", some())
+    resumed.drop_own()
+    assert resumed.names() == ["first", "second"]
+    other = begun(folder.with_name("other"))
+    other.keep("first", some())
+    other.drop_own()
+    assert not folder.with_name("other").exists()
+
+
+def test_a_key_without_sense_is_an_error_that_says_how_to_go_on(folder: Path) -> None:
+    begun(folder).keep("first", some())
+    assert replaced_by(folder) == {"Card.radiance.exr"}
+    whole = (folder / KEY).read_text()
+    broken = json.loads(whole)
+    broken["processes"] = ["a"]
+    for text in (
+        "",
+        whole[:-9],
+        "[]",
+        "{}",
+        json.dumps(broken),
+        whole.replace('"version": 1', '"version": 2'),
+    ):
+        (folder / KEY).write_text(text)
+        with pytest.raises(InputError, match=r"damaged.*--overwrite, without --resume"):
+            begun(folder, resume=True)
+
+
+def test_a_folder_that_goes_away_ends_the_bake(folder: Path) -> None:
+    checkpoint = begun(folder)
+    checkpoint.keep("first", some())
+    for path in folder.iterdir():
+        path.unlink()
+    folder.rmdir()
+    with pytest.raises(BakeError, match="has gone"):
+        checkpoint.keep("second", some())
+    assert not folder.exists()
+
+
+def test_a_refusing_system_is_one_line(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    checkpoint = begun(folder)
+    checkpoint.keep("first", some())
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(np.lib.format, "write_array", full)
+    with pytest.raises(BakeError, match=r"second\.piece could not be written: No space left on device"):
+        checkpoint.keep("second", some())
+    monkeypatch.undo()
+    assert begun(folder, resume=True).names() == ["first"]
+    assert sorted(path.name for path in folder.iterdir()) == ["first.piece", KEY]
+
+
+# the session
+
+
+class Counting:
+    """A capture that fails after some tiles."""
+
+    def __init__(self, plan: CapturePlan, tiles: int) -> None:
+        self._capture = AnalyticCapture(plan, telltale(plan), side=1)
+        self._left = tiles
+        self.rows: list[int] = []
+
+    def render(self, tile: Tile) -> Floats:
+        if not self._left:
+            raise BakeError("Cycles failed")
+        self._left -= 1
+        self.rows.extend(range(tile.first_row, tile.first_row + tile.rows))
+        return self._capture.render(tile)
+
+
+def test_a_session_goes_on_where_another_ended(folder: Path) -> None:
+    plan = plan_capture(card(width=40, height=40), 2)
+    whole = finished(fill_atlas(plan, Counting(plan, 10_000), 64))
+    first = Counting(plan, 3)
+    with pytest.raises(BakeError):
+        finished(fill_atlas(plan, first, 64, keeper=begun(folder)))
+    second = Counting(plan, 10_000)
+    steps = fill_atlas(plan, second, 64, keeper=begun(folder, resume=True))
+    assert next(steps) == Progress(Stage.CAPTURE, len(first.rows) * plan.columns, len(plan.texel))
+    np.testing.assert_array_equal(finished(steps), whole)
+    assert sorted(first.rows + second.rows) == list(range(plan.rows)), "every row once"
+    third = Counting(plan, 0)
+    image = finished(fill_atlas(plan, third, 64, keeper=begun(folder, resume=True)))
+    np.testing.assert_array_equal(image, whole)
+    assert third.rows == []
+
+
+def test_a_damaged_tile_alone_is_captured_again(folder: Path, caplog: pytest.LogCaptureFixture) -> None:
+    plan = plan_capture(card(width=40, height=40), 2)
+    whole = finished(fill_atlas(plan, Counting(plan, 10_000), 64, keeper=begun(folder)))
+    pieces = sorted(folder.glob("tile-*.piece"))
+    assert len(pieces) > 2
+    spoilt = pieces[1]
+    spoilt.write_bytes(spoilt.read_bytes()[:-100])
+    again = Counting(plan, 10_000)
+    with caplog.at_level(logging.WARNING):
+        image = finished(fill_atlas(plan, again, 64, keeper=begun(folder, resume=True)))
+    np.testing.assert_array_equal(image, whole)
+    _, first, rows = spoilt.stem.split("-")
+    assert again.rows == list(range(int(first), int(first) + int(rows)))
+    assert len(caplog.messages) == 1
