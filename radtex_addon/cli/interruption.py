@@ -9,9 +9,12 @@ between its steps.
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
+from threading import Thread
+from time import sleep
 from types import FrameType
 from typing import TypeVar
 
@@ -22,6 +25,7 @@ _Step = TypeVar("_Step")
 _Result = TypeVar("_Result")
 
 INTERRUPTED = "interrupted: nothing unfinished is left"
+_GRACE = 3.0  # seconds that a step has to end when nobody is there any more
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)  # Ctrl-C, and how a farm ends a job
 
 
@@ -35,6 +39,21 @@ class Interruption:
         """A signal's handler. The second signal ends the process at once, as if we were not there."""
         self._asked = True
         signal.signal(number, signal.SIG_DFL)
+
+    def ask_when_input_ends(self) -> None:
+        """End the run when our standard input does: who started us has cancelled, or has died.
+
+        A step that goes on after that, such as a long render, is ended with the process.
+        """
+
+        def watch() -> None:
+            while os.read(0, 1024):
+                pass
+            self._asked = True
+            sleep(_GRACE)
+            os._exit(Cancelled.exit_code)
+
+        Thread(target=watch, daemon=True).start()
 
     def check(self) -> None:
         """Raise Cancelled if the run shall end."""

@@ -21,6 +21,7 @@ from ..formats.memory import readable_size
 from ..job import BakeResult, bake_steps, check_request
 from ..preview.picture import render_picture
 from ..scene.demo import OBJECT
+from ..worker.images import load_unsaved
 from .arguments import EXPORT, REPORT, Request, parse
 from .export import run_export
 from .export_arguments import ExportRequest, parse_export
@@ -105,7 +106,11 @@ class _Warnings(logging.Handler):
 
 
 def _run(request: Request, report: Report, interruption: Interruption) -> None:
-    scene = open_scene(request.scene, request.demo)
+    if request.parent_pipe:
+        interruption.ask_when_input_ends()
+    scene = open_scene(request.scene, request.demo, request.in_scene)
+    if request.unsaved_images is not None:
+        load_unsaved(request.unsaved_images)
     objects = request.objects or (OBJECT,)
     for name in objects:  # all of them, before the first bake
         check_request(scene, name, request.spec, request.out, request.preview is not None, request.overwrite)

@@ -16,14 +16,30 @@ from ..scene.demo import build_demo_scene
 log = logging.getLogger(__name__)
 
 
-def open_scene(path: Path | None, demo: bool) -> bpy.types.Scene:
-    """The demo, the scene of the .blend `path`, or of the file that is open. Raises InputError."""
+def open_scene(path: Path | None, demo: bool, name: str | None = None) -> bpy.types.Scene:
+    """The demo, the scene of the .blend `path`, or of the file that is open. Raises InputError.
+
+    Of several scenes the one called `name`, or the one that the file opens with.
+    """
     if demo:
         return build_demo_scene()
     if path is not None:
         _open(path)
+    if name is not None:
+        return _named(name)
     scene = bpy.context.scene
     assert scene is not None  # there is one, but while Blender starts
+    return scene
+
+
+def _named(name: str) -> bpy.types.Scene:
+    """A scene of the open file, made the one it shows."""
+    scene = bpy.data.scenes.get(name)
+    if scene is None:
+        known = ", ".join(f"'{scene.name}'" for scene in bpy.data.scenes)
+        raise InputError(f"there is no scene '{name}' in the file: it has {known}")
+    assert bpy.context.window is not None  # there is one in the background too
+    bpy.context.window.scene = scene
     return scene
 
 

@@ -40,6 +40,11 @@ def use_device(scene: bpy.types.Scene, wish: str) -> Iterator[str]:
                 device.use = switches[device.id]
 
 
+def preferred_device() -> str:
+    """What `auto` means here, as a wish for another Blender that does not know these preferences."""
+    return _choose(_cycles_preferences(), "AUTO").lower()
+
+
 def _cycles_preferences() -> Any:
     """The preferences of Cycles's add-on, which no stub knows."""
     addon = bpy.context.preferences.addons.get("cycles")

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Imports point one way.
 
-core <- formats <- bake <- scene <- cycles <- preview, export <- job <- report <- ui, cli.
+core <- formats <- bake <- scene <- cycles <- preview, export <- job <- report <- worker <- ui, cli.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ ORDER = [
     {"preview", "export"},
     {"job"},
     {"report"},
+    {"worker"},
     {"ui", "cli"},
 ]
 RANK = {layer: rank for rank, row in enumerate(ORDER) for layer in row}
@@ -38,7 +39,9 @@ ALLOWED: dict[str, set[str]] = {
     "formats": {"numpy", "OpenEXR", "zstandard"},
     "bake": {"numpy"},
     "scene": {"numpy"} | BLENDER,
-} | dict.fromkeys(("cycles", "preview", "export", "job", "report", "ui", "cli"), {"numpy"} | BLENDER)
+} | dict.fromkeys(
+    ("cycles", "preview", "export", "job", "report", "worker", "ui", "cli"), {"numpy"} | BLENDER
+)
 
 # A script that runs in a process without Blender and without the rest of the package.
 WORKER = ("scene", "xatlas_worker")
@@ -46,10 +49,13 @@ WORKER = ("scene", "xatlas_worker")
 # The one module that judges pictures.
 METRICS = ("report", "metrics")
 
+# The modules that a worker is run with: they need no Blender, so that nothing of it is held while one runs.
+OUTSIDE: set[tuple[str, ...]] = {("worker", name) for name in ("job", "order", "process", "queue")}
+
 BY_MODULE: dict[tuple[str, ...], set[str]] = {
     WORKER: {"numpy", "xatlas"},
     METRICS: {"numpy", "flip_evaluator"},
-}
+} | {module: set() for module in OUTSIDE}
 
 # As in ("core", "atlas") for core/atlas.py.
 MODULES = [
@@ -124,6 +130,12 @@ def test_only_the_metrics_import_flip() -> None:
     assert not trespasses(METRICS, "import numpy, flip_evaluator")
     assert trespasses(METRICS, "import bpy")
     assert trespasses(("report", "page"), "import flip_evaluator")
+
+
+def test_a_queue_of_workers_needs_no_blender() -> None:
+    assert set(MODULES) >= OUTSIDE
+    assert trespasses(("worker", "queue"), "import bpy")
+    assert not trespasses(("worker", "handover"), "import bpy")
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,121 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The session's scene as it is now, put into a folder for a worker; the session stays what it was."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from time import perf_counter, time
+from typing import Any
+
+import bpy  # noqa: TID251  # of this package, handover and images know Blender
+
+from ..core.errors import BakeError
+from ..cycles.device import preferred_device
+from .images import save_unsaved
+from .order import Handover, Program
+
+_PREFIX = "radtex-job-"
+_LEFT = 24 * 3600.0  # seconds after which a folder that shows no life was left by a Blender that died
+
+
+def this_program() -> Program:
+    """What runs us, for the workers."""
+    if bpy.app.module:
+        return Program(sys.executable, is_blender=False)
+    return Program(bpy.app.binary_path, is_blender=True, paths=tuple(path for path in sys.path if path))
+
+
+def jobs_folder() -> Path:
+    """Where scenes are handed over if nobody says: the extension's own folder, else the temporary one."""
+    package = ".".join(__name__.split(".")[:3])
+    try:
+        return Path(bpy.utils.extension_path_user(package, path="jobs", create=True))
+    except ValueError:  # not installed as an extension
+        return Path(tempfile.gettempdir())
+
+
+def hand_over(scene: bpy.types.Scene, root: Path | None = None) -> Handover:
+    """Save `scene` with its file as it is now, unsaved changes and painted images too, below `root`.
+
+    Relative paths and libraries lead from there to where they led. File, images, selection and undo of the
+    session are what they were; handlers of other add-ons that wait for a saved file hear nothing. Raises
+    BakeError where the system refuses.
+    """
+    since = perf_counter()
+    root = jobs_folder() if root is None else root
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        _remove_left(root)
+        folder = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=root)).absolute()
+    except OSError as error:
+        raise _refused(root, error) from error
+    try:
+        images = folder / "images"
+        painted = save_unsaved(images)
+        blend = folder / f"{Path(bpy.data.filepath).stem or 'untitled'}.blend"
+        with _sleeping_handlers():
+            bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True, relative_remap=True, **_compression())
+        _copy_caches(folder)
+    except (OSError, RuntimeError) as error:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise _refused(root, error) from error
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+    return Handover(
+        folder=folder,
+        blend=blend,
+        scene=scene.name,
+        images=images if painted else None,
+        device=preferred_device(),
+        stalled=perf_counter() - since,
+    )
+
+
+def _refused(root: Path, error: Exception) -> BakeError:
+    reason = " ".join(str(error).removeprefix("Error:").split())
+    return BakeError(f"the scene cannot be saved for the bake below {root} ({reason}): choose another folder")
+
+
+def _compression() -> dict[str, Any]:
+    """As the open file is on disk: Blender would save it by the choice made here the next time."""
+    if not bpy.data.filepath:
+        return {}
+    with suppress(OSError), Path(bpy.data.filepath).open("rb") as file:
+        return {"compress": file.read(7) != b"BLENDER"}
+    return {}
+
+
+def _copy_caches(folder: Path) -> None:
+    """Simulations that are cached on disk are looked for beside the file, by its name."""
+    if bpy.data.filepath:
+        file = Path(bpy.data.filepath)
+        caches = file.with_name(f"blendcache_{file.stem}")
+        if caches.is_dir():
+            shutil.copytree(caches, folder / caches.name)
+
+
+@contextmanager
+def _sleeping_handlers() -> Iterator[None]:
+    lists = (bpy.app.handlers.save_pre, bpy.app.handlers.save_post, bpy.app.handlers.save_post_fail)
+    saved = [list(functions) for functions in lists]
+    try:
+        for functions in lists:
+            functions.clear()
+        yield
+    finally:
+        for functions, before in zip(lists, saved, strict=True):
+            functions[:] = before
+
+
+def _remove_left(root: Path) -> None:
+    for folder in root.glob(f"{_PREFIX}*"):
+        with suppress(OSError):
+            if time() - folder.stat().st_mtime > _LEFT:
+                shutil.rmtree(folder, ignore_errors=True)

@@ -1,0 +1,115 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Images that were painted and not saved: Blender does not write them into a copy of the file.
+
+Their pixels travel beside it, raw, so that the session's images are only read. Tiles (UDIM) are the
+exception, for Blender shows pixels of the first alone: it saves copies of them, and no longer calls them
+generated.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import bpy  # noqa: TID251  # of this package, handover and images know Blender
+import numpy as np
+
+from ..core.errors import InputError
+
+log = logging.getLogger(__name__)
+
+_LIST = "images.json"
+
+
+@dataclass(frozen=True)
+class _Entry:
+    """An image and where its pixels are: (H, W, 4) float32 or uint8, or tiles as image files."""
+
+    name: str
+    library: str | None
+    file: str
+    tiled: bool
+
+
+def save_unsaved(folder: Path) -> bool:
+    """Write what was painted and not saved into a new `folder`; returns whether there was any.
+
+    Raises OSError or RuntimeError where that cannot be done.
+    """
+    entries = []
+    for index, image in enumerate(_unsaved()):
+        folder.mkdir(exist_ok=True)
+        tiled = image.source == "TILED"
+        if tiled:
+            file = f"{index}.<UDIM>.{'exr' if image.is_float else 'png'}"
+            image.save(filepath=str(folder / file), save_copy=True)
+        else:
+            file = f"{index}.npy"
+            np.save(folder / file, _pixels(image))
+        entries.append(_Entry(image.name, _library(image), file, tiled))
+    if entries:
+        listed = json.dumps([asdict(entry) for entry in entries])
+        (folder / _LIST).write_text(listed, encoding="utf-8")
+    return bool(entries)
+
+
+def load_unsaved(folder: Path) -> None:
+    """Give the open file's images the pixels that `save_unsaved` wrote, and pack them. Raises InputError."""
+    try:
+        entries = [_Entry(**entry) for entry in json.loads((folder / _LIST).read_text(encoding="utf-8"))]
+        for entry in entries:
+            for image in _named(entry):
+                _load(image, folder / entry.file, entry.tiled)
+    except (OSError, ValueError, TypeError, RuntimeError) as error:
+        raise InputError(f"{folder} holds no unsaved images ({error}): hand the scene over again") from error
+
+
+def _unsaved() -> Iterator[Any]:
+    image: Any
+    for image in bpy.data.images:
+        if not image.is_dirty or image.type in {"RENDER_RESULT", "COMPOSITING"}:
+            continue
+        if image.source in {"FILE", "GENERATED", "TILED"}:
+            yield image
+        else:
+            log.warning("image '%s' has unsaved changes, which the bake will not show: save it", image.name)
+
+
+def _named(entry: _Entry) -> Iterator[Any]:
+    """The image, unless nothing used it and Blender left it out of the file."""
+    for image in bpy.data.images:
+        if (image.name, _library(image)) == (entry.name, entry.library):
+            yield image
+
+
+def _library(image: Any) -> str | None:
+    return None if image.library is None else str(image.library.name)
+
+
+def _pixels(image: Any) -> Any:
+    """(H, W, 4), or as many channels as it has; of an image of bytes exactly those."""
+    width, height = image.size
+    pixels = np.empty((height, width, image.channels), dtype=np.float32)
+    image.pixels.foreach_get(pixels.ravel())
+    return pixels if image.is_float else np.rint(pixels * 255).astype(np.uint8)
+
+
+def _load(image: Any, file: Path, tiled: bool) -> None:
+    if tiled:
+        image.filepath_raw = str(file)
+        image.reload()
+    else:
+        pixels = np.load(file, allow_pickle=False)
+        height, width, _ = pixels.shape
+        image.source = "GENERATED"  # of the right size, whatever is on the disk
+        image.generated_width, image.generated_height = width, height
+        image.use_generated_float = pixels.dtype == np.float32
+        values = pixels if pixels.dtype == np.float32 else pixels.astype(np.float32) / 255
+        image.pixels.foreach_set(np.ascontiguousarray(values).ravel())
+        image.update()
+    image.pack()  # Cycles then takes it from memory, and a saved preview keeps it

@@ -1,0 +1,183 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A worker: `bake.py` in a process of its own, heard by its JSON lines and ended at any time.
+
+Its standard input is a pipe from which nothing comes: where that ends, because somebody cancels or because we
+have died, the worker ends. No signal does that on every system.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from threading import Thread, Timer
+from typing import Any, NamedTuple, TypeAlias
+
+from ..core.errors import Cancelled, InputError
+from .job import State
+
+PATIENCE = 1.0  # seconds that a cancelled worker has for itself
+_NICE = 10  # Blender's window goes before
+_REMEDY = "bake again, if memory ran out with fewer texels, cells or samples"
+
+Event: TypeAlias = Mapping[str, Any]
+
+
+class Ended(NamedTuple):
+    """How a worker ended, and why if it failed."""
+
+    state: State
+    message: str
+
+
+class Worker:
+    """A running worker. Nothing here waits but `close`; call `events` now and then."""
+
+    def __init__(self, command: Sequence[str], folder: Path) -> None:
+        """Start it, with its temporary files in a new folder below `folder`.
+
+        Raises InputError where the program does not start, OSError where `folder` refuses.
+        """
+        self._temporary = tempfile.TemporaryDirectory(
+            prefix="temporary-", dir=folder, ignore_cleanup_errors=True
+        )
+        self._errors = tempfile.TemporaryFile(dir=self._temporary.name)  # noqa: SIM115  # closed by close
+        try:
+            self._process = self._start(command)
+        except OSError as error:
+            self._clear()
+            raise InputError(
+                f"{command[0]} does not start ({error.strerror or error}): install Blender anew"
+            ) from error
+        self._said: SimpleQueue[Event | None] = SimpleQueue()
+        self._error = ""
+        self._cancelled = False
+        self._ended: Ended | None = None
+        self._thread = Thread(target=self._listen, name="RadTex worker", daemon=True)
+        self._thread.start()
+
+    @property
+    def pid(self) -> int:
+        return self._process.pid
+
+    @property
+    def ended(self) -> Ended | None:
+        """None while it runs, as far as `events` has heard."""
+        return self._ended
+
+    def events(self) -> list[Event]:
+        """What it has said since the last call."""
+        heard: list[Event] = []
+        with suppress(Empty):
+            while self._ended is None:
+                event = self._said.get_nowait()
+                if event is None:
+                    self._ended = self._judge()
+                elif event.get("event") == "error":
+                    self._error = str(event.get("message", ""))
+                else:
+                    heard.append(event)
+        return heard
+
+    def cancel(self) -> None:
+        """Ask it to end; after PATIENCE it is ended."""
+        if not self._cancelled:
+            self._ask()
+            killer = Timer(PATIENCE, self.kill)
+            killer.daemon = True
+            killer.start()
+
+    def kill(self) -> None:
+        """End it and what it has started, at once."""
+        if self._process.poll() is not None:
+            return
+        with suppress(OSError):  # it has ended meanwhile
+            if sys.platform == "win32":
+                self._process.kill()
+            else:
+                os.killpg(self._process.pid, signal.SIGKILL)
+
+    def close(self) -> None:
+        """End it if it runs, which takes little more than PATIENCE, and remove its temporary files."""
+        if self._ended is None:
+            self._ask()  # and no timer: a Python that ends starts no threads
+            self._thread.join(PATIENCE)
+            self.kill()
+        self._thread.join()
+        self.events()
+        for pipe in (self._process.stdin, self._process.stdout):
+            assert pipe is not None  # both are pipes, as asked for
+            pipe.close()
+        self._clear()
+
+    def _clear(self) -> None:
+        self._errors.close()
+        self._temporary.cleanup()
+
+    def _ask(self) -> None:
+        self._cancelled = True
+        assert self._process.stdin is not None  # a pipe, as asked for
+        self._process.stdin.close()
+
+    def _start(self, command: Sequence[str]) -> subprocess.Popen[bytes]:
+        places = dict.fromkeys(("TMPDIR", "TEMP", "TMP"), self._temporary.name)
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self._errors,
+            env=os.environ | places,
+            creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0)
+            | getattr(subprocess, "BELOW_NORMAL_PRIORITY_CLASS", 0),
+            start_new_session=True,  # a group: Ctrl-C in a terminal is ours, and we can end all of it
+        )
+        if sys.platform != "win32":
+            with suppress(OSError):
+                os.setpriority(os.PRIO_PROCESS, process.pid, _NICE)
+        return process
+
+    def _listen(self) -> None:
+        stdout = self._process.stdout
+        assert stdout is not None  # a pipe, as asked for
+        for line in stdout:
+            event = _event(line)
+            if event is not None:
+                self._said.put(event)
+        self._process.wait()
+        self._said.put(None)
+
+    def _judge(self) -> Ended:
+        code = self._process.wait()
+        if code == 0:
+            return Ended(State.DONE, "")
+        if self._cancelled or code == Cancelled.exit_code:
+            return Ended(State.CANCELLED, "cancelled")
+        return Ended(State.FAILED, self._error or f"the bake ended early ({self._reason(code)}): {_REMEDY}")
+
+    def _reason(self, code: int) -> str:
+        """Why it ended without a word of its own: a signal, else the last line of its standard error."""
+        if code < 0:
+            return f"killed by signal {-code}"
+        self._errors.seek(0)
+        lines = self._errors.read().decode(errors="replace").splitlines()
+        last = next((line.strip() for line in reversed(lines) if line.strip()), f"exit code {code}")
+        return last.removeprefix("radtex: ")
+
+
+def _event(line: bytes) -> Event | None:
+    """A line's event, or None where Blender talks."""
+    if not line.startswith(b"{"):
+        return None
+    try:
+        event = json.loads(line)
+    except ValueError:  # half a line, where it was killed
+        return None
+    return event if isinstance(event, dict) else None

@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes that wait for one another: one worker at a time, each in the folder that was handed over."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import shutil
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import monotonic
+
+from ..core.errors import RadTexError
+from ..formats.atomic import remove_unfinished
+from .job import Job, State
+from .order import Order, Program, command
+from .process import Worker
+
+_SIGN_OF_LIFE = 600.0  # seconds
+
+
+@dataclass(eq=False)
+class _Entry:
+    order: Order
+    job: Job
+
+
+class Queue:
+    """Jobs, one after another. `advance` it now and then, from one thread; nothing waits but `close`.
+
+    A job that fails does not hold up the next. A folder that was handed over goes away with the last of its
+    jobs. When Python ends, the queue is closed.
+    """
+
+    def __init__(self, program: Program) -> None:
+        self._program = program
+        self._entries: list[_Entry] = []
+        self._numbers = 0
+        self._running: tuple[_Entry, Worker] | None = None
+        self._last_sign = monotonic()
+        atexit.register(self.close)
+
+    def add(self, order: Order) -> int:
+        """Let a job wait; returns its number."""
+        self._numbers += 1
+        self._entries.append(_Entry(order, Job.of(self._numbers, order)))
+        return self._numbers
+
+    def advance(self) -> bool:
+        """Hear the worker, and start the next where it has ended; returns whether there is anything to do."""
+        if self._running is not None:
+            self._hear(*self._running)
+        if self._running is None:
+            waiting = next((entry for entry in self._entries if entry.job.state is State.WAITING), None)
+            if waiting is not None:
+                self._start(waiting)
+        self._show_life()
+        return self.busy
+
+    @property
+    def busy(self) -> bool:
+        """Whether a job runs or waits."""
+        return any(not entry.job.ended for entry in self._entries)
+
+    def snapshot(self) -> tuple[Job, ...]:
+        """All jobs in their order, those that have ended too."""
+        return tuple(entry.job for entry in self._entries)
+
+    def cancel(self, number: int) -> None:
+        """End a job that runs or waits; one that runs says so, and is cancelled at most two seconds later."""
+        for entry in self._entries:
+            if entry.job.number == number and not entry.job.ended:
+                self._cancel(entry)
+
+    def cancel_all(self) -> None:
+        """End every job that runs or waits."""
+        for job in self.snapshot():
+            self.cancel(job.number)
+
+    def forget_ended(self) -> None:
+        """Leave jobs that have ended out of snapshots."""
+        self._entries = [entry for entry in self._entries if not entry.job.ended]
+
+    def close(self) -> None:
+        """Cancel all, and wait until nothing is left, at most about two seconds."""
+        atexit.unregister(self.close)
+        self.cancel_all()
+        if self._running is not None:
+            entry, worker = self._running
+            worker.close()
+            self._hear(entry, worker)
+
+    def _start(self, entry: _Entry) -> None:
+        handover = entry.order.handover
+        try:
+            worker = Worker(command(self._program, entry.order), handover.folder)
+        except (RadTexError, OSError) as error:
+            self._end(entry, State.FAILED, str(error))
+            return
+        self._running = entry, worker
+        entry.job = replace(entry.job, state=State.RUNNING)
+
+    def _hear(self, entry: _Entry, worker: Worker) -> None:
+        for event in worker.events():
+            entry.job = entry.job.hears(event)
+        if worker.ended is None:
+            return
+        self._running = None
+        worker.close()
+        if worker.ended.state is not State.DONE:
+            remove_unfinished(entry.order.out, worker.pid)
+        self._end(entry, *worker.ended)
+
+    def _cancel(self, entry: _Entry) -> None:
+        if self._running is not None and entry is self._running[0]:
+            entry.job = replace(entry.job, cancelling=True)
+            self._running[1].cancel()
+        else:
+            self._end(entry, State.CANCELLED, "cancelled")
+
+    def _end(self, entry: _Entry, state: State, message: str) -> None:
+        entry.job = entry.job.ends(state, message)
+        folder = entry.order.handover.folder
+        if folder not in self._folders():
+            shutil.rmtree(folder, ignore_errors=True)
+
+    def _folders(self) -> set[Path]:
+        """Folders that jobs still need."""
+        return {entry.order.handover.folder for entry in self._entries if not entry.job.ended}
+
+    def _show_life(self) -> None:
+        """Keep other Blenders from taking our folders for left ones; see `handover`."""
+        if monotonic() - self._last_sign > _SIGN_OF_LIFE:
+            self._last_sign = monotonic()
+            for folder in self._folders():
+                with suppress(OSError):
+                    os.utime(folder)

@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A session of its own that bakes by a worker, as Blender's window does: a script for a process.
+
+python worker_parent.py BLEND JOBS OUT OBJECT SAMPLES stay|leave
+
+It opens BLEND, hands it over below JOBS and bakes OBJECT of it into OUT; "stay" sees it through and
+prints how it ended, "leave" ends Python in the midst. It prints the worker's process id first.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from time import sleep
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+import bpy
+
+from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.worker.handover import hand_over, this_program
+from radtex_addon.worker.order import Order
+from radtex_addon.worker.queue import Queue
+
+
+def main() -> None:
+    blend, jobs, out, name, samples, manner = sys.argv[1:]
+    bpy.ops.wm.open_mainfile(filepath=blend)
+    spec = BakeSpec(texels=16, bucket=2, samples=int(samples), uv_layer="UVMap")
+    scene = bpy.context.scene
+    assert scene is not None
+    queue = Queue(this_program())
+    queue.add(Order(hand_over(scene, Path(jobs)), name, spec, Path(out)))
+    queue.advance()
+    assert queue._running is not None
+    print("worker", queue._running[1].pid, flush=True)
+    while queue.advance():
+        if manner == "leave" and queue.snapshot()[0].stage == "capture":
+            return
+        sleep(0.05)
+    print(queue.snapshot()[0].state, queue.snapshot()[0].message, flush=True)
+
+
+if __name__ == "__main__":
+    main()
