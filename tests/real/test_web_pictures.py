@@ -72,8 +72,9 @@ def test_other_layouts_show_what_the_reference_says(web: Site, exhibit: Exhibit,
             found = agreement(shown, exhibit, source, camera, Filter.QUADRILINEAR)
             print(f"{form}, {camera.name}: {found:.1f} dB")
             assert found >= LEAST
-        shown.set_camera(CAMERAS[0])
-        save_light(seen(shown), form)
+        if form in ("shared", "condensed"):
+            shown.set_camera(CAMERAS[0])
+            save_light(seen(shown), form)
 
 
 @pytest.mark.parametrize("form", ["plain", "slices"])
