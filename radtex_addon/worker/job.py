@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
@@ -45,7 +45,8 @@ class Job:
 
     `stage` is None until the worker is ready to bake. `fraction` is of the whole bake, 0 to 1, and never
     falls. `seconds_left` is a guess, None while there is none. `message` is one line: what a bake made, or
-    why it failed. `picture` is the latest picture of what is baked so far. `files` are there when it is done.
+    why it failed. `picture` is the latest picture of what is baked so far. `files` are there when it is done,
+    and `facts` are all that the worker said then.
     """
 
     number: int
@@ -62,6 +63,7 @@ class Job:
     warnings: tuple[str, ...] = ()
     picture: Path | None = None
     files: tuple[Path, ...] = ()
+    facts: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
     def of(cls, number: int, order: Order) -> Job:
@@ -86,7 +88,7 @@ class Job:
                 return replace(self, picture=Path(event["path"]))
             case "done":
                 files = tuple(Path(path) for path in event["files"])
-                return replace(self, files=files, message=str(event["summary"]))
+                return replace(self, files=files, message=str(event["summary"]), facts=event)
         return self
 
     def ends(self, state: State, message: str) -> Job:
