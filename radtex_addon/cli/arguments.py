@@ -15,6 +15,7 @@ from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layout, Unwr
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..cycles.device import GPU_TYPES
+from ..export.spec import Target
 from ..version import VERSION
 
 DEMO = "demo"
@@ -68,6 +69,7 @@ class Request:
     verbose: bool
     resume: bool = False
     thumbnail: Path | None = None
+    exports: tuple[Target, ...] = ()
     in_scene: str | None = None
     unsaved_images: Path | None = None
     parent_pipe: bool = False
@@ -96,6 +98,8 @@ def parse(arguments: list[str], inside_blender: bool) -> Request:
     chosen = {
         field.name: getattr(found, field.name) for field in fields(BakeSpec) if hasattr(found, field.name)
     }
+    if found.exports and not (found.save_preview or demo):
+        raise InputError("--export is made from the preview: give --save-preview too")
     return Request(
         scene=None if demo or found.scene is None else Path(found.scene),
         demo=demo,
@@ -108,6 +112,7 @@ def parse(arguments: list[str], inside_blender: bool) -> Request:
         verbose=found.verbose,
         resume=found.resume,
         thumbnail=None if found.thumbnail is None else Path(found.thumbnail),
+        exports=tuple(dict.fromkeys(found.exports or ())),
         in_scene=found.in_scene,
         unsaved_images=None if found.unsaved_images is None else Path(found.unsaved_images),
         parent_pipe=found.parent_pipe,
@@ -290,6 +295,16 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
         _DEFAULT.compression,
         "how the atlas is packed; dwaa is small and loses a little",
     )
+    add_choice(
+        group,
+        "--export",
+        Target,
+        None,
+        "also make DIR/NAME.TARGET of the bake, as bake.py export --to TARGET does; may be given several "
+        "times, and needs --save-preview",
+        dest="exports",
+        action="append",
+    )
     group.add_argument(
         "--thumbnail",
         metavar="FILE",
@@ -351,6 +366,7 @@ def add_choice(
     default: StrEnum | None,
     text: str,
     dest: str | None = None,
+    action: str = "store",
 ) -> None:
     """An option for one of a few words; without a default it may be left out, or `text` says what then."""
 
@@ -362,7 +378,13 @@ def add_choice(
 
     known = "" if default is None else " (default: %(default)s)"
     group.add_argument(
-        flag, dest=dest, type=chosen, default=default, metavar="|".join(options), help=f"{text}{known}"
+        flag,
+        action=action,
+        dest=dest,
+        type=chosen,
+        default=default,
+        metavar="|".join(options),
+        help=f"{text}{known}",
     )
 
 

@@ -4,9 +4,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import partial
+from pathlib import Path
 
 from ..export.run import export_steps
+from ..export.spec import ExportSpec, Target
 from ..formats.memory import readable_size
 from ..report.finished import find_bake, object_of
 from .export_arguments import ExportRequest
@@ -30,3 +33,14 @@ def run_export(request: ExportRequest, report: Report, interruption: Interruptio
         target=str(made.target),
         bytes=made.bytes,
     )
+
+
+def export_baked(
+    sidecar: Path, targets: Iterable[Target], overwrite: bool, interruption: Interruption
+) -> list[Path]:
+    """Make a folder for each target of a bake just made, in silence; returns them. Raises RadTexError."""
+    folders = []
+    for target in targets:
+        steps = export_steps(sidecar, ExportSpec(target), overwrite=overwrite)
+        folders.append(interruption.between(steps, lambda _: None).folder)
+    return folders
