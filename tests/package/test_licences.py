@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCES = ("*.py", "*.toml", "*.glsl", "*.hlsl", "*.osl", "*.wgsl", "*.gdshaderinc", ".ci/run")
+SHADERS = ("*.glsl", "*.hlsl", "*.osl", "*.wgsl", "*.gdshader", "*.gdshaderinc")
+SOURCES = ("*.py", "*.toml", *SHADERS, "*.gd", "*.ts", "*.js", "*.mjs", "*.css", "*.sh", ".ci/run")
 
 
 def sources() -> list[str]:
