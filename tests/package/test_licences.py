@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every source names its licence: MIT in shaders/, so that games can ship them; GPL elsewhere."""
+"""Every source names its licence: MIT in shaders/ and in Godot's project, which games ship; GPL elsewhere."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+GAMES_SHIP = ("shaders/", "radtex_addon/export/godot_project/")
 ROOT = Path(__file__).resolve().parents[2]
 SHADERS = ("*.glsl", "*.hlsl", "*.osl", "*.wgsl", "*.gdshader", "*.gdshaderinc")
 SOURCES = ("*.py", "*.toml", *SHADERS, "*.gd", "*.ts", "*.js", "*.mjs", "*.css", "*.sh", ".ci/run")
@@ -23,6 +24,7 @@ def sources() -> list[str]:
 @pytest.mark.parametrize("name", sources())
 def test_a_source_names_its_licence_at_the_top(name: str) -> None:
     head = (ROOT / name).read_text(encoding="utf-8").splitlines()[:4]
-    licence = "MIT" if name.startswith("shaders/") else "GPL-3.0-or-later"
-    assert any(line.endswith("SPDX-FileCopyrightText: 2026 RadTex authors") for line in head)
-    assert any(line.endswith(f"SPDX-License-Identifier: {licence}") for line in head)
+    licence = "MIT" if name.startswith(GAMES_SHIP) else "GPL-3.0-or-later"
+    said = [line.removesuffix(" */") for line in head]
+    assert any(line.endswith("SPDX-FileCopyrightText: 2026 RadTex authors") for line in said)
+    assert any(line.endswith(f"SPDX-License-Identifier: {licence}") for line in said)
