@@ -4,126 +4,128 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import bpy
-from bpy.props import EnumProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, StringProperty
+
+from .outlook import chosen_objects
+from .settings import NAMES, BakeSettings
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
-KINDS = (
-    ("radiance", "Radiance", "The light that leaves the surface, as a viewer in each direction sees it"),
-    ("incident", "Incident", "The light that arrives at the surface from each direction"),
-    ("reflection", "Reflection", "The light that arrives from where a mirror would send each view"),
-)
-
-LAYOUTS = (
-    ("buckets", "Buckets", "Every texel keeps a picture of its own of the light in all directions"),
-    (
-        "shared",
-        "Shared",
-        "What all texels see in common is kept once, and sharp. For glossy things; radiance only",
-    ),
-)
+    from .request import BakeRequest
 
 
-class RADTEX_OT_bake(bpy.types.Operator):
-    """Bake the active object's light in every direction into a texture atlas, path traced by Cycles"""
+class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
+    """Bake the selected objects' light in every direction into texture atlases, path traced by Cycles"""
 
     bl_idname = "radtex.bake"
     bl_label = "Bake Radiance Texture"
     bl_options = {"REGISTER"}
 
     if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
-        kind: str
-        atlas_layout: str
-        texels: int
-        bucket: int
-        samples: int
-        directory: str
+        object: str
+        wait: bool
     else:
-        kind: EnumProperty(
-            name="Kind",
-            description="Which light each texel keeps",
-            items=KINDS,
-            default="radiance",
+        object: StringProperty(
+            name="Object",
+            description="Name of the object to bake. Left empty, all selected meshes are baked",
+            options={"SKIP_SAVE"},
         )
-        atlas_layout: EnumProperty(
-            name="Layout",
-            description="How the light is kept",
-            items=LAYOUTS,
-            default="buckets",
-        )
-        texels: IntProperty(
-            name="Texels",
-            description="Texels along the atlas's longer side",
-            default=128,
-            min=1,
-            soft_max=1024,
-        )
-        bucket: IntProperty(
-            name="Bucket",
-            description="Cells along each side of a texel's bucket: more keep sharper reflections. "
-            "The shared layout has 16 unless this is set",
-            default=8,
-            min=2,
-            soft_max=64,
-        )
-        samples: IntProperty(
-            name="Samples",
-            description="Paths traced for each cell: more leave less noise. In the shared layout each texel "
-            "spends about 64 times as many, however many cells it has",
-            default=16,
-            min=1,
-            soft_max=1024,
-        )
-        directory: StringProperty(
-            name="Output Folder",
-            description="Where the atlas and its sidecar are written; // is the .blend file's folder",
-            default="//",
-            subtype="DIR_PATH",
+        wait: BoolProperty(
+            name="Wait",
+            description="Bake here and now, so that a script finds the files afterwards. Without a window "
+            "that is always so",
+            default=False,
+            options={"SKIP_SAVE"},
         )
 
     @classmethod
     def poll(cls, context: bpy.types.Context | None) -> bool:
-        item = context.active_object if context is not None else None
-        if item is None or item.type != "MESH":
-            cls.poll_message_set("Make a mesh object active to bake its radiance texture")
-            return False
-        return True
-
-    def invoke(
-        self, context: bpy.types.Context | None, event: bpy.types.Event | None
-    ) -> set[OperatorReturnItems]:
-        assert context is not None  # Blender always gives one
-        assert context.window_manager is not None  # there is one wherever a click comes from
-        return context.window_manager.invoke_props_dialog(self)
+        return can_bake(cls, context)
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         # Imported here, so that OpenEXR loads with the first bake and not with Blender.
-        from ..bake.spec import BakeSpec, Kind, Layout
         from ..core.errors import RadTexError
-        from ..job import bake_object
+        from .request import BakeRequest, values_with
 
-        assert context is not None  # Blender always gives one
-        assert context.scene is not None  # nor is it without a scene
-        assert context.active_object is not None  # poll's promise
-        name = context.active_object.name
+        scene, layer = shown(context)
+        names = (self.object,) if self.object else chosen_objects(layer)
+        given = (name for name in NAMES if self.properties.is_property_set(name))
         try:
-            layout = Layout(self.atlas_layout)
-            chosen = self.properties.is_property_set("bucket")
-            spec = BakeSpec(
-                kind=Kind(self.kind),
-                layout=layout,
-                texels=self.texels,
-                bucket=self.bucket if chosen else layout.cells,
-                samples=self.samples,
-            )
-            bake_object(context.scene, name, spec, Path(bpy.path.abspath(self.directory)))
+            request = BakeRequest.of(values_with(scene.radtex, self, given))  # type: ignore[attr-defined]  # ours
+            if bpy.app.background or self.wait:
+                self._bake(scene, names, request)
+            else:
+                self._submit(scene, names, request)
         except RadTexError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self.report({"INFO"}, f"Baked {name}")
         return {"FINISHED"}
+
+    def _bake(self, scene: bpy.types.Scene, names: tuple[str, ...], request: BakeRequest) -> None:
+        """Bake now, and report each object."""
+        from ..bake.progress import finished
+        from ..core.sampler import Filter
+        from ..export.run import export_steps
+        from ..export.spec import ExportSpec
+        from ..job import bake_object
+
+        _check(scene, names, request)
+        preview = Filter.QUADRILINEAR if request.preview else None
+        for name in names:
+            made = bake_object(
+                scene,
+                name,
+                request.spec,
+                request.folder,
+                preview=preview,
+                overwrite=request.overwrite,
+                resume=request.resume,
+            )
+            for target in request.targets:
+                finished(export_steps(made.files.sidecar, ExportSpec(target), overwrite=request.overwrite))
+            self.report({"INFO"}, f"Baked {name}")
+
+    def _submit(self, scene: bpy.types.Scene, names: tuple[str, ...], request: BakeRequest) -> None:
+        """Let workers bake, while the window stays alive."""
+        from . import jobs
+
+        _check(scene, names, request)
+        jobs.submit(scene, names, request)
+
+
+def can_bake(operator: type[bpy.types.Operator], context: bpy.types.Context | None) -> bool:
+    """Whether there is a mesh to bake; the operator says so if not."""
+    layer = context.view_layer if context is not None else None
+    if layer is None or not chosen_objects(layer):
+        operator.poll_message_set("Select a mesh object to bake its radiance texture")
+        return False
+    return True
+
+
+def shown(context: bpy.types.Context | None) -> tuple[bpy.types.Scene, bpy.types.ViewLayer]:
+    """The scene and view layer that an operator runs in."""
+    assert context is not None  # Blender always gives one
+    return cast(bpy.types.Scene, context.scene), cast(bpy.types.ViewLayer, context.view_layer)
+
+
+def _check(scene: bpy.types.Scene, names: tuple[str, ...], request: BakeRequest) -> None:
+    """Refuse at once what would fail later. Raises InputError with the first reason."""
+    from ..core.errors import InputError
+    from ..job.foresight import foresee
+
+    seen = foresee(
+        scene,
+        names,
+        request.spec,
+        request.folder,
+        preview=request.preview,
+        overwrite=request.overwrite,
+        resume=request.resume,
+        targets=request.targets,
+    )
+    if seen.errors:
+        raise InputError(seen.errors[0])

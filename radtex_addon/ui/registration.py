@@ -4,20 +4,68 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
+from . import defaults, estimates, jobs, keys, outlook, presets
+from .cost import RADTEX_PT_cost
+from .estimate_operator import RADTEX_OT_estimate
+from .job_operators import (
+    RADTEX_OT_cancel,
+    RADTEX_OT_cancel_here,
+    RADTEX_OT_clear_jobs,
+    RADTEX_OT_open_folder,
+)
+from .jobs_panel import RADTEX_PT_jobs
 from .operator import RADTEX_OT_bake
+from .panel import RADTEX_PT_bake, RADTEX_PT_output, RADTEX_PT_quality
+from .preferences import RADTEX_preferences
+from .presets import RADTEX_OT_preset_add, RADTEX_OT_preset_apply, RADTEX_PT_presets
+from .settings import RADTEX_PG_settings
 
-CLASSES = (RADTEX_OT_bake,)
+_scene: Any = bpy.types.Scene  # the stubs know no property of ours
+_props: Any = bpy.props  # and those of 4.5 say that nothing comes back
+
+CLASSES = (
+    RADTEX_preferences,
+    RADTEX_PG_settings,
+    RADTEX_OT_bake,
+    RADTEX_OT_estimate,
+    RADTEX_OT_cancel,
+    RADTEX_OT_cancel_here,
+    RADTEX_OT_clear_jobs,
+    RADTEX_OT_open_folder,
+    RADTEX_OT_preset_add,
+    RADTEX_OT_preset_apply,
+    RADTEX_PT_presets,
+    RADTEX_PT_bake,
+    RADTEX_PT_quality,
+    RADTEX_PT_cost,
+    RADTEX_PT_output,
+    RADTEX_PT_jobs,
+)
 
 
 def register() -> None:
-    """Register every class, in order."""
+    """Register every class, in order; then the scene's settings, and what listens."""
     for cls in CLASSES:
         bpy.utils.register_class(cls)
+    _scene.radtex = _props.PointerProperty(type=RADTEX_PG_settings)
+    presets.register()
+    keys.register()
+    defaults.register()
+    outlook.register()
 
 
 def unregister() -> None:
-    """Unregister every class, last one first."""
+    """Take it all back, last one first."""
+    outlook.unregister()
+    estimates.unregister()
+    jobs.unregister()
+    defaults.unregister()
+    keys.unregister()
+    presets.unregister()
+    del _scene.radtex
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

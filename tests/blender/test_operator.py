@@ -11,7 +11,7 @@ import pytest
 
 from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.ui import registration
-from radtex_addon.ui.operator import KINDS, LAYOUTS
+from radtex_addon.ui.choices import KINDS, LAYOUTS
 
 
 @pytest.fixture(autouse=True)

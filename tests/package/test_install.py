@@ -81,7 +81,8 @@ def test_enabling_loads_no_wheel(report: dict[str, Any]) -> None:
 
 def test_the_installed_operator_bakes_with_the_wheels_of_the_zip(report: dict[str, Any]) -> None:
     baked = report["home"] / "baked"
-    assert sorted(path.name for path in baked.iterdir()) == ["Plane.radiance.exr", "Plane.radiance.json"]
+    expected = ["Plane.preview.blend", "Plane.radiance.exr", "Plane.radiance.json"]
+    assert sorted(path.name for path in baked.iterdir()) == expected
     assert "OpenEXR" in report["baked"]["loaded_wheels"]
 
 

@@ -32,7 +32,17 @@ ORDER = [
 ]
 RANK = {layer: rank for rank, row in enumerate(ORDER) for layer in row}
 
-BLENDER = {"addon_utils", "bpy", "bmesh", "mathutils", "bpy_extras", "gpu", "_cycles"}
+BLENDER = {
+    "addon_utils",
+    "bl_operators",
+    "bl_ui",
+    "bpy",
+    "bmesh",
+    "mathutils",
+    "bpy_extras",
+    "gpu",
+    "_cycles",
+}
 ALLOWED: dict[str, set[str]] = {
     "version": set(),
     "core": {"numpy"},

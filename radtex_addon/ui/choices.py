@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What can be chosen from lists: identifier, name and tooltip, as Blender wants them."""
+
+from __future__ import annotations
+
+KINDS = (
+    ("radiance", "Radiance", "The light that leaves the surface, as a viewer in each direction sees it"),
+    ("incident", "Incident", "The light that arrives at the surface from each direction"),
+    ("reflection", "Reflection", "The light that arrives from where a mirror would send each view"),
+)
+
+LAYOUTS = (
+    ("buckets", "Buckets", "Every texel keeps a picture of its own of the light in all directions"),
+    (
+        "shared",
+        "Shared",
+        "What all texels see in common is kept once, and sharp. For glossy things; radiance only",
+    ),
+)
+
+UNWRAPS = (
+    ("xatlas", "xatlas", "Few and even islands, so that no texel is wasted. Takes long on large meshes"),
+    (
+        "blender",
+        "Blender",
+        "Blender's Smart UV Project: quick on large meshes, in more and smaller islands",
+    ),
+)
+
+COMPRESSIONS = (
+    ("zip", "ZIP", "Exact, and small"),
+    ("piz", "PIZ", "Exact, and often smaller where there is noise, but slower to read"),
+    ("dwaa", "DWAA", "Much smaller, and a little light is lost where it differs little"),
+)
+
+# How many bytes the shared layout's textures may take.
+LIMITS = (
+    ("none", "Full", "Every texel keeps buckets of its own: the best picture, and the largest files"),
+    ("budget", "Size", "Texels that are alike share buckets, until the textures take no more than this"),
+    (
+        "target",
+        "Quality",
+        "Texels that are alike share buckets, as few as come this near to the full bake",
+    ),
+)
+
+TARGETS = (
+    ("web", "Web", "A page that shows the object in a browser, by three.js"),
+    ("godot", "Godot", "A project with a scene and a shader that Godot 4 opens"),
+    ("gltf", "glTF", "A .glb whose material names the textures"),
+    ("unity", "Unity", "A mesh, DDS textures and a shader include"),
+    ("unreal", "Unreal", "A mesh, DDS textures and a shader include"),
+    ("raw", "Raw", "A mesh, textures and all shader includes, for an engine of your own"),
+)
+
+DEVICES = (
+    ("auto", "Automatic", "The GPU that is switched on in Blender's preferences, or else the CPU"),
+    ("cpu", "CPU", "The processor: slow, and never short of memory"),
+    ("gpu", "Any GPU", "The first GPU that Cycles can use, whatever Blender's preferences say"),
+    ("optix", "OptiX", "NVIDIA's GPUs from RTX on"),
+    ("cuda", "CUDA", "NVIDIA's GPUs"),
+    ("hip", "HIP", "AMD's GPUs"),
+    ("metal", "Metal", "Apple's GPUs"),
+    ("oneapi", "oneAPI", "Intel's GPUs"),
+)

@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the bake will cost, before it is started."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import bpy
+
+from . import estimates
+from .panel import Sidebar, draw_text, drawn
+from .words import duration, iface_, number, remark, size
+
+if TYPE_CHECKING:
+    from ..bake.cost import Cost
+
+
+class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
+    """What the bake takes at most, of disk, memory and time"""
+
+    bl_label = "Cost"
+    bl_parent_id = "RADTEX_PT_bake"
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        layout, _, found = drawn(self, context)
+        assert context is not None  # Blender always gives one
+        assert context.scene is not None  # nor is it without a scene
+        if found is None or found.cost is None or found.spec is None:
+            layout.label(text="Not known for these settings" if found is not None else "Working it out")
+            return
+        if len(found.objects) > 1:
+            layout.label(text="For each object, at most:")
+        for label, value in figures(found.cost):
+            _draw_figure(layout, label, value)
+        seconds = estimates.seconds_known(context.scene, found.objects, found.spec)
+        if seconds is not None:
+            _draw_figure(layout, iface_("Time, all"), iface_("about {}").format(duration(seconds)))
+        text = iface_("Estimating…" if estimates.asking() else "Estimate Time")
+        layout.operator("radtex.estimate", text=text, icon="TIME", translate=False)
+        if estimates.message():
+            draw_text(layout, remark(estimates.message()), "ERROR")
+
+
+def figures(cost: Cost) -> list[tuple[str, str]]:
+    """A cost as names and figures, in the panel's order."""
+    return [
+        (iface_("Largest image"), f"{cost.side} × {cost.side}"),
+        (iface_("On disk"), size(cost.disk)),
+        (iface_("On the GPU"), size(cost.gpu)),
+        (iface_("In memory"), size(cost.memory)),
+        (iface_("Paths"), number(cost.paths)),
+    ]
+
+
+def _draw_figure(layout: Any, label: str, value: str) -> None:
+    split = layout.split(factor=0.4)
+    name = split.row()
+    name.alignment = "RIGHT"
+    name.label(text=label, translate=False)
+    split.label(text=value, translate=False)

@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The button that finds out how long a bake will take."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+
+from . import estimates
+from .operator import can_bake, shown
+from .outlook import chosen_objects
+from .words import duration
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
+
+
+class RADTEX_OT_estimate(bpy.types.Operator):
+    """Find out how long the bake will take, by two small ones: some seconds"""
+
+    bl_idname = "radtex.estimate"
+    bl_label = "Estimate Time"
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context | None) -> bool:
+        if estimates.asking():
+            cls.poll_message_set("It is being estimated")
+            return False
+        return can_bake(cls, context)
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        from ..core.errors import RadTexError
+        from .request import spec_of, values_of
+
+        scene, layer = shown(context)
+        names = chosen_objects(layer)
+        try:
+            spec = spec_of(values_of(scene.radtex))  # type: ignore[attr-defined]  # ours
+            if not bpy.app.background:
+                estimates.ask(scene, names, spec)
+                return {"FINISHED"}
+            estimates.probe_now(scene, names, spec)
+        except RadTexError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        seconds = estimates.seconds_known(scene, names, spec)
+        assert seconds is not None  # just found out
+        self.report({"INFO"}, f"About {duration(seconds)}")
+        return {"FINISHED"}

@@ -1,0 +1,157 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How long bakes will take, by small ones: made here and now, or by a worker while the window stays alive."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+
+from .redraw import redraw
+
+if TYPE_CHECKING:
+    from ..bake.estimate import Probe
+    from ..bake.spec import BakeSpec
+    from ..worker.job import Job
+    from ..worker.queue import Queue
+
+    Key = tuple[int, str, tuple[BakeSpec, BakeSpec]]  # scene, object, what was baked
+
+_PULSE = 0.25  # seconds between two looks at the worker
+
+
+@dataclass
+class _Asked:
+    """Two jobs of the worker's, and whose they are."""
+
+    key: Key
+    numbers: tuple[int, ...]
+
+
+@dataclass
+class _Session:
+    probes: dict[Key, tuple[Probe, Probe]] = field(default_factory=dict)
+    asked: list[_Asked] = field(default_factory=list)
+    queue: Queue | None = None
+    folder: tempfile.TemporaryDirectory[str] | None = None
+    message: str = ""
+
+
+_session = _Session()
+
+
+def seconds_known(scene: bpy.types.Scene, names: Iterable[str], spec: BakeSpec) -> float | None:
+    """How long baking all the objects takes; None unless each was probed."""
+    from ..bake.estimate import seconds_needed
+
+    probes = [_session.probes.get(_key(scene, name, spec)) for name in names]
+    if not probes or None in probes:
+        return None
+    return sum(seconds_needed(spec, *found) for found in probes if found is not None)
+
+
+def probe_now(scene: bpy.types.Scene, names: Iterable[str], spec: BakeSpec) -> None:
+    """Make the small bakes, and wait for them; errors as of a bake."""
+    from ..job.estimate import probe_object
+
+    for name in names:
+        _session.probes[_key(scene, name, spec)] = probe_object(scene, name, spec)
+
+
+def ask(scene: bpy.types.Scene, names: Iterable[str], spec: BakeSpec) -> None:
+    """Let a worker make them. Raises BakeError where the scene cannot be handed over."""
+    from ..bake.estimate import probe_specs
+    from ..worker.handover import hand_over, this_program
+    from ..worker.order import Order
+    from ..worker.queue import Queue
+    from .preferences import preferred
+
+    handover = hand_over(scene, preferred().cache)
+    _session.folder = tempfile.TemporaryDirectory(prefix="radtex-probes-", ignore_cleanup_errors=True)
+    queue = _session.queue = Queue(this_program())
+    _session.message = ""
+    for name in names:
+        numbers = tuple(
+            queue.add(Order(handover, name, small, Path(_session.folder.name, str(small.texels))))
+            for small in probe_specs(spec)
+        )
+        _session.asked.append(_Asked(_key(scene, name, spec), numbers))
+    bpy.app.timers.register(_pulse, first_interval=0.0, persistent=True)
+
+
+def asking() -> bool:
+    """Whether a worker is at it."""
+    return _session.queue is not None
+
+
+def message() -> str:
+    """Why the last one failed; empty if it did not."""
+    return _session.message
+
+
+def advance() -> bool:
+    """Hear the worker; returns whether there is more to come."""
+    queue = _session.queue
+    if queue is None:
+        return False
+    if queue.advance():
+        return True
+    jobs = {job.number: job for job in queue.snapshot()}
+    for asked in _session.asked:
+        _keep(asked.key, [jobs[number] for number in asked.numbers])
+    _end()
+    redraw()
+    return False
+
+
+def unregister() -> None:
+    """End the worker, and forget."""
+    if bpy.app.timers.is_registered(_pulse):
+        bpy.app.timers.unregister(_pulse)
+    _end()
+    _session.probes.clear()
+    _session.message = ""
+
+
+def _pulse() -> float | None:
+    return _PULSE if advance() else None
+
+
+def _keep(key: Key, jobs: list[Job]) -> None:
+    from ..bake.estimate import probe_of
+    from ..bake.progress import Stage
+
+    failed = next((job for job in jobs if not job.facts), None)
+    if failed is not None:
+        _session.message = failed.message
+        return
+    small, large = (
+        probe_of(
+            job.spec,
+            job.facts["covered_texels"],
+            job.facts["paths"],
+            {Stage(stage): seconds for stage, seconds in job.facts["seconds"].items()},
+        )
+        for job in jobs
+    )
+    _session.probes[key] = small, large
+
+
+def _end() -> None:
+    if _session.queue is not None:
+        _session.queue.close()
+    if _session.folder is not None:
+        _session.folder.cleanup()
+    _session.queue, _session.folder = None, None
+    _session.asked.clear()
+
+
+def _key(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> Key:
+    from ..bake.estimate import probe_specs
+
+    return scene.session_uid, name, probe_specs(spec)

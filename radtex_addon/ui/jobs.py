@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The window's bakes: a queue of workers, and a timer that hears them while there is anything to hear."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import bpy
+
+from . import outlook
+from .redraw import redraw
+
+if TYPE_CHECKING:
+    from ..worker.job import Job
+    from ..worker.queue import Queue
+    from .request import BakeRequest
+
+_PULSE = 0.25  # seconds between two looks at the workers
+
+
+@dataclass
+class _Session:
+    """There is no queue before the first bake, so that enabling RadTex loads nothing."""
+
+    queue: Queue | None = None
+    shown: tuple[Job, ...] = field(default=())
+
+
+_session = _Session()
+
+
+def submit(scene: bpy.types.Scene, names: Iterable[str], request: BakeRequest) -> float:
+    """Hand the scene over as it is now, and let a bake of each object wait its turn.
+
+    Returns how long the session stood still for it, in seconds. Raises BakeError where the scene cannot be
+    saved.
+    """
+    from ..core.sampler import Filter
+    from ..worker.handover import hand_over
+    from ..worker.order import Order
+    from .preferences import preferred
+
+    handover = hand_over(scene, preferred().cache)
+    for place, name in enumerate(names):
+        picture = handover.folder / f"picture-{place}.png"
+        order = Order(
+            handover=handover,
+            object=name,
+            spec=request.spec,
+            out=request.folder,
+            preview=Filter.QUADRILINEAR if request.preview else None,
+            overwrite=request.overwrite,
+            extra=(
+                f"--thumbnail={picture}",
+                *(("--resume",) if request.resume else ()),
+                *(f"--export={target}" for target in request.targets),
+            ),
+        )
+        _queue().add(order)
+    _look()
+    return handover.stalled
+
+
+def snapshot() -> tuple[Job, ...]:
+    """All jobs as they were at the last pulse, those that have ended too."""
+    return _session.shown
+
+
+def busy() -> bool:
+    """Whether a job runs or waits."""
+    return any(not job.ended for job in _session.shown)
+
+
+def cancel(number: int | None = None) -> None:
+    """End one job politely, or all."""
+    if _session.queue is None:
+        return
+    if number is None:
+        _session.queue.cancel_all()
+    else:
+        _session.queue.cancel(number)
+    _look()
+
+
+def forget_ended() -> None:
+    """Leave jobs that have ended out of the panel."""
+    if _session.queue is not None:
+        _session.queue.forget_ended()
+        _look()
+
+
+def advance() -> bool:
+    """Hear the workers, and start what waits; returns whether there is more to come."""
+    if _session.queue is None:
+        return False
+    more = _session.queue.advance()
+    ended = [job.number for job in _session.shown if job.ended]
+    _session.shown = _session.queue.snapshot()
+    if any(job.ended and job.number not in ended for job in _session.shown):
+        outlook.mark_stale()  # there are new files
+    return more
+
+
+def unregister() -> None:
+    """End all workers, and forget them."""
+    if bpy.app.timers.is_registered(_pulse):
+        bpy.app.timers.unregister(_pulse)
+    if _session.queue is not None:
+        _session.queue.close()
+    _session.queue, _session.shown = None, ()
+
+
+def _queue() -> Queue:
+    from ..worker.handover import this_program
+    from ..worker.queue import Queue
+
+    if _session.queue is None:
+        _session.queue = Queue(this_program())
+    return _session.queue
+
+
+def _look() -> None:
+    """See at once what has changed, and go on looking."""
+    _pulse()
+    if busy() and not bpy.app.timers.is_registered(_pulse):
+        bpy.app.timers.register(_pulse, first_interval=_PULSE, persistent=True)
+
+
+def _pulse() -> float | None:
+    before = _session.shown
+    more = advance()
+    if _session.shown != before:
+        redraw()
+    return _PULSE if more else None

@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes that wait, run or have ended, each with what is known of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import bpy
+
+from . import jobs
+from .panel import Sidebar, draw_text
+from .words import duration, iface_, remark
+
+if TYPE_CHECKING:
+    from ..worker.job import Job
+
+_ICONS = {
+    "waiting": "SORTTIME",
+    "running": "RENDER_STILL",
+    "done": "CHECKMARK",
+    "failed": "ERROR",
+    "cancelled": "CANCEL",
+}
+
+
+class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
+    """Bakes that wait, run or have ended"""
+
+    bl_label = "Bakes"
+    bl_order = 1
+
+    @classmethod
+    def poll(cls, _: bpy.types.Context | None) -> bool:
+        return bool(jobs.snapshot())
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        layout: Any = self.layout
+        for job in jobs.snapshot():
+            _draw_job(layout.box().column(align=True), job)
+        row = layout.row(align=True)
+        row.operator("radtex.cancel", text="Cancel All", icon="CANCEL")
+        row.operator("radtex.clear_jobs", icon="TRASH")
+
+
+def phrase(job: Job) -> str:
+    """Where a job is, in a few words."""
+    if job.cancelling and not job.ended:
+        return iface_("Stopping")
+    if job.state == "running" and job.seconds_left is not None:
+        return iface_("{} left").format(duration(job.seconds_left))
+    if job.state == "running" and job.stage is None:
+        return iface_("Starting")
+    return iface_(job.state.value.capitalize())
+
+
+def _draw_job(column: Any, job: Job) -> None:
+    row = column.row(align=True)
+    row.label(text=job.object, icon=_ICONS[job.state], translate=False)
+    if not job.ended:
+        row.progress(factor=job.fraction, text=phrase(job), translate=False)
+        row.operator("radtex.cancel", text="", icon="X").number = job.number
+        return
+    row.label(text=phrase(job), translate=False)
+    if job.state == "done":
+        row.operator("radtex.open_folder", text="", icon="FILE_FOLDER").directory = str(job.out)
+    elif job.state == "failed":
+        draw_text(column, remark(job.message), "BLANK1")
+    for warning in job.warnings:
+        draw_text(column, remark(warning), "INFO")

@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panel shows of a bake before it starts, worked out between drawings and kept until a change.
+
+Handlers only mark it stale; a timer works it out anew once nothing has changed for a moment.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import monotonic
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.app.handlers import persistent
+
+from .redraw import redraw
+
+if TYPE_CHECKING:
+    from ..bake.cost import Cost
+    from ..bake.spec import BakeSpec
+    from .settings import BakeSettings
+
+_QUIET = 0.3  # seconds without a change, so that dragging stays fluid
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """A bake of the chosen objects: what would fail, what to know, and what each of them costs at most.
+
+    `spec` and `cost` are None where the settings cannot be.
+    """
+
+    objects: tuple[str, ...]
+    errors: tuple[str, ...]
+    warnings: tuple[str, ...]
+    spec: BakeSpec | None = None
+    cost: Cost | None = None
+
+
+@dataclass
+class _Cache:
+    found: dict[tuple[int, str], Outlook]
+    changed: float = 0.0
+
+
+_cache = _Cache({})
+
+
+def chosen_objects(view_layer: bpy.types.ViewLayer) -> tuple[str, ...]:
+    """Names of what the button bakes: the selected meshes, or else the active one."""
+    selected = [item.name for item in view_layer.objects.selected if item.type == "MESH"]
+    active = view_layer.objects.active
+    if not selected and active is not None and active.type == "MESH":
+        selected = [active.name]
+    return tuple(sorted(selected))
+
+
+def outlook_of(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outlook | None:
+    """What was last worked out; None before the first time, and then soon there."""
+    return _cache.found.get(_key(scene, view_layer))
+
+
+def refresh(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outlook:
+    """Work it out anew, and keep it."""
+    found = _cache.found[_key(scene, view_layer)] = _work_out(scene, view_layer)
+    return found
+
+
+@persistent  # type: ignore[untyped-decorator]  # the stubs say nothing of it
+def mark_stale(*_: object) -> None:
+    """Something changed: what is kept will be worked out anew, soon. Any handler's arguments will do."""
+    _cache.changed = monotonic()
+    if not bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.register(_tick, first_interval=_QUIET, persistent=True)
+
+
+def register() -> None:
+    """Listen to all that may change it."""
+    for handlers in _lists():
+        handlers.append(mark_stale)
+    mark_stale()
+
+
+def unregister() -> None:
+    """Listen no more, and forget."""
+    for handlers in _lists():
+        handlers.remove(mark_stale)
+    if bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.unregister(_tick)
+    _cache.found.clear()
+
+
+def _tick() -> float | None:
+    rest = _cache.changed + _QUIET - monotonic()
+    if rest > 0:
+        return rest
+    _cache.found.clear()
+    manager = bpy.context.window_manager
+    for window in manager.windows if manager is not None else ():
+        refresh(window.scene, window.view_layer)
+    redraw()
+    return None
+
+
+def _lists() -> tuple[list[object], ...]:
+    events = bpy.app.handlers
+    return (  # type: ignore[return-value]  # lists of functions, to the stubs of one event each
+        events.depsgraph_update_post,
+        events.undo_post,
+        events.redo_post,
+        events.load_post,
+        events.save_post,
+    )
+
+
+def _key(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> tuple[int, str]:
+    return scene.session_uid, view_layer.name
+
+
+def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outlook:
+    from ..bake.cost import cost_of
+    from ..core.errors import InputError
+    from ..job.foresight import foresee
+    from .request import BakeRequest, spec_of, values_of
+
+    names = chosen_objects(view_layer)
+    settings: BakeSettings = scene.radtex  # type: ignore[attr-defined]  # ours, not Blender's
+    values = values_of(settings)
+    try:
+        spec = spec_of(values)
+    except InputError as error:
+        return Outlook(names, (str(error),), ())
+    cost = cost_of(spec)
+    try:
+        request = BakeRequest.of(values)
+    except InputError as error:
+        return Outlook(names, (str(error),), (), spec, cost)
+    seen = foresee(
+        scene,
+        names,
+        spec,
+        request.folder,
+        preview=request.preview,
+        overwrite=request.overwrite,
+        resume=request.resume,
+        targets=request.targets,
+    )
+    return Outlook(names, seen.errors, seen.warnings, spec, cost)

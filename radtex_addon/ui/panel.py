@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sidebar's tab "RadTex": what to bake, and the button. Draws what is known, and finds out nothing."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import bpy
+
+from .outlook import Outlook, outlook_of
+from .presets import RADTEX_PT_presets
+from .settings import BakeSettings
+from .words import iface_, remark
+
+_LINE = 40  # letters of a message that fit the sidebar as it is at first
+
+
+class Sidebar:
+    """Where RadTex's panels are."""
+
+    bl_space_type: Any = "VIEW_3D"
+    bl_region_type: Any = "UI"
+    bl_category = "RadTex"
+
+
+class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
+    """What to bake, and the button"""
+
+    bl_label = "Bake Radiance Texture"
+
+    def draw_header_preset(self, context: bpy.types.Context | None) -> None:
+        RADTEX_PT_presets.draw_panel_header(self.layout)
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        layout, settings, found = drawn(self, context)
+        _draw_objects(layout, found)
+        column = layout.column()
+        column.prop(settings, "kind")
+        column.prop(settings, "atlas_layout")
+        _draw_uv(layout, settings, context)
+        if found is not None:
+            draw_remarks(layout, found)
+        row = layout.row()
+        row.scale_y = 1.5
+        row.enabled = found is None or not found.errors
+        row.operator("radtex.bake", icon="RENDER_STILL")
+
+
+class RADTEX_PT_quality(Sidebar, bpy.types.Panel):
+    """How fine, how sharp and how clean the bake will be"""
+
+    bl_label = "Quality"
+    bl_parent_id = "RADTEX_PT_bake"
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        layout, settings, _ = drawn(self, context)
+        column = layout.column(align=True)
+        for name in ("texels", "bucket", "samples"):
+            column.prop(settings, name)
+        if settings.atlas_layout == "shared":
+            column = layout.column(align=True)
+            column.prop(settings, "limit")
+            if settings.limit != "none":
+                column.prop(settings, settings.limit)
+        layout.prop(settings, "seed")
+
+
+class RADTEX_PT_output(Sidebar, bpy.types.Panel):
+    """Where files go, and which"""
+
+    bl_label = "Output"
+    bl_parent_id = "RADTEX_PT_bake"
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        layout, settings, _ = drawn(self, context)
+        layout.prop(settings, "directory", text="Folder")
+        column = layout.column(heading="Files")
+        column.prop(settings, "resume")
+        column.prop(settings, "overwrite")
+        column.prop(settings, "preview")
+        if settings.limit == "none" or settings.atlas_layout != "shared":
+            column.prop(settings, "full_floats")
+            layout.prop(settings, "compression")
+        layout.column().prop(settings, "export_targets")
+        layout.operator("radtex.open_folder", icon="FILE_FOLDER")
+
+
+def drawn(
+    panel: bpy.types.Panel, context: bpy.types.Context | None
+) -> tuple[Any, BakeSettings, Outlook | None]:
+    """What every panel draws into, and from: its layout, the scene's settings, what is known of the bake."""
+    assert context is not None  # Blender always gives one
+    scene, view_layer = cast(bpy.types.Scene, context.scene), cast(bpy.types.ViewLayer, context.view_layer)
+    layout: Any = panel.layout
+    layout.use_property_split = True
+    layout.use_property_decorate = False  # a bake is not animated
+    settings: BakeSettings = scene.radtex  # type: ignore[attr-defined]  # ours, not Blender's
+    return layout, settings, outlook_of(scene, view_layer)
+
+
+def draw_text(layout: Any, text: str, icon: str) -> None:
+    """A message over as many lines as it needs; labels do not wrap by themselves."""
+    column = layout.column(align=True)
+    for number, line in enumerate(_lines(text)):
+        column.label(text=line, icon=icon if number == 0 else "BLANK1", translate=False)
+
+
+def draw_remarks(layout: Any, found: Outlook) -> None:
+    """What would fail, and what to know."""
+    for messages, icon in ((found.errors, "ERROR"), (found.warnings, "INFO")):
+        for message in messages:
+            draw_text(layout.box(), remark(message), icon)
+
+
+def _draw_objects(layout: Any, found: Outlook | None) -> None:
+    names = found.objects if found is not None else ()
+    if len(names) == 1:
+        layout.label(text=names[0], icon="OUTLINER_OB_MESH", translate=False)
+    elif names:
+        text = iface_("{} objects").format(len(names))
+        layout.label(text=text, icon="OUTLINER_OB_MESH", translate=False)
+    elif found is not None:
+        layout.label(text="Select a mesh object", icon="INFO")
+
+
+def _draw_uv(layout: Any, settings: BakeSettings, context: bpy.types.Context | None) -> None:
+    item = context.active_object if context is not None else None
+    column = layout.column()
+    if item is not None and item.type == "MESH":
+        column.prop_search(settings, "uv_layer", item.data, "uv_layers", icon="GROUP_UVS")
+    else:
+        column.prop(settings, "uv_layer", icon="GROUP_UVS")
+    if not settings.uv_layer:
+        column.prop(settings, "unwrap")
+        column.prop(settings, "padding")
+
+
+def _lines(text: str) -> list[str]:
+    lines = [""]
+    for word in text.split():
+        if lines[-1] and len(lines[-1]) + 1 + len(word) > _LINE:
+            lines.append(word)
+        else:
+            lines[-1] = f"{lines[-1]} {word}".strip()
+    return lines

@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Presets: RadTex's own, and the user's by Blender's preset menu.
+
+A preset is a script that sets the scene's settings, as all of Blender's.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import bpy
+from bl_operators.presets import AddPresetBase
+from bl_ui.utils import PresetPanel
+
+from ..core.errors import InputError
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
+
+SUBDIR = "radtex"
+_FOLDER = Path(__file__).with_name("stock")  # holds presets/radtex/*.py, as Blender wants it
+
+# By file name, in the order of rising cost; then by what is baked.
+STOCK = (
+    ("draft", "Draft", "A first look in seconds: coarse, and noisy"),
+    ("preview", "Preview", "Good enough to judge the light"),
+    ("final", "Final", "Fine texels and little noise, for what ships"),
+    ("mirror_like", "Mirror-like", "Polished, coated and glassy things: sharp reflections"),
+    (
+        "diffuse_like",
+        "Diffuse-like",
+        "Matt things: light that hardly changes with the view, in little space",
+    ),
+)
+
+# What a preset says: quality, not the object, its UV layer or a folder.
+PRESET_NAMES = (
+    "kind",
+    "atlas_layout",
+    "limit",
+    "budget",
+    "target",
+    "texels",
+    "bucket",
+    "samples",
+    "padding",
+    "full_floats",
+    "compression",
+)
+
+
+class RADTEX_PT_presets(PresetPanel, bpy.types.Panel):
+    """Settings for a purpose, and your own"""
+
+    bl_label = "RadTex Presets"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "HEADER"
+    preset_subdir = SUBDIR
+    preset_operator = "script.execute_preset"
+    preset_add_operator = "radtex.preset_add"
+
+
+class RADTEX_OT_preset_add(AddPresetBase, bpy.types.Operator):  # type: ignore[misc]  # Blender's own stubs
+    """Keep these settings as a preset of your own, or remove one"""
+
+    bl_idname = "radtex.preset_add"
+    bl_label = "Add RadTex Preset"
+    preset_menu = "RADTEX_PT_presets"
+    preset_subdir = SUBDIR
+    preset_defines = ["radtex = bpy.context.scene.radtex"]
+    preset_values = [f"radtex.{name}" for name in PRESET_NAMES]
+
+
+class RADTEX_OT_preset_apply(bpy.types.Operator):
+    """Set what a preset says: texels, cells, samples and layout"""
+
+    bl_idname = "radtex.preset_apply"
+    bl_label = "Apply RadTex Preset"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    if TYPE_CHECKING:
+        name: str
+    else:
+        name: bpy.props.StringProperty(name="Name", description="A preset's name, RadTex's or your own")
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        try:
+            apply_preset(self.name)
+        except InputError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+def apply_preset(name: str) -> None:
+    """Give the open scene a preset's settings. Raises InputError for a name that is not there."""
+    utils: Any = bpy.utils  # to the stubs of 4.5, nothing is found ever
+    found = utils.preset_find(name, SUBDIR) or utils.preset_find(name, SUBDIR, display_name=True)
+    if found is None:
+        raise InputError(f"there is no preset '{name}': choose one from the panel's preset menu")
+    bpy.utils.execfile(found)
+
+
+def register() -> None:
+    """Let Blender find RadTex's own presets."""
+    bpy.utils.register_preset_path(str(_FOLDER))
+
+
+def unregister() -> None:
+    """Let it forget them."""
+    bpy.utils.unregister_preset_path(str(_FOLDER))

@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings made into what the library takes: checked, and no longer Blender's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ..bake.spec import BakeSpec, Compression, Layout, parse_layout
+from ..core.errors import InputError
+from ..export.spec import Target
+from .preferences import preferred
+from .settings import NAMES, BakeSettings
+
+_MEGABYTE = 1e6
+
+
+@dataclass(frozen=True)
+class BakeRequest:
+    """A bake as it was asked for: what, how, and where to."""
+
+    spec: BakeSpec
+    folder: Path
+    preview: bool
+    overwrite: bool
+    resume: bool
+    targets: tuple[Target, ...]
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> BakeRequest:
+        """What `values`, by the names of the settings, ask for. Raises InputError for what cannot be."""
+        spec = spec_of(values)
+        targets = tuple(target for target in Target if target.value in values["export_targets"])
+        if targets and not values["preview"]:
+            raise InputError("an export is made from the preview: switch Preview on, or the export off")
+        return cls(
+            spec=spec,
+            folder=output_folder(values["directory"], preferred().output),
+            preview=values["preview"],
+            overwrite=values["overwrite"],
+            resume=values["resume"],
+            targets=targets,
+        )
+
+
+def values_of(settings: BakeSettings) -> dict[str, Any]:
+    """A scene's settings by name."""
+    return {name: getattr(settings, name) for name in NAMES}
+
+
+def values_with(settings: BakeSettings, arguments: BakeSettings, given: Iterable[str]) -> dict[str, Any]:
+    """A scene's settings, but for the `arguments` that were `given`; a layout brings its cells."""
+    named = set(given)
+    values = values_of(settings) | {name: getattr(arguments, name) for name in NAMES if name in named}
+    if "bucket" not in named and named & {"atlas_layout", "limit"}:
+        values["bucket"] = suited_bucket(values["atlas_layout"], values["limit"])
+    return values
+
+
+def suited_bucket(layout: str, limit: str) -> int:
+    """Cells along a bucket's side where nobody says."""
+    chosen = parse_layout(layout)
+    condensed = chosen is Layout.SHARED and limit != "none"
+    return BakeSpec(texels=1, layout=chosen, target=40.0 if condensed else None).bucket
+
+
+def output_folder(directory: str, instead: Path | None) -> Path:
+    """The folder that `directory` names; `instead` is for files that were never saved.
+
+    Raises InputError where there is none.
+    """
+    if directory.strip() and (bpy.data.filepath or not directory.startswith("//")):
+        return Path(bpy.path.abspath(directory))
+    if instead is not None:
+        return instead
+    if not directory.strip():
+        raise InputError("no output folder is chosen: choose one")
+    raise InputError("this file was never saved, so that // is nowhere: save it, or choose another folder")
+
+
+def spec_of(values: Mapping[str, Any]) -> BakeSpec:
+    """What to bake, without where to. Raises InputError for what cannot be."""
+    wishes = preferred()
+    shared = parse_layout(values["atlas_layout"]) is Layout.SHARED
+    limit = values["limit"] if shared else "none"
+    return BakeSpec(
+        kind=values["kind"],
+        layout=values["atlas_layout"],
+        texels=values["texels"],
+        bucket=values["bucket"],
+        samples=values["samples"],
+        seed=values["seed"],
+        uv_layer=values["uv_layer"] or None,
+        unwrap=values["unwrap"],
+        padding=values["padding"],
+        device=wishes.device,
+        memory_mb=wishes.memory_mb,
+        budget=round(values["budget"] * _MEGABYTE) if limit == "budget" else None,
+        target=values["target"] if limit == "target" else None,
+        half=limit != "none" or not values["full_floats"],
+        compression=Compression.ZIP if limit != "none" else values["compression"],
+    )

@@ -1,0 +1,228 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is chosen for a bake: the panel's, kept with the scene, and the operator's keyword arguments."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from .choices import COMPRESSIONS, KINDS, LAYOUTS, LIMITS, TARGETS, UNWRAPS
+
+# Of the mixin below, in the panel's order.
+NAMES = (
+    "kind",
+    "atlas_layout",
+    "uv_layer",
+    "unwrap",
+    "padding",
+    "texels",
+    "bucket",
+    "samples",
+    "limit",
+    "budget",
+    "target",
+    "seed",
+    "directory",
+    "full_floats",
+    "compression",
+    "preview",
+    "overwrite",
+    "resume",
+    "export_targets",
+)
+
+
+def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
+    """In the panel, a layout brings the cells that suit it; keyword arguments mean what they say."""
+    if isinstance(settings, bpy.types.PropertyGroup):
+        from .request import suited_bucket
+
+        settings.bucket = suited_bucket(settings.atlas_layout, settings.limit)
+
+
+class BakeSettings:
+    """Not registered itself: the scene's settings and the operator take its properties."""
+
+    if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
+        kind: str
+        atlas_layout: str
+        uv_layer: str
+        unwrap: str
+        padding: int
+        texels: int
+        bucket: int
+        samples: int
+        limit: str
+        budget: float
+        target: float
+        seed: int
+        directory: str
+        full_floats: bool
+        compression: str
+        preview: bool
+        overwrite: bool
+        resume: bool
+        export_targets: set[str]
+    else:
+        kind: EnumProperty(
+            name="Kind",
+            description="Which light each texel keeps",
+            items=KINDS,
+            default="radiance",
+            options={"SKIP_SAVE"},
+        )
+        atlas_layout: EnumProperty(
+            name="Layout",
+            description="How the light is kept",
+            items=LAYOUTS,
+            default="buckets",
+            update=_suit_bucket,
+            options={"SKIP_SAVE"},
+        )
+        uv_layer: StringProperty(
+            name="UV Layer",
+            description="The UV layer to bake on: inside the unit square and without overlaps, or places on "
+            "the surface would show each other's light. Left empty, a copy is unwrapped anew",
+            options={"SKIP_SAVE"},
+        )
+        unwrap: EnumProperty(
+            name="Unwrap",
+            description="Who lays out the surface where no UV layer is chosen",
+            items=UNWRAPS,
+            default="xatlas",
+            options={"SKIP_SAVE"},
+        )
+        padding: IntProperty(
+            name="Padding",
+            description="Texels left free between islands: too few, and light bleeds across seams",
+            default=2,
+            min=0,
+            max=256,
+            soft_max=16,
+            options={"SKIP_SAVE"},
+        )
+        texels: IntProperty(
+            name="Texels",
+            description="Texels along the atlas's longer side: more show finer detail on the surface. Twice "
+            "as many cost four times as much",
+            default=128,
+            min=1,
+            max=65536,
+            soft_min=16,
+            soft_max=1024,
+            options={"SKIP_SAVE"},
+        )
+        bucket: IntProperty(
+            name="Cells",
+            description="Cells along each side of a texel's bucket: more keep sharper reflections and "
+            "highlights. In the Buckets layout, twice as many cost four times as much",
+            default=8,
+            min=2,
+            max=256,
+            soft_max=32,
+            options={"SKIP_SAVE"},
+        )
+        samples: IntProperty(
+            name="Samples",
+            description="Paths traced for each cell: more leave less noise. In the Shared layout each texel "
+            "spends about 64 times as many, however many cells it has",
+            default=16,
+            min=1,
+            max=2**24,
+            soft_max=1024,
+            options={"SKIP_SAVE"},
+        )
+        limit: EnumProperty(
+            name="Limit",
+            description="What bounds the size of the Shared layout's textures",
+            items=LIMITS,
+            default="none",
+            update=_suit_bucket,
+            options={"SKIP_SAVE"},
+        )
+        budget: FloatProperty(
+            name="MB on the GPU",
+            description="What the textures may take, in millions of bytes: less blurs what differs from "
+            "texel to texel, first in reflections of near things",
+            default=1.0,
+            min=0.01,
+            max=1e6,
+            soft_max=16.0,
+            step=10,
+            precision=2,
+            options={"SKIP_SAVE"},
+        )
+        target: FloatProperty(
+            name="dB",
+            description="How near the textures come to the full bake: at 40 dB hardly anybody tells them "
+            "apart, at 30 dB reflections of near things are softer",
+            default=40.0,
+            min=10.0,
+            max=60.0,
+            step=100,
+            precision=0,
+            options={"SKIP_SAVE"},
+        )
+        seed: IntProperty(
+            name="Seed",
+            description="Another seed gives other noise; the same one gives the same picture",
+            default=0,
+            min=0,
+            options={"SKIP_SAVE"},
+        )
+        directory: StringProperty(
+            name="Output Folder",
+            description="Where the atlas and all that belongs to it are written; // is the .blend "
+            "file's folder",
+            default="//radtex/",
+            subtype="DIR_PATH",
+            options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
+        )
+        full_floats: BoolProperty(
+            name="32-bit Floats",
+            description="Keep light beyond 65504 and steps that 16 bits are too few for. Hardly ever seen, "
+            "and twice as large",
+            default=False,
+            options={"SKIP_SAVE"},
+        )
+        compression: EnumProperty(
+            name="Compression",
+            description="How the images are packed on disk",
+            items=COMPRESSIONS,
+            default="zip",
+            options={"SKIP_SAVE"},
+        )
+        preview: BoolProperty(
+            name="Preview",
+            description="Also write a .blend in which the baked copy stands in the object's place. Showing "
+            "the bake here and exporting it need that",
+            default=True,
+            options={"SKIP_SAVE"},
+        )
+        overwrite: BoolProperty(
+            name="Overwrite",
+            description="Replace the files of an earlier bake of the same object",
+            default=False,
+            options={"SKIP_SAVE"},
+        )
+        resume: BoolProperty(
+            name="Resume",
+            description="Go on with a bake that was cancelled or that failed, from what is kept of it: the "
+            "picture is the same as if it had never stopped",
+            default=False,
+            options={"SKIP_SAVE"},
+        )
+        export_targets: EnumProperty(
+            name="Export",
+            description="Folders to make of the bake once it is done: for browsers, engines and viewers",
+            items=TARGETS,
+            options={"ENUM_FLAG", "SKIP_SAVE"},
+            default=set(),
+        )
+
+
+class RADTEX_PG_settings(BakeSettings, bpy.types.PropertyGroup):
+    """What RadTex's panel shows, kept with the scene"""

@@ -1,0 +1,14 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A first look in seconds."""
+
+import bpy
+
+radtex = bpy.context.scene.radtex  # type: ignore[union-attr]  # ours, not Blender's
+
+radtex.kind = "radiance"
+radtex.atlas_layout = "shared"
+radtex.limit = "none"
+radtex.texels = 64
+radtex.bucket = 10
+radtex.samples = 2

@@ -1,0 +1,15 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fine texels and little noise, for what ships."""
+
+import bpy
+
+radtex = bpy.context.scene.radtex  # type: ignore[union-attr]  # ours, not Blender's
+
+radtex.kind = "radiance"
+radtex.atlas_layout = "shared"
+radtex.limit = "budget"
+radtex.budget = 8.0
+radtex.texels = 256
+radtex.bucket = 14
+radtex.samples = 16

@@ -1,0 +1,14 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Polished, coated and glassy things."""
+
+import bpy
+
+radtex = bpy.context.scene.radtex  # type: ignore[union-attr]  # ours, not Blender's
+
+radtex.kind = "radiance"
+radtex.atlas_layout = "shared"
+radtex.limit = "none"
+radtex.texels = 192
+radtex.bucket = 16
+radtex.samples = 16

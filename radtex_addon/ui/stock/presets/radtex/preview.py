@@ -1,0 +1,15 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Good enough to judge the light."""
+
+import bpy
+
+radtex = bpy.context.scene.radtex  # type: ignore[union-attr]  # ours, not Blender's
+
+radtex.kind = "radiance"
+radtex.atlas_layout = "shared"
+radtex.limit = "budget"
+radtex.budget = 2.0
+radtex.texels = 128
+radtex.bucket = 14
+radtex.samples = 4

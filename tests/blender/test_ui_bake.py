@@ -1,0 +1,163 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The button's operator as scripts call it, and the workers behind it in a window."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+import pytest
+
+from radtex_addon.export.spec import Target
+from radtex_addon.ui import estimates, jobs
+from radtex_addon.ui.jobs_panel import phrase
+from radtex_addon.ui.request import BakeRequest, spec_of, values_of
+from radtex_addon.worker.job import State
+from tests.blender import stage
+from tests.blender.ui_stage import context, ops, preferences, registered, settings
+
+TINY = {"texels": 4, "bucket": 2, "samples": 1, "preview": False}
+PATIENCE = 120.0
+
+
+@pytest.fixture(autouse=True)
+def _registered(empty_file: None, out: Path, tmp_path: Path) -> Iterator[None]:
+    with registered():
+        stage.world()
+        settings().directory = str(out)
+        preferences().cache_folder = str(tmp_path / "cache")
+        yield
+
+
+def plane(name: str = "Card", at: float = 0) -> None:
+    bpy.ops.mesh.primitive_plane_add(size=2, location=(at, 0, 0))
+    context.object.name = name
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def facts(path: Path) -> dict[str, object]:
+    found: dict[str, object] = json.loads(path.read_text())
+    return found
+
+
+def test_keyword_arguments_go_before_settings_and_settings_before_defaults(out: Path) -> None:
+    plane()
+    settings().texels, settings().samples, settings().preview = 4, 3, False
+    assert ops.radtex.bake(bucket=2, samples=1, kind="incident") == {"FINISHED"}
+    sidecar = facts(out / "Card.incident.json")
+    assert (sidecar["texels"], sidecar["bucket"], sidecar["samples"]) == ([4, 4], 2, 1)
+    assert names(out) == ["Card.incident.exr", "Card.incident.json"]
+    assert settings().samples == 3
+
+
+def test_a_layout_given_to_the_operator_brings_its_cells(out: Path) -> None:
+    plane()
+    settings().bucket = 3
+    assert ops.radtex.bake(atlas_layout="shared", texels=4, samples=1, preview=False) == {"FINISHED"}
+    assert facts(out / "Card.radiance.json")["bucket"] == 16
+
+
+def test_all_selected_meshes_are_baked_or_the_one_that_is_named(out: Path) -> None:
+    plane("A")
+    plane("B", at=5)
+    bpy.ops.object.select_all(action="SELECT")
+    assert ops.radtex.bake(object="A", **TINY) == {"FINISHED"}
+    assert names(out) == ["A.radiance.exr", "A.radiance.json"]
+    assert ops.radtex.bake(overwrite=True, **TINY) == {"FINISHED"}
+    assert names(out) == ["A.radiance.exr", "A.radiance.json", "B.radiance.exr", "B.radiance.json"]
+
+
+def test_nothing_is_baked_where_one_of_them_would_fail(out: Path) -> None:
+    plane("A")
+    plane("B", at=5)
+    context.object.hide_render = True
+    bpy.ops.object.select_all(action="SELECT")
+    with pytest.raises(RuntimeError, match="object 'B' is hidden from render"):
+        ops.radtex.bake(**TINY)
+    assert not out.exists()
+
+
+def test_an_export_follows_the_bake(out: Path) -> None:
+    plane()
+    assert ops.radtex.bake(**TINY | {"preview": True}, export_targets={"raw"}) == {"FINISHED"}
+    assert "Card.glb" in names(out / "Card.raw")
+
+
+def test_without_a_mesh_the_button_says_what_to_do() -> None:
+    with pytest.raises(RuntimeError, match="Select a mesh object"):
+        ops.radtex.bake()
+    with pytest.raises(RuntimeError, match="Nothing is being baked"):
+        ops.radtex.cancel()
+    with pytest.raises(RuntimeError, match="No bake on the list has ended"):
+        ops.radtex.clear_jobs()
+    with pytest.raises(RuntimeError, match="bake first"):
+        ops.radtex.open_folder()
+
+
+def wait_for(state: State) -> None:
+    """Pulse as the timer does, until the first job is in that state."""
+    until = time.monotonic() + PATIENCE
+    while jobs.snapshot()[0].state is not state:
+        assert time.monotonic() < until, jobs.snapshot()
+        jobs.advance()
+        time.sleep(0.05)
+
+
+def submit(**choice: object) -> None:
+    for name, value in choice.items():
+        setattr(settings(), name, value)
+    jobs.submit(context.scene, ("Card",), BakeRequest.of(values_of(settings())))
+
+
+def test_a_worker_bakes_and_exports_what_the_button_asks_for(out: Path, tmp_path: Path) -> None:
+    plane()
+    submit(texels=8, bucket=4, samples=2, export_targets={"gltf"})
+    assert bpy.app.timers.is_registered(jobs._pulse)
+    assert phrase(jobs.snapshot()[0]) == "Starting"
+    wait_for(State.DONE)
+    (job,) = jobs.snapshot()
+    assert (job.fraction, phrase(job)) == (1.0, "Done")
+    assert "Card.preview.blend" in names(out)
+    assert out / f"Card.{Target.GLTF}" in job.files
+    assert not jobs.busy()
+    assert list((tmp_path / "cache").iterdir()) == []
+    assert ops.radtex.clear_jobs() == {"FINISHED"}
+    assert jobs.snapshot() == ()
+
+
+def test_a_bake_can_be_cancelled_and_another_comes_after_it(out: Path) -> None:
+    plane()
+    submit(texels=256, bucket=8, samples=64, preview=False)
+    wait_for(State.RUNNING)
+    submit(texels=4, bucket=2, samples=1, kind="incident")
+    number = jobs.snapshot()[0].number
+    assert ops.radtex.cancel(number=number) == {"FINISHED"}
+    assert phrase(jobs.snapshot()[0]) == "Stopping"
+    wait_for(State.CANCELLED)
+    assert phrase(jobs.snapshot()[0]) == "Cancelled"
+    jobs.forget_ended()
+    wait_for(State.DONE)
+    assert (out / "Card.incident.exr").exists()
+
+
+def test_a_worker_finds_out_how_long_a_bake_will_take() -> None:
+    plane()
+    settings().texels, settings().bucket, settings().samples = 64, 4, 2
+    spec = spec_of(values_of(settings()))
+    estimates.ask(context.scene, ("Card",), spec)
+    assert estimates.asking()
+    assert not ops.radtex.estimate.poll()
+    until = time.monotonic() + PATIENCE
+    while estimates.advance():
+        assert time.monotonic() < until
+        time.sleep(0.05)
+    assert estimates.message() == ""
+    assert not estimates.asking()
+    assert estimates.seconds_known(context.scene, ("Card",), spec) is not None

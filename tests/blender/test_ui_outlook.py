@@ -1,0 +1,228 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel knows beforehand what would fail and what a bake costs, and soon learns of every change."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+import pytest
+
+from radtex_addon.bake.estimate import Probe, probe_specs, seconds_needed
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.job import bake_object
+from radtex_addon.ui import estimates, outlook, words
+from radtex_addon.ui.cost import figures
+from radtex_addon.ui.outlook import Outlook
+from radtex_addon.ui.request import spec_of, values_of
+from tests.blender import stage
+from tests.blender.fingerprint import differences, fingerprint
+from tests.blender.ui_stage import context, ops, registered, settings
+
+
+@pytest.fixture(autouse=True)
+def _registered(empty_file: None, tmp_path: Path) -> Iterator[None]:
+    with registered():
+        stage.world()
+        settings().directory = str(tmp_path / "out")
+        yield
+
+
+def plane(name: str = "Card") -> None:
+    bpy.ops.mesh.primitive_plane_add(size=2)
+    context.object.name = name
+    context.object.data.materials.append(stage.material(name, "ShaderNodeBsdfGlossy", Roughness=0.3))
+
+
+def seen() -> Outlook:
+    return outlook.refresh(context.scene, context.view_layer)
+
+
+def test_nothing_is_known_before_it_was_worked_out_and_then_it_is_kept() -> None:
+    outlook._cache.found.clear()
+    assert outlook.outlook_of(context.scene, context.view_layer) is None
+    found = seen()
+    assert outlook.outlook_of(context.scene, context.view_layer) is found
+
+
+def test_the_selected_meshes_are_baked_or_else_the_active_one() -> None:
+    plane("B")
+    plane("A")
+    bpy.ops.object.light_add()
+    lamp = context.object
+    bpy.ops.object.select_all(action="SELECT")
+    assert seen().objects == ("A", "B")
+    bpy.ops.object.select_all(action="DESELECT")
+    context.view_layer.objects.active = bpy.data.objects["B"]
+    assert seen().objects == ("B",)
+    context.view_layer.objects.active = lamp
+    assert seen().objects == ()
+
+
+def test_what_would_fail_is_said_in_place(tmp_path: Path) -> None:
+    plane()
+    assert seen() == Outlook(("Card",), (), (), spec_of(values_of(settings())), seen().cost)
+    context.object.hide_render = True
+    assert "is hidden from render" in seen().errors[0]
+    context.object.hide_render = False
+    settings().uv_layer = "Other"
+    assert seen().errors == ("object 'Card' has no UV layer 'Other': choose 'UVMap', or leave it empty",)
+    settings().uv_layer = "UVMap"
+    assert seen().errors == ()
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "Card.radiance.exr").touch()
+    (error,) = seen().errors
+    assert "Card.radiance.exr is already there" in error
+    assert "--" not in words.remark(error)
+    settings().overwrite = True
+    assert seen().errors == ()
+
+
+def test_what_cannot_be_is_said_and_costs_nothing() -> None:
+    plane()
+    settings().atlas_layout, settings().kind = "shared", "incident"
+    (error,) = seen().errors
+    assert "the shared layout knows kind radiance only" in error
+    assert seen().cost is None
+    assert seen().spec is None
+
+
+def test_a_file_never_saved_still_has_its_cost() -> None:
+    plane()
+    settings().directory = "//radtex"
+    assert "never saved" in seen().errors[0]
+    assert seen().cost is not None
+
+
+def test_the_dark_and_tight_budgets_are_warned_of() -> None:
+    plane()
+    context.scene.world = None
+    settings().atlas_layout, settings().limit, settings().budget = "shared", "budget", 0.05
+    found = seen()
+    assert found.errors == ()
+    assert any("has no light" in warning for warning in found.warnings)
+    assert any("128 x 128 texels take" in warning for warning in found.warnings)
+    settings().uv_layer = "UVMap"  # the atlas is square then, for certain
+    assert any("128 x 128 texels take" in error for error in seen().errors)
+
+
+def test_every_change_marks_it_stale() -> None:
+    plane()
+    for change in (
+        lambda: setattr(settings(), "texels", 64),
+        lambda: context.object.select_set(False),
+        lambda: context.scene.objects["Card"].modifiers.new("More", "SUBSURF"),
+    ):
+        bpy.app.timers.unregister(outlook._tick)
+        change()
+        context.view_layer.update()
+        assert bpy.app.timers.is_registered(outlook._tick)
+
+
+def test_the_timer_waits_for_quiet_and_then_stops(monkeypatch: pytest.MonkeyPatch) -> None:
+    plane()
+    now = 100.0
+    monkeypatch.setattr(outlook, "monotonic", lambda: now)
+    outlook.mark_stale()
+    now = 100.1
+    assert outlook._tick() == pytest.approx(0.2)
+    now = 100.4
+    seen()
+    assert outlook._tick() is None
+    assert set(outlook._cache.found) <= {(context.scene.session_uid, context.view_layer.name)}
+
+
+def test_looking_ahead_changes_nothing(tmp_path: Path) -> None:
+    plane()
+    context.view_layer.update()
+    before = fingerprint()
+    seen()
+    assert not differences(before, fingerprint())
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        {"texels": 8, "bucket": 4, "samples": 2},
+        {"texels": 8, "bucket": 4, "samples": 2, "full_floats": True, "uv_layer": "UVMap"},
+        {"atlas_layout": "shared", "texels": 8, "bucket": 8, "samples": 1},
+        {"atlas_layout": "shared", "texels": 16, "limit": "budget", "budget": 0.3, "samples": 1},
+        {"atlas_layout": "shared", "texels": 8, "limit": "target", "target": 20, "samples": 1},
+    ],
+    ids=["buckets", "floats", "shared", "budget", "target"],
+)
+def test_a_bake_takes_no_more_than_was_said(choice: dict[str, object], tmp_path: Path) -> None:
+    plane()
+    for name, value in choice.items():
+        setattr(settings(), name, value)
+    found = seen()
+    assert found.errors == ()
+    assert found.spec is not None
+    assert found.cost is not None
+    made = bake_object(context.scene, "Card", found.spec, tmp_path / "out")
+    disk = sum(path.stat().st_size for path in made.files.images)
+    print(f"{choice}: paths {made.paths} of {found.cost.paths}, disk {disk} of {found.cost.disk}")
+    headers = 4096 * len(made.files.images)  # and the sidecar's JSON in them
+    assert 0.4 * found.cost.paths < made.paths <= found.cost.paths
+    assert disk <= found.cost.disk + headers
+    if made.condensed is not None:
+        print(f"gpu {made.condensed.bytes} of {found.cost.gpu}")
+        assert made.condensed.bytes <= found.cost.gpu
+    assert made.layout.pixel_width <= found.cost.side or found.spec.condensed
+
+
+def test_figures_are_for_people() -> None:
+    found = seen()
+    assert found.cost is not None
+    assert figures(found.cost) == [
+        ("Largest image", "1024 × 1024"),
+        ("On disk", "8.39 MB"),
+        ("On the GPU", "8.39 MB"),
+        ("In memory", "33.6 MB"),
+        ("Paths", "16.8 million"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "said"),
+    [(0.2, "under a second"), (42, "42 s"), (89.9, "90 s"), (600, "10 min"), (3600 * 1.75, "1.8 h")],
+)
+def test_times_are_rounded(seconds: float, said: str) -> None:
+    assert words.duration(seconds) == said
+
+
+@pytest.mark.parametrize(
+    ("count", "said"), [(999, "999 B"), (1500, "1.5 kB"), (128e6, "128 MB"), (2.5e12, "2500 GB")]
+)
+def test_sizes_are_rounded(count: float, said: str) -> None:
+    assert words.size(count) == said
+
+
+def test_an_estimate_is_made_of_two_small_bakes_and_kept() -> None:
+    plane()
+    settings().texels, settings().bucket, settings().samples = 256, 4, 8
+    spec = spec_of(values_of(settings()))
+    assert estimates.seconds_known(context.scene, ("Card",), spec) is None
+    assert ops.radtex.estimate() == {"FINISHED"}
+    seconds = estimates.seconds_known(context.scene, ("Card",), spec)
+    assert seconds is not None
+    assert seconds > 0
+    finer = BakeSpec(texels=512, bucket=4, samples=8)
+    more = estimates.seconds_known(context.scene, ("Card",), finer)
+    assert more is not None
+    assert more >= seconds
+
+
+def test_an_estimate_is_the_line_through_its_probes() -> None:
+    small, large = Probe(8, 64, 1000, 2.0), Probe(32, 512, 9000, 4.0)
+    spec = BakeSpec(texels=64, bucket=2, samples=8)  # half of its 4096 texels are covered: 65536 paths
+    assert seconds_needed(spec, small, large) == pytest.approx(4.0 + 2.0 * (65536 - 9000) / 8000)
+    assert seconds_needed(BakeSpec(texels=1, bucket=2, samples=1), small, large) == 2.0
+    shared = probe_specs(BakeSpec(texels=256, layout=Layout.SHARED, budget=10**6, samples=64))
+    assert [(one.texels, one.samples, one.budget, one.bucket) for one in shared] == [
+        (8, 4, None, 14),
+        (32, 4, None, 14),
+    ]

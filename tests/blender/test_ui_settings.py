@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings start from the library's defaults, explain themselves, and ask for what they say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+import bpy
+import pytest
+
+from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layout, Unwrap
+from radtex_addon.core.errors import InputError
+from radtex_addon.cycles.device import GPU_TYPES
+from radtex_addon.export.spec import Target
+from radtex_addon.ui import choices, registration
+from radtex_addon.ui.request import BakeRequest, spec_of, values_of
+from radtex_addon.ui.settings import NAMES
+from tests.blender.ui_stage import context, ops, preferences, registered, settings
+
+
+@pytest.fixture(autouse=True)
+def _registered(empty_file: None) -> Iterator[None]:
+    with registered():
+        yield
+
+
+def properties_of(cls: Any) -> list[Any]:
+    """What a registered class shows; Blender's own properties have no description of ours."""
+    kept = {"rna_type", "name", "bl_idname"}
+    return [one for one in cls.bl_rna.properties if one.is_runtime and one.identifier not in kept]
+
+
+def test_the_scenes_settings_ask_for_the_default_bake() -> None:
+    assert spec_of(values_of(settings())) == BakeSpec()
+
+
+@pytest.mark.parametrize(
+    ("items", "enum"),
+    [
+        (choices.KINDS, Kind),
+        (choices.LAYOUTS, Layout),
+        (choices.UNWRAPS, Unwrap),
+        (choices.COMPRESSIONS, Compression),
+        (choices.TARGETS, Target),
+    ],
+)
+def test_every_choice_of_the_library_is_offered(items: Any, enum: type[StrEnum]) -> None:
+    assert sorted(identifier for identifier, _, _ in items) == sorted(choice.value for choice in enum)
+
+
+def test_every_device_of_the_library_is_offered() -> None:
+    known = {"auto", "cpu", "gpu", *(kind.lower() for kind in GPU_TYPES)}
+    assert {identifier for identifier, _, _ in choices.DEVICES} == known
+
+
+def test_everything_has_a_tooltip_in_blenders_manner() -> None:
+    for cls in registration.CLASSES:
+        properties = properties_of(cls)
+        texts = [cls.__doc__, *(one.description for one in properties)]
+        texts += [
+            item.description
+            for one in properties
+            if one.type == "ENUM"
+            for item in getattr(one, "enum_items_static", one.enum_items)
+        ]
+        for text in texts:
+            assert text, cls.__name__
+            assert not text.endswith("."), text
+
+
+def test_settings_can_be_neither_more_nor_less_than_the_names() -> None:
+    assert {one.identifier for one in properties_of(type(settings()))} == set(NAMES)
+
+
+@pytest.mark.parametrize(
+    ("layout", "limit", "cells"),
+    [("buckets", "none", 8), ("buckets", "budget", 8), ("shared", "none", 16), ("shared", "target", 14)],
+)
+def test_a_layout_brings_the_cells_that_suit_it(layout: str, limit: str, cells: int) -> None:
+    settings().bucket = 5
+    settings().limit, settings().atlas_layout = limit, layout
+    assert settings().bucket == cells
+    assert spec_of(values_of(settings())).bucket == cells
+
+
+def test_settings_become_the_spec_that_they_say() -> None:
+    chosen = settings()
+    chosen.atlas_layout, chosen.limit, chosen.budget = "shared", "budget", 0.8
+    chosen.texels, chosen.bucket, chosen.samples, chosen.seed = 64, 10, 4, 7
+    chosen.uv_layer = "UVMap"
+    preferences().device, preferences().memory_mb = "cpu", 512
+    expected = BakeSpec(
+        layout=Layout.SHARED,
+        budget=800_000,
+        texels=64,
+        bucket=10,
+        samples=4,
+        seed=7,
+        uv_layer="UVMap",
+        device="cpu",
+        memory_mb=512,
+    )
+    assert spec_of(values_of(chosen)) == expected
+
+
+def test_what_a_layout_does_not_take_is_left_out() -> None:
+    settings().limit = "target"  # of the shared layout only
+    settings().full_floats, settings().compression = True, "dwaa"
+    plain = spec_of(values_of(settings()))
+    assert (plain.target, plain.half, plain.compression) == (None, False, Compression.DWAA)
+    settings().atlas_layout = "shared"
+    condensed = spec_of(values_of(settings()))
+    assert (condensed.target, condensed.half, condensed.compression) == (40.0, True, Compression.ZIP)
+
+
+def test_a_file_never_saved_goes_to_the_preferred_folder(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="never saved, so that"):
+        BakeRequest.of(values_of(settings()))
+    preferences().output_folder = str(tmp_path)
+    assert BakeRequest.of(values_of(settings())).folder == tmp_path
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    assert BakeRequest.of(values_of(settings())).folder == tmp_path / "radtex"
+
+
+def test_an_export_wants_the_preview(tmp_path: Path) -> None:
+    settings().directory, settings().export_targets = str(tmp_path), {"web", "raw"}
+    assert BakeRequest.of(values_of(settings())).targets == (Target.WEB, Target.RAW)
+    settings().preview = False
+    with pytest.raises(InputError, match="switch Preview on"):
+        BakeRequest.of(values_of(settings()))
+
+
+def test_settings_stay_with_the_file(tmp_path: Path) -> None:
+    settings().texels = 77
+    path = str(tmp_path / "scene.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    assert settings().texels == 128
+    bpy.ops.wm.open_mainfile(filepath=path)
+    assert settings().texels == 77
+    bpy.ops.scene.new(type="FULL_COPY")
+    assert context.scene.radtex.texels == 77
+
+
+def test_an_operator_that_does_not_exist_is_not_taken_for_ours() -> None:
+    assert {name for name in dir(ops.radtex) if not name.startswith("_")} == {
+        cls.bl_idname.partition(".")[2] for cls in registration.CLASSES if issubclass(cls, bpy.types.Operator)
+    }
