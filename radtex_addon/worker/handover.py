@@ -86,7 +86,7 @@ def _refused(root: Path, error: Exception) -> BakeError:
 def _compression() -> dict[str, Any]:
     """As the open file is on disk: Blender would save it by the choice made here the next time."""
     if not bpy.data.filepath:
-        return {}
+        return {"compress": False}  # the quicker; for a first save the preferences decide
     with suppress(OSError), Path(bpy.data.filepath).open("rb") as file:
         return {"compress": file.read(7) != b"BLENDER"}
     return {}

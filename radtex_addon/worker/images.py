@@ -92,11 +92,14 @@ def _library(image: Any) -> str | None:
 
 
 def _pixels(image: Any) -> Any:
-    """(H, W, 4), or as many channels as it has; of an image of bytes exactly those."""
+    """(H, W, channels); of an image of bytes exactly those, which take a quarter of the disk."""
     width, height = image.size
     pixels = np.empty((height, width, image.channels), dtype=np.float32)
     image.pixels.foreach_get(pixels.ravel())
-    return pixels if image.is_float else np.rint(pixels * 255).astype(np.uint8)
+    if image.is_float:
+        return pixels
+    np.multiply(pixels, 255, out=pixels)
+    return np.rint(pixels, out=pixels).astype(np.uint8)
 
 
 def _load(image: Any, file: Path, tiled: bool) -> None:

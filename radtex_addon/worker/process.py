@@ -59,6 +59,7 @@ class Worker:
             ) from error
         self._said: SimpleQueue[Event | None] = SimpleQueue()
         self._error = ""
+        self._is_done = False
         self._cancelled = False
         self._ended: Ended | None = None
         self._thread = Thread(target=self._listen, name="RadTex worker", daemon=True)
@@ -84,6 +85,7 @@ class Worker:
                 elif event.get("event") == "error":
                     self._error = str(event.get("message", ""))
                 else:
+                    self._is_done |= event.get("event") == "done"
                     heard.append(event)
         return heard
 
@@ -156,7 +158,7 @@ class Worker:
 
     def _judge(self) -> Ended:
         code = self._process.wait()
-        if code == 0:
+        if code == 0 and self._is_done:  # a Blender that runs no scripts is content with itself
             return Ended(State.DONE, "")
         if self._cancelled or code == Cancelled.exit_code:
             return Ended(State.CANCELLED, "cancelled")

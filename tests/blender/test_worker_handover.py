@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 import pytest
 
+from radtex_addon.cli.opening import open_scene
 from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.worker.handover import hand_over, jobs_folder, this_program
 from radtex_addon.worker.images import load_unsaved
@@ -275,6 +276,16 @@ def test_a_painted_image_of_a_library_arrives(jobs: Path, tmp_path: Path) -> Non
     there = blocks.images["texture"]
     assert there.library is not None
     np.testing.assert_allclose(pixels(there), 1 - shades(there), atol=1e-6)
+
+
+def test_one_of_several_scenes_is_opened_by_its_name(jobs: Path) -> None:
+    other = blocks.scenes.new("Andere")
+    other.use_fake_user = True
+    handover = hand_over(other, jobs)
+    scene = open_scene(handover.blend, demo=False, name=handover.scene)
+    assert (scene.name, context.scene.name) == ("Andere", "Andere")
+    with pytest.raises(InputError, match=r"^there is no scene 'None' in the file: it has 'Andere', 'Scene'$"):
+        open_scene(None, demo=False, name="None")
 
 
 def test_caches_of_simulations_travel_with_the_file(jobs: Path, tmp_path: Path) -> None:

@@ -92,6 +92,11 @@ def mean_light(path: Path) -> Any:
     return pixels[..., :3].astype(float).reshape(shape).mean(axis=(1, 3))
 
 
+def finished(folder: Path) -> list[str]:
+    """What is in a folder but for what a bake keeps to go on with."""
+    return [path.name for path in folder.glob("*") if path.suffix != ".radtex-unfinished"]
+
+
 # what is baked
 
 
@@ -156,7 +161,8 @@ def test_three_wait_for_one_another_and_one_that_fails_holds_up_none(
     until(queue, lambda job: job.stage is not None)
     assert [job.state for job in queue.snapshot()] == [State.RUNNING, State.WAITING, State.WAITING]
     first, second, third = finish(queue)
-    assert [job.state for job in (first, second, third)] == [State.DONE, State.FAILED, State.DONE]
+    states = [job.state for job in (first, second, third)]
+    assert states == [State.DONE, State.FAILED, State.DONE], (first.message, third.message)
     assert "'Crad'" in second.message
     assert "did you mean 'Card'?" in second.message
     assert "\n" not in second.message
@@ -212,7 +218,7 @@ def test_cancelling_takes_two_seconds_at_most_and_leaves_nothing(
     assert (ended.state, ended.message) == (State.CANCELLED, "cancelled")
     assert is_gone(pid)
     assert not alive_in_group(pid)
-    assert not out.exists()
+    assert not finished(out)
     assert list(jobs.iterdir()) == []
 
 
@@ -280,9 +286,9 @@ def test_a_worker_that_is_killed_is_one_line_and_the_next_job_goes_on(
     card()
     handover = hand_over(context.scene, jobs)
     queue.add(Order(handover, "Card", ENDLESS, out))
-    queue.add(Order(handover, "Card", TINY, out))
+    queue.add(Order(handover, "Card", TINY, out / "next"))
     until(queue, rendering)
-    out.mkdir()
+    out.mkdir(exist_ok=True)
     litter = out / f".radtex-{running_pid(queue)}-0123.exr"  # as if it had been writing
     litter.write_text("half")
     os.kill(running_pid(queue), signal.SIGKILL)
@@ -303,6 +309,17 @@ def test_a_program_that_is_no_blender_is_one_line(jobs: Path, out: Path, tmp_pat
     (failed,) = finish(queue)
     assert failed.state is State.FAILED
     assert re.fullmatch(r".*/blender does not start \(No such file or directory\): .*", failed.message)
+    queue.close()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no such program")
+def test_a_program_that_ends_well_and_bakes_nothing_has_failed(jobs: Path, out: Path) -> None:
+    card()
+    queue = Queue(Program("/bin/true", is_blender=True))
+    queue.add(Order(hand_over(context.scene, jobs), "Card", TINY, out))
+    (failed,) = finish(queue)
+    assert failed.state is State.FAILED
+    assert failed.message.startswith("the bake ended early (exit code 0): ")
     queue.close()
 
 
@@ -358,7 +375,7 @@ def test_a_worker_ends_with_a_parent_that_is_killed(room: Path, jobs: Path, out:
     while not is_gone(pid):
         assert time.monotonic() < give_up
         time.sleep(0.05)
-    assert not out.exists()
+    assert not finished(out)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="asks /proc")
