@@ -106,12 +106,15 @@ class Checkpoint(Keeper):
             return None
         path = self._folder / f"{name}{_PIECE}"
         try:
-            return _read_piece(path, self._mark(name))
+            piece = _read_piece(path, self._mark(name))
         except FileNotFoundError:
             return None
         except (OSError, ValueError) as error:
             log.warning("%s is damaged and is made again (%s)", path, error)
             return None
+        if not self._begun:
+            self._begin()
+        return piece
 
     def keep(self, name: str, arrays: Arrays) -> None:
         if not self._begun:
@@ -122,7 +125,10 @@ class Checkpoint(Keeper):
             _write_piece(beside, self._mark(name), arrays)
 
     def remove(self) -> None:
-        """Drop all pieces: the bake is done. Raises BakeError where the system refuses."""
+        """Drop all pieces, and what killed processes were writing: the bake is done.
+
+        Raises BakeError where the system refuses.
+        """
         for pid in self._known["processes"] if self._known else ():
             remove_unfinished(self._folder.parent, pid)
         _clear(self._folder)
@@ -133,6 +139,7 @@ class Checkpoint(Keeper):
             _clear(self._folder)
 
     def _begin(self) -> None:
+        """Write the key; it lists the processes that worked on the bake."""
         processes = [os.getpid()]
         if self._known is None:
             _clear(self._folder)
@@ -140,7 +147,7 @@ class Checkpoint(Keeper):
             processes = [*self._known["processes"], *processes]
         key = {
             "version": VERSION,
-            "facts": self._facts,
+            "facts": self._facts if self._known is None else self._known["facts"],
             "replaces": self._replaces,
             "processes": processes,
         }
@@ -198,9 +205,9 @@ def _difference(name: str, before: str | None, now: str) -> str:
 
 
 def _clear(folder: Path) -> None:
-    """Remove what we wrote, the key first: without it pieces are nothing; then the folder, if it is empty."""
+    """Remove what we wrote, the key last: killed before that, it can be resumed; then the empty folder."""
     try:
-        for pattern in (KEY, f"*{_PIECE}", ".radtex-*"):
+        for pattern in (f"*{_PIECE}", ".radtex-*", KEY):
             for path in folder.glob(pattern):
                 path.unlink(missing_ok=True)
         if folder.is_dir() and not any(folder.iterdir()):

@@ -15,15 +15,18 @@ from pathlib import Path
 
 import bpy
 
+from ..bake.checkpoint import is_unfinished
 from ..bake.spec import Layout
-from ..core.errors import BakeError, Cancelled, RadTexError
+from ..bake.thumbnail import Thumbnail
+from ..core.errors import BakeError, Cancelled, InputError, RadTexError
+from ..formats.atomic import check_writable
 from ..formats.memory import readable_size
-from ..job import BakeResult, bake_steps, check_request
+from ..job import BakeResult, OutputFiles, bake_steps, check_request
 from ..preview.picture import render_picture
 from ..scene.demo import OBJECT
 from ..worker.images import load_unsaved
 from .arguments import EXPORT, REPORT, Request, parse
-from .export import run_export
+from .export import export_baked, run_export
 from .export_arguments import ExportRequest, parse_export
 from .interruption import INTERRUPTED, Interruption, interruptible
 from .opening import open_scene
@@ -113,21 +116,65 @@ def _run(request: Request, report: Report, interruption: Interruption) -> None:
         load_unsaved(request.unsaved_images)
     objects = request.objects or (OBJECT,)
     for name in objects:  # all of them, before the first bake
-        check_request(scene, name, request.spec, request.out, request.preview is not None, request.overwrite)
+        check_request(
+            scene,
+            name,
+            request.spec,
+            request.out,
+            request.preview is not None,
+            request.overwrite,
+            resume=request.resume,
+        )
+    _check_thumbnail(request.thumbnail)
     for name in objects:
         result = _bake(scene, name, request, report, interruption)
-        pictures = _pictures(request, result)
-        facts = _facts(request, result, pictures)
+        others = _pictures(request, result)
+        others += export_baked(result.files.sidecar, request.exports, request.overwrite, interruption)
+        facts = _facts(request, result, others)
         report.event("done", object=name, summary=_summary(name, request, result), **facts)
+
+
+def _check_thumbnail(path: Path | None) -> None:
+    if path is None:
+        return
+    if path.suffix.lower() != ".png":
+        raise InputError(f"--thumbnail {path}: give the name of a PNG, such as {path.with_suffix('.png')}")
+    if path.is_dir():
+        raise InputError(f"--thumbnail {path} is a folder: name a file")
+    check_writable(path.parent)
 
 
 def _bake(
     scene: bpy.types.Scene, name: str, request: Request, report: Report, interruption: Interruption
 ) -> BakeResult:
+    def written(path: Path) -> None:
+        report.event("picture", object=name, path=str(path))
+
     steps = bake_steps(
-        scene, name, request.spec, request.out, preview=request.preview, overwrite=request.overwrite
+        scene,
+        name,
+        request.spec,
+        request.out,
+        preview=request.preview,
+        overwrite=request.overwrite,
+        resume=request.resume,
+        thumbnail=Thumbnail(request.thumbnail, written) if request.thumbnail else None,
     )
-    return interruption.between(steps, partial(report.progress, name))
+    try:
+        return interruption.between(steps, partial(report.progress, name))
+    except InputError:
+        raise
+    except (Exception, KeyboardInterrupt) as raised:  # of all that can end a bake
+        raise _with_the_way_on(_as_ours(raised), name, request) from raised
+
+
+def _with_the_way_on(failure: RadTexError, name: str, request: Request) -> RadTexError:
+    """The same, which also says that a bake can be gone on with, if it can."""
+    files = OutputFiles.of(name, request.spec, request.out, preview=False)
+    if not is_unfinished(files.unfinished):
+        return failure
+    what = "interrupted" if str(failure) == INTERRUPTED else str(failure)
+    return type(failure)(f"{what}: what is finished of '{name}' is kept, go on with --resume")
 
 
 def _pictures(request: Request, result: BakeResult) -> list[Path]:
@@ -164,9 +211,9 @@ def _condensed(result: BakeResult) -> str:
     )
 
 
-def _facts(request: Request, result: BakeResult, pictures: list[Path]) -> dict[str, object]:
+def _facts(request: Request, result: BakeResult, others: list[Path]) -> dict[str, object]:
     return {
-        "files": [str(path) for path in (*result.files.all, *pictures)],
+        "files": [str(path) for path in (*result.files.all, *others)],
         "layout": str(request.spec.layout),
         "texels": [result.layout.width, result.layout.height],
         "bucket": result.layout.bucket,

@@ -66,7 +66,7 @@ class Report(Protocol):
         ...
 
     def event(self, kind: str, **facts: object) -> None:
-        """Something that happened once: `done`, `warning`, `error`."""
+        """Something that happened once: `done`, `warning`, `error`, `picture`."""
         ...
 
     def close(self) -> None:
@@ -198,6 +198,8 @@ class _Bar:
         self._draw(f"{name}  {_SAYS[step.stage]:<20} [{bar:<{_WIDTH}}] {share:4.0%}{wait}")
 
     def event(self, kind: str, **facts: object) -> None:
+        if kind == "picture":  # the bar shows enough
+            return
         self.close()
         if kind == "done":
             _say(self._stream, _summary(facts))

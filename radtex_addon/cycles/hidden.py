@@ -16,6 +16,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.rays import PROBES
@@ -26,16 +27,33 @@ from ..scene.scratch import remove_scene
 from .portal import PortalCapture
 
 _TILE_PIXELS = 1 << 20
+_HIDDEN = "hidden"  # a piece's name
 
 
 def find_hidden(
-    mesh: bpy.types.Mesh, matrix_world: Floats, plan: CapturePlan, folder: Path
+    mesh: bpy.types.Mesh,
+    matrix_world: Floats,
+    plan: CapturePlan,
+    folder: Path,
+    keeper: Keeper = KEEPS_NOTHING,
 ) -> Generator[Progress, None, Bools]:
     """Which cells look out of the mesh's own inside: (K, n, n), indexed [texel, q, p].
 
-    `mesh` is the baked copy, `matrix_world` (4, 4) its object's, `folder` takes temporary files. All False
-    where every cell would be hidden. Yields progress in texels. Raises BakeError where Cycles fails.
+    `mesh` is the baked copy, `matrix_world` (4, 4) its object's, `folder` takes temporary files, the
+    `keeper` what is found. All False where every cell would be hidden. Yields progress in texels. Raises
+    BakeError where Cycles fails.
     """
+    kept = keeper.found(_HIDDEN)
+    if kept is None:
+        kept = {"hidden": (yield from _probe(mesh, matrix_world, plan, folder))}
+        keeper.keep(_HIDDEN, kept)
+    hidden: Bools = kept["hidden"]
+    return np.zeros_like(hidden) if hidden.all() else hidden
+
+
+def _probe(
+    mesh: bpy.types.Mesh, matrix_world: Floats, plan: CapturePlan, folder: Path
+) -> Generator[Progress, None, Bools]:
     scene = bpy.data.scenes.new("RadTex probe")
     world, _ = open_world("RadTex dark")
     copy = mesh.copy()
@@ -48,12 +66,11 @@ def find_hidden(
             copy.flip_normals()
         item = bpy.data.objects.new("RadTex probe", copy)
         scene.collection.objects.link(item)
-        hidden = yield from _back_faces(scene, plan, folder)
+        return (yield from _back_faces(scene, plan, folder))
     finally:
         remove_scene(scene)
         bpy.data.worlds.remove(world)
         bpy.data.meshes.remove(copy)
-    return np.zeros_like(hidden) if hidden.all() else hidden
 
 
 def _back_faces(scene: bpy.types.Scene, plan: CapturePlan, folder: Path) -> Generator[Progress, None, Bools]:

@@ -9,11 +9,13 @@ own, which it fills with its apparatus.
 from __future__ import annotations
 
 from collections.abc import Generator
+from functools import partial
 from pathlib import Path
 
 import bpy
 import numpy as np
 
+from ..bake.checkpoint import KEEPS_NOTHING, Arrays, Keeper
 from ..bake.light_samples import (
     EndSamples,
     LightSamples,
@@ -26,6 +28,7 @@ from ..bake.light_samples import (
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.spec import Kind
+from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Bools, Floats
 from .path_ends import TURNS, PathEnds, any_dark, from_directions
 from .portal import Aim, PortalCapture
@@ -48,7 +51,13 @@ Passes = dict[str, Floats]
 
 
 def capture_samples(
-    scene: bpy.types.Scene, plan: CapturePlan, hidden: Bools, seed: int, folder: Path
+    scene: bpy.types.Scene,
+    plan: CapturePlan,
+    hidden: Bools,
+    seed: int,
+    folder: Path,
+    keeper: Keeper = KEEPS_NOTHING,
+    thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, LightSamples]:
     """Trace one path in each of the plan's cells.
 
@@ -58,26 +67,36 @@ def capture_samples(
     count, cells = len(plan.texel), plan.layout.bucket**2
     aim = Aim(spread_shifts(count, seed), _DIFFUSE + _THROUGH)
     capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
-    diffuse, mirror, through = (np.empty((count, cells, 3), dtype=np.float16) for _ in range(3))
-    colour = np.empty((count, 3), dtype=np.float32)
+    samples: Arrays = {name: np.empty((count, cells, 3), dtype=np.float16) for name in _LOBES}
+    samples["colour"] = np.empty((count, 3), dtype=np.float32)
     for tile in _tiles(plan):
         first = tile.first_row * plan.columns
         yield Progress(Stage.CAPTURE, first, count)
-        passes = capture.render_passes(tile)
-        part = slice(first, first + len(passes["Combined"]))
-        own = _pass(passes, "diffuse", "colour")
-        lobes = _light(passes, "diffuse"), _light(passes, "through")
-        for lobe, light in zip((diffuse, through), lobes, strict=True):
-            lobe[part] = _half(light).reshape(-1, cells, 3)
-        mirror[part] = _half(passes["Combined"][..., :3] - lobes[0] - lobes[1]).reshape(-1, cells, 3)
-        colour[part] = own.reshape(-1, cells, 3).mean(axis=1)
+        found = keeper.once(_name("light", tile), partial(_trace_light, capture, tile, cells))
+        for name, whole in samples.items():
+            whole[first : first + len(found[name])] = found[name]
+        if thumbnail is not None:
+            light = np.sum([found[lobe].mean(axis=1, dtype=np.float32) for lobe in _LOBES], axis=0)
+            thumbnail.add(plan.layout, plan.texels_of(tile), light)
     yield Progress(Stage.CAPTURE, count, count)
     square = aim.square(plan.layout.bucket)
     unseen = np.take_along_axis(hidden.reshape(count, -1), cells_of(square, hidden.shape[1]), axis=1)
-    return LightSamples(plan, square, diffuse, mirror, through, colour, ~unseen)
+    return LightSamples(plan, square, seen=~unseen, **samples)
 
 
-def capture_ends(ends: PathEnds, plan: CapturePlan, seed: int, folder: Path) -> EndSamples:
+def _trace_light(capture: PortalCapture, tile: Tile, cells: int) -> Arrays:
+    passes = capture.render_passes(tile)
+    diffuse, through = _light(passes, "diffuse"), _light(passes, "through")
+    mirrored = passes["Combined"][..., :3] - diffuse - through
+    lobes = {"diffuse": diffuse, "mirrored": mirrored, "through": through}
+    found: Arrays = {name: _half(light).reshape(-1, cells, 3) for name, light in lobes.items()}
+    found["colour"] = _pass(passes, "diffuse", "colour").reshape(-1, cells, 3).mean(axis=1)
+    return found
+
+
+def capture_ends(
+    ends: PathEnds, plan: CapturePlan, seed: int, folder: Path, keeper: Keeper = KEEPS_NOTHING
+) -> EndSamples:
     """Find where a path from each of the plan's cells ends, and how much of it the object lets through.
 
     Raises BakeError where Cycles fails.
@@ -85,58 +104,98 @@ def capture_ends(ends: PathEnds, plan: CapturePlan, seed: int, folder: Path) -> 
     count, cells = len(plan.texel), plan.layout.bucket**2
     aim = Aim(spread_shifts(count, seed + 2), _MIRRORED + _THROUGH)
     capture = PortalCapture(ends.scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
-    found: dict[str, list[Floats]] = {}
-    for tile in _tiles(plan):
-        ends.emit_white()
-        white = capture.render_passes(tile)
-        weights = {lobe: _light(white, lobe) for lobe in ("mirrored", "through")}
-        deep = any(any_dark(weight) for weight in weights.values())  # colours that lack a channel altogether
-        emitted = []
-        for turn in range(TURNS if deep else 1):
-            ends.emit_directions(turn)
-            emitted.append(capture.render_passes(tile))
-        for lobe, weight in weights.items():
-            end = from_directions([_light(passes, lobe) for passes in emitted], weight)
-            found.setdefault(f"{lobe}_weight", []).append(weight.astype(np.float16))
-            found.setdefault(f"{lobe}_end", []).append(end.astype(np.float16))
-    parts = {name: np.concatenate(tiles).reshape(count, cells, 3) for name, tiles in found.items()}
+    found = [
+        keeper.once(_name("ends", tile), partial(_trace_ends, ends, capture, tile)) for tile in _tiles(plan)
+    ]
+    parts = {
+        name: np.concatenate([tile[name] for tile in found]).reshape(count, cells, 3) for name in found[0]
+    }
     return EndSamples(plan, aim.square(plan.layout.bucket), **parts)
 
 
+def _trace_ends(ends: PathEnds, capture: PortalCapture, tile: Tile) -> Arrays:
+    ends.emit_white()
+    white = capture.render_passes(tile)
+    weights = {lobe: _light(white, lobe) for lobe in ("mirrored", "through")}
+    deep = any(any_dark(weight) for weight in weights.values())  # colours that lack a channel altogether
+    emitted = []
+    for turn in range(TURNS if deep else 1):
+        ends.emit_directions(turn)
+        emitted.append(capture.render_passes(tile))
+    found: Arrays = {}
+    for lobe, weight in weights.items():
+        end = from_directions([_light(passes, lobe) for passes in emitted], weight)
+        found[f"{lobe}_weight"] = weight.astype(np.float16)
+        found[f"{lobe}_end"] = end.astype(np.float16)
+    return found
+
+
 def capture_surroundings(
-    scene: bpy.types.Scene, ends: PathEnds, plan: CapturePlan, middle: Floats, seed: int, folder: Path
+    scene: bpy.types.Scene,
+    ends: PathEnds,
+    plan: CapturePlan,
+    middle: Floats,
+    seed: int,
+    folder: Path,
+    keeper: Keeper = KEEPS_NOTHING,
+    name: str = "around",
 ) -> SurroundingsSamples:
     """Look from the object into each of the plan's cells, as if it were a perfect mirror.
 
     `middle` (3,) is the object's, in world space. `scene` is a scratch scene and `ends` are the paths' ends
-    in it; both are spent afterwards. Rays that meet the object itself bring nothing. Raises BakeError where
-    Cycles fails.
+    in it; both are spent afterwards. Rays that meet the object itself bring nothing. The `keeper`'s pieces
+    begin with `name`. Raises BakeError where Cycles fails.
     """
     count = len(plan.texel)
     shift = _straight(count) if plan.layout.bucket == 1 else spread_shifts(count, seed + 1)
     aim = Aim(shift)
-    capture = PortalCapture(scene, plan, Kind.REFLECTION, 1, seed, folder, aim)
-    light = [capture.render(tile)[..., :3].reshape(-1, 3) for tile in _tiles(plan)]
+
+    def trace(shown: bpy.types.Scene, what: str) -> Floats:
+        capture = PortalCapture(shown, plan, Kind.REFLECTION, 1, seed, folder, aim)
+        return np.concatenate(
+            [
+                keeper.once(_name(f"{name}-{what}", tile), partial(_trace_around, capture, tile))["rgb"]
+                for tile in _tiles(plan)
+            ]
+        )
+
+    light = trace(scene, "light")
     ends.emit_directions(0)
     ends.blacken_object()
-    capture = PortalCapture(ends.scene, plan, Kind.REFLECTION, 1, seed, folder, aim)
-    coded = np.concatenate([capture.render(tile)[..., :3].reshape(-1, 3) for tile in _tiles(plan)])
+    coded = trace(ends.scene, "ends")
     met = coded.sum(axis=1) > _ITSELF
     direction = coded[met] * 2 - 1
     away = mirrored(plan, aim.square(plan.layout.bucket)).reshape(-1, 3)[met]
     start = np.repeat(plan.points, plan.layout.bucket**2, axis=0)[met]
     return SurroundingsSamples(
-        middle, direction, np.concatenate(light)[met], 1 / distance_along(direction, start - middle, away)
+        middle, direction, light[met], 1 / distance_along(direction, start - middle, away)
     )
 
 
-def capture_colour(scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder: Path) -> Floats:
+def _trace_around(capture: PortalCapture, tile: Tile) -> Arrays:
+    return {"rgb": capture.render(tile)[..., :3].reshape(-1, 3)}
+
+
+def capture_colour(
+    scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder: Path, keeper: Keeper = KEEPS_NOTHING
+) -> Floats:
     """The diffuse colour along the normal, for a plan of one cell a bucket: (H, W, 3), gutter filled."""
     aim = Aim(_straight(len(plan.texel)), _DIFFUSE)
     capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
     first_hit_only(scene)
-    tiles = (_pass(capture.render_passes(tile), "diffuse", "colour") for tile in _tiles(plan))
-    return plan.placed(np.concatenate([tile.reshape(-1, 3) for tile in tiles]), gutter=True)
+    tiles = [
+        keeper.once(_name("colour", tile), partial(_trace_colour, capture, tile))["colour"]
+        for tile in _tiles(plan)
+    ]
+    return plan.placed(np.concatenate(tiles), gutter=True)
+
+
+def _trace_colour(capture: PortalCapture, tile: Tile) -> Arrays:
+    return {"colour": _pass(capture.render_passes(tile), "diffuse", "colour").reshape(-1, 3)}
+
+
+def _name(what: str, tile: Tile) -> str:
+    return f"{what}-{tile.first_row:06d}"
 
 
 def _straight(count: int) -> Floats:

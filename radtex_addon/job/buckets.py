@@ -10,10 +10,12 @@ from pathlib import Path
 import bpy
 
 from ..bake.capture import Capture
+from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage
 from ..bake.session import fill_atlas
 from ..bake.spec import BakeSpec, CaptureMethod, Kind
+from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Bools, Floats
 from ..core.errors import BakeError
 from ..cycles.hidden import find_hidden
@@ -33,11 +35,13 @@ def bake_buckets(
     files: OutputFiles,
     prepared: Prepared,
     folder: Path,
+    keeper: Keeper = KEEPS_NOTHING,
+    thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Made]:
-    """Bake the scratch scene's object; `folder` takes temporary files."""
-    plan, hidden = yield from _plan(prepared, spec, folder)
+    """Bake the scratch scene's object; `folder` takes temporary files, the `keeper` every finished tile."""
+    plan, hidden = yield from _plan(prepared, spec, folder, keeper)
     capture = _capture(scratch, plan, spec, folder)
-    image = yield from fill_atlas(plan, capture, spec.memory_mb, hidden)
+    image = yield from fill_atlas(plan, capture, spec.memory_mb, hidden, keeper, thumbnail)
     yield Progress(Stage.WRITE, 0, 1)
     facts = facts_of(original.name, spec, plan.layout.width, plan.layout.height, prepared.uv_layer)
     clamped = _write(files, image, facts, spec)
@@ -46,14 +50,14 @@ def bake_buckets(
 
 
 def _plan(
-    prepared: Prepared, spec: BakeSpec, folder: Path
+    prepared: Prepared, spec: BakeSpec, folder: Path, keeper: Keeper
 ) -> Generator[Progress, None, tuple[CapturePlan, Bools | None]]:
     """What to capture, and which cells of it nobody sees; texels that nobody sees at all cost no path."""
     texels = prepared.texels()
     plan = plan_capture(texels, spec.bucket)
     if spec.kind is not Kind.RADIANCE:
         return plan, None
-    hidden = yield from find_hidden(prepared.mesh, prepared.matrix_world, plan, folder)
+    hidden = yield from find_hidden(prepared.mesh, prepared.matrix_world, plan, folder, keeper)
     buried = hidden.all(axis=(1, 2))
     return plan_capture(texels, spec.bucket, without=plan.texel[buried]), hidden[~buried]
 

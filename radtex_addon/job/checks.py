@@ -13,7 +13,7 @@ from ..bake.spec import BakeSpec, CaptureMethod, Layout
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.shared import LEAST_LEVEL, Axis
-from ..formats.atomic import check_absent, check_writable
+from ..formats.atomic import check_writable
 from ..formats.shared_sidecar import SharedSidecar
 from ..preview.node_group import check_previewable
 from ..preview.shared_group import check_shared_previewable
@@ -24,6 +24,7 @@ from ..scene.objects import find_object
 from ..scene.scratch import find_view_layer
 from ..scene.xatlas_process import check_xatlas
 from .files import OutputFiles, facts_of
+from .unfinished import check_files
 
 
 def check_request(
@@ -34,11 +35,12 @@ def check_request(
     preview: bool,
     overwrite: bool,
     view_layer: str | None = None,
+    resume: bool = False,
 ) -> list[str]:
     """Everything that can be known to fail before a bake starts; returns warnings.
 
-    Raises InputError for an object or a view layer that is not there, an object that cannot be baked, and for
-    files that would be lost or cannot be written.
+    Raises InputError for an object or a view layer that is not there, an object that cannot be baked, for
+    files that would be lost or cannot be written, and where it is to `resume` a bake that differs.
     """
     item = find_object(scene, name)
     layer = find_view_layer(scene, view_layer)
@@ -50,7 +52,7 @@ def check_request(
         raise InputError(
             f"{files.preview} is the open file, which a bake never changes: choose another folder"
         )
-    check_absent(files.all, overwrite)
+    check_files(name, spec, files, overwrite, resume)
     if preview:
         _check_previewable(name, spec)
     warnings = []

@@ -42,6 +42,11 @@ class OutputFiles:
         return cls(images, sidecar, shown if preview else None)
 
     @property
+    def unfinished(self) -> Path:
+        """The folder where finished pieces lie while the bake is not: `<name>.<kind>.radtex-unfinished`."""
+        return self.sidecar.with_suffix(".radtex-unfinished")
+
+    @property
     def atlas(self) -> Path:
         """The plain layout's image; the shared layout's first."""
         return self.images[0]

@@ -8,7 +8,9 @@ from collections.abc import Generator
 from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
+from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.progress import Progress, Stage
 from ..bake.spec import BakeSpec
 from ..core.arrays import Floats
@@ -17,11 +19,13 @@ from ..core.surface import SurfaceMesh
 from ..core.texel_map import TexelMap, rasterise
 from ..cycles.offset import ray_offset
 from ..scene.copy import UV_LAYER, baked_mesh, surface_mesh
+from ..scene.digests import matrix_digest, mesh_digest, scene_digests
 from ..scene.evaluated import EvaluatedMesh, evaluate
 from ..scene.unwrap import unwrap_steps
 from ..scene.unwrap_options import UnwrapOptions
 from ..scene.uv_layer import user_uv
 
+_UNWRAP = "unwrap"  # a piece's name
 _RIM = 0.2  # of a ray's offset: how far from its triangle's edges a ray starts
 
 
@@ -47,16 +51,24 @@ class Prepared:
 
 
 def prepare(
-    scratch: bpy.types.Scene, original: bpy.types.Object, spec: BakeSpec, kept: list[bpy.types.ID]
+    scratch: bpy.types.Scene,
+    original: bpy.types.Object,
+    spec: BakeSpec,
+    kept: list[bpy.types.ID],
+    keeper: Keeper = KEEPS_NOTHING,
 ) -> Generator[Progress, None, Prepared]:
     """Evaluate and unwrap the scratch scene's object; the copy's mesh joins what is `kept`.
 
-    Ends amid the stage RASTER, which `texels` goes on with. Raises InputError for what cannot be baked.
+    The `keeper` learns of the scene, and is given the unwrap. Ends amid the stage RASTER, which `texels` goes
+    on with. Raises InputError for what cannot be baked, or is not what the keeper's pieces are of.
     """
     yield Progress(Stage.EVALUATE, 0, 1)
     evaluated = evaluate(scratch, original)
+    if keeper is not KEEPS_NOTHING:
+        keeper.expect({"mesh": mesh_digest(evaluated), "object's place": matrix_digest(evaluated)})
+        keeper.expect(scene_digests(scratch))
     yield Progress(Stage.UNWRAP, 0, 1)
-    unwrapped = yield from _unwrap(evaluated, spec)
+    unwrapped = yield from _unwrap(evaluated, spec, keeper)
     yield Progress(Stage.RASTER, 0, 1)
     mesh = baked_mesh(evaluated, unwrapped.uv, unwrapped.layer)
     kept.append(mesh)
@@ -80,10 +92,17 @@ class _Unwrapped:
     islands: int | None
 
 
-def _unwrap(evaluated: EvaluatedMesh, spec: BakeSpec) -> Generator[Progress, None, _Unwrapped]:
+def _unwrap(
+    evaluated: EvaluatedMesh, spec: BakeSpec, keeper: Keeper
+) -> Generator[Progress, None, _Unwrapped]:
     if spec.uv_layer is not None:
         uv = user_uv(evaluated, spec.uv_layer)
         return _Unwrapped(uv, spec.uv_layer, spec.texels, spec.texels, None)
-    options = UnwrapOptions(padding=spec.padding)
-    found = yield from unwrap_steps(evaluated, spec.texels, spec.unwrap, options)
-    return _Unwrapped(found.uv, UV_LAYER, found.width, found.height, found.islands)
+    piece = keeper.found(_UNWRAP)
+    if piece is None:
+        options = UnwrapOptions(padding=spec.padding)
+        found = yield from unwrap_steps(evaluated, spec.texels, spec.unwrap, options)
+        piece = {"uv": found.uv, "size": np.array([found.width, found.height, found.islands])}
+        keeper.keep(_UNWRAP, piece)
+    width, height, islands = (int(number) for number in piece["size"])
+    return _Unwrapped(piece["uv"], UV_LAYER, width, height, islands)

@@ -12,10 +12,13 @@ from pathlib import Path
 
 import bpy
 
+from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.progress import Progress, Stage, finished
 from ..bake.spec import BakeSpec, Layout
 from ..bake.stopwatch import Stopwatch
+from ..bake.thumbnail import Thumbnail
 from ..core.atlas import AtlasLayout
+from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..cycles.device import use_device
 from ..preview.material import preview_material, preview_shared_material
@@ -30,6 +33,7 @@ from .files import OutputFiles
 from .made import Made
 from .prepare import Prepared, prepare
 from .shared import bake_shared
+from .unfinished import open_checkpoint
 
 log = logging.getLogger(__name__)
 
@@ -63,10 +67,22 @@ def bake_object(
     view_layer: str | None = None,
     preview: Filter | None = None,
     overwrite: bool = False,
+    resume: bool = False,
+    thumbnail: Thumbnail | None = None,
 ) -> BakeResult:
     """Bake one object and write its files; see `bake_steps`."""
     return finished(
-        bake_steps(scene, name, spec, folder, view_layer=view_layer, preview=preview, overwrite=overwrite)
+        bake_steps(
+            scene,
+            name,
+            spec,
+            folder,
+            view_layer=view_layer,
+            preview=preview,
+            overwrite=overwrite,
+            resume=resume,
+            thumbnail=thumbnail,
+        )
     )
 
 
@@ -79,23 +95,36 @@ def bake_steps(
     view_layer: str | None = None,
     preview: Filter | None = None,
     overwrite: bool = False,
+    resume: bool = False,
+    thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, BakeResult]:
     """Bake the mesh object `name` as `scene`'s `view_layer` renders it (the first that does, if None).
 
     Writes `<name>.<kind>.json` and `.exr` into `folder`, or in the shared layout `<name>.<kind>.<layer>.exr`,
     and with a `preview` filter `<name>.preview.blend`; the shared layout has but one filter. Yields progress;
     returns the result. The scene is what it was afterwards, also after an error or when the generator is
-    closed. Raises InputError for what cannot be baked, BakeError for what fails meanwhile.
+    closed. What is finished of a bake lies in `<name>.<kind>.radtex-unfinished` until all of it is: with
+    `resume` the bake goes on from there, without it needs `overwrite` to begin anew. The `thumbnail` is shown
+    what comes in. Raises InputError for what cannot be baked, or resumed, BakeError for what fails meanwhile.
     """
     files = OutputFiles.of(name, spec, folder, preview is not None)
-    for warning in check_request(scene, name, spec, folder, preview is not None, overwrite, view_layer):
+    warnings = check_request(scene, name, spec, folder, preview is not None, overwrite, view_layer, resume)
+    for warning in warnings:
         log.warning(warning)
     watch = Stopwatch()
-    with new_data_removed():
-        baked = yield from bake_and_keep(scene, name, spec, files, view_layer, watch)
-        if preview is not None:
-            yield watch.start(Stage.PREVIEW)
-            _save_preview(scene, name, spec, baked, preview)
+    checkpoint = open_checkpoint(name, spec, files, resume)
+    try:
+        with new_data_removed():
+            baked = yield from bake_and_keep(
+                scene, name, spec, files, view_layer, watch, checkpoint, thumbnail
+            )
+            if preview is not None:
+                yield watch.start(Stage.PREVIEW)
+                _save_preview(scene, name, spec, baked, preview)
+    except InputError:  # there is nothing to go on with: another try asks for something else
+        checkpoint.drop_own()
+        raise
+    checkpoint.remove()
     watch.stop()
     made = baked.made
     return BakeResult(
@@ -128,6 +157,8 @@ def bake_and_keep(
     files: OutputFiles,
     view_layer: str | None,
     watch: Stopwatch,
+    keeper: Keeper = KEEPS_NOTHING,
+    thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Baked]:
     """Bake as `bake_steps` does, without its checks; the baked mesh stays, for the caller to remove."""
     kept: list[bpy.types.ID] = []
@@ -137,9 +168,10 @@ def bake_and_keep(
         use_device(scratch, spec.device) as device,  # before the unwrap, which may take long
     ):
         original = find_object(scratch, name)
-        prepared = yield from watch.over(prepare(scratch, original, spec, kept))
+        keeper.expect({"device": device})
+        prepared = yield from watch.over(prepare(scratch, original, spec, kept, keeper))
         bake = bake_shared if spec.layout is Layout.SHARED else bake_buckets
-        steps = bake(scratch, original, spec, files, prepared, Path(temporary))
+        steps = bake(scratch, original, spec, files, prepared, Path(temporary), keeper, thumbnail)
         made = yield from watch.over(steps)
     return Baked(made, prepared, device)
 

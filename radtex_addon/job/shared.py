@@ -10,11 +10,13 @@ from pathlib import Path
 
 import bpy
 
+from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.fit import fit_shared
 from ..bake.plan import CapturePlan
 from ..bake.progress import Progress, Stage
 from ..bake.rays import FINER
 from ..bake.spec import BakeSpec
+from ..bake.thumbnail import Thumbnail
 from ..core.atlas import AtlasLayout
 from ..core.shared import SharedAtlas
 from ..cycles.shared_capture import capture_shared
@@ -42,12 +44,14 @@ def bake_shared(
     files: OutputFiles,
     prepared: Prepared,
     folder: Path,
+    keeper: Keeper = KEEPS_NOTHING,
+    thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Made]:
-    """Bake the scratch scene's object; `folder` takes temporary files.
+    """Bake the scratch scene's object; `folder` takes temporary files, the `keeper` every finished render.
 
     Raises InputError for a budget that is too small for its texels.
     """
-    fitted = yield from fit_bake(scratch, original, spec, prepared, folder)
+    fitted = yield from fit_bake(scratch, original, spec, prepared, folder, keeper, thumbnail)
     width, height = fitted.plan.layout.width, fitted.plan.layout.height
     facts = facts_of(original.name, spec, width, height, prepared.uv_layer)
     condensed: Condensed | None = None
@@ -77,6 +81,8 @@ def fit_bake(
     spec: BakeSpec,
     prepared: Prepared,
     folder: Path,
+    keeper: Keeper = KEEPS_NOTHING,
+    thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, FittedBake]:
     """Capture the scratch scene's object and fit an atlas to it; errors as in `bake_shared`."""
     texels = prepared.texels()
@@ -92,6 +98,8 @@ def fit_bake(
         spec.rays,
         spec.seed,
         folder,
+        keeper,
+        thumbnail,
     )
     fitted = yield from fit_shared(
         capture.light, capture.ends, capture.surroundings, capture.colour, cells=spec.bucket

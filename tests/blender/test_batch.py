@@ -34,6 +34,7 @@ from radtex_addon.job import buckets
 from radtex_addon.preview.picture import render_picture
 from tests.blender import stage
 from tests.blender.batch_process import BAKE, Outcome, process, refusal
+from tests.blender.unfinished import take_pieces
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
@@ -484,7 +485,12 @@ HEARING = "import runpy, signal, sys; signal.signal(signal.SIGINT, signal.defaul
 HEARING += "sys.argv = sys.argv[1:]; runpy.run_path(sys.argv[0], run_name='__main__')"
 
 
-def test_ctrl_c_amid_a_render_ends_with_130_and_leaves_nothing(room: Path, out: Path, tmp_path: Path) -> None:
+KEPT = "interrupted: what is finished of 'Card' is kept, go on with --resume"
+
+
+def test_ctrl_c_amid_a_render_ends_with_130_and_leaves_what_is_finished(
+    room: Path, out: Path, tmp_path: Path
+) -> None:
     temporary = tmp_path / "temporary"
     temporary.mkdir()
     arguments = ["--object", "Card", "--texels", "64", "--samples", "200", "--progress", "json"]
@@ -505,8 +511,9 @@ def test_ctrl_c_amid_a_render_ends_with_130_and_leaves_nothing(room: Path, out: 
         watchdog.cancel()
     assert running.returncode == 130
     assert json.loads(rest.splitlines()[-1])["exit_code"] == 130
-    assert "radtex: interrupted: nothing unfinished is left" in err.splitlines()
+    assert f"radtex: {KEPT}" in err.splitlines()
     assert "Traceback" not in err
+    assert take_pieces(out)
     assert not out.exists()
     assert not [path for path in temporary.iterdir() if path.name.startswith("radtex")]
 
@@ -529,11 +536,12 @@ def test_either_signal_interrupts_and_handlers_are_put_back(
     monkeypatch.setattr(buckets, "PortalCapture", Interrupted)
     try:
         line = refusal(batch(room, "--object", "Card", *TINY, *QUIET, "--out", out), code=130)
-        assert line == "radtex: interrupted: nothing unfinished is left\n"
+        assert line == f"radtex: {KEPT}\n"
         assert heard == []
         assert signal.getsignal(number) is ours
     finally:
         signal.signal(number, before)
+    assert take_pieces(out)
     assert not out.exists()
 
 

@@ -32,6 +32,7 @@ from tests.blender import stage
 from tests.blender.conftest import PlannedError
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene
+from tests.blender.unfinished import take_pieces
 
 pytestmark = pytest.mark.usefixtures("temporary")
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -418,6 +419,7 @@ def test_the_users_file_is_what_it_was_after_a_failure_amid_the_capture(
     assert len(rendered) == 3
     assert differences(before, fingerprint()) == {}
     assert preferences() == preferred
+    assert take_pieces(out)
     assert not out.exists()
 
 
@@ -442,6 +444,7 @@ def test_the_users_file_is_what_it_was_whatever_fails(out: Path) -> None:
             patch.setattr(module, part, fail)
             with pytest.raises(PlannedError):
                 bake("Card", QUICK, out, preview=Filter.NEAREST)
+        take_pieces(out)
         assert differences(before, fingerprint()) == {}, part
         assert preferences() == preferred, part
         whole = {"Card.radiance.exr", "Card.radiance.json"} if part == "save_preview" else set()
@@ -468,6 +471,7 @@ def test_the_users_file_is_what_it_was_after_a_cancel_amid_the_capture(
     assert rendered
     assert differences(before, fingerprint()) == {}
     assert preferences() == preferred
+    assert take_pieces(out)
     assert not out.exists()
 
 
@@ -477,6 +481,7 @@ def test_the_users_file_is_what_it_was_at_whatever_stage_the_bake_is_dropped(out
     before, preferred = fingerprint(), preferences()
     for until in (until for until in Stage if until not in (Stage.FIT, Stage.CONDENSE)):
         drop_at(until, out)
+        take_pieces(out)
         assert differences(before, fingerprint()) == {}, until
         assert preferences() == preferred, until
         whole = {"Head.radiance.exr", "Head.radiance.json"} if until is Stage.PREVIEW else set()
@@ -491,6 +496,7 @@ def test_a_file_that_was_there_survives_a_bake_that_fails(out: Path, monkeypatch
     counted(monkeypatch, fail_at=0)
     with pytest.raises(PlannedError):
         bake("Card", BakeSpec(texels=4, bucket=2, samples=1), out, overwrite=True)
+    assert take_pieces(out)
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 
@@ -505,6 +511,7 @@ def test_an_atlas_never_lies_beside_another_ones_sidecar(out: Path, monkeypatch:
     monkeypatch.setattr(buckets, "write_sidecar", full)
     with pytest.raises(BakeError, match="full"):
         bake("Card", BakeSpec(texels=4, bucket=2, samples=1), out, overwrite=True)
+    assert take_pieces(out)
     left = names(out)
     assert left in (set(), {"Card.radiance.exr", "Card.radiance.json"})
     if left:
@@ -520,6 +527,7 @@ def test_what_cycles_refuses_is_a_failure_of_the_bake(out: Path, monkeypatch: py
         bake("Card", TINY, out)
     assert "\n" not in str(raised.value)
     assert differences(before, fingerprint()) == {}
+    assert take_pieces(out)
     assert not out.exists()
 
 

@@ -30,6 +30,7 @@ from tests.blender import stage
 from tests.blender.conftest import PlannedError
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene
+from tests.blender.unfinished import take_pieces
 
 pytestmark = pytest.mark.usefixtures("temporary")
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -278,9 +279,11 @@ def test_the_users_file_is_what_it_was_wherever_the_bake_is_dropped(out: Path) -
         (Stage.FIT, 0),
     ):
         drop_at(until, out, done)
+        assert take_pieces(out)
         assert differences(before, fingerprint()) == {}, until
         assert not out.exists(), until
     drop_at(Stage.PREVIEW, out)
+    assert take_pieces(out)
     assert differences(before, fingerprint()) == {}
     assert names(out) == files_of("Card", Axis.MIRROR)
 
@@ -303,6 +306,7 @@ def test_the_users_file_is_what_it_was_whatever_fails(out: Path) -> None:
             patch.setattr(module, part, fail)
             with pytest.raises(PlannedError):
                 bake("Card", TINY, out, preview=Filter.LINEAR)
+        assert take_pieces(out)
         assert differences(before, fingerprint()) == {}, part
         assert not out.exists(), part
 
@@ -321,6 +325,7 @@ def test_a_bake_that_cannot_be_written_leaves_the_one_before(
     monkeypatch.setattr("radtex_addon.formats.shared_files.write_rows", full)
     with pytest.raises(BakeError, match="full"):
         bake("Card", BakeSpec(layout=Layout.SHARED, texels=4, bucket=4, samples=1), out, overwrite=True)
+    assert take_pieces(out)
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 

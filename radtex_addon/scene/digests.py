@@ -1,0 +1,262 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Digests of what a bake depends on, to notice that a scene is not what it was when the bake began.
+
+The baked mesh is digested to the last bit; of everything else what is cheap to read. Not noticed: other
+objects' vertices that move within the same bounds, pixels of an image whose size and file's size stay, and
+what files beside the .blend hold (caches, volumes, fonts).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import warnings
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import numpy as np
+
+from .evaluated import EvaluatedMesh
+
+_PREFIX = "sha256:"
+_DEPTH = 4  # of settings within settings: a curve's points
+# How light travels; samples and seeds are the bake's own.
+_CYCLES = (
+    "max_bounces",
+    "diffuse_bounces",
+    "glossy_bounces",
+    "transmission_bounces",
+    "volume_bounces",
+    "transparent_max_bounces",
+    "min_light_bounces",
+    "min_transparent_bounces",
+    "sample_clamp_direct",
+    "sample_clamp_indirect",
+    "blur_glossy",
+    "caustics_reflective",
+    "caustics_refractive",
+    "use_light_tree",
+    "use_guiding",
+    "light_sampling_threshold",
+    "direct_light_sampling_type",
+    "sampling_pattern",
+    "volume_step_rate",
+    "volume_max_steps",
+    "volume_biased",
+    "film_transparent_glass",
+    "film_transparent_roughness",
+    "use_fast_gi",
+    "fast_gi_method",
+    "ao_bounces_render",
+    "feature_set",
+)
+_RENDER = ("film_transparent", "use_simplify", "simplify_subdivision_render", "hair_type")
+_OBJECT = ("is_holdout", "is_shadow_catcher", "pass_index", "color", "instance_type", "hide_render")
+_RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
+# Of no consequence to a picture.
+_IDLE = frozenset(
+    (
+        "animation_data",
+        "asset_data",
+        "bl_rna",
+        "inputs",
+        "interface",
+        "internal_links",
+        "library",
+        "library_weak_reference",
+        "original",
+        "outputs",
+        "override_library",
+        "parent",
+        "preview",
+        "rna_type",
+        "tag",
+        "use_extra_user",
+        "use_fake_user",
+    )
+)
+# Nor is where nodes stand in their editor.
+_IDLE_OF_NODES = _IDLE | {
+    "color",
+    "height",
+    "hide",
+    "label",
+    "location",
+    "location_absolute",
+    "select",
+    "show_options",
+    "show_preview",
+    "show_texture",
+    "use_custom_color",
+    "width",
+    "width_hidden",
+}
+
+
+def mesh_digest(mesh: EvaluatedMesh) -> str:
+    """Of geometry, normals, attributes (UV layers among them) and which material is where."""
+    state = hashlib.sha256()
+    for array in (mesh.position, mesh.triangles, mesh.normal, mesh.material_index, *mesh.texture_space):
+        _feed(state, array)
+    for attribute in mesh.attributes:
+        state.update(repr((attribute.name, attribute.domain, attribute.data_type)).encode())
+        _feed(state, attribute.values)
+    state.update(repr((mesh.flat, mesh.active_uv, mesh.active_color, mesh.render_color)).encode())
+    return _PREFIX + state.hexdigest()
+
+
+def matrix_digest(mesh: EvaluatedMesh) -> str:
+    """Of where the object is."""
+    state = hashlib.sha256()
+    _feed(state, mesh.matrix_world)
+    return _PREFIX + state.hexdigest()
+
+
+def scene_digests(scratch: bpy.types.Scene) -> dict[str, str]:
+    """Of what else the scratch scene's enabled view layer shows, by what a user calls it."""
+    layer = next(layer for layer in scratch.view_layers if layer.use)
+    layer.update()
+    depsgraph = layer.depsgraph
+    objects: list[str] = []
+    lights: list[str] = []
+    materials: dict[str, bpy.types.Material] = {}
+    for instance in depsgraph.object_instances:
+        item = instance.object
+        assert item is not None  # there is one in every instance
+        if item.type == "CAMERA":  # the bake has cameras of its own
+            continue
+        place = np.array(instance.matrix_world, dtype=np.float32).tobytes().hex()
+        said = f"{item.name_full} {item.type} {instance.is_instance} {place} {_of_object(item)}"
+        if item.type == "LIGHT":
+            lights.append(" ".join((said, *_walk(item.data, set()))))
+            continue
+        objects.append(said)
+        for material in _materials(item):
+            materials[material.name_full] = material
+    frame = scratch.frame_current + scratch.frame_subframe
+    cycles, render = cast(Any, scratch).cycles, scratch.render
+    return {
+        "objects": _digest(sorted(objects)),
+        "lights": _digest(sorted(lights)),
+        "world": _digest(_walk(scratch.world, set())),
+        "materials": _digest(
+            text for name in sorted(materials) for text in (name, *_walk(materials[name], set()))
+        ),
+        "light paths": _digest(
+            f"{name} {getattr(of, name, None)!r}"
+            for of, names in ((cycles, _CYCLES), (render, _RENDER))
+            for name in names
+        ),
+        "frame": f"{frame:g}",
+    }
+
+
+def _of_object(item: bpy.types.Object) -> str:
+    rays = [getattr(item, f"visible_{ray}") for ray in _RAYS]
+    settings = [repr(_value(getattr(item, name))) for name in _OBJECT]
+    bounds = np.array(item.bound_box, dtype=np.float32).tobytes().hex()
+    size = len(item.data.vertices) if isinstance(item.data, bpy.types.Mesh) else 0
+    return f"{rays} {settings} {bounds} {size}"
+
+
+def _materials(item: bpy.types.Object) -> Iterator[bpy.types.Material]:
+    """The user's own materials of an evaluated object, those that modifiers gave it among them."""
+    slots = (slot.material for slot in item.material_slots)
+    for material in (*slots, *getattr(item.data, "materials", ())):
+        if material is not None:
+            yield cast("bpy.types.Material", material.original)
+
+
+def _walk(struct: Any, seen: set[str], depth: int = _DEPTH) -> Iterator[str]:
+    """What a data-block or a part of one says of itself, with the node groups and images that it uses."""
+    if struct is None:
+        return
+    if isinstance(struct, bpy.types.ID):
+        name = f"{type(struct).__name__} {struct.name_full}"
+        yield name
+        if name in seen:
+            return
+        seen.add(name)
+    if isinstance(struct, bpy.types.Image):
+        yield _of_image(struct)
+        return
+    if isinstance(struct, bpy.types.NodeTree):
+        yield from _walk_tree(struct, seen)
+        return
+    idle = _IDLE_OF_NODES if isinstance(struct, bpy.types.Node) else _IDLE
+    for prop in struct.bl_rna.properties:
+        if prop.identifier in idle or prop.identifier.startswith("bl_"):
+            continue
+        with warnings.catch_warnings(action="ignore"):  # what Blender 6 will remove is still there
+            value = getattr(struct, prop.identifier, None)
+        yield from _walk_property(prop, value, seen, depth)
+
+
+def _walk_property(prop: Any, value: Any, seen: set[str], depth: int) -> Iterator[str]:
+    if prop.type == "COLLECTION":
+        if depth:
+            for item in value or ():
+                yield from _walk(item, seen, depth - 1)
+    elif prop.type == "POINTER":
+        if isinstance(value, bpy.types.NodeTree | bpy.types.Image):
+            yield from _walk(value, seen)
+        elif isinstance(value, bpy.types.ID):
+            yield f"{prop.identifier} {value.name_full}"
+        elif depth:
+            yield from _walk(value, seen, depth - 1)
+    elif not prop.is_readonly or prop.identifier == "type":
+        yield f"{prop.identifier} {_value(value)!r}"
+
+
+def _walk_tree(tree: bpy.types.NodeTree, seen: set[str]) -> Iterator[str]:
+    for node in tree.nodes:
+        yield node.bl_idname
+        yield from _walk(node, seen)
+        for socket in (*node.inputs, *node.outputs):
+            default = getattr(socket, "default_value", None)
+            value = default.name_full if isinstance(default, bpy.types.ID) else _value(default)
+            yield f"{socket.identifier} {value!r}"
+    for link in tree.links:
+        ends = (link.from_node, link.from_socket), (link.to_node, link.to_socket)
+        yield " ".join(f"{node and node.name}.{socket and socket.identifier}" for node, socket in ends)
+
+
+def _of_image(image: bpy.types.Image) -> str:
+    """Neither path nor date: a copy of the scene has others. Its file's size is read where it can be."""
+    packed = [file.packed_file.size for file in image.packed_files if file.packed_file]
+    settings = (image.source, image.colorspace_settings.name, image.alpha_mode, _value(image.size))
+    return f"{settings} {packed or _file_size(image)} {image.generated_type} {_value(image.generated_color)}"
+
+
+def _file_size(image: bpy.types.Image) -> int:
+    try:
+        return Path(bpy.path.abspath(image.filepath, library=image.library)).stat().st_size
+    except OSError:
+        return 0
+
+
+def _value(value: Any) -> Any:
+    """A number, a word, or a tuple of numbers for what Blender has types of its own."""
+    if value is None or isinstance(value, str | bytes | int | float):
+        return value
+    if isinstance(value, set):
+        return sorted(value)
+    try:
+        return np.array(value).tolist()
+    except (TypeError, ValueError):
+        return str(type(value))
+
+
+def _feed(state: Any, array: Any) -> None:
+    state.update(repr((array.shape, str(array.dtype))).encode())
+    state.update(np.ascontiguousarray(array).tobytes())
+
+
+def _digest(texts: Iterable[str]) -> str:
+    state = hashlib.sha256()
+    for text in texts:
+        state.update(text.encode("utf-8", "surrogateescape"))
+        state.update(b"\0")
+    return _PREFIX + state.hexdigest()
