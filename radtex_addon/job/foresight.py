@@ -6,7 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
+from time import monotonic
 
 import bpy
 
@@ -38,12 +40,18 @@ def foresee(
     resume: bool = False,
     targets: Iterable[Target] = (),
     view_layer: str | None = None,
+    patience: float = inf,
 ) -> Foresight:
-    """What a bake of the objects `names` with exports for `targets` would meet. Changes nothing."""
+    """What a bake of the objects `names` with exports for `targets` would meet. Changes nothing.
+
+    After `patience` seconds no further object is looked at: in a large scene each may take 20 ms.
+    """
     errors: dict[str, None] = {}
     warnings: dict[str, None] = {}
-    wanted = tuple(targets)
-    for name in names:
+    wanted, since = tuple(targets), monotonic()
+    for number, name in enumerate(names):
+        if number and monotonic() - since > patience:
+            break
         try:
             found = check_request(scene, name, spec, folder, preview, overwrite, view_layer, resume)
             warnings |= dict.fromkeys(found)

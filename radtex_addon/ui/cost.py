@@ -24,18 +24,15 @@ class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, _, found = drawn(self, context)
-        assert context is not None  # Blender always gives one
-        assert context.scene is not None  # nor is it without a scene
-        if found is None or found.cost is None or found.spec is None:
+        if found is None or found.cost is None:
             layout.label(text="Not known for these settings" if found is not None else "Working it out")
             return
         if len(found.objects) > 1:
             layout.label(text="For each object, at most:")
         for label, value in figures(found.cost):
             _draw_figure(layout, label, value)
-        seconds = estimates.seconds_known(context.scene, found.objects, found.spec)
-        if seconds is not None:
-            _draw_figure(layout, iface_("Time, all"), iface_("about {}").format(duration(seconds)))
+        if found.seconds is not None:
+            _draw_figure(layout, iface_("Time, all"), iface_("about {}").format(duration(found.seconds)))
         text = iface_("Estimating…" if estimates.asking() else "Estimate Time")
         layout.operator("radtex.estimate", text=text, icon="TIME", translate=False)
         if estimates.message():

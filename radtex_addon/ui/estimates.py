@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from .redraw import redraw
+from . import outlook
 
 if TYPE_CHECKING:
     from ..bake.estimate import Probe
@@ -47,9 +47,10 @@ _session = _Session()
 
 def seconds_known(scene: bpy.types.Scene, names: Iterable[str], spec: BakeSpec) -> float | None:
     """How long baking all the objects takes; None unless each was probed."""
-    from ..bake.estimate import seconds_needed
+    from ..bake.estimate import probe_specs, seconds_needed
 
-    probes = [_session.probes.get(_key(scene, name, spec)) for name in names]
+    small = probe_specs(spec)
+    probes = [_session.probes.get((scene.session_uid, name, small)) for name in names]
     if not probes or None in probes:
         return None
     return sum(seconds_needed(spec, *found) for found in probes if found is not None)
@@ -61,6 +62,7 @@ def probe_now(scene: bpy.types.Scene, names: Iterable[str], spec: BakeSpec) -> N
 
     for name in names:
         _session.probes[_key(scene, name, spec)] = probe_object(scene, name, spec)
+    outlook.mark_stale()
 
 
 def ask(scene: bpy.types.Scene, names: Iterable[str], spec: BakeSpec) -> None:
@@ -105,7 +107,7 @@ def advance() -> bool:
     for asked in _session.asked:
         _keep(asked.key, [jobs[number] for number in asked.numbers])
     _end()
-    redraw()
+    outlook.mark_stale()
     return False
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from . import outlook
+from . import outlook, pictures
 from .redraw import redraw
 
 if TYPE_CHECKING:
@@ -111,6 +111,7 @@ def unregister() -> None:
     if _session.queue is not None:
         _session.queue.close()
     _session.queue, _session.shown = None, ()
+    pictures.unregister()
 
 
 def _queue() -> Queue:
@@ -132,6 +133,6 @@ def _look() -> None:
 def _pulse() -> float | None:
     before = _session.shown
     more = advance()
-    if _session.shown != before:
+    if pictures.update(_session.shown) or _session.shown != before:
         redraw()
     return _PULSE if more else None

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from . import jobs
+from . import jobs, pictures
 from .panel import Sidebar, draw_text
 from .words import duration, iface_, remark
 
@@ -22,6 +22,8 @@ _ICONS = {
     "failed": "ERROR",
     "cancelled": "CANCEL",
 }
+
+_PICTURE = 8.0  # times a button's height
 
 
 class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
@@ -60,11 +62,16 @@ def _draw_job(column: Any, job: Job) -> None:
     if not job.ended:
         row.progress(factor=job.fraction, text=phrase(job), translate=False)
         row.operator("radtex.cancel", text="", icon="X").number = job.number
+        if picture := pictures.icon(job):
+            column.template_icon(picture, scale=_PICTURE)
         return
     row.label(text=phrase(job), translate=False)
     if job.state == "done":
         row.operator("radtex.open_folder", text="", icon="FILE_FOLDER").directory = str(job.out)
-    elif job.state == "failed":
+    else:
+        again = row.operator("radtex.bake", text="", icon="PLAY")
+        again.object, again.resume = job.object, True
+    if job.state == "failed":
         draw_text(column, remark(job.message), "BLANK1")
     for warning in job.warnings:
         draw_text(column, remark(warning), "INFO")

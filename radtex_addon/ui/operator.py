@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
     from .request import BakeRequest
 
+_PATIENCE = 1.0  # seconds for looking at the objects; each bake will look at its own again
+
 
 class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
     """Bake the selected objects' light in every direction into texture atlases, path traced by Cycles"""
@@ -126,6 +128,7 @@ def _check(scene: bpy.types.Scene, names: tuple[str, ...], request: BakeRequest)
         overwrite=request.overwrite,
         resume=request.resume,
         targets=request.targets,
+        patience=_PATIENCE,
     )
     if seen.errors:
         raise InputError(seen.errors[0])

@@ -22,13 +22,15 @@ if TYPE_CHECKING:
     from .settings import BakeSettings
 
 _QUIET = 0.3  # seconds without a change, so that dragging stays fluid
+_PATIENCE = 0.05  # seconds for looking at the objects
 
 
 @dataclass(frozen=True)
 class Outlook:
     """A bake of the chosen objects: what would fail, what to know, and what each of them costs at most.
 
-    `spec` and `cost` are None where the settings cannot be.
+    `spec` and `cost` are None where the settings cannot be; `seconds`, of all objects, where nobody has
+    estimated them.
     """
 
     objects: tuple[str, ...]
@@ -36,6 +38,7 @@ class Outlook:
     warnings: tuple[str, ...]
     spec: BakeSpec | None = None
     cost: Cost | None = None
+    seconds: float | None = None
 
 
 @dataclass
@@ -122,6 +125,7 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
     from ..bake.cost import cost_of
     from ..core.errors import InputError
     from ..job.foresight import foresee
+    from . import estimates
     from .request import BakeRequest, spec_of, values_of
 
     names = chosen_objects(view_layer)
@@ -131,11 +135,11 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
         spec = spec_of(values)
     except InputError as error:
         return Outlook(names, (str(error),), ())
-    cost = cost_of(spec)
+    cost, seconds = cost_of(spec), estimates.seconds_known(scene, names, spec)
     try:
         request = BakeRequest.of(values)
     except InputError as error:
-        return Outlook(names, (str(error),), (), spec, cost)
+        return Outlook(names, (str(error),), (), spec, cost, seconds)
     seen = foresee(
         scene,
         names,
@@ -145,5 +149,6 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
         overwrite=request.overwrite,
         resume=request.resume,
         targets=request.targets,
+        patience=_PATIENCE,
     )
-    return Outlook(names, seen.errors, seen.warnings, spec, cost)
+    return Outlook(names, seen.errors, seen.warnings, spec, cost, seconds)

@@ -13,7 +13,7 @@ import bpy
 import pytest
 
 from radtex_addon.export.spec import Target
-from radtex_addon.ui import estimates, jobs
+from radtex_addon.ui import estimates, jobs, outlook
 from radtex_addon.ui.jobs_panel import phrase
 from radtex_addon.ui.request import BakeRequest, spec_of, values_of
 from radtex_addon.worker.job import State
@@ -145,6 +145,24 @@ def test_a_bake_can_be_cancelled_and_another_comes_after_it(out: Path) -> None:
     jobs.forget_ended()
     wait_for(State.DONE)
     assert (out / "Card.incident.exr").exists()
+
+
+def test_a_cancelled_bake_can_be_gone_on_with(out: Path) -> None:
+    plane()
+    submit(texels=64, bucket=8, samples=16, preview=False)
+    until = time.monotonic() + PATIENCE
+    while not list(out.glob("*.radtex-unfinished")) or jobs.snapshot()[0].fraction < 0.3:
+        assert time.monotonic() < until
+        jobs.advance()
+        time.sleep(0.02)
+    jobs.cancel()
+    wait_for(State.CANCELLED)
+    (error,) = outlook.refresh(context.scene, context.view_layer).errors
+    assert "go on with it" in error
+    jobs.forget_ended()
+    submit(resume=True)
+    wait_for(State.DONE)
+    assert names(out) == ["Card.radiance.exr", "Card.radiance.json"]
 
 
 def test_a_worker_finds_out_how_long_a_bake_will_take() -> None:

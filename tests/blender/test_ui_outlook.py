@@ -13,6 +13,7 @@ import pytest
 from radtex_addon.bake.estimate import Probe, probe_specs, seconds_needed
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.job import bake_object
+from radtex_addon.job.foresight import foresee
 from radtex_addon.ui import estimates, outlook, words
 from radtex_addon.ui.cost import figures
 from radtex_addon.ui.outlook import Outlook
@@ -106,6 +107,17 @@ def test_the_dark_and_tight_budgets_are_warned_of() -> None:
     assert any("128 x 128 texels take" in warning for warning in found.warnings)
     settings().uv_layer = "UVMap"  # the atlas is square then, for certain
     assert any("128 x 128 texels take" in error for error in seen().errors)
+
+
+def test_of_many_objects_as_many_are_looked_at_as_time_allows(tmp_path: Path) -> None:
+    plane("A")
+    plane("B")
+    context.object.hide_render = True
+    found = [
+        foresee(context.scene, ("A", "B"), BakeSpec(), tmp_path, patience=patience)
+        for patience in (0.0, 60.0)
+    ]
+    assert [len(one.errors) for one in found] == [0, 1]
 
 
 def test_every_change_marks_it_stale() -> None:

@@ -1,0 +1,55 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel shows the latest picture of each bake that runs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.formats.png import encode_png
+from radtex_addon.ui import pictures
+from radtex_addon.worker.job import Job, State
+
+
+@pytest.fixture(autouse=True)
+def _forgotten() -> Iterator[None]:
+    yield
+    pictures.unregister()
+
+
+def job(tmp_path: Path, number: int = 1) -> Job:
+    path = tmp_path / f"{number}.png"
+    return Job(number, "Card", BakeSpec(), tmp_path, preview=False, state=State.RUNNING, picture=path)
+
+
+def painted(one: Job, width: int, time: int) -> None:
+    assert one.picture is not None
+    one.picture.write_bytes(encode_png(np.full((4, width, 3), 0.5, dtype=np.float32)))
+    os.utime(one.picture, ns=(time, time))
+
+
+def test_a_picture_is_shown_while_it_is_there_and_its_bake_runs(tmp_path: Path) -> None:
+    one, other = job(tmp_path), job(tmp_path, 2)
+    assert not pictures.update([one, other])
+    painted(one, 8, 10**9)
+    assert pictures.update([one, other])
+    assert list(pictures._album.collection) == ["1"]
+    assert pictures.icon(other) == 0
+    assert not pictures.update([one, other])  # nothing new
+    assert pictures.update([replace(one, state=State.DONE), other])
+    assert list(pictures._album.collection) == []
+
+
+def test_a_new_picture_replaces_the_old_one(tmp_path: Path) -> None:
+    one = job(tmp_path)
+    for width in (8, 16):
+        painted(one, width, width * 10**9)
+        assert pictures.update([one])
+        assert tuple(pictures._album.collection["1"].image_size) == (width, 4)
