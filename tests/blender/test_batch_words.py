@@ -25,6 +25,7 @@ from radtex_addon.cli.arguments import ProgressStyle, parse
 from radtex_addon.cli.interruption import Interruption
 from radtex_addon.core.errors import Cancelled, InputError
 from radtex_addon.core.sampler import Filter
+from radtex_addon.export.spec import Target
 from radtex_addon.version import VERSION
 from tests.blender.batch_process import BAKE, process, refusal
 
@@ -112,6 +113,14 @@ def test_the_shared_layout_has_cells_of_its_own() -> None:
     line = ["a.blend", "--object", "A", "--layout", "shared"]
     assert parse(line, inside_blender=False).spec == BakeSpec(layout=spec.Layout.SHARED, bucket=16)
     assert parse([*line, "--bucket", "8"], inside_blender=False).spec.bucket == 8
+
+
+def test_exports_are_listed_once_and_need_the_preview() -> None:
+    line = ["a.blend", "--object", "A", "--export", "web", "--export", "raw", "--export", "web"]
+    assert parse([*line, "--save-preview"], inside_blender=False).exports == (Target.WEB, Target.RAW)
+    assert parse(line[:3], inside_blender=False).exports == ()
+    with pytest.raises(InputError, match="give --save-preview too"):
+        parse(line, inside_blender=False)
 
 
 def test_inside_blender_a_scene_is_refused_for_it_is_open_already() -> None:
