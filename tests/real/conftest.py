@@ -15,7 +15,7 @@ from playwright.sync_api import BrowserType, sync_playwright
 
 from tests.real.browser import SOFTWARE_GL, chromium, served
 from tests.real.exhibit import Exhibit
-from tests.real.root import Root, RootUnavailableError, ready_root
+from tests.real.root import BLENDER, PROGRAMS, Recipe, Root, RootUnavailableError, ready_root
 from tests.real.web import Site, build_page
 
 
@@ -34,22 +34,33 @@ def exhibit(tmp_path_factory: pytest.TempPathFactory) -> Exhibit:
 
 @pytest.fixture(scope="session")
 def root(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Root:
-    """Godot, Chromium and the others in a Debian of their own, which the first use builds.
+    """Godot, Chromium and the others in a Debian of their own, which the first use builds."""
+    return _root(PROGRAMS, request.config, tmp_path_factory)
 
-    What runs there depends on Blender in the exported mesh alone, which tests/blender checks on both: the
-    newer Blender's run is enough, unless RADTEX_EVERY_BLENDER is set.
+
+@pytest.fixture(scope="session")
+def blender_root(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Root:
+    """A Debian with Blender's window, which the first use builds."""
+    return _root(BLENDER, request.config, tmp_path_factory)
+
+
+def _root(recipe: Recipe, config: pytest.Config, folders: pytest.TempPathFactory) -> Root:
+    """A root made by `recipe`, or a skip.
+
+    What runs there depends on our own Blender in the exported mesh alone, which tests/blender checks on both:
+    the newer Blender's run is enough, unless RADTEX_EVERY_BLENDER is set.
     """
     if sys.version_info < (3, 13) and not os.environ.get("RADTEX_EVERY_BLENDER"):
         pytest.skip("real programs run with Blender 5.2's tests; RADTEX_EVERY_BLENDER=1 runs them here, too")
     faulthandler.cancel_dump_traceback_later()  # building, or waiting for who builds, may take longer
     try:
-        path, seconds = ready_root()
+        path, seconds = ready_root(recipe)
     except RootUnavailableError as error:
         pytest.skip(str(error))
-    reporter = request.config.pluginmanager.get_plugin("terminalreporter")
+    reporter = config.pluginmanager.get_plugin("terminalreporter")
     if seconds and reporter is not None:
         reporter.write_line(f"\n{path}: built in {seconds:.0f} s")
-    return Root(path, tmp_path_factory.mktemp("shared"))
+    return Root(path, folders.mktemp("shared"))
 
 
 @pytest.fixture(scope="session")

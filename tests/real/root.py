@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A small Debian of its own, with the programs that tests run: Godot, Chromium, Mesa, shader compilers, wgpu.
+"""Small Debians of their own, with the programs that tests run.
 
-It is made once, in the user's cache, by debootstrap; `python tests/real/root.py` makes it without a test.
+`PROGRAMS` has Godot, Chromium, Mesa, shader compilers and wgpu, `BLENDER` has Blender's window. Each is made
+once, in the user's cache, by debootstrap; `python tests/real/root.py` makes them without a test.
 What runs in it is in a namespace of its own: it sees the root read-only, this repository read-only at
 /repository, what both sides share at /shared, an empty /tmp, and the machine's network. Nothing stays mounted
 or running afterwards.
@@ -30,26 +31,10 @@ from typing import Any
 REPOSITORY = Path(__file__).resolve().parents[2]
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "radtex"
 SUITE = "sid"  # the one with a Godot of 4.6
-PACKAGES = (
-    *("godot", "chromium", "fonts-dejavu-core"),
-    *("libgl1-mesa-dri", "libegl1", "libegl-mesa0", "libgles2", "mesa-vulkan-drivers"),
-    *("xvfb", "xauth", "xdotool", "imagemagick"),
-    *("glslang-tools", "spirv-tools", "spirv-cross", "vkd3d-compiler"),
-    *("python3-numpy", "python3-cffi", "python3-pip"),
-)
-WHEELS = ("wgpu==0.32.0",)
 _KEYRING = Path("/usr/share/keyrings/debian-archive-keyring.gpg")
 _CERTIFICATES = Path("/etc/ssl/certs/ca-certificates.crt")
 _PIP_SETTINGS = ("/etc/pip.conf", "~/.pip/pip.conf", "~/.config/pip/pip.conf")
 _QUICK_DPKG = "force-unsafe-io\npath-exclude=/usr/share/doc/*\npath-exclude=/usr/share/locale/*\n"
-_INSTALL = f"""
-set -e
-export DEBIAN_FRONTEND=noninteractive
-apt-get -q -o Acquire::Check-Valid-Until=false update
-apt-get -q install --yes --no-install-recommends {" ".join(PACKAGES)}
-apt-get clean
-"""
-_INSTALL_WHEELS = f"pip install --break-system-packages --no-cache-dir {' '.join(WHEELS)}"
 # What is mounted or started in it ends with it, and it ends with who started it.
 _NAMESPACE = ("setpriv", "--pdeathsig", "KILL", "unshare", "--mount", "--pid", "--fork", "--kill-child")
 _ENTER = REPOSITORY / "tests/real/enter.sh"
@@ -58,6 +43,58 @@ _ENVIRONMENT = {
     "HOME": "/root",
     "LANG": "C.UTF-8",
 }
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What a root is made of: Debian's packages, modules by pip, and what a shell does after that."""
+
+    packages: tuple[str, ...]
+    modules: tuple[str, ...]
+    steps: tuple[str, ...] = ()
+
+    @property
+    def scripts(self) -> tuple[str, ...]:
+        """What is executed in a bare Debian, in this order."""
+        install = f"""
+set -e
+export DEBIAN_FRONTEND=noninteractive
+apt-get -q -o Acquire::Check-Valid-Until=false update
+apt-get -q install --yes --no-install-recommends {" ".join(self.packages)}
+apt-get clean
+"""
+        pip = f"pip install --break-system-packages --no-cache-dir {' '.join(self.modules)}"
+        return install, pip, *self.steps
+
+    @property
+    def path(self) -> Path:
+        """Where its root lies, built or not."""
+        recipe = repr((SUITE, _QUICK_DPKG, *self.scripts))
+        return CACHE / f"real-{hashlib.sha256(recipe.encode()).hexdigest()[:12]}"
+
+
+PROGRAMS = Recipe(
+    packages=(
+        *("godot", "chromium", "fonts-dejavu-core"),
+        *("libgl1-mesa-dri", "libegl1", "libegl-mesa0", "libgles2", "mesa-vulkan-drivers"),
+        *("xvfb", "xauth", "xdotool", "imagemagick"),
+        *("glslang-tools", "spirv-tools", "spirv-cross", "vkd3d-compiler"),
+        *("python3-numpy", "python3-cffi", "python3-pip"),
+    ),
+    modules=("wgpu==0.32.0",),
+)
+_SHIPPED = ("openexr==3.5.3", "xatlas==0.0.11", "flip-evaluator==1.7")
+# Its Python is a newer one than the wheels that RadTex ships are for: /wheels has ours.
+BLENDER = Recipe(
+    packages=(
+        *("blender", "blender-data", "libgl1-mesa-dri", "libegl1", "libegl-mesa0", "libgl1"),
+        *("xvfb", "xauth", "xdotool", "imagemagick"),
+        *("python3-numpy", "python3-requests", "python3-zstandard", "python3-pip"),
+        *("build-essential", "cmake", "ninja-build", "python3-dev"),
+    ),
+    modules=("cattrs",),
+    steps=(f"pip wheel --no-cache-dir --no-deps --wheel-dir /wheels {' '.join(_SHIPPED)}",),
+)
 
 
 class RootUnavailableError(Exception):
@@ -126,35 +163,29 @@ def screen(argv: Sequence[str], width: int = 1280, height: int = 720) -> list[st
     return ["xvfb-run", "--auto-servernum", f"--server-args=-screen 0 {width}x{height}x24", *argv]
 
 
-def root_path() -> Path:
-    """Where the root of this recipe lies, built or not."""
-    recipe = repr((SUITE, _QUICK_DPKG, _INSTALL, _INSTALL_WHEELS))
-    return CACHE / f"real-{hashlib.sha256(recipe.encode()).hexdigest()[:12]}"
-
-
-def ready_root() -> tuple[Path, float]:
+def ready_root(recipe: Recipe) -> tuple[Path, float]:
     """The root, built if it is not there, and how many seconds that took.
 
     Raises RootUnavailableError where it cannot be built, CalledProcessError where building it failed.
     """
     if sys.platform != "linux" or os.geteuid() != 0:
         raise RootUnavailableError("a root of real programs needs Linux and the rights of its user root")
-    start, path = time.monotonic(), root_path()
+    start, path = time.monotonic(), recipe.path
     CACHE.mkdir(parents=True, exist_ok=True)
-    with _locked(CACHE / "real.lock"):
+    with _locked(recipe.path.with_suffix(".lock")):
         if not path.is_dir():
-            _build(path)
+            _build(recipe)
             return path, time.monotonic() - start
     return path, 0.0
 
 
-def _build(path: Path) -> None:
+def _build(recipe: Recipe) -> None:
     missing = [
         name for name in ("setpriv", "unshare", "chroot", "apt-get", "dpkg-deb") if shutil.which(name) is None
     ]
     if missing or not _KEYRING.is_file():
         raise RootUnavailableError(f"a root of real programs needs {' and '.join(missing) or _KEYRING}")
-    mirror, unfinished = _mirror(), path.with_name(f"{path.name}.unfinished")
+    mirror, unfinished = _mirror(), recipe.path.with_name(f"{recipe.path.name}.unfinished")
     shutil.rmtree(unfinished, ignore_errors=True)
     with tempfile.TemporaryDirectory(dir=CACHE) as folder:
         command, variables = _debootstrap(Path(folder))
@@ -166,10 +197,12 @@ def _build(path: Path) -> None:
     for name in ("shared", "repository"):
         (unfinished / name).mkdir()
     enter = _entered(str(unfinished), "", "", "/")
-    _checked([*enter, "/bin/sh", "-c", _INSTALL], os.environ | _ENVIRONMENT)
+    debian, *others = recipe.scripts
+    _checked([*enter, "/bin/sh", "-c", debian], os.environ | _ENVIRONMENT)
     with _pip_configured(unfinished) as variables:
-        _checked([*enter, "/bin/sh", "-c", _INSTALL_WHEELS], os.environ | _ENVIRONMENT | variables)
-    unfinished.rename(path)
+        for script in others:
+            _checked([*enter, "/bin/sh", "-c", script], os.environ | _ENVIRONMENT | variables)
+    unfinished.rename(recipe.path)
 
 
 def _entered(root: str, shared: str, repository: str, folder: str) -> list[str]:
@@ -244,7 +277,8 @@ def _locked(path: Path) -> Iterator[None]:
 
 if __name__ == "__main__":
     try:
-        found, seconds = ready_root()
+        for wanted in (PROGRAMS, BLENDER):
+            found, seconds = ready_root(wanted)
+            print(f"{found}: built in {seconds:.0f} s" if seconds else f"{found}: was there")
     except RootUnavailableError as error:
         sys.exit(str(error))
-    print(f"{found}: built in {seconds:.0f} s" if seconds else f"{found}: was there")
