@@ -444,6 +444,8 @@ def test_a_failure_while_baking_is_one_line_and_exit_code_1(
     failing(monkeypatch, error)
     line = refusal(batch(room, "--object", "Card", *TINY, *QUIET, "--out", out), code=1)
     assert line.startswith(words)
+    assert line.endswith(": what is finished of 'Card' is kept, go on with --resume\n")
+    assert take_pieces(out)
     assert not out.exists()
 
 
@@ -457,6 +459,7 @@ def test_a_mistake_of_ours_shows_its_traceback_and_never_exits_with_0(
     assert ended.err.splitlines()[-1].startswith(
         "radtex: a mistake in RadTex (ZeroDivisionError): please report"
     )
+    assert take_pieces(out)
     assert not out.exists()
 
 
@@ -474,7 +477,9 @@ def test_objects_that_were_done_before_a_failure_stay(
     ended = batch(
         room, "--object", "Card", "--object", "Box", "--texels", 24, *TINY[2:], *QUIET, "--out", out
     )
-    assert (ended.code, ended.err) == (1, "radtex: planned\n")
+    said = "radtex: planned: what is finished of 'Box' is kept, go on with --resume\n"
+    assert (ended.code, ended.err) == (1, said)
+    assert take_pieces(out)
     assert {path.name for path in out.iterdir()} == {"Card.radiance.exr", "Card.radiance.json"}
 
 

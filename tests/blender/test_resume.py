@@ -11,13 +11,22 @@ import random
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.bake.checkpoint import KEY
+from radtex_addon.bake.progress import Stage
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.bake.thumbnail import Thumbnail
+from radtex_addon.cli import main as batch_module
+from radtex_addon.core.errors import BakeError, InputError
+from radtex_addon.cycles import portal
+from radtex_addon.job import bake_object, bake_steps, check_request
 from tests.blender import stage
 from tests.blender.batch_process import BAKE
 
@@ -132,3 +141,216 @@ def test_files_are_the_same_however_often_the_bake_was_killed(
 
 def is_done(out: Path) -> bool:
     return (out / "Ball.radiance.json").exists() and not (out / FOLDER).exists()
+
+
+# in this process
+
+
+def begun(out: Path, spec: BakeSpec = QUICK) -> list[str]:
+    """Bake until the first render is kept, drop it there, and name what is kept."""
+    steps = bake_steps(context.scene, "Ball", spec, out)
+    for step in steps:
+        if step.stage is Stage.CAPTURE and step.done:
+            steps.close()
+            break
+    return sorted(path.name for path in (out / FOLDER).iterdir())
+
+
+def rendered(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The names of the files that renders go to, as they are made."""
+    seen: list[str] = []
+    render = portal.render_layers
+
+    def counted(scene: bpy.types.Scene, file: Path) -> Any:
+        seen.append(file.name)
+        return render(scene, file)
+
+    monkeypatch.setattr(portal, "render_layers", counted)
+    return seen
+
+
+def a_vertex() -> None:
+    context.scene.objects["Ball"].data.vertices[3].co.x += 1e-3
+
+
+def a_uv() -> None:
+    context.scene.objects["Ball"].data.uv_layers[0].uv[0].vector.x += 1e-3
+
+
+def a_material() -> None:
+    node = bpy.data.materials["floor"].node_tree.nodes
+    next(one for one in node if one.bl_idname == "ShaderNodeBsdfDiffuse").inputs["Color"].default_value[0] = (
+        0.3
+    )
+
+
+def the_sky() -> None:
+    nodes = context.scene.world.node_tree.nodes
+    next(one for one in nodes if one.bl_idname == "ShaderNodeBackground").inputs["Strength"].default_value = 7
+
+
+def a_place(name: str) -> Callable[[], None]:
+    def move() -> None:
+        context.scene.objects[name].location.z -= 0.25
+
+    return move
+
+
+def a_new_object() -> None:
+    bpy.ops.mesh.primitive_cube_add(location=(4, 0, 0))
+
+
+def the_lamp() -> None:
+    bpy.data.lights[0].color = (1, 0.5, 0.5)
+
+
+def bounces() -> None:
+    context.scene.cycles.max_bounces = 1
+
+
+def the_frame() -> None:
+    context.scene.frame_set(5)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (a_vertex, "in mesh: bake"),
+        (a_uv, "in mesh: bake"),
+        (a_place("Ball"), "in object's place: bake"),
+        (a_material, "in materials: bake"),
+        (the_sky, "in world: bake"),
+        (a_place("Floor"), "in objects: bake"),
+        (a_place("Lamp"), "in lights: bake"),
+        (a_new_object, "in objects: bake"),
+        (the_lamp, "in lights: bake"),
+        (bounces, "in light paths: bake"),
+        (the_frame, r"in frame \(1, now 5\): bake"),
+    ],
+)
+def test_what_changed_in_the_scene_is_named(change: Callable[[], None], words: str, out: Path) -> None:
+    kept = begun(out)
+    change()
+    with pytest.raises(InputError, match=words) as raised:
+        bake_object(context.scene, "Ball", QUICK, out, resume=True)
+    assert "\n" not in str(raised.value)
+    assert sorted(path.name for path in (out / FOLDER).iterdir()) == kept
+
+
+def test_what_changed_of_the_specification_is_named_before_anything_is_done(out: Path) -> None:
+    begun(out)
+    other = BakeSpec(texels=16, bucket=4, samples=2, seed=3)
+    with pytest.raises(
+        InputError, match=r"differs in samples \(1, now 2\), seed \(0, now 3\): bake as before"
+    ):
+        check_request(context.scene, "Ball", other, out, False, False, resume=True)
+
+
+def test_another_version_is_named(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    begun(out)
+    monkeypatch.setattr("radtex_addon.job.unfinished.VERSION", "99.0")
+    with pytest.raises(InputError, match=r"RadTex's version \(\S+, now 99\.0\)"):
+        bake_object(context.scene, "Ball", QUICK, out, resume=True)
+
+
+def test_what_does_not_matter_may_differ(out: Path, tmp_path: Path) -> None:
+    bake_object(context.scene, "Ball", QUICK, tmp_path / "whole")
+    begun(out)
+    context.scene.cycles.samples = 7
+    context.scene.render.filepath = "/elsewhere"
+    bpy.data.materials["floor"].node_tree.nodes[0].location.x += 100
+    bpy.ops.object.camera_add(location=(1, 2, 3))
+    spec = BakeSpec(texels=16, bucket=4, samples=1, memory_mb=64)
+    bake_object(context.scene, "Ball", spec, out, resume=True)
+    assert digests(out) == digests(tmp_path / "whole")
+
+
+def test_an_unfinished_bake_is_begun_anew_only_if_that_is_said(out: Path, tmp_path: Path) -> None:
+    bake_object(context.scene, "Ball", QUICK, tmp_path / "whole")
+    kept = begun(out, BakeSpec(texels=16, bucket=2, samples=1))
+    with pytest.raises(
+        InputError, match=r"unfinished bake: go on with it \(--resume\), or begin anew \(--over"
+    ):
+        bake_object(context.scene, "Ball", QUICK, out)
+    assert sorted(path.name for path in (out / FOLDER).iterdir()) == kept
+    bake_object(context.scene, "Ball", QUICK, out, overwrite=True)
+    assert digests(out) == digests(tmp_path / "whole")
+
+
+def test_what_is_finished_is_neither_traced_again_nor_overwritten(
+    out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise BakeError("the disk is full")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("radtex_addon.job.buckets.write_sidecar", full)
+        with pytest.raises(BakeError, match="full"):
+            bake_object(context.scene, "Ball", QUICK, out)
+    seen = rendered(monkeypatch)
+    bake_object(context.scene, "Ball", QUICK, out, resume=True)
+    assert seen == []
+    with pytest.raises(InputError, match="nothing of object 'Ball' is unfinished: leave it out"):
+        bake_object(context.scene, "Ball", QUICK, out, resume=True)
+    bake_object(context.scene, "Ball", QUICK, out, resume=True, overwrite=True)
+    assert seen
+
+
+def test_files_that_a_killed_bake_had_written_already_are_replaced(out: Path) -> None:
+    begun(out)
+    key = json.loads((out / FOLDER / KEY).read_text())
+    assert set(key["replaces"]) == {"Ball.radiance.exr", "Ball.radiance.json"}
+    (out / "Ball.radiance.exr").write_text("of the killed bake")
+    bake_object(context.scene, "Ball", QUICK, out, resume=True)
+    assert {path.name for path in out.iterdir()} == set(key["replaces"])
+    assert (out / "Ball.radiance.exr").read_bytes()[:4] == b"\x76\x2f\x31\x01"
+
+
+def test_what_cannot_be_baked_leaves_nothing_to_go_on_with(out: Path) -> None:
+    spec = BakeSpec(layout=Layout.SHARED, texels=48, bucket=6, samples=1, budget=100)
+    with pytest.raises(InputError, match="budget"):
+        bake_object(context.scene, "Ball", spec, out)
+    assert not (out / FOLDER).exists()
+
+
+@pytest.mark.parametrize("layout", list(Layout))
+def test_a_thumbnail_shows_what_there_is(layout: Layout, tmp_path: Path, out: Path) -> None:
+    context.scene.objects["Ball"].data.materials.clear()
+    context.scene.objects["Ball"].data.materials.append(
+        stage.material("glow", "ShaderNodeEmission", Color=(1, 0, 0, 1))
+    )
+    told: list[Path] = []
+    path = tmp_path / "small.png"
+    spec = BakeSpec(layout=layout, texels=24, bucket=4, samples=1)
+    bake_object(context.scene, "Ball", spec, out, thumbnail=Thumbnail(path, told.append))
+    assert told
+    assert set(told) == {path}
+    picture: Any = bpy.data.images.load(str(path))
+    pixels = np.array(picture.pixels).reshape(-1, 4)
+    assert max(picture.size) == 24
+    red = (pixels[:, :3] == (1, 0, 0)).all(axis=1)
+    assert red.any()
+    assert len(np.unique(pixels[~red], axis=0)) <= 1, "the rest is of one grey"
+
+
+def test_the_batch_tells_of_pictures_and_goes_on(
+    room: Path, out: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def batch(*more: str) -> tuple[int, list[dict[str, Any]], str]:
+        capfd.readouterr()
+        arguments = [str(room), "--object", "Ball", *PLAIN, "--out", str(out), "--progress", "json", *more]
+        code = batch_module.main(arguments, False)
+        said, err = capfd.readouterr()
+        return code, [json.loads(line) for line in said.splitlines()], err
+
+    path = tmp_path / "small.png"
+    code, events, _ = batch("--thumbnail", str(path))
+    assert code == 0
+    assert {"event": "picture", "object": "Ball", "path": str(path)} in events
+    assert path.read_bytes()[:4] == b"\x89PNG"
+    code, events, err = batch("--resume")
+    assert code == 2
+    assert "nothing of object 'Ball' is unfinished" in err
+    code, _, err = batch("--overwrite", "--thumbnail", str(tmp_path / "small.jpg"))
+    assert code == 2
+    assert err.startswith(f"radtex: --thumbnail {tmp_path / 'small.jpg'}: give the name of a PNG, such as ")
