@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How long a bake will take, by two small ones of the same object: set-up apart from each path's cost."""
+"""How long a bake will take, by two small ones of the same object: few texels, and few paths for each.
+
+They differ in their paths alone, so that set-up can be told from what each path costs.
+"""
 
 from __future__ import annotations
 
@@ -10,44 +13,60 @@ from dataclasses import dataclass, replace
 from .progress import Stage
 from .spec import BakeSpec, Layout
 
-_TEXELS = (8, 32)  # of the small bakes: far enough apart to tell set-up from pace
-_SAMPLES = 4
+_TEXELS = 96  # at most: fewer may be too few for a mesh of many islands
+_SAMPLES = (1, 3)
+_ONCE = (Stage.EVALUATE, Stage.UNWRAP)  # take as long for few texels as for many
+_BY_PATH = (Stage.CAPTURE, Stage.FIT)
+_BY_TEXEL = (Stage.RASTER, Stage.PROBE, Stage.FILL, Stage.WRITE)
 
 
 @dataclass(frozen=True)
 class Probe:
-    """What a small bake of `texels` on its longer side took: its covered texels, camera paths and seconds."""
+    """What a bake of `texels` on its longer side took: covered texels, camera paths, seconds by stage."""
 
     texels: int
     covered: int
     paths: int
-    seconds: float
+    seconds: Mapping[Stage, float]
+
+    def spent(self, *stages: Stage) -> float:
+        """Seconds in these stages together."""
+        return sum(self.seconds.get(stage, 0.0) for stage in stages)
 
 
 def probe_specs(spec: BakeSpec) -> tuple[BakeSpec, BakeSpec]:
-    """The two small bakes that tell about `spec`, whose texels, samples and limits they leave aside."""
-    samples = min(spec.samples, _SAMPLES)
-    small, large = (
-        replace(spec, texels=texels, samples=samples, budget=None, target=None) for texels in _TEXELS
+    """The two small bakes that tell about `spec`, the one of fewer paths first."""
+    texels = min(spec.texels, _TEXELS)
+    padding = spec.padding if texels == spec.texels else 0
+    few, more = (
+        replace(spec, texels=texels, padding=padding, samples=samples, budget=None, target=None)
+        for samples in _SAMPLES
     )
-    return small, large
+    return few, more
 
 
-def probe_of(spec: BakeSpec, covered: int, paths: int, seconds: Mapping[Stage, float]) -> Probe:
-    """What a bake of one of `probe_specs` took, by what the job says of it; saving a preview is left out."""
-    spent = sum(value for stage, value in seconds.items() if stage != Stage.PREVIEW)
-    return Probe(spec.texels, covered, paths, spent)
-
-
-def paths_needed(spec: BakeSpec, large: Probe) -> int:
-    """Camera paths of a bake of `spec`, if as much of its atlas is covered as of the larger probe's."""
-    covered = round(spec.texels**2 * large.covered / large.texels**2)
+def paths_needed(spec: BakeSpec, probe: Probe) -> int:
+    """Camera paths of a bake of `spec`, if as much of its atlas is covered as of the probe's."""
+    covered = round(probe.covered * _growth(spec, probe))
     if spec.layout is Layout.SHARED:
         return spec.rays.most(covered)
     return covered * spec.bucket**2 * spec.samples
 
 
-def seconds_needed(spec: BakeSpec, small: Probe, large: Probe) -> float:
-    """How long a bake of `spec` takes: a line through both probes. Condensing comes on top."""
-    pace = max(large.seconds - small.seconds, 0.0) / max(large.paths - small.paths, 1)
-    return max(large.seconds + pace * (paths_needed(spec, large) - large.paths), small.seconds)
+def seconds_needed(spec: BakeSpec, few: Probe, more: Probe) -> float:
+    """How long a bake of `spec` takes. Condensing comes on top."""
+    growth = _growth(spec, more)
+    further = paths_needed(spec, more) - more.paths
+    total = more.spent(*_ONCE) + growth * more.spent(*_BY_TEXEL)
+    for stage in _BY_PATH:
+        spent = more.spent(stage)
+        pace = (spent - few.spent(stage)) / max(more.paths - few.paths, 1)
+        if pace <= 0:  # lost in the noise: then all of it is by path
+            pace = spent / more.paths
+        total += max(spent + pace * further, 0.0)
+    return total
+
+
+def _growth(spec: BakeSpec, probe: Probe) -> float:
+    """How many times the probe's texels."""
+    return (spec.texels / probe.texels) ** 2

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.estimate import Probe, probe_of, probe_specs
+from ..bake.estimate import Probe, probe_specs
 from ..bake.spec import BakeSpec
 from .run import bake_object
 
@@ -18,11 +18,11 @@ def probe_object(
     scene: bpy.types.Scene, name: str, spec: BakeSpec, view_layer: str | None = None
 ) -> tuple[Probe, Probe]:
     """Bake the object twice, small, into a folder that is removed again; errors as `bake_steps`."""
-    small, large = (_probe(scene, name, small, view_layer) for small in probe_specs(spec))
-    return small, large
+    few, more = (_probe(scene, name, small, view_layer) for small in probe_specs(spec))
+    return few, more
 
 
 def _probe(scene: bpy.types.Scene, name: str, spec: BakeSpec, view_layer: str | None) -> Probe:
     with tempfile.TemporaryDirectory(prefix="radtex-probe-") as folder:
         made = bake_object(scene, name, spec, Path(folder), view_layer=view_layer)
-        return probe_of(spec, made.covered_texels, made.paths, made.seconds)
+        return Probe(spec.texels, made.covered_texels, made.paths, made.seconds)

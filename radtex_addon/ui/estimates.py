@@ -79,7 +79,7 @@ def ask(scene: bpy.types.Scene, names: Iterable[str], spec: BakeSpec) -> None:
     _session.message = ""
     for name in names:
         numbers = tuple(
-            queue.add(Order(handover, name, small, Path(_session.folder.name, str(small.texels))))
+            queue.add(Order(handover, name, small, Path(_session.folder.name, str(small.samples))))
             for small in probe_specs(spec)
         )
         _session.asked.append(_Asked(_key(scene, name, spec), numbers))
@@ -125,23 +125,23 @@ def _pulse() -> float | None:
 
 
 def _keep(key: Key, jobs: list[Job]) -> None:
-    from ..bake.estimate import probe_of
+    from ..bake.estimate import Probe
     from ..bake.progress import Stage
 
     failed = next((job for job in jobs if not job.facts), None)
     if failed is not None:
         _session.message = failed.message
         return
-    small, large = (
-        probe_of(
-            job.spec,
+    few, more = (
+        Probe(
+            job.spec.texels,
             job.facts["covered_texels"],
             job.facts["paths"],
             {Stage(stage): seconds for stage, seconds in job.facts["seconds"].items()},
         )
         for job in jobs
     )
-    _session.probes[key] = small, large
+    _session.probes[key] = few, more
 
 
 def _end() -> None:

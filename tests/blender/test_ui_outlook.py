@@ -10,8 +10,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-from radtex_addon.bake.estimate import Probe, probe_specs, seconds_needed
-from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.job import bake_object
 from radtex_addon.job.foresight import foresee
 from radtex_addon.ui import estimates, outlook, words
@@ -226,15 +225,3 @@ def test_an_estimate_is_made_of_two_small_bakes_and_kept() -> None:
     more = estimates.seconds_known(context.scene, ("Card",), finer)
     assert more is not None
     assert more >= seconds
-
-
-def test_an_estimate_is_the_line_through_its_probes() -> None:
-    small, large = Probe(8, 64, 1000, 2.0), Probe(32, 512, 9000, 4.0)
-    spec = BakeSpec(texels=64, bucket=2, samples=8)  # half of its 4096 texels are covered: 65536 paths
-    assert seconds_needed(spec, small, large) == pytest.approx(4.0 + 2.0 * (65536 - 9000) / 8000)
-    assert seconds_needed(BakeSpec(texels=1, bucket=2, samples=1), small, large) == 2.0
-    shared = probe_specs(BakeSpec(texels=256, layout=Layout.SHARED, budget=10**6, samples=64))
-    assert [(one.texels, one.samples, one.budget, one.bucket) for one in shared] == [
-        (8, 4, None, 14),
-        (32, 4, None, 14),
-    ]
