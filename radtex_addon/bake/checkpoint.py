@@ -34,6 +34,7 @@ DIGEST = "sha256:"  # begins a fact that nobody can read
 _PIECE = ".piece"
 _DIGEST_BYTES = 32
 _CHUNK = 1 << 22  # bytes
+_FORMAT: Any = np.lib.format  # which older stubs leave untyped
 
 
 class Keeper:
@@ -221,7 +222,7 @@ def _write_piece(path: Path, mark: dict[str, str], arrays: Arrays) -> None:
         hashing = _Hashing(stream)
         hashing.write((json.dumps({**mark, "arrays": list(arrays)}) + "\n").encode())
         for array in arrays.values():
-            np.lib.format.write_array(cast("BinaryIO", hashing), array, allow_pickle=False)
+            _FORMAT.write_array(hashing, array, allow_pickle=False)
         stream.write(hashing.digest())
 
 
@@ -240,7 +241,7 @@ def _read_piece(path: Path, mark: dict[str, str]) -> Arrays:
         names = says.pop("arrays")
         if says != mark:
             raise ValueError("it is of another bake")
-        return {name: np.lib.format.read_array(stream, allow_pickle=False) for name in names}
+        return {name: _FORMAT.read_array(stream, allow_pickle=False) for name in names}
 
 
 class _Hashing:
