@@ -30,7 +30,7 @@ class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
     """Bakes that wait, run or have ended"""
 
     bl_label = "Bakes"
-    bl_order = 1
+    bl_parent_id = "RADTEX_PT_bake"
 
     @classmethod
     def poll(cls, _: bpy.types.Context | None) -> bool:
@@ -60,8 +60,8 @@ def _draw_job(column: Any, job: Job) -> None:
     row = column.row(align=True)
     row.label(text=job.object, icon=_ICONS[job.state], translate=False)
     if not job.ended:
-        row.progress(factor=job.fraction, text=phrase(job), translate=False)
         row.operator("radtex.cancel", text="", icon="X").number = job.number
+        column.progress(factor=job.fraction, text=phrase(job), translate=False)
         if picture := pictures.icon(job):
             column.template_icon(picture, scale=_PICTURE)
         return

@@ -13,7 +13,8 @@ from .presets import RADTEX_PT_presets
 from .settings import BakeSettings
 from .words import iface_, remark
 
-_LINE = 40  # letters of a message that fit the sidebar as it is at first
+_LETTER = 6.0  # pixels that a letter of a message takes, more than most do
+_BESIDE = 92.0  # pixels of the sidebar that messages leave free: margins, icon, tabs
 
 
 class Sidebar:
@@ -102,7 +103,7 @@ def drawn(
 def draw_text(layout: Any, text: str, icon: str) -> None:
     """A message over as many lines as it needs; labels do not wrap by themselves."""
     column = layout.column(align=True)
-    for number, line in enumerate(_lines(text)):
+    for number, line in enumerate(_lines(text, _letters())):
         column.label(text=line, icon=icon if number == 0 else "BLANK1", translate=False)
 
 
@@ -136,10 +137,18 @@ def _draw_uv(layout: Any, settings: BakeSettings, context: bpy.types.Context | N
         column.prop(settings, "padding")
 
 
-def _lines(text: str) -> list[str]:
+def _letters() -> int:
+    """How many letters of a message fit the sidebar that is drawn."""
+    region, preferences = bpy.context.region, bpy.context.preferences
+    if region is None or preferences is None:
+        return 32
+    return max(16, int((region.width / preferences.system.ui_scale - _BESIDE) / _LETTER))
+
+
+def _lines(text: str, letters: int) -> list[str]:
     lines = [""]
     for word in text.split():
-        if lines[-1] and len(lines[-1]) + 1 + len(word) > _LINE:
+        if lines[-1] and len(lines[-1]) + 1 + len(word) > letters:
             lines.append(word)
         else:
             lines[-1] = f"{lines[-1]} {word}".strip()

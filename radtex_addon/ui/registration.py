@@ -40,10 +40,10 @@ CLASSES = (
     RADTEX_OT_preset_apply,
     RADTEX_PT_presets,
     RADTEX_PT_bake,
+    RADTEX_PT_jobs,  # right below the button, where one looks after pressing it
     RADTEX_PT_quality,
     RADTEX_PT_cost,
     RADTEX_PT_output,
-    RADTEX_PT_jobs,
 )
 
 
