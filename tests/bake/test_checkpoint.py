@@ -7,8 +7,10 @@ from __future__ import annotations
 import json
 import logging
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 from radtex_addon.bake.analytic import AnalyticCapture
@@ -34,7 +36,7 @@ def begun(folder: Path, resume: bool = False, **facts: str) -> Checkpoint:
     return checkpoint
 
 
-def some() -> dict[str, np.ndarray]:
+def some() -> dict[str, npt.NDArray[Any]]:
     random = np.random.default_rng(3)
     return {
         "cells": random.normal(size=(7, 3, 3, 4)).astype(np.float32)[:, ::-1],  # not in one piece of memory

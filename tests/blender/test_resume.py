@@ -116,7 +116,7 @@ class Running:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no signals")
-@pytest.mark.parametrize(("arguments", "kills"), [(PLAIN, 20), (SHARED, 4)], ids=["plain", "shared"])
+@pytest.mark.parametrize(("arguments", "kills"), [(PLAIN, 8), (SHARED, 2)], ids=["plain", "shared"])
 def test_files_are_the_same_however_often_the_bake_was_killed(
     room: Path, tmp_path: Path, arguments: tuple[str, ...], kills: int
 ) -> None:
@@ -136,7 +136,7 @@ def test_files_are_the_same_however_often_the_bake_was_killed(
         else:
             Running(room, out, tmp_path / "temporary", *arguments, "--resume").end()
         assert digests(out) == digests(expected)
-    assert went_on > kills // 4, "kills came too early to leave anything"
+    assert went_on, "all kills came too early to leave anything"
 
 
 def is_done(out: Path) -> bool:
