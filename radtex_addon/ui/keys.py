@@ -17,7 +17,7 @@ def register() -> None:
     configuration = manager.keyconfigs.addon if manager is not None else None
     if configuration is None:  # without a window there is none
         return
-    keymap = configuration.keymaps.new("View3D Generic", space_type="VIEW_3D")
+    keymap = configuration.keymaps.new("3D View Generic", space_type="VIEW_3D")
     _bound.append((keymap, keymap.keymap_items.new(RADTEX_OT_cancel_here.bl_idname, "ESC", "PRESS")))
 
 
