@@ -85,7 +85,7 @@ def _relative_images(material: bpy.types.Material) -> Iterator[None]:
 
     A file never saved has no place to be relative to; Blender then writes all paths relative by itself.
     """
-    images = _images_of(material.node_tree)
+    images = images_of(material.node_tree)
     paths = {image: image.filepath_raw for image in images if not image.packed_file}
     try:
         if bpy.data.filepath:
@@ -104,13 +104,14 @@ def _relative(path: str) -> str:
         return path
 
 
-def _images_of(tree: bpy.types.NodeTree | None) -> set[bpy.types.Image]:
+def images_of(tree: bpy.types.NodeTree | None) -> set[bpy.types.Image]:
+    """The images that a material's nodes show, in groups too."""
     images: set[bpy.types.Image] = set()
     for node in tree.nodes if tree else ():
         if isinstance(node, bpy.types.ShaderNodeTexImage) and node.image:
             images.add(node.image)
         elif isinstance(node, bpy.types.ShaderNodeGroup):
-            images |= _images_of(node.node_tree)
+            images |= images_of(node.node_tree)
     return images
 
 

@@ -13,6 +13,8 @@ import bpy
 from ..core.errors import InputError
 from .scratch import find_view_layer
 
+_VISIBILITY = frozenset(("hide_render", "hide_viewport"))
+
 
 def find_object(scene: bpy.types.Scene, name: str, view_layer: str | None = None) -> bpy.types.Object:
     """The mesh object called `name` that renders in `view_layer` of `scene` (the first, if None).
@@ -99,3 +101,26 @@ def _homes(
     yield layer, hider
     for child in layer.children:
         yield from _homes(child, hider)
+
+
+def animates_visibility(item: bpy.types.Object) -> bool:
+    """Whether an action or a driver decides if the object is seen in views or renders."""
+    data = item.animation_data
+    if data is None:
+        return False
+    strips = [strip for track in data.nla_tracks for strip in track.strips]
+    curves: list[bpy.types.FCurve] = list(data.drivers)
+    played = [(data.action, data.action_slot), *((strip.action, strip.action_slot) for strip in strips)]
+    for action, slot in played:
+        curves += _curves(action, slot)
+    return any(curve.data_path in _VISIBILITY and not curve.mute for curve in curves)
+
+
+def _curves(action: bpy.types.Action | None, slot: bpy.types.ActionSlot | None) -> Iterator[bpy.types.FCurve]:
+    if action is None or slot is None:
+        return
+    for layer in action.layers:
+        for strip in layer.strips:
+            bag = cast("bpy.types.ActionKeyframeStrip", strip).channelbag(slot)
+            if bag is not None:
+                yield from bag.fcurves

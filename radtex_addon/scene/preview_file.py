@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, cast
@@ -94,14 +94,15 @@ def check_preview(preview: Path) -> None:
 
 
 @contextmanager
-def appended(blend: Path, name: str) -> Iterator[bpy.types.Object | None]:
+def appended(blend: Path, name: str, keep: Sequence[bpy.types.ID] = ()) -> Iterator[bpy.types.Object | None]:
     """The object `name` of a .blend, in no scene, or None; all that was loaded goes away at exit.
 
-    Raises FormatError for a file that this Blender does not read.
+    Only what is in `keep` (a list that may grow inside) stays, with what it uses. Raises FormatError for a
+    file that this Blender does not read.
     """
     libraries: Any = bpy.data.libraries
     before = set(libraries)
-    with new_data_removed():
+    with new_data_removed(keep):
         try:
             try:
                 with libraries.load(str(blend)) as (there, wanted):

@@ -12,8 +12,18 @@ from typing import Any
 import bpy
 import numpy as np
 
-NOT_THE_USERS = ("bl_rna", "rna_type", "is_dirty", "all_ids", "window_managers", "screens", "workspaces")
-LAZY = ("depsgraph", "storage_type")  # set up when first asked for
+NOT_THE_USERS = (
+    "original",
+    "bl_rna",
+    "rna_type",
+    "is_dirty",
+    "all_ids",
+    "window_managers",
+    "screens",
+    "workspaces",
+)
+# Set up when first asked for; those of UV layers move the layers in memory, beneath whoever reads them.
+LAZY = ("depsgraph", "storage_type", "vertex_selection", "edge_selection", "pin")
 SKIPPED = frozenset(NOT_THE_USERS + LAZY)
 DEPTH = 9
 LONG = 64  # items; longer collections are hashed
@@ -69,8 +79,9 @@ def _plain(
     elif prop.type == "POINTER":
         if value is None or isinstance(value, bpy.types.ID):
             yield path, value and value.name_full
-        embedded = isinstance(value, bpy.types.NodeTree) or not isinstance(value, bpy.types.ID)
-        if value is not None and embedded and depth:
+        if isinstance(value, (bpy.types.Node, bpy.types.NodeSocket)):  # the end of a link: its tree has it
+            yield path, value.name
+        elif value is not None and (not isinstance(value, bpy.types.ID) or _own_tree(value)) and depth:
             _walk(value, path, found, depth - 1)
     elif getattr(prop, "is_array", False):
         yield path, np.array(value).tolist()
@@ -78,6 +89,11 @@ def _plain(
         yield path, sorted(value)
     else:
         yield path, value
+
+
+def _own_tree(value: bpy.types.ID) -> bool:
+    """Whether it is the tree of its owner alone: groups are among the file's data-blocks."""
+    return isinstance(value, bpy.types.NodeTree) and value.is_embedded_data
 
 
 def _items(value: Any, path: str, found: dict[str, object], depth: int) -> Iterator[tuple[str, object]]:

@@ -1,0 +1,286 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A finished bake in the user's own scene: the baked copy in the object's place, the object hidden.
+
+Each of the two holds a pointer to the other, so that they find each other renamed, duplicated, saved or after
+an undo; and how the object was hidden before, so that it comes back even if the other was deleted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import numpy as np
+
+from ..core.errors import InputError
+from ..scene.copy import MATRIX, copy_object
+from ..scene.objects import animates_visibility
+from .load import load_baked_mesh, remove_unused
+
+COPY = "radtex_copy"  # of an object whose preview is on: its copy, and how it was hidden
+ORIGINAL = "radtex_original"  # of a copy: the object, and the same
+_FLAGS = ("hide_render", "hide_viewport")
+_MOVED = 1e-4  # of a matrix's largest value
+
+
+@dataclass(frozen=True, eq=False)
+class Preview:
+    """A preview that is on: `copy` in the place of `original`, which has `moved` since the bake, or not."""
+
+    original: bpy.types.Object
+    copy: bpy.types.Object
+    moved: bool
+
+
+def is_on(item: bpy.types.Object) -> bool:
+    """Whether the object's preview is on; of a preview itself, True."""
+    return _pair(item) is not None
+
+
+def original_of(item: bpy.types.Object) -> bpy.types.Object | None:
+    """The object that a preview stands in for, None if it was deleted meanwhile; any other object itself."""
+    pair = _pair(item)
+    return item if pair is None else pair[0]
+
+
+def copy_of(item: bpy.types.Object) -> bpy.types.Object | None:
+    """The preview that stands in for an object; None where none is on, or somebody deleted it."""
+    pair = _pair(item)
+    return None if pair is None else pair[1]
+
+
+def switch_on(original: bpy.types.Object, sidecar: Path) -> Preview:
+    """Show the bake whose sidecar is given, with its preview beside it, in an object's place.
+
+    A copy wears the bake's mesh and material in the object's collections, with its parent, transform,
+    animation and visibility, and takes over its selection; the object is hidden, and nothing else of it
+    changes. One that is on already shows the bake anew. Raises InputError for an object that cannot be
+    replaced and for missing files, FormatError for files that cannot be read; then nothing has changed.
+    """
+    _check(original)
+    copy_mesh = load_baked_mesh(sidecar)
+    _take_away(original)
+    copy = _stand_in(original, copy_mesh)
+    remove_unused()
+    stances = _stances(original)
+    for collection in _homes(original):
+        collection.objects.link(copy)
+    _hide(original, copy)
+    _take(copy, stances)
+    _join_local_views(original, copy)
+    return Preview(original, copy, _has_moved(original, copy_mesh))
+
+
+def switch_off(item: bpy.types.Object) -> None:
+    """Take the preview of an object away, or the preview `item` itself, and show the object as it was.
+
+    The object takes over the selection, and whether it is hidden in a view layer. What the preview brought
+    goes, unless something else uses it by now. Does nothing where no preview is on.
+    """
+    if _take_away(item):
+        remove_unused()
+
+
+@contextmanager
+def originals_rendered(originals: Sequence[bpy.types.Object]) -> Iterator[None]:
+    """Let the objects render while their previews, which are on, do not; windows show what they did."""
+    pairs = [pair for pair in map(_pair, originals) if pair is not None]
+    shown: dict[bpy.types.Object, bool] = {}
+    for original, copy in pairs:
+        if original is not None:
+            shown[original] = _flags_of(original, copy)["hide_render"]
+        if copy is not None:
+            shown[copy] = True
+    before = {item: item.hide_render for item in shown}
+    try:
+        for item, hidden in shown.items():
+            item.hide_render = hidden
+        yield
+    finally:
+        for item, hidden in before.items():
+            item.hide_render = hidden
+
+
+_Pair = tuple[bpy.types.Object | None, bpy.types.Object | None]
+
+
+def _take_away(item: bpy.types.Object) -> bool:
+    """Remove the copy and show the object, whichever `item` is; False where there is no preview."""
+    pair = _pair(item)
+    if pair is None:
+        return False
+    original, copy = pair
+    flags = _flags_of(original, copy)
+    stances: list[_Stance] = []
+    if copy is not None:
+        stances, named = _stances(copy), cast(Any, copy)[ORIGINAL].get("original")
+        bpy.data.objects.remove(copy)
+        if original is None and named is not None and not named.users:
+            bpy.data.objects.remove(named)  # only the copy kept it
+    if original is not None:
+        for flag, value in flags.items():
+            setattr(original, flag, value)
+        if COPY in cast(Any, original):
+            del cast(Any, original)[COPY]
+        _take(original, stances)
+    return True
+
+
+def _pair(item: Any) -> _Pair | None:
+    """An object and its preview, whichever `item` is; None for one that has none.
+
+    A duplicate of either names the other, which does not name it: it is an object of the user's own. One of
+    the two may be None: it was deleted.
+    """
+    if ORIGINAL in item:
+        original = _living(item[ORIGINAL].get("original"))
+        if original is None or _named_copy(original) == item:
+            return original, item
+        return None
+    copy = _named_copy(item)
+    if copy is not None and copy[ORIGINAL].get("original") != item:
+        return None
+    return (item, copy) if copy is not None or COPY in item else None
+
+
+def _named_copy(original: Any) -> Any:
+    """The preview that an object names; of a library override, whose record no file keeps, that names it."""
+    if COPY in original:
+        copy = original[COPY].get("copy")
+        return copy if copy is not None and ORIGINAL in copy else None
+    if original.override_library is None:
+        return None
+    named = (copy for copy in bpy.data.objects if ORIGINAL in cast(Any, copy))
+    return next((copy for copy in named if cast(Any, copy)[ORIGINAL].get("original") == original), None)
+
+
+def _living(item: bpy.types.Object | None) -> bpy.types.Object | None:
+    """None for an object that was deleted, which our pointer alone keeps."""
+    return item if item is not None and item.users_collection else None
+
+
+def _flags_of(original: Any, copy: Any) -> dict[str, bool]:
+    """How an object was hidden before its preview came, as either of the two knows."""
+    record = original[COPY] if original is not None and COPY in original else copy[ORIGINAL]
+    return {flag: bool(record[flag]) for flag in _FLAGS}
+
+
+def _check(original: bpy.types.Object) -> None:
+    name = original.name
+    if original.type != "MESH":
+        raise InputError(f"object '{name}' is no mesh: only a baked mesh has a preview")
+    if original.library is not None:
+        raise InputError(
+            f"object '{name}' is linked from {original.library.name}, where nothing can be hidden: "
+            "make a library override of it (Object > Library Override > Make), or make it local"
+        )
+    if not original.users_scene:
+        raise InputError(f"object '{name}' is in no scene: link it to a collection")
+    if original.mode != "OBJECT":
+        raise InputError(f"object '{name}' is being edited: go back to Object Mode")
+    if animates_visibility(original):
+        raise InputError(
+            f"object '{name}' has animated visibility, which would show it again: mute that animation"
+        )
+
+
+def _stand_in(original: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
+    """A copy that wears the mesh, in no collection."""
+    copy = copy_object(original, mesh)
+    for collection in copy.users_collection:  # Blender 5 adds a rigid body's copy to its world
+        collection.objects.unlink(copy)
+    if copy.override_library is not None:
+        copy = cast("bpy.types.Object", copy.make_local())
+    copy.name = f"{original.name} (baked)"
+    if COPY in cast(Any, copy):  # of a duplicate that was hidden
+        del cast(Any, copy)[COPY]
+    return copy
+
+
+def _hide(original: Any, copy: Any) -> None:
+    """Hide an object, and let the two know each other."""
+    stale = original.get(COPY)  # of an object whose duplicate this is: it was hidden when it came to be
+    flags = {flag: bool(stale[flag] if stale else getattr(original, flag)) for flag in _FLAGS}
+    original[COPY] = {"copy": copy, **flags}
+    copy[ORIGINAL] = {"original": original, **flags}
+    for flag in _FLAGS:
+        setattr(copy, flag, flags[flag])
+        setattr(original, flag, True)
+
+
+def _homes(original: bpy.types.Object) -> list[bpy.types.Collection]:
+    """Where the copy can be: the object's collections, or its scenes where none of those takes anything."""
+    worlds = [scene.rigidbody_world for scene in bpy.data.scenes if scene.rigidbody_world is not None]
+    bodies = {part for world in worlds for part in (world.collection, world.constraints)}
+    homes = [home for home in original.users_collection if home not in bodies and not _is_foreign(home)]
+    return homes or [scene.collection for scene in original.users_scene if not _is_foreign(scene)]
+
+
+def _is_foreign(block: Any) -> bool:
+    """Whether a library decides what is in a collection or scene."""
+    return block.library is not None or block.override_library is not None
+
+
+@dataclass(frozen=True)
+class _Stance:
+    """How an object stands in a view layer."""
+
+    layer: bpy.types.ViewLayer
+    selected: bool
+    hidden: bool
+    active: bool
+
+
+def _stances(item: bpy.types.Object) -> list[_Stance]:
+    return [
+        _Stance(
+            layer,
+            item.select_get(view_layer=layer),
+            item.hide_get(view_layer=layer),
+            layer.objects.active == item,
+        )
+        for scene in item.users_scene
+        for layer in scene.view_layers
+        if _is_in(layer, item)
+    ]
+
+
+def _is_in(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> bool:
+    item.select_get(view_layer=layer)  # lets Blender find out what is new in the layer
+    return any(other == item for other in layer.objects)
+
+
+def _take(item: bpy.types.Object, stances: Sequence[_Stance]) -> None:
+    """Let an object stand as another did."""
+    for stance in stances:
+        layer = stance.layer
+        if not _is_in(layer, item):
+            continue
+        item.hide_set(stance.hidden, view_layer=layer)
+        if stance.selected:
+            layer.update()  # until then it cannot be selected
+        item.select_set(stance.selected, view_layer=layer)
+        if stance.active:
+            layer.objects.active = item
+
+
+def _join_local_views(original: bpy.types.Object, copy: bpy.types.Object) -> None:
+    """Show the copy in the 3D views that show only some objects, the original among them."""
+    for screen in bpy.data.screens:
+        for area in screen.areas:
+            space = area.spaces.active
+            if isinstance(space, bpy.types.SpaceView3D) and space.local_view is not None:
+                copy.local_view_set(space, original.local_view_get(space))
+
+
+def _has_moved(original: bpy.types.Object, mesh: Any) -> bool:
+    if MATRIX not in mesh:
+        return False
+    baked = np.array(mesh[MATRIX]).reshape(4, 4)
+    gap = np.abs(np.array(original.matrix_world) - baked).max()
+    return bool(gap > _MOVED * np.abs(baked).max())
