@@ -21,17 +21,17 @@ from ..core.shared import SharedAtlas, sample_shared
 from ..core.solid_angle import cell_solid_angles_sr
 from ..core.surface import SurfaceMesh
 from ..core.texel_map import TexelMap, rasterise
-from ..formats.exr import Compression, read_atlas, stored_compression
-from ..formats.packing import IRRADIANCE
+from ..formats.exr import read_atlas, stored_compression
+from ..formats.own_texels import loss_of, own_texels
 from ..formats.png import encode_png
-from ..formats.shared_files import layer_path, read_condensed, read_shared
+from ..formats.shared_files import read_shared
 from ..formats.sidecar import read_sidecar
 from .progress import Step, Task
 
 DIRECTIONS = 64  # that a texel of the shared layout is looked at from
 _EACH = 8  # directions between two signs of life
 _GOLDEN = np.pi * (3 - np.sqrt(5))
-_EXACT, _DWAA, _BC6H = 1e-4, 0.05, 0.1  # by how much equal texels may differ once they were packed
+_ROUNDED = 1e-4  # by how much the means of equal buckets may differ
 _BRIGHT = 99.5  # percent of the texels that the picture shows unclipped
 
 
@@ -45,8 +45,8 @@ def flat_buckets(sidecar: Path, surface: SurfaceMesh) -> Floats:
     if inner != facts:
         raise FormatError(f"{image} is of another bake than {sidecar}: put one bake's files together")
     light = mean_of_buckets(pixels, AtlasLayout(facts.width, facts.height, facts.bucket))
-    lossy = stored_compression(image) is Compression.DWAA
-    _check_surface(sidecar, rasterise(surface, facts.width, facts.height), light, _DWAA if lossy else _EXACT)
+    loss = max(loss_of(stored_compression(image)), _ROUNDED)
+    _check_surface(sidecar, rasterise(surface, facts.width, facts.height), light, loss)
     return light
 
 
@@ -66,24 +66,8 @@ def flat_shared(sidecar: Path, surface: SurfaceMesh) -> Generator[Step, None, Fl
     """
     atlas, facts = read_shared(sidecar)
     texels = rasterise(surface, facts.bake.width, facts.bake.height)
-    if facts.condensed is not None and facts.lobes:
-        _check_surface(sidecar, texels, _mixtures(sidecar), 0.0)
-    elif facts.condensed is not None:
-        _check_surface(sidecar, texels, atlas.irradiance, _BC6H)
-    else:
-        lossy = stored_compression(layer_path(sidecar, IRRADIANCE)) is Compression.DWAA
-        _check_surface(sidecar, texels, atlas.irradiance, _DWAA if lossy else _EXACT)
+    _check_surface(sidecar, texels, *own_texels(sidecar, atlas, facts))
     return (yield from mean_of_shared(atlas, texels))
-
-
-def _mixtures(sidecar: Path) -> Floats:
-    """A number (H, W, 1) for each texel of a condensed bake, the same where texels are the same mixtures."""
-    atlas, _ = read_condensed(sidecar)
-    parts = [part for lobe in atlas.lobes for part in (lobe.cluster[..., None], lobe.weights)]
-    every = np.concatenate(parts, axis=2)
-    _, number = np.unique(every.reshape(-1, every.shape[2]), axis=0, return_inverse=True)
-    numbered: Floats = number.reshape(*every.shape[:2], 1).astype(np.float32)
-    return numbered
 
 
 def _check_surface(sidecar: Path, texels: TexelMap, stored: Floats, loss: float) -> None:

@@ -18,24 +18,22 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError
 from ..core.sampler import Filter, sample
 from ..core.shared import SharedAtlas, sample_shared
-from ..formats.condensed_files import read_texture
 from ..formats.condensed_sizes import texture_bytes
 from ..formats.exr import read_atlas, stored_compression
 from ..formats.facts import Facts
-from ..formats.packing import IRRADIANCE, WEIGHTS
+from ..formats.own_texels import loss_of, own_texels
+from ..formats.packing import IRRADIANCE
 from ..formats.shared_files import (
     layer_path,
     read_shared,
     read_shared_sidecar,
     texture_path,
 )
-from ..formats.shared_sidecar import SharedSidecar
 from ..formats.sidecar import Sidecar, read_sidecar, read_text
 from ..scene.copy import UV_LAYER
 from .gbuffer import Array, GBuffer
 
 _PER_LOOKUP = 1 << 18  # fragments that are looked up at once
-_DWAA_LOSS, _BC6H_LOSS = 0.05, 0.1  # see Finished.loss; BC6H: at 0.1 a gutter agrees by 90 %, another's by 83
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,11 +41,10 @@ class Finished:
     """A bake's sidecar, its images, and the light in them.
 
     `radiance` gives the light (N, 3), linear, along a G-buffer's N rays, zero where they miss. `texels`
-    (H, W, K) are what each texel has of its own, as it is stored: light, or of a condensed bake a number that
-    two texels share if they are the same mixtures. `compression` is None for one that RadTex does not write,
-    and for textures. `loss` is how far two of `texels` may be apart that were the same before they were
-    packed, over the larger. `budget` is how many bytes a condensed bake's textures take on a GPU, None for
-    another.
+    (H, W, K) are what each texel has of its own, as it is stored: light, or what `own_texels` finds.
+    `compression` is None for one that RadTex does not write, and for textures. `loss` is how far two of
+    `texels` may be apart that were the same before they were packed, over the larger. `budget` is how many
+    bytes a condensed bake's textures take on a GPU, None for another.
     """
 
     path: Path
@@ -182,7 +179,7 @@ def _read_buckets(path: Path) -> Finished:
         radiance=_looked_up(partial(_sample_buckets, pixels.astype(np.float32), atlas)),
         texels=atlas.to_buckets(pixels)[..., :3].reshape(sidecar.height, sidecar.width, -1),
         compression=compression,
-        loss=_loss(compression),
+        loss=loss_of(compression),
     )
 
 
@@ -193,48 +190,33 @@ def _read_shared(path: Path) -> Finished:
     sidecar = facts.bake
     images = tuple(layer_path(path, layer) for layer in sidecar.layers)
     atlas, _ = read_shared(path)
-    compression = stored_compression(layer_path(path, IRRADIANCE))
+    texels, loss = own_texels(path, atlas, facts)
     return Finished(
         path=path,
         layout=Layout.SHARED,
         sidecar=sidecar,
         images=images,
         radiance=_looked_up(partial(_sample_shared, atlas)),
-        texels=atlas.irradiance,
-        compression=compression,
-        loss=_loss(compression),
+        texels=texels,
+        compression=stored_compression(layer_path(path, IRRADIANCE)),
+        loss=loss,
     )
 
 
 def _read_condensed(path: Path, budget: int) -> Finished:
     atlas, facts = read_shared(path)
+    texels, loss = own_texels(path, atlas, facts)
     return Finished(
         path=path,
         layout=Layout.SHARED,
         sidecar=facts.bake,
         images=tuple(texture_path(path, layer) for layer in facts.bake.layers),
         radiance=_looked_up(partial(_sample_shared, atlas)),
-        texels=_mixtures(path, facts) if facts.lobes else atlas.irradiance,
+        texels=texels,
         compression=None,
-        loss=0.0 if facts.lobes else _BC6H_LOSS,
+        loss=loss,
         budget=budget,
     )
-
-
-def _loss(compression: Compression | None) -> float:
-    return _DWAA_LOSS if compression is Compression.DWAA else 0.0
-
-
-def _mixtures(path: Path, facts: SharedSidecar) -> Floats:
-    """A number (H, W, 1) for each texel, the same where weights and clusters of all lobes are."""
-    stored = [
-        read_texture(texture_path(path, layer), layer, width, height).reshape(height, facts.bake.width, -1)
-        for layer, (width, height, _) in facts.shapes.items()
-        if layer.endswith(WEIGHTS)
-    ]
-    every = np.concatenate(stored, axis=2)
-    _, number = np.unique(every.reshape(-1, every.shape[2]), axis=0, return_inverse=True)
-    return number.reshape(*every.shape[:2], 1).astype(np.float32)
 
 
 def _sample_buckets(image: Floats, layout: AtlasLayout, buffer: GBuffer, some: slice) -> Floats:

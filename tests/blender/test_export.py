@@ -272,15 +272,21 @@ def test_a_bake_that_cannot_be_read_is_named(
 
 
 @pytest.mark.parametrize(
-    "spec",
-    [PLAIN, replace(PLAIN, compression=Compression.DWAA), SHARED, CONDENSED],
-    ids=["plain", "dwaa", "shared", "condensed"],
+    ("spec", "shader"),
+    [
+        (PLAIN, "Diffuse"),
+        (replace(PLAIN, compression=Compression.DWAA), "Diffuse"),
+        (SHARED, "Diffuse"),
+        (SHARED, "Glossy"),
+        (replace(SHARED, compression=Compression.DWAA), "Glossy"),
+        (CONDENSED, "Glossy"),
+    ],
+    ids=["plain", "dwaa", "shared", "shared-glossy", "shared-glossy-dwaa", "condensed"],
 )
-def test_a_preview_of_another_unwrap_is_refused(spec: BakeSpec, tmp_path: Path) -> None:
+def test_a_preview_of_another_unwrap_is_refused(spec: BakeSpec, shader: str, tmp_path: Path) -> None:
     bpy.ops.mesh.primitive_monkey_add()
     name, scene = context.object.name, context.scene
-    shader = "ShaderNodeBsdfGlossy" if spec.condensed else "ShaderNodeBsdfDiffuse"
-    context.object.data.materials.append(stage.material("white", shader))
+    context.object.data.materials.append(stage.material("white", f"ShaderNodeBsdf{shader}"))
     stage.hdri(stage.world())
     budget = None if spec.budget is None else 120_000
     spec = replace(spec, texels=64, bucket=2, budget=budget)
