@@ -12,8 +12,10 @@ python bake.py export DIR --to web
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from pathlib import Path
+from types import FrameType
 
 _REMEDY = (
     "in Blender, install the RadTex extension (Edit > Preferences > Get Extensions > Install from Disk); "
@@ -43,6 +45,18 @@ def run() -> int:
     return main(arguments, inside_blender)
 
 
+def _leave_when_interrupted() -> None:
+    """End at once by Ctrl-C or SIGTERM until the batch listens: Blender's start swallows exceptions."""
+
+    def leave(_number: int, _frame: FrameType | None) -> None:
+        os.write(2, b"radtex: interrupted: nothing unfinished is left\n")
+        os._exit(130)
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):  # else it is silenced
+            signal.signal(number, leave)
+
+
 def _keep_stdout_clean() -> None:
     """Give Python another standard output than Blender, which talks on it from its import to its exit."""
     sys.stdout.flush()
@@ -54,5 +68,6 @@ def _keep_stdout_clean() -> None:
 
 
 if __name__ == "__main__":
+    _leave_when_interrupted()
     _keep_stdout_clean()
     sys.exit(run())

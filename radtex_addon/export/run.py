@@ -26,7 +26,7 @@ from .pack import Pack
 from .progress import Step, Task
 from .spec import ExportSpec, Target
 from .textures import write_textures
-from .web import write_web
+from .web import check_page, write_web
 
 _WRITERS: dict[Target, Callable[[Pack, Path], None]] = {
     Target.WEB: write_web,
@@ -91,6 +91,8 @@ def export_steps(
     out = out or export_path(sidecar, spec.target)
     check_out(out, sidecar.parent, overwrite)
     check_preview(bake.preview)
+    if spec.target is Target.WEB:
+        check_page()
     with replacing_folder(out) as folder:
         pack = yield from _pack(bake, spec, folder)
         yield Step(Task.PACK, 0, 1)

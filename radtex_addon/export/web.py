@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 from urllib.parse import quote
 
-from ..core.errors import BakeError
+from ..core.errors import InputError
 from .manifest import EXTENSION
 from .pack import Pack
 
@@ -17,18 +17,18 @@ FILES = ("index.html", "viewer.css", "viewer.js", "LICENSES.txt")
 _UNNAMED = '<meta name="radtex-bake" content="" />'
 
 
-def write_web(pack: Pack, folder: Path) -> None:
-    """Add the page to a pack's folder; its index.html names the pack's manifest.
-
-    Raises BakeError where this copy of RadTex has no built page.
-    """
+def check_page() -> None:
+    """Raises InputError where this copy of RadTex has no built page, or that of another version."""
     if missing := [name for name in FILES if not (BUILT / name).is_file()]:
-        raise BakeError(f"the web page lacks {missing[0]}: build it with `uv run .ci/build_web.py`")
+        raise InputError(f"the web page lacks {missing[0]}: build it with `uv run .ci/build_web.py`")
+    if _UNNAMED not in (BUILT / "index.html").read_text(encoding="utf-8"):
+        raise InputError("the web page is not of this version: build it with `uv run .ci/build_web.py`")
+
+
+def write_web(pack: Pack, folder: Path) -> None:
+    """Add the page, which `check_page` has found, to a pack's folder; its index.html names the manifest."""
     for name in FILES:
         shutil.copyfile(BUILT / name, folder / name)
     page = folder / "index.html"
-    before, unnamed, after = page.read_text(encoding="utf-8").partition(_UNNAMED)
-    if not unnamed:
-        raise BakeError("the web page is not of this version: build it with `uv run .ci/build_web.py`")
     named = _UNNAMED.replace('""', f'"{quote(f"{pack.name}.{EXTENSION}")}"')
-    page.write_text(before + named + after, encoding="utf-8", newline="\n")
+    page.write_text(page.read_text(encoding="utf-8").replace(_UNNAMED, named), encoding="utf-8", newline="\n")

@@ -6,6 +6,11 @@ from __future__ import annotations
 
 import json
 import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +23,11 @@ from radtex_addon.cli.arguments import ProgressStyle
 from radtex_addon.cli.export_arguments import ExportRequest, parse_export
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
+from radtex_addon.export import web
 from radtex_addon.export.spec import Arrangement, ExportSpec, Target, TextureFormat
 from radtex_addon.job import bake_object
 from tests.blender import stage
-from tests.blender.batch_process import Outcome, process, refusal
+from tests.blender.batch_process import BAKE, Outcome, process, refusal
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
@@ -167,4 +173,35 @@ def test_a_truncated_atlas_is_one_line_of_the_process(bake: Path) -> None:
     before = set(bake.rglob("*"))
     ended = process("export", bake / "Ball.radiance.json", "--to", "raw", *QUIET)
     assert "Ball.radiance.exr is damaged" in refusal(ended)
+    assert set(bake.rglob("*")) == before
+
+
+def test_a_web_page_that_was_not_built_is_missed_before_the_work(
+    bake: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(web, "BUILT", tmp_path / "built")
+    capfd.readouterr()
+    arguments = ["export", str(bake / "Ball.radiance.json"), "--to", "web", "--progress", "bar"]
+    code = batch_module.main(arguments, inside_blender=False)
+    assert "the web page lacks index.html: build it" in refusal(Outcome(code, *capfd.readouterr()))
+    assert not (bake / "Ball.web").exists()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells what a process has loaded")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_blender_starts_is_one_line(number: signal.Signals, bake: Path) -> None:
+    hearing = "import runpy, signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    hearing += "sys.argv = sys.argv[1:]; runpy.run_path(sys.argv[0], run_name='__main__')"
+    command = [sys.executable, "-c", hearing, BAKE, "export", str(bake / "Ball.radiance.json"), "--to", "raw"]
+    before = set(bake.rglob("*"))
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        watchdog = threading.Timer(100, running.kill)
+        watchdog.start()
+        loaded = Path(f"/proc/{running.pid}/maps")
+        while "/bpy/__init__" not in loaded.read_text() and running.poll() is None:
+            time.sleep(0.01)
+        running.send_signal(number)
+        out, err = running.communicate()
+        watchdog.cancel()
+    assert "interrupted" in refusal(Outcome(running.returncode, out, err), code=130)
     assert set(bake.rglob("*")) == before
