@@ -27,7 +27,7 @@ _WHERE = {
     Target.UNREAL: "Step by step: docs/unreal.md of RadTex. It was written by the manual, not run in Unreal.",
     Target.RAW: "The includes say at their top how they are called.",
 }
-_HIGHEST = "first row: v = {}"
+_FIRST_ROW = "first row: v = {}"
 
 
 def write_engine(pack: Pack, folder: Path) -> None:
@@ -84,7 +84,7 @@ def _described(layer: str, entry: TextureEntry) -> str:
     width, height = entry.size
     layers = f" x {entry.layers} layers" if entry.layers > 1 else ""
     levels = f", {entry.levels} mip levels" if entry.levels > 1 else ""
-    first = _HIGHEST.format("1, the top" if entry.container is Container.EXR else "0, the bottom")
+    first = _FIRST_ROW.format("1, the top" if entry.container is Container.EXR else "0, the bottom")
     return f"{entry.file}: {layer}, {entry.format}, {width} x {height}{layers}{levels}; {first}"
 
 

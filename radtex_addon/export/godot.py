@@ -13,10 +13,8 @@ from typing import cast
 import numpy as np
 
 from ..core.arrays import Floats
-from ..core.errors import InputError
 from ..formats.glb import Glb
 from .godot_shader import GodotShader, bake_shader
-from .manifest import Container, TextureEntry
 from .pack import Pack
 
 SHADERS = Path(__file__).parents[2] / "shaders"
@@ -25,12 +23,7 @@ _TO_BLENDER = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])  # the inverse of glt
 
 
 def write_godot(pack: Pack, folder: Path) -> None:
-    """Make a pack's folder a project: the scene, a material with its shader, the includes, a README.txt.
-
-    Raises InputError for textures that Godot does not load.
-    """
-    for entry in pack.manifest.textures.values():
-        _check(entry)
+    """Make a pack's folder a project: the scene, a material with its shader, the includes, a README.txt."""
     manifest, name = pack.manifest, pack.name
     glb = Glb.read(folder / manifest.mesh)
     shader = bake_shader(manifest, baked_matrix(glb))
@@ -80,14 +73,6 @@ def material_text(shader: GodotShader, file: str) -> str:
 def quoted(text: str) -> str:
     """A string as Godot's files have it."""
     return json.dumps(text, ensure_ascii=False)
-
-
-def _check(entry: TextureEntry) -> None:
-    """What Godot's loaders refuse: array textures in KTX2; and EXR, whose first row is the top one."""
-    if entry.container is Container.EXR:
-        raise InputError(f"{entry.file}: the project for Godot takes KTX2 and DDS; choose --format auto")
-    if entry.container is Container.KTX2 and entry.layers > 1:
-        raise InputError(f"{entry.file}: Godot loads no KTX2 with layers; choose --format dds-rgba16f")
 
 
 def _write(path: Path, template: str, words: Mapping[str, str]) -> None:
