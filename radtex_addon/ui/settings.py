@@ -10,6 +10,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from .choices import COMPRESSIONS, KINDS, LAYOUTS, LIMITS, TARGETS, UNWRAPS
+from .outlook import mark_stale
 
 # Of the mixin below, in the panel's order.
 NAMES = (
@@ -35,12 +36,18 @@ NAMES = (
 )
 
 
+def _notice(_: BakeSettings, __: bpy.types.Context) -> None:
+    """The panel shows what is no longer so. (Of what scripts change, Blender tells no handler.)"""
+    mark_stale()
+
+
 def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
     """In the panel, a layout brings the cells that suit it; keyword arguments mean what they say."""
     if isinstance(settings, bpy.types.PropertyGroup):
         from .request import suited_bucket
 
         settings.bucket = suited_bucket(settings.atlas_layout, settings.limit)
+    mark_stale()
 
 
 class BakeSettings:
@@ -72,6 +79,7 @@ class BakeSettings:
             description="Which light each texel keeps",
             items=KINDS,
             default="radiance",
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         atlas_layout: EnumProperty(
@@ -86,6 +94,7 @@ class BakeSettings:
             name="UV Layer",
             description="The UV layer to bake on: inside the unit square and without overlaps, or places on "
             "the surface would show each other's light. Left empty, a copy is unwrapped anew",
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         unwrap: EnumProperty(
@@ -93,6 +102,7 @@ class BakeSettings:
             description="Who lays out the surface where no UV layer is chosen",
             items=UNWRAPS,
             default="xatlas",
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         padding: IntProperty(
@@ -102,6 +112,7 @@ class BakeSettings:
             min=0,
             max=256,
             soft_max=16,
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         texels: IntProperty(
@@ -113,6 +124,7 @@ class BakeSettings:
             max=65536,
             soft_min=16,
             soft_max=1024,
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         bucket: IntProperty(
@@ -123,6 +135,7 @@ class BakeSettings:
             min=2,
             max=256,
             soft_max=32,
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         samples: IntProperty(
@@ -133,6 +146,7 @@ class BakeSettings:
             min=1,
             max=2**24,
             soft_max=1024,
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         limit: EnumProperty(
@@ -153,6 +167,7 @@ class BakeSettings:
             soft_max=16.0,
             step=10,
             precision=2,
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         target: FloatProperty(
@@ -164,6 +179,7 @@ class BakeSettings:
             max=60.0,
             step=100,
             precision=0,
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         seed: IntProperty(
@@ -171,6 +187,7 @@ class BakeSettings:
             description="Another seed gives other noise; the same one gives the same picture",
             default=0,
             min=0,
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         directory: StringProperty(
@@ -179,6 +196,7 @@ class BakeSettings:
             "file's folder",
             default="//radtex/",
             subtype="DIR_PATH",
+            update=_notice,
             options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
         )
         full_floats: BoolProperty(
@@ -186,6 +204,7 @@ class BakeSettings:
             description="Keep light beyond 65504 and steps that 16 bits are too few for. Hardly ever seen, "
             "and twice as large",
             default=False,
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         compression: EnumProperty(
@@ -193,6 +212,7 @@ class BakeSettings:
             description="How the images are packed on disk",
             items=COMPRESSIONS,
             default="zip",
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         preview: BoolProperty(
@@ -200,12 +220,14 @@ class BakeSettings:
             description="Also write a .blend in which the baked copy stands in the object's place. Showing "
             "the bake here and exporting it need that",
             default=True,
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         overwrite: BoolProperty(
             name="Overwrite",
             description="Replace the files of an earlier bake of the same object",
             default=False,
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         resume: BoolProperty(
@@ -213,12 +235,14 @@ class BakeSettings:
             description="Go on with a bake that was cancelled or that failed, from what is kept of it: the "
             "picture is the same as if it had never stopped",
             default=False,
+            update=_notice,
             options={"SKIP_SAVE"},
         )
         export_targets: EnumProperty(
             name="Export",
             description="Folders to make of the bake once it is done: for browsers, engines and viewers",
             items=TARGETS,
+            update=_notice,
             options={"ENUM_FLAG", "SKIP_SAVE"},
             default=set(),
         )
