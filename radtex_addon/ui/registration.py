@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from . import defaults, estimates, jobs, keys, outlook, presets
+from . import afterwards, defaults, estimates, jobs, keys, outlook, presets
 from .cost import RADTEX_PT_cost
 from .estimate_operator import RADTEX_OT_estimate
 from .job_operators import (
@@ -44,6 +44,7 @@ CLASSES = (
     RADTEX_PT_quality,
     RADTEX_PT_cost,
     RADTEX_PT_output,
+    *afterwards.CLASSES,
 )
 
 

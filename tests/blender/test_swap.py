@@ -39,7 +39,7 @@ def ball(name: str = NAME) -> Any:
     return made
 
 
-def _baked(spec: BakeSpec, folder: Path) -> Path:
+def bake_of(spec: BakeSpec, folder: Path) -> Path:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     ball()
     stage.hdri(stage.world())
@@ -50,7 +50,7 @@ def _baked(spec: BakeSpec, folder: Path) -> Path:
 def bakes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Sidecars of bakes of one ball; not to be written to."""
     specs = {"plain": PLAIN, "shared": SHARED}
-    return {name: _baked(spec, tmp_path_factory.mktemp(name)) for name, spec in specs.items()}
+    return {name: bake_of(spec, tmp_path_factory.mktemp(name)) for name, spec in specs.items()}
 
 
 @pytest.fixture

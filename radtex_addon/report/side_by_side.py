@@ -1,0 +1,150 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One view both ways: the objects path traced, and their bakes in their places, with the difference.
+
+All is rendered in scratch scenes by Cycles; the user's scene is afterwards what it was.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Generator, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import numpy as np
+
+from ..core.errors import InputError
+from ..cycles.apparatus import render_layers
+from ..cycles.device import use_device
+from ..cycles.settings import apply_capture_settings, keep_passes
+from ..preview.swap import copy_of, is_on, originals_rendered, switch_off, switch_on
+from ..scene.scratch import scene_copied, scratch_scene
+from .eye import Eye
+from .gbuffer import eroded
+from .metrics import Figures, Mask, Picture, compare, display
+from .progress import Step, Task
+
+GAIN = 4  # of the difference
+_NUMBER = 32767  # the pass index of previews, as long as they are rendered
+_SEED = 1101
+_LIMITS = {"pixels": (16, 8192), "samples": (1, 2**24)}
+
+
+@dataclass(frozen=True)
+class ComparisonSpec:
+    """Pictures whose longer side has `pixels`, of `samples` each, denoised. Raises InputError."""
+
+    pixels: int = 512
+    samples: int = 64
+    device: str = "auto"
+
+    def __post_init__(self) -> None:
+        for name, (least, most) in _LIMITS.items():
+            value = getattr(self, name)
+            if not least <= value <= most:
+                raise InputError(f"{name} {value}: give a whole number from {least} to {most}")
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Both pictures (H, W, 3), linear, row 0 at the bottom; `inside` (H, W) is where previews are seen.
+
+    `figures` are those inside.
+    """
+
+    traced: Picture
+    baked: Picture
+    inside: Mask
+    figures: Figures
+
+    @property
+    def difference(self) -> Picture:
+        """What a display shows of the one less the other, times GAIN, in 0..1."""
+        gap: Picture = np.clip(GAIN * np.abs(display(self.traced) - display(self.baked)), 0, 1)
+        return gap
+
+
+def compare_steps(
+    scene: bpy.types.Scene, bakes: Mapping[bpy.types.Object, Path | None], eye: Eye, spec: ComparisonSpec
+) -> Generator[Step, None, Comparison]:
+    """Look at objects of `scene` and their bakes by the sidecars in `bakes`, None for previews that are on.
+
+    Yields progress. Raises InputError where no object is seen or a preview cannot be shown, FormatError for
+    files that cannot be read, BakeError where Cycles fails.
+    """
+    if not bakes:
+        raise InputError("no object to compare: name one that was baked")
+    with (
+        tempfile.TemporaryDirectory(prefix="radtex-") as folder,
+        _shown(bakes),
+        _numbered(bakes),
+        scratch_scene(scene) as scratch,
+        use_device(scratch, spec.device),
+    ):
+        file = Path(folder) / "view.exr"
+        yield Step(Task.REFERENCE, 0, 2)
+        with originals_rendered(tuple(bakes)):
+            traced, _ = _rendered(scratch, eye, spec, file)
+        yield Step(Task.REFERENCE, 1, 2)
+        baked, index = _rendered(scratch, eye, spec, file)
+    yield Step(Task.COMPARE, 0, 1)
+    inside: Mask = np.abs(index - _NUMBER) < 0.5
+    if not eroded(inside).any():
+        names = ", ".join(f"'{item.name}'" for item in bakes)
+        raise InputError(f"{names}: not seen from here, or too small: turn the view towards it")
+    return Comparison(traced, baked, inside, compare(baked, traced, inside, eroded(inside)))
+
+
+@contextmanager
+def _shown(bakes: Mapping[bpy.types.Object, Path | None]) -> Iterator[None]:
+    """Switch those previews on that are off, and off again."""
+    ours: list[bpy.types.Object] = []
+    try:
+        for original, sidecar in bakes.items():
+            if is_on(original):
+                continue
+            if sidecar is None:
+                raise InputError(f"object '{original.name}' has no preview: bake it first")
+            switch_on(original, sidecar)
+            ours.append(original)
+        yield
+    finally:
+        for original in ours:
+            switch_off(original)
+
+
+@contextmanager
+def _numbered(bakes: Mapping[bpy.types.Object, Path | None]) -> Iterator[None]:
+    """Give the previews the number that tells their pixels."""
+    copies = [copy for copy in map(copy_of, bakes) if copy is not None]
+    before = [copy.pass_index for copy in copies]
+    try:
+        for copy in copies:
+            copy.pass_index = _NUMBER
+        yield
+    finally:
+        for copy, number in zip(copies, before, strict=True):
+            copy.pass_index = number
+
+
+def _rendered(
+    scratch: bpy.types.Scene, eye: Eye, spec: ComparisonSpec, file: Path
+) -> tuple[Picture, Picture]:
+    """A picture, and the number of the object in each pixel."""
+    with scene_copied(scratch) as scene:
+        apply_capture_settings(scene, spec.samples, _SEED)
+        keep_passes(scene, ("use_pass_object_index",))
+        cycles = cast(Any, scene).cycles
+        cycles.use_denoising, cycles.denoiser = True, "OPENIMAGEDENOISE"
+        scene.camera = eye.camera()
+        scene.collection.objects.link(scene.camera)
+        scene.render.resolution_x, scene.render.resolution_y = eye.size(spec.pixels)
+        scene.render.filepath = str(file)
+        layers = render_layers(scene, file)
+    index = next(layer for name, layer in layers.items() if name.endswith(("IndexOB", "Object Index")))
+    combined = next(iter(layers.values()))
+    return combined[..., :3].astype(np.float64), index[..., 0].astype(np.float64)

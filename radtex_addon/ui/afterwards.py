@@ -1,0 +1,39 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What to do with a finished bake: look at it, compare it, take it elsewhere."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from .compare_operator import RADTEX_OT_compare
+from .export_operator import RADTEX_OT_export
+from .panel import Sidebar
+from .preview_operator import RADTEX_OT_preview_toggle
+
+
+class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
+    """What to do with a finished bake"""
+
+    bl_label = "Baked"
+    bl_order = 10
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        from ..preview.swap import is_on
+
+        layout: Any = self.layout
+        active = context.active_object if context is not None else None
+        pressed = active is not None and is_on(active)
+        row = layout.row()
+        row.scale_y = 1.5
+        icon = "HIDE_OFF" if pressed else "HIDE_ON"
+        row.operator("radtex.preview_toggle", icon=icon, depress=pressed)
+        column = layout.column()
+        column.operator("radtex.compare", icon="IMAGE_REFERENCE")
+        column.operator("radtex.export", text="Export…", icon="EXPORT")
+        column.operator("radtex.open_folder", icon="FILE_FOLDER")
+
+
+CLASSES = (RADTEX_OT_preview_toggle, RADTEX_OT_compare, RADTEX_OT_export, RADTEX_PT_afterwards)

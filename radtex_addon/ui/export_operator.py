@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A finished bake made into a folder for an engine or a browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
+
+from .choices import TARGETS
+from .finding import has_meshes, originals, place_of
+from .operator import shown
+from .preview_operator import BAKE, OBJECT
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
+
+    from ..export.spec import ExportSpec
+
+FORMATS = (
+    ("auto", "Automatic", "What the target reads best"),
+    ("exr", "OpenEXR", "Exact, and large: for tools, not for players"),
+    ("ktx2-rgba16f", "KTX2, RGBA16F", "Half floats: exact, eight bytes a pixel"),
+    ("ktx2-rgb9e5", "KTX2, RGB9E5", "Four bytes a pixel, no alpha: hardly to be told from half floats"),
+    ("ktx2-bc6h", "KTX2, BC6H", "One byte a pixel, no alpha: fine gradients may step"),
+    ("dds-bc6h", "DDS, BC6H", "One byte a pixel, no alpha: fine gradients may step"),
+    ("dds-rgba16f", "DDS, RGBA16F", "Half floats: exact, eight bytes a pixel"),
+)
+
+ARRANGEMENTS = (
+    ("matrix", "Matrix", "Each texel's bucket lies in one place, as in the atlas"),
+    ("slices", "Slices", "An array with a layer for each cell, which a GPU blends between texels by itself"),
+)
+
+
+class RADTEX_OT_export(bpy.types.Operator):
+    """Make a folder of the bake that an engine or a browser takes: mesh, textures, shaders"""
+
+    bl_idname = "radtex.export"
+    bl_label = "Export Bake"
+    bl_options = {"REGISTER"}
+
+    if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
+        object: str
+        bake: str
+        target: str
+        format: str
+        zstd: bool
+        arrangement: str
+        levels: int
+        limit: int
+        directory: str
+        overwrite: bool
+    else:
+        object: StringProperty(name="Object", description=OBJECT, options={"SKIP_SAVE"})
+        bake: StringProperty(
+            name="Bake",
+            description=BAKE,
+            subtype="FILE_PATH",
+            options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
+        )
+        target: EnumProperty(name="Target", description="Who takes the folder", items=TARGETS, default="gltf")
+        format: EnumProperty(
+            name="Format", description="How the textures are stored", items=FORMATS, default="auto"
+        )
+        zstd: BoolProperty(
+            name="Zstandard",
+            description="Pack KTX2 files: smaller on disk, the same picture",
+            default=True,
+        )
+        arrangement: EnumProperty(
+            name="Arrangement",
+            description="How a plain bake's buckets lie in its texture",
+            items=ARRANGEMENTS,
+            default="matrix",
+        )
+        levels: IntProperty(
+            name="Mip Levels",
+            description="Smaller copies of the textures, which keep far objects from shimmering. 0 is as "
+            "many as fit",
+            default=0,
+            min=0,
+            max=15,
+        )
+        limit: IntProperty(
+            name="Limit",
+            description="Most pixels along a texture's side: larger ones are split or refused. 0 is what the "
+            "target's devices take",
+            default=0,
+            min=0,
+            soft_max=16384,
+        )
+        directory: StringProperty(
+            name="Folder",
+            description="The folder to make. Left empty, one beside the bake. Not for several objects",
+            subtype="DIR_PATH",
+            options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
+        )
+        overwrite: BoolProperty(
+            name="Overwrite",
+            description="Replace an earlier export there; files of others in that folder stay",
+            default=False,
+            options={"SKIP_SAVE"},
+        )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context | None) -> bool:
+        return has_meshes(cls, context)
+
+    def invoke(
+        self, context: bpy.types.Context | None, event: bpy.types.Event | None
+    ) -> set[OperatorReturnItems]:
+        assert context is not None  # Blender always gives one
+        assert context.window_manager is not None  # there is one wherever a click comes from
+        return context.window_manager.invoke_props_dialog(self)
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        from ..core.errors import InputError, RadTexError
+
+        scene, layer = shown(context)
+        try:
+            spec = self._spec()
+            items = originals(layer, self.object)
+            if self.directory and len(items) > 1:
+                raise InputError(
+                    "several objects do not fit in one folder: name one, or leave the folder out"
+                )
+            for item in items:
+                self._export(scene, item, spec)
+        except RadTexError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+    def _spec(self) -> ExportSpec:
+        from ..export.spec import Arrangement, ExportSpec, Target, TextureFormat
+
+        return ExportSpec(
+            target=Target(self.target),
+            format=TextureFormat(self.format),
+            zstd=self.zstd,
+            arrangement=Arrangement(self.arrangement),
+            levels=self.levels or None,
+            limit=self.limit or None,
+        )
+
+    def _export(self, scene: bpy.types.Scene, item: bpy.types.Object, spec: ExportSpec) -> None:
+        from ..bake.progress import finished
+        from ..export.run import export_steps
+        from ..report.finished import find_bake
+        from .words import size
+
+        place = place_of(scene, self.bake)
+        sidecar = find_bake(place, item.name if place.is_dir() else None, "exported")
+        out = Path(bpy.path.abspath(self.directory)) if self.directory else None
+        made = finished(export_steps(sidecar, spec, out, overwrite=self.overwrite))
+        self.report({"INFO"}, f"Exported {made.name} to {made.folder}: {size(made.bytes)}")

@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which objects an operator is about, and where their bakes are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from ..core.errors import RadTexError
+
+
+def originals(layer: bpy.types.ViewLayer, name: str) -> list[bpy.types.Object]:
+    """The object called `name`; without one the selected meshes, or else the active one.
+
+    A preview counts for what it stands in for, unless that was deleted. Raises InputError for none.
+    """
+    from ..core.errors import InputError
+    from ..preview.swap import original_of
+
+    if name:
+        chosen = [item for item in layer.objects if item.name == name]
+        if not chosen:
+            raise InputError(f"no object '{name}' in view layer '{layer.name}': name one that is there")
+    else:
+        chosen = selected_meshes(layer)
+    if not chosen:
+        raise InputError("no mesh object is selected: select one that was baked")
+    return list(dict.fromkeys(original_of(item) or item for item in chosen))
+
+
+def selected_meshes(layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
+    """The selected meshes by name, or else the active one."""
+    found = [item for item in layer.objects.selected if item.type == "MESH"]
+    active = layer.objects.active
+    if not found and active is not None and active.type == "MESH":
+        found = [active]
+    return sorted(found, key=lambda item: item.name)
+
+
+def has_meshes(operator: type[bpy.types.Operator], context: bpy.types.Context | None) -> bool:
+    """Whether there is something to show; the operator says why not. A script may name any object."""
+    layer = context.view_layer if context is not None else None
+    if layer is None or not (bpy.app.background or selected_meshes(layer)):
+        operator.poll_message_set("Select a mesh object that was baked")
+        return False
+    if context is not None and context.mode != "OBJECT":
+        operator.poll_message_set("Go back to Object Mode first")
+        return False
+    return True
+
+
+def sidecar_of(scene: bpy.types.Scene, item: bpy.types.Object, bake: str) -> Path:
+    """The sidecar of an object's bake, of any kind: `bake` itself, or in that folder, or in the scene's.
+
+    Raises InputError where there is none, FormatError for a file that is no sidecar.
+    """
+    from ..bake.spec import Kind
+    from ..formats.sidecar import file_name
+    from ..report.finished import find_bake
+
+    place = place_of(scene, bake)
+    if not place.is_dir():
+        return find_bake(place, None, "shown") if not place.exists() else place
+    for kind in Kind:
+        sidecar = place / file_name(item.name, kind, "json")
+        if sidecar.is_file():
+            return sidecar
+    return find_bake(place, item.name, "shown")
+
+
+def place_of(scene: bpy.types.Scene, bake: str) -> Path:
+    """The folder or file that `bake` names; the scene's output folder, if it is empty. Raises InputError."""
+    from .preferences import preferred
+    from .request import output_folder
+
+    chosen: str = bake or scene.radtex.directory  # type: ignore[attr-defined]  # ours
+    return output_folder(chosen, preferred().output)
+
+
+def sidecars_of(
+    scene: bpy.types.Scene, items: Iterable[bpy.types.Object], bake: str
+) -> tuple[dict[bpy.types.Object, Path], list[RadTexError]]:
+    """The bakes of those objects that have one, and why the others have none.
+
+    Raises the first error where no object has a bake.
+    """
+    from ..core.errors import RadTexError
+
+    found: dict[bpy.types.Object, Path] = {}
+    errors: list[RadTexError] = []
+    for item in items:
+        try:
+            found[item] = sidecar_of(scene, item, bake)
+        except RadTexError as error:
+            errors.append(error)
+    if errors and not found:
+        raise errors[0]
+    return found, errors

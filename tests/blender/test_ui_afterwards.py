@@ -1,0 +1,352 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the window offers after a bake, by keyword arguments: preview, comparison, export."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+
+from radtex_addon.core.errors import InputError
+from radtex_addon.export.spec import Arrangement, TextureFormat
+from radtex_addon.preview.swap import is_on
+from radtex_addon.report.eye import Eye
+from radtex_addon.report.side_by_side import ComparisonSpec
+from radtex_addon.ui import registration
+from radtex_addon.ui.comparison import BAKED, DIFFERENCE, TRACED
+from radtex_addon.ui.export_operator import ARRANGEMENTS, FORMATS
+from tests.blender import stage
+from tests.blender.fingerprint import differences, fingerprint
+from tests.blender.test_swap import GLOW, NAME, PLAIN, bake_of, ball, digest
+
+context: Any = bpy.context  # to the stubs, every pointer may be None
+radtex: Any = bpy.ops.radtex  # type: ignore[attr-defined]  # ours, not Blender's
+
+
+@pytest.fixture(scope="module")
+def baked(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The sidecar of a bake; not to be written to."""
+    return bake_of(PLAIN, tmp_path_factory.mktemp("baked"))
+
+
+@pytest.fixture
+def bake(baked: Path, tmp_path: Path) -> str:
+    """The folder of a bake, as an operator takes it, in an empty file."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    return str(shutil.copytree(baked.parent, tmp_path / "bake"))
+
+
+@pytest.fixture(autouse=True)
+def registered(bake: str) -> Iterator[None]:
+    registration.register()
+    yield
+    registration.unregister()
+
+
+def scene_with_balls(*names: str) -> list[Any]:
+    """Balls side by side, the last one selected and active, and a camera above the first."""
+    made = [ball(name) for name in names or (NAME,)]
+    for place, item in enumerate(made):
+        item.location.x = 3 * place
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location.z = 5
+    context.scene.collection.objects.link(camera)
+    context.scene.camera = camera
+    context.view_layer.update()
+    return made
+
+
+# preview
+
+
+def test_selected_objects_are_toggled(bake: str) -> None:
+    (item,) = scene_with_balls()
+    before = fingerprint()
+    assert radtex.preview_toggle(bake=bake) == {"FINISHED"}
+    assert is_on(item)
+    assert context.active_object.name == "Ball (baked)"
+    radtex.preview_toggle(bake=bake)
+    assert differences(before, fingerprint()) == {}
+
+
+def test_an_object_can_be_named_and_the_folder_be_the_scenes(bake: str) -> None:
+    items = scene_with_balls(NAME, "Other")
+    context.scene.radtex.directory = bake
+    for action in ("ON", "ON"):
+        radtex.preview_toggle(object=NAME, action=action)
+        assert [is_on(item) for item in items] == [True, False]
+    for action in ("OFF", "OFF"):
+        radtex.preview_toggle(object=NAME, action=action)
+        assert not is_on(items[0])
+
+
+def test_of_several_those_that_were_baked_are_shown(bake: str) -> None:
+    items = scene_with_balls(NAME, "Other")
+    for item in items:
+        item.select_set(True)
+    radtex.preview_toggle(bake=bake)
+    assert [is_on(item) for item in items] == [True, False]
+    radtex.preview_toggle(bake=str(Path(bake) / "Ball.radiance.json"))
+    assert [is_on(item) for item in items] == [True, True]
+    radtex.preview_toggle()
+    assert [is_on(item) for item in items] == [False, False]
+
+
+def test_each_press_is_one_step_to_undo(bake: str) -> None:
+    scene_with_balls()
+    bpy.ops.ed.undo_push(message="before")
+    states = [digest()]
+    for _ in range(2):
+        radtex.preview_toggle("EXEC_DEFAULT", True, bake=bake)
+        states.append(digest())
+    for state in (states[1], states[0]):
+        bpy.ops.ed.undo()
+        assert differences(state, digest()) == {}
+    for state in (states[1], states[2]):
+        bpy.ops.ed.redo()
+        assert differences(state, digest()) == {}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"object": "Kugel"}, "no object 'Kugel' in view layer"),
+        ({"object": "Other"}, "holds no bake of 'Other'"),
+        ({"object": NAME, "bake": "/nowhere"}, "there is no /nowhere"),
+        ({"object": "Camera"}, "'Camera'"),
+        ({}, "no mesh object is selected"),
+    ],
+)
+def test_what_cannot_be_shown_is_said_and_nothing_changes(
+    arguments: dict[str, str], words: str, bake: str
+) -> None:
+    for item in scene_with_balls(NAME, "Other"):
+        item.select_set(False)
+    context.view_layer.objects.active = None
+    before = fingerprint()
+    with pytest.raises(RuntimeError, match=words):
+        radtex.preview_toggle(**{"bake": bake} | arguments)
+    assert differences(before, fingerprint()) == {}
+
+
+def test_one_that_fails_takes_the_others_back(bake: str) -> None:
+    items = scene_with_balls(NAME, "Other")
+    items[1].keyframe_insert("hide_render")
+    for item in items:
+        item.select_set(True)
+    context.view_layer.update()
+    before = fingerprint()
+    with pytest.raises(RuntimeError, match="'Other' has animated visibility"):
+        radtex.preview_toggle(bake=str(Path(bake) / "Ball.radiance.json"))
+    assert differences(before, fingerprint()) == {}
+
+
+@pytest.mark.parametrize("name", ["preview_toggle", "compare", "export"])
+def test_in_edit_mode_buttons_are_grey(name: str) -> None:
+    scene_with_balls()
+    operator = getattr(radtex, name)
+    assert operator.poll()
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert not operator.poll()
+
+
+@pytest.mark.parametrize("name", ["preview_toggle", "compare", "export"])
+def test_every_setting_has_a_tooltip(name: str) -> None:
+    properties = getattr(radtex, name).get_rna_type().properties
+    assert all(setting.description for setting in properties if setting.identifier != "rna_type")
+
+
+# comparison
+
+
+def pixels(name: str) -> Any:
+    image: Any = bpy.data.images[name]
+    return np.array(image.pixels).reshape(image.size[1], image.size[0], 4)
+
+
+@pytest.mark.parametrize("on", [False, True], ids=["its preview off", "its preview on"])
+def test_a_glowing_ball_looks_as_it_was_baked(bake: str, on: bool) -> None:
+    (item,) = scene_with_balls()
+    stage.world((0.1, 0.1, 0.1))
+    context.scene.render.resolution_x, context.scene.render.resolution_y = 200, 100
+    if on:
+        radtex.preview_toggle(bake=bake)
+    before = digest()
+    radtex.compare(bake="" if on else bake, object=NAME, pixels=64, samples=4)
+    changed = {path for path in differences(before, digest()) if not path.startswith("images")}
+    assert changed == set()
+    assert is_on(item) == on
+    traced, shown, difference = (pixels(name) for name in (TRACED, BAKED, DIFFERENCE))
+    assert traced.shape == shown.shape == difference.shape == (32, 64, 4)
+    for picture in (traced, shown):
+        np.testing.assert_allclose(picture[16, 32, :3], GLOW, rtol=0.02)
+        np.testing.assert_allclose(picture[2, 2, :3], 0.1, rtol=0.02)
+    assert difference[..., :3].max() < 0.2
+
+
+def test_the_difference_is_four_times_what_a_display_shows(bake: str) -> None:
+    (item,) = scene_with_balls()
+    stage.world((0.1, 0.1, 0.1))
+    item.data.materials[0] = stage.material("dim", "ShaderNodeEmission", Color=(0.25, 0.25, 0.125, 1))
+    radtex.compare(bake=bake, pixels=32, samples=4)
+    expected = min(1, 4 * (0.5 ** (1 / 2.2) - 0.25 ** (1 / 2.2)))
+    np.testing.assert_allclose(pixels(DIFFERENCE)[9, 16, :3], (expected, 0, 0), atol=0.03)
+
+
+def test_a_second_comparison_takes_the_place_of_the_first(bake: str) -> None:
+    scene_with_balls()
+    radtex.compare(bake=bake, pixels=32, samples=1)
+    first: Any = bpy.data.images[TRACED]
+    radtex.compare(bake=bake, pixels=48, samples=1)
+    assert len([image for image in bpy.data.images if image.name.startswith("RadTex")]) == 3
+    assert tuple(first.size) == (48, 27)
+    np.testing.assert_allclose(pixels(TRACED)[13, 24, :3], GLOW, rtol=0.02)
+
+
+def test_a_comparison_is_one_step_to_undo(bake: str) -> None:
+    scene_with_balls()
+    bpy.ops.ed.undo_push(message="before")
+    before = digest()
+    radtex.compare("EXEC_DEFAULT", True, bake=bake, pixels=32, samples=1)
+    bpy.ops.ed.undo()
+    assert differences(before, digest()) == {}
+    bpy.ops.ed.redo()
+    np.testing.assert_allclose(pixels(TRACED)[9, 16, :3], GLOW, rtol=0.02)
+
+
+def test_a_view_can_be_given_by_its_matrices(bake: str) -> None:
+    (item,) = scene_with_balls()
+    context.scene.camera = None
+    item.location = (7, 0, 0)
+    context.view_layer.update()
+    view = Matrix.Translation((7, 0, 5)).inverted()
+    window = np.diag([0.5, 1.0, -0.002, 1.0])  # orthographic, 4 x 2, 500 behind and before the viewer
+    arguments = {
+        "view_matrix": [value for row in view for value in row],
+        "window_matrix": window.ravel().tolist(),
+    }
+    radtex.compare(bake=bake, pixels=64, samples=1, **arguments)
+    picture = pixels(TRACED)
+    assert picture.shape == (32, 64, 4)
+    np.testing.assert_allclose(picture[16, 32, :3], GLOW, rtol=0.02)
+    np.testing.assert_allclose(picture[16, 43, :3], GLOW, rtol=0.02)
+    assert picture[16, 51, :3].max() < 0.02
+
+
+@pytest.mark.parametrize(
+    ("prepare", "words"),
+    [
+        (lambda scene: setattr(scene.camera, "rotation_euler", (3, 0, 0)), "'Ball': not seen from here"),
+        (lambda scene: setattr(scene, "camera", None), "has no camera: add one, or look at the object"),
+        (lambda scene: setattr(scene.camera.data, "type", "PANO"), "is panoramic"),
+    ],
+    ids=["looking away", "no camera", "panorama"],
+)
+def test_views_that_show_nothing_are_refused(prepare: Any, words: str, bake: str) -> None:
+    scene_with_balls()
+    prepare(context.scene)
+    context.view_layer.update()
+    before = digest()
+    with pytest.raises(RuntimeError, match=words):
+        radtex.compare(bake=bake, pixels=32, samples=1)
+    assert differences(before, digest()) == {}
+
+
+def test_without_a_bake_there_is_no_comparison(bake: str) -> None:
+    scene_with_balls("Other")
+    with pytest.raises(RuntimeError, match="holds no bake of 'Other'"):
+        radtex.compare(bake=bake, pixels=32, samples=1)
+
+
+def test_sizes_that_cannot_be_are_refused() -> None:
+    with pytest.raises(InputError, match="pixels 4: give a whole number from 16"):
+        ComparisonSpec(pixels=4)
+
+
+def _perspective(data: Any) -> None:
+    data.lens, data.shift_x, data.shift_y = 31, 0.2, -0.1
+
+
+def _orthographic(data: Any) -> None:
+    data.type, data.ortho_scale, data.shift_x, data.shift_y = "ORTHO", 3, -0.3, 0.15
+
+
+@pytest.mark.parametrize("kind", [_perspective, _orthographic])
+@pytest.mark.parametrize("size", [(300, 200), (200, 300)])
+def test_our_camera_sees_what_the_users_sees(kind: Any, size: tuple[int, int]) -> None:
+    scene_with_balls()
+    scene, layer = context.scene, context.view_layer
+    kind(scene.camera.data)
+    scene.camera.rotation_euler = (0.3, 0.2, 0.1)
+    scene.camera.data.clip_start, scene.camera.data.clip_end = 0.5, 50
+    scene.render.resolution_x, scene.render.resolution_y = size
+    eye = Eye.of_camera(scene, layer)
+    width, height = eye.size(300)
+    assert (width, height) == size
+    scene.camera = eye.camera()
+    scene.collection.objects.link(scene.camera)
+    again = Eye.of_camera(scene, layer)
+    np.testing.assert_allclose(again.projection @ np.linalg.inv(again.matrix), _whole(eye), atol=2e-4)
+
+
+def _whole(eye: Eye) -> Any:
+    return eye.projection @ np.linalg.inv(eye.matrix)
+
+
+def test_a_view_that_is_none_is_refused() -> None:
+    for view, window in ((np.zeros((4, 4)), np.eye(4)), (np.eye(4), np.zeros((4, 4)))):
+        with pytest.raises(InputError, match="these matrices are no view"):
+            Eye.of_view(view, window)
+
+
+# export
+
+
+def test_an_export_makes_its_folder_and_leaves_the_scene_alone(bake: str) -> None:
+    scene_with_balls()
+    before = fingerprint()
+    radtex.export(bake=bake, target="raw", format="exr")
+    assert differences(before, fingerprint()) == {}
+    made = {path.name for path in (Path(bake) / "Ball.raw").iterdir()}
+    assert {"Ball.glb", "Ball.export.json", "README.txt"} <= made
+    with pytest.raises(RuntimeError, match="is already there"):
+        radtex.export(bake=bake, target="raw")
+    radtex.export(bake=bake, target="raw", overwrite=True)
+
+
+def test_a_preview_is_exported_as_its_object(bake: str, tmp_path: Path) -> None:
+    scene_with_balls()
+    radtex.preview_toggle(bake=bake)
+    before = digest()
+    radtex.export(bake=bake, target="gltf", directory=str(tmp_path / "made"))
+    assert differences(before, digest()) == {}
+    assert (tmp_path / "made" / "Ball.glb").is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"target": "web", "format": "exr"}, "web does not read it"),
+        ({"object": "Other"}, "holds no bake of 'Other'"),
+        ({"limit": 3}, "a texture needs 16 pixels at least"),
+        ({"directory": "/tmp/one"}, "several objects do not fit in one folder"),
+    ],
+)
+def test_what_cannot_be_exported_is_said(arguments: dict[str, Any], words: str, bake: str) -> None:
+    for item in scene_with_balls(NAME, "Other"):
+        item.select_set(True)
+    with pytest.raises(RuntimeError, match=words):
+        radtex.export(**{"bake": bake, "target": "raw"} | arguments)
+    assert not (Path(bake) / "Ball.raw").exists()
+
+
+def test_every_format_and_arrangement_can_be_chosen() -> None:
+    assert [identifier for identifier, _, _ in FORMATS] == [form.value for form in TextureFormat]
+    assert [identifier for identifier, _, _ in ARRANGEMENTS] == [one.value for one in Arrangement]
