@@ -9,7 +9,6 @@ folder with wheels of OpenEXR and xatlas for it.
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import os
 import re
@@ -17,13 +16,14 @@ import shlex
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile
 
 import pytest
+
+from tests.real.installable import build_zip, with_wheels
 
 ROOT = Path(__file__).resolve().parents[2]
 BLENDER = shlex.split(os.environ.get("RADTEX_BLENDER", ""))
@@ -121,45 +121,20 @@ def scene(bare: Blender) -> Path:
 def installed(bare: Blender, scene: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
     blender = Installed(tmp_path_factory.mktemp("installed"), scene)
     (tag,) = bare.tell(PYTHON_TAG, "TAG")
-    archive = build_zip(tag, tmp_path_factory.mktemp("dist"))
+    archive = suited_zip(tag, tmp_path_factory.mktemp("dist"))
     blender.tell(INSTALL.format(path=str(archive)), "")
     return blender
 
 
-def build_zip(tag: str, folder: Path) -> Path:
+def suited_zip(tag: str, folder: Path) -> Path:
     """The extension for this system, with the wheels of RADTEX_WHEELS if it has none for Python `tag`."""
-    subprocess.run([sys.executable, str(ROOT / ".ci/build_zip.py"), f"--out={folder}"], check=True)
-    system = {"linux": "linux", "darwin": "macos", "win32": "windows"}[sys.platform]
-    archive = next(folder.glob(f"*-{system}_x64.zip"))
+    archive = build_zip(folder)
     with ZipFile(archive) as source:
         if any(f"-{tag}-" in name for name in source.namelist()):
             return archive
     if WHEELS is None:
         pytest.skip(f"the zip has no wheels for {tag}, and RADTEX_WHEELS names none")
     return with_wheels(archive, sorted(Path(WHEELS).glob(f"*-{tag}-*.whl")))
-
-
-def with_wheels(archive: Path, wheels: Sequence[Path]) -> Path:
-    """A zip with other wheels, sealed as ours are."""
-    spec = importlib.util.spec_from_file_location("seal_wheel", ROOT / ".ci/seal_wheel.py")
-    assert spec is not None
-    assert spec.loader is not None
-    sealing = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(sealing)
-    names = ", ".join(f'"./wheels/{wheel.name}"' for wheel in wheels)
-    result = archive.with_name("radtex-other-python.zip")
-    with ZipFile(archive) as source, ZipFile(result, "w") as target:
-        for name in source.namelist():
-            content = source.read(name)
-            if name == "blender_manifest.toml":
-                content = re.sub(
-                    rb"(?m)^wheels = \[.*?\]", f"wheels = [{names}]".encode(), content, flags=re.DOTALL
-                )
-            if not name.startswith("wheels/"):
-                target.writestr(name, content)
-        for wheel in wheels:
-            target.writestr(f"wheels/{wheel.name}", sealing.seal_wheel(wheel.read_bytes()))
-    return result
 
 
 def names(folder: Path) -> list[str]:

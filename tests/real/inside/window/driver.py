@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Run by the Blender under test: a timer that executes what is asked for, and notes how long ticks are apart.
+
+Usage: blender -P driver.py -- FOLDER. A question is FOLDER/ask.py, which leaves its answer in `answer`; that
+comes as JSON in FOLDER/answer.json.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import traceback
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import bpy
+
+INTERVAL = 0.02  # seconds
+folder = Path(sys.argv[sys.argv.index("--") + 1])
+ticks: list[float] = []
+states: list[tuple[Any, ...]] = []  # (number, state, fraction, message) of jobs, whenever one changed
+known: dict[str, Any] = {"bpy": bpy, "ticks": ticks, "states": states}
+
+
+def tick() -> float:
+    """Note the time, and what bakes do; answer what is asked."""
+    ticks.append(monotonic())
+    _note_states()
+    question = folder / "ask.py"
+    if question.is_file():
+        code = question.read_text(encoding="utf-8")
+        question.unlink()
+        unfinished = folder / "answer.unfinished"
+        unfinished.write_text(json.dumps(_answered(code)), encoding="utf-8")
+        unfinished.rename(folder / "answer.json")
+    return INTERVAL
+
+
+def _answered(code: str) -> dict[str, Any]:
+    known["answer"] = None
+    try:
+        exec(code, known)
+    except Exception:  # noqa: BLE001  # whatever it is, the test shall read it
+        return {"error": traceback.format_exc()}
+    return {"answer": known["answer"]}
+
+
+def _note_states() -> None:
+    jobs = sys.modules.get("bl_ext.user_default.radtex.radtex_addon.ui.jobs")
+    for job in jobs.snapshot() if jobs is not None else ():
+        state = (job.number, str(job.state), round(job.fraction, 4), job.message)
+        if state not in states[-8:]:
+            states.append(state)
+
+
+bpy.context.preferences.view.show_splash = False
+bpy.app.timers.register(tick, persistent=True)

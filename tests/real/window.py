@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender with a window, on a screen of its own: mouse, keys and pictures from outside, Python inside."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic, sleep
+from typing import Any
+
+import numpy as np
+import PIL.Image
+
+from tests.real.root import Root, Started, screen
+
+SIZE = 1600, 900
+_INSIDE = "/repository/tests/real/inside/window"
+_START = 180.0  # seconds for Blender's window, whose first picture Mesa's software drivers draw
+_SETTLED = 0.6  # seconds after which panels have glided to their places
+_SIDEBAR = """
+window = bpy.context.window_manager.windows[0]
+area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+region = next(region for region in area.regions if region.type == "UI")
+top = window.height - region.y - region.height
+answer = region.x, top, region.width, region.height, region.active_panel_category
+"""
+_FIGURES = os.environ.get("RADTEX_FIGURES")
+
+
+@dataclass(frozen=True)
+class Window:
+    """Blender's window. `folder` is seen by both sides, inside as `inside`."""
+
+    agent: Started
+    folder: Path
+    inside: str
+
+    def ask(self, code: str, timeout: float = 120) -> Any:
+        """Execute Python in Blender's main loop; what it left in `answer`."""
+        answer, question = self.folder / "answer.json", self.folder / "ask.unfinished"
+        answer.unlink(missing_ok=True)
+        question.write_text(code, encoding="utf-8")
+        question.rename(self.folder / "ask.py")
+        wait_until(answer.is_file, timeout, f"Blender does not answer {code!r}: {self.said()}")
+        told = json.loads(answer.read_text(encoding="utf-8"))
+        assert "error" not in told, told["error"]
+        return told["answer"]
+
+    def value(self, expression: str) -> Any:
+        """What a Python expression is in Blender."""
+        return self.ask(f"answer = {expression}")
+
+    def run(self, *argv: str) -> str:
+        """Run a program on Blender's screen; what it said."""
+        told = self._order({"run": argv})
+        assert told["rc"] == 0, told
+        return str(told["out"])
+
+    def start(self, argv: Sequence[str], log: str) -> int:
+        """Start a program on the screen that speaks into `log`; its number."""
+        return int(self._order({"start": argv, "log": f"{self.inside}/{log}"})["pid"])
+
+    def processes(self, word: str) -> list[int]:
+        """Numbers of the processes that live and whose command lines hold `word`."""
+        return [pid for pid, line in self._order({"processes": None})["processes"] if word in line]
+
+    def point(self, x: int, y: int) -> None:
+        """Move the mouse there, in pixels from the top left; Blender sees it come."""
+        self.run("xdotool", "mousemove", str(x - 3), str(y - 1), "mousemove", str(x), str(y))
+        sleep(0.1)
+
+    def click(self, x: int, y: int) -> None:
+        self.point(x, y)
+        self.run("xdotool", "click", "1")
+        sleep(0.2)
+
+    def key(self, key: str) -> None:
+        self.run("xdotool", "key", key)
+        sleep(0.2)
+
+    def show_tab(self, name: str) -> None:
+        """Open the 3D view's sidebar by its key, and its tab by a click on it."""
+        if self._sidebar()[2] <= 1:
+            self.point(700, 400)
+            self.key("n")
+            wait_until(lambda: self._sidebar()[2] > 1, 30, "no sidebar")
+        left, top, width, height, _ = self._sidebar()
+        for y in range(top + 20, top + height, 18):
+            self.click(left + width - 10, y)
+            if self._sidebar()[4] == name:
+                return
+        raise AssertionError(f"the sidebar has no tab {name}")
+
+    def find(self, operator: str) -> tuple[int, int]:
+        """Where the sidebar has a button for it: over which the mouse copies its Python by Ctrl-C."""
+        left, top, width, height, _ = self._sidebar()
+        self.ask("bpy.context.window_manager.clipboard = ''")
+        for y in range(top + 40, top + height, 14):
+            self.point(left + width // 2, y)
+            self.key("ctrl+c")
+            if operator in self.value("bpy.context.window_manager.clipboard"):
+                return left + width // 2, y + 4
+        raise AssertionError(f"the sidebar has no button for {operator}")
+
+    def _sidebar(self) -> tuple[int, int, int, int, str]:
+        """Left, top, width and height in pixels from the top left, and the tab that is open."""
+        left, top, width, height, tab = self.ask(_SIDEBAR)
+        return left, top, width, height, tab
+
+    def shot(self, name: str) -> PIL.Image.Image:
+        """A picture of the screen, kept with the figures, in 256 colours, where those are wanted."""
+        sleep(_SETTLED)
+        path = self.folder / f"{name}.png"
+        self.run("import", "-window", "root", f"{self.inside}/{path.name}")
+        with PIL.Image.open(path) as opened_picture:
+            picture = opened_picture.convert("RGB")
+        if _FIGURES:
+            picture.quantize(256).save(Path(_FIGURES, f"window-{name}.png"), optimize=True)
+        return picture
+
+    def said(self) -> str:
+        """The end of what Blender said."""
+        log = self.folder / "blender.log"
+        return log.read_text(errors="replace")[-2000:] if log.is_file() else ""
+
+    def _order(self, order: Mapping[str, object]) -> dict[str, Any]:
+        assert self.agent.stdin is not None
+        assert self.agent.stdout is not None
+        self.agent.stdin.write(json.dumps(order).encode() + b"\n")
+        self.agent.stdin.flush()
+        answer: dict[str, Any] = json.loads(self.agent.stdout.readline())
+        return answer
+
+
+@contextmanager
+def opened(root: Root) -> Iterator[Window]:
+    """Blender's window as it is the first time, with the driver in it."""
+    folder, inside = root.shared("window")
+    (folder / "home").mkdir()
+    command = root.command(
+        screen(["python3", f"{_INSIDE}/screen.py"], *SIZE),
+        env={"BLENDER_USER_RESOURCES": f"{inside}/home", "PYTHONPATH": "/repository"},
+        cwd=inside,
+    )
+    with (
+        (folder / "screen.log").open("wb") as log,
+        Started(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log) as agent,
+    ):
+        window = Window(agent, folder, inside)
+        width, height = map(str, SIZE)
+        window.start(
+            [
+                *("blender", "--factory-startup", "--window-geometry", "0", "0", width, height),
+                *("--python", f"{_INSIDE}/driver.py", "--", inside),
+            ],
+            "blender.log",
+        )
+        window.ask("", _START)
+        yield window
+
+
+def wait_until(is_so: Callable[[], object], timeout: float, complaint: str) -> float:
+    """Wait for it; returns how long that took, in seconds."""
+    since = monotonic()
+    while not is_so():
+        assert monotonic() - since < timeout, complaint
+        sleep(0.05)
+    return monotonic() - since
+
+
+def changed(before: PIL.Image.Image, after: PIL.Image.Image) -> float:
+    """The share of pixels that differ between two pictures of the screen."""
+    return float(np.mean(np.any(np.asarray(before) != np.asarray(after), axis=2)))
