@@ -18,12 +18,11 @@ import bpy
 import numpy as np
 
 from ..core.errors import InputError
-from ..scene.copy import MATRIX, copy_object
+from ..scene.copy import MATRIX, SHOWN, copy_object
 from ..scene.objects import animates_visibility
 from .load import load_baked_mesh, remove_unused
 
-COPY = "radtex_copy"  # of an object whose preview is on: its copy, and how it was hidden
-ORIGINAL = "radtex_original"  # of a copy: the object, and the same
+ORIGINAL = "radtex_original"  # of a copy: the object, and how that was hidden
 _FLAGS = ("hide_render", "hide_viewport")
 _MOVED = 1e-4  # of a matrix's largest value
 
@@ -125,8 +124,8 @@ def _take_away(item: bpy.types.Object) -> bool:
     if original is not None:
         for flag, value in flags.items():
             setattr(original, flag, value)
-        if COPY in cast(Any, original):
-            del cast(Any, original)[COPY]
+        if SHOWN in cast(Any, original):
+            del cast(Any, original)[SHOWN]
         _take(original, stances)
     return True
 
@@ -145,13 +144,13 @@ def _pair(item: Any) -> _Pair | None:
     copy = _named_copy(item)
     if copy is not None and copy[ORIGINAL].get("original") != item:
         return None
-    return (item, copy) if copy is not None or COPY in item else None
+    return (item, copy) if copy is not None or SHOWN in item else None
 
 
 def _named_copy(original: Any) -> Any:
     """The preview that an object names; of a library override, whose record no file keeps, that names it."""
-    if COPY in original:
-        copy = original[COPY].get("copy")
+    if SHOWN in original:
+        copy = original[SHOWN].get("copy")
         return copy if copy is not None and ORIGINAL in copy else None
     if original.override_library is None:
         return None
@@ -166,7 +165,7 @@ def _living(item: bpy.types.Object | None) -> bpy.types.Object | None:
 
 def _flags_of(original: Any, copy: Any) -> dict[str, bool]:
     """How an object was hidden before its preview came, as either of the two knows."""
-    record = original[COPY] if original is not None and COPY in original else copy[ORIGINAL]
+    record = original[SHOWN] if original is not None and SHOWN in original else copy[ORIGINAL]
     return {flag: bool(record[flag]) for flag in _FLAGS}
 
 
@@ -197,16 +196,16 @@ def _stand_in(original: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Obj
     if copy.override_library is not None:
         copy = cast("bpy.types.Object", copy.make_local())
     copy.name = f"{original.name} (baked)"
-    if COPY in cast(Any, copy):  # of a duplicate that was hidden
-        del cast(Any, copy)[COPY]
+    if SHOWN in cast(Any, copy):  # of a duplicate that was hidden
+        del cast(Any, copy)[SHOWN]
     return copy
 
 
 def _hide(original: Any, copy: Any) -> None:
     """Hide an object, and let the two know each other."""
-    stale = original.get(COPY)  # of an object whose duplicate this is: it was hidden when it came to be
+    stale = original.get(SHOWN)  # of an object whose duplicate this is: it was hidden when it came to be
     flags = {flag: bool(stale[flag] if stale else getattr(original, flag)) for flag in _FLAGS}
-    original[COPY] = {"copy": copy, **flags}
+    original[SHOWN] = {"copy": copy, **flags}
     copy[ORIGINAL] = {"original": original, **flags}
     for flag in _FLAGS:
         setattr(copy, flag, flags[flag])

@@ -20,6 +20,7 @@ from .evaluated import ATTRIBUTE_LAYOUT, EvaluatedMesh, MeshAttribute
 
 UV_LAYER = "RadTex"
 NORMAL, TANGENT, SIGN = "radtex_normal", "radtex_tangent", "radtex_sign"  # on corners, in object space
+SHOWN = "radtex_copy"  # of an object whose preview stands in its place: who does, and how it was hidden
 MATRIX = "radtex_matrix_world"  # of the mesh: where the object stood, row by row
 
 

@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator
-from typing import cast
+from typing import Any, cast
 
 import bpy
 
 from ..core.errors import InputError
+from .copy import SHOWN
 from .scratch import find_view_layer
 
 _VISIBILITY = frozenset(("hide_render", "hide_viewport"))
@@ -76,6 +77,8 @@ def _not_a_mesh(found: bpy.types.Object) -> str:
 
 def _why_hidden(found: bpy.types.Object, layer: bpy.types.ViewLayer) -> str | None:
     """The remedy that names what hides an object from renders of a view layer; None if it renders."""
+    if found.hide_render and SHOWN in cast("Any", found):
+        return "its preview is shown in its place; switch that off"
     if found.hide_render:
         return "enable it in renders (the camera icon in the Outliner)"
     if found.instance_type != "NONE" and not found.show_instancer_for_render:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.app.handlers import persistent
 
+from .finding import selected_meshes
 from .redraw import redraw
 
 if TYPE_CHECKING:
@@ -51,12 +52,11 @@ _cache = _Cache({})
 
 
 def chosen_objects(view_layer: bpy.types.ViewLayer) -> tuple[str, ...]:
-    """Names of what the button bakes: the selected meshes, or else the active one."""
-    selected = [item.name for item in view_layer.objects.selected if item.type == "MESH"]
-    active = view_layer.objects.active
-    if not selected and active is not None and active.type == "MESH":
-        selected = [active.name]
-    return tuple(sorted(selected))
+    """What the button bakes, by name: the selected meshes, or else the active one; not their previews."""
+    from ..preview.swap import original_of
+
+    found = (original_of(item) or item for item in selected_meshes(view_layer))
+    return tuple(sorted({item.name for item in found}))
 
 
 def outlook_of(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outlook | None:
