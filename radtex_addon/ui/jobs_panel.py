@@ -68,6 +68,8 @@ def _draw_job(column: Any, job: Job) -> None:
     row.label(text=phrase(job), translate=False)
     if job.state == "done":
         row.operator("radtex.open_folder", text="", icon="FILE_FOLDER").directory = str(job.out)
+        if job.preview:
+            _draw_switch(column, job)
     else:
         again = row.operator("radtex.bake", text="", icon="PLAY")
         again.object, again.resume = job.object, True
@@ -75,3 +77,13 @@ def _draw_job(column: Any, job: Job) -> None:
         draw_text(column, remark(job.message), "BLANK1")
     for warning in job.warnings:
         draw_text(column, remark(warning), "INFO")
+
+
+def _draw_switch(column: Any, job: Job) -> None:
+    from ..preview.swap import is_on
+
+    item = bpy.data.objects.get(job.object)
+    pressed = item is not None and is_on(item)
+    icon = "HIDE_OFF" if pressed else "HIDE_ON"
+    switch = column.operator("radtex.preview_toggle", icon=icon, depress=pressed)
+    switch.object, switch.bake = job.object, str(job.out)
