@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
-from time import monotonic
+from time import monotonic, sleep
 
 import numpy as np
 import pytest
@@ -40,6 +40,13 @@ if bpy.ops.radtex.clear_jobs.poll():
     bpy.ops.radtex.clear_jobs()
 states.clear()
 """
+SEEN = "sorted(item.name for item in bpy.context.visible_objects if item.type == 'MESH')"
+RENDERED = """
+space = bpy.context.window_manager.windows[0].screen
+space = next(area.spaces.active for area in space.areas if area.type == "VIEW_3D")
+bpy.context.scene.render.engine, space.shading.type = {engine!r}, {shading!r}
+"""
+SECONDS_TO_RENDER = 12
 WORKER = "--background"
 LONG = {"texels": 128, "bucket": 8, "samples": 16}  # a minute or more on two cores
 SHORT = {"texels": 64, "bucket": 4, "samples": 4}
@@ -111,6 +118,22 @@ def test_the_button_bakes_by_a_click(window: Window) -> None:
     assert len(set(fractions)) >= 4
     assert fractions == sorted(fractions)
     assert min(changed(before, during), changed(during, after)) > 0.005
+
+
+def test_the_bake_is_shown_and_hidden_by_clicks_and_undone(window: Window) -> None:
+    window.ask(FINGERPRINT)
+    window.ask("before = fingerprint()")
+    place = window.find("radtex.preview_toggle(")
+    window.click(*place)
+    wait_until(lambda: "Suzanne (baked)" in window.value(SEEN), 30, "no preview")
+    assert "Suzanne" not in window.value(SEEN)
+    window.ask(RENDERED.format(shading="RENDERED", engine="CYCLES"))
+    sleep(SECONDS_TO_RENDER)
+    window.shot("preview")
+    window.ask(RENDERED.format(shading="SOLID", engine="BLENDER_EEVEE"))
+    window.click(*place)
+    wait_until(lambda: window.value(SEEN) == ["Plane", "Suzanne"], 30, "the preview stays")
+    assert window.value("sorted(differences(before, fingerprint()))") == []
 
 
 def test_the_window_stays_alive_during_a_long_bake(window: Window) -> None:

@@ -55,5 +55,6 @@ def _note_states() -> None:
             states.append(state)
 
 
+assert bpy.context.preferences is not None  # only restricted contexts have none
 bpy.context.preferences.view.show_splash = False
 bpy.app.timers.register(tick, persistent=True)
