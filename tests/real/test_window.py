@@ -140,7 +140,7 @@ def test_the_window_stays_alive_during_a_long_bake(window: Window) -> None:
     assert longest < 1
 
 
-def test_the_bake_is_shown_and_hidden_by_clicks_and_undone(window: Window) -> None:
+def test_the_bake_is_shown_and_hidden_by_clicks(window: Window) -> None:
     window.ask(FINGERPRINT)
     window.ask("before = fingerprint()")
     window.click(*window.find("radtex.preview_toggle("))
