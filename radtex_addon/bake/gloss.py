@@ -30,6 +30,7 @@ _FINEST_ROUNDS = 2
 _LEAST_TOLD = 4  # cells of a bucket: in fewer the paths' weights tell the gain better than the light does
 _PRIOR = 8.0  # samples that a cell's light by coarser cells counts for
 _PRIOR_OF_FEW = 2.0  # the same, where texels have few samples and sums are pooled widely
+_PRIOR_OF_ALL = 0.02  # the same of a whole bucket: nothing coarser tells its mean, and none of it may go
 _EYE = 1.1  # power of the brightness that an error is relative to
 _BRIGHTEST = 12.0  # times the mean luminance: a sample that is brighter than its fit by more is limited
 _DOUBLE = 3.0  # times its fit: more of it than that is limited, too
@@ -161,7 +162,7 @@ class _GlossFit:
 
     def improve(self, cells: int, wide: bool) -> None:
         """Improve the gain, then the rest, in buckets of cells x cells."""
-        prior = self._compare(wide)
+        prior = self._compare(cells, wide)
         if cells >= _LEAST_TOLD:
             solve = partial(_gain_step, prior=prior, level=self.level)
             steps = [  # by channel, for the sums are large
@@ -173,7 +174,7 @@ class _GlossFit:
         step = self._solved(self._rest_columns, 4, cells, wide, partial(_rest_step, prior=prior))
         self.rest += upsampled(step, self.n)
 
-    def _compare(self, wide: bool) -> np.float32:
+    def _compare(self, cells: int, wide: bool) -> np.float32:
         """Find what is missing, and how much samples count; and how much a prior of a cell does."""
 
         def compare(some: slice) -> float:
@@ -187,6 +188,8 @@ class _GlossFit:
 
         total = sum(in_blocks(compare, *self.weight.shape))
         prior = _PRIOR_OF_FEW if self.neighbours.few else _PRIOR
+        if cells == 1:
+            prior = _PRIOR_OF_ALL
         return np.float32(max(prior * total / self.number, 1e-12))
 
     def _solved(

@@ -301,7 +301,8 @@ def bent_by_facets(uv: Floats, position: Floats, axis: Floats) -> Floats:
 def test_light_is_not_lost_where_texels_see_nothing_in_common(shine: Shine) -> None:
     known = with_lobe(Axis.THROUGH, shine)
     found, truth = known.shown(known.fit().atlas)
-    np.testing.assert_allclose(found.mean(axis=0), truth.mean(axis=0), rtol=0.01)
+    # towards the horizon cells have few samples, and show what the texel's others do
+    np.testing.assert_allclose(found.mean(axis=0), truth.mean(axis=0), rtol=0.02)
     assert np.median(relative_error(found, truth)) < 0.2  # their edges are blurred over two texels
 
 
