@@ -7,20 +7,25 @@ from __future__ import annotations
 import argparse
 import re
 from dataclasses import dataclass, fields
-from enum import StrEnum
 from pathlib import Path
-from typing import NoReturn
 
 from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layout, Unwrap
 from ..core.errors import InputError
 from ..core.sampler import Filter
-from ..cycles.device import GPU_TYPES
 from ..export.spec import Target
-from ..version import VERSION
+from .options import (
+    DEMO,
+    EXPORT,
+    REPORT,
+    Parser,
+    ProgressStyle,
+    add_choice,
+    add_device,
+    add_help,
+    add_number,
+    add_progress,
+)
 
-DEMO = "demo"
-REPORT = "report"
-EXPORT = "export"
 _DEFAULT = BakeSpec()
 
 _DESCRIPTION = """\
@@ -46,14 +51,6 @@ exit codes:
   130  interrupted (Ctrl-C, or SIGTERM)"""
 
 
-class ProgressStyle(StrEnum):
-    """How a run says where it is."""
-
-    BAR = "bar"
-    JSON = "json"
-    NONE = "none"
-
-
 @dataclass(frozen=True)
 class Request:
     """One run of the batch. `scene` is the .blend to open; None bakes the file that Blender has open."""
@@ -73,13 +70,6 @@ class Request:
     in_scene: str | None = None
     unsaved_images: Path | None = None
     parent_pipe: bool = False
-
-
-class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, as every other error."""
-
-    def error(self, message: str) -> NoReturn:
-        raise InputError(f"{message} (--help lists everything)")
 
 
 def parse(arguments: list[str], inside_blender: bool) -> Request:
@@ -327,84 +317,9 @@ def _add_parent(group: argparse._ArgumentGroup) -> None:
     )
 
 
-def add_progress(group: argparse._ArgumentGroup) -> None:
-    """How a run says where it is."""
-    add_choice(
-        group,
-        "--progress",
-        ProgressStyle,
-        ProgressStyle.BAR,
-        "bar: on standard error, with the time left; json: one JSON object a line on standard output, "
-        "where a line that does not begin with a brace is Blender's own",
-    )
-    group.add_argument("--verbose", action="store_true", help="let Blender's own messages through")
-
-
-def add_device(group: argparse._ArgumentGroup) -> None:
-    """Which device renders."""
-    group.add_argument(
-        "--device",
-        metavar="NAME",
-        default=_DEFAULT.device,
-        help="auto: as Blender's preferences say; cpu; gpu: any; or one of "
-        f"{', '.join(kind.lower() for kind in GPU_TYPES)} (default: %(default)s)",
-    )
-
-
-def add_help(group: argparse._ArgumentGroup) -> None:
-    """What every command says of itself."""
-    group.add_argument("-h", "--help", action="help", help="show this text")
-    group.add_argument(
-        "--version", action="version", version=f"RadTex {VERSION}", help="show RadTex's version"
-    )
-
-
-def add_choice(
-    group: argparse._ArgumentGroup,
-    flag: str,
-    options: type[StrEnum],
-    default: StrEnum | None,
-    text: str,
-    dest: str | None = None,
-    action: str = "store",
-) -> None:
-    """An option for one of a few words; without a default it may be left out, or `text` says what then."""
-
-    def chosen(word: str) -> StrEnum:
-        try:
-            return options(word)
-        except ValueError:
-            raise InputError(f"{flag} {word}: choose from {', '.join(options)}") from None
-
-    known = "" if default is None else " (default: %(default)s)"
-    group.add_argument(
-        flag,
-        action=action,
-        dest=dest,
-        type=chosen,
-        default=default,
-        metavar="|".join(options),
-        help=f"{text}{known}",
-    )
-
-
 def _number(
     group: argparse._ArgumentGroup, flag: str, field: str, metavar: str, text: str, default: str = ""
 ) -> None:
     """An option for a number; a field whose `default` wants words is left to the specification."""
     known = None if default else getattr(_DEFAULT, field)
     add_number(group, flag, field, metavar, f"{text} (default: {default or known})", known)
-
-
-def add_number(
-    group: argparse._ArgumentGroup, flag: str, field: str, metavar: str, text: str, known: int | None
-) -> None:
-    """An option for a whole number, which `known` is without it."""
-
-    def number(word: str) -> int:
-        try:
-            return int(word)
-        except ValueError:
-            raise InputError(f"{flag} {word}: give a whole number") from None
-
-    group.add_argument(flag, dest=field, type=number, metavar=metavar, default=known, help=text)

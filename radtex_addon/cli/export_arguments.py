@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..core.errors import InputError
 from ..export.spec import Arrangement, ExportSpec, Target, TextureFormat
-from .arguments import EXPORT, Parser, ProgressStyle, add_choice, add_help, add_number, add_progress
+from .options import EXPORT, Parser, ProgressStyle, add_choice, add_help, add_number, add_progress
 
 _DESCRIPTION = """\
 Make a folder of a finished bake that an engine or a browser takes: the mesh

@@ -25,11 +25,12 @@ from ..job import BakeResult, OutputFiles, bake_steps, check_request
 from ..preview.picture import render_picture
 from ..scene.demo import OBJECT
 from ..worker.images import load_unsaved
-from .arguments import EXPORT, REPORT, Request, parse
+from .arguments import Request, parse
 from .export import export_baked, run_export
 from .export_arguments import ExportRequest, parse_export
 from .interruption import INTERRUPTED, Interruption, interruptible
 from .opening import open_scene
+from .options import EXPORT, REPORT
 from .report import run_report
 from .report_arguments import ReportRequest, parse_report
 from .reporting import Report, reporting

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..core.errors import InputError
 from ..report.run import ReportSpec
-from .arguments import DEMO, REPORT, Parser, ProgressStyle, add_device, add_help, add_number, add_progress
+from .options import DEMO, REPORT, Parser, ProgressStyle, add_device, add_help, add_number, add_progress
 
 _DEFAULT = ReportSpec()
 

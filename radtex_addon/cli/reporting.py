@@ -19,7 +19,7 @@ from ..bake.progress import Stage
 from ..core.errors import Cancelled
 from ..export.progress import Task as ExportTask
 from ..report.progress import Task
-from .arguments import ProgressStyle
+from .options import ProgressStyle
 
 _WIDTH = 28  # of the bar, in characters
 _SAYS: dict[StrEnum, str] = {

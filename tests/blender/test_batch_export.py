@@ -19,8 +19,8 @@ import pytest
 
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.cli import main as batch_module
-from radtex_addon.cli.arguments import ProgressStyle
 from radtex_addon.cli.export_arguments import ExportRequest, parse_export
+from radtex_addon.cli.options import ProgressStyle
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export import web

@@ -21,8 +21,9 @@ from radtex_addon.bake.progress import Progress, Stage
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.cli import main as batch_module
 from radtex_addon.cli import reporting
-from radtex_addon.cli.arguments import ProgressStyle, parse
+from radtex_addon.cli.arguments import parse
 from radtex_addon.cli.interruption import Interruption
+from radtex_addon.cli.options import ProgressStyle
 from radtex_addon.core.errors import Cancelled, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.spec import Target

@@ -15,7 +15,8 @@ import pytest
 
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Layout
-from radtex_addon.cli.arguments import ProgressStyle, Request, parse
+from radtex_addon.cli.arguments import Request, parse
+from radtex_addon.cli.options import ProgressStyle
 from radtex_addon.core.sampler import Filter
 from radtex_addon.worker.job import Job, State
 from radtex_addon.worker.order import Handover, Order, Program, arguments, command

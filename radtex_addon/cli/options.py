@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Words and options that the batch's commands share."""
+
+from __future__ import annotations
+
+import argparse
+from enum import StrEnum
+from typing import NoReturn
+
+from ..bake.spec import BakeSpec
+from ..core.errors import InputError
+from ..cycles.device import GPU_TYPES
+from ..version import VERSION
+
+DEMO = "demo"
+REPORT = "report"
+EXPORT = "export"
+
+
+class ProgressStyle(StrEnum):
+    """How a run says where it is."""
+
+    BAR = "bar"
+    JSON = "json"
+    NONE = "none"
+
+
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, as every other error."""
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message} (--help lists everything)")
+
+
+def add_progress(group: argparse._ArgumentGroup) -> None:
+    """How a run says where it is."""
+    add_choice(
+        group,
+        "--progress",
+        ProgressStyle,
+        ProgressStyle.BAR,
+        "bar: on standard error, with the time left; json: one JSON object a line on standard output, "
+        "where a line that does not begin with a brace is Blender's own",
+    )
+    group.add_argument("--verbose", action="store_true", help="let Blender's own messages through")
+
+
+def add_device(group: argparse._ArgumentGroup) -> None:
+    """Which device renders."""
+    group.add_argument(
+        "--device",
+        metavar="NAME",
+        default=BakeSpec().device,
+        help="auto: as Blender's preferences say; cpu; gpu: any; or one of "
+        f"{', '.join(kind.lower() for kind in GPU_TYPES)} (default: %(default)s)",
+    )
+
+
+def add_help(group: argparse._ArgumentGroup) -> None:
+    """What every command says of itself."""
+    group.add_argument("-h", "--help", action="help", help="show this text")
+    group.add_argument(
+        "--version", action="version", version=f"RadTex {VERSION}", help="show RadTex's version"
+    )
+
+
+def add_choice(
+    group: argparse._ArgumentGroup,
+    flag: str,
+    options: type[StrEnum],
+    default: StrEnum | None,
+    text: str,
+    dest: str | None = None,
+    action: str = "store",
+) -> None:
+    """An option for one of a few words; without a default it may be left out, or `text` says what then."""
+
+    def chosen(word: str) -> StrEnum:
+        try:
+            return options(word)
+        except ValueError:
+            raise InputError(f"{flag} {word}: choose from {', '.join(options)}") from None
+
+    known = "" if default is None else " (default: %(default)s)"
+    group.add_argument(
+        flag,
+        action=action,
+        dest=dest,
+        type=chosen,
+        default=default,
+        metavar="|".join(options),
+        help=f"{text}{known}",
+    )
+
+
+def add_number(
+    group: argparse._ArgumentGroup, flag: str, field: str, metavar: str, text: str, known: int | None
+) -> None:
+    """An option for a whole number, which `known` is without it."""
+
+    def number(word: str) -> int:
+        try:
+            return int(word)
+        except ValueError:
+            raise InputError(f"{flag} {word}: give a whole number") from None
+
+    group.add_argument(flag, dest=field, type=number, metavar=metavar, default=known, help=text)
