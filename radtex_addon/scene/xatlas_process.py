@@ -28,6 +28,7 @@ from ..core.errors import BakeError, InputError
 
 _WORKER = Path(__file__).with_name("xatlas_worker.py")
 _PULSE = 0.1  # seconds between two signs of life
+_LAST_WORDS = 1.0  # seconds that a process which answers nothing of use may take to end by itself
 _REMEDY = "bake on a UV layer of your own, by --uv"
 
 _Result = TypeVar("_Result")
@@ -150,7 +151,9 @@ class XatlasProcess:
             self._send(request)
             answer = pickle.load(self._pipes[1])
         except (OSError, EOFError, pickle.UnpicklingError):
-            self._process.kill()  # it has died, or is no Python at all
+            with suppress(subprocess.TimeoutExpired):  # it has died, or is no Python at all, and says why
+                self._process.wait(_LAST_WORDS)
+            self._process.kill()
         finally:
             answers.put(answer)
 
