@@ -11,10 +11,9 @@ import shutil
 from pathlib import Path
 
 from .manifest import Arranged, Container, TextureEntry
-from .pack import Pack
+from .pack import SHADERS, Pack
 from .spec import Target
 
-SHADERS = Path(__file__).parents[2] / "shaders"
 _LANGUAGES = {
     Target.GLTF: ("glsl",),
     Target.UNITY: ("hlsl",),

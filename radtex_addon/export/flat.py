@@ -21,11 +21,10 @@ from ..core.shared import SharedAtlas, sample_shared
 from ..core.solid_angle import cell_solid_angles_sr
 from ..core.surface import SurfaceMesh
 from ..core.texel_map import TexelMap, rasterise
-from ..formats.exr import read_atlas, stored_compression
+from ..formats.exr import read_buckets, stored_compression
 from ..formats.own_texels import loss_of, own_texels
 from ..formats.png import encode_png
 from ..formats.shared_files import read_shared
-from ..formats.sidecar import read_sidecar
 from .progress import Step, Task
 
 DIRECTIONS = 64  # that a texel of the shared layout is looked at from
@@ -40,10 +39,7 @@ def flat_buckets(sidecar: Path, surface: SurfaceMesh) -> Floats:
 
     Raises FormatError for files that cannot be read, and a surface that the atlas is not of.
     """
-    facts, image = read_sidecar(sidecar), sidecar.with_suffix(".exr")
-    pixels, inner = read_atlas(image)
-    if inner != facts:
-        raise FormatError(f"{image} is of another bake than {sidecar}: put one bake's files together")
+    (pixels, facts), image = read_buckets(sidecar), sidecar.with_suffix(".exr")
     light = mean_of_buckets(pixels, AtlasLayout(facts.width, facts.height, facts.bucket))
     loss = max(loss_of(stored_compression(image)), _ROUNDED)
     _check_surface(sidecar, rasterise(surface, facts.width, facts.height), light, loss)

@@ -15,9 +15,8 @@ import numpy as np
 from ..core.arrays import Floats
 from ..formats.glb import Glb
 from .godot_shader import GodotShader, bake_shader
-from .pack import Pack
+from .pack import SHADERS, Pack
 
-SHADERS = Path(__file__).parents[2] / "shaders"
 TEMPLATES = Path(__file__).with_name("godot_project")
 _TO_BLENDER = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])  # the inverse of gltf.to_gltf
 

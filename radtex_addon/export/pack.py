@@ -10,6 +10,8 @@ from pathlib import Path
 from .manifest import Manifest
 from .spec import ExportSpec
 
+SHADERS = Path(__file__).parents[2] / "shaders"  # what games may ship
+
 
 @dataclass(frozen=True, eq=False)
 class Pack:

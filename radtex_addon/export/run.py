@@ -13,7 +13,7 @@ from ..core.errors import FormatError
 from ..formats.facts import Facts
 from ..formats.shared_files import read_shared_sidecar
 from ..formats.shared_sidecar import LAYOUT as SHARED
-from ..formats.sidecar import Sidecar, read_sidecar, read_text
+from ..formats.sidecar import Sidecar, preview_path, read_facts, read_sidecar
 from ..scene.preview_file import baked_copy, check_preview, surface_of
 from ..version import VERSION
 from .engines import write_engine
@@ -60,7 +60,7 @@ class _Bake:
 
     @classmethod
     def of(cls, sidecar: Path) -> _Bake:
-        facts = Facts.parse(read_text(sidecar), str(sidecar))
+        facts = read_facts(sidecar)
         shared = facts.text("layout") == SHARED
         bake = read_shared_sidecar(sidecar).bake if shared else read_sidecar(sidecar)
         ending = f".{bake.kind}.json"
@@ -70,7 +70,7 @@ class _Bake:
 
     @property
     def preview(self) -> Path:
-        return self.sidecar.with_name(f"{self.name}.preview.blend")
+        return preview_path(self.sidecar, self.bake.kind)
 
 
 def export_path(sidecar: Path, target: Target) -> Path:

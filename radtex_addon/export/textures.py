@@ -22,14 +22,13 @@ from ..core.slices import mip_chain, to_slices
 from ..formats.atomic import replacing
 from ..formats.condensed_files import digest
 from ..formats.dds import read_dds, write_texture
-from ..formats.exr import read_atlas
-from ..formats.facts import Facts
+from ..formats.exr import read_buckets
 from ..formats.ktx2 import write_ktx2
 from ..formats.packing import COLOUR, ENDS, IRRADIANCE, SURROUNDINGS
 from ..formats.shared_files import layer_path, read_layer, read_shared_sidecar, texture_path
 from ..formats.shared_sidecar import LAYOUT as SHARED
 from ..formats.shared_sidecar import SharedSidecar
-from ..formats.sidecar import read_sidecar, read_text
+from ..formats.sidecar import read_facts
 from ..formats.texture import MOST_PIXELS, PixelFormat, Texture, encode_texture, most_levels
 from .manifest import Arranged, Container, TextureEntry
 from .spec import Arrangement, ExportSpec, Target, TextureFormat
@@ -56,7 +55,7 @@ def write_textures(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, T
     format cannot be, FormatError, with the path, for files that are missing, damaged or of different bakes,
     BakeError where the system refuses.
     """
-    if Facts.parse(read_text(sidecar), str(sidecar)).text("layout") != SHARED:
+    if read_facts(sidecar).text("layout") != SHARED:
         return _write_buckets(sidecar, spec, folder)
     shared = read_shared_sidecar(sidecar)
     if spec.arrangement is not Arrangement.MATRIX or (spec.levels or 1) > 1:
@@ -67,10 +66,7 @@ def write_textures(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, T
 
 
 def _write_buckets(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
-    facts, source = read_sidecar(sidecar), sidecar.with_suffix(".exr")
-    pixels, inner = read_atlas(source)
-    if inner != facts:
-        raise _mixed(source, sidecar)
+    (pixels, facts), source = read_buckets(sidecar), sidecar.with_suffix(".exr")
     layout = AtlasLayout(facts.width, facts.height, facts.bucket)
     sliced = spec.arrangement is Arrangement.SLICES
     if spec.format is TextureFormat.EXR:
@@ -164,7 +160,9 @@ def _copy_condensed(
     for layer, (width, height, _) in shared.shapes.items():
         source = texture_path(sidecar, layer)
         if digest(source) != digests[layer]:
-            raise _mixed(source, sidecar)
+            raise FormatError(
+                f"{source} is of another bake than {sidecar}: put one bake's files together, or bake again"
+            )
         kind, blocks, stored_width, stored_height = read_dds(source)
         texture = Texture(kind.pixel_format, stored_width, stored_height, (blocks[None],))
         check_limit(source, stored_width, stored_height, spec)
@@ -229,10 +227,4 @@ def _entry(
         levels=len(texture.levels),
         pages=(pages.columns, pages.rows),
         page_texels=(pages.width, pages.height),
-    )
-
-
-def _mixed(image: Path, sidecar: Path) -> FormatError:
-    return FormatError(
-        f"{image} is of another bake than {sidecar}: put one bake's files together, or bake again"
     )

@@ -23,7 +23,7 @@ from ..core.arrays import Floats
 from ..core.errors import BakeError, FormatError, ShapeError
 from .atomic import replacing
 from .memory import check_memory
-from .sidecar import Sidecar
+from .sidecar import Sidecar, read_sidecar
 
 HALF_MOST = 65504.0  # the largest finite half float
 ATTRIBUTE = "radtex"  # the header attribute that holds the sidecar's JSON
@@ -84,6 +84,17 @@ def read_atlas(path: Path) -> tuple[Floats, Sidecar]:
     sidecar = Sidecar.from_json(header_text(path), f"the header of {path}")
     width, height = sidecar.width * sidecar.bucket, sidecar.height * sidecar.bucket
     return read_pixels(path, width, height), sidecar
+
+
+def read_buckets(path: Path) -> tuple[Floats, Sidecar]:
+    """What `read_atlas` gives for the sidecar's file `path`. FormatError if its atlas is of another bake."""
+    sidecar, image = read_sidecar(path), path.with_suffix(".exr")
+    pixels, inner = read_atlas(image)
+    if inner != sidecar:
+        raise FormatError(
+            f"{image} is of another bake than {path}: put one bake's files together, or bake again"
+        )
+    return pixels, sidecar
 
 
 def header_text(path: Path) -> str:

@@ -127,6 +127,16 @@ def read_sidecar(path: Path) -> Sidecar:
     return Sidecar.from_json(read_text(path), str(path))
 
 
+def read_facts(path: Path) -> Facts:
+    """What a sidecar's file says, of any layout and kind. Raises FormatError, with the path."""
+    return Facts.parse(read_text(path), str(path))
+
+
+def preview_path(path: Path, kind: str) -> Path:
+    """Where the preview of the bake lies whose sidecar is the file `path`, if one was saved."""
+    return path.with_name(f"{path.name.removesuffix(f'.{kind}.json')}.preview.blend")
+
+
 def read_text(path: Path) -> str:
     """The text of a sidecar's file. Raises FormatError, with the path, if it cannot be read."""
     try:

@@ -11,8 +11,7 @@ from typing import Any, cast
 import bpy
 
 from ..core.errors import FormatError, InputError
-from ..formats.facts import Facts
-from ..formats.sidecar import read_text
+from ..formats.sidecar import preview_path, read_facts
 from ..scene.preview_file import appended
 from .save import images_of
 
@@ -25,9 +24,9 @@ def load_baked_mesh(sidecar: Path) -> bpy.types.Mesh:
     What it uses (material, node groups, images) is loaded with it, and nothing else of the preview's file.
     Raises InputError where a file is missing, FormatError for one that cannot be read or fits no other.
     """
-    facts = Facts.parse(read_text(sidecar), str(sidecar))
+    facts = read_facts(sidecar)
     name, kind = facts.text("object"), facts.text("kind")
-    preview = sidecar.with_name(f"{sidecar.name.removesuffix(f'.{kind}.json')}.preview.blend")
+    preview = preview_path(sidecar, kind)
     if not preview.is_file():
         raise InputError(f"{preview} is missing, which holds what a preview shows: bake again with a preview")
     before = {block.session_uid for block in _blocks()}

@@ -19,8 +19,7 @@ from ..core.errors import FormatError, InputError
 from ..core.sampler import Filter, sample
 from ..core.shared import SharedAtlas, sample_shared
 from ..formats.condensed_sizes import texture_bytes
-from ..formats.exr import read_atlas, stored_compression
-from ..formats.facts import Facts
+from ..formats.exr import read_buckets, stored_compression
 from ..formats.own_texels import loss_of, own_texels
 from ..formats.packing import IRRADIANCE
 from ..formats.shared_files import (
@@ -29,7 +28,7 @@ from ..formats.shared_files import (
     read_shared_sidecar,
     texture_path,
 )
-from ..formats.sidecar import Sidecar, read_sidecar, read_text
+from ..formats.sidecar import Sidecar, preview_path, read_facts
 from ..scene.copy import UV_LAYER
 from .gbuffer import Array, GBuffer
 
@@ -60,8 +59,7 @@ class Finished:
     @property
     def preview(self) -> Path:
         """Where the preview lies, if one was saved."""
-        name = self.path.name.removesuffix(f".{self.sidecar.kind}.json")
-        return self.path.with_name(f"{name}.preview.blend")
+        return preview_path(self.path, self.sidecar.kind)
 
     @property
     def unwrapped(self) -> bool:
@@ -125,7 +123,7 @@ def _json_files(folder: Path) -> list[Path]:
 
 def _identity(path: Path) -> tuple[str, str]:
     """The object and the kind that a sidecar names."""
-    facts = Facts.parse(read_text(path), str(path))
+    facts = read_facts(path)
     facts.text("layout")
     return facts.text("object"), facts.text("kind")
 
@@ -157,19 +155,14 @@ def read_bake(path: Path) -> Finished:
 
     Raises FormatError, with the path, for files that are missing, damaged, or of different bakes.
     """
-    layout = Facts.parse(read_text(path), str(path)).text("layout")
+    layout = read_facts(path).text("layout")
     if layout == Layout.SHARED:
         return _read_shared(path)
     return _read_buckets(path)
 
 
 def _read_buckets(path: Path) -> Finished:
-    sidecar, image = read_sidecar(path), path.with_suffix(".exr")
-    pixels, inner = read_atlas(image)
-    if inner != sidecar:
-        raise FormatError(
-            f"{image} is of another bake than {path}: put one bake's files together, or bake again"
-        )
+    (pixels, sidecar), image = read_buckets(path), path.with_suffix(".exr")
     atlas, compression = AtlasLayout(sidecar.width, sidecar.height, sidecar.bucket), stored_compression(image)
     return Finished(
         path=path,
