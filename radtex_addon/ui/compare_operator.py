@@ -7,11 +7,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, cast
 
 import bpy
-from bpy.props import FloatVectorProperty, IntProperty, StringProperty
+from bpy.props import FloatVectorProperty, IntProperty
 
-from .finding import has_meshes, originals, sidecar_of
+from .finding import originals, sidecar_of
+from .of_bake import AsksFirst, OfBake
 from .operator import shown
-from .preview_operator import BAKE, OBJECT
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _MATRIX: dict[str, Any] = {"size": 16, "options": {"SKIP_SAVE", "HIDDEN"}}
 
 
-class RADTEX_OT_compare(bpy.types.Operator):
+class RADTEX_OT_compare(AsksFirst, OfBake, bpy.types.Operator):
     """Render what you see by Cycles, with the object and with its bake, and show how they differ"""
 
     bl_idname = "radtex.compare"
@@ -29,20 +29,11 @@ class RADTEX_OT_compare(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
-        object: str
-        bake: str
         pixels: int
         samples: int
         view_matrix: tuple[float, ...]
         window_matrix: tuple[float, ...]
     else:
-        object: StringProperty(name="Object", description=OBJECT, options={"SKIP_SAVE"})
-        bake: StringProperty(
-            name="Bake",
-            description=BAKE,
-            subtype="FILE_PATH",
-            options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
-        )
         pixels: IntProperty(
             name="Pixels",
             description="Pixels along the pictures' longer side: more take longer",
@@ -71,17 +62,6 @@ class RADTEX_OT_compare(bpy.types.Operator):
             description="The projection that belongs to it, row by row",
             **_MATRIX,
         )
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context | None) -> bool:
-        return has_meshes(cls, context)
-
-    def invoke(
-        self, context: bpy.types.Context | None, event: bpy.types.Event | None
-    ) -> set[OperatorReturnItems]:
-        assert context is not None  # Blender always gives one
-        assert context.window_manager is not None  # there is one wherever a click comes from
-        return context.window_manager.invoke_props_dialog(self)
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ..bake.progress import finished

@@ -11,9 +11,9 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from .choices import TARGETS
-from .finding import has_meshes, originals, place_of
+from .finding import originals, place_of
+from .of_bake import AsksFirst, OfBake
 from .operator import shown
-from .preview_operator import BAKE, OBJECT
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -36,7 +36,7 @@ ARRANGEMENTS = (
 )
 
 
-class RADTEX_OT_export(bpy.types.Operator):
+class RADTEX_OT_export(AsksFirst, OfBake, bpy.types.Operator):
     """Make a folder of the bake that an engine or a browser takes: mesh, textures, shaders"""
 
     bl_idname = "radtex.export"
@@ -44,8 +44,6 @@ class RADTEX_OT_export(bpy.types.Operator):
     bl_options = {"REGISTER"}
 
     if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
-        object: str
-        bake: str
         target: str
         format: str
         zstd: bool
@@ -55,13 +53,6 @@ class RADTEX_OT_export(bpy.types.Operator):
         directory: str
         overwrite: bool
     else:
-        object: StringProperty(name="Object", description=OBJECT, options={"SKIP_SAVE"})
-        bake: StringProperty(
-            name="Bake",
-            description=BAKE,
-            subtype="FILE_PATH",
-            options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
-        )
         target: EnumProperty(name="Target", description="Who takes the folder", items=TARGETS, default="gltf")
         format: EnumProperty(
             name="Format", description="How the textures are stored", items=FORMATS, default="auto"
@@ -105,17 +96,6 @@ class RADTEX_OT_export(bpy.types.Operator):
             default=False,
             options={"SKIP_SAVE"},
         )
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context | None) -> bool:
-        return has_meshes(cls, context)
-
-    def invoke(
-        self, context: bpy.types.Context | None, event: bpy.types.Event | None
-    ) -> set[OperatorReturnItems]:
-        assert context is not None  # Blender always gives one
-        assert context.window_manager is not None  # there is one wherever a click comes from
-        return context.window_manager.invoke_props_dialog(self)
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ..core.errors import InputError, RadTexError

@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
 from bpy.props import IntProperty, StringProperty
 
 from . import jobs
+from .finding import place_of
+from .operator import shown
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -105,8 +106,9 @@ class RADTEX_OT_open_folder(bpy.types.Operator):
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ..core.errors import RadTexError
 
+        scene, _ = shown(context)
         try:
-            folder = self._folder(context)
+            folder = place_of(scene, self.directory)
         except RadTexError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -115,12 +117,3 @@ class RADTEX_OT_open_folder(bpy.types.Operator):
             return {"CANCELLED"}
         bpy.ops.wm.path_open(filepath=str(folder))
         return {"FINISHED"}
-
-    def _folder(self, context: bpy.types.Context | None) -> Path:
-        from .preferences import preferred
-        from .request import output_folder
-
-        assert context is not None  # Blender always gives one
-        assert context.scene is not None  # nor is it without a scene
-        chosen: str = self.directory or context.scene.radtex.directory  # type: ignore[attr-defined]  # ours
-        return output_folder(chosen, preferred().output)

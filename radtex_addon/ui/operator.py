@@ -117,18 +117,6 @@ def shown(context: bpy.types.Context | None) -> tuple[bpy.types.Scene, bpy.types
 def _check(scene: bpy.types.Scene, names: tuple[str, ...], request: BakeRequest) -> None:
     """Refuse at once what would fail later. Raises InputError with the first reason."""
     from ..core.errors import InputError
-    from ..job.foresight import foresee
 
-    seen = foresee(
-        scene,
-        names,
-        request.spec,
-        request.folder,
-        preview=request.preview,
-        overwrite=request.overwrite,
-        resume=request.resume,
-        targets=request.targets,
-        patience=_PATIENCE,
-    )
-    if seen.errors:
-        raise InputError(seen.errors[0])
+    if errors := request.foreseen(scene, names, _PATIENCE).errors:
+        raise InputError(errors[0])

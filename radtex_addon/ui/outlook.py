@@ -124,7 +124,6 @@ def _key(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> tuple[int, 
 def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outlook:
     from ..bake.cost import cost_of
     from ..core.errors import InputError
-    from ..job.foresight import foresee
     from . import estimates
     from .request import BakeRequest, spec_of, values_of
 
@@ -140,15 +139,5 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
         request = BakeRequest.of(values)
     except InputError as error:
         return Outlook(names, (str(error),), (), spec, cost, seconds)
-    seen = foresee(
-        scene,
-        names,
-        spec,
-        request.folder,
-        preview=request.preview,
-        overwrite=request.overwrite,
-        resume=request.resume,
-        targets=request.targets,
-        patience=_PATIENCE,
-    )
+    seen = request.foreseen(scene, names, _PATIENCE)
     return Outlook(names, seen.errors, seen.warnings, spec, cost, seconds)

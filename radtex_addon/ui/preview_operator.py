@@ -7,16 +7,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import bpy
-from bpy.props import EnumProperty, StringProperty
+from bpy.props import EnumProperty
 
-from .finding import has_meshes, originals, sidecars_of
+from .finding import originals, sidecars_of
+from .of_bake import OfBake
 from .operator import shown
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
-
-OBJECT = "Name of the object. Left empty, all selected meshes are meant"
-BAKE = "A bake's folder, or its .json file. Left empty, the scene's output folder"
 
 _ACTIONS = (
     ("TOGGLE", "Toggle", "Show what is not shown; if all are, the objects themselves"),
@@ -25,7 +23,7 @@ _ACTIONS = (
 )
 
 
-class RADTEX_OT_preview_toggle(bpy.types.Operator):
+class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
     """Show the bake in the object's place, as it was lit. The object is hidden meanwhile, and unchanged"""
 
     bl_idname = "radtex.preview_toggle"
@@ -33,17 +31,8 @@ class RADTEX_OT_preview_toggle(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
-        object: str
-        bake: str
         action: str
     else:
-        object: StringProperty(name="Object", description=OBJECT, options={"SKIP_SAVE"})
-        bake: StringProperty(
-            name="Bake",
-            description=BAKE,
-            subtype="FILE_PATH",
-            options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
-        )
         action: EnumProperty(
             name="Action",
             description="What to show",
@@ -51,10 +40,6 @@ class RADTEX_OT_preview_toggle(bpy.types.Operator):
             default="TOGGLE",
             options={"SKIP_SAVE"},
         )
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context | None) -> bool:
-        return has_meshes(cls, context)
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ..core.errors import RadTexError

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
@@ -16,6 +16,9 @@ from ..core.errors import InputError
 from ..export.spec import Target
 from .preferences import preferred
 from .settings import NAMES, BakeSettings
+
+if TYPE_CHECKING:
+    from ..job.foresight import Foresight
 
 _MEGABYTE = 1e6
 
@@ -45,6 +48,22 @@ class BakeRequest:
             overwrite=values["overwrite"],
             resume=values["resume"],
             targets=targets,
+        )
+
+    def foreseen(self, scene: bpy.types.Scene, names: Iterable[str], patience: float) -> Foresight:
+        """What can be said of baking these objects beforehand; `patience` is in seconds."""
+        from ..job.foresight import foresee
+
+        return foresee(
+            scene,
+            names,
+            self.spec,
+            self.folder,
+            preview=self.preview,
+            overwrite=self.overwrite,
+            resume=self.resume,
+            targets=self.targets,
+            patience=patience,
         )
 
 

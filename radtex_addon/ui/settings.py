@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
@@ -50,6 +50,9 @@ def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
     mark_stale()
 
 
+_NOTICED: dict[str, Any] = {"update": _notice, "options": {"SKIP_SAVE"}}
+
+
 class BakeSettings:
     """Not registered itself: the scene's settings and the operator take its properties."""
 
@@ -79,8 +82,7 @@ class BakeSettings:
             description="Which light each texel keeps",
             items=KINDS,
             default="radiance",
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         atlas_layout: EnumProperty(
             name="Layout",
@@ -94,16 +96,14 @@ class BakeSettings:
             name="UV Layer",
             description="The UV layer to bake on: inside the unit square and without overlaps, or places on "
             "the surface would show each other's light. Left empty, a copy is unwrapped anew",
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         unwrap: EnumProperty(
             name="Unwrap",
             description="Who lays out the surface where no UV layer is chosen",
             items=UNWRAPS,
             default="xatlas",
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         padding: IntProperty(
             name="Padding",
@@ -112,8 +112,7 @@ class BakeSettings:
             min=0,
             max=256,
             soft_max=16,
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         texels: IntProperty(
             name="Texels",
@@ -124,8 +123,7 @@ class BakeSettings:
             max=65536,
             soft_min=16,
             soft_max=1024,
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         bucket: IntProperty(
             name="Cells",
@@ -135,8 +133,7 @@ class BakeSettings:
             min=2,
             max=256,
             soft_max=32,
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         samples: IntProperty(
             name="Samples",
@@ -146,8 +143,7 @@ class BakeSettings:
             min=1,
             max=2**24,
             soft_max=1024,
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         limit: EnumProperty(
             name="Limit",
@@ -167,8 +163,7 @@ class BakeSettings:
             soft_max=16.0,
             step=10,
             precision=2,
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         target: FloatProperty(
             name="dB",
@@ -179,16 +174,14 @@ class BakeSettings:
             max=60.0,
             step=100,
             precision=0,
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         seed: IntProperty(
             name="Seed",
             description="Another seed gives other noise; the same one gives the same picture",
             default=0,
             min=0,
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         directory: StringProperty(
             name="Output Folder",
@@ -204,39 +197,34 @@ class BakeSettings:
             description="Keep light beyond 65504 and steps that 16 bits are too few for. Hardly ever seen, "
             "and twice as large",
             default=False,
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         compression: EnumProperty(
             name="Compression",
             description="How the images are packed on disk",
             items=COMPRESSIONS,
             default="zip",
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         preview: BoolProperty(
             name="Preview",
             description="Also write a .blend in which the baked copy stands in the object's place. Showing "
             "the bake here and exporting it need that",
             default=True,
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         overwrite: BoolProperty(
             name="Overwrite",
             description="Replace the files of an earlier bake of the same object",
             default=False,
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         resume: BoolProperty(
             name="Resume",
             description="Go on with a bake that was cancelled or that failed, from what is kept of it: the "
             "picture is the same as if it had never stopped",
             default=False,
-            update=_notice,
-            options={"SKIP_SAVE"},
+            **_NOTICED,
         )
         export_targets: EnumProperty(
             name="Export",
