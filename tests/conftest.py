@@ -20,3 +20,21 @@ os.environ["BLENDER_USER_RESOURCES"] = _BLENDER_HOME.name
 
 hypothesis.settings.register_profile("radtex", derandomize=True, deadline=None)
 hypothesis.settings.load_profile("radtex")
+
+_EXIT_CODE = pytest.StashKey[int]()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+    """Remember how the tests went."""
+    session.config.stash[_EXIT_CODE] = int(exitstatus)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """End at once: a run once hung in what Blender or a driver tidies up at a process's exit."""
+    if _EXIT_CODE in config.stash:
+        _BLENDER_HOME.cleanup()
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(config.stash[_EXIT_CODE])

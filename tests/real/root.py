@@ -35,6 +35,7 @@ _KEYRING = Path("/usr/share/keyrings/debian-archive-keyring.gpg")
 _CERTIFICATES = Path("/etc/ssl/certs/ca-certificates.crt")
 _PIP_SETTINGS = ("/etc/pip.conf", "~/.pip/pip.conf", "~/.config/pip/pip.conf")
 _QUICK_DPKG = "force-unsafe-io\npath-exclude=/usr/share/doc/*\npath-exclude=/usr/share/locale/*\n"
+_PATIENCE = 1200  # seconds that a step of building may take: it fetches from the network
 # What is mounted or started in it ends with it, and it ends with who started it.
 _NAMESPACE = ("setpriv", "--pdeathsig", "KILL", "unshare", "--mount", "--pid", "--fork", "--kill-child")
 _ENTER = REPOSITORY / "tests/real/enter.sh"
@@ -166,7 +167,8 @@ def screen(argv: Sequence[str], width: int = 1280, height: int = 720) -> list[st
 def ready_root(recipe: Recipe) -> tuple[Path, float]:
     """The root, built if it is not there, and how many seconds that took.
 
-    Raises RootUnavailableError where it cannot be built, CalledProcessError where building it failed.
+    Raises RootUnavailableError where it cannot be built, CalledProcessError or TimeoutExpired where
+    building it failed.
     """
     if sys.platform != "linux" or os.geteuid() != 0:
         raise RootUnavailableError("a root of real programs needs Linux and the rights of its user root")
@@ -260,7 +262,13 @@ def _pip_configured(root: Path) -> Iterator[dict[str, str]]:
 def _checked(command: Sequence[str], variables: Mapping[str, str], folder: Path | None = None) -> None:
     """Run a step of the build; CalledProcessError, with the end of what it said, where it fails."""
     done = subprocess.run(
-        command, env=variables, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False
+        command,
+        env=variables,
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        timeout=_PATIENCE,
+        check=False,
     )
     if done.returncode != 0:
         sys.stderr.write(done.stdout.decode(errors="replace")[-4000:])
