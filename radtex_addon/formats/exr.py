@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import OpenEXR
 
 from ..core.arrays import Floats
@@ -137,6 +138,19 @@ def read_render(path: Path) -> dict[str, Floats]:
     """
     layers = _layers(path, len(_headers(path)))
     return {name: pixels[::-1].astype(np.float32, copy=False) for name, pixels in layers.items()}
+
+
+def read_whole(path: Path) -> tuple[npt.NDArray[Any], list[str]]:
+    """Pixels (H, W, C) of an image of one layer, as they are stored, and its channels' names, sorted.
+
+    Row 0 is at the bottom; loose channels come in that order. Raises FormatError as `read_atlas` does.
+    """
+    headers = _headers(path)
+    names = sorted(channel.name for header in headers for channel in header["channels"])
+    layers = _layers(path, len(headers))
+    if len(layers) != 1:
+        raise FormatError(f"{path} has several layers, expected one: bake it again")
+    return next(iter(layers.values()))[::-1], names
 
 
 def stored_rows(path: Path, pixels: Floats, half: bool) -> tuple[Floats, int]:

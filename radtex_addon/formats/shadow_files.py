@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The file of a `shadow` bake: W x H pixels whose channels are 32-bit words, a bit for each cell.
+
+Channels are called word0000, word0001 …, so that their names sort as their bits do.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import OpenEXR
+
+from ..core.errors import FormatError, InputError, ShapeError
+from ..core.shadow import word_count
+from .atomic import replacing
+from .exr import ATTRIBUTE, Compression, header_text, read_whole
+from .sidecar import Sidecar, read_sidecar
+
+KIND = "shadow"
+
+_LOSSLESS = {
+    Compression.ZIP: OpenEXR.ZIP_COMPRESSION,
+    Compression.PIZ: OpenEXR.PIZ_COMPRESSION,
+}
+
+Words = npt.NDArray[np.uint32]
+
+
+def channel_names(bucket: int) -> list[str]:
+    """The channels of buckets of `bucket` x `bucket` cells, in order."""
+    return [f"word{index:04d}" for index in range(word_count(bucket))]
+
+
+def write_shadow(
+    path: Path, words: Words, sidecar: Sidecar, compression: Compression = Compression.ZIP
+) -> None:
+    """Write words (H, W, w) as `core.shadow.pack_bits` makes them, row 0 at the bottom.
+
+    The header holds the sidecar. On failure `path` is what it was. Raises ShapeError if words and sidecar
+    differ in size, InputError for a compression that loses bits, BakeError where the system refuses.
+    """
+    expected = (sidecar.height, sidecar.width, word_count(sidecar.bucket))
+    if words.shape != expected or words.dtype != np.uint32:
+        raise ShapeError(f"words: expected {expected} of uint32, got {words.shape} of {words.dtype}")
+    if compression not in _LOSSLESS:
+        raise InputError(f"compression {compression} keeps no bits: choose {', '.join(_LOSSLESS)}")
+    header = {
+        "compression": _LOSSLESS[compression],
+        ATTRIBUTE: sidecar.to_json(),
+        "type": OpenEXR.scanlineimage,
+    }
+    rows = words[::-1]
+    channels: dict[str, Any] = {
+        name: np.ascontiguousarray(rows[..., index])  # the module reads bare memory
+        for index, name in enumerate(channel_names(sidecar.bucket))
+    }
+    with replacing(path) as beside:
+        try:
+            OpenEXR.File(header, channels).write(str(beside))
+        except RuntimeError as error:
+            raise OSError(" ".join(str(error).split())) from error
+
+
+def read_shadow(path: Path) -> tuple[Words, Sidecar]:
+    """The words (H, W, w) of a shadow's EXR, row 0 at the bottom, and its sidecar.
+
+    Raises FormatError, with the path, for a file that is missing, damaged, of another kind, or whose size,
+    channels or pixels are not those that its header says.
+    """
+    sidecar = Sidecar.from_json(header_text(path), f"the header of {path}")
+    if sidecar.kind != KIND:
+        raise FormatError(f"{path} is of kind {sidecar.kind}, not {KIND}: name a bake of shadows")
+    names = channel_names(sidecar.bucket)
+    pixels, found = read_whole(path)
+    if found != names:
+        raise FormatError(
+            f"{path} has the channels {_listed(found)}, expected {_listed(names)}: bake it again"
+        )
+    expected = (sidecar.height, sidecar.width)
+    if pixels.shape[:2] != expected or pixels.dtype != np.uint32:
+        size = f"{pixels.shape[1]} x {pixels.shape[0]} pixels of {pixels.dtype}"
+        raise FormatError(f"{path} has {size}, its header says {sidecar.width} x {sidecar.height} of uint32")
+    return pixels.astype(np.uint32, copy=False), sidecar
+
+
+def read_shadow_of(path: Path) -> tuple[Words, Sidecar]:
+    """What `read_shadow` gives for the sidecar's file `path`. FormatError if its EXR is of another bake."""
+    sidecar, image = read_sidecar(path), path.with_suffix(".exr")
+    words, inner = read_shadow(image)
+    if inner != sidecar:
+        raise FormatError(
+            f"{image} is of another bake than {path}: put one bake's files together, or bake again"
+        )
+    return words, sidecar
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(names) if len(names) < 4 else f"{names[0]} … {names[-1]}"

@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bits, their order and their lookups; lights that are partly hidden."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from radtex_addon.core import shadow
+from radtex_addon.core.arrays import Bools, Floats
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.errors import ShapeError
+from radtex_addon.core.hemisphere import cell_centres, direction_to_square, square_to_direction
+from radtex_addon.core.sampler import Filter
+
+LAYOUT = AtlasLayout(5, 3, 8)
+
+
+def random_bits(layout: AtlasLayout = LAYOUT, seed: int = 1) -> Bools:
+    n = layout.bucket
+    return np.random.default_rng(seed).random((layout.height, layout.width, n, n)) < 0.5
+
+
+@pytest.mark.parametrize(("n", "words"), [(2, 1), (5, 1), (6, 2), (8, 2), (9, 3), (16, 8)])
+def test_bits_come_back_and_lie_where_the_contract_says(n: int, words: int) -> None:
+    blocked = random_bits(AtlasLayout(3, 4, n))
+    packed = shadow.pack_bits(blocked)
+    assert packed.shape == (4, 3, words)
+    assert packed.dtype == np.uint32
+    np.testing.assert_array_equal(shadow.unpack_bits(packed, n), blocked)
+    for q, p in ((0, 0), (0, n - 1), (n - 1, 0), (n - 1, n - 1), (n // 2, 1)):
+        one = np.zeros((n, n), dtype=bool)
+        one[q, p] = True
+        value = sum(int(word) << 32 * place for place, word in enumerate(shadow.pack_bits(one)))
+        assert value == 1 << (q * n + p)
+
+
+def test_a_lookup_at_a_cells_centre_is_its_bit() -> None:
+    blocked = random_bits()
+    words = shadow.pack_bits(blocked)
+    j, i, q, p = (axis.ravel() for axis in np.indices(blocked.shape))
+    uv = (np.stack([i, j], axis=1) + 0.5) / [LAYOUT.width, LAYOUT.height]
+    direction = square_to_direction(cell_centres(8))[q, p]
+    for kind in Filter:
+        seen = shadow.visibility(words, LAYOUT, uv, direction, kind)
+        np.testing.assert_allclose(seen, ~blocked[j, i, q, p], atol=1e-12)
+
+
+def test_soft_shadows_of_a_half_plane_are_the_share_of_the_sun_above_it() -> None:
+    n = 64
+    layout = AtlasLayout(1, 1, n)
+    edge = np.radians(40)  # all that is lower towards +x is blocked
+    centres = square_to_direction(cell_centres(n))
+    blocked = np.arctan2(centres[..., 2], centres[..., 0]) < edge
+    words = shadow.pack_bits(blocked[None, None])
+    size = np.radians(20)
+    for above in np.radians([-12, -6, -2, 0, 3, 8, 12]):
+        sun = np.array([[np.cos(edge + above), 0, np.sin(edge + above)]])
+        lights = shadow.sun_directions(sun, size, 512)
+        even = np.ones((1, 512))
+        share = shadow.soft_visibility(words, layout, np.full((1, 2), 0.5), lights, even, Filter.LINEAR)
+        t = np.clip(above / (size / 2), -1, 1)
+        expected = 0.5 + (t * np.sqrt(1 - t * t) + np.arcsin(t)) / np.pi  # of a disc above a line
+        assert abs(share[0] - expected) < 0.04  # of a sun about 10 cells wide
+
+
+def test_a_suns_points_fill_its_disc_evenly() -> None:
+    axis = np.array([0.0, 0.6, 0.8])
+    found = shadow.sun_directions(axis, 0.2, 1000)
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1)
+    tangent = np.linalg.norm(np.cross(axis, found), axis=1) / (found @ axis)
+    assert tangent.max() <= np.tan(0.1)
+    np.testing.assert_allclose(np.mean(tangent**2), np.tan(0.1) ** 2 / 2, rtol=1e-3)
+    np.testing.assert_allclose(shadow.sun_directions(axis, 0.2, 1), [axis])
+
+
+def test_square_points_are_even_too() -> None:
+    points = np.array(list(shadow.square_points(400)))
+    assert np.abs(points).max() <= 1
+    column, row = ((points + 1) * 2.5).astype(int).T
+    counts = np.bincount(row * 5 + column, minlength=25)
+    assert counts.min() >= 12
+    assert counts.max() <= 20
+
+
+def test_an_area_lights_weights_add_up_to_its_irradiance() -> None:
+    """A disc of radius a, straight above at height h, has the form factor a² / (a² + h²)."""
+    h, a = 2.0, 1.0
+    points = np.array([[a * x, a * y, h] for x, y in shadow.disc_points(4000)])
+    direction, weight = shadow.area_weights(
+        np.zeros((1, 3)), np.array([[0.0, 0, 1]]), points, np.array([0.0, 0, -1])
+    )
+    factor = weight.mean() * np.pi * a * a / np.pi
+    assert abs(factor - a * a / (a * a + h * h)) < 1e-3
+    np.testing.assert_allclose(np.linalg.norm(direction, axis=-1), 1)
+    _, behind = shadow.area_weights(
+        np.zeros((1, 3)), np.array([[0.0, 0, 1]]), points, np.array([0.0, 0, 1.0])
+    )
+    assert (behind == 0).all()
+
+
+def test_a_light_that_is_nowhere_lights_nothing() -> None:
+    words = shadow.pack_bits(np.zeros((3, 5, 8, 8), dtype=bool))
+    lights: Floats = np.tile([0.0, 0, 1], (4, 6, 1))
+    share = shadow.soft_visibility(
+        words, LAYOUT, np.full((4, 2), 0.5), lights, np.zeros((4, 6)), Filter.LINEAR
+    )
+    np.testing.assert_array_equal(share, 0)
+
+
+def test_below_the_horizon_the_rim_answers() -> None:
+    blocked = random_bits()
+    words = shadow.pack_bits(blocked)
+    rim = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0]])
+    below = np.array([[0.6, 0.6, -np.sqrt(0.28)]])
+    uv = np.full((1, 2), 0.3)
+    seen = [shadow.visibility(words, LAYOUT, uv, way, Filter.LINEAR) for way in (rim, below)]
+    np.testing.assert_allclose(seen[0], seen[1], atol=1e-7)
+    np.testing.assert_allclose(direction_to_square(below), [[1, 1]], atol=1e-7)
+
+
+def test_wrong_shapes_are_named() -> None:
+    with pytest.raises(ShapeError, match=r"blocked: expected shape \(\.\.\., n, n\)"):
+        shadow.pack_bits(np.zeros((2, 3), dtype=bool))
+    with pytest.raises(ShapeError, match=r"words: .*\(\.\.\., 2\)"):
+        shadow.unpack_bits(np.zeros((2, 3), dtype=np.uint32), 8)
+    with pytest.raises(ShapeError, match="words: expected shape"):
+        shadow.visibility(
+            np.zeros((5, 3, 2), np.uint32), LAYOUT, np.zeros((1, 2)), np.ones((1, 3)), Filter.LINEAR
+        )
+    words = np.zeros((3, 5, 2), np.uint32)
+    with pytest.raises(ShapeError, match="lights, weight"):
+        shadow.soft_visibility(
+            words, LAYOUT, np.zeros((1, 2)), np.ones((1, 4, 3)), np.ones((1, 3)), Filter.LINEAR
+        )
