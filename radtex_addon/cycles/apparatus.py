@@ -116,7 +116,10 @@ def render_layers(scene: bpy.types.Scene, file: Path) -> dict[str, Floats]:
         reason = " ".join(str(error).removeprefix("Error:").split())
         raise BakeError(f"Cycles cannot render: {reason}") from error
     if not file.exists():
-        raise BakeError("Cycles returned no picture: its messages in the console, or by --verbose, say why")
+        raise BakeError(
+            "Cycles returned no picture, as where memory runs out: bake fewer texels, or on the CPU "
+            "(--verbose tells more)"
+        )
     passes = {name.rpartition(".")[2]: image for name, image in read_render(file).items()}
     return dict(sorted(passes.items(), key=lambda named: named[0] not in ("", "Combined")))
 

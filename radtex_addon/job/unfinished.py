@@ -44,7 +44,7 @@ def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, 
         if resume and not overwrite and files.sidecar.exists():
             raise InputError(
                 f"{files.sidecar} is already there, and nothing of object '{name}' is unfinished: "
-                "leave it out, or bake it anew (--overwrite)"
+                "leave --resume out, and bake it anew (--overwrite)"
             )
         check_absent(files.all, overwrite)
         return

@@ -103,7 +103,7 @@ def find_bake(place: Path, object_name: str | None, purpose: str = "judged") -> 
         raise InputError(f"{place} holds no bake of '{object_name}': it has {_listed(found.values())}")
     of_radiance = [path for path, (_, kind) in wanted.items() if kind == Kind.RADIANCE]
     if len(of_radiance) > 1:
-        raise InputError(f"{place} holds bakes of {_listed(wanted.values())}: name one, --object NAME")
+        raise InputError(f"{place} holds bakes of {_listed(wanted.values())}: name one (--object)")
     path = of_radiance[0] if of_radiance else next(iter(wanted))
     _check(path, wanted[path], object_name, purpose)
     return path

@@ -12,6 +12,7 @@ from bpy.props import FloatVectorProperty, IntProperty
 from .finding import originals, sidecar_of
 from .of_bake import AsksFirst, OfBake
 from .operator import shown
+from .words import remark
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -78,7 +79,7 @@ class RADTEX_OT_compare(AsksFirst, OfBake, bpy.types.Operator):
             spec = ComparisonSpec(self.pixels, self.samples, preferred().device)
             found = finished(compare_steps(scene, bakes, self._eye(context), spec))
         except RadTexError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
         show_images(make_images(found))
         names = ", ".join(item.name for item in items)

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from . import estimates
-from .panel import Sidebar, draw_text, drawn
+from .messages import draw_text
+from .panel import Sidebar, drawn
 from .words import duration, iface_, number, remark, size
 
 if TYPE_CHECKING:

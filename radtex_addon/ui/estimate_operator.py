@@ -11,7 +11,7 @@ import bpy
 from . import estimates
 from .operator import can_bake, shown
 from .outlook import chosen_objects
-from .words import duration
+from .words import duration, remark
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -44,7 +44,7 @@ class RADTEX_OT_estimate(bpy.types.Operator):
                 return {"FINISHED"}
             estimates.probe_now(scene, names, spec)
         except RadTexError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
         seconds = estimates.seconds_known(scene, names, spec)
         assert seconds is not None  # just found out

@@ -14,6 +14,7 @@ from .choices import TARGETS
 from .finding import originals, place_of
 from .of_bake import AsksFirst, OfBake
 from .operator import shown
+from .words import remark
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -111,7 +112,7 @@ class RADTEX_OT_export(AsksFirst, OfBake, bpy.types.Operator):
             for item in items:
                 self._export(scene, item, spec)
         except RadTexError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
         return {"FINISHED"}
 

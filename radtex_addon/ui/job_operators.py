@@ -12,6 +12,7 @@ from bpy.props import IntProperty, StringProperty
 from . import jobs
 from .finding import place_of
 from .operator import shown
+from .words import remark
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -110,7 +111,7 @@ class RADTEX_OT_open_folder(bpy.types.Operator):
         try:
             folder = place_of(scene, self.directory)
         except RadTexError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
         if not folder.is_dir():
             self.report({"ERROR"}, f"{folder} is not there yet: bake first")

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from . import jobs, pictures
-from .panel import Sidebar, draw_text
+from .messages import draw_text
+from .panel import Sidebar
 from .words import duration, iface_, remark
 
 if TYPE_CHECKING:

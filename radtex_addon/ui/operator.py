@@ -11,6 +11,7 @@ from bpy.props import BoolProperty, StringProperty
 
 from .outlook import chosen_objects
 from .settings import NAMES, BakeSettings
+from .words import remark
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -63,7 +64,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             else:
                 self._submit(scene, names, request)
         except RadTexError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
         return {"FINISHED"}
 

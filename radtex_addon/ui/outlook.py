@@ -8,6 +8,7 @@ Handlers only mark it stale; a timer works it out anew once nothing has changed 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
@@ -31,7 +32,8 @@ class Outlook:
     """A bake of the chosen objects: what would fail, what to know, and what each of them costs at most.
 
     `spec` and `cost` are None where the settings cannot be; `seconds`, of all objects, where nobody has
-    estimated them.
+    estimated them; `folder` where there is none. `remedies` are names of settings that, switched, would
+    settle errors; `baked` is true where nothing is wrong but that there are bakes already.
     """
 
     objects: tuple[str, ...]
@@ -40,6 +42,9 @@ class Outlook:
     spec: BakeSpec | None = None
     cost: Cost | None = None
     seconds: float | None = None
+    folder: Path | None = None
+    remedies: tuple[str, ...] = ()
+    baked: bool = False
 
 
 @dataclass
@@ -125,7 +130,7 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
     from ..bake.cost import cost_of
     from ..core.errors import InputError
     from . import estimates
-    from .request import BakeRequest, spec_of, values_of
+    from .request import BakeRequest, has_folder, spec_of, values_of
 
     names = chosen_objects(view_layer)
     settings: BakeSettings = scene.radtex  # type: ignore[attr-defined]  # ours, not Blender's
@@ -138,6 +143,18 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
     try:
         request = BakeRequest.of(values)
     except InputError as error:
-        return Outlook(names, (str(error),), (), spec, cost, seconds)
+        wanting = () if has_folder(values) else ("directory",)
+        return Outlook(names, (str(error),), (), spec, cost, seconds, remedies=wanting)
     seen = request.foreseen(scene, names, _PATIENCE)
-    return Outlook(names, seen.errors, seen.warnings, spec, cost, seconds)
+    remedies = request.remedies(scene, names, _PATIENCE) if seen.errors else {}
+    return Outlook(
+        names,
+        seen.errors,
+        seen.warnings,
+        spec,
+        cost,
+        seconds,
+        request.folder,
+        remedies=tuple(remedies),
+        baked=remedies == {"overwrite": 0},
+    )

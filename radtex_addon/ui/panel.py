@@ -8,13 +8,11 @@ from typing import Any, cast
 
 import bpy
 
+from .messages import draw_remarks
 from .outlook import Outlook, outlook_of
 from .presets import RADTEX_PT_presets
 from .settings import BakeSettings
-from .words import iface_, remark
-
-_LETTER = 6.0  # pixels that a letter of a message takes, more than most do
-_BESIDE = 92.0  # pixels of the sidebar that messages leave free: margins, icon, tabs
+from .words import iface_
 
 
 class Sidebar:
@@ -41,7 +39,7 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         column.prop(settings, "atlas_layout")
         _draw_uv(layout, settings, context)
         if found is not None:
-            draw_remarks(layout, found)
+            draw_remarks(layout, settings, found)
         row = layout.row()
         row.scale_y = 1.5
         row.enabled = found is None or not found.errors
@@ -100,20 +98,6 @@ def drawn(
     return layout, settings, outlook_of(scene, view_layer)
 
 
-def draw_text(layout: Any, text: str, icon: str) -> None:
-    """A message over as many lines as it needs; labels do not wrap by themselves."""
-    column = layout.column(align=True)
-    for number, line in enumerate(_lines(text, _letters())):
-        column.label(text=line, icon=icon if number == 0 else "BLANK1", translate=False)
-
-
-def draw_remarks(layout: Any, found: Outlook) -> None:
-    """What would fail, and what to know."""
-    for messages, icon in ((found.errors, "ERROR"), (found.warnings, "INFO")):
-        for message in messages:
-            draw_text(layout.box(), remark(message), icon)
-
-
 def _draw_objects(layout: Any, found: Outlook | None) -> None:
     names = found.objects if found is not None else ()
     if len(names) == 1:
@@ -135,21 +119,3 @@ def _draw_uv(layout: Any, settings: BakeSettings, context: bpy.types.Context | N
     if not settings.uv_layer:
         column.prop(settings, "unwrap")
         column.prop(settings, "padding")
-
-
-def _letters() -> int:
-    """How many letters of a message fit the sidebar that is drawn."""
-    region, preferences = bpy.context.region, bpy.context.preferences
-    if region is None or preferences is None:
-        return 32
-    return max(16, int((region.width / preferences.system.ui_scale - _BESIDE) / _LETTER))
-
-
-def _lines(text: str, letters: int) -> list[str]:
-    lines = [""]
-    for word in text.split():
-        if lines[-1] and len(lines[-1]) + 1 + len(word) > letters:
-            lines.append(word)
-        else:
-            lines[-1] = f"{lines[-1]} {word}".strip()
-    return lines

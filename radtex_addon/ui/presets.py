@@ -15,6 +15,7 @@ from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 
 from ..core.errors import InputError
+from .words import remark
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -89,7 +90,7 @@ class RADTEX_OT_preset_apply(bpy.types.Operator):
         try:
             apply_preset(self.name)
         except InputError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
         return {"FINISHED"}
 

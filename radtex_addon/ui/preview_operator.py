@@ -12,6 +12,7 @@ from bpy.props import EnumProperty
 from .finding import originals, sidecars_of
 from .of_bake import OfBake
 from .operator import shown
+from .words import remark
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -52,7 +53,7 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
             if not off:
                 self._switch_on(scene, items)
         except RadTexError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
         for item in items if off else ():
             switch_off(item)
@@ -76,6 +77,6 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
                     switch_off(preview.original)
             raise
         for error in errors:
-            self.report({"WARNING"}, str(error))
+            self.report({"WARNING"}, remark(error))
         for name in (preview.original.name for preview in made if preview.moved):
             self.report({"WARNING"}, f"{name} has moved since the bake: it shows the light of its old place")

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -66,6 +66,22 @@ class BakeRequest:
             patience=patience,
         )
 
+    def remedies(self, scene: bpy.types.Scene, names: Sequence[str], patience: float) -> dict[str, int]:
+        """Settings that, switched, would leave fewer errors than are foreseen now, and how many."""
+        present = self._errors_with((), scene, names, patience)
+        for ways in ((("overwrite",), ("resume",)), (("overwrite", "resume"),)):
+            left = {way: self._errors_with(way, scene, names, patience) for way in ways}
+            found = {name: count for way, count in left.items() for name in way if count < present}
+            if found:
+                return found
+        return {}
+
+    def _errors_with(
+        self, switched: Sequence[str], scene: bpy.types.Scene, names: Sequence[str], patience: float
+    ) -> int:
+        values: dict[str, Any] = {name: not getattr(self, name) for name in switched}
+        return len(replace(self, **values).foreseen(scene, names, patience).errors)
+
 
 def values_of(settings: BakeSettings) -> dict[str, Any]:
     """A scene's settings by name."""
@@ -99,7 +115,16 @@ def output_folder(directory: str, instead: Path | None) -> Path:
         return instead
     if not directory.strip():
         raise InputError("no output folder is chosen: choose one")
-    raise InputError("this file was never saved, so that // is nowhere: save it, or choose another folder")
+    raise InputError("this file was never saved: save it, or choose a folder for its bakes")
+
+
+def has_folder(values: Mapping[str, Any]) -> bool:
+    """Whether bakes asked for by `values` have a place to go to."""
+    try:
+        output_folder(values["directory"], preferred().output)
+    except InputError:
+        return False
+    return True
 
 
 def spec_of(values: Mapping[str, Any]) -> BakeSpec:

@@ -4,21 +4,64 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from bpy.app import translations
+
+from .choices import COMPRESSIONS, LAYOUTS, UNWRAPS
 
 _translations: Any = translations  # whose stubs say that nothing comes back
 
 # By this name Blender's tools find what is to be translated.
 iface_: Callable[[str], str] = _translations.pgettext_iface
 
-# How the batch calls what the panel has a button for: beside the remedy, or as the remedy.
-_ASIDE = re.compile(r" \(--[a-z][a-z-]*\)")
-_FLAG = re.compile(r"--([a-z][a-z-]*)")
-_NAMES = {"uv": "UV Layer", "memory": "Memory for a Tile", "save-preview": "Preview", "out": "Output Folder"}
+# What the panel calls the batch's options. One that is not here is not in the window either.
+LABELS = {
+    "arrangement": "Arrangement",
+    "bucket": "Cells",
+    "budget": "MB on the GPU",
+    "compression": "Compression",
+    "device": "Device, in RadTex's preferences",
+    "float": "32-bit Floats",
+    "format": "Format",
+    "layout": "Layout",
+    "levels": "Mip Levels",
+    "limit": "Limit",
+    "object": "Object",
+    "out": "Folder",
+    "overwrite": "Overwrite",
+    "pixels": "Pixels",
+    "resume": "Resume",
+    "save-preview": "Preview",
+    "unwrap": "Unwrap",
+    "uv": "UV Layer",
+}
+STAGES = {  # what a worker is doing, by the names of `bake.progress.Stage`
+    "evaluate": "Reading the mesh",
+    "unwrap": "Unwrapping",
+    "raster": "Placing texels",
+    "probe": "Finding hidden parts",
+    "capture": "Tracing paths",
+    "fill": "Filling gaps",
+    "fit": "Sharing light",
+    "condense": "Making it small",
+    "write": "Writing files",
+    "preview": "Making the preview",
+}
+_CHOICES = {"layout": LAYOUTS, "unwrap": UNWRAPS, "compression": COMPRESSIONS}
+_LEFT_OUT = {"uv": "empty", "resume": "off"}  # the others stay as they are
+
+_OPTION = r"(?<![\w/.-])--([a-z][a-z-]*)"
+_ASIDE = re.compile(r" \(([^()]*--[a-z][^()]*)\)")
+_LEAVE = re.compile(r"leave ((?:--[a-z-]+(?: and )?)+) out")
+_VALUE = re.compile(_OPTION + r" ([a-z]+)\b")
+_NAME = re.compile(_OPTION)
+_FORMAT = re.compile(r"\b(ktx2|dds)-(rgba16f|rgb9e5|bc6h)\b")
+_FIELD = re.compile(r"\bbucket (?=\d)")  # as specifications name what the panel calls cells
 
 
 def size(count: float) -> str:
@@ -49,7 +92,48 @@ def duration(seconds: float) -> str:
     return iface_("{:.1f} h").format(seconds / 3600)
 
 
-def remark(message: str) -> str:
-    """An error as the panel shows it: without the batch's options, and beginning with a capital."""
-    plain = _FLAG.sub(lambda found: _NAMES.get(found[1], found[1].capitalize()), _ASIDE.sub("", message))
-    return plain[:1].upper() + plain[1:]
+def stage(name: str | None) -> str:
+    """What a worker is doing; None is before it says so."""
+    return iface_(STAGES[name] if name is not None else "Starting")
+
+
+def remark(message: object, folder: Path | None = None) -> str:
+    """An error as the panel shows it: in its own labels, and beginning with a capital.
+
+    What lies in `folder` is called by its name, for the sidebar is narrow.
+    """
+    text = str(message)
+    if folder is not None:
+        text = text.replace(f"{folder}{os.sep}", "")
+    text = _ASIDE.sub(_aside, text)
+    text = _LEAVE.sub(_leave, text)
+    text = _NAME.sub(_label, _VALUE.sub(_choice, text))
+    text = _FORMAT.sub(lambda found: found[0].upper().replace("-", " "), text)
+    text = _FIELD.sub("cells ", text)
+    return text[:1].upper() + text[1:]
+
+
+def _aside(found: re.Match[str]) -> str:
+    """In brackets only what the words before do not say already, or what only the batch knows."""
+    names = _NAME.findall(found[1])
+    before = found.string[: found.start()].lower()
+    if not all(name in LABELS for name in names) or all(LABELS[name].lower() in before for name in names):
+        return ""
+    return f" ({_NAME.sub(_label, found[1])})"
+
+
+def _leave(found: re.Match[str]) -> str:
+    names = _NAME.findall(found[1])
+    labels = " and ".join(LABELS.get(name, name) for name in names)
+    return f"leave {labels} {_LEFT_OUT.get(names[0], 'as it was' if len(names) == 1 else 'as they were')}"
+
+
+def _choice(found: re.Match[str]) -> str:
+    named = {identifier: name for identifier, name, _ in _CHOICES.get(found[1], ())}
+    if found[2] not in named:
+        return found[0]
+    return f"{LABELS[found[1]]}: {named[found[2]]}"
+
+
+def _label(found: re.Match[str]) -> str:
+    return LABELS.get(found[1], found[1].capitalize())

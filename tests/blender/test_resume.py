@@ -290,7 +290,7 @@ def test_what_is_finished_is_neither_traced_again_nor_overwritten(
     seen = rendered(monkeypatch)
     bake_object(context.scene, "Ball", QUICK, out, resume=True)
     assert seen == []
-    with pytest.raises(InputError, match="nothing of object 'Ball' is unfinished: leave it out"):
+    with pytest.raises(InputError, match="nothing of object 'Ball' is unfinished: leave --resume out"):
         bake_object(context.scene, "Ball", QUICK, out, resume=True)
     bake_object(context.scene, "Ball", QUICK, out, resume=True, overwrite=True)
     assert seen

@@ -10,10 +10,11 @@ from pathlib import Path
 import bpy
 import pytest
 
+from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec
-from radtex_addon.job import bake_object
+from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.job.foresight import foresee
-from radtex_addon.ui import estimates, outlook, words
+from radtex_addon.ui import estimates, outlook
 from radtex_addon.ui.cost import figures
 from radtex_addon.ui.outlook import Outlook
 from radtex_addon.ui.request import spec_of, values_of
@@ -63,7 +64,8 @@ def test_the_selected_meshes_are_baked_or_else_the_active_one() -> None:
 
 def test_what_would_fail_is_said_in_place(tmp_path: Path) -> None:
     plane()
-    assert seen() == Outlook(("Card",), (), (), spec_of(values_of(settings())), seen().cost)
+    spec, out = spec_of(values_of(settings())), tmp_path / "out"
+    assert seen() == Outlook(("Card",), (), (), spec, seen().cost, folder=out)
     context.object.hide_render = True
     assert "is hidden from render" in seen().errors[0]
     context.object.hide_render = False
@@ -75,9 +77,41 @@ def test_what_would_fail_is_said_in_place(tmp_path: Path) -> None:
     (tmp_path / "out" / "Card.radiance.exr").touch()
     (error,) = seen().errors
     assert "Card.radiance.exr is already there" in error
-    assert "--" not in words.remark(error)
     settings().overwrite = True
     assert seen().errors == ()
+
+
+def test_what_settles_a_refusal_is_known(tmp_path: Path) -> None:
+    plane()
+    settings().texels, settings().bucket, settings().samples = 8, 4, 1
+    spec, out = spec_of(values_of(settings())), tmp_path / "out"
+    assert (seen().remedies, seen().baked) == ((), False)
+    steps = bake_steps(context.scene, "Card", spec, out)
+    next(step for step in steps if step.stage is Stage.CAPTURE and step.done)
+    steps.close()
+    assert (seen().remedies, seen().baked) == (("overwrite", "resume"), False)
+    settings().samples = 2  # another bake
+    assert seen().remedies == ("overwrite",)
+    settings().resume = True
+    assert seen().remedies == ("overwrite", "resume")  # anew, and then without
+    settings().resume, settings().samples = False, 1
+    bake_object(context.scene, "Card", spec, out, resume=True)
+    assert (seen().remedies, seen().baked) == (("overwrite",), True)
+    settings().export_targets = {"web"}
+    (out / "Card.web").mkdir()
+    (out / "Card.web" / "mine.txt").touch()
+    assert (seen().remedies, seen().baked) == ((), False)  # the export would be refused all the same
+
+
+def test_what_no_setting_settles_is_not_offered_to_be(tmp_path: Path) -> None:
+    plane("A")
+    plane("B")
+    context.object.hide_render = True
+    bpy.ops.object.select_all(action="SELECT")
+    assert (len(seen().errors), seen().remedies) == (1, ())
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "A.radiance.exr").touch()
+    assert (len(seen().errors), seen().remedies, seen().baked) == (2, ("overwrite",), False)
 
 
 def test_what_cannot_be_is_said_and_costs_nothing() -> None:
@@ -93,6 +127,7 @@ def test_a_file_never_saved_still_has_its_cost() -> None:
     plane()
     settings().directory = "//radtex"
     assert "never saved" in seen().errors[0]
+    assert (seen().remedies, seen().baked) == (("directory",), False)
     assert seen().cost is not None
 
 
@@ -195,21 +230,6 @@ def test_figures_are_for_people() -> None:
         ("In memory", "33.6 MB"),
         ("Paths", "16.8 million"),
     ]
-
-
-@pytest.mark.parametrize(
-    ("seconds", "said"),
-    [(0.2, "under a second"), (42, "42 s"), (89.9, "90 s"), (600, "10 min"), (3600 * 1.75, "1.8 h")],
-)
-def test_times_are_rounded(seconds: float, said: str) -> None:
-    assert words.duration(seconds) == said
-
-
-@pytest.mark.parametrize(
-    ("count", "said"), [(999, "999 B"), (1500, "1.5 kB"), (128e6, "128 MB"), (2.5e12, "2500 GB")]
-)
-def test_sizes_are_rounded(count: float, said: str) -> None:
-    assert words.size(count) == said
 
 
 def test_an_estimate_is_made_of_two_small_bakes_and_kept() -> None:

@@ -39,3 +39,12 @@ def settings() -> Any:
 def preferences() -> Any:
     """RadTex's."""
     return context.preferences.addons[ADDON].preferences
+
+
+def properties_of(cls: Any) -> list[Any]:
+    """What a registered class shows; Blender's own properties have no description of ours."""
+    found = cls.bl_rna.properties
+    if issubclass(cls, bpy.types.Operator):  # whose class does not know them
+        found = getattr(ops.radtex, cls.bl_idname.partition(".")[2]).get_rna_type().properties
+    kept = {"rna_type", "name", "bl_idname"}
+    return [one for one in found if one.is_runtime and one.identifier not in kept]

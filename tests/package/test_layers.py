@@ -36,6 +36,7 @@ BLENDER = {
     "addon_utils",
     "bl_operators",
     "bl_ui",
+    "blf",
     "bpy",
     "bmesh",
     "mathutils",

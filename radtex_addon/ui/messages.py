@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Messages in the sidebar: wrapped, and what settles them right below."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import blf
+import bpy
+
+from .outlook import Outlook
+from .settings import BakeSettings
+from .words import remark
+
+_UI_FONT = 0
+_BESIDE = 86.0  # pixels of the sidebar that messages leave free: margins, icon, tabs
+_NARROW = 160.0  # pixels that a message has at least, and where there is no sidebar
+
+
+def draw_text(layout: Any, text: str, icon: str) -> None:
+    """A message over as many lines as it needs; labels do not wrap by themselves."""
+    column = layout.column(align=True)
+    column.scale_y = 0.85
+    for number, line in enumerate(_lines(text, _room())):
+        column.label(text=line, icon=icon if number == 0 else "BLANK1", translate=False)
+
+
+def draw_remarks(layout: Any, settings: BakeSettings, found: Outlook) -> None:
+    """What would fail, with what settles it, and what to know."""
+    for message in found.errors:
+        icon = "CHECKMARK" if found.baked else "ERROR"
+        draw_text(layout.box(), remark(message, found.folder), icon)
+    if found.remedies:
+        _draw_remedies(layout.column(), settings, found)
+    for message in found.warnings:
+        draw_text(layout.box(), remark(message, found.folder), "INFO")
+
+
+def _draw_remedies(column: Any, settings: BakeSettings, found: Outlook) -> None:
+    """Each a setting, or a button that does it at once."""
+    if "directory" in found.remedies:
+        column.operator("wm.save_as_mainfile", text="Save File…", icon="FILE_TICK")
+        column.prop(settings, "directory", text="Folder")
+    row = column.row(align=True)
+    if "overwrite" in found.remedies:
+        row.prop(settings, "overwrite", toggle=True, icon="FILE_REFRESH")
+    if "resume" in found.remedies and settings.resume:
+        row.prop(settings, "resume", toggle=True, icon="PLAY")
+    elif "resume" in found.remedies:
+        row.operator("radtex.bake", text="Resume", icon="PLAY").resume = True
+
+
+def _room() -> float:
+    """How many pixels a line of a message may take in the sidebar that is drawn."""
+    region, preferences = bpy.context.region, bpy.context.preferences
+    if region is None or preferences is None:
+        return _NARROW
+    return max(_NARROW, region.width / preferences.system.ui_scale - _BESIDE)
+
+
+def _lines(text: str, room: float) -> list[str]:
+    """The text in lines of at most `room` pixels, at a scale of one; words longer than that stay whole."""
+    preferences = bpy.context.preferences
+    assert preferences is not None  # only restricted contexts have none
+    blf.size(_UI_FONT, preferences.ui_styles[0].widget.points)
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if lines[-1] and blf.dimensions(_UI_FONT, longer)[0] > room:
+            lines.append(word)
+        else:
+            lines[-1] = longer
+    return lines
