@@ -17,8 +17,8 @@ def test_the_square_becomes_the_hemisphere_and_area_the_cosine() -> None:
     np.testing.assert_allclose(np.linalg.norm(way, axis=1), 1)
     assert way[:, 2].min() > 0
     radius, turn = np.hypot(way[:, 0], way[:, 1]), np.arctan2(way[:, 1], way[:, 0])
-    for share in (0.1, 0.25, 0.6, 0.9):  # of the disc's area, within a circle
-        assert np.mean(radius**2 < share) == pytest.approx(share, abs=4e-3)
+    for ring in (16, 40, 64, 120):  # of 128
+        assert np.mean(radius < ring / 128) == pytest.approx((ring / 128) ** 2, abs=1e-12)
     counts, _ = np.histogram(turn, bins=16, range=(-np.pi, np.pi))
     np.testing.assert_allclose(counts / len(turn), 1 / 16, atol=1e-3)
 
