@@ -14,8 +14,9 @@ class Capture(Protocol):
     """A renderer that was set up for one plan."""
 
     def render(self, tile: Tile) -> Floats:
-        """Cells of the tile's texels: (k, n, n, 4) float32, indexed [texel, q, p], scene-linear Rec.709.
+        """Cells of the tile's texels: (k, n, n, C) float32, indexed [texel, q, p], scene-linear Rec.709.
 
-        Alpha is associated. Each cell is the mean over the cell, uniform in B. Raises BakeError on failure.
+        RGBA, and three channels for each layer that the renderer was set up for. Alpha is associated. Each
+        cell is the mean over the cell, uniform in B. Raises BakeError on failure.
         """
         ...

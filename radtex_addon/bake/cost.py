@@ -10,6 +10,7 @@ from math import prod
 from ..core.shared import Axis, level_count
 from ..formats.condensed_sizes import CondensedSizes, Shapes, clusters_within, condensed_bytes
 from ..formats.packing import COLOUR, IRRADIANCE, LOBE_CHANNELS, SURROUNDINGS, lobe_layer, surroundings_size
+from .layers import OF_LAYER, WHOLE, Layer
 from .rays import FINER
 from .spec import BakeSpec, Layout
 
@@ -50,7 +51,12 @@ def cost_of(spec: BakeSpec) -> Cost:
 def _shapes(spec: BakeSpec) -> Shapes:
     """Each image's width, height and channels, were the atlas square and had both lobes."""
     if spec.layout is Layout.BUCKETS:
-        return {"atlas": (spec.pixels_a_side, spec.pixels_a_side, 4)}
+        side = spec.pixels_a_side
+        layers: Shapes = {
+            layer: (*((spec.texels,) * 2 if layer is Layer.BASE else (side,) * 2), OF_LAYER)
+            for layer in spec.layers
+        }
+        return {"atlas": (side, side, WHOLE)} | layers
     texels, side, around = spec.texels, spec.pixels_a_side, spec.rays.size
     return {
         COLOUR: (FINER * texels, FINER * texels, 3),

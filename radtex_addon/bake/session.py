@@ -15,6 +15,7 @@ from ..core.errors import BakeError
 from .capture import Capture
 from .checkpoint import KEEPS_NOTHING, Keeper
 from .filling import fill_missing
+from .layers import WHOLE
 from .plan import CapturePlan, Tile
 from .progress import Progress, Stage
 from .thumbnail import Thumbnail
@@ -30,19 +31,20 @@ def fill_atlas(
     hidden: Bools | None = None,
     keeper: Keeper = KEEPS_NOTHING,
     thumbnail: Thumbnail | None = None,
+    channels: int = WHOLE,
 ) -> Generator[Progress, None, Floats]:
     """Capture the plan's texels, fill gutters and `hidden` cells, and yield progress in texels.
 
     `hidden` (K, n, n) marks cells, in the order of `plan.texel`, whose captured value is not to be used. The
     `keeper` is given each tile; rows that it has kept are not captured again. The `thumbnail` is shown all.
-    Returns the atlas image (H*n, W*n, 4) float32, row 0 at the bottom. Tiles stay below `memory_mb` and near
-    SECONDS_PER_TILE; their heights do not change the bits. Raises BakeError for cells that are not numbers,
-    and where a tile cannot be kept.
+    Returns the atlas image (H*n, W*n, `channels`) float32, row 0 at the bottom. Tiles stay below `memory_mb`
+    and near SECONDS_PER_TILE; their heights do not change the bits. Raises BakeError for cells that are not
+    numbers, and where a tile cannot be kept.
     """
-    filling = _Filling(plan, thumbnail)
+    filling = _Filling(plan, thumbnail, channels)
     filling.restore(keeper)
-    count = len(plan.texel)
-    most = max(1, memory_mb * 2**20 // (plan.columns * plan.layout.bucket**2 * BYTES_PER_PIXEL))
+    count, of_pixel = len(plan.texel), BYTES_PER_PIXEL * channels // WHOLE
+    most = max(1, memory_mb * 2**20 // (plan.columns * plan.layout.bucket**2 * of_pixel))
     yield Progress(Stage.CAPTURE, filling.texels, count)
     height = 1  # the first tile also loads the scene, and tells the pace
     while (tile := filling.missing(height)) is not None:
@@ -55,7 +57,7 @@ def fill_atlas(
         height = max(1, min(most, 4 * height, int(tile.rows * SECONDS_PER_TILE / max(seconds, 1e-3))))
     yield Progress(Stage.FILL, 0, 1)
     layout, n = plan.layout, plan.layout.bucket
-    buckets = filling.cells.reshape(layout.height, layout.width, n, n, 4)
+    buckets = filling.cells.reshape(layout.height, layout.width, n, n, channels)
     marks = plan.placed(hidden) if hidden is not None and hidden.any() else None
     yield from fill_missing(buckets, plan.covered, marks)
     yield Progress(Stage.FILL, 1, 1)
@@ -63,11 +65,11 @@ def fill_atlas(
 
 
 class _Filling:
-    """The atlas as it fills: `cells` (H*W, n, n, 4) of all texels, and the plan's rows that are there."""
+    """The atlas as it fills: `cells` (H*W, n, n, C) of all texels, and the plan's rows that are there."""
 
-    def __init__(self, plan: CapturePlan, thumbnail: Thumbnail | None) -> None:
+    def __init__(self, plan: CapturePlan, thumbnail: Thumbnail | None, channels: int) -> None:
         layout, n = plan.layout, plan.layout.bucket
-        self.cells = np.zeros((layout.height * layout.width, n, n, 4), dtype=np.float32)
+        self.cells = np.zeros((layout.height * layout.width, n, n, channels), dtype=np.float32)
         self._plan, self._thumbnail = plan, thumbnail
         self._there = np.zeros(plan.rows, dtype=bool)
 
@@ -89,7 +91,7 @@ class _Filling:
     def put(self, tile: Tile, cells: Floats) -> None:
         """Put a tile's cells in their places. Raises BakeError for what cannot be."""
         texel, n = self._plan.texels_of(tile), self._plan.layout.bucket
-        self.cells[texel] = _checked(cells, (len(texel), n, n, 4))
+        self.cells[texel] = _checked(cells, (len(texel), n, n, self.cells.shape[3]))
         self._there[tile.first_row : tile.first_row + tile.rows] = True
         if self._thumbnail is not None:
             self._thumbnail.add(self._plan.layout, texel, cells[..., :3].mean(axis=(1, 2)))

@@ -11,6 +11,7 @@ from typing import TypeVar, cast
 from ..core.errors import InputError
 from ..formats.exr import Compression
 from ..formats.memory import physical_memory, readable_size
+from .layers import OF_LAYER, WHOLE, Layer, captured
 from .plan import MAX_IMAGE_SIDE
 from .rays import Rays
 
@@ -19,16 +20,18 @@ __all__ = [
     "CaptureMethod",
     "Compression",
     "Kind",
+    "Layer",
     "Layout",
     "Unwrap",
     "parse_capture",
     "parse_compression",
     "parse_kind",
+    "parse_layer",
     "parse_layout",
     "parse_unwrap",
 ]
 
-_BYTES_PER_PIXEL = 32  # RGBA in float32, twice: cells by texel are joined to an image (measured: 33 to 35)
+_BYTES_PER_CHANNEL = 8  # float32, twice: cells by texel are joined to an image (measured: RGBA 33 to 35)
 _BYTES_PER_SHARED_PIXEL = 240  # both lobes' ten channels in float32, three times: fitted, as images, stored
 _BYTES_PER_RAY = 48  # single paths in float16, their directions, and what the fit makes of them
 
@@ -54,6 +57,12 @@ class Kind(StrEnum):
     RADIANCE = "radiance"
     INCIDENT = "incident"
     REFLECTION = "reflection"
+    SHADOW = "shadow"
+    AO = "ao"
+    TRANSFER = "transfer"
+
+
+OCCLUSION = (Kind.SHADOW, Kind.AO)  # which know no light, only what is in its way
 
 
 class Layout(StrEnum):
@@ -93,9 +102,10 @@ class BakeSpec:
     about 64 paths for each of `samples`, however many cells there are (`Rays.of`). Without `bucket` it has
     `layout.cells`. `uv_layer` names a layer of the object to bake on; without one, `unwrap` makes a layer,
     with `padding` texels between islands. `device` is a wish that Cycles answers. `half` and `compression`
-    shape the files; `memory_mb` bounds a tile, not the atlas. Enums may be given as text.
-    With a `budget`, the bytes that its textures may take on a GPU, or a `target`, how near they are to come
-    to what was fitted, in dB, a bake in the shared layout is condensed (`core.condensed`).
+    shape the files; `memory_mb` bounds a tile, not the atlas. `layers` are parts of a radiance that become
+    atlases beside it. Enums may be given as text. With a `budget`, the bytes that its textures may take on a
+    GPU, or a `target`, how near they are to come to what was fitted, in dB, a bake in the shared layout is
+    condensed (`core.condensed`).
     Raises InputError for what cannot be baked.
     """
 
@@ -115,6 +125,7 @@ class BakeSpec:
     layout: Layout = Layout.BUCKETS
     budget: int | None = None
     target: float | None = None
+    layers: tuple[Layer, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layout", parse_layout(self.layout))
@@ -124,6 +135,7 @@ class BakeSpec:
         object.__setattr__(self, "capture", parse_capture(self.capture))
         object.__setattr__(self, "compression", parse_compression(self.compression))
         object.__setattr__(self, "unwrap", parse_unwrap(self.unwrap))
+        object.__setattr__(self, "layers", tuple(dict.fromkeys(map(parse_layer, self.layers))))
         for name, (least, most) in _LIMITS.items():
             if name != "budget" or self.budget is not None:
                 _check_whole_number(name, getattr(self, name), least, most)
@@ -134,6 +146,12 @@ class BakeSpec:
                 "capture panoramic only looks outwards and cannot bake radiance: "
                 "capture by portal, or bake incident or reflection"
             )
+        if self.layers and self.kind is not Kind.RADIANCE:
+            raise InputError(f"{self.kind} has no layers: bake radiance, or leave the layers out")
+        if self.kind is Kind.TRANSFER:
+            self._check_transfer()
+        if self.kind in OCCLUSION:
+            self._check_occlusion()
         if self.layout is Layout.SHARED:
             self._check_shared()
         if self.condensed:
@@ -144,6 +162,13 @@ class BakeSpec:
     def condensed(self) -> bool:
         """Whether the files hold mixtures of a few buckets, as compressed textures."""
         return self.budget is not None or self.target is not None
+
+    @property
+    def channels(self) -> int:
+        """Of a cell, while it is baked: the whole's four, and its layers'."""
+        if self.kind in OCCLUSION:
+            return 1
+        return WHOLE + OF_LAYER * len(captured(self.layers))
 
     @property
     def rays(self) -> Rays:
@@ -174,7 +199,30 @@ class BakeSpec:
         if self.layout is Layout.SHARED:
             of_rays = self.texels**2 * self.rays.of_texel * _BYTES_PER_RAY
             return self.pixel_count * _BYTES_PER_SHARED_PIXEL + of_rays
-        return self.pixel_count * _BYTES_PER_PIXEL
+        return self.pixel_count * self.channels * _BYTES_PER_CHANNEL
+
+    def _check_transfer(self) -> None:
+        for asked, wrong, remedy in (
+            ("the shared layout", self.layout is not Layout.BUCKETS, "choose layout buckets"),
+            ("capture panoramic", self.capture is not CaptureMethod.PORTAL, "capture by portal"),
+            ("a budget or a target", self.condensed, "leave it out"),
+        ):
+            if wrong:
+                raise InputError(f"kind transfer knows no {asked.removeprefix('the ')}: {remedy}")
+
+    def _check_occlusion(self) -> None:
+        """A shadow sends one ray a cell, whatever `samples` says."""
+        kind = self.kind
+        if self.layout is not Layout.BUCKETS:
+            raise InputError(f"the shared layout holds light, not {kind}: choose layout buckets")
+        if self.capture is not CaptureMethod.PORTAL:
+            raise InputError(f"capture {self.capture} cannot bake {kind}: capture by portal")
+        if self.compression is Compression.DWAA:
+            raise InputError(f"compression dwaa is for light and spoils {kind}: choose zip or piz")
+        if kind is Kind.SHADOW:
+            if not self.half:
+                raise InputError("shadow holds bits, not floats: leave 32-bit floats (--float) out")
+            object.__setattr__(self, "samples", 1)
 
     def _check_shared(self) -> None:
         for name, found, only in (
@@ -185,6 +233,8 @@ class BakeSpec:
                 raise InputError(
                     f"the shared layout knows {name} {only} only, not {found}: bake that in layout buckets"
                 )
+        if self.layers:
+            raise InputError("the shared layout has no layers: bake those in layout buckets")
         _check_whole_number("samples in the shared layout", self.samples, 1, _MOST_SHARED_SAMPLES)
 
     def _check_condensed(self) -> None:
@@ -233,6 +283,11 @@ def parse_compression(text: str) -> Compression:
 def parse_layout(text: str) -> Layout:
     """The layout named by `text`. Raises InputError, with the choices."""
     return _parse(Layout, "layout", text)
+
+
+def parse_layer(text: str) -> Layer:
+    """The layer named by `text`. Raises InputError, with the choices."""
+    return _parse(Layer, "layer", text)
 
 
 def parse_unwrap(text: str) -> Unwrap:

@@ -30,24 +30,15 @@ from ..bake.progress import Progress, Stage
 from ..bake.spec import Kind
 from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Bools, Floats
+from .passes import Passes, attributes_of, light_of, part_of
 from .path_ends import TURNS, PathEnds, any_dark, from_directions
 from .portal import Aim, PortalCapture
 from .settings import first_hit_only
 
 _TILE_PIXELS = 3 << 20
 _ITSELF = 0.1  # a sum of coded components that no direction has: the object itself, black
-_DIFFUSE = ("use_pass_diffuse_direct", "use_pass_diffuse_indirect", "use_pass_diffuse_color")
-_THROUGH = tuple(name.replace("diffuse", "transmission") for name in _DIFFUSE)
-_MIRRORED = tuple(name.replace("diffuse", "glossy") for name in _DIFFUSE)
-# Blender 5's names of passes, and 4.5's
-_LOBES = {
-    "diffuse": ("Diffuse", "Diff"),
-    "mirrored": ("Glossy", "Gloss"),
-    "through": ("Transmission", "Trans"),
-}
-_PARTS = {"direct": (" Direct", "Dir"), "indirect": (" Indirect", "Ind"), "colour": (" Color", "Col")}
-
-Passes = dict[str, Floats]
+_LOBES = {"diffuse": "diffuse", "mirrored": "glossy", "through": "transmission"}  # as Cycles calls them
+_DIFFUSE, _MIRRORED, _THROUGH = map(attributes_of, _LOBES.values())
 
 
 def capture_samples(
@@ -90,7 +81,7 @@ def _trace_light(capture: PortalCapture, tile: Tile, cells: int) -> Arrays:
     mirrored = passes["Combined"][..., :3] - diffuse - through
     lobes = {"diffuse": diffuse, "mirrored": mirrored, "through": through}
     found: Arrays = {name: _half(light).reshape(-1, cells, 3) for name, light in lobes.items()}
-    found["colour"] = _pass(passes, "diffuse", "colour").reshape(-1, cells, 3).mean(axis=1)
+    found["colour"] = part_of(passes, "diffuse", "color").reshape(-1, cells, 3).mean(axis=1)
     return found
 
 
@@ -191,7 +182,7 @@ def capture_colour(
 
 
 def _trace_colour(capture: PortalCapture, tile: Tile) -> Arrays:
-    return {"colour": _pass(capture.render_passes(tile), "diffuse", "colour").reshape(-1, 3)}
+    return {"colour": part_of(capture.render_passes(tile), "diffuse", "color").reshape(-1, 3)}
 
 
 def _name(what: str, tile: Tile) -> str:
@@ -208,15 +199,8 @@ def _tiles(plan: CapturePlan) -> list[Tile]:
     return [Tile(row, min(rows, plan.rows - row)) for row in range(0, plan.rows, rows)]
 
 
-def _pass(passes: Passes, lobe: str, part: str) -> Floats:
-    names = (first + last for first, last in zip(_LOBES[lobe], _PARTS[part], strict=True))
-    return next(passes[name][..., :3] for name in names if name in passes)
-
-
 def _light(passes: Passes, lobe: str) -> Floats:
-    """A lobe's light: Cycles divides its passes by their colour."""
-    light = _pass(passes, lobe, "direct") + _pass(passes, lobe, "indirect")
-    return light * _pass(passes, lobe, "colour")
+    return light_of(passes, _LOBES[lobe])
 
 
 def _half(light: Floats) -> Floats:

@@ -64,10 +64,11 @@ def look_at_centres(scene: bpy.types.Scene) -> None:
 
 
 def keep_passes(scene: bpy.types.Scene, passes: tuple[str, ...]) -> None:
-    """Write passes, named as a view layer's attributes, beside the combined picture."""
+    """Write passes, named as attributes of a view layer or of its `cycles`, beside the combined picture."""
     layer = next(layer for layer in scene.view_layers if layer.use)
     for name in passes:
-        setattr(layer, name, True)
+        owner, _, attribute = name.rpartition(".")
+        setattr(getattr(layer, owner) if owner else layer, attribute, True)
     image = scene.render.image_settings
     if hasattr(image, "media_type"):  # Blender 5
         image.media_type = "MULTI_LAYER_IMAGE"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The plain layout: every texel's bucket is captured, cell by cell, and written as one image."""
+"""The plain layout: every texel's bucket is captured, cell by cell, and written; layers lie beside."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ import bpy
 
 from ..bake.capture import Capture
 from ..bake.checkpoint import KEEPS_NOTHING, Keeper
+from ..bake.layers import WHOLE, split_layers
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage
 from ..bake.session import fill_atlas
 from ..bake.spec import BakeSpec, CaptureMethod, Kind
 from ..bake.thumbnail import Thumbnail
-from ..core.arrays import Bools, Floats
-from ..core.errors import BakeError
+from ..core.arrays import Bools
 from ..cycles.hidden import find_hidden
+from ..cycles.layers import LayeredCapture
 from ..cycles.panoramic import PanoramicCapture
 from ..cycles.portal import PortalCapture
-from ..formats.exr import write_atlas
-from ..formats.sidecar import Sidecar, write_sidecar
+from ..formats.bucket_files import write_buckets
 from .files import OutputFiles, facts_of
 from .made import Made
 from .prepare import Prepared
@@ -41,12 +41,13 @@ def bake_buckets(
     """Bake the scratch scene's object; `folder` takes temporary files, the `keeper` every finished tile."""
     plan, hidden = yield from _plan(prepared, spec, folder, keeper)
     capture = _capture(scratch, plan, spec, folder)
-    image = yield from fill_atlas(plan, capture, spec.memory_mb, hidden, keeper, thumbnail)
+    image = yield from fill_atlas(plan, capture, spec.memory_mb, hidden, keeper, thumbnail, spec.channels)
     yield Progress(Stage.WRITE, 0, 1)
     facts = facts_of(original.name, spec, plan.layout.width, plan.layout.height, prepared.uv_layer)
-    clamped = _write(files, image, facts, spec)
+    layers = split_layers(image, plan.layout, spec.layers)
+    written = write_buckets(files.sidecar, image[..., :WHOLE], layers, facts, spec.half, spec.compression)
     count = len(plan.texel)
-    return Made(files, plan.layout, count, count * spec.bucket**2 * spec.samples, clamped)
+    return Made(files, plan.layout, count, count * spec.bucket**2 * spec.samples, written.clamped)
 
 
 def _plan(
@@ -63,17 +64,7 @@ def _plan(
 
 
 def _capture(scratch: bpy.types.Scene, plan: CapturePlan, spec: BakeSpec, folder: Path) -> Capture:
+    if spec.layers:
+        return LayeredCapture(scratch, plan, spec.kind, spec.layers, spec.samples, spec.seed, folder)
     capture = PortalCapture if spec.capture is CaptureMethod.PORTAL else PanoramicCapture
     return capture(scratch, plan, spec.kind, spec.samples, spec.seed, folder)
-
-
-def _write(files: OutputFiles, image: Floats, sidecar: Sidecar, spec: BakeSpec) -> int:
-    """Write both files, or leave neither; returns how many values were clamped."""
-    written = write_atlas(files.atlas, image, sidecar, spec.half, spec.compression)
-    try:
-        write_sidecar(files.sidecar, written)
-    except BakeError:  # an atlas must not lie beside the sidecar of another
-        for path in (files.atlas, files.sidecar):
-            path.unlink(missing_ok=True)
-        raise
-    return written.clamped

@@ -21,7 +21,8 @@ from ..version import VERSION
 class OutputFiles:
     """Where a bake of one object goes; `preview` is None if none is wanted.
 
-    `images` are the plain layout's atlas alone, or all that the shared layout can have, condensed or not.
+    `images` are the plain layout's atlas and its layers, or all that the shared layout can have, condensed or
+    not.
     """
 
     images: tuple[Path, ...]
@@ -32,7 +33,7 @@ class OutputFiles:
     def of(cls, object_name: str, spec: BakeSpec, folder: Path, preview: bool) -> OutputFiles:
         """The names of the contract, DESIGN.md section 3, below `folder`."""
         atlas, sidecar = (folder / file_name(object_name, spec.kind, ending) for ending in ("exr", "json"))
-        images: tuple[Path, ...] = (atlas,)
+        images: tuple[Path, ...] = (atlas, *(layer_path(sidecar, layer) for layer in spec.layers))
         if spec.layout is Layout.SHARED:
             images = (
                 *(layer_path(sidecar, layer) for layer in layer_names(Axis)),

@@ -1,0 +1,44 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Radiance with its light passes, from the same paths."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..bake.layers import Layer, captured
+from ..bake.plan import CapturePlan, Tile
+from ..bake.spec import Kind
+from ..core.arrays import Floats
+from .passes import attributes_of, light_of
+from .portal import PortalCapture
+from .settings import keep_passes
+
+
+class LayeredCapture:
+    """Captures a kind of radiance in a scratch scene, and with it the passes that layers are made of."""
+
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        plan: CapturePlan,
+        kind: Kind,
+        layers: Sequence[Layer],
+        samples: int,
+        seed: int,
+        folder: Path,
+    ) -> None:
+        """As for the portal; `layers` are those that the bake shall have."""
+        self._layers = captured(layers)
+        self._portal = PortalCapture(scene, plan, kind, samples, seed, folder)
+        keep_passes(scene, tuple(name for layer in self._layers for name in attributes_of(layer)))
+
+    def render(self, tile: Tile) -> Floats:
+        """Cells of the tile's texels as `Capture.render` has them, each layer's three channels after RGBA."""
+        passes = self._portal.render_passes(tile)
+        whole = next(iter(passes.values()))
+        return np.concatenate([whole, *(light_of(passes, layer) for layer in self._layers)], axis=-1)

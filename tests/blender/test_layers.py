@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Layers of a baked object: its light passes add up to the whole, and so do base and rest."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.bake.layers import LIGHT, Layer
+from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.core.arrays import Floats
+from radtex_addon.formats.bucket_files import read_layer
+from radtex_addon.formats.exr import read_buckets
+from radtex_addon.job import bake_object
+from tests.blender import stage
+
+pytestmark = pytest.mark.usefixtures("temporary")
+context: Any = bpy.context  # to the stubs, every pointer may be None
+
+
+def busy_object() -> Any:
+    """A ball with something of every lobe, among lamps, glowing and clear things, in a world."""
+    stage.hdri(stage.world())
+    stage.lamps()
+    stage.clamps_off()
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=8, radius=0.6)
+    ball = context.object
+    ball.name = "Ball"
+    shader = stage.material("all", "ShaderNodeBsdfPrincipled")
+    node = next(node for node in shader.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    for name, value in (
+        ("Base Color", (0.8, 0.5, 0.2, 1)),
+        ("Transmission Weight", 0.4),
+        ("Subsurface Weight", 0.3),
+        ("Coat Weight", 0.5),
+        ("Emission Color", (0.1, 0.6, 0.3, 1)),
+        ("Emission Strength", 0.5),
+        ("Alpha", 0.7),
+    ):
+        node.inputs[name].default_value = value
+    ball.data.materials.append(shader)
+    fog = bpy.data.materials.new("fog")
+    if fog.node_tree is None:
+        fog.use_nodes = True
+    tree = fog.node_tree
+    tree.nodes.clear()
+    output, scatter = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeVolumeScatter")
+    tree.links.new(scatter.outputs[0], output.inputs["Volume"])
+    bpy.ops.mesh.primitive_cube_add(size=0.5)
+    context.object.data.materials.append(fog)
+    return ball
+
+
+def expanded(base: Floats, n: int) -> Floats:
+    return base.repeat(n, axis=0).repeat(n, axis=1).astype(np.float32)
+
+
+def test_light_passes_add_up_to_the_whole_and_base_and_rest_do(out: Path) -> None:
+    busy_object()
+    layers = (*LIGHT, Layer.NORMAL, Layer.BASE, Layer.REST)
+    spec = BakeSpec(texels=16, bucket=4, samples=8, half=False, layers=layers)
+    made = bake_object(context.scene, "Ball", spec, out)
+    assert {file.name for file in out.iterdir()} == {
+        "Ball.radiance.json",
+        "Ball.radiance.exr",
+        *(f"Ball.radiance.{layer}.exr" for layer in layers),
+    }
+    whole = read_buckets(made.files.sidecar)[0][..., :3]
+    found = {layer: read_layer(made.files.sidecar, layer).astype(np.float32) for layer in layers}
+    parts = np.sum([found[layer] for layer in LIGHT], axis=0)
+    error = np.abs(parts - whole).max() / whole.max()
+    print(f"\nsum of passes against the whole: {error:.1e} of {whole.max():.1f}")
+    for layer in LIGHT:
+        print(f"  {layer}: mean {found[layer].mean():.4f} of {whole.mean():.4f}")
+        assert found[layer].mean() > 1e-3, layer
+    assert error < 1e-3
+    together = expanded(found[Layer.BASE], 4) + found[Layer.REST]
+    print(f"base and rest against the whole: {np.abs(together - whole).max():.1e}")
+    assert np.abs(together - whole).max() < 1e-3
+    length = np.linalg.norm(found[Layer.NORMAL], axis=-1)
+    assert length.max() < 1.001
+    assert length.mean() > 0.5
+
+
+def test_layers_change_nothing_of_the_whole(out: Path) -> None:
+    busy_object()
+    spec = BakeSpec(texels=16, bucket=4, samples=2, seed=3)
+    alone = read_buckets(bake_object(context.scene, "Ball", spec, out / "alone").files.sidecar)[0]
+    layered = BakeSpec(texels=16, bucket=4, samples=2, seed=3, layers=(Layer.BASE, Layer.GLOSSY))
+    beside = read_buckets(bake_object(context.scene, "Ball", layered, out / "layered").files.sidecar)[0]
+    assert np.array_equal(alone, beside)
+
+
+def test_rest_of_a_diffuse_thing_is_next_to_nothing(out: Path) -> None:
+    stage.world()
+    bpy.ops.mesh.primitive_plane_add(size=2)
+    context.object.name = "Card"
+    context.object.data.materials.append(
+        stage.material("d", "ShaderNodeBsdfDiffuse", Color=(0.8, 0.8, 0.8, 1))
+    )
+    spec = BakeSpec(texels=8, bucket=4, samples=16, layers=(Layer.BASE, Layer.REST))
+    made = bake_object(context.scene, "Card", spec, out)
+    np.testing.assert_allclose(read_layer(made.files.sidecar, "base"), 0.8, atol=2e-3)
+    np.testing.assert_allclose(read_layer(made.files.sidecar, "rest"), 0, atol=2e-2)
