@@ -141,17 +141,7 @@ class BakeSpec:
                 _check_whole_number(name, getattr(self, name), least, most)
         if self.uv_layer == "":
             raise InputError("the UV layer's name is empty: name one of the object's, or none to unwrap anew")
-        if self.capture is CaptureMethod.PANORAMIC and self.kind is Kind.RADIANCE:
-            raise InputError(
-                "capture panoramic only looks outwards and cannot bake radiance: "
-                "capture by portal, or bake incident or reflection"
-            )
-        if self.layers and self.kind is not Kind.RADIANCE:
-            raise InputError(f"{self.kind} has no layers: bake radiance, or leave the layers out")
-        if self.kind is Kind.TRANSFER:
-            self._check_transfer()
-        if self.kind in OCCLUSION:
-            self._check_occlusion()
+        self._check_kind()
         if self.layout is Layout.SHARED:
             self._check_shared()
         if self.condensed:
@@ -165,7 +155,7 @@ class BakeSpec:
 
     @property
     def channels(self) -> int:
-        """Of a cell, while it is baked: the whole's four, and its layers'."""
+        """Of a cell, while it is baked: the whole's four, and its layers'; what is seen or not is one."""
         if self.kind in OCCLUSION:
             return 1
         return WHOLE + OF_LAYER * len(captured(self.layers))
@@ -200,6 +190,19 @@ class BakeSpec:
             of_rays = self.texels**2 * self.rays.of_texel * _BYTES_PER_RAY
             return self.pixel_count * _BYTES_PER_SHARED_PIXEL + of_rays
         return self.pixel_count * self.channels * _BYTES_PER_CHANNEL
+
+    def _check_kind(self) -> None:
+        if self.capture is CaptureMethod.PANORAMIC and self.kind is Kind.RADIANCE:
+            raise InputError(
+                "capture panoramic only looks outwards and cannot bake radiance: "
+                "capture by portal, or bake incident or reflection"
+            )
+        if self.layers and self.kind is not Kind.RADIANCE:
+            raise InputError(f"{self.kind} has no layers: bake radiance, or leave the layers out")
+        if self.kind is Kind.TRANSFER:
+            self._check_transfer()
+        if self.kind in OCCLUSION:
+            self._check_occlusion()
 
     def _check_transfer(self) -> None:
         for asked, wrong, remedy in (

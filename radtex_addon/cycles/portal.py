@@ -11,6 +11,7 @@ rays.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import pi
 from pathlib import Path
 
 import bpy
@@ -59,11 +60,17 @@ class Aim:
         return offset.reshape(plan.rows, plan.columns, 3)
 
 
+_LIGHT = (Kind.INCIDENT, Kind.REFLECTION)  # what arrives, from lamps too
+_OCCLUSION = (Kind.SHADOW, Kind.AO)  # what is in the way
 _GAP = 0.01  # between camera and plane: in a world volume, light must not be lost on the way
 
 
 class PortalCapture:
-    """Captures `radiance`, `incident` and `reflection` in a scratch scene, tile by tile."""
+    """Captures `radiance`, `incident` and `reflection` in a scratch scene, tile by tile.
+
+    Of `shadow` and `ao` it sends the rays, as camera rays that see no lamps; what goes below the facet is
+    black and opaque.
+    """
 
     def __init__(
         self,
@@ -89,7 +96,7 @@ class PortalCapture:
         extent = Extent.of_pixels(*size)
         height = above_everything(scene)
         gap = max(_GAP, 1e-5 * height)
-        light = kind is not Kind.RADIANCE and (aim is None or not aim.passes)
+        light = kind in _LIGHT and (aim is None or not aim.passes)
         allow_more_bounces(scene, transparent=1, glossy=int(light))
         material = _portal_material(plan, kind, extent, 4 * gap, aim)
         if light:
@@ -146,14 +153,12 @@ def _portal_material(
         bucket = build.vector(
             "ADD", bucket, build.image(float_image("RadTex shift", aim.offset(plan)), uv)[0]
         )
-    a, i_z, q = _inverse_projection(build, bucket)
-    across = build.vector("SCALE", a, build.math("MULTIPLY", q, -1.0) if kind is Kind.REFLECTION else q)
-    x, y, _ = build.separate(across)
+    x, y, i_z = _local_direction(build, bucket, kind)
     direction = build.vector("SCALE", tangent, x)
     direction = build.vector("ADD", direction, build.vector("SCALE", bitangent, y))
     direction = build.vector("ADD", direction, build.vector("SCALE", normal, i_z))
-    grazing = GRAZING if kind is Kind.RADIANCE else 0.0
-    direction = _above_facet(build, direction, facet, grazing)
+    height = build.vector("DOT_PRODUCT", direction, facet)
+    direction = _above_facet(build, direction, facet, height, GRAZING if kind is Kind.RADIANCE else 0.0)
     epsilon = ray_offset(plan.position)
     lift = direction if kind is Kind.RADIANCE else facet
     start = build.vector("MULTIPLY_ADD", lift, (epsilon,) * 3, position)
@@ -161,11 +166,47 @@ def _portal_material(
     portal = build.node("ShaderNodeBsdfRayPortal")
     build.feed(portal.inputs["Position"], start)
     build.feed(portal.inputs["Direction"], way)
+    surface = portal.outputs[0]
+    if kind in _OCCLUSION:
+        black = build.node("ShaderNodeEmission", (0.0, 0.0, 0.0, 1.0), 0.0).outputs[0]
+        surface = build.node(
+            "ShaderNodeMixShader", build.math("LESS_THAN", height, 0.0), surface, black
+        ).outputs[0]
     clear = build.node("ShaderNodeBsdfTransparent").outputs[0]
     length = build.node("ShaderNodeLightPath").outputs["Ray Length"]
-    ours = build.node("ShaderNodeMixShader", build.math("LESS_THAN", length, reach), clear, portal.outputs[0])
+    ours = build.node("ShaderNodeMixShader", build.math("LESS_THAN", length, reach), clear, surface)
     build.node("ShaderNodeOutputMaterial", ours.outputs[0])
     return material
+
+
+def _local_direction(build: NodeBuilder, bucket: Socket, kind: Kind) -> tuple[Socket, Socket, Socket]:
+    """Where a ray of `kind` goes in the frame, from a place in the bucket, 0 to 1 along both sides."""
+    if kind is Kind.AO:
+        return _cosine_direction(build, bucket)
+    a, i_z, q = _inverse_projection(build, bucket)
+    across = build.vector("SCALE", a, build.math("MULTIPLY", q, -1.0) if kind is Kind.REFLECTION else q)
+    x, y, _ = build.separate(across)
+    return x, y, i_z
+
+
+def _cosine_direction(build: NodeBuilder, bucket: Socket) -> tuple[Socket, Socket, Socket]:
+    """The same spread by the cosine: `core.occlusion.square_to_cosine`."""
+    b = build.vector("MULTIPLY_ADD", bucket, (2.0, 2.0, 0.0), (-1.0, -1.0, 0.0))
+    x, y, _ = build.separate(b)
+    wide, high, _ = build.separate(build.vector("ABSOLUTE", b))
+    radius = build.math("MAXIMUM", wide, high)
+    ratio = build.math("DIVIDE", build.math("MINIMUM", wide, high), radius)  # nodes have 0 for 0 / 0
+    near = build.math("MULTIPLY", ratio, pi / 4)
+    along = build.math("MULTIPLY", radius, build.math("COSINE", near))
+    across = build.math("MULTIPLY", radius, build.math("SINE", near))
+    steep = build.math("GREATER_THAN", high, wide)
+    to_x, to_y = (
+        build.math("MULTIPLY", build.mix(steep, *pair, "FLOAT"), build.math("SIGN", axis))
+        for axis, pair in ((x, (along, across)), (y, (across, along)))
+    )
+    squared = build.math("MULTIPLY", radius, radius)
+    up = build.math("SQRT", build.math("MAXIMUM", build.math("SUBTRACT", 1.0, squared), 0.0))
+    return to_x, to_y, up
 
 
 def _inverse_projection(build: NodeBuilder, bucket: Socket) -> tuple[Socket, Socket, Socket]:
@@ -180,8 +221,13 @@ def _inverse_projection(build: NodeBuilder, bucket: Socket) -> tuple[Socket, Soc
     return a, build.math("SUBTRACT", 1.0, squared), build.math("SQRT", build.math("SUBTRACT", 2.0, squared))
 
 
-def _above_facet(build: NodeBuilder, direction: Socket, facet: Socket, least: float) -> Socket:
-    """A smooth normal's hemisphere dips below the facet: such a ray is lifted to the facet's own horizon."""
-    sunk = build.math("SUBTRACT", least, build.vector("DOT_PRODUCT", direction, facet))
+def _above_facet(
+    build: NodeBuilder, direction: Socket, facet: Socket, height: Socket, least: float
+) -> Socket:
+    """A smooth normal's hemisphere dips below the facet: such a ray is lifted to the facet's own horizon.
+
+    `height` is the direction's above the facet.
+    """
+    sunk = build.math("SUBTRACT", least, height)
     lift = build.vector("SCALE", facet, build.math("MAXIMUM", sunk, 0.0))
     return build.vector("NORMALIZE", build.vector("ADD", direction, lift))

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 
 from ..bake.rays import FINER
-from ..bake.spec import BakeSpec, CaptureMethod, Layout
+from ..bake.spec import OCCLUSION, BakeSpec, CaptureMethod, Layout
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.shared import LEAST_LEVEL, Axis
@@ -56,7 +56,7 @@ def check_request(
     if preview:
         _check_previewable(name, spec)
     warnings = []
-    if is_dark(scene, layer):
+    if spec.kind not in OCCLUSION and is_dark(scene, layer):
         warnings.append(f"scene '{scene.name}' has no light: no lamp, a black world, nothing that emits")
     if spec.capture is CaptureMethod.PORTAL:
         warnings.extend(

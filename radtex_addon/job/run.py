@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import logging
 import tempfile
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +14,7 @@ import bpy
 
 from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.progress import Progress, Stage, finished
-from ..bake.spec import BakeSpec, Layout
+from ..bake.spec import OCCLUSION, BakeSpec, Layout
 from ..bake.stopwatch import Stopwatch
 from ..bake.thumbnail import Thumbnail
 from ..core.atlas import AtlasLayout
@@ -31,6 +31,7 @@ from .checks import check_request
 from .condensed import Condensed
 from .files import OutputFiles
 from .made import Made
+from .occlusion import bake_occlusion
 from .prepare import Prepared, prepare
 from .shared import bake_shared
 from .unfinished import open_checkpoint
@@ -170,10 +171,16 @@ def bake_and_keep(
         original = find_object(scratch, name)
         keeper.expect({"device": device})
         prepared = yield from watch.over(prepare(scratch, original, spec, kept, keeper))
-        bake = bake_shared if spec.layout is Layout.SHARED else bake_buckets
+        bake = _baker(spec)
         steps = bake(scratch, original, spec, files, prepared, Path(temporary), keeper, thumbnail)
         made = yield from watch.over(steps)
     return Baked(made, prepared, device)
+
+
+def _baker(spec: BakeSpec) -> Callable[..., Generator[Progress, None, Made]]:
+    if spec.kind in OCCLUSION:
+        return bake_occlusion
+    return bake_shared if spec.layout is Layout.SHARED else bake_buckets
 
 
 def _save_preview(scene: bpy.types.Scene, name: str, spec: BakeSpec, baked: Baked, preview: Filter) -> None:
