@@ -151,9 +151,7 @@ def test_text_becomes_the_choice_it_names() -> None:
 
 
 def test_an_unknown_choice_is_refused_with_the_choices() -> None:
-    assert (
-        refusal(kind="specular") == "there is no kind 'specular': choose from radiance, incident, reflection"
-    )
+    assert refusal(kind="specular") == f"there is no kind 'specular': choose from {', '.join(Kind)}"
     for parse, word in (
         (parse_kind, "kind"),
         (parse_capture, "capture"),
