@@ -11,7 +11,7 @@ import bpy
 
 from .outlook import Outlook
 from .settings import BakeSettings
-from .words import remark
+from .words import iface_, remark
 
 _UI_FONT = 0
 _BESIDE = 86.0  # pixels of the sidebar that messages leave free: margins, icon, tabs
@@ -22,15 +22,33 @@ def draw_text(layout: Any, text: str, icon: str) -> None:
     """A message over as many lines as it needs; labels do not wrap by themselves."""
     column = layout.column(align=True)
     column.scale_y = 0.85
-    for number, line in enumerate(_lines(text, _room())):
+    for number, line in enumerate(wrapped(text, _room())):
         column.label(text=line, icon=icon if number == 0 else "BLANK1", translate=False)
+
+
+def wrapped(text: str, room: float) -> list[str]:
+    """The text in lines of at most `room` pixels, at a scale of one; words longer than that stay whole."""
+    preferences = bpy.context.preferences
+    assert preferences is not None  # only restricted contexts have none
+    blf.size(_UI_FONT, preferences.ui_styles[0].widget.points)
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if lines[-1] and blf.dimensions(_UI_FONT, longer)[0] > room:
+            lines.append(word)
+        else:
+            lines[-1] = longer
+    return lines
 
 
 def draw_remarks(layout: Any, settings: BakeSettings, found: Outlook) -> None:
     """What would fail, with what settles it, and what to know."""
-    for message in found.errors:
-        icon = "CHECKMARK" if found.baked else "ERROR"
-        draw_text(layout.box(), remark(message, found.folder), icon)
+    if found.shown and len(found.errors) == len(found.shown):
+        draw_text(layout.box(), iface_("The bake is shown here. Switch it off to bake anew"), "HIDE_OFF")
+    else:
+        for message in found.errors:
+            icon = "CHECKMARK" if found.baked else "ERROR"
+            draw_text(layout.box(), remark(message, found.folder), icon)
     if found.remedies:
         _draw_remedies(layout.column(), settings, found)
     for message in found.warnings:
@@ -43,6 +61,7 @@ def _draw_remedies(column: Any, settings: BakeSettings, found: Outlook) -> None:
         column.operator("wm.save_as_mainfile", text="Save File…", icon="FILE_TICK")
         column.prop(settings, "directory", text="Folder")
     row = column.row(align=True)
+    row.use_property_split = False
     if "overwrite" in found.remedies:
         row.prop(settings, "overwrite", toggle=True, icon="FILE_REFRESH")
     if "resume" in found.remedies and settings.resume:
@@ -57,18 +76,3 @@ def _room() -> float:
     if region is None or preferences is None:
         return _NARROW
     return max(_NARROW, region.width / preferences.system.ui_scale - _BESIDE)
-
-
-def _lines(text: str, room: float) -> list[str]:
-    """The text in lines of at most `room` pixels, at a scale of one; words longer than that stay whole."""
-    preferences = bpy.context.preferences
-    assert preferences is not None  # only restricted contexts have none
-    blf.size(_UI_FONT, preferences.ui_styles[0].widget.points)
-    lines = [""]
-    for word in text.split():
-        longer = f"{lines[-1]} {word}".strip()
-        if lines[-1] and blf.dimensions(_UI_FONT, longer)[0] > room:
-            lines.append(word)
-        else:
-            lines[-1] = longer
-    return lines

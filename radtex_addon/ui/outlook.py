@@ -33,7 +33,8 @@ class Outlook:
 
     `spec` and `cost` are None where the settings cannot be; `seconds`, of all objects, where nobody has
     estimated them; `folder` where there is none. `remedies` are names of settings that, switched, would
-    settle errors; `baked` is true where nothing is wrong but that there are bakes already.
+    settle errors; `baked` is true where nothing is wrong but that there are bakes already. `shown` are those
+    of the objects whose bakes are shown in their places.
     """
 
     objects: tuple[str, ...]
@@ -45,6 +46,7 @@ class Outlook:
     folder: Path | None = None
     remedies: tuple[str, ...] = ()
     baked: bool = False
+    shown: tuple[str, ...] = ()
 
 
 @dataclass
@@ -129,6 +131,7 @@ def _key(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> tuple[int, 
 def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outlook:
     from ..bake.cost import cost_of
     from ..core.errors import InputError
+    from ..preview.swap import is_on
     from . import estimates
     from .request import BakeRequest, has_folder, spec_of, values_of
 
@@ -157,4 +160,5 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
         request.folder,
         remedies=tuple(remedies),
         baked=remedies == {"overwrite": 0},
+        shown=tuple(name for name in names if is_on(scene.objects[name])),
     )

@@ -8,10 +8,12 @@ from typing import Any, cast
 
 import bpy
 
+from . import jobs
 from .messages import draw_remarks
 from .outlook import Outlook, outlook_of
 from .presets import RADTEX_PT_presets
 from .settings import BakeSettings
+from .switch import draw_shading, draw_switch
 from .words import iface_
 
 
@@ -40,6 +42,7 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         _draw_uv(layout, settings, context)
         if found is not None:
             draw_remarks(layout, settings, found)
+            _draw_preview(layout, found, context)
         row = layout.row()
         row.scale_y = 1.5
         row.enabled = found is None or not found.errors
@@ -70,6 +73,7 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
 
     bl_label = "Output"
     bl_parent_id = "RADTEX_PT_bake"
+    bl_options: Any = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, settings, _ = drawn(self, context)
@@ -107,6 +111,16 @@ def _draw_objects(layout: Any, found: Outlook | None) -> None:
         layout.label(text=text, icon="OUTLINER_OB_MESH", translate=False)
     elif found is not None:
         layout.label(text="Select a mesh object", icon="INFO")
+
+
+def _draw_preview(layout: Any, found: Outlook, context: bpy.types.Context | None) -> None:
+    """The next step where there is a bake already, unless the list of bakes offers it; and how to see it."""
+    assert context is not None  # Blender always gives one
+    offered = {job.object for job in jobs.snapshot() if job.state == "done"}
+    if (found.baked or found.shown) and not offered.intersection(found.objects):
+        draw_switch(layout, context.active_object)
+    if found.shown:
+        draw_shading(layout.column(), context.space_data)
 
 
 def _draw_uv(layout: Any, settings: BakeSettings, context: bpy.types.Context | None) -> None:

@@ -13,6 +13,7 @@ from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from .choices import DEVICES
 from .presets import STOCK
+from .words import iface_
 
 # "bl_ext.user_default.radtex", where Blender has installed it.
 ADDON = __package__.rpartition(".radtex_addon")[0] or "radtex_addon"
@@ -77,6 +78,8 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
     def draw(self, context: bpy.types.Context | None) -> None:
         layout = self.layout
         assert layout is not None  # Blender gives one to draw into
+        text = iface_("To bake, press N over a 3D view and open the sidebar's tab RadTex")
+        layout.label(text=text, icon="INFO", translate=False)
         layout.use_property_split = True
         for name in ("device", "memory_mb", "output_folder", "cache_folder", "default_preset"):
             layout.prop(self, name)

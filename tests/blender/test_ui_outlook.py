@@ -12,6 +12,7 @@ import pytest
 
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.job.foresight import foresee
 from radtex_addon.ui import estimates, outlook
@@ -101,6 +102,21 @@ def test_what_settles_a_refusal_is_known(tmp_path: Path) -> None:
     (out / "Card.web").mkdir()
     (out / "Card.web" / "mine.txt").touch()
     assert (seen().remedies, seen().baked) == ((), False)  # the export would be refused all the same
+
+
+def test_bakes_that_are_shown_are_known(tmp_path: Path) -> None:
+    plane("A")
+    settings().texels, settings().bucket, settings().samples = 4, 2, 1
+    spec, out = spec_of(values_of(settings())), tmp_path / "out"
+    bake_object(context.scene, "A", spec, out, preview=Filter.QUADRILINEAR)
+    assert seen().shown == ()
+    assert ops.radtex.preview_toggle() == {"FINISHED"}
+    found = seen()
+    assert (found.objects, found.shown, len(found.errors), found.baked) == (("A",), ("A",), 1, False)
+    plane("B")
+    context.object.hide_render = True
+    bpy.ops.object.select_all(action="SELECT")
+    assert (seen().shown, len(seen().errors)) == (("A",), 2)
 
 
 def test_what_no_setting_settles_is_not_offered_to_be(tmp_path: Path) -> None:

@@ -74,7 +74,7 @@ def test_ones_own_preset_is_kept_applied_and_removed() -> None:
     assert {name: found[name] for name in PRESET_NAMES} == {name: expected[name] for name in PRESET_NAMES}
     assert found["directory"] == "/here"  # where to is not a preset's matter
     assert ops.radtex.preset_add(remove_name=True, name="My Pots") == {"FINISHED"}
-    with pytest.raises(RuntimeError, match="there is no preset 'My Pots'"):
+    with pytest.raises(RuntimeError, match="There is no preset 'My Pots'"):
         ops.radtex.preset_apply(name="My Pots")
 
 

@@ -7,14 +7,17 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
+import blf
 import pytest
 
 from radtex_addon.bake.progress import Stage
+from radtex_addon.ui import messages as messages_module
 from radtex_addon.ui import registration, words
 from radtex_addon.ui.words import remark
-from tests.blender.ui_stage import properties_of, registered
+from tests.blender.ui_stage import context, properties_of, registered
 
 PACKAGE = Path(words.__file__).parents[1]
 OPTION = re.compile(r"--([a-z][a-z-]+)")
@@ -109,6 +112,17 @@ def test_remarks_read_well(said: str, shown: str) -> None:
 def test_files_of_the_folder_go_by_their_names(tmp_path: Path) -> None:
     assert remark(f"{tmp_path / 'A.exr'} is already there", tmp_path) == "A.exr is already there"
     assert remark(f"{tmp_path} cannot be written", tmp_path) == f"{tmp_path} cannot be written"
+
+
+@pytest.mark.parametrize("room", [60, 160, 400])
+def test_messages_are_wrapped_to_the_sidebar(room: float) -> None:
+    text = "Card.radiance.exr is already there: overwrite it, or choose another folder"
+    lines = messages_module.wrapped(text, room)
+    blf.size(0, context.preferences.ui_styles[0].widget.points)
+    assert " ".join(lines) == text
+    assert all(blf.dimensions(0, line)[0] <= room for line in lines if " " in line)
+    for line, following in pairwise(lines):
+        assert blf.dimensions(0, f"{line} {following.split()[0]}")[0] > room
 
 
 def test_every_stage_of_a_bake_has_its_words() -> None:

@@ -1,0 +1,32 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The switch between objects and their bakes, and the shading in which one sees the difference."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from .messages import draw_text
+from .words import iface_
+
+_BLIND = ("WIREFRAME", "SOLID")  # shadings that know no materials
+
+
+def draw_switch(layout: Any, item: bpy.types.Object | None) -> Any:
+    """The button, pressed where the bake of `item` is shown; returns its operator's properties."""
+    from ..preview.swap import is_on
+
+    pressed = item is not None and is_on(item)
+    row = layout.row()
+    row.scale_y = 1.5
+    return row.operator("radtex.preview_toggle", icon="HIDE_OFF" if pressed else "HIDE_ON", depress=pressed)
+
+
+def draw_shading(layout: Any, space: bpy.types.Space | None) -> None:
+    """Blender's shading buttons, where a bake that is shown cannot be seen for the shading."""
+    if not isinstance(space, bpy.types.SpaceView3D) or space.shading.type not in _BLIND:
+        return
+    draw_text(layout, iface_("To see it, shade the view by its material:"), "SHADING_TEXTURE")
+    layout.row(align=True).prop(space.shading, "type", expand=True)
