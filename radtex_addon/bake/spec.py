@@ -57,11 +57,13 @@ class Kind(StrEnum):
     RADIANCE = "radiance"
     INCIDENT = "incident"
     REFLECTION = "reflection"
+    PROXY = "proxy"
     SHADOW = "shadow"
     AO = "ao"
     TRANSFER = "transfer"
 
 
+LEAVING = (Kind.RADIANCE, Kind.PROXY)  # what a viewer sees, of the object or through it
 OCCLUSION = (Kind.SHADOW, Kind.AO)  # which know no light, only what is in its way
 
 
@@ -103,7 +105,8 @@ class BakeSpec:
     `layout.cells`. `uv_layer` names a layer of the object to bake on; without one, `unwrap` makes a layer,
     with `padding` texels between islands. `device` is a wish that Cycles answers. `half` and `compression`
     shape the files; `memory_mb` bounds a tile, not the atlas. `layers` are parts of a radiance that become
-    atlases beside it. Enums may be given as text. With a `budget`, the bytes that its textures may take on a
+    atlases beside it. `content` is what a proxy shows: a collection's name, "*" for everything, or what lies
+    inside it. Enums may be given as text. With a `budget`, the bytes that its textures may take on a
     GPU, or a `target`, how near they are to come to what was fitted, in dB, a bake in the shared layout is
     condensed (`core.condensed`).
     Raises InputError for what cannot be baked.
@@ -126,6 +129,7 @@ class BakeSpec:
     budget: int | None = None
     target: float | None = None
     layers: tuple[Layer, ...] = ()
+    content: str | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layout", parse_layout(self.layout))
@@ -192,13 +196,15 @@ class BakeSpec:
         return self.pixel_count * self.channels * _BYTES_PER_CHANNEL
 
     def _check_kind(self) -> None:
-        if self.capture is CaptureMethod.PANORAMIC and self.kind is Kind.RADIANCE:
+        if self.capture is CaptureMethod.PANORAMIC and self.kind in LEAVING:
             raise InputError(
-                "capture panoramic only looks outwards and cannot bake radiance: "
+                f"capture panoramic only looks outwards and cannot bake {self.kind}: "
                 "capture by portal, or bake incident or reflection"
             )
-        if self.layers and self.kind is not Kind.RADIANCE:
+        if self.layers and self.kind not in LEAVING:
             raise InputError(f"{self.kind} has no layers: bake radiance, or leave the layers out")
+        if self.content is not None and self.kind is not Kind.PROXY:
+            raise InputError(f"{self.kind} shows the object itself: bake a proxy, or leave the content out")
         if self.kind is Kind.TRANSFER:
             self._check_transfer()
         if self.kind in OCCLUSION:

@@ -23,6 +23,7 @@ from ..cycles.layers import LayeredCapture
 from ..cycles.panoramic import PanoramicCapture
 from ..cycles.portal import PortalCapture
 from ..formats.bucket_files import write_buckets
+from ..scene.enclosed import show_content_only
 from .files import OutputFiles, facts_of
 from .made import Made
 from .prepare import Prepared
@@ -40,6 +41,8 @@ def bake_buckets(
 ) -> Generator[Progress, None, Made]:
     """Bake the scratch scene's object; `folder` takes temporary files, the `keeper` every finished tile."""
     plan, hidden = yield from _plan(prepared, spec, folder, keeper)
+    if spec.kind is Kind.PROXY:
+        show_content_only(scratch, original, spec.content)
     capture = _capture(scratch, plan, spec, folder)
     image = yield from fill_atlas(plan, capture, spec.memory_mb, hidden, keeper, thumbnail, spec.channels)
     yield Progress(Stage.WRITE, 0, 1)
@@ -64,7 +67,8 @@ def _plan(
 
 
 def _capture(scratch: bpy.types.Scene, plan: CapturePlan, spec: BakeSpec, folder: Path) -> Capture:
+    kind = Kind.RADIANCE if spec.kind is Kind.PROXY else spec.kind  # the same rays, in a scene without it
     if spec.layers:
-        return LayeredCapture(scratch, plan, spec.kind, spec.layers, spec.samples, spec.seed, folder)
+        return LayeredCapture(scratch, plan, kind, spec.layers, spec.samples, spec.seed, folder)
     capture = PortalCapture if spec.capture is CaptureMethod.PORTAL else PanoramicCapture
-    return capture(scratch, plan, spec.kind, spec.samples, spec.seed, folder)
+    return capture(scratch, plan, kind, spec.samples, spec.seed, folder)

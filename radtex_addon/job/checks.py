@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 
 from ..bake.rays import FINER
-from ..bake.spec import OCCLUSION, BakeSpec, CaptureMethod, Layout
+from ..bake.spec import OCCLUSION, BakeSpec, CaptureMethod, Kind, Layout
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.shared import LEAST_LEVEL, Axis
@@ -18,6 +18,7 @@ from ..formats.shared_sidecar import SharedSidecar
 from ..preview.node_group import check_previewable
 from ..preview.shared_group import check_shared_previewable
 from ..scene.copy import UV_LAYER
+from ..scene.enclosed import find_content
 from ..scene.fog import volumes_around
 from ..scene.light import is_dark
 from ..scene.objects import find_object
@@ -55,6 +56,8 @@ def check_request(
     check_files(name, spec, files, overwrite, resume)
     if preview:
         _check_previewable(name, spec)
+    if spec.kind is Kind.PROXY:
+        find_content(layer, item, spec.content)
     warnings = []
     if spec.kind not in OCCLUSION and is_dark(scene, layer):
         warnings.append(f"scene '{scene.name}' has no light: no lamp, a black world, nothing that emits")

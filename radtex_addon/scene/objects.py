@@ -83,16 +83,23 @@ def _why_hidden(found: bpy.types.Object, layer: bpy.types.ViewLayer) -> str | No
         return "enable it in renders (the camera icon in the Outliner)"
     if found.instance_type != "NONE" and not found.show_instancer_for_render:
         return "it is an instancer; enable Show Instancer > Render in its Instancing panel"
+    if any(True for _ in rendered_homes(found, layer)):
+        return None
     homes = [
         home for home in _homes(layer.layer_collection, None) if found.name in home[0].collection.objects
     ]
-    if any(not home.exclude and hider is None for home, hider in homes):
-        return None
     hiders = [hider for home, hider in homes if hider is not None and not home.exclude]
     if hiders:
         return f"enable its collection '{hiders[0].name}' in renders (the camera icon in the Outliner)"
     names = _listed(sorted(home.name for home, _ in homes))
     return f"include its collection {names} in view layer '{layer.name}'"
+
+
+def rendered_homes(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> Iterator[bpy.types.LayerCollection]:
+    """The collections by which a view layer renders an object, unless that is hidden itself."""
+    for home, hider in _homes(layer.layer_collection, None):
+        if hider is None and not home.exclude and item.name in home.collection.objects:
+            yield home
 
 
 def _homes(

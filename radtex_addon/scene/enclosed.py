@@ -1,0 +1,127 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a hull shows in its place: the things inside it, a collection, or all that is behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, cast
+
+import bpy
+import numpy as np
+
+from ..core.arrays import Floats
+from ..core.errors import InputError
+from .objects import rendered_homes
+
+_UNSEEN = ("LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "ARMATURE", "LATTICE")
+EVERYTHING = "*"  # a hull's content: all but the hull
+_LEAST = 0.5  # of an object's box: how much of it is in the hull's box where the object is inside
+_SLACK = 0.01  # of the hull's box, which hair may stick out of
+
+Bounds = tuple[Floats, Floats]  # lowest and highest corner (3,), in world space
+
+
+def find_content(
+    layer: bpy.types.ViewLayer, hull: bpy.types.Object, content: str | None
+) -> tuple[bpy.types.Object, ...]:
+    """The objects that `hull` shows in a view layer, sorted by name, `hull` itself never among them.
+
+    With `content` None those at least half of whose box lies in the hull's; else those of the collection of
+    that name, or all with EVERYTHING. Lamps are no content. Raises InputError where there are none.
+    """
+    layer.update()  # or it does not know what was linked to it since
+    shown = [item for item in layer.objects if item != hull and item.type not in _UNSEEN]
+    shown = [item for item in shown if _renders(item, layer)]
+    if content is None:
+        found = _inside(layer, hull)
+        shown = [item for item in shown if item in found]
+        remedy = "put it around what it shall show, or choose the content: a collection, or * for everything"
+        complaint = f"object '{hull.name}' has nothing inside it: {remedy}"
+    elif content == EVERYTHING:
+        complaint = (
+            f"object '{hull.name}' is alone in the scene, and would show nothing: add what it shall show"
+        )
+    else:
+        named = bpy.data.collections.get(content)
+        if named is None:
+            raise InputError(f"there is no collection '{content}': name one that holds what the hull shows")
+        members = set(named.all_objects)
+        shown = [item for item in shown if item in members]
+        complaint = f"collection '{content}' has nothing that renders: add what '{hull.name}' shall show"
+    if not shown:
+        raise InputError(complaint)
+    return tuple(sorted(shown, key=lambda item: item.name))
+
+
+def show_content_only(scratch: bpy.types.Scene, hull: bpy.types.Object, content: str | None) -> None:
+    """Take `hull` out of a scratch scene, and hide from its camera all but the content.
+
+    What is hidden still shadows and lights, and shows in the content's mirrors. With EVERYTHING nothing is
+    hidden, and the world is seen too; else the film is transparent. Raises InputError as `find_content` does.
+    """
+    layer = next(layer for layer in scratch.view_layers if layer.use)
+    found = set(find_content(layer, hull, content))
+    rest = [item for item in layer.objects if item != hull and item not in found and _renders(item, layer)]
+    holdouts = {item for item in layer.objects if item.holdout_get(view_layer=layer)}
+    indirect = {item for item in layer.objects if item.indirect_only_get(view_layer=layer)}
+    master = scratch.collection
+    for collection in list(master.children):
+        master.children.unlink(collection)
+    for item in list(master.objects):
+        master.objects.unlink(item)
+    everything = content == EVERYTHING
+    groups = {
+        "RadTex content": [item for item in found if item not in holdouts | indirect],
+        "RadTex holdouts": [item for item in found if item in holdouts],
+        "RadTex others": [*rest, *(item for item in found if item in indirect)],
+    }
+    for title, items in groups.items():
+        collection = bpy.data.collections.new(title)
+        for item in sorted(items, key=lambda item: item.name):
+            collection.objects.link(item)
+        master.children.link(collection)
+        settings = layer.layer_collection.children[collection.name]
+        settings.holdout = title == "RadTex holdouts"
+        settings.indirect_only = title == "RadTex others"
+    if not everything:
+        scratch.render.film_transparent = True
+    layer.update()
+
+
+def _renders(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> bool:
+    return not item.hide_render and any(True for _ in rendered_homes(item, layer))
+
+
+def _inside(layer: bpy.types.ViewLayer, hull: bpy.types.Object) -> set[bpy.types.Object]:
+    """What lies in the hull's box, instances joined to whom they belong to."""
+    boxes: dict[bpy.types.Object, Bounds] = {}
+    for owner, (low, high) in _boxes(cast(bpy.types.Depsgraph, layer.depsgraph)):
+        least, most = boxes.get(owner, (low, high))
+        boxes[owner] = np.minimum(low, least), np.maximum(high, most)
+    boxes.pop(hull, None)
+    low, high = _bounds(hull, hull.matrix_world)
+    slack = _SLACK * float(np.max(high - low))
+    return {owner for owner, box in boxes.items() if _share(box, (low - slack, high + slack)) >= _LEAST}
+
+
+def _boxes(graph: bpy.types.Depsgraph) -> Iterator[tuple[bpy.types.Object, Bounds]]:
+    for instance in graph.object_instances:
+        owner = instance.parent if instance.is_instance and instance.parent else instance.object
+        box = _bounds(instance.object, instance.matrix_world)
+        if instance.object.type != "EMPTY" and np.isfinite(box).all():
+            yield cast(bpy.types.Object, owner.original), box
+
+
+def _bounds(item: Any, matrix_world: Any) -> Bounds:
+    matrix = np.array(matrix_world)
+    places = np.array(item.bound_box) @ matrix[:3, :3].T + matrix[:3, 3]
+    return places.min(axis=0), places.max(axis=0)
+
+
+def _share(box: Bounds, hull: Bounds) -> float:
+    """How much of a box lies in the hull's, of its volume; a side without length counts by its place."""
+    size = box[1] - box[0]
+    common = np.minimum(box[1], hull[1]) - np.maximum(box[0], hull[0])
+    parts = np.where(size > 0, np.clip(common, 0, None) / np.where(size > 0, size, 1), common >= 0)
+    return float(np.prod(parts))

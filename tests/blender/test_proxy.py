@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Proxies: a hull bakes what is inside it, itself unseen, with an alpha that says where nothing is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layout
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.errors import InputError
+from radtex_addon.formats.exr import read_buckets
+from radtex_addon.job import bake_object
+from tests.blender import stage
+from tests.blender.fingerprint import differences, fingerprint
+
+pytestmark = pytest.mark.usefixtures("temporary")
+context: Any = bpy.context  # to the stubs, every pointer may be None
+
+SPEC = BakeSpec(kind=Kind.PROXY, texels=32, bucket=8, samples=4, half=False)
+
+
+def thing(shape: str, name: str, colour: tuple[float, ...], **options: Any) -> Any:
+    """A primitive that glows in one colour."""
+    getattr(bpy.ops.mesh, f"primitive_{shape}_add")(**options)
+    made = context.object
+    made.name = name
+    made.data.materials.append(stage.material(name, "ShaderNodeEmission", Color=(*colour, 1)))
+    return made
+
+
+def hull_around_a_ball() -> None:
+    """A cube of side 2 around a green ball of radius 0.5, over a red floor, in a blue world."""
+    stage.world((0, 0, 1))
+    thing("cube", "Hull", (1, 1, 1), size=2)
+    thing("uv_sphere", "Ball", (0, 1, 0), radius=0.5, segments=64, ring_count=32)
+    thing("plane", "Floor", (1, 0, 0), size=20, location=(0, 0, -3))
+
+
+def bake(out: Path, spec: BakeSpec = SPEC) -> Floats:
+    return read_buckets(bake_object(context.scene, "Hull", spec, out).files.sidecar)[0]
+
+
+def test_a_hull_shows_what_is_inside_and_nothing_else(out: Path) -> None:
+    hull_around_a_ball()
+    before = fingerprint()
+    pixels = bake(out)
+    assert differences(before, fingerprint()) == {}
+    assert pixels[..., [0, 2]].max() == 0, "the floor or the world is seen"
+    np.testing.assert_allclose(pixels[..., 1], pixels[..., 3], atol=1e-5)  # the ball's light is 1
+    share = pixels[..., 3].mean()
+    print(f"\nof all directions {share:.3f} meet the ball")
+    assert 0.05 < share < 0.4
+    assert {0.0, 1.0} <= set(np.unique(pixels[..., 3]))
+
+
+def test_a_collection_names_the_content(out: Path) -> None:
+    hull_around_a_ball()
+    chosen = bpy.data.collections.new("Shown")
+    chosen.objects.link(bpy.data.objects["Floor"])
+    pixels = bake(out, BakeSpec(**{**vars(SPEC), "content": "Shown"}))
+    assert pixels[..., [1, 2]].max() == 0
+    assert pixels[..., 0].max() == 1
+
+
+def test_a_window_shows_all_that_is_behind_it(out: Path) -> None:
+    hull_around_a_ball()
+    pixels = bake(out, BakeSpec(**{**vars(SPEC), "content": "*"}))
+    assert (pixels[..., :3].max(axis=(0, 1)) == 1).all()
+    np.testing.assert_allclose(pixels[..., 3], 1)
+    np.testing.assert_allclose(pixels[..., :3].sum(axis=-1), 1, atol=1e-5)
+
+
+def test_what_is_not_content_still_lights_it(out: Path) -> None:
+    hull_around_a_ball()
+    bpy.data.objects["Ball"].data.materials[0] = stage.material(
+        "white", "ShaderNodeBsdfDiffuse", Color=(1, 1, 1, 1)
+    )
+    pixels = bake(out)
+    light = pixels[..., :3].sum(axis=(0, 1)) / pixels[..., 3].sum()
+    assert light[0] > 0.1, "no light of the floor"
+    assert light[2] > 0.3, "no light of the world"
+
+
+def test_hidden_things_and_things_that_hide_others_stay_what_they_are(out: Path) -> None:
+    hull_around_a_ball()
+    bpy.data.objects["Ball"].hide_render = True
+    thing("uv_sphere", "Small", (0, 1, 0), radius=0.2)
+    away = bpy.data.collections.new("Away")
+    context.scene.collection.children.link(away)
+    away.objects.link(bpy.data.objects["Small"])
+    context.scene.collection.objects.unlink(bpy.data.objects["Small"])
+    context.view_layer.layer_collection.children["Away"].holdout = True
+    pixels = bake(out)
+    assert pixels.max() == 0, "a holdout is a hole"
+
+
+def test_instances_are_content(out: Path) -> None:
+    stage.world((0, 0, 0))
+    thing("cube", "Hull", (1, 1, 1), size=2)
+    thing("uv_sphere", "Ball", (0, 1, 0), radius=0.5)
+    group = bpy.data.collections.new("Group")
+    group.objects.link(bpy.data.objects["Ball"])
+    context.scene.collection.objects.unlink(bpy.data.objects["Ball"])
+    empty = bpy.data.objects.new("Instance", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", group
+    context.scene.collection.objects.link(empty)
+    assert bake(out)[..., 1].max() == 1
+
+
+def test_a_hull_with_nothing_inside_is_refused_and_the_old_atlas_stays(out: Path) -> None:
+    hull_around_a_ball()
+    bake(out)
+    before = {path: path.read_bytes() for path in out.iterdir()}
+    bpy.data.objects["Ball"].location.x = 5
+    with pytest.raises(InputError, match="object 'Hull' has nothing inside it: put it around"):
+        bake_object(context.scene, "Hull", SPEC, out, overwrite=True)
+    assert {path: path.read_bytes() for path in out.iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [("Nowhere", "there is no collection 'Nowhere'"), ("Empty", "has nothing that renders")],
+)
+def test_content_that_is_none_is_named(out: Path, content: str, words: str) -> None:
+    hull_around_a_ball()
+    bpy.data.collections.new("Empty")
+    with pytest.raises(InputError, match=words):
+        bake(out, BakeSpec(**{**vars(SPEC), "content": content}))
+
+
+def test_a_hull_alone_in_the_world_is_refused(out: Path) -> None:
+    thing("cube", "Hull", (1, 1, 1), size=2)
+    with pytest.raises(InputError, match="is alone in the scene"):
+        bake(out, BakeSpec(**{**vars(SPEC), "content": "*"}))
+
+
+def test_what_does_not_fit_a_proxy_is_refused() -> None:
+    with pytest.raises(InputError, match="radiance shows the object itself: bake a proxy"):
+        BakeSpec(content="*")
+    with pytest.raises(InputError, match="cannot bake proxy"):
+        BakeSpec(kind=Kind.PROXY, capture=CaptureMethod.PANORAMIC)
+    with pytest.raises(InputError, match="knows kind radiance only, not proxy"):
+        BakeSpec(kind=Kind.PROXY, layout=Layout.SHARED)
