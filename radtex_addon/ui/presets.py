@@ -7,8 +7,9 @@ A preset is a script that sets the scene's settings, as all of Blender's.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import bpy
 from bl_operators.presets import AddPresetBase
@@ -62,6 +63,22 @@ class RADTEX_PT_presets(PresetPanel, bpy.types.Panel):
     preset_operator = "script.execute_preset"
     preset_add_operator = "radtex.preset_add"
 
+    def draw(self, context: bpy.types.Context | None) -> None:
+        """RadTex's own by their names and in their order; below them the user's."""
+        layout: Any = self.layout
+        layout.emboss = "PULLDOWN_MENU"
+        for name, label, _ in STOCK:
+            layout.operator("radtex.preset_apply", text=label).name = name
+        layout.separator()
+        super().draw(context)
+
+    def path_menu(self, searchpaths: Sequence[str], operator: str, **choices: Any) -> None:
+        """As Blender's, of the user's presets."""
+        others = [path for path in searchpaths if not Path(path).is_relative_to(_FOLDER)]
+        if not others:  # of no path at all, Blender would complain
+            choices["filter_path"] = lambda _: False
+        cast(Any, PresetPanel).path_menu(self, others or searchpaths, operator, **choices)
+
 
 class RADTEX_OT_preset_add(AddPresetBase, bpy.types.Operator):  # type: ignore[misc]  # Blender's own stubs
     """Keep these settings as a preset of your own, or remove one"""
@@ -85,6 +102,11 @@ class RADTEX_OT_preset_apply(bpy.types.Operator):
         name: str
     else:
         name: bpy.props.StringProperty(name="Name", description="A preset's name, RadTex's or your own")
+
+    @classmethod
+    def description(cls, _: bpy.types.Context | None, properties: Any) -> str:
+        """What a preset of RadTex's is for."""
+        return next((told for name, _, told in STOCK if name == properties.name), "")
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         try:
