@@ -21,9 +21,6 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..cycles.device import use_device
-from ..preview.material import preview_material, preview_shared_material
-from ..preview.save import save_preview
-from ..scene.copy import copy_object
 from ..scene.objects import find_object
 from ..scene.scratch import new_data_removed, scratch_scene
 from .buckets import bake_buckets
@@ -33,6 +30,7 @@ from .files import OutputFiles
 from .made import Made
 from .occlusion import bake_occlusion
 from .prepare import Prepared, prepare
+from .previews import save_preview_of
 from .shared import bake_shared
 from .unfinished import open_checkpoint
 
@@ -121,7 +119,7 @@ def bake_steps(
             )
             if preview is not None:
                 yield watch.start(Stage.PREVIEW)
-                _save_preview(scene, name, spec, baked, preview)
+                save_preview_of(scene, name, spec, baked.made, baked.prepared, preview, view_layer)
     except InputError:  # there is nothing to go on with: another try asks for something else
         checkpoint.drop_own()
         raise
@@ -181,19 +179,3 @@ def _baker(spec: BakeSpec) -> Callable[..., Generator[Progress, None, Made]]:
     if spec.kind in OCCLUSION:
         return bake_occlusion
     return bake_shared if spec.layout is Layout.SHARED else bake_buckets
-
-
-def _save_preview(scene: bpy.types.Scene, name: str, spec: BakeSpec, baked: Baked, preview: Filter) -> None:
-    files, uv_layer = baked.made.files, baked.prepared.uv_layer
-    assert files.preview is not None  # there is one where there is a filter
-    title = f"RadTex {name}"
-    if spec.layout is Layout.SHARED:
-        material = preview_shared_material(title, files.sidecar.absolute(), uv_layer, spec.half)
-    else:
-        material = preview_material(
-            title, files.atlas.absolute(), baked.made.layout, uv_layer, preview, spec.half
-        )
-    original = scene.objects[name]
-    save_preview(
-        scene, original, copy_object(original, baked.prepared.mesh), material, files.preview.absolute()
-    )

@@ -70,21 +70,30 @@ def load_layers(sidecar: Path, half: bool = True) -> tuple[dict[str, bpy.types.I
 
 
 def preview_material(
-    name: str, atlas: Path, layout: AtlasLayout, uv_layer: str, kind: Filter, half: bool = True
+    name: str,
+    atlas: Path,
+    layout: AtlasLayout,
+    uv_layer: str,
+    kind: Filter,
+    half: bool = True,
+    hull: bool = False,
 ) -> bpy.types.Material:
     """A material that shows the atlas file on the baked copy: its light emitted, the rest let through.
 
     `uv_layer` is the baked one, `half` as in `load_atlas`. A `reflection` atlas shows as on a perfect mirror,
-    an `incident` one shows the light that arrives from where the viewer stands. Raises as `load_atlas` and
-    `build_sample_group` do.
+    an `incident` one shows the light that arrives from where the viewer stands. A `hull` shows its front
+    alone: what is seen through it is in the atlas, and is not to be seen again on its far side. Raises as
+    `load_atlas` and `build_sample_group` do.
     """
     sampler = build_sample_group(load_atlas(atlas, half), layout, kind)
     material, build = open_material(name)
     cast(Any, material).cycles.emission_sampling = "NONE"  # seen by every ray, but no lamp to aim at
     uv, frame = build.uv_map(uv_layer), build.group(build_frame_group())
     color, alpha = build.group(sampler, uv, *frame, build.geometry("Incoming"))
-    emission = build.node("ShaderNodeEmission", color)
-    behind = build.node("ShaderNodeBsdfTransparent", build.math("SUBTRACT", 1.0, alpha))
+    front = build.math("SUBTRACT", 1.0, build.geometry("Backfacing")) if hull else 1.0
+    emission = build.node("ShaderNodeEmission", color, front)
+    opaque = build.math("MULTIPLY", alpha, front) if hull else alpha
+    behind = build.node("ShaderNodeBsdfTransparent", build.math("SUBTRACT", 1.0, opaque))
     surface = build.node("ShaderNodeAddShader", emission.outputs[0], behind.outputs[0])
     build.node("ShaderNodeOutputMaterial", surface.outputs[0])
     build.arrange()

@@ -9,7 +9,7 @@ the object (collections, children, constraints, modifiers of others, drivers) us
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import cast
@@ -28,11 +28,13 @@ def save_preview(
     copy: bpy.types.Object,
     material: bpy.types.Material,
     path: Path,
+    hidden: Sequence[bpy.types.Object] = (),
 ) -> None:
     """Write a .blend in which `copy` stands in `original`'s place, bears its name and wears `material`.
 
     `copy` shows its mesh as it is and is in no collection; `scene` is the one that opens. The material's
-    images are in the file if they are packed, else referenced relative to it. The session (the objects, the
+    images are in the file if they are packed, else referenced relative to it. What is to be `hidden` is so
+    in that file, for `copy` shows it. The session (the objects, the
     file's name, unsaved edits) is afterwards what it was, also after an error. Raises BakeError where Blender
     cannot write.
     """
@@ -43,6 +45,7 @@ def save_preview(
         session.enter_context(_standing_in(original, copy, material))
         session.enter_context(_relative_images(material))
         session.enter_context(_shown(scene))
+        session.enter_context(_hidden(hidden))
         try:
             bpy.ops.wm.save_as_mainfile(filepath=str(beside), copy=True, relative_remap=True)
         except RuntimeError as error:
@@ -77,6 +80,18 @@ def _standing_in(
             original.name = name
         if bare:
             mesh.materials.clear()
+
+
+@contextmanager
+def _hidden(items: Sequence[bpy.types.Object]) -> Iterator[None]:
+    before = {item: (item.hide_render, item.hide_viewport) for item in items}
+    try:
+        for item in items:
+            item.hide_render = item.hide_viewport = True
+        yield
+    finally:
+        for item, (render, viewport) in before.items():
+            item.hide_render, item.hide_viewport = render, viewport
 
 
 @contextmanager

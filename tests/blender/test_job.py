@@ -226,6 +226,7 @@ def test_light_kinds_bake_the_world_by_either_capture(out: Path, kind: Kind, cap
 def test_kinds_of_one_object_lie_side_by_side(out: Path) -> None:
     stage.world()
     card()
+    card("Content", at=(0, 0, 0))
     for kind in Kind:
         bake("Card", BakeSpec(kind=kind, texels=4, bucket=2, samples=1), out)
     assert names(out) == {f"Card.{kind}.{ending}" for kind in Kind for ending in ("exr", "json")}
@@ -438,7 +439,7 @@ def test_the_users_file_is_what_it_was_whatever_fails(out: Path) -> None:
         "rasterise": prepare,
         "find_hidden": buckets,
         "write_buckets": buckets,
-        "save_preview": run,
+        "save_preview_of": run,
     }
     for part, module in parts.items():
         with pytest.MonkeyPatch.context() as patch:
@@ -448,7 +449,7 @@ def test_the_users_file_is_what_it_was_whatever_fails(out: Path) -> None:
         take_pieces(out)
         assert differences(before, fingerprint()) == {}, part
         assert preferences() == preferred, part
-        whole = {"Card.radiance.exr", "Card.radiance.json"} if part == "save_preview" else set()
+        whole = {"Card.radiance.exr", "Card.radiance.json"} if part == "save_preview_of" else set()
         assert names(out) == whole, part
 
 

@@ -9,13 +9,16 @@ from typing import Any
 
 import bpy
 import numpy as np
+import PIL.Image
 import pytest
 
 from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
+from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.exr import read_buckets
 from radtex_addon.job import bake_object
+from radtex_addon.preview.picture import render_picture
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 
@@ -121,6 +124,29 @@ def test_a_hull_with_nothing_inside_is_refused_and_the_old_atlas_stays(out: Path
     with pytest.raises(InputError, match="object 'Hull' has nothing inside it: put it around"):
         bake_object(context.scene, "Hull", SPEC, out, overwrite=True)
     assert {path: path.read_bytes() for path in out.iterdir()} == before
+
+
+@pytest.mark.parametrize("content", [None, "*"])
+def test_the_preview_shows_the_hull_in_the_contents_place(out: Path, content: str | None) -> None:
+    hull_around_a_ball()
+    bpy.ops.object.camera_add(location=(0, -6, 0), rotation=(np.pi / 2, 0, 0))
+    context.scene.camera = context.object
+    context.scene.view_settings.view_transform = "Standard"
+    before = fingerprint()
+    spec = BakeSpec(**{**vars(SPEC), "content": content})
+    made = bake_object(context.scene, "Hull", spec, out, preview=Filter.QUADRILINEAR)
+    assert differences(before, fingerprint()) == {}
+    picture = out.parent / "picture.png"
+    assert made.files.preview is not None
+    render_picture(made.files.preview, picture, pixels=64, samples=8)
+    assert bpy.data.objects["Ball"].hide_render == (content is None)
+    assert not bpy.data.objects["Floor"].hide_render
+    with PIL.Image.open(picture) as opened:
+        seen = np.asarray(opened.convert("RGB"))
+    assert seen[32, 32, 1] > 200, "no ball in the middle"
+    assert seen[32, 32, [0, 2]].max() < 50
+    assert seen[20, 16, 1] < 50, "green beside the ball"
+    assert seen[20, 16, 2] > 200, "the world is not seen beside the ball"
 
 
 @pytest.mark.parametrize(
