@@ -7,6 +7,7 @@ python bake.py scene.blend --object NAME --out DIR
 python bake.py demo
 python bake.py report DIR --scene scene.blend
 python bake.py export DIR --to web
+python bake.py compare scene.blend --object NAME --bake DIR
 """
 
 from __future__ import annotations

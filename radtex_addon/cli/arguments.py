@@ -14,6 +14,7 @@ from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..export.spec import Target
 from .options import (
+    COMPARE,
     DEMO,
     EXPORT,
     REPORT,
@@ -23,6 +24,7 @@ from .options import (
     add_device,
     add_help,
     add_number,
+    add_parent,
     add_progress,
 )
 
@@ -43,6 +45,7 @@ examples:
   python bake.py demo
   python bake.py report radtex --scene demo
   python bake.py export radtex --to web
+  python bake.py compare room.blend --object Vase --bake baked
 
 exit codes:
   0  done
@@ -115,7 +118,8 @@ def _parser(inside_blender: bool) -> Parser:
     parser = Parser(
         prog=program,
         usage=f"{program} {scene}--object NAME [options]\n       {program} {DEMO} [options]\n       "
-        f"{program} {REPORT} DIR [options]\n       {program} {EXPORT} DIR --to TARGET [options]",
+        f"{program} {REPORT} DIR [options]\n       {program} {EXPORT} DIR --to TARGET [options]\n       "
+        f"{program} {COMPARE} {scene}--object NAME [options]",
         description=_DESCRIPTION,
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -126,7 +130,7 @@ def _parser(inside_blender: bool) -> Parser:
     _add_quality(parser.add_argument_group("quality"))
     _add_how(parser.add_argument_group("how"))
     _add_output(parser.add_argument_group("output"))
-    _add_parent(parser.add_argument_group("for a program that runs this one"))
+    add_parent(parser.add_argument_group("for a program that runs this one"), of_scene=True)
     add_help(parser.add_argument_group("help"))
     return parser
 
@@ -301,20 +305,6 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
         help="a small PNG of what is baked so far, written anew every second",
     )
     add_progress(group)
-
-
-def _add_parent(group: argparse._ArgumentGroup) -> None:
-    group.add_argument(
-        "--parent-pipe",
-        action="store_true",
-        help="end as by Ctrl-C when standard input ends, and at the latest three seconds later: the program "
-        "closes the pipe to cancel, and its death closes it too",
-    )
-    group.add_argument(
-        "--unsaved-images",
-        metavar="DIR",
-        help="images as they were painted in a Blender that has not saved them",
-    )
 
 
 def _number(

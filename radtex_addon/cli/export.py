@@ -19,6 +19,8 @@ from .reporting import Report
 
 def run_export(request: ExportRequest, report: Report, interruption: Interruption) -> None:
     """Make the folder and say what is in it. Raises RadTexError."""
+    if request.parent_pipe:
+        interruption.ask_when_input_ends()
     sidecar = find_bake(request.bake, request.object, "exported")
     name = object_of(sidecar)
     steps = export_steps(sidecar, request.spec, request.out, overwrite=request.overwrite)

@@ -10,7 +10,16 @@ from pathlib import Path
 
 from ..core.errors import InputError
 from ..export.spec import Arrangement, ExportSpec, Target, TextureFormat
-from .options import EXPORT, Parser, ProgressStyle, add_choice, add_help, add_number, add_progress
+from .options import (
+    EXPORT,
+    Parser,
+    ProgressStyle,
+    add_choice,
+    add_help,
+    add_number,
+    add_parent,
+    add_progress,
+)
 
 _DESCRIPTION = """\
 Make a folder of a finished bake that an engine or a browser takes: the mesh
@@ -38,6 +47,7 @@ class ExportRequest:
     overwrite: bool
     progress: ProgressStyle
     verbose: bool
+    parent_pipe: bool = False
 
 
 def parse_export(arguments: list[str], inside_blender: bool) -> ExportRequest:
@@ -55,6 +65,7 @@ def parse_export(arguments: list[str], inside_blender: bool) -> ExportRequest:
         overwrite=found.overwrite,
         progress=found.progress,
         verbose=found.verbose,
+        parent_pipe=found.parent_pipe,
     )
 
 
@@ -72,6 +83,7 @@ def _parser(inside_blender: bool) -> Parser:
     _add_what(parser.add_argument_group("what is exported"))
     _add_textures(parser.add_argument_group("textures"))
     _add_output(parser.add_argument_group("output"))
+    add_parent(parser.add_argument_group("for a program that runs this one"), of_scene=False)
     add_help(parser.add_argument_group("help"))
     return parser
 

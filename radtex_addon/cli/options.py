@@ -16,6 +16,7 @@ from ..version import VERSION
 DEMO = "demo"
 REPORT = "report"
 EXPORT = "export"
+COMPARE = "compare"
 
 
 class ProgressStyle(StrEnum):
@@ -46,6 +47,22 @@ def add_progress(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--verbose", action="store_true", help="let Blender's own messages through")
 
 
+def add_parent(group: argparse._ArgumentGroup, *, of_scene: bool) -> None:
+    """How a program speaks with the run that it has started, and what of its scene no file holds."""
+    group.add_argument(
+        "--parent-pipe",
+        action="store_true",
+        help="end as by Ctrl-C when standard input ends, and at the latest three seconds later: the program "
+        "closes the pipe to cancel, and its death closes it too",
+    )
+    if of_scene:
+        group.add_argument(
+            "--unsaved-images",
+            metavar="DIR",
+            help="images as they were painted in a Blender that has not saved them",
+        )
+
+
 def add_device(group: argparse._ArgumentGroup) -> None:
     """Which device renders."""
     group.add_argument(
@@ -73,8 +90,12 @@ def add_choice(
     text: str,
     dest: str | None = None,
     action: str = "store",
+    metavar: str | None = None,
 ) -> None:
-    """An option for one of a few words; without a default it may be left out, or `text` says what then."""
+    """An option for one of a few words; without a default it may be left out, or `text` says what then.
+
+    The words are shown, or where they are too many a `metavar`.
+    """
 
     def chosen(word: str) -> StrEnum:
         try:
@@ -89,7 +110,7 @@ def add_choice(
         dest=dest,
         type=chosen,
         default=default,
-        metavar="|".join(options),
+        metavar=metavar or "|".join(options),
         help=f"{text}{known}",
     )
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import secrets
 import shutil
 from collections.abc import Iterator
@@ -11,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..core.errors import BakeError, InputError
-from ..formats.atomic import check_writable
+from ..formats.atomic import check_writable, mark_of
 
 LIST = ".radtex-files"  # names what an export wrote, so that the next one knows what is the user's
 
@@ -43,7 +44,8 @@ def replacing_folder(out: Path) -> Iterator[Path]:
     what it was. Raises BakeError where the system refuses.
     """
     mark = secrets.token_hex(8)
-    beside, old = out.with_name(f".radtex-{mark}"), out.with_name(f".radtex-{mark}-old")
+    beside = out.with_name(f"{mark_of(os.getpid())}{mark}")
+    old = out.with_name(f".radtex-{mark}-old")  # nothing unfinished: nobody may remove it
     try:
         beside.mkdir(parents=True)
         try:

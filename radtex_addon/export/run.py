@@ -78,6 +78,14 @@ def export_path(sidecar: Path, target: Target) -> Path:
     return sidecar.with_name(f"{_Bake.of(sidecar).name}.{target}")
 
 
+def check_export(sidecar: Path, spec: ExportSpec, out: Path, *, overwrite: bool = False) -> None:
+    """Find out at once what would fail at once. Raises InputError and FormatError as `export_steps` does."""
+    check_out(out, sidecar.parent, overwrite)
+    check_preview(_Bake.of(sidecar).preview)
+    if spec.target is Target.WEB:
+        check_page()
+
+
 def export_steps(
     sidecar: Path, spec: ExportSpec, out: Path | None = None, *, overwrite: bool = False
 ) -> Generator[Step, None, Exported]:
@@ -87,12 +95,9 @@ def export_steps(
     is what it was afterwards, also after an error or when the generator is closed. Raises InputError for what
     cannot be exported, FormatError for files that cannot be read, BakeError for what fails meanwhile.
     """
-    bake = _Bake.of(sidecar)
     out = out or export_path(sidecar, spec.target)
-    check_out(out, sidecar.parent, overwrite)
-    check_preview(bake.preview)
-    if spec.target is Target.WEB:
-        check_page()
+    check_export(sidecar, spec, out, overwrite=overwrite)
+    bake = _Bake.of(sidecar)
     with replacing_folder(out) as folder:
         pack = yield from _pack(bake, spec, folder)
         yield Step(Task.PACK, 0, 1)

@@ -22,7 +22,7 @@ def replacing(path: Path) -> Iterator[Path]:
     After any error or interruption nothing is left and `path` is what it was. Makes the folder if need be.
     Raises BakeError where the system refuses.
     """
-    beside = path.with_name(f"{_mark(os.getpid())}{secrets.token_hex(8)}{path.suffix}")
+    beside = path.with_name(f"{mark_of(os.getpid())}{secrets.token_hex(8)}{path.suffix}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
@@ -45,7 +45,7 @@ def replacing_together(path: Path) -> Iterator[Path]:
     place = None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=_mark(os.getpid()), dir=path.parent) as folder:
+        with tempfile.TemporaryDirectory(prefix=mark_of(os.getpid()), dir=path.parent) as folder:
             place, inside = folder, Path(folder, path.name)
             yield inside
             for file in sorted(Path(folder).iterdir(), key=lambda file: (file == inside, file.name)):
@@ -68,9 +68,14 @@ def write_text(path: Path, text: str) -> None:
         beside.write_text(text, encoding="utf-8", newline="\n")
 
 
+def mark_of(pid: int) -> str:
+    """How names begin of what the process `pid` has not finished."""
+    return f".radtex-{pid}-"
+
+
 def remove_unfinished(folder: Path, pid: int) -> None:
     """Remove what the process `pid`, which was killed, has not finished in `folder`."""
-    for path in folder.glob(f"{_mark(pid)}*"):
+    for path in folder.glob(f"{mark_of(pid)}*"):
         with suppress(OSError):
             if path.is_dir():
                 shutil.rmtree(path)
@@ -102,10 +107,6 @@ def check_absent(paths: Iterable[Path], overwrite: bool) -> None:
             raise InputError(f"{path} is a folder where a file must go: move it, or choose another folder")
         if path.exists() and not overwrite:
             raise InputError(f"{path} is already there: overwrite it (--overwrite), or choose another folder")
-
-
-def _mark(pid: int) -> str:
-    return f".radtex-{pid}-"
 
 
 def _refused(path: Path, error: OSError) -> str:

@@ -61,6 +61,13 @@ class Eye:
             raise InputError("these matrices are no view: give a view's own, row by row")
         return cls(np.linalg.inv(matrix), np.array(window, float))
 
+    @property
+    def rows(self) -> tuple[list[float], list[float]]:
+        """What `of_view` takes, row by row."""
+        view: list[float] = np.linalg.inv(self.matrix).ravel().tolist()
+        window: list[float] = self.projection.ravel().tolist()
+        return view, window
+
     def size(self, pixels: int) -> tuple[int, int]:
         """Width and height of a picture whose longer side has `pixels`."""
         aspect = self.projection[1, 1] / self.projection[0, 0]

@@ -64,8 +64,13 @@ class Comparison:
     @property
     def difference(self) -> Picture:
         """What a display shows of the one less the other, times GAIN, in 0..1."""
-        gap: Picture = np.clip(GAIN * np.abs(display(self.traced) - display(self.baked)), 0, 1)
-        return gap
+        return difference(self.traced, self.baked)
+
+
+def difference(traced: Picture, baked: Picture) -> Picture:
+    """What a display shows of the one less the other, times GAIN, in 0..1."""
+    gap: Picture = np.clip(GAIN * np.abs(display(traced) - display(baked)), 0, 1)
+    return gap
 
 
 def compare_steps(

@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from .compare_operator import RADTEX_OT_compare
+from .compare_operator import RADTEX_OT_compare, RADTEX_OT_show_comparison
 from .export_operator import RADTEX_OT_export
 from .panel import Sidebar
 from .preview_operator import RADTEX_OT_preview_toggle
@@ -36,4 +36,10 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
         column.operator("radtex.open_folder", icon="FILE_FOLDER")
 
 
-CLASSES = (RADTEX_OT_preview_toggle, RADTEX_OT_compare, RADTEX_OT_export, RADTEX_PT_afterwards)
+CLASSES = (
+    RADTEX_OT_preview_toggle,
+    RADTEX_OT_compare,
+    RADTEX_OT_show_comparison,
+    RADTEX_OT_export,
+    RADTEX_PT_afterwards,
+)

@@ -4,30 +4,42 @@
 
 from __future__ import annotations
 
+import logging
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, cast
 
 import bpy
 from bpy.props import FloatVectorProperty, IntProperty
 
-from .finding import originals, sidecar_of
-from .of_bake import AsksFirst, OfBake
+from . import jobs
+from .finding import originals, place_of
+from .of_bake import AsksFirst, MayWait, OfBake
 from .operator import shown
 from .words import remark
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
     from ..report.eye import Eye
+    from ..report.side_by_side import ComparisonSpec
+    from ..worker.job import Job
+
+    _Bakes = Mapping[bpy.types.Object, Path | None]
+
+_log = logging.getLogger(__name__)
 
 _MATRIX: dict[str, Any] = {"size": 16, "options": {"SKIP_SAVE", "HIDDEN"}}
 
 
-class RADTEX_OT_compare(AsksFirst, OfBake, bpy.types.Operator):
+class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
     """Render what you see by Cycles, with the object and with its bake, and show how they differ"""
 
     bl_idname = "radtex.compare"
     bl_label = "Compare with Cycles"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER"}  # its pictures are a step to undo, when they are there
 
     if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
         pixels: int
@@ -65,28 +77,49 @@ class RADTEX_OT_compare(AsksFirst, OfBake, bpy.types.Operator):
         )
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
-        from ..bake.progress import finished
         from ..core.errors import RadTexError
-        from ..preview.swap import is_on
-        from ..report.side_by_side import ComparisonSpec, compare_steps
-        from .comparison import make_images, show_images
+        from ..report.side_by_side import ComparisonSpec
         from .preferences import preferred
 
         scene, layer = shown(context)
         try:
-            items = originals(layer, self.object)
-            bakes = {item: None if is_on(item) else sidecar_of(scene, item, self.bake) for item in items}
+            bakes, place = self._bakes(scene, originals(layer, self.object))
             spec = ComparisonSpec(self.pixels, self.samples, preferred().device)
-            found = finished(compare_steps(scene, bakes, self._eye(context), spec))
+            eye = self._eye(context)
+            if self.at_once:
+                self._compare(scene, bakes, eye, spec)
+            else:
+                submit(scene, bakes, place, eye, spec)
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
-        show_images(make_images(found))
-        names = ", ".join(item.name for item in items)
+        return {"FINISHED"}
+
+    def _bakes(self, scene: bpy.types.Scene, items: list[bpy.types.Object]) -> tuple[_Bakes, Path | None]:
+        """The sidecar of each object's bake, None where its preview is on; and the place of those sidecars.
+
+        Raises RadTexError.
+        """
+        from ..preview.swap import is_on
+        from ..report.shown import bakes_of
+
+        if all(map(is_on, items)):
+            return dict.fromkeys(items), None
+        place = place_of(scene, self.bake)
+        return bakes_of(items, place), place
+
+    def _compare(self, scene: bpy.types.Scene, bakes: _Bakes, eye: Eye, spec: ComparisonSpec) -> None:
+        """Compare now, and report it. Raises RadTexError."""
+        from ..bake.progress import finished
+        from ..report.side_by_side import compare_steps
+        from .comparison import make_images, show_images
+
+        found = finished(compare_steps(scene, bakes, eye, spec))
+        show_images(make_images(found.traced, found.baked))
+        names = ", ".join(item.name for item in bakes)
         self.report(
             {"INFO"}, f"{names}: {found.figures.psnr:.1f} dB (at 40 dB hardly anybody sees a difference)"
         )
-        return {"FINISHED"}
 
     def _eye(self, context: bpy.types.Context | None) -> Eye:
         """The view that was named, or the 3D view's, or the camera's. Raises InputError."""
@@ -102,3 +135,69 @@ class RADTEX_OT_compare(AsksFirst, OfBake, bpy.types.Operator):
         else:
             return Eye.of_camera(*shown(context))
         return Eye.of_view(view.reshape(4, 4), window.reshape(4, 4))
+
+
+class RADTEX_OT_show_comparison(bpy.types.Operator):
+    """Show both pictures and their difference as images, in a window of their own unless an editor is free"""
+
+    bl_idname = "radtex.show_comparison"
+    bl_label = "Show Pictures"
+    bl_options = {"INTERNAL"}  # images that have gone meanwhile are a step to undo by themselves
+
+    if TYPE_CHECKING:
+        number: int
+    else:
+        number: IntProperty(
+            name="Number", description="The job's number", default=0, min=0, options={"SKIP_SAVE"}
+        )
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        from ..core.errors import RadTexError
+        from .comparison import load_images, open_window, show_images
+
+        facts = next((job.facts for job in jobs.snapshot() if job.number == self.number), {})
+        if "traced" not in facts:
+            self.report({"ERROR"}, f"Job {self.number} has no pictures: compare again")
+            return {"CANCELLED"}
+        try:
+            images = load_images(facts)
+        except RadTexError as error:
+            self.report({"ERROR"}, remark(error))
+            return {"CANCELLED"}
+        if not show_images(images) and not bpy.app.background:
+            open_window(images)
+        return {"FINISHED"}
+
+
+def submit(scene: bpy.types.Scene, bakes: _Bakes, place: Path | None, eye: Eye, spec: ComparisonSpec) -> None:
+    """Let a worker compare, while the window stays alive; the bakes are in `place`.
+
+    Raises BakeError where the scene cannot be saved.
+    """
+    from ..worker.handover import hand_over
+    from ..worker.orders import order_comparison
+    from .preferences import preferred
+
+    handover = hand_over(scene, preferred().cache)
+    results = TemporaryDirectory(prefix="radtex-comparison-", ignore_cleanup_errors=True)
+    names = [item.name for item in bakes]
+    order = order_comparison(handover, names, place, eye, spec, Path(results.name))
+    jobs.add([order], jobs.Sequel(_arrival(scene), results))
+
+
+def _arrival(scene: bpy.types.Scene) -> Callable[[Job], None]:
+    """What puts the pictures of a comparison of `scene` into its file, if that is still open."""
+    number = scene.session_uid
+
+    def arrived(job: Job) -> None:
+        from ..core.errors import RadTexError
+        from .comparison import load_images, show_images
+
+        if all(other.session_uid != number for other in bpy.data.scenes):
+            return  # the pictures are there by the button
+        try:
+            show_images(load_images(job.facts))
+        except RadTexError as error:
+            _log.warning("%s", error)
+
+    return arrived

@@ -1,57 +1,131 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A comparison's pictures as images of the file, and in the windows that show images."""
+"""A comparison's pictures as images of the file, its figures in words, and the windows that show images."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import bpy
 import numpy as np
 
+from .words import iface_
+
 if TYPE_CHECKING:
     from ..report.metrics import Picture
-    from ..report.side_by_side import Comparison
 
 TRACED, BAKED, DIFFERENCE = "RadTex Path Traced", "RadTex Baked", "RadTex Difference"
 _OURS = "radtex_comparison"  # of an image: which of the three it is
+_SOURCE = "radtex_source"  # of an image: the file that it came from
 
 
-def make_images(found: Comparison) -> list[bpy.types.Image]:
-    """Path traced, baked and the difference, packed; those of an earlier comparison are written over."""
-    pictures = {TRACED: found.traced, BAKED: found.baked, DIFFERENCE: found.difference}
-    return [_image(name, picture, data=name == DIFFERENCE) for name, picture in pictures.items()]
+def make_images(traced: Picture, baked: Picture, source: str = "") -> list[bpy.types.Image]:
+    """Path traced, baked and the difference, packed; those of an earlier comparison go.
+
+    That is one step to undo.
+    """
+    from ..report.side_by_side import difference
+
+    pictures = {TRACED: traced, BAKED: baked, DIFFERENCE: difference(traced, baked)}
+    images: list[Any] = [_image(name, picture, name == DIFFERENCE) for name, picture in pictures.items()]
+    for image in images:
+        image[_SOURCE] = source
+    with _in_a_window():
+        bpy.ops.ed.undo_push(message="Compare with Cycles")
+    return images
 
 
-def show_images(images: Sequence[bpy.types.Image]) -> None:
-    """Show them in the Image Editors that are open, the difference in the first."""
+def load_images(facts: Mapping[str, Any]) -> list[bpy.types.Image]:
+    """The same of the files that a worker speaks of, unless they are there already. Raises FormatError."""
+    from ..report.comparison_files import read_picture
+
+    source = str(facts["traced"])
+    images = [image for name in (TRACED, BAKED, DIFFERENCE) if (image := _ours(name)) is not None]
+    if len(images) == 3 and all(image.get(_SOURCE) == source for image in images):
+        return images
+    return make_images(read_picture(Path(source)), read_picture(Path(facts["baked"])), source)
+
+
+def figures(facts: Mapping[str, Any]) -> Iterator[str]:
+    """What a comparison found, a line each."""
+    yield iface_("{:.1f} dB (at 40 dB hardly anybody sees a difference)").format(facts["psnr"])
+    if facts["flip"] is not None:
+        yield iface_("FLIP {:.3f}").format(facts["flip"])
+    yield iface_("{:.3f} of the light").format(facts["energy"])
+
+
+def show_images(images: Sequence[bpy.types.Image]) -> bool:
+    """Show them in the Image Editors that show nothing of the user's, the difference in the first.
+
+    Returns False where there is no such editor.
+    """
+    editors = [editor for editor in _editors() if editor.image is None or _OURS in editor.image]
+    for editor, image in zip(editors, reversed(images), strict=False):
+        editor.image = image
+    return bool(editors)
+
+
+def open_window(images: Sequence[bpy.types.Image]) -> None:
+    """Show them side by side in a window of their own."""
+    context: Any = bpy.context  # as above
+    with _in_a_window():
+        bpy.ops.wm.window_new()
+    window = context.window_manager.windows[-1]
+    window.screen.areas[0].ui_type = "IMAGE_EDITOR"
+    for left in range(len(images) - 1, 0, -1):
+        area = max(window.screen.areas, key=lambda area: area.width)
+        with context.temp_override(window=window, area=area):
+            bpy.ops.screen.area_split(direction="VERTICAL", factor=1 / (left + 1))
+    areas = sorted(window.screen.areas, key=lambda area: area.x)
+    for area, image in zip(areas, images, strict=True):
+        area.spaces.active.image = image
+
+
+@contextmanager
+def _in_a_window() -> Iterator[None]:
+    """A context for operators that want a window, which timers have none of."""
+    context: Any = bpy.context  # to the stubs, an override is no context manager
+    windows = context.window_manager.windows
+    if context.window is not None or not windows:
+        yield
+        return
+    with context.temp_override(window=windows[0]):
+        yield
+
+
+def _editors() -> list[Any]:
+    """The Image Editors that are open."""
     manager = bpy.context.window_manager
     windows = manager.windows if manager is not None and not bpy.app.background else ()
-    editors = [
-        area.spaces.active
-        for window in windows
-        for area in window.screen.areas
-        if area.ui_type == "IMAGE_EDITOR"
-    ]
-    for editor, image in zip(editors, reversed(images), strict=False):
-        cast(Any, editor).image = image
+    areas = (area for window in windows for area in window.screen.areas)
+    return [area.spaces.active for area in areas if area.ui_type == "IMAGE_EDITOR"]
 
 
-def _image(name: str, picture: Picture, *, data: bool) -> bpy.types.Image:
-    """An image of the picture (H, W, 3), row 0 at the bottom; `data` is shown as it is."""
-    height, width = picture.shape[:2]
+def _ours(name: str) -> Any:
+    """The image that is one of the three, None if there is none."""
     every = cast("list[Any]", list(bpy.data.images))
-    image = next((image for image in every if image.get(_OURS) == name), None)
-    if image is None:
-        made: Any = bpy.data.images.new(name, width, height, float_buffer=True, is_data=data)
-        made[_OURS] = name
-        image = made
-    if tuple(image.size) != (width, height):
-        image.scale(width, height)
+    return next((image for image in every if image.get(_OURS) == name), None)
+
+
+def _image(name: str, picture: Picture, data: bool) -> bpy.types.Image:
+    """A new image of the picture (H, W, 3), row 0 at the bottom, in the place of the one before.
+
+    `data` is shown as it is. (Of an image that is written over, an undo brings no pixels back.)
+    """
+    height, width = picture.shape[:2]
+    before = _ours(name)
+    image: Any = bpy.data.images.new(name, width, height, float_buffer=True, is_data=data)
     pixels = np.ones((height, width, 4), dtype=np.float32)
     pixels[..., :3] = picture
     image.pixels.foreach_set(pixels.ravel())
     image.update()
     image.pack()
+    if before is not None:
+        before.user_remap(image)
+        bpy.data.images.remove(before)
+        image.name = name
+    image[_OURS] = name
     return cast("bpy.types.Image", image)

@@ -69,7 +69,7 @@ def ask(scene: bpy.types.Scene, names: Iterable[str], spec: BakeSpec) -> None:
     """Let a worker make them. Raises BakeError where the scene cannot be handed over."""
     from ..bake.estimate import probe_specs
     from ..worker.handover import hand_over, this_program
-    from ..worker.order import Order
+    from ..worker.orders import order_bake
     from ..worker.queue import Queue
     from .preferences import preferred
 
@@ -79,7 +79,7 @@ def ask(scene: bpy.types.Scene, names: Iterable[str], spec: BakeSpec) -> None:
     _session.message = ""
     for name in names:
         numbers = tuple(
-            queue.add(Order(handover, name, small, Path(_session.folder.name, str(small.samples))))
+            queue.add(order_bake(handover, name, small, Path(_session.folder.name, str(small.samples))))
             for small in probe_specs(spec)
         )
         _session.asked.append(_Asked(_key(scene, name, spec), numbers))
@@ -134,12 +134,12 @@ def _keep(key: Key, jobs: list[Job]) -> None:
         return
     few, more = (
         Probe(
-            job.spec.texels,
+            small.texels,
             job.facts["covered_texels"],
             job.facts["paths"],
             {Stage(stage): seconds for stage, seconds in job.facts["seconds"].items()},
         )
-        for job in jobs
+        for small, job in zip(key[2], jobs, strict=True)
     )
     _session.probes[key] = few, more
 

@@ -5,18 +5,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
+from . import jobs
 from .choices import TARGETS
 from .finding import originals, place_of
-from .of_bake import AsksFirst, OfBake
+from .of_bake import AsksFirst, MayWait, OfBake
 from .operator import shown
 from .words import remark
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
     from ..export.spec import ExportSpec
@@ -37,7 +40,15 @@ ARRANGEMENTS = (
 )
 
 
-class RADTEX_OT_export(AsksFirst, OfBake, bpy.types.Operator):
+class Place(NamedTuple):
+    """An object's name, the sidecar of its bake, and the folder to make."""
+
+    name: str
+    sidecar: Path
+    out: Path
+
+
+class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
     """Make a folder of the bake that an engine or a browser takes: mesh, textures, shaders"""
 
     bl_idname = "radtex.export"
@@ -109,8 +120,11 @@ class RADTEX_OT_export(AsksFirst, OfBake, bpy.types.Operator):
                 raise InputError(
                     "several objects do not fit in one folder: name one, or leave the folder out"
                 )
-            for item in items:
-                self._export(scene, item, spec)
+            places = [self._place(scene, item, spec) for item in items]
+            if self.at_once:
+                self._export(places, spec)
+            else:
+                submit(places, spec, overwrite=self.overwrite)
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
@@ -128,14 +142,37 @@ class RADTEX_OT_export(AsksFirst, OfBake, bpy.types.Operator):
             limit=self.limit or None,
         )
 
-    def _export(self, scene: bpy.types.Scene, item: bpy.types.Object, spec: ExportSpec) -> None:
-        from ..bake.progress import finished
-        from ..export.run import export_steps
+    def _place(self, scene: bpy.types.Scene, item: bpy.types.Object, spec: ExportSpec) -> Place:
+        """Where an object's bake and its export are. Raises RadTexError for what would fail at once."""
+        from ..export.run import check_export, export_path
         from ..report.finished import find_bake
-        from .words import size
 
         place = place_of(scene, self.bake)
         sidecar = find_bake(place, item.name if place.is_dir() else None, "exported")
-        out = Path(bpy.path.abspath(self.directory)) if self.directory else None
-        made = finished(export_steps(sidecar, spec, out, overwrite=self.overwrite))
-        self.report({"INFO"}, f"Exported {made.name} to {made.folder}: {size(made.bytes)}")
+        chosen = Path(bpy.path.abspath(self.directory)) if self.directory else None
+        out = chosen or export_path(sidecar, spec.target)
+        check_export(sidecar, spec, out, overwrite=self.overwrite)
+        return Place(item.name, sidecar, out)
+
+    def _export(self, places: list[Place], spec: ExportSpec) -> None:
+        """Export now, and report each object. Raises RadTexError."""
+        from ..bake.progress import finished
+        from ..export.run import export_steps
+        from .words import size
+
+        for place in places:
+            made = finished(export_steps(place.sidecar, spec, place.out, overwrite=self.overwrite))
+            self.report({"INFO"}, f"Exported {made.name} to {made.folder}: {size(made.bytes)}")
+
+
+def submit(places: Iterable[Place], spec: ExportSpec, *, overwrite: bool) -> None:
+    """Let workers export, while the window stays alive. Raises BakeError where no folder can be made."""
+    from ..worker.handover import work_folder
+    from ..worker.orders import order_export
+    from .preferences import preferred
+
+    folder = work_folder(preferred().cache)
+    jobs.add(
+        order_export(folder, place.sidecar, place.name, spec, place.out, overwrite=overwrite)
+        for place in places
+    )

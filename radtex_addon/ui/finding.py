@@ -60,18 +60,9 @@ def sidecar_of(scene: bpy.types.Scene, item: bpy.types.Object, bake: str) -> Pat
 
     Raises InputError where there is none, FormatError for a file that is no sidecar.
     """
-    from ..bake.spec import Kind
-    from ..formats.sidecar import file_name
-    from ..report.finished import find_bake
+    from ..report.shown import shown_bake
 
-    place = place_of(scene, bake)
-    if not place.is_dir():
-        return find_bake(place, None, "shown") if not place.exists() else place
-    for kind in Kind:
-        sidecar = place / file_name(item.name, kind, "json")
-        if sidecar.is_file():
-            return sidecar
-    return find_bake(place, item.name, "shown")
+    return shown_bake(place_of(scene, bake), item.name)
 
 
 def place_of(scene: bpy.types.Scene, bake: str) -> Path:

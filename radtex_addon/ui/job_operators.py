@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What can be done with bakes that wait, run or have ended."""
+"""What can be done with jobs that wait, run or have ended."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 
 class RADTEX_OT_cancel(bpy.types.Operator):
-    """End a bake that runs or waits; the scene is what it was"""
+    """End a bake, a comparison or an export that runs or waits; the scene is what it was"""
 
     bl_idname = "radtex.cancel"
-    bl_label = "Cancel Bake"
+    bl_label = "Cancel"
     bl_options = {"INTERNAL"}
 
     if TYPE_CHECKING:
@@ -39,7 +39,7 @@ class RADTEX_OT_cancel(bpy.types.Operator):
     @classmethod
     def poll(cls, _: bpy.types.Context | None) -> bool:
         if not jobs.busy():
-            cls.poll_message_set("Nothing is being baked")
+            cls.poll_message_set("Nothing is being baked, compared or exported")
             return False
         return True
 
@@ -49,10 +49,10 @@ class RADTEX_OT_cancel(bpy.types.Operator):
 
 
 class RADTEX_OT_cancel_here(bpy.types.Operator):
-    """End all bakes, while the mouse is over the sidebar: anywhere else, Esc belongs to others"""
+    """End all jobs, while the mouse is over the sidebar: anywhere else, Esc belongs to others"""
 
     bl_idname = "radtex.cancel_here"
-    bl_label = "Cancel All Bakes"
+    bl_label = "Cancel All"
     bl_options = {"INTERNAL"}
 
     @classmethod
@@ -69,7 +69,7 @@ class RADTEX_OT_cancel_here(bpy.types.Operator):
 
 
 class RADTEX_OT_clear_jobs(bpy.types.Operator):
-    """Take bakes that have ended off the list; their files stay"""
+    """Take jobs that have ended off the list; their files stay"""
 
     bl_idname = "radtex.clear_jobs"
     bl_label = "Clear Finished"

@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The window's bakes: a queue of workers, and a timer that hears them while there is anything to hear."""
+"""The window's jobs: a queue of workers, and a timer that hears them while there is anything to hear."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import bpy
@@ -15,18 +16,31 @@ from .redraw import redraw
 
 if TYPE_CHECKING:
     from ..worker.job import Job
+    from ..worker.order import Order
     from ..worker.queue import Queue
     from .request import BakeRequest
 
 _PULSE = 0.25  # seconds between two looks at the workers
 
 
+@dataclass(frozen=True)
+class Sequel:
+    """What comes after a job: `arrived` is called when it is done; `results` goes when it is forgotten."""
+
+    arrived: Callable[[Job], None]
+    results: TemporaryDirectory[str]
+
+
 @dataclass
 class _Session:
-    """There is no queue before the first bake, so that enabling RadTex loads nothing."""
+    """There is no queue before the first job, so that enabling RadTex loads nothing.
+
+    `sequels` are those of jobs by number.
+    """
 
     queue: Queue | None = None
     shown: tuple[Job, ...] = field(default=())
+    sequels: dict[int, Sequel] = field(default_factory=dict)
 
 
 _session = _Session()
@@ -40,28 +54,36 @@ def submit(scene: bpy.types.Scene, names: Iterable[str], request: BakeRequest) -
     """
     from ..core.sampler import Filter
     from ..worker.handover import hand_over
-    from ..worker.order import Order
+    from ..worker.orders import order_bake
     from .preferences import preferred
 
     handover = hand_over(scene, preferred().cache)
-    for place, name in enumerate(names):
-        picture = handover.folder / f"picture-{place}.png"
-        order = Order(
-            handover=handover,
-            object=name,
-            spec=request.spec,
-            out=request.folder,
-            preview=Filter.QUADRILINEAR if request.preview else None,
+    add(
+        order_bake(
+            handover,
+            name,
+            request.spec,
+            request.folder,
+            Filter.QUADRILINEAR if request.preview else None,
             overwrite=request.overwrite,
             extra=(
-                f"--thumbnail={picture}",
+                f"--thumbnail={handover.folder / f'picture-{place}.png'}",
                 *(("--resume",) if request.resume else ()),
                 *(f"--export={target}" for target in request.targets),
             ),
         )
-        _queue().add(order)
-    _look()
+        for place, name in enumerate(names)
+    )
     return handover.stalled
+
+
+def add(orders: Iterable[Order], sequel: Sequel | None = None) -> None:
+    """Let jobs wait their turn, each with that sequel."""
+    for order in orders:
+        number = _queue().add(order)
+        if sequel is not None:
+            _session.sequels[number] = sequel
+    _look()
 
 
 def snapshot() -> tuple[Job, ...]:
@@ -90,6 +112,8 @@ def forget_ended() -> None:
     if _session.queue is not None:
         _session.queue.forget_ended()
         _look()
+        for number in _session.sequels.keys() - {job.number for job in _session.shown}:
+            _session.sequels.pop(number).results.cleanup()
 
 
 def advance() -> bool:
@@ -97,10 +121,14 @@ def advance() -> bool:
     if _session.queue is None:
         return False
     more = _session.queue.advance()
-    ended = [job.number for job in _session.shown if job.ended]
+    before = {job.number for job in _session.shown if job.ended}
     _session.shown = _session.queue.snapshot()
-    if any(job.ended and job.number not in ended for job in _session.shown):
+    ended = [job for job in _session.shown if job.ended and job.number not in before]
+    if ended:
         outlook.mark_stale()  # there are new files
+    for job in ended:
+        if job.state == "done" and job.number in _session.sequels:
+            _session.sequels[job.number].arrived(job)
     return more
 
 
@@ -110,7 +138,10 @@ def unregister() -> None:
         bpy.app.timers.unregister(_pulse)
     if _session.queue is not None:
         _session.queue.close()
+    for sequel in _session.sequels.values():
+        sequel.results.cleanup()
     _session.queue, _session.shown = None, ()
+    _session.sequels.clear()
     pictures.unregister()
 
 

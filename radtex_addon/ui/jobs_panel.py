@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes that wait, run or have ended, each with what is known of it."""
+"""Bakes, comparisons and exports that wait, run or have ended, each with what is known of it."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from . import jobs, pictures
+from .choices import TARGETS
 from .messages import draw_text
 from .panel import Sidebar
 from .words import duration, iface_, remark
@@ -18,19 +19,21 @@ if TYPE_CHECKING:
 
 _ICONS = {
     "waiting": "SORTTIME",
-    "running": "RENDER_STILL",
     "done": "CHECKMARK",
     "failed": "ERROR",
     "cancelled": "CANCEL",
 }
+_RUNNING = {"bake": "RENDER_STILL", "comparison": "IMAGE_REFERENCE", "export": "EXPORT"}
+_TITLES = {"bake": "{}", "comparison": "{}, compared", "export": "{} for {}"}
+_TARGETS = {identifier: name for identifier, name, _ in TARGETS}
 
 _PICTURE = 8.0  # times a button's height
 
 
 class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
-    """Bakes that wait, run or have ended"""
+    """Bakes, comparisons and exports that wait, run or have ended"""
 
-    bl_label = "Bakes"
+    bl_label = "Jobs"
     bl_parent_id = "RADTEX_PT_bake"
 
     @classmethod
@@ -46,6 +49,11 @@ class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
         row.operator("radtex.clear_jobs", icon="TRASH")
 
 
+def title(job: Job) -> str:
+    """Whom a job is about, and what is done."""
+    return iface_(_TITLES[job.work]).format(job.object, _TARGETS.get(job.order.about, ""))
+
+
 def phrase(job: Job) -> str:
     """Where a job is, in a few words."""
     if job.cancelling and not job.ended:
@@ -59,7 +67,7 @@ def phrase(job: Job) -> str:
 
 def _draw_job(column: Any, job: Job) -> None:
     row = column.row(align=True)
-    row.label(text=job.object, icon=_ICONS[job.state], translate=False)
+    row.label(text=title(job), icon=_ICONS.get(job.state, _RUNNING[job.work]), translate=False)
     if not job.ended:
         row.operator("radtex.cancel", text="", icon="X").number = job.number
         column.progress(factor=job.fraction, text=phrase(job), translate=False)
@@ -68,10 +76,8 @@ def _draw_job(column: Any, job: Job) -> None:
         return
     row.label(text=phrase(job), translate=False)
     if job.state == "done":
-        row.operator("radtex.open_folder", text="", icon="FILE_FOLDER").directory = str(job.out)
-        if job.preview:
-            _draw_switch(column, job)
-    else:
+        _OFFERS[job.work](column, job)
+    elif job.work == "bake":
         again = row.operator("radtex.bake", text="", icon="PLAY")
         again.object, again.resume = job.object, True
     if job.state == "failed":
@@ -80,11 +86,35 @@ def _draw_job(column: Any, job: Job) -> None:
         draw_text(column, remark(warning), "INFO")
 
 
-def _draw_switch(column: Any, job: Job) -> None:
+def _offer_bake(column: Any, job: Job) -> None:
+    """The switch between object and bake, and its folder."""
     from ..preview.swap import is_on
 
-    item = bpy.data.objects.get(job.object)
-    pressed = item is not None and is_on(item)
-    icon = "HIDE_OFF" if pressed else "HIDE_ON"
-    switch = column.operator("radtex.preview_toggle", icon=icon, depress=pressed)
-    switch.object, switch.bake = job.object, str(job.out)
+    row = column.row(align=True)
+    if any(path.name.endswith(".preview.blend") for path in job.files):
+        item = bpy.data.objects.get(job.object)
+        pressed = item is not None and is_on(item)
+        icon = "HIDE_OFF" if pressed else "HIDE_ON"
+        switch = row.operator("radtex.preview_toggle", icon=icon, depress=pressed)
+        switch.object, switch.bake = job.object, str(job.out)
+        row.operator("radtex.open_folder", text="", icon="FILE_FOLDER").directory = str(job.out)
+    else:
+        row.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(job.out)
+
+
+def _offer_comparison(column: Any, job: Job) -> None:
+    """Its figures, and its pictures."""
+    from .comparison import figures
+
+    for line in figures(job.facts):
+        draw_text(column, line, "BLANK1")
+    column.operator("radtex.show_comparison", icon="IMAGE_DATA").number = job.number
+
+
+def _offer_export(column: Any, job: Job) -> None:
+    """The folder that it made."""
+    for folder in job.files:
+        column.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(folder)
+
+
+_OFFERS = {"bake": _offer_bake, "comparison": _offer_comparison, "export": _offer_export}

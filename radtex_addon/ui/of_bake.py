@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import bpy
-from bpy.props import StringProperty
+from bpy.props import BoolProperty, StringProperty
 
 from .finding import has_meshes
 
@@ -38,6 +38,26 @@ class OfBake:
     def poll(cls, context: bpy.types.Context | None) -> bool:
         """Whether there is something to show."""
         return has_meshes(cls, context)  # type: ignore[arg-type]  # who takes this is an operator
+
+
+class MayWait:
+    """Not registered itself: operators that let a worker work take its property."""
+
+    if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotation below
+        wait: bool
+    else:
+        wait: BoolProperty(
+            name="Wait",
+            description="Work here and now, so that a script finds the result afterwards. Without a window "
+            "that is always so",
+            default=False,
+            options={"SKIP_SAVE", "HIDDEN"},
+        )
+
+    @property
+    def at_once(self) -> bool:
+        """Whether to work here and now."""
+        return bpy.app.background or self.wait
 
 
 class AsksFirst:

@@ -40,6 +40,17 @@ def jobs_folder() -> Path:
         return Path(tempfile.gettempdir())
 
 
+def work_folder(root: Path | None = None) -> Path:
+    """A new folder for a worker below `root`, or where scenes are handed over. Raises BakeError."""
+    root = jobs_folder() if root is None else root
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        _remove_left(root)
+        return Path(tempfile.mkdtemp(prefix=_PREFIX, dir=root)).absolute()
+    except OSError as error:
+        raise _refused(root, error) from error
+
+
 def hand_over(scene: bpy.types.Scene, root: Path | None = None) -> Handover:
     """Save `scene` with its file as it is now, unsaved changes and painted images too, below `root`.
 
@@ -48,13 +59,7 @@ def hand_over(scene: bpy.types.Scene, root: Path | None = None) -> Handover:
     BakeError where the system refuses.
     """
     since = perf_counter()
-    root = jobs_folder() if root is None else root
-    try:
-        root.mkdir(parents=True, exist_ok=True)
-        _remove_left(root)
-        folder = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=root)).absolute()
-    except OSError as error:
-        raise _refused(root, error) from error
+    folder = work_folder(root)
     try:
         images = folder / "images"
         painted = save_unsaved(images)
@@ -64,7 +69,7 @@ def hand_over(scene: bpy.types.Scene, root: Path | None = None) -> Handover:
         _copy_caches(folder)
     except (OSError, RuntimeError) as error:
         shutil.rmtree(folder, ignore_errors=True)
-        raise _refused(root, error) from error
+        raise _refused(folder.parent, error) from error
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
@@ -80,7 +85,7 @@ def hand_over(scene: bpy.types.Scene, root: Path | None = None) -> Handover:
 
 def _refused(root: Path, error: Exception) -> BakeError:
     reason = " ".join(str(error).removeprefix("Error:").split())
-    return BakeError(f"the scene cannot be saved for the bake below {root} ({reason}): choose another folder")
+    return BakeError(f"nothing can be saved for a worker below {root} ({reason}): choose another folder")
 
 
 def _compression() -> dict[str, Any]:

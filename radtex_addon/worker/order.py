@@ -1,34 +1,18 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a worker is asked for, and the words in which `bake.py` understands it."""
+"""What a worker is asked for: what is run, and what is told of it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
+from typing import TypeVar
 
-from ..bake.spec import BakeSpec
-from ..core.sampler import Filter
+_Stage = TypeVar("_Stage", bound=str)
 
 _BAKE = Path(__file__).resolve().parents[2] / "bake.py"
-_FLAGS = {
-    "kind": "--kind",
-    "texels": "--texels",
-    "bucket": "--bucket",
-    "samples": "--samples",
-    "uv_layer": "--uv",
-    "capture": "--capture",
-    "seed": "--seed",
-    "device": "--device",
-    "compression": "--compression",
-    "unwrap": "--unwrap",
-    "padding": "--padding",
-    "memory_mb": "--memory",
-    "layout": "--layout",
-    "budget": "--budget",
-    "target": "--target",
-}
 
 
 @dataclass(frozen=True)
@@ -59,27 +43,53 @@ class Handover:
     stalled: float
 
 
+class Work(StrEnum):
+    """What a worker can do."""
+
+    BAKE = "bake"
+    EXPORT = "export"
+    COMPARISON = "comparison"
+
+
 @dataclass(frozen=True)
 class Order:
-    """One bake of a scene that was handed over; without a `preview` filter none is saved.
+    """One run of `bake.py`, and what is told of it.
 
-    `extra` are further arguments for `bake.py`.
+    `object` says whom it is about, and `about` what else tells it from others. In `folder` the worker works;
+    it goes away with the last of its orders. In `out` the run's files appear. `command` is the first of its
+    words, empty for a bake; then come the `blend` to open, if there is one, and `arguments`. `stages` are all
+    that it may speak of, in order, each with its part of the whole, 0 for one that it does not go through.
+    `remedy` is what to do when it ended early.
     """
 
-    handover: Handover
+    work: Work
     object: str
-    spec: BakeSpec
+    folder: Path
     out: Path
-    preview: Filter | None = None
-    overwrite: bool = False
-    extra: tuple[str, ...] = ()
+    arguments: tuple[str, ...]
+    stages: Mapping[str, float]
+    remedy: str
+    about: str = ""
+    command: str = ""
+    blend: Path | None = None
+
+    def ended_early(self, reason: str) -> str:
+        """What to tell of a run that ended without a word of its own."""
+        return f"the {self.work} ended early ({reason}): {self.remedy}"
 
 
-def command(program: Program, order: Order) -> list[str]:
+def parts(shares: Mapping[_Stage, float]) -> dict[str, float]:
+    """Stages by how long they take roughly, made parts of 1."""
+    whole = sum(shares.values())
+    return {str(stage): share / whole for stage, share in shares.items()}
+
+
+def command_line(program: Program, order: Order) -> list[str]:
     """The command line of the worker, which runs no script that lies in the .blend."""
-    blend = str(order.handover.blend)
+    command = [order.command] if order.command else []
+    blend = [str(order.blend)] if order.blend is not None else []
     if not program.is_blender:
-        return [program.binary, str(_BAKE), blend, *arguments(order)]
+        return [program.binary, str(_BAKE), *command, *blend, *order.arguments]
     find = f"import sys; sys.path += [path for path in {program.paths!a} if path not in sys.path]"
     options = [
         "--background",
@@ -92,40 +102,12 @@ def command(program: Program, order: Order) -> list[str]:
     return [
         program.binary,
         *options,
-        blend,
+        *blend,
         "--python-expr",
         find,
         "--python",
         str(_BAKE),
         "--",
-        *arguments(order),
+        *command,
+        *order.arguments,
     ]
-
-
-def arguments(order: Order) -> list[str]:
-    """What follows the .blend; a value is joined to its option, for names may begin with a dash."""
-    return [*_arguments(order), *order.extra]
-
-
-def _arguments(order: Order) -> Iterator[str]:
-    handover, spec = order.handover, order.spec
-    yield f"--object={order.object}"
-    yield f"--in-scene={handover.scene}"
-    if handover.images is not None:
-        yield f"--unsaved-images={handover.images}"
-    for field, flag in _FLAGS.items():
-        value = getattr(spec, field)
-        if field == "device" and value == "auto":
-            value = handover.device
-        if value is not None:
-            yield f"{flag}={value}"
-    if not spec.half:
-        yield "--float"
-    yield f"--out={order.out.absolute()}"
-    if order.preview is not None:
-        yield "--save-preview"
-        yield f"--filter={order.preview}"
-    if order.overwrite:
-        yield "--overwrite"
-    yield "--progress=json"
-    yield "--parent-pipe"

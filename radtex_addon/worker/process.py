@@ -14,7 +14,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -26,7 +26,6 @@ from .job import State
 
 PATIENCE = 1.0  # seconds that a cancelled worker has for itself
 _NICE = 10  # Blender's window goes before
-_REMEDY = "bake again, if memory ran out with fewer texels, cells or samples"
 
 Event: TypeAlias = Mapping[str, Any]
 
@@ -41,8 +40,10 @@ class Ended(NamedTuple):
 class Worker:
     """A running worker. Nothing here waits but `close`; call `events` now and then."""
 
-    def __init__(self, command: Sequence[str], folder: Path) -> None:
+    def __init__(self, command: Sequence[str], folder: Path, explain: Callable[[str], str]) -> None:
         """Start it, with its temporary files in a new folder below `folder`.
+
+        `explain` makes a message of the reason why it ended without a word of its own.
 
         Raises InputError where the program does not start, OSError where `folder` refuses.
         """
@@ -58,7 +59,7 @@ class Worker:
                 f"{command[0]} does not start ({error.strerror or error}): install Blender anew"
             ) from error
         self._said: SimpleQueue[Event | None] = SimpleQueue()
-        self._error = ""
+        self._explain, self._error = explain, ""
         self._is_done = False
         self._cancelled = False
         self._ended: Ended | None = None
@@ -162,7 +163,7 @@ class Worker:
             return Ended(State.DONE, "")
         if self._cancelled or code == Cancelled.exit_code:
             return Ended(State.CANCELLED, "cancelled")
-        return Ended(State.FAILED, self._error or f"the bake ended early ({self._reason(code)}): {_REMEDY}")
+        return Ended(State.FAILED, self._error or self._explain(self._reason(code)))
 
     def _reason(self, code: int) -> str:
         """Why it ended without a word of its own: a signal, else the last line of its standard error."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes that wait for one another: one worker at a time, each in the folder that was handed over."""
+"""Orders that wait for one another: one worker at a time, each in the folder that its order names."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from time import monotonic
 from ..core.errors import RadTexError
 from ..formats.atomic import remove_unfinished
 from .job import Job, State
-from .order import Order, Program, command
+from .order import Order, Program, command_line
 from .process import Worker
 
 _SIGN_OF_LIFE = 600.0  # seconds
@@ -23,15 +23,14 @@ _SIGN_OF_LIFE = 600.0  # seconds
 
 @dataclass(eq=False)
 class _Entry:
-    order: Order
     job: Job
 
 
 class Queue:
     """Jobs, one after another. `advance` it now and then, from one thread; nothing waits but `close`.
 
-    A job that fails does not hold up the next. A folder that was handed over goes away with the last of its
-    jobs. When Python ends, the queue is closed.
+    A job that fails does not hold up the next. An order's folder goes away with the last of its jobs. When
+    Python ends, the queue is closed.
     """
 
     def __init__(self, program: Program) -> None:
@@ -45,7 +44,7 @@ class Queue:
     def add(self, order: Order) -> int:
         """Let a job wait; returns its number."""
         self._numbers += 1
-        self._entries.append(_Entry(order, Job.of(self._numbers, order)))
+        self._entries.append(_Entry(Job(self._numbers, order)))
         return self._numbers
 
     def advance(self) -> bool:
@@ -93,9 +92,9 @@ class Queue:
             self._hear(entry, worker)
 
     def _start(self, entry: _Entry) -> None:
-        handover = entry.order.handover
+        order = entry.job.order
         try:
-            worker = Worker(command(self._program, entry.order), handover.folder)
+            worker = Worker(command_line(self._program, order), order.folder, order.ended_early)
         except (RadTexError, OSError) as error:
             self._end(entry, State.FAILED, str(error))
             return
@@ -110,7 +109,7 @@ class Queue:
         self._running = None
         worker.close()
         if worker.ended.state is not State.DONE:
-            remove_unfinished(entry.order.out, worker.pid)
+            remove_unfinished(entry.job.out, worker.pid)
         self._end(entry, *worker.ended)
 
     def _cancel(self, entry: _Entry) -> None:
@@ -122,13 +121,13 @@ class Queue:
 
     def _end(self, entry: _Entry, state: State, message: str) -> None:
         entry.job = entry.job.ends(state, message)
-        folder = entry.order.handover.folder
+        folder = entry.job.order.folder
         if folder not in self._folders():
             shutil.rmtree(folder, ignore_errors=True)
 
     def _folders(self) -> set[Path]:
         """Folders that jobs still need."""
-        return {entry.order.handover.folder for entry in self._entries if not entry.job.ended}
+        return {entry.job.order.folder for entry in self._entries if not entry.job.ended}
 
     def _show_life(self) -> None:
         """Keep other Blenders from taking our folders for left ones; see `handover`."""

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import shutil
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,20 +16,27 @@ import pytest
 from mathutils import Matrix
 
 from radtex_addon.core.errors import InputError
-from radtex_addon.export.spec import Arrangement, TextureFormat
+from radtex_addon.export.spec import Arrangement, ExportSpec, Target, TextureFormat
 from radtex_addon.preview.swap import is_on
 from radtex_addon.report.eye import Eye
+from radtex_addon.report.shown import bakes_of
 from radtex_addon.report.side_by_side import ComparisonSpec
-from radtex_addon.ui import registration
-from radtex_addon.ui.comparison import BAKED, DIFFERENCE, TRACED
-from radtex_addon.ui.export_operator import ARRANGEMENTS, FORMATS
+from radtex_addon.ui import jobs, registration
+from radtex_addon.ui.compare_operator import submit
+from radtex_addon.ui.comparison import BAKED, DIFFERENCE, TRACED, figures
+from radtex_addon.ui.export_operator import ARRANGEMENTS, FORMATS, Place
+from radtex_addon.ui.export_operator import submit as export
+from radtex_addon.ui.jobs_panel import title
 from radtex_addon.ui.outlook import chosen_objects
+from radtex_addon.worker.job import Job
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.test_swap import GLOW, NAME, PLAIN, bake_of, ball, digest
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 radtex: Any = bpy.ops.radtex  # type: ignore[attr-defined]  # ours, not Blender's
+
+PATIENCE = 120.0  # seconds
 
 
 @pytest.fixture(scope="module")
@@ -118,11 +126,11 @@ def test_each_press_is_one_step_to_undo(bake: str) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"object": "Kugel"}, "no object 'Kugel' in view layer"),
+        ({"object": "Kugel"}, "No object 'Kugel' in view layer"),
         ({"object": "Other"}, "holds no bake of 'Other'"),
-        ({"object": NAME, "bake": "/nowhere"}, "there is no /nowhere"),
+        ({"object": NAME, "bake": "/nowhere"}, "There is no /nowhere"),
         ({"object": "Camera"}, "'Camera'"),
-        ({}, "no mesh object is selected"),
+        ({}, "No mesh object is selected"),
     ],
 )
 def test_what_cannot_be_shown_is_said_and_nothing_changes(
@@ -158,7 +166,7 @@ def test_in_edit_mode_buttons_are_grey(name: str) -> None:
     assert not operator.poll()
 
 
-@pytest.mark.parametrize("name", ["preview_toggle", "compare", "export"])
+@pytest.mark.parametrize("name", ["preview_toggle", "compare", "show_comparison", "export"])
 def test_every_setting_has_a_tooltip(name: str) -> None:
     properties = getattr(radtex, name).get_rna_type().properties
     assert all(setting.description for setting in properties if setting.identifier != "rna_type")
@@ -212,10 +220,12 @@ def test_the_difference_is_four_times_what_a_display_shows(bake: str) -> None:
 def test_a_second_comparison_takes_the_place_of_the_first(bake: str) -> None:
     scene_with_balls()
     radtex.compare(bake=bake, pixels=32, samples=1)
-    first: Any = bpy.data.images[TRACED]
+    texture: Any = stage.material("wall", "ShaderNodeEmission").node_tree.nodes.new("ShaderNodeTexImage")
+    texture.image = bpy.data.images[TRACED]
     radtex.compare(bake=bake, pixels=48, samples=1)
-    assert len([image for image in bpy.data.images if image.name.startswith("RadTex")]) == 3
-    assert tuple(first.size) == (48, 27)
+    assert ours() == [BAKED, DIFFERENCE, TRACED]
+    assert texture.image == bpy.data.images[TRACED]
+    assert tuple(texture.image.size) == (48, 27)
     np.testing.assert_allclose(pixels(TRACED)[13, 24, :3], GLOW, rtol=0.02)
 
 
@@ -315,6 +325,92 @@ def test_a_view_that_is_none_is_refused() -> None:
             Eye.of_view(view, window)
 
 
+# by workers, as in a window
+
+
+def finish() -> tuple[Job, ...]:
+    """Pulse as the timer does, until no job is left to do."""
+    until = time.monotonic() + PATIENCE
+    while jobs.advance():
+        assert time.monotonic() < until, jobs.snapshot()
+        time.sleep(0.05)
+    return jobs.snapshot()
+
+
+def compare(item: Any, bake: str, size: int) -> None:
+    """As the button does in a window."""
+    place = Path(bake)
+    eye = Eye.of_camera(context.scene, context.view_layer)
+    submit(context.scene, bakes_of([item], place), place, eye, ComparisonSpec(size, 1))
+
+
+def ours() -> list[str]:
+    return sorted(image.name for image in bpy.data.images if image.name.startswith("RadTex"))
+
+
+def test_a_worker_compares_and_its_pictures_are_one_step_to_undo(bake: str) -> None:
+    (item,) = scene_with_balls()
+    bpy.ops.ed.undo_push(message="before")
+    before = digest()
+    for size, height in ((32, 18), (48, 27)):
+        compare(item, bake, size)
+        assert ours() in ([], [BAKED, DIFFERENCE, TRACED])
+        assert title(jobs.snapshot()[-1]) == "Ball, compared"
+        job = finish()[-1]
+        assert job.state == "done", job.message
+        assert pixels(TRACED).shape == (height, size, 4)
+        np.testing.assert_allclose(pixels(TRACED)[height // 2, size // 2, :3], GLOW, rtol=0.02)
+        assert pixels(DIFFERENCE)[..., :3].max() < 0.2
+    assert ours() == [BAKED, DIFFERENCE, TRACED]
+    bpy.ops.ed.undo()
+    assert pixels(TRACED).shape == (18, 32, 4), "the second took the place of the first"
+    bpy.ops.ed.undo()
+    assert differences(before, digest()) == {}
+    bpy.ops.ed.redo()
+    assert pixels(TRACED).shape == (18, 32, 4)
+
+
+def test_figures_and_pictures_of_a_comparison_are_there_until_it_is_forgotten(bake: str) -> None:
+    (item,) = scene_with_balls()
+    for size in (32, 48):
+        compare(item, bake, size)
+    first, second = finish()
+    assert [float(next(iter(figures(job.facts))).split()[0]) > 30 for job in (first, second)] == [True, True]
+    assert pixels(TRACED).shape == (27, 48, 4)
+    radtex.show_comparison(number=second.number)
+    bpy.data.images.remove(bpy.data.images[DIFFERENCE])
+    radtex.show_comparison(number=first.number)
+    assert ours() == [BAKED, DIFFERENCE, TRACED]
+    assert pixels(DIFFERENCE).shape == (18, 32, 4)
+    assert all(path.is_file() for job in (first, second) for path in job.files)
+    radtex.clear_jobs()
+    assert not any(path.exists() for job in (first, second) for path in (*job.files, job.out))
+    with pytest.raises(RuntimeError, match="has no pictures: compare again"):
+        radtex.show_comparison(number=first.number)
+
+
+def test_pictures_do_not_come_into_another_file(bake: str) -> None:
+    (item,) = scene_with_balls()
+    compare(item, bake, 32)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    (job,) = finish()
+    assert job.state == "done", job.message
+    assert ours() == []
+    radtex.show_comparison(number=job.number)
+    assert ours() == [BAKED, DIFFERENCE, TRACED]
+
+
+def test_a_worker_exports_while_the_scene_is_left_alone(bake: str) -> None:
+    scene_with_balls()
+    before = fingerprint()
+    sidecar, out = Path(bake) / "Ball.radiance.json", Path(bake) / "made"
+    export([Place(NAME, sidecar, out)], ExportSpec(Target.GODOT), overwrite=False)
+    assert title(jobs.snapshot()[0]) == "Ball for Godot"
+    (job,) = finish()
+    assert (job.state, job.files) == ("done", (out,)), job.message
+    assert differences(before, fingerprint()) == {}
+
+
 # export
 
 
@@ -345,7 +441,7 @@ def test_a_preview_is_exported_as_its_object(bake: str, tmp_path: Path) -> None:
         ({"target": "web", "format": "exr"}, "web does not read it"),
         ({"object": "Other"}, "holds no bake of 'Other'"),
         ({"limit": 3}, "a texture needs 16 pixels at least"),
-        ({"directory": "/tmp/one"}, "several objects do not fit in one folder"),
+        ({"directory": "/tmp/one"}, "Several objects do not fit in one folder"),
     ],
 )
 def test_what_cannot_be_exported_is_said(arguments: dict[str, Any], words: str, bake: str) -> None:

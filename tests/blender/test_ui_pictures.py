@@ -16,6 +16,8 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.formats.png import encode_png
 from radtex_addon.ui import pictures
 from radtex_addon.worker.job import Job, State
+from radtex_addon.worker.order import Handover
+from radtex_addon.worker.orders import order_bake
 
 
 @pytest.fixture(autouse=True)
@@ -26,7 +28,9 @@ def _forgotten() -> Iterator[None]:
 
 def job(tmp_path: Path, number: int = 1) -> Job:
     path = tmp_path / f"{number}.png"
-    return Job(number, "Card", BakeSpec(), tmp_path, preview=False, state=State.RUNNING, picture=path)
+    handover = Handover(tmp_path, tmp_path / "room.blend", "Scene", None, "cpu", 0.0)
+    order = order_bake(handover, "Card", BakeSpec(), tmp_path)
+    return Job(number, order, state=State.RUNNING, picture=path)
 
 
 def painted(one: Job, width: int, time: int) -> None:

@@ -11,15 +11,24 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from mathutils import Euler, Matrix
 
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.cli.arguments import Request, parse
+from radtex_addon.cli.compare_arguments import parse_compare
+from radtex_addon.cli.export_arguments import parse_export
 from radtex_addon.cli.options import ProgressStyle
 from radtex_addon.core.sampler import Filter
+from radtex_addon.export.progress import Task as ExportTask
+from radtex_addon.export.spec import Arrangement, ExportSpec, Target, TextureFormat
+from radtex_addon.report.eye import Eye
+from radtex_addon.report.side_by_side import ComparisonSpec
 from radtex_addon.worker.job import Job, State
-from radtex_addon.worker.order import Handover, Order, Program, arguments, command
+from radtex_addon.worker.order import Handover, Order, Program, Work, command_line
+from radtex_addon.worker.orders import order_bake, order_comparison, order_export
 
 FOLDER = Path("/some where/größer")
 HANDOVER = Handover(FOLDER, FOLDER / "raum.blend", "-Scene", None, "cpu", 0.0)
@@ -47,11 +56,11 @@ SPECS = {
 
 
 def order(spec: BakeSpec) -> Order:
-    return Order(HANDOVER, "--Vase", spec, FOLDER / "out")
+    return order_bake(HANDOVER, "--Vase", spec, FOLDER / "out")
 
 
 def understood(asked: Order) -> Request:
-    return parse(["scene.blend", *arguments(asked)], inside_blender=False)
+    return parse(["scene.blend", *asked.arguments], inside_blender=False)
 
 
 def test_every_field_of_a_spec_is_among_the_cases() -> None:
@@ -70,14 +79,16 @@ def test_a_spec_arrives_as_it_was_ordered(case: str) -> None:
 
 def test_a_preview_overwriting_and_painted_images_arrive() -> None:
     handover = replace(HANDOVER, images=FOLDER / "images")
-    asked = Order(handover, "Vase", BakeSpec(), FOLDER, Filter.NEAREST, overwrite=True, extra=("--verbose",))
+    asked = order_bake(
+        handover, "Vase", BakeSpec(), FOLDER, Filter.NEAREST, overwrite=True, extra=("--verbose",)
+    )
     request = understood(asked)
     assert (request.preview, request.overwrite, request.verbose) == (Filter.NEAREST, True, True)
     assert request.unsaved_images == FOLDER / "images"
 
 
 def test_auto_is_the_device_that_the_sessions_preferences_name() -> None:
-    asked = Order(replace(HANDOVER, device="optix"), "Vase", BakeSpec(), FOLDER)
+    asked = order_bake(replace(HANDOVER, device="optix"), "Vase", BakeSpec(), FOLDER)
     assert understood(asked).spec.device == "optix"
 
 
@@ -85,7 +96,7 @@ def test_inside_blender_its_own_settings_and_scripts_of_the_file_are_left_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     found = ("/wheels/größer", "C:\\a'b")
-    line = command(Program("/opt/blender", is_blender=True, paths=found), order(BakeSpec()))
+    line = command_line(Program("/opt/blender", is_blender=True, paths=found), order(BakeSpec()))
     before, after = line[: line.index("--")], line[line.index("--") + 1 :]
     assert before[0] == "/opt/blender"
     assert {"--background", "--factory-startup", "--disable-autoexec"} <= set(before)
@@ -100,9 +111,55 @@ def test_inside_blender_its_own_settings_and_scripts_of_the_file_are_left_out(
 
 
 def test_with_the_bpy_module_the_file_is_an_argument() -> None:
-    line = command(Program("/usr/bin/python", is_blender=False), order(BakeSpec()))
+    line = command_line(Program("/usr/bin/python", is_blender=False), order(BakeSpec()))
     assert line[0] == "/usr/bin/python"
     assert line[2] == str(HANDOVER.blend)
+
+
+def test_an_export_arrives_as_it_was_ordered(tmp_path: Path) -> None:
+    line: list[str] = []
+    chosen = ExportSpec(Target.RAW, TextureFormat.EXR, False, Arrangement.SLICES, 3, 512)
+    for spec, overwrite in ((chosen, True), (ExportSpec(Target.WEB), False)):
+        asked = order_export(FOLDER, FOLDER / "-Vase.json", "Vase", spec, FOLDER / "out", overwrite=overwrite)
+        line = command_line(Program("/opt/blender", is_blender=True), asked)
+        command, *words = line[line.index("--") + 1 :]
+        request = parse_export(words, inside_blender=True)
+        assert (command, request.bake, request.spec) == ("export", FOLDER / "-Vase.json", spec)
+        assert (request.out, request.overwrite) == (FOLDER / "out", overwrite)
+        assert (request.progress, request.parent_pipe) == (ProgressStyle.JSON, True)
+    assert line[line.index("--python-exit-code") + 2] == "--python-expr", "no file is opened"
+
+
+def test_a_comparison_arrives_as_it_was_ordered() -> None:
+    matrix = Matrix.LocRotScale((3.3, -1e-5, 12), Euler((0.1, 0.2, 0.3)), None)
+    eye = Eye(np.array(matrix), np.diag([0.5, 1.0, -0.002, 1.0]))
+    spec, handover = ComparisonSpec(77, 5), replace(HANDOVER, images=FOLDER / "images", device="optix")
+    asked = order_comparison(handover, ["--Vase", "B"], FOLDER / "baked", eye, spec, FOLDER / "out")
+    line = command_line(Program("/usr/bin/python", is_blender=False), asked)
+    assert line[2:4] == ["compare", str(HANDOVER.blend)]
+    request = parse_compare(line[3:], inside_blender=False)
+    assert (request.scene, request.in_scene, request.objects) == (HANDOVER.blend, "-Scene", ("--Vase", "B"))
+    assert (request.bake, request.spec) == (FOLDER / "baked", replace(spec, device="optix"))
+    assert (request.out, request.unsaved_images) == (FOLDER / "out", FOLDER / "images")
+    assert (request.progress, request.parent_pipe) == (ProgressStyle.JSON, True)
+    assert request.eye is not None
+    np.testing.assert_allclose(request.eye.matrix, eye.matrix, atol=1e-6)
+    np.testing.assert_array_equal(request.eye.projection, eye.projection)
+    assert asked.object == "--Vase, B"
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        (
+            order_export(FOLDER, FOLDER, "Vase", ExportSpec(Target.RAW), FOLDER),
+            "the export ended early (x): ",
+        ),
+        (order_bake(HANDOVER, "Vase", BakeSpec(), FOLDER), "the bake ended early (x): bake again, "),
+    ],
+)
+def test_an_order_says_what_to_do_when_it_ended_early(asked: Order, words: str) -> None:
+    assert asked.ended_early("x").startswith(words)
 
 
 # what a worker says
@@ -113,7 +170,7 @@ def progress(stage: Stage, done: int, total: int, left: float | None = None) -> 
 
 
 def job(spec: BakeSpec | None = None) -> Job:
-    return Job.of(1, order(spec or BakeSpec()))
+    return Job(1, order(spec or BakeSpec()))
 
 
 @pytest.mark.parametrize("case", SPECS)
@@ -130,7 +187,7 @@ def test_the_bar_runs_once_from_nothing_to_the_end(case: str) -> None:
     assert fractions == sorted(fractions)
     assert fractions[-1] == pytest.approx(1)
     assert max(later - earlier for earlier, later in pairwise(fractions)) < 0.5
-    assert known.stage is Stage.WRITE
+    assert known.stage == Stage.WRITE
 
 
 def test_the_bar_never_runs_back() -> None:
@@ -147,6 +204,19 @@ def test_the_time_left_covers_what_comes_after_a_stage() -> None:
     condensed = job(SPECS["a budget"]).hears(progress(Stage.CAPTURE, 2, 4, left=30))
     assert condensed.seconds_left is not None
     assert condensed.seconds_left > 60, "fitting and condensing are to come"
+
+
+def test_an_exports_bar_runs_over_its_own_stages() -> None:
+    known = Job(1, order_export(FOLDER, FOLDER, "Vase", ExportSpec(Target.RAW), FOLDER))
+    fractions = []
+    for task in ExportTask:
+        known = known.hears({**progress(Stage.WRITE, 0, 1), "stage": str(task)})
+        fractions.append(known.fraction)
+    assert (known.work, known.stage) == (Work.EXPORT, "pack")
+    assert all(later > earlier for earlier, later in pairwise(fractions))
+    assert known.hears(progress(Stage.WRITE, 1, 1)).fraction == known.fraction, (
+        "of a stage that is none of its"
+    )
 
 
 def test_what_else_a_worker_says() -> None:

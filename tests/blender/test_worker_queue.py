@@ -19,17 +19,25 @@ from typing import Any
 import bpy
 import numpy as np
 import pytest
+from mathutils import Matrix
 
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
+from radtex_addon.export.spec import ExportSpec, Target
 from radtex_addon.formats.exr import read_atlas
-from radtex_addon.worker.handover import hand_over, this_program
+from radtex_addon.preview.swap import switch_on
+from radtex_addon.report.comparison_files import read_picture
+from radtex_addon.report.eye import Eye
+from radtex_addon.report.side_by_side import ComparisonSpec
+from radtex_addon.worker.handover import hand_over, this_program, work_folder
 from radtex_addon.worker.job import Job, State
-from radtex_addon.worker.order import Handover, Order, Program
+from radtex_addon.worker.order import Handover, Program
+from radtex_addon.worker.orders import order_bake, order_comparison, order_export
 from radtex_addon.worker.queue import Queue
 from tests.blender import stage, worker_parent
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene
+from tests.blender.test_swap import GLOW, NAME, PLAIN, bake_of, ball
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 blocks: Any = bpy.data
@@ -120,7 +128,7 @@ def test_painted_images_linked_data_and_unsaved_changes_are_in_the_bake(
     handover = hand_over(context.scene, jobs)
     out = tmp_path / "out put" / "größer"
     for name in ("Größe 2 – neu", "Linked"):
-        queue.add(Order(handover, name, TINY, out, Filter.NEAREST))
+        queue.add(order_bake(handover, name, TINY, out, Filter.NEAREST))
     done = finish(queue)
     assert [job.state for job in done] == [State.DONE, State.DONE], done
     assert [job.fraction for job in done] == [1, 1]
@@ -142,7 +150,7 @@ def test_the_scene_on_the_screen_is_baked_and_stays_what_it_was(queue: Queue, jo
     name = card("Only here").name
     context.window.scene = blocks.scenes["Scene"]
     before = fingerprint()
-    queue.add(Order(hand_over(other, jobs), name, TINY, out))
+    queue.add(order_bake(hand_over(other, jobs), name, TINY, out))
     (done,) = finish(queue)
     assert done.state is State.DONE, done.message
     assert differences(before, fingerprint()) == {}
@@ -156,7 +164,7 @@ def test_three_wait_for_one_another_and_one_that_fails_holds_up_none(
     handover = hand_over(context.scene, jobs)
     shared = BakeSpec(texels=8, samples=1, uv_layer="UVMap", layout=Layout.SHARED)
     for name, spec, folder in (("Card", TINY, "one"), ("Crad", TINY, "two"), ("Card", shared, "three")):
-        queue.add(Order(handover, name, spec, out / folder))
+        queue.add(order_bake(handover, name, spec, out / folder))
     assert [job.state for job in queue.snapshot()] == [State.WAITING] * 3
     until(queue, lambda job: job.stage is not None)
     assert [job.state for job in queue.snapshot()] == [State.RUNNING, State.WAITING, State.WAITING]
@@ -175,10 +183,50 @@ def test_three_wait_for_one_another_and_one_that_fails_holds_up_none(
 
 def test_warnings_are_told(queue: Queue, jobs: Path, out: Path) -> None:
     bpy.ops.mesh.primitive_plane_add()
-    queue.add(Order(hand_over(context.scene, jobs), "Plane", TINY, out))
+    queue.add(order_bake(hand_over(context.scene, jobs), "Plane", TINY, out))
     (done,) = finish(queue)
     assert done.state is State.DONE
     assert ["has no light" in warning for warning in done.warnings] == [True]
+
+
+def test_a_comparison_and_an_export_are_worked_at_like_bakes(queue: Queue, jobs: Path, out: Path) -> None:
+    sidecar = bake_of(PLAIN, out / "baked")
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    item = ball(NAME)
+    switch_on(item, sidecar)  # of which the worker sees what the session does
+    eye = Eye.of_view(np.array(Matrix.Translation((0, 0, -5))), np.diag([0.5, 1.0, -0.002, 1.0]))
+    handover, spec = hand_over(context.scene, jobs), ComparisonSpec(32, 1)
+    queue.add(order_comparison(handover, [NAME], None, eye, spec, out / "pictures"))
+    folder = work_folder(jobs)
+    for overwrite in (False, False):
+        export = ExportSpec(Target.GLTF)
+        queue.add(order_export(folder, sidecar, NAME, export, out / "made", overwrite=overwrite))
+    compared, exported, again = finish(queue)
+    assert compared.state is State.DONE, compared.message
+    assert compared.facts["psnr"] > 30
+    np.testing.assert_allclose(read_picture(Path(compared.facts["traced"]))[8, 16], GLOW, rtol=0.02)
+    assert exported.state is State.DONE, exported.message
+    assert exported.files == (out / "made",)
+    assert (out / "made" / "Ball.glb").is_file()
+    assert again.state is State.FAILED
+    assert f"{out / 'made'} is already there" in again.message
+    assert [job.object for job in (compared, exported)] == [NAME, NAME]
+    assert list(jobs.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no signals")
+def test_an_export_that_is_killed_is_one_line_and_leaves_nothing(queue: Queue, jobs: Path, out: Path) -> None:
+    sidecar = bake_of(PLAIN, out)
+    before = set(out.iterdir())
+    folder = work_folder(jobs)
+    queue.add(order_export(folder, sidecar, NAME, ExportSpec(Target.RAW), out / "made"))
+    until(queue, lambda job: job.stage is not None)
+    assert set(out.iterdir()) > before, "it is written beside its place"
+    os.kill(running_pid(queue), signal.SIGKILL)
+    failed = until(queue, lambda job: job.state is State.FAILED)
+    assert failed.message == "the export ended early (killed by signal 9): export again"
+    assert set(out.iterdir()) == before
+    assert list(jobs.iterdir()) == []
 
 
 # cancelling
@@ -205,7 +253,7 @@ def test_cancelling_takes_two_seconds_at_most_and_leaves_nothing(
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=7)
         blocks.objects["Card"].name, context.object.name = "Other", "Card"
     spec = replace(ENDLESS, uv_layer=None) if moment is unwrapping else ENDLESS
-    queue.add(Order(hand_over(context.scene, jobs), "Card", spec, out))
+    queue.add(order_bake(hand_over(context.scene, jobs), "Card", spec, out))
     until(queue, moment)
     if moment is unwrapping:
         time.sleep(0.5)  # into xatlas, a process of the worker's own
@@ -228,7 +276,7 @@ def test_a_job_that_waits_is_cancelled_at_once_and_the_others_go_on(
     card()
     handover = hand_over(context.scene, jobs)
     for folder in ("one", "two"):
-        queue.add(Order(handover, "Card", TINY, out / folder))
+        queue.add(order_bake(handover, "Card", TINY, out / folder))
     queue.advance()
     queue.cancel(2)
     assert queue.snapshot()[1].state is State.CANCELLED
@@ -240,7 +288,7 @@ def test_closing_the_queue_ends_all_and_leaves_nothing(queue: Queue, jobs: Path,
     card()
     handover = hand_over(context.scene, jobs)
     for _ in range(2):
-        queue.add(Order(handover, "Card", ENDLESS, out))
+        queue.add(order_bake(handover, "Card", ENDLESS, out))
     until(queue, rendering)
     pid = running_pid(queue)
     since = time.monotonic()
@@ -285,8 +333,8 @@ def test_a_worker_that_is_killed_is_one_line_and_the_next_job_goes_on(
 ) -> None:
     card()
     handover = hand_over(context.scene, jobs)
-    queue.add(Order(handover, "Card", ENDLESS, out))
-    queue.add(Order(handover, "Card", TINY, out / "next"))
+    queue.add(order_bake(handover, "Card", ENDLESS, out))
+    queue.add(order_bake(handover, "Card", TINY, out / "next"))
     until(queue, rendering)
     out.mkdir(exist_ok=True)
     litter = out / f".radtex-{running_pid(queue)}-0123.exr"  # as if it had been writing
@@ -305,7 +353,7 @@ def test_a_worker_that_is_killed_is_one_line_and_the_next_job_goes_on(
 def test_a_program_that_is_no_blender_is_one_line(jobs: Path, out: Path, tmp_path: Path) -> None:
     card()
     queue = Queue(Program(str(tmp_path / "blender"), is_blender=True))
-    queue.add(Order(hand_over(context.scene, jobs), "Card", TINY, out))
+    queue.add(order_bake(hand_over(context.scene, jobs), "Card", TINY, out))
     (failed,) = finish(queue)
     assert failed.state is State.FAILED
     assert re.fullmatch(r".*/blender does not start \(No such file or directory\): .*", failed.message)
@@ -316,7 +364,7 @@ def test_a_program_that_is_no_blender_is_one_line(jobs: Path, out: Path, tmp_pat
 def test_a_program_that_ends_well_and_bakes_nothing_has_failed(jobs: Path, out: Path) -> None:
     card()
     queue = Queue(Program("/bin/true", is_blender=True))
-    queue.add(Order(hand_over(context.scene, jobs), "Card", TINY, out))
+    queue.add(order_bake(hand_over(context.scene, jobs), "Card", TINY, out))
     (failed,) = finish(queue)
     assert failed.state is State.FAILED
     assert failed.message.startswith("the bake ended early (exit code 0): ")
@@ -326,7 +374,7 @@ def test_a_program_that_ends_well_and_bakes_nothing_has_failed(jobs: Path, out: 
 def test_a_file_that_is_gone_is_one_line(queue: Queue, jobs: Path, out: Path) -> None:
     folder = jobs / "gone"
     gone = Handover(folder, folder / "room.blend", "Scene", None, "cpu", 0.0)
-    queue.add(Order(gone, "Card", TINY, out))
+    queue.add(order_bake(gone, "Card", TINY, out))
     (failed,) = finish(queue)
     assert failed.state is State.FAILED
     assert str(folder) in failed.message

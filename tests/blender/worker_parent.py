@@ -20,7 +20,7 @@ import bpy
 
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.worker.handover import hand_over, this_program
-from radtex_addon.worker.order import Order
+from radtex_addon.worker.orders import order_bake
 from radtex_addon.worker.queue import Queue
 
 
@@ -31,7 +31,7 @@ def main() -> None:
     scene = bpy.context.scene
     assert scene is not None
     queue = Queue(this_program())
-    queue.add(Order(hand_over(scene, Path(jobs)), name, spec, Path(out)))
+    queue.add(order_bake(hand_over(scene, Path(jobs)), name, spec, Path(out)))
     queue.advance()
     assert queue._running is not None
     print("worker", queue._running[1].pid, flush=True)

@@ -61,7 +61,7 @@ WORKER = ("scene", "xatlas_worker")
 METRICS = ("report", "metrics")
 
 # The modules that a worker is run with: they need no Blender, so that nothing of it is held while one runs.
-OUTSIDE: set[tuple[str, ...]] = {("worker", name) for name in ("job", "order", "process", "queue")}
+OUTSIDE: set[tuple[str, ...]] = {("worker", name) for name in ("job", "order", "orders", "process", "queue")}
 
 BY_MODULE: dict[tuple[str, ...], set[str]] = {
     WORKER: {"numpy", "xatlas"},

@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A run that bakes."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+
+import bpy
+
+from ..bake.checkpoint import is_unfinished
+from ..bake.spec import Layout
+from ..bake.thumbnail import Thumbnail
+from ..core.errors import InputError, RadTexError
+from ..formats.atomic import check_writable
+from ..formats.memory import readable_size
+from ..job import BakeResult, OutputFiles, bake_steps, check_request
+from ..preview.picture import render_picture
+from ..scene.demo import OBJECT
+from ..worker.images import load_unsaved
+from .arguments import Request
+from .export import export_baked
+from .failure import as_ours
+from .interruption import INTERRUPTED, Interruption
+from .opening import open_scene
+from .reporting import Report
+
+
+def run_bake(request: Request, report: Report, interruption: Interruption) -> None:
+    """Bake each object, and say what was made. Raises RadTexError."""
+    if request.parent_pipe:
+        interruption.ask_when_input_ends()
+    scene = open_scene(request.scene, request.demo, request.in_scene)
+    if request.unsaved_images is not None:
+        load_unsaved(request.unsaved_images)
+    objects = request.objects or (OBJECT,)
+    for name in objects:  # all of them, before the first bake
+        check_request(
+            scene,
+            name,
+            request.spec,
+            request.out,
+            request.preview is not None,
+            request.overwrite,
+            resume=request.resume,
+        )
+    _check_thumbnail(request.thumbnail)
+    for name in objects:
+        result = _bake(scene, name, request, report, interruption)
+        others = _pictures(request, result)
+        others += export_baked(result.files.sidecar, request.exports, request.overwrite, interruption)
+        facts = _facts(request, result, others)
+        report.event("done", object=name, summary=_summary(name, request, result), **facts)
+
+
+def _check_thumbnail(path: Path | None) -> None:
+    if path is None:
+        return
+    if path.suffix.lower() != ".png":
+        raise InputError(f"--thumbnail {path}: give the name of a PNG, such as {path.with_suffix('.png')}")
+    if path.is_dir():
+        raise InputError(f"--thumbnail {path} is a folder: name a file")
+    check_writable(path.parent)
+
+
+def _bake(
+    scene: bpy.types.Scene, name: str, request: Request, report: Report, interruption: Interruption
+) -> BakeResult:
+    def written(path: Path) -> None:
+        report.event("picture", object=name, path=str(path))
+
+    steps = bake_steps(
+        scene,
+        name,
+        request.spec,
+        request.out,
+        preview=request.preview,
+        overwrite=request.overwrite,
+        resume=request.resume,
+        thumbnail=Thumbnail(request.thumbnail, written) if request.thumbnail else None,
+    )
+    try:
+        return interruption.between(steps, partial(report.progress, name))
+    except InputError:
+        raise
+    except (Exception, KeyboardInterrupt) as raised:  # of all that can end a bake
+        raise _with_the_way_on(as_ours(raised), name, request) from raised
+
+
+def _with_the_way_on(failure: RadTexError, name: str, request: Request) -> RadTexError:
+    """The same, which also says that a bake can be gone on with, if it can."""
+    files = OutputFiles.of(name, request.spec, request.out, preview=False)
+    if not is_unfinished(files.unfinished):
+        return failure
+    what = "interrupted" if str(failure) == INTERRUPTED else str(failure)
+    return type(failure)(f"{what}: what is finished of '{name}' is kept, go on with --resume")
+
+
+def _pictures(request: Request, result: BakeResult) -> list[Path]:
+    """The demo shows itself: a picture of the saved preview."""
+    if not request.demo or result.files.preview is None:
+        return []
+    picture = result.files.preview.with_suffix(".png")
+    render_picture(result.files.preview, picture)
+    return [picture]
+
+
+def _summary(name: str, request: Request, result: BakeResult) -> str:
+    layout = result.layout
+    seconds = sum(result.seconds.values())
+    size = readable_size(sum(path.stat().st_size for path in result.files.images))
+    shared = ", shared," if request.spec.layout is Layout.SHARED else ""
+    lost = f", {result.fireflies:.1%} of the light cut off as fireflies" if result.fireflies > 5e-4 else ""
+    clamped = f", {result.clamped} values clamped to what the file holds" if result.clamped else ""
+    return (
+        f"{name}: {layout.width} x {layout.height} texels of {layout.bucket} x {layout.bucket} cells{shared} "
+        f"at {request.spec.samples} spp, {result.covered_texels} texels covered, {result.paths:,} paths "
+        f"on {result.device} in {seconds:.1f} s, {size}{_condensed(result)}{lost}{clamped}"
+    )
+
+
+def _condensed(result: BakeResult) -> str:
+    chosen = result.condensed
+    if chosen is None:
+        return ""
+    clusters = " and ".join(str(count) for count in chosen.clusters) or "no"
+    return (
+        f" ({chosen.bytes / 1e6:.2f} MB on a GPU) in {clusters} clusters, "
+        f"{chosen.agreement:.1f} dB from what was fitted"
+    )
+
+
+def _facts(request: Request, result: BakeResult, others: list[Path]) -> dict[str, object]:
+    return {
+        "files": [str(path) for path in (*result.files.all, *others)],
+        "layout": str(request.spec.layout),
+        "texels": [result.layout.width, result.layout.height],
+        "bucket": result.layout.bucket,
+        "covered_texels": result.covered_texels,
+        "islands": result.islands,
+        "paths": result.paths,
+        "device": result.device,
+        "clamped": result.clamped,
+        "fireflies": result.fireflies,
+        "condensed": asdict(result.condensed) if result.condensed else None,
+        "seconds": {str(stage): round(value, 3) for stage, value in result.seconds.items()},
+    }

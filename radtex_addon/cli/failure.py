@@ -1,0 +1,24 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whatever ends a run, as one of our errors."""
+
+from __future__ import annotations
+
+import traceback
+
+from ..core.errors import BakeError, Cancelled, RadTexError
+from .interruption import INTERRUPTED
+
+
+def as_ours(raised: BaseException) -> RadTexError:
+    """What to tell the user; a mistake of our own shows its traceback too."""
+    if isinstance(raised, RadTexError):
+        return raised
+    if isinstance(raised, KeyboardInterrupt):
+        return Cancelled(INTERRUPTED)
+    if isinstance(raised, MemoryError):
+        return BakeError("out of memory: use fewer texels or cells, or a smaller --memory")
+    if isinstance(raised, OSError):
+        return BakeError(f"the system refuses: {raised}; make room, or choose another folder")
+    traceback.print_exception(raised)
+    return BakeError(f"a mistake in RadTex ({type(raised).__name__}): please report it, with the lines above")

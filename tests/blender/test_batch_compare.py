@@ -1,0 +1,164 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`bake.py compare`: what it understands, says and leaves."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.cli import main as batch_module
+from radtex_addon.cli.compare_arguments import parse_compare
+from radtex_addon.core.errors import InputError
+from radtex_addon.report.comparison_files import read_picture
+from radtex_addon.report.side_by_side import ComparisonSpec, difference
+from tests.blender import stage
+from tests.blender.batch_process import process, refusal
+from tests.blender.test_swap import GLOW, PLAIN, bake_of, ball
+
+context: Any = bpy.context  # to the stubs, every pointer may be None
+blocks: Any = bpy.data
+
+QUICK = ("--pixels", "32", "--samples", "1")
+IDENTITY = "1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1"
+ABOVE = "--view=1,0,0,0,0,1,0,0,0,0,1,-5,0,0,0,1"
+ASIDE = "--view=1,0,0,-50,0,1,0,0,0,0,1,-5,0,0,0,1"
+FLAT = "--window=0.5,0,0,0,0,1,0,0,0,0,-0.002,0,0,0,0,1"
+
+
+@pytest.fixture(scope="module")
+def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A .blend with a glowing ball under a camera, and beside it, in "baked", its bake."""
+    folder = tmp_path_factory.mktemp("ein schöner Raum")
+    bake_of(PLAIN, folder / "baked")
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    ball("Ball")
+    stage.world((0.1, 0.1, 0.1))
+    context.scene.camera = blocks.objects.new("Camera", blocks.cameras.new("Camera"))
+    context.scene.collection.objects.link(context.scene.camera)
+    context.scene.camera.location.z = 5
+    context.scene.render.resolution_x, context.scene.render.resolution_y = 200, 100
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "room.blend"), copy=True)
+    return folder / "room.blend"
+
+
+@pytest.fixture
+def baked(room: Path) -> Path:
+    return room.parent / "baked"
+
+
+def test_a_comparison_prints_json_lines_and_leaves_three_pictures(room: Path, baked: Path, out: Path) -> None:
+    before = room.read_bytes()
+    ended = process(
+        *("compare", room, "--object", "Ball", "--bake", baked, "--out", out),
+        *("--pixels", "64", "--samples", "4", "--progress", "json"),
+    )
+    assert (ended.code, ended.err) == (0, "")
+    *progress, done = [json.loads(line) for line in ended.out.splitlines()]
+    assert {event["event"] for event in progress} == {"progress"}
+    assert list(dict.fromkeys(event["stage"] for event in progress)) == ["reference", "compare"]
+    names = ["Ball.traced.exr", "Ball.baked.exr", "Ball.difference.png"]
+    assert done["files"] == [str(out / name) for name in names]
+    assert sorted(path.name for path in out.iterdir()) == sorted(names)
+    assert (done["event"], done["object"]) == ("done", "Ball")
+    assert done["psnr"] > 30
+    assert done["energy"] == pytest.approx(1, abs=0.03)
+    assert done["summary"].startswith(f"Ball: {done['psnr']:.1f} dB from path traced")
+    assert room.read_bytes() == before
+    traced, shown = read_picture(Path(done["traced"])), read_picture(Path(done["baked"]))
+    assert traced.shape == shown.shape == (32, 64, 3)
+    for picture in (traced, shown):
+        np.testing.assert_allclose(picture[16, 32], GLOW, rtol=0.02)
+        np.testing.assert_allclose(picture[2, 2], 0.1, rtol=0.02)
+    png: Any = blocks.images.load(str(out / names[2]))
+    levels = np.array(png.pixels).reshape(32, 64, 4)[..., :3]
+    np.testing.assert_allclose(levels, difference(traced, shown), atol=0.01)
+
+
+def test_inside_blender_the_open_file_is_looked_at_by_a_view_of_ones_own(
+    room: Path, baked: Path, out: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(room))
+    context.scene.camera = None
+    arguments = ["compare", "--object=Ball", f"--bake={baked / 'Ball.radiance.json'}", f"--out={out}"]
+    arguments += [ABOVE, FLAT, *QUICK, "--progress=none"]
+    assert batch_module.main(arguments, inside_blender=True) == 0
+    told = capfd.readouterr().out
+    assert "\nBall: 99.0 dB from path traced" in told
+    assert str(out / "Ball.difference.png") in told
+    picture = read_picture(out / "Ball.traced.exr")
+    assert picture.shape == (16, 32, 3)
+    np.testing.assert_allclose(picture[8, 16], GLOW, rtol=0.02)
+    np.testing.assert_allclose(picture[8, 2], 0.1, rtol=0.02)
+    assert batch_module.main(arguments, inside_blender=True) == 0, "earlier pictures are replaced"
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("Ball",), "there is no file"),
+        (("{room}", "--object", "Boll"), "no object 'Boll' in scene 'Scene': did you mean 'Ball'?"),
+        (("{room}", "--object", "Ball", "--bake", "/nowhere"), "there is no /nowhere"),
+        (("{room}", "--object", "Camera", "--bake", "{room.parent}/baked"), "holds no bake of 'Camera'"),
+        (
+            ("{room}", "--object", "Ball", "--bake", "{room.parent}/baked", ASIDE, FLAT),
+            "'Ball': not seen from here",
+        ),
+    ],
+)
+def test_what_cannot_be_compared_is_one_line(
+    words: tuple[str, ...], message: str, room: Path, out: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    arguments = [word.format(room=room) for word in words]
+    if "--object" not in arguments:
+        arguments += ["--object", "Ball"]
+    code = batch_module.main(["compare", *arguments, *QUICK, f"--out={out}", "--progress=none"], False)
+    said = capfd.readouterr()
+    assert (code, said.out) == (2, "")
+    assert said.err.count("\n") == 1
+    assert message in said.err
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "inside", "message"),
+    [
+        ((), False, "which file?"),
+        (("room.blend",), False, "which object?"),
+        ((), True, "which object?"),
+        (("room.blend", "--object=A"), True, "the open file is looked at: open room.blend by blender -b"),
+        (("room.blend", "--object=A", f"--view={IDENTITY}"), False, "give --view and --window"),
+        (("room.blend", "--object=A", "--view=1,0", FLAT), False, "give a matrix as 16 numbers"),
+        (("room.blend", "--object=A", f"--view={IDENTITY}x", FLAT), False, "give a matrix as 16 numbers"),
+        (("room.blend", "--object=A", ABOVE, f"--window={'0,' * 15}0"), False, "these matrices are no view"),
+        (("room.blend", "--object=A", "--pixels=4"), False, "pixels 4: give a whole number from 16"),
+    ],
+)
+def test_a_request_that_cannot_be_is_refused(words: tuple[str, ...], inside: bool, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        parse_compare(list(words), inside)
+
+
+def test_without_options_the_batchs_folder_and_the_camera_are_looked_at() -> None:
+    request = parse_compare(["demo"], inside_blender=False)
+    assert (request.demo, request.objects, request.bake, request.out) == (
+        True,
+        (),
+        Path("radtex"),
+        Path("radtex"),
+    )
+    assert (request.eye, request.spec) == (None, ComparisonSpec())
+
+
+def test_help_shows_every_option_and_refusals_are_one_line() -> None:
+    ended = process("compare", "--help")
+    assert (ended.code, ended.err) == (0, "")
+    flags = ("--object", "--in-scene", "--bake", "--view", "--window", "--pixels", "--samples", "--device")
+    assert [flag for flag in (*flags, "--out", "--parent-pipe") if flag not in ended.out] == []
+    assert max(len(line) for line in ended.out.splitlines()) <= 80
+    assert "which object?" in refusal(process("compare", "room.blend"))
