@@ -37,6 +37,7 @@ _BYTES_PER_RAY = 48  # single paths in float16, their directions, and what the f
 
 _MOST_SHARED_SAMPLES = 2**12  # 177 thousand paths a texel
 _CONDENSED_CELLS = 14  # with its border a bucket is 16 pixels wide: whole blocks of a compressed texture
+_TRANSFER_CELLS = 9  # an odd number: then the creases of octahedral maps run through cells' middles
 _TARGETS = (10.0, 60.0)  # dB; textures of 8 bits come no nearer
 
 # What a whole number may be; Cycles's own bounds for samples and seed.
@@ -109,6 +110,8 @@ class BakeSpec:
     inside it. Enums may be given as text. With a `budget`, the bytes that its textures may take on a
     GPU, or a `target`, how near they are to come to what was fitted, in dB, a bake in the shared layout is
     condensed (`core.condensed`).
+    Of kind `transfer`, buckets are octahedral maps of directions to the light, and each of the bucket² suns
+    that it is captured under costs `samples` paths a texel; without `bucket` there are 9 x 9 cells.
     Raises InputError for what cannot be baked.
     """
 
@@ -134,7 +137,7 @@ class BakeSpec:
     def __post_init__(self) -> None:
         object.__setattr__(self, "layout", parse_layout(self.layout))
         if cast(int | None, self.bucket) is None:
-            object.__setattr__(self, "bucket", _CONDENSED_CELLS if self.condensed else self.layout.cells)
+            object.__setattr__(self, "bucket", self._suited_bucket())
         object.__setattr__(self, "kind", parse_kind(self.kind))
         object.__setattr__(self, "capture", parse_capture(self.capture))
         object.__setattr__(self, "compression", parse_compression(self.compression))
@@ -151,6 +154,11 @@ class BakeSpec:
         if self.condensed:
             self._check_condensed()
         self._check_size()
+
+    def _suited_bucket(self) -> int:
+        if parse_kind(self.kind) is Kind.TRANSFER:
+            return _TRANSFER_CELLS
+        return _CONDENSED_CELLS if self.condensed else self.layout.cells
 
     @property
     def condensed(self) -> bool:
@@ -212,12 +220,12 @@ class BakeSpec:
 
     def _check_transfer(self) -> None:
         for asked, wrong, remedy in (
-            ("the shared layout", self.layout is not Layout.BUCKETS, "choose layout buckets"),
+            ("shared layout", self.layout is not Layout.BUCKETS, "choose layout buckets"),
             ("capture panoramic", self.capture is not CaptureMethod.PORTAL, "capture by portal"),
-            ("a budget or a target", self.condensed, "leave it out"),
+            ("budget or target", self.condensed, "leave it out"),
         ):
             if wrong:
-                raise InputError(f"kind transfer knows no {asked.removeprefix('the ')}: {remedy}")
+                raise InputError(f"kind transfer knows no {asked}: {remedy}")
 
     def _check_occlusion(self) -> None:
         """A shadow sends one ray a cell, whatever `samples` says."""

@@ -67,10 +67,15 @@ def blend_buckets(buckets: Floats, position: Floats, b: Floats, texels: Floats, 
 def _texels(position: Floats, size: Floats, blend: bool) -> Iterator[tuple[Ints, Floats]]:
     """The texel that holds each position (in texels), or the four around it, with their weights."""
     if blend:
-        yield from _bilinear(position - 0.5, size - 1)
+        yield from four_texels(position, size)
         return
     inside = np.clip(np.floor(position), 0, size - 1)
     yield inside.astype(np.intp), np.ones(len(position), dtype=position.dtype)
+
+
+def four_texels(position: Floats, size: Floats) -> Iterator[tuple[Ints, Floats]]:
+    """The four texels (K, 2) around each position (K, 2), in texels, x first, and their weights (K,)."""
+    yield from _bilinear(position - 0.5, size - 1)
 
 
 def _cells(b: Floats, n: int, blend: bool) -> Iterator[tuple[Ints, Floats]]:

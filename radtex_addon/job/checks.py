@@ -59,7 +59,7 @@ def check_request(
     if spec.kind is Kind.PROXY:
         find_content(layer, item, spec.content)
     warnings = []
-    if spec.kind not in OCCLUSION and is_dark(scene, layer):
+    if spec.kind not in (*OCCLUSION, Kind.TRANSFER) and is_dark(scene, layer):
         warnings.append(f"scene '{scene.name}' has no light: no lamp, a black world, nothing that emits")
     if spec.capture is CaptureMethod.PORTAL:
         warnings.extend(

@@ -14,7 +14,7 @@ import bpy
 
 from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.progress import Progress, Stage, finished
-from ..bake.spec import OCCLUSION, BakeSpec, Layout
+from ..bake.spec import OCCLUSION, BakeSpec, Kind, Layout
 from ..bake.stopwatch import Stopwatch
 from ..bake.thumbnail import Thumbnail
 from ..core.atlas import AtlasLayout
@@ -32,6 +32,7 @@ from .occlusion import bake_occlusion
 from .prepare import Prepared, prepare
 from .previews import save_preview_of
 from .shared import bake_shared
+from .transfer import bake_transfer
 from .unfinished import open_checkpoint
 
 log = logging.getLogger(__name__)
@@ -176,6 +177,8 @@ def bake_and_keep(
 
 
 def _baker(spec: BakeSpec) -> Callable[..., Generator[Progress, None, Made]]:
+    if spec.kind is Kind.TRANSFER:
+        return bake_transfer
     if spec.kind in OCCLUSION:
         return bake_occlusion
     return bake_shared if spec.layout is Layout.SHARED else bake_buckets

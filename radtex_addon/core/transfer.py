@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The reference sampler of kind `transfer`: what a texel shows under a light from any direction.
+
+A bucket is an octahedral map (`core.octahedron`) of the directions to the light in the texel's frame, its
+middle along the normal, its corners the light behind the surface. A cell holds the radiance that leaves the
+texel under a directional light that gives an irradiance of 1 on a plane facing it. Light is linear: what
+several lights do adds up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from .arrays import Floats, as_floats
+from .atlas import AtlasLayout
+from .errors import ShapeError
+from .octahedron import cell_directions, direction_to_octahedron, octahedron_taps
+from .sampler import checked_lookups, four_texels
+
+
+def sample_transfer(image: Floats, layout: AtlasLayout, uv: Floats, light: Floats) -> Floats:
+    """What texture coordinates show under unit light: between four texels, each between four cells.
+
+    `image` (H*n, W*n, C), row 0 at the bottom; `uv` (K, 2), clamped to the atlas's edge; `light` (K, 3) the
+    directions to the light in the frame, of any length but zero. Returns (K, C), float32 or float64 as `uv`
+    is. Raises ShapeError for shapes that do not fit.
+    """
+    uv, light = checked_lookups(uv, light)
+    n, texels = layout.bucket, np.array([layout.width, layout.height], dtype=uv.dtype)
+    buckets = layout.to_buckets(image).reshape(layout.height, layout.width, n * n, -1)
+    taps = list(octahedron_taps(direction_to_octahedron(light), n))
+    total = np.zeros((len(uv), image.shape[2]), dtype=uv.dtype)
+    for texel, texel_weight in four_texels(uv * texels, texels):
+        for cell, cell_weight in taps:
+            total += (texel_weight * cell_weight)[:, None] * buckets[texel[:, 1], texel[:, 0], cell]
+    return total
+
+
+def relight(
+    image: Floats, layout: AtlasLayout, uv: Floats, lights: Iterable[tuple[Floats, Floats]]
+) -> Floats:
+    """Radiance (K, 3) at texture coordinates (K, 2) under several lights, errors as in `sample_transfer`.
+
+    Each of the `lights` is its directions (K, 3), to the light in the frame, and its irradiance on a plane
+    facing it: (3,), or (K, 3) where it differs from point to point, as a point lamp's does.
+    """
+    total = np.zeros((len(uv), 3), dtype=as_floats("uv", uv, 2).dtype)
+    for direction, irradiance in lights:
+        total += sample_transfer(image, layout, uv, direction)[:, :3] * irradiance
+    return total
+
+
+def lookup_solid_angles_sr(size: int, finer: int = 16) -> Floats:
+    """What each cell of a map counts in the integral of bilinear lookups over the sphere: (size * size,).
+
+    By `finer` x `finer` directions for each cell: one's share of the sphere goes with 1 / |p|^3, p being its
+    point on |x| + |y| + |z| = 1. The sum is 4 pi.
+    """
+    direction = cell_directions(size * finer).astype(np.float64)
+    share = np.abs(direction).sum(axis=-1) ** 3
+    total = np.zeros(size * size)
+    for cell, weight in octahedron_taps(direction_to_octahedron(direction), size):
+        total += np.bincount(cell, weight * share, size * size)
+    return total * (4 * np.pi / total.sum())
+
+
+def mean_over_lights(image: Floats, layout: AtlasLayout) -> Floats:
+    """What texels show under white surroundings of radiance 1: (H, W, C) of an atlas (H*n, W*n, C), float32.
+
+    A sky's piece of solid angle w gives an irradiance of w on a plane facing it. Raises ShapeError where the
+    image does not fit the layout.
+    """
+    n = layout.bucket
+    if image.shape[:2] != (layout.pixel_height, layout.pixel_width):
+        raise ShapeError(f"transfer atlas: expected {layout.pixel_height} x {layout.pixel_width} pixels")
+    weight = lookup_solid_angles_sr(n).astype(np.float32).reshape(n, n)
+    rows = (np.einsum("wqpc,qp->wc", row.astype(np.float32), weight) for row in layout.to_buckets(image))
+    return np.stack(list(rows))

@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The captures of kind `transfer`: what every texel shows along its normal, under one sun after another.
+
+The scene stays loaded, and only the sun turns. Its light is told from all other by a light group of its own,
+so that what materials emit, and lamps that something instances, leave no trace.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from ..bake.checkpoint import KEEPS_NOTHING, Arrays, Keeper
+from ..bake.plan import CapturePlan, Tile
+from ..bake.progress import Progress, Stage
+from ..bake.session import BYTES_PER_PIXEL
+from ..bake.spec import Kind
+from ..bake.thumbnail import Thumbnail
+from ..bake.transfer import sun_directions, sun_radius
+from ..core.arrays import Floats
+from ..core.errors import BakeError
+from ..scene.unlit import take_light_away
+from .portal import Aim, PortalCapture
+
+_GROUP = "RadTexSun"
+_PASS = f"Combined_{_GROUP}"
+_STRAIGHT = 0.51  # along the normal, all but: the very middle of a bucket has no azimuth
+_MOST = 65504.0  # pieces are half floats
+
+
+@dataclass(frozen=True, eq=False)
+class Lit:
+    """What a plan's K texels show: `light` (S, K, 3) float16 under each of S suns, `alpha` (K,) float16."""
+
+    light: Floats
+    alpha: Floats
+
+
+def capture_under_suns(
+    scene: bpy.types.Scene,
+    plan: CapturePlan,
+    suns: int,
+    samples: int,
+    seed: int,
+    memory_mb: int,
+    folder: Path,
+    keeper: Keeper = KEEPS_NOTHING,
+    thumbnail: Thumbnail | None = None,
+) -> Generator[Progress, None, Lit]:
+    """Look at each texel of a plan of one cell a bucket under `sun_directions(suns)`, of irradiance 1.
+
+    `scene` is a copy of a scratch scene, which is spent afterwards; `folder` takes temporary files, the
+    `keeper` each render, the `thumbnail` is shown the mean of the suns so far. Yields progress in texels
+    under suns. Raises BakeError where Cycles fails, or brings what is no number.
+    """
+    take_light_away(scene)
+    sun = _add_sun(scene, sun_radius(suns))
+    count = len(plan.texel)
+    capture = PortalCapture(
+        scene, plan, Kind.RADIANCE, samples, seed, folder, Aim(np.full((count, 2), _STRAIGHT))
+    )
+    most = max(1, memory_mb * 2**20 // (plan.columns * BYTES_PER_PIXEL))
+    tiles = [Tile(row, min(most, plan.rows - row)) for row in range(0, plan.rows, most)]
+    lit = Lit(np.empty((suns, count, 3), dtype=np.float16), np.empty(count, dtype=np.float16))
+    total = np.zeros((count, 3), dtype=np.float32)
+    for number, direction in enumerate(sun_directions(suns)):
+        _turn(sun, direction)
+        cast(Any, scene).cycles.seed = (seed + number) % 2**31  # or all suns had the same noise
+        for tile in tiles:
+            first = tile.first_row * plan.columns
+            yield Progress(Stage.CAPTURE, number * count + first, suns * count)
+            found = keeper.once(f"sun-{number:04d}-{tile.first_row:06d}", partial(_trace, capture, tile))
+            some = slice(first, first + len(found["alpha"]))
+            lit.light[number, some], lit.alpha[some] = found["light"], found["alpha"]
+        total += lit.light[number]
+        if thumbnail is not None:  # under white surroundings, as far as they are known
+            thumbnail.add(plan.layout, plan.texel, total * np.float32(4 * np.pi / (number + 1)))
+    yield Progress(Stage.CAPTURE, suns * count, suns * count)
+    return lit
+
+
+def _add_sun(scene: bpy.types.Scene, radius: float) -> bpy.types.Object:
+    """A sun of irradiance 1 on a plane that faces it, alone in its light group."""
+    layer = next(layer for layer in scene.view_layers if layer.use)
+    cast(Any, layer).lightgroups.add(name=_GROUP)
+    data: Any = bpy.data.lights.new("RadTex sun", "SUN")
+    data.energy, data.angle = 1.0, 2 * radius
+    sun = bpy.data.objects.new("RadTex sun", data)
+    cast(Any, sun).lightgroup = _GROUP
+    scene.collection.objects.link(sun)
+    return sun
+
+
+def _turn(sun: bpy.types.Object, direction: Floats) -> None:
+    """Let the sun shine from a direction: its own z axis points there."""
+    sun.rotation_euler = Vector(direction.tolist()).to_track_quat("Z", "Y").to_euler()
+
+
+def _trace(capture: PortalCapture, tile: Tile) -> Arrays:
+    passes = capture.render_passes(tile)
+    light, alpha = passes[_PASS].reshape(-1, passes[_PASS].shape[-1])[:, :3], passes["Combined"][..., 3]
+    wrong = int(np.count_nonzero(np.isnan(light)))
+    if wrong:
+        raise BakeError(
+            f"Cycles returned {wrong} values that are not numbers: look for a material that divides by 0"
+        )
+    return {
+        "light": np.clip(light, 0, _MOST).astype(np.float16),
+        "alpha": alpha.reshape(-1).astype(np.float16),
+    }

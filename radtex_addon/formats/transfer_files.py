@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The files of a bake of kind `transfer`: `<name>.transfer.exr`, and its sidecar beside it.
+
+The layout has a word of its own, for a reader of hemispherical buckets would make nonsense of it.
+"""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ..core.arrays import Floats
+from ..core.atlas import AtlasLayout
+from ..core.errors import FormatError, ShapeError
+from .atomic import replacing
+from .exr import Compression, header_text, read_pixels, stored_rows, write_rows
+from .facts import Facts, json_text
+from .sidecar import Sidecar, read_text
+
+LAYOUT = "sphere"
+VIEW = "normal"  # each texel is seen along its normal
+
+
+@dataclass(frozen=True)
+class TransferSidecar:
+    """Facts about one bake: what every layout has, and the number of suns that it was captured under."""
+
+    bake: Sidecar
+    suns: int
+
+    @property
+    def layout(self) -> AtlasLayout:
+        return AtlasLayout(self.bake.width, self.bake.height, self.bake.bucket)
+
+    def facts(self) -> dict[str, Any]:
+        """What the JSON says, in its order."""
+        return self.bake.facts(LAYOUT) | {"transfer": {"view": VIEW, "suns": self.suns}}
+
+    def to_json(self) -> str:
+        """The contract's JSON, in ASCII and with a newline at its end."""
+        return json_text(self.facts())
+
+    @classmethod
+    def from_facts(cls, facts: Facts) -> TransferSidecar:
+        """Read what `facts` wrote; keys that it does not know are ignored.
+
+        Raises FormatError for another version or layout, a missing or mistyped key, and another view.
+        """
+        bake, transfer = Sidecar.from_facts(facts, LAYOUT), facts.inner("transfer")
+        transfer.choice("view", (VIEW,))
+        return cls(bake, transfer.whole_number("suns", 1))
+
+
+def write_transfer(
+    path: Path,
+    pixels: Floats,
+    sidecar: TransferSidecar,
+    half: bool = True,
+    compression: Compression = Compression.ZIP,
+) -> TransferSidecar:
+    """Write the sidecar to `path` and the atlas (H*n, W*n, 4), row 0 at the bottom, beside it; both or none.
+
+    Values beyond the file's range are clamped to it and counted in the returned sidecar. Raises ShapeError if
+    pixels and sidecar differ in size, BakeError for values that are not numbers and where the system refuses.
+    """
+    expected = (sidecar.layout.pixel_height, sidecar.layout.pixel_width, 4)
+    if pixels.shape != expected:
+        raise ShapeError(f"transfer atlas: expected shape {expected}, got {pixels.shape}")
+    image = path.with_suffix(".exr")
+    rows, clamped = stored_rows(image, pixels, half)
+    sidecar = replace(sidecar, bake=replace(sidecar.bake, clamped=clamped))
+    with ExitStack() as files:  # what is entered first is left last
+        files.enter_context(replacing(path)).write_text(sidecar.to_json(), encoding="utf-8", newline="\n")
+        write_rows(files.enter_context(replacing(image)), rows, sidecar.to_json(), compression)
+    return sidecar
+
+
+def read_transfer(path: Path) -> tuple[Floats, TransferSidecar]:
+    """Pixels (H*n, W*n, 4) of the bake whose sidecar is the file `path`, as stored, row 0 at the bottom.
+
+    Raises FormatError, with the path, for a sidecar or an image that is missing, damaged, not ours, of a
+    newer version, of another bake, or not of the size that the sidecar says.
+    """
+    sidecar, image = read_transfer_sidecar(path), path.with_suffix(".exr")
+    inner = TransferSidecar.from_facts(Facts.parse(header_text(image), f"the header of {image}"))
+    if inner != sidecar:
+        raise FormatError(
+            f"{image} is of another bake than {path}: put one bake's files together, or bake again"
+        )
+    layout = sidecar.layout
+    return read_pixels(image, layout.pixel_width, layout.pixel_height, [4]), sidecar
+
+
+def read_transfer_sidecar(path: Path) -> TransferSidecar:
+    """Read a sidecar's file. Raises FormatError, with the path, if it is missing or not of this layout."""
+    return TransferSidecar.from_facts(Facts.parse(read_text(path), str(path)))

@@ -1,0 +1,162 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes of kind `transfer`: light of one sun at a time, in the surface's own frame, and nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.bake.progress import Progress, Stage, finished
+from radtex_addon.bake.spec import BakeSpec, Kind
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.errors import InputError
+from radtex_addon.core.transfer import mean_over_lights, sample_transfer
+from radtex_addon.formats.transfer_files import TransferSidecar, read_transfer
+from radtex_addon.job import bake_object, bake_steps
+from tests.blender import stage
+from tests.blender.fingerprint import differences, fingerprint
+from tests.blender.lived_in import lived_in_scene
+
+pytestmark = pytest.mark.usefixtures("temporary")
+context: Any = bpy.context  # to the stubs, every pointer may be None
+
+SMALL = BakeSpec(kind=Kind.TRANSFER, texels=6, samples=16)
+WHITE = (0.8, 0.4, 0.2)
+
+
+def card(rotation: tuple[float, float, float] = (0, 0, 0)) -> Any:
+    bpy.ops.mesh.primitive_plane_add(size=2, rotation=rotation)
+    made = context.object
+    made.name = "Card"
+    made.data.materials.append(stage.material("Card", "ShaderNodeBsdfDiffuse", Color=(*WHITE, 1)))
+    return made
+
+
+def bake(
+    out: Path, spec: BakeSpec = SMALL, name: str = "Card", **options: Any
+) -> tuple[Floats, TransferSidecar]:
+    result = bake_object(context.scene, name, spec, out, **options)
+    pixels, facts = read_transfer(result.files.sidecar)
+    return pixels.astype(np.float32), facts
+
+
+def under(pixels: Floats, facts: TransferSidecar, light: tuple[float, float, float]) -> Floats:
+    """What the middle of the atlas shows under light from a direction in the frame."""
+    shown: Floats = sample_transfer(pixels, facts.layout, np.array([[0.5, 0.5]]), np.array([light]))[0]
+    return shown
+
+
+def test_a_diffuse_card_shows_the_cosine_of_its_light(tmp_path: Path) -> None:
+    card()
+    pixels, facts = bake(tmp_path / "out")
+    assert (facts.suns, facts.bake.kind, facts.layout.bucket) == (81, "transfer", 9)
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"Card.transfer.exr", "Card.transfer.json"}
+    full = np.array(WHITE) / np.pi
+    for light, cosine in (
+        ((0, 0, 1), 1.0),
+        ((0.6, 0, 0.8), 0.8),
+        ((0, -0.87, 0.5), 0.5),
+        ((0.6, 0, -0.8), 0.0),
+    ):
+        np.testing.assert_allclose(under(pixels, facts, light)[:3], full * cosine, atol=0.05 * full[0])
+    np.testing.assert_allclose(mean_over_lights(pixels, facts.layout)[3, 3, :3], WHITE, rtol=0.03)
+    np.testing.assert_array_equal(pixels[..., 3], 1)
+
+
+def test_no_other_light_leaves_a_trace(tmp_path: Path) -> None:
+    card()
+    alone, facts = bake(tmp_path / "alone")
+    stage.world()
+    stage.lamps()
+    bpy.ops.mesh.primitive_plane_add(size=1, location=(0, 0, -1))  # behind the card
+    glow = stage.material("Glow", "ShaderNodeEmission", Color=(5, 5, 5, 1))
+    context.object.data.materials.append(glow)
+    lamps = bpy.data.collections.new("Instanced lamps")
+    lamps.objects.link(bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT")))
+    instance = bpy.data.objects.new("Instance", None)
+    instance.instance_type, instance.instance_collection = "COLLECTION", lamps
+    instance.location.z = 1
+    context.scene.collection.objects.link(instance)
+    lit, _ = bake(tmp_path / "lit")
+    # The same but for noise: light is sampled among more lamps.
+    assert abs(float(lit.mean() / alone.mean()) - 1) < 0.02
+    np.testing.assert_allclose(under(lit, facts, (0, 0, -1))[:3], 0, atol=0.01)
+
+
+def test_what_glows_shows_nothing_of_itself(tmp_path: Path) -> None:
+    made = card()
+    made.data.materials[0] = stage.material("Glow", "ShaderNodeEmission", Color=(5, 5, 5, 1))
+    pixels, _ = bake(tmp_path)
+    np.testing.assert_array_equal(pixels[..., :3], 0)
+
+
+def test_a_turned_object_has_the_same_buckets(tmp_path: Path) -> None:
+    """Within noise, and what 9 x 9 cells tell apart: so it may turn at run time."""
+    made = card()
+    made.data.materials[0] = stage.material("Gloss", "ShaderNodeBsdfAnisotropic", Roughness=0.6)
+    straight, facts = bake(tmp_path / "straight")
+    made.rotation_euler = (2.0, -0.7, 0.4)
+    turned, _ = bake(tmp_path / "turned")
+    for light in ((0, 0, 1), (0.5, 0.1, 0.85), (-0.4, 0.7, 0.6), (0, 0.3, -0.95)):
+        one, other = (float(under(pixels, facts, light)[0]) for pixels in (straight, turned))
+        assert one == pytest.approx(other, abs=0.08 * float(straight.max()))
+
+
+def test_light_comes_through_from_behind(tmp_path: Path) -> None:
+    made = card()
+    made.data.materials[0] = stage.material("Leaf", "ShaderNodeBsdfTranslucent", Color=(0.5, 1, 0.5, 1))
+    pixels, facts = bake(tmp_path)
+    np.testing.assert_allclose(
+        under(pixels, facts, (0, 0, -1))[:3], np.array([0.5, 1, 0.5]) / np.pi, rtol=0.08
+    )
+    np.testing.assert_allclose(under(pixels, facts, (0, 0, 1))[:3], 0, atol=0.01)
+
+
+def test_a_bake_goes_on_between_suns_and_is_the_same_bit_by_bit(tmp_path: Path) -> None:
+    card()
+    whole, _ = bake(tmp_path / "whole")
+    steps = bake_steps(context.scene, "Card", SMALL, tmp_path / "cut")
+    captured: list[Progress] = []
+    for step in steps:
+        captured += [step] if step.stage is Stage.CAPTURE else []
+        if len(captured) == 20:
+            break
+    steps.close()
+    assert captured[-1].total == 81 * captured[1].done  # 81 suns, all texels each
+    pieces = list((tmp_path / "cut" / "Card.transfer.radtex-unfinished").glob("sun-*"))
+    assert len(pieces) == 19
+    moved = [path.stat().st_mtime_ns for path in pieces]
+    rest = bake_steps(context.scene, "Card", SMALL, tmp_path / "cut", resume=True)
+    first = next(step for step in rest if step.stage is Stage.FIT)
+    assert first.done == 0
+    assert moved == [path.stat().st_mtime_ns for path in pieces]
+    finished(rest)
+    again, _ = read_transfer(tmp_path / "cut" / "Card.transfer.json")
+    np.testing.assert_array_equal(whole, again.astype(np.float32))
+
+
+def test_the_users_scene_is_what_it_was(tmp_path: Path) -> None:
+    head = lived_in_scene()
+    spec = BakeSpec(kind=Kind.TRANSFER, texels=4, bucket=2, samples=1, uv_layer="UVMap")
+    before = fingerprint()
+    bake_object(context.scene, head.name, spec, tmp_path)
+    assert differences(before, fingerprint()) == {}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        ({"layout": "shared"}, "kind transfer knows no shared layout: choose layout buckets"),
+        ({"capture": "panoramic"}, "kind transfer knows no capture panoramic: capture by portal"),
+        ({"budget": 10**6}, "kind transfer knows no budget or target: leave it out"),
+        ({"target": 40.0}, "kind transfer knows no budget or target: leave it out"),
+    ],
+)
+def test_what_it_cannot_be_is_refused(wrong: dict[str, Any], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        BakeSpec(kind=Kind.TRANSFER, **wrong)

@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A transfer bake's files: what is written is read, and what is not ours is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.errors import BakeError, FormatError, ShapeError
+from radtex_addon.formats.sidecar import Sidecar, read_sidecar
+from radtex_addon.formats.transfer_files import TransferSidecar, read_transfer, write_transfer
+
+FACTS = TransferSidecar(
+    Sidecar("Wax", "transfer", 3, 2, 4, "UVMap", 16, 0, "portal", "RadTex test", "5.2.0"), suns=16
+)
+
+
+def pixels(seed: int = 1) -> Floats:
+    return np.random.default_rng(seed).random((8, 12, 4)).astype(np.float32)
+
+
+@pytest.mark.parametrize("half", [True, False])
+def test_what_is_written_is_read(tmp_path: Path, half: bool) -> None:
+    path, image = tmp_path / "Wax.transfer.json", pixels()
+    image[0, 0, 0] = 1e5
+    written = write_transfer(path, image, FACTS, half)
+    assert {file.name for file in tmp_path.iterdir()} == {"Wax.transfer.json", "Wax.transfer.exr"}
+    found, facts = read_transfer(path)
+    assert facts == written
+    assert facts.bake.clamped == int(half)
+    expected = np.minimum(image, 65504).astype(np.float16) if half else image
+    np.testing.assert_array_equal(found, expected)
+
+
+def test_the_sidecar_says_what_the_layout_is(tmp_path: Path) -> None:
+    path = tmp_path / "Wax.transfer.json"
+    write_transfer(path, pixels(), FACTS)
+    facts = json.loads(path.read_text())
+    assert (facts["kind"], facts["layout"], facts["bucket"]) == ("transfer", "sphere", 4)
+    assert facts["transfer"] == {"view": "normal", "suns": 16}
+    with pytest.raises(FormatError, match='"layout" is "sphere", expected "buckets"'):
+        read_sidecar(path)  # who knows hemispherical buckets alone
+
+
+def test_another_view_or_bake_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "Wax.transfer.json"
+    write_transfer(path, pixels(), FACTS)
+    text = path.read_text()
+    path.write_text(text.replace('"normal"', '"cells"'))
+    with pytest.raises(FormatError, match='"view" is "cells", expected normal'):
+        read_transfer(path)
+    path.write_text(text.replace('"suns": 16', '"suns": 17'))
+    with pytest.raises(FormatError, match=r"Wax.transfer.exr is of another bake than"):
+        read_transfer(path)
+
+
+def test_nothing_is_written_of_what_cannot_be(tmp_path: Path) -> None:
+    path = tmp_path / "Wax.transfer.json"
+    with pytest.raises(ShapeError, match="transfer atlas: expected shape"):
+        write_transfer(path, pixels()[1:], FACTS)
+    broken = pixels()
+    broken[3, 3] = np.nan
+    with pytest.raises(BakeError, match="4 of its values are not numbers"):
+        write_transfer(path, broken, FACTS)
+    assert not list(tmp_path.iterdir())
