@@ -61,7 +61,7 @@ def seconds_needed(spec: BakeSpec, few: Probe, more: Probe) -> float:
     for stage in _BY_PATH:
         spent = more.spent(stage)
         pace = (spent - few.spent(stage)) / max(more.paths - few.paths, 1)
-        if pace <= 0:  # lost in the noise: then all of it is by path
+        if pace <= 0 or more.paths <= few.paths:  # lost in the noise, or a shadow: then all of it is by path
             pace = spent / more.paths
         total += max(spent + pace * further, 0.0)
     return total

@@ -8,7 +8,19 @@ KINDS = (
     ("radiance", "Radiance", "The light that leaves the surface, as a viewer in each direction sees it"),
     ("incident", "Incident", "The light that arrives at the surface from each direction"),
     ("reflection", "Reflection", "The light that arrives from where a mirror would send each view"),
+    (
+        "shadow",
+        "Shadow",
+        "Which directions are blocked, in one bit each: real-time lamps cast shadows with it, soft ones too",
+    ),
+    (
+        "ao",
+        "Ambient Occlusion",
+        "How much of the sky each place sees, and in which direction most of it lies",
+    ),
 )
+
+LIGHTLESS = ("shadow", "ao")  # kinds that have one layout and see no light
 
 LAYOUTS = (
     ("buckets", "Buckets", "Every texel keeps a picture of its own of the light in all directions"),

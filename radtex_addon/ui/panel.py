@@ -9,6 +9,7 @@ from typing import Any, cast
 import bpy
 
 from . import jobs
+from .choices import LIGHTLESS
 from .messages import draw_remarks
 from .outlook import Outlook, outlook_of
 from .presets import RADTEX_PT_presets
@@ -38,7 +39,8 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         _draw_objects(layout, found)
         column = layout.column()
         column.prop(settings, "kind")
-        column.prop(settings, "atlas_layout")
+        if settings.kind not in LIGHTLESS:
+            column.prop(settings, "atlas_layout")
         _draw_uv(layout, settings, context)
         if found is not None:
             draw_remarks(layout, settings, found)
@@ -59,8 +61,9 @@ class RADTEX_PT_quality(Sidebar, bpy.types.Panel):
         layout, settings, _ = drawn(self, context)
         column = layout.column(align=True)
         for name in ("texels", "bucket", "samples"):
-            column.prop(settings, name)
-        if settings.atlas_layout == "shared":
+            if name != "samples" or settings.kind != "shadow":  # which sends one ray a cell
+                column.prop(settings, name)
+        if settings.atlas_layout == "shared" and settings.kind not in LIGHTLESS:
             column = layout.column(align=True)
             column.prop(settings, "limit")
             if settings.limit != "none":
@@ -82,8 +85,9 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
         column.prop(settings, "resume")
         column.prop(settings, "overwrite")
         column.prop(settings, "preview")
-        if settings.limit == "none" or settings.atlas_layout != "shared":
-            column.prop(settings, "full_floats")
+        if settings.limit == "none" or settings.atlas_layout != "shared" or settings.kind in LIGHTLESS:
+            if settings.kind != "shadow":
+                column.prop(settings, "full_floats")
             layout.prop(settings, "compression")
         layout.column().prop(settings, "export_targets")
         layout.operator("radtex.open_folder", icon="FILE_FOLDER")

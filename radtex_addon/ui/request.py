@@ -14,6 +14,7 @@ import bpy
 from ..bake.spec import BakeSpec, Compression, Layout, parse_layout
 from ..core.errors import InputError
 from ..export.spec import Target
+from .choices import LIGHTLESS
 from .preferences import preferred
 from .settings import NAMES, BakeSettings
 
@@ -130,11 +131,11 @@ def has_folder(values: Mapping[str, Any]) -> bool:
 def spec_of(values: Mapping[str, Any]) -> BakeSpec:
     """What to bake, without where to. Raises InputError for what cannot be."""
     wishes = preferred()
-    shared = parse_layout(values["atlas_layout"]) is Layout.SHARED
-    limit = values["limit"] if shared else "none"
+    layout = Layout.BUCKETS if values["kind"] in LIGHTLESS else parse_layout(values["atlas_layout"])
+    limit = values["limit"] if layout is Layout.SHARED else "none"
     return BakeSpec(
         kind=values["kind"],
-        layout=values["atlas_layout"],
+        layout=layout,
         texels=values["texels"],
         bucket=values["bucket"],
         samples=values["samples"],
@@ -146,6 +147,6 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
         memory_mb=wishes.memory_mb,
         budget=round(values["budget"] * _MEGABYTE) if limit == "budget" else None,
         target=values["target"] if limit == "target" else None,
-        half=limit != "none" or not values["full_floats"],
+        half=limit != "none" or values["kind"] == "shadow" or not values["full_floats"],
         compression=Compression.ZIP if limit != "none" else values["compression"],
     )

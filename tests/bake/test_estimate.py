@@ -8,7 +8,7 @@ import pytest
 
 from radtex_addon.bake.estimate import Probe, paths_needed, probe_specs, seconds_needed
 from radtex_addon.bake.progress import Stage
-from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 
 COVERED = 0.75  # of every atlas
 
@@ -45,6 +45,13 @@ def test_the_small_bakes_are_small_and_differ_in_their_paths_alone() -> None:
     assert few.samples < more.samples
     assert few.path_count + more.path_count < 6_000_000
     assert probe_specs(BakeSpec(texels=40, padding=3))[0].padding == 3  # the unwrap that it will have
+
+
+def test_of_a_shadow_both_are_alike_and_all_is_by_path() -> None:
+    spec = BakeSpec(kind=Kind.SHADOW, texels=192)
+    few, more = (Probe(96, 9000, 576_000, {Stage.CAPTURE: seconds}) for seconds in (1.0, 1.1))
+    assert paths_needed(spec, more) == 4 * 576_000
+    assert seconds_needed(spec, few, more) == pytest.approx(4.4)
 
 
 def test_where_times_are_noise_the_estimate_is_rather_too_long() -> None:

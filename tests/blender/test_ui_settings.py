@@ -112,6 +112,14 @@ def test_what_a_layout_does_not_take_is_left_out() -> None:
     assert (condensed.target, condensed.half, condensed.compression) == (40.0, True, Compression.ZIP)
 
 
+@pytest.mark.parametrize("kind", choices.LIGHTLESS)
+def test_what_a_kind_without_light_does_not_take_is_left_out(kind: str) -> None:
+    settings().kind, settings().atlas_layout, settings().limit = kind, "shared", "budget"
+    settings().full_floats = True
+    made = spec_of(values_of(settings()))
+    assert (made.kind, made.layout, made.budget, made.half) == (kind, Layout.BUCKETS, None, kind == "shadow")
+
+
 def test_a_file_never_saved_goes_to_the_preferred_folder(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="never saved: save it"):
         BakeRequest.of(values_of(settings()))
