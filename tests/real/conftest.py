@@ -8,6 +8,7 @@ import faulthandler
 import os
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import moderngl
 import pytest
@@ -15,8 +16,11 @@ from playwright.sync_api import BrowserType, sync_playwright
 
 from tests.real.browser import SOFTWARE_GL, chromium, served
 from tests.real.exhibit import Exhibit
+from tests.real.installable import build_zip, with_wheels
+from tests.real.panel import radtex_window
 from tests.real.root import BLENDER, PROGRAMS, Recipe, Root, RootUnavailableError, ready_root
 from tests.real.web import Site, build_page
+from tests.real.window import Window
 
 
 @pytest.fixture(scope="module")
@@ -44,6 +48,20 @@ def blender_root(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPa
     if not os.environ.get("RADTEX_WINDOW"):
         pytest.skip("RADTEX_WINDOW=1 tests RadTex in Blender's window, in a Debian that this builds")
     return _root(BLENDER, request.config, tmp_path_factory)
+
+
+@pytest.fixture(scope="session")
+def window_zip(blender_root: Root, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The extension for the Blender in that root."""
+    archive = build_zip(tmp_path_factory.mktemp("dist"))
+    return with_wheels(archive, sorted((blender_root.path / "wheels").glob("*.whl")))
+
+
+@pytest.fixture(scope="module")
+def window(blender_root: Root, window_zip: Path) -> Iterator[Window]:
+    """Blender's window with RadTex in it and a scene to bake, which the tests of a file share."""
+    with radtex_window(blender_root, window_zip) as window:
+        yield window
 
 
 def _root(recipe: Recipe, config: pytest.Config, folders: pytest.TempPathFactory) -> Root:

@@ -22,6 +22,8 @@ from tests.real.root import Root, Started, screen
 SIZE = 1600, 900
 _INSIDE = "/repository/tests/real/inside/window"
 _START = 180.0  # seconds for Blender's window, whose first picture Mesa's software drivers draw
+_VIEW = 700, 400  # a place in the 3D view
+_LINE = 14  # pixels, less than a button is high
 _SETTLED = 0.6  # seconds after which panels have glided to their places
 _SIDEBAR = """
 window = bpy.context.window_manager.windows[0]
@@ -47,7 +49,7 @@ class Window:
         answer.unlink(missing_ok=True)
         question.write_text(code, encoding="utf-8")
         question.rename(self.folder / "ask.py")
-        wait_until(answer.is_file, timeout, f"Blender does not answer {code!r}: {self.said()}")
+        wait_until(answer.is_file, timeout, f"Blender does not answer {code!r}: {self.said()[-2000:]}")
         told = json.loads(answer.read_text(encoding="utf-8"))
         assert "error" not in told, told["error"]
         return told["answer"]
@@ -80,15 +82,17 @@ class Window:
         self.run("xdotool", "click", "1")
         sleep(0.2)
 
-    def key(self, key: str) -> None:
+    def key(self, key: str, *, over_view: bool = False) -> None:
+        """Press a key where the mouse is, or over the 3D view."""
+        if over_view:
+            self.point(*_VIEW)
         self.run("xdotool", "key", key)
         sleep(0.2)
 
     def show_tab(self, name: str) -> None:
         """Open the 3D view's sidebar by its key, and its tab by a click on it."""
         if self._sidebar()[2] <= 1:
-            self.point(700, 400)
-            self.key("n")
+            self.key("n", over_view=True)
             wait_until(lambda: self._sidebar()[2] > 1, 30, "no sidebar")
         left, top, width, height, _ = self._sidebar()
         for y in range(top + 20, top + height, 18):
@@ -97,16 +101,36 @@ class Window:
                 return
         raise AssertionError(f"the sidebar has no tab {name}")
 
-    def find(self, operator: str) -> tuple[int, int]:
-        """Where the sidebar has a button for it: over which the mouse copies its Python by Ctrl-C."""
+    def find(self, operator: str, *, right: int | None = None) -> tuple[int, int]:
+        """Where the sidebar has a button for it: over which the mouse copies its Python by Ctrl-C.
+
+        Looks along the sidebar's middle, or `right` pixels from its right edge.
+        """
         left, top, width, height, _ = self._sidebar()
-        self.ask("bpy.context.window_manager.clipboard = ''")
-        for y in range(top + 40, top + height, 14):
-            self.point(left + width // 2, y)
-            self.key("ctrl+c")
-            if operator in self.value("bpy.context.window_manager.clipboard"):
-                return left + width // 2, y + 4
+        x = left + (width // 2 if right is None else width - right)
+        for y in range(top + 40, top + height, _LINE):
+            if operator not in self._copied(x, y, 0.03):
+                continue
+            for inside in (y + 5, y - 5):  # from its edge
+                if operator in self._copied(x, inside, 0.3):
+                    return x, inside
         raise AssertionError(f"the sidebar has no button for {operator}")
+
+    def scroll(self, notches: int) -> None:
+        """Turn the wheel over the sidebar, downwards if positive."""
+        left, top, width, height, _ = self._sidebar()
+        self.point(left + width // 2, top + height // 2)
+        button = "5" if notches > 0 else "4"
+        self.run("xdotool", "click", "--repeat", str(abs(notches)), "--delay", "30", button)
+        sleep(_SETTLED)
+
+    def _copied(self, x: int, y: int, patience: float) -> str:
+        """The Python of the button at that place, if Blender has copied it by then."""
+        self.ask("bpy.context.window_manager.clipboard = ''")
+        there = ["mousemove", str(x - 3), str(y), "mousemove", str(x), str(y)]
+        self.run("xdotool", *there, "sleep", "0.03", "key", "ctrl+c")
+        sleep(patience)
+        return str(self.value("bpy.context.window_manager.clipboard"))
 
     def _sidebar(self) -> tuple[int, int, int, int, str]:
         """Left, top, width and height in pixels from the top left, and the tab that is open."""
@@ -125,9 +149,9 @@ class Window:
         return picture
 
     def said(self) -> str:
-        """The end of what Blender said."""
+        """What Blender said."""
         log = self.folder / "blender.log"
-        return log.read_text(errors="replace")[-2000:] if log.is_file() else ""
+        return log.read_text(errors="replace") if log.is_file() else ""
 
     def _order(self, order: Mapping[str, object]) -> dict[str, Any]:
         assert self.agent.stdin is not None
@@ -170,7 +194,7 @@ def wait_until(is_so: Callable[[], object], timeout: float, complaint: str) -> f
     since = monotonic()
     while not is_so():
         assert monotonic() - since < timeout, complaint
-        sleep(0.05)
+        sleep(0.01)
     return monotonic() - since
 
 

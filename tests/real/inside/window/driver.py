@@ -17,11 +17,22 @@ from typing import Any
 
 import bpy
 
+sys.path.append("/repository")
+from tests.real.inside.window import room  # found by now
+
 INTERVAL = 0.02  # seconds
 folder = Path(sys.argv[sys.argv.index("--") + 1])
 ticks: list[float] = []
-states: list[tuple[Any, ...]] = []  # (number, state, fraction, message) of jobs, whenever one changed
-known: dict[str, Any] = {"bpy": bpy, "ticks": ticks, "states": states}
+states: list[tuple[Any, ...]] = []  # of `jobs`, whenever one changed
+
+
+def jobs() -> list[tuple[Any, ...]]:
+    """(number, object, state, fraction, message) of all jobs, as the panel knows them."""
+    known_to = sys.modules.get("bl_ext.user_default.radtex.radtex_addon.ui.jobs")
+    return [
+        (job.number, job.object, str(job.state), round(job.fraction, 4), job.message)
+        for job in (known_to.snapshot() if known_to is not None else ())
+    ]
 
 
 def tick() -> float:
@@ -48,13 +59,12 @@ def _answered(code: str) -> dict[str, Any]:
 
 
 def _note_states() -> None:
-    jobs = sys.modules.get("bl_ext.user_default.radtex.radtex_addon.ui.jobs")
-    for job in jobs.snapshot() if jobs is not None else ():
-        state = (job.number, str(job.state), round(job.fraction, 4), job.message)
-        if state not in states[-8:]:
-            states.append(state)
+    for job in jobs():
+        if job not in states[-8:]:
+            states.append(job)
 
 
+known: dict[str, Any] = {"bpy": bpy, "room": room, "ticks": ticks, "states": states, "jobs": jobs}
 assert bpy.context.preferences is not None  # only restricted contexts have none
 bpy.context.preferences.view.show_splash = False
 bpy.app.timers.register(tick, persistent=True)

@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""In the Blender under test: the scene that is baked, what else a user does, and what has changed since."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from tests.blender.fingerprint import differences, fingerprint
+
+# What Blender finds out anew at some later time, and after an undo.
+_DERIVED = ("is_runtime_data", "node_tree.users", "particle_edit.object", "preview.icon_id")
+_DISTANCE = 8.0  # of the viewer
+_remembered: dict[str, dict[str, object]] = {}
+_context: Any = bpy.context  # of which the stubs know no window without `None`
+
+
+def build(path: str) -> None:
+    """A golden Suzanne over a floor, saved as `path`."""
+    bpy.ops.object.delete()
+    bpy.ops.mesh.primitive_plane_add(size=8, location=(0, 0, -1))
+    bpy.ops.mesh.primitive_monkey_add(size=2)
+    bpy.ops.object.shade_smooth()
+    gold: Any = bpy.data.materials.new("Gold")
+    inputs = gold.node_tree.nodes["Principled BSDF"].inputs
+    inputs["Base Color"].default_value = 1, 0.6, 0.2, 1
+    inputs["Metallic"].default_value, inputs["Roughness"].default_value = 1, 0.25
+    _context.object.data.materials.append(gold)
+    _view().spaces.active.region_3d.view_distance = _DISTANCE
+    step("Scene")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+
+
+def step(message: str) -> None:
+    """What was done till now is one step to undo."""
+    bpy.ops.ed.undo_push(message=message)
+
+
+def undo(*, again: bool = False) -> None:
+    """Undo or redo as a script does."""
+    with _context.temp_override(window=_window(), area=_view()):
+        (bpy.ops.ed.redo if again else bpy.ops.ed.undo)()
+
+
+def select(*names: str) -> None:
+    """Select these objects alone; the last becomes the active one."""
+    for item in bpy.data.objects:
+        item.select_set(item.name in names)
+    _context.view_layer.objects.active = bpy.data.objects[names[-1]]
+    step("Select")
+
+
+def seen() -> list[str]:
+    """Names of the meshes that are seen."""
+    return sorted(item.name for item in _context.visible_objects if item.type == "MESH")
+
+
+def shade(engine: str, shading: str) -> None:
+    """How the 3D view is drawn."""
+    _context.scene.render.engine, _view().spaces.active.shading.type = engine, shading
+
+
+def close_other_windows() -> None:
+    """Leave the first window alone."""
+    for window in _context.window_manager.windows[1:]:
+        with _context.temp_override(window=window):
+            bpy.ops.wm.window_close()
+
+
+def remember(name: str) -> None:
+    """Keep what is there now."""
+    _remembered[name] = _digest()
+
+
+def changes(name: str) -> list[str]:
+    """What is not as it was when that was remembered."""
+    return sorted(map(str, differences(_remembered[name], _digest()).items()))
+
+
+def _digest() -> dict[str, object]:
+    found = fingerprint()
+    return {path: value for path, value in found.items() if not any(word in path for word in _DERIVED)}
+
+
+def _window() -> Any:
+    return _context.window_manager.windows[0]
+
+
+def _view() -> Any:
+    return next(area for area in _window().screen.areas if area.type == "VIEW_3D")

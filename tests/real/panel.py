@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""RadTex in Blender's window: installed, its settings chosen, its buttons pressed, its bakes watched."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from tests.real.root import Root
+from tests.real.window import Window, opened, wait_until
+
+WORKER = "--background"
+CROSS = 54  # pixels from the sidebar's right edge to the buttons that cancel a job
+LONG = {"texels": 128, "bucket": 8, "samples": 16}  # half a minute or more on two cores
+SHORT = {"texels": 64, "bucket": 4, "samples": 4}
+_FORGET = """
+import sys
+outlook = sys.modules["bl_ext.user_default.radtex.radtex_addon.ui.outlook"]
+if bpy.ops.radtex.clear_jobs.poll():
+    bpy.ops.radtex.clear_jobs()
+states.clear()
+"""
+_NOTHING_FAILS = "[found.errors for found in outlook._cache.found.values()] == [()]"
+
+
+@dataclass(frozen=True)
+class Told:
+    """What the panel knows of a job."""
+
+    number: int
+    what: str
+    state: str
+    fraction: float
+    message: str
+
+
+@contextmanager
+def radtex_window(root: Root, archive: Path) -> Iterator[Window]:
+    """Blender's window with RadTex installed from the zip, its tab open, and a scene to bake.
+
+    What was said in Python's tracebacks meanwhile is an error.
+    """
+    with opened(root) as window:
+        shutil.copy(archive, window.folder / "radtex.zip")
+        window.ask(
+            f"bpy.ops.extensions.package_install_files(filepath={window.inside + '/radtex.zip'!r}, "
+            "repo='user_default', enable_on_install=True)"
+        )
+        window.ask(f"room.build({window.inside + '/room.blend'!r})")
+        window.show_tab("RadTex")
+        yield window
+        assert "Traceback" not in window.said(), window.said()
+
+
+def choose(window: Window, *objects: str, **settings: object) -> None:
+    """Select objects, set what the panel shows, and wait until it has thought about it."""
+    window.ask(_FORGET)
+    for name, value in settings.items():
+        window.ask(f"bpy.context.scene.radtex.{name} = {value!r}")
+    window.ask(f"room.select(*{objects or ('Suzanne',)!r})")
+    wait_until(lambda: window.value(_NOTHING_FAILS), 20, "the panel knows nothing, or sees what would fail")
+
+
+def press(window: Window) -> None:
+    """Click on the panel's large button."""
+    window.click(*window.find("radtex.bake("))
+    wait_until(lambda: jobs(window), 20, "no bake")
+
+
+def jobs(window: Window) -> list[Told]:
+    """What the panel knows of all jobs."""
+    return [Told(*told) for told in window.value("jobs()")]
+
+
+def latest(window: Window) -> Told:
+    """What the panel knows of the job that was added last."""
+    return jobs(window)[-1]
+
+
+def wait_for(window: Window, fraction: float) -> None:
+    """Wait until the latest job is that far."""
+    wait_until(lambda: latest(window).fraction > fraction, 120, f"the bake does not reach {fraction}")
+
+
+def wait_for_end(window: Window, timeout: float = 120) -> Told:
+    """Wait until the latest job has ended; what is known of it then."""
+    running = {"running", "waiting"}
+    wait_until(lambda: latest(window).state not in running, timeout, "the bake does not end")
+    return latest(window)
+
+
+def preview(window: Window, seen: str) -> None:
+    """Click on the preview's switch, and wait until that object is seen."""
+    window.click(*window.find("radtex.preview_toggle("))
+    wait_until(lambda: seen in window.value("room.seen()"), 30, f"{seen} is not seen")
+
+
+def bake(window: Window, *objects: str, **settings: object) -> None:
+    """A bake by a click, to its end."""
+    choose(window, *objects, **settings)
+    press(window)
+    told = wait_for_end(window)
+    assert told.state == "done", told.message

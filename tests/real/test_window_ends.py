@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How a bake ends before its time in Blender's window: cancelled, refused by the disk, killed, quit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from time import monotonic
+
+from tests.real.panel import CROSS, LONG, WORKER, choose, latest, press, wait_for, wait_for_end
+from tests.real.window import Window, wait_until
+
+
+def test_escape_over_the_sidebar_cancels_within_two_seconds(window: Window) -> None:
+    choose(window, **LONG)
+    window.ask("room.remember('before')")
+    press(window)
+    wait_for(window, 0.1)
+    since = monotonic()
+    window.key("Escape")
+    wait_until(lambda: not window.processes(WORKER), 10, "the worker goes on")
+    print(f"\ncancelled in {monotonic() - since:.1f} s")
+    assert monotonic() - since < 2
+    wait_until(lambda: latest(window).state == "cancelled", 2, "nobody says so")
+    window.shot("cancelled")
+    assert window.value("room.changes('before')") == []
+
+
+def test_a_folder_that_takes_nothing_any_more_is_a_message(window: Window) -> None:
+    folder = f"{window.inside}/elsewhere"
+    with read_only_later(window, folder) as make_read_only:
+        choose(window, **LONG, directory=folder)
+        window.ask("room.remember('before')")
+        press(window)
+        wait_for(window, 0.1)
+        window.run(*make_read_only)
+        told = wait_for_end(window)
+        assert told.state == "failed"
+        assert folder in told.message
+        assert "Read-only file system" in told.message
+        window.shot("read-only")
+        assert window.value("room.changes('before')") == []
+
+
+def test_a_killed_worker_is_a_message_and_goes_on_by_resume(window: Window) -> None:
+    choose(window, **LONG, directory="//radtex/", overwrite=True)
+    window.ask("room.remember('before')")
+    press(window)
+    wait_for(window, 0.1)
+    (worker,) = window.processes(WORKER)
+    window.run("kill", "-9", str(worker))
+    wait_until(lambda: latest(window).state == "failed", 5, "nobody notices")
+    assert "killed by signal 9" in latest(window).message
+    window.shot("killed")
+    assert window.value("room.changes('before')") == []
+    window.ask("bpy.context.scene.radtex.overwrite = False")
+    window.click(*window.find("resume=True", right=CROSS))
+    wait_until(lambda: latest(window).state != "failed", 5, "it does not go on")
+    told = wait_for_end(window, 280)
+    assert told.state == "done", told.message
+
+
+def test_quitting_blender_leaves_no_process(window: Window) -> None:
+    choose(window, **LONG, overwrite=True)
+    press(window)
+    wait_for(window, 0.1)
+    assert window.processes(WORKER)
+    (window.folder / "ask.py").write_text("bpy.app.timers.register(bpy.ops.wm.quit_blender)")
+    wait_until(lambda: not window.processes("blender"), 10, "Blender or its worker is left")
+    assert list((window.folder / "home").rglob("radtex-job-*")) == []
+
+
+@contextmanager
+def read_only_later(window: Window, folder: str) -> Iterator[Sequence[str]]:
+    """A new folder on Blender's side, and the command that makes it read-only, even to its administrator."""
+    window.run("mkdir", folder)
+    window.run("mount", "--bind", folder, folder)
+    yield "mount", "-o", "remount,ro,bind", folder
+    window.run("umount", folder)
