@@ -12,6 +12,7 @@ from .compare_operator import RADTEX_OT_compare, RADTEX_OT_show_comparison
 from .export_operator import RADTEX_OT_export
 from .panel import Sidebar
 from .preview_operator import RADTEX_OT_preview_toggle
+from .switch import draw_switch
 
 
 class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
@@ -21,15 +22,8 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
     bl_order = 10
 
     def draw(self, context: bpy.types.Context | None) -> None:
-        from ..preview.swap import is_on
-
         layout: Any = self.layout
-        active = context.active_object if context is not None else None
-        pressed = active is not None and is_on(active)
-        row = layout.row()
-        row.scale_y = 1.5
-        icon = "HIDE_OFF" if pressed else "HIDE_ON"
-        row.operator("radtex.preview_toggle", icon=icon, depress=pressed)
+        draw_switch(layout, context.active_object if context is not None else None)
         column = layout.column()
         column.operator("radtex.compare", icon="IMAGE_REFERENCE")
         column.operator("radtex.export", text="Export…", icon="EXPORT")

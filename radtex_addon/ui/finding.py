@@ -66,12 +66,19 @@ def sidecar_of(scene: bpy.types.Scene, item: bpy.types.Object, bake: str) -> Pat
 
 
 def place_of(scene: bpy.types.Scene, bake: str) -> Path:
-    """The folder or file that `bake` names; the scene's output folder, if it is empty. Raises InputError."""
+    """The folder or file that `bake` names; the scene's output folder, if it is empty.
+
+    Raises InputError, also where that folder is not there yet.
+    """
+    from ..core.errors import InputError
     from .preferences import preferred
     from .request import output_folder
 
     chosen: str = bake or scene.radtex.directory  # type: ignore[attr-defined]  # ours
-    return output_folder(chosen, preferred().output)
+    place = output_folder(chosen, preferred().output)
+    if not bake and not place.exists():
+        raise InputError(f"nothing was baked into {place} yet: bake first")
+    return place
 
 
 def sidecars_of(

@@ -12,7 +12,8 @@ from . import jobs, pictures
 from .choices import TARGETS
 from .messages import draw_text
 from .panel import Sidebar
-from .words import duration, iface_, remark
+from .switch import draw_switch
+from .words import duration, iface_, remark, stage
 
 if TYPE_CHECKING:
     from ..worker.job import Job
@@ -58,11 +59,11 @@ def phrase(job: Job) -> str:
     """Where a job is, in a few words."""
     if job.cancelling and not job.ended:
         return iface_("Stopping")
-    if job.state == "running" and job.seconds_left is not None:
-        return iface_("{} left").format(duration(job.seconds_left))
-    if job.state == "running" and job.stage is None:
-        return iface_("Starting")
-    return iface_(job.state.value.capitalize())
+    if job.state != "running":
+        return iface_(job.state.value.capitalize())
+    if job.seconds_left is None:
+        return stage(job.stage)
+    return iface_("{}, {} left").format(stage(job.stage), duration(job.seconds_left))
 
 
 def _draw_job(column: Any, job: Job) -> None:
@@ -81,25 +82,17 @@ def _draw_job(column: Any, job: Job) -> None:
         again = row.operator("radtex.bake", text="", icon="PLAY")
         again.object, again.resume = job.object, True
     if job.state == "failed":
-        draw_text(column, remark(job.message), "BLANK1")
+        draw_text(column, remark(job.message, job.out), "BLANK1")
     for warning in job.warnings:
-        draw_text(column, remark(warning), "INFO")
+        draw_text(column, remark(warning, job.out), "INFO")
 
 
 def _offer_bake(column: Any, job: Job) -> None:
     """The switch between object and bake, and its folder."""
-    from ..preview.swap import is_on
-
-    row = column.row(align=True)
     if any(path.name.endswith(".preview.blend") for path in job.files):
-        item = bpy.data.objects.get(job.object)
-        pressed = item is not None and is_on(item)
-        icon = "HIDE_OFF" if pressed else "HIDE_ON"
-        switch = row.operator("radtex.preview_toggle", icon=icon, depress=pressed)
+        switch = draw_switch(column, bpy.data.objects.get(job.object))
         switch.object, switch.bake = job.object, str(job.out)
-        row.operator("radtex.open_folder", text="", icon="FILE_FOLDER").directory = str(job.out)
-    else:
-        row.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(job.out)
+    column.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(job.out)
 
 
 def _offer_comparison(column: Any, job: Job) -> None:

@@ -14,7 +14,7 @@ from .messages import draw_remarks
 from .outlook import Outlook, outlook_of
 from .presets import RADTEX_PT_presets
 from .settings import BakeSettings
-from .switch import draw_shading, draw_switch
+from .switch import LARGE, draw_shading, draw_switch
 from .words import iface_
 
 
@@ -46,7 +46,7 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
             draw_remarks(layout, settings, found)
             _draw_preview(layout, found, context)
         row = layout.row()
-        row.scale_y = 1.5
+        row.scale_y = LARGE
         row.enabled = found is None or not found.errors
         row.operator("radtex.bake", icon="RENDER_STILL")
 
@@ -120,7 +120,7 @@ def _draw_objects(layout: Any, found: Outlook | None) -> None:
 def _draw_preview(layout: Any, found: Outlook, context: bpy.types.Context | None) -> None:
     """The next step where there is a bake already, unless the list of bakes offers it; and how to see it."""
     assert context is not None  # Blender always gives one
-    offered = {job.object for job in jobs.snapshot() if job.state == "done"}
+    offered = {job.object for job in jobs.snapshot() if job.state == "done" and job.work == "bake"}
     if (found.baked or found.shown) and not offered.intersection(found.objects):
         draw_switch(layout, context.active_object)
     if found.shown:

@@ -11,6 +11,7 @@ import bpy
 from .messages import draw_text
 from .words import iface_
 
+LARGE = 1.5  # of a button that is the next step: times another's height
 _BLIND = ("WIREFRAME", "SOLID")  # shadings that know no materials
 
 
@@ -20,7 +21,7 @@ def draw_switch(layout: Any, item: bpy.types.Object | None) -> Any:
 
     pressed = item is not None and is_on(item)
     row = layout.row()
-    row.scale_y = 1.5
+    row.scale_y = LARGE
     return row.operator("radtex.preview_toggle", icon="HIDE_OFF" if pressed else "HIDE_ON", depress=pressed)
 
 
@@ -28,5 +29,7 @@ def draw_shading(layout: Any, space: bpy.types.Space | None) -> None:
     """Blender's shading buttons, where a bake that is shown cannot be seen for the shading."""
     if not isinstance(space, bpy.types.SpaceView3D) or space.shading.type not in _BLIND:
         return
-    draw_text(layout, iface_("To see it, shade the view by its material:"), "SHADING_TEXTURE")
-    layout.row(align=True).prop(space.shading, "type", expand=True)
+    draw_text(layout, iface_("Not seen in this shading. In these it is:"), "INFO")
+    row = layout.row(align=True)
+    for shading, name in (("MATERIAL", "Material"), ("RENDERED", "Rendered")):
+        row.prop_enum(space.shading, "type", shading, text=name)

@@ -40,7 +40,7 @@ LABELS = {
     "unwrap": "Unwrap",
     "uv": "UV Layer",
 }
-STAGES = {  # what a worker is doing, by the names of `bake.progress.Stage`
+STAGES = {  # what a worker is doing, by the names that bakes, exports and comparisons give it
     "evaluate": "Reading the mesh",
     "unwrap": "Unwrapping",
     "raster": "Placing texels",
@@ -51,6 +51,12 @@ STAGES = {  # what a worker is doing, by the names of `bake.progress.Stage`
     "condense": "Making it small",
     "write": "Writing files",
     "preview": "Making the preview",
+    "textures": "Making textures",
+    "flat": "Making the flat picture",
+    "mesh": "Writing the mesh",
+    "pack": "Packing it up",
+    "reference": "Tracing paths",
+    "compare": "Comparing",
 }
 _CHOICES = {"layout": LAYOUTS, "unwrap": UNWRAPS, "compression": COMPRESSIONS}
 _LEFT_OUT = {"uv": "empty", "resume": "off"}  # the others stay as they are

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -79,7 +80,7 @@ def test_nothing_is_baked_where_one_of_them_would_fail(out: Path) -> None:
     plane("B", at=5)
     context.object.hide_render = True
     bpy.ops.object.select_all(action="SELECT")
-    with pytest.raises(RuntimeError, match="object 'B' is hidden from render"):
+    with pytest.raises(RuntimeError, match="Object 'B' is hidden from render"):
         ops.radtex.bake(**TINY)
     assert not out.exists()
 
@@ -99,6 +100,18 @@ def test_without_a_mesh_the_button_says_what_to_do() -> None:
         ops.radtex.clear_jobs()
     with pytest.raises(RuntimeError, match="bake first"):
         ops.radtex.open_folder()
+
+
+def test_the_panels_page_says_how_scripts_do_it(tmp_path: Path) -> None:
+    page = Path(__file__).parents[2] / "docs" / "panel.md"
+    (script,) = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    plane("Suzanne")
+    settings().bucket, settings().samples = 2, 1
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    exec(script, {"bpy": bpy})
+    assert "Suzanne.preview.blend" in names(tmp_path / "baked")
+    assert (tmp_path / "baked" / "Suzanne.godot" / "project.godot").is_file()
+    assert context.scene.objects["Suzanne"].hide_render  # its preview stands there
 
 
 def wait_for(state: State) -> None:

@@ -17,10 +17,13 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.cycles.device import GPU_TYPES
 from radtex_addon.export.spec import Target
 from radtex_addon.ui import choices, registration
-from radtex_addon.ui.presets import RADTEX_OT_preset_add
+from radtex_addon.ui.presets import STOCK, RADTEX_OT_preset_add
 from radtex_addon.ui.request import BakeRequest, spec_of, values_of
 from radtex_addon.ui.settings import NAMES
 from tests.blender.ui_stage import context, ops, preferences, properties_of, registered, settings
+
+# Of the panel's own making: keys and menus call them.
+_UNTOLD = {"radtex.cancel_here", "radtex.preset_add", "radtex.show_comparison"}
 
 
 @pytest.fixture(autouse=True)
@@ -31,6 +34,17 @@ def _registered(empty_file: None) -> Iterator[None]:
 
 def test_the_scenes_settings_ask_for_the_default_bake() -> None:
     assert spec_of(values_of(settings())) == BakeSpec()
+
+
+def test_the_panels_page_tells_of_every_setting_preset_and_operator() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "panel.md").read_text(encoding="utf-8")
+    shown = [*properties_of(type(settings())), *properties_of(type(preferences()))]
+    told = {one.name.removesuffix(" (MB)") for one in shown}
+    told |= {name for _, name, _ in STOCK}
+    told |= {name for items in (choices.KINDS, choices.LAYOUTS, choices.LIMITS) for _, name, _ in items}
+    told |= {cls.bl_idname for cls in registration.CLASSES if issubclass(cls, bpy.types.Operator)}
+    missing = {name for name in told - _UNTOLD if name not in page}
+    assert not missing
 
 
 @pytest.mark.parametrize(

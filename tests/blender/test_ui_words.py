@@ -14,6 +14,8 @@ import blf
 import pytest
 
 from radtex_addon.bake.progress import Stage
+from radtex_addon.export.progress import Task as ExportTask
+from radtex_addon.report.progress import Task
 from radtex_addon.ui import messages as messages_module
 from radtex_addon.ui import registration, words
 from radtex_addon.ui.words import remark
@@ -125,8 +127,9 @@ def test_messages_are_wrapped_to_the_sidebar(room: float) -> None:
         assert blf.dimensions(0, f"{line} {following.split()[0]}")[0] > room
 
 
-def test_every_stage_of_a_bake_has_its_words() -> None:
-    assert set(words.STAGES) == {stage.value for stage in Stage}
+def test_every_stage_of_a_job_has_its_words() -> None:
+    compared = {Task.REFERENCE, Task.COMPARE}
+    assert set(words.STAGES) == {stage.value for stages in (Stage, ExportTask, compared) for stage in stages}
     assert words.stage(None) == "Starting"
     assert words.stage("capture") == "Tracing paths"
 
