@@ -12,7 +12,6 @@ from collections.abc import Generator, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
 
 import bpy
 import numpy as np
@@ -20,7 +19,7 @@ import numpy as np
 from ..core.errors import InputError
 from ..cycles.apparatus import render_layers
 from ..cycles.device import use_device
-from ..cycles.settings import apply_capture_settings, keep_passes
+from ..cycles.settings import apply_capture_settings, denoise, keep_passes
 from ..preview.swap import copy_of, is_on, originals_rendered, switch_off, switch_on
 from ..scene.scratch import scene_copied, scratch_scene
 from .eye import Eye
@@ -143,8 +142,7 @@ def _rendered(
     with scene_copied(scratch) as scene:
         apply_capture_settings(scene, spec.samples, _SEED)
         keep_passes(scene, ("use_pass_object_index",))
-        cycles = cast(Any, scene).cycles
-        cycles.use_denoising, cycles.denoiser = True, "OPENIMAGEDENOISE"
+        denoise(scene)
         scene.camera = eye.camera()
         scene.collection.objects.link(scene.camera)
         scene.render.resolution_x, scene.render.resolution_y = eye.size(spec.pixels)

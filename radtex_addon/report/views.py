@@ -11,7 +11,7 @@ from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from math import cos, pi, radians, sin, sqrt
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import bpy
 import numpy as np
@@ -19,7 +19,7 @@ from mathutils import Matrix, Vector
 
 from ..core.errors import InputError
 from ..cycles.apparatus import render_layers
-from ..cycles.settings import apply_capture_settings, first_hit_only, keep_passes, look_at_centres
+from ..cycles.settings import apply_capture_settings, denoise, first_hit_only, keep_passes, look_at_centres
 from ..scene.scratch import scene_copied
 from .gbuffer import Array, BakedSurface, GBuffer, Rays
 from .metrics import Picture
@@ -164,8 +164,7 @@ def _picture(
 ) -> Picture:
     with scene_copied(scratch) as scene:
         apply_capture_settings(scene, samples, seed)
-        cycles = cast(Any, scene).cycles
-        cycles.use_denoising, cycles.denoiser = True, "OPENIMAGEDENOISE"
+        denoise(scene)
         combined = next(iter(_render(scene, camera, pixels, folder).values()))
     picture: Picture = combined[::-1, :, :3].astype(np.float64)
     return picture
