@@ -14,6 +14,7 @@ from ..core.errors import FormatError, InputError
 from ..formats.sidecar import preview_path, read_facts
 from ..scene.preview_file import appended
 from .save import images_of
+from .sun import forget_sun
 
 _OURS = "radtex_preview"  # of every data-block that came with a preview
 
@@ -34,6 +35,7 @@ def load_baked_mesh(sidecar: Path) -> bpy.types.Mesh:
     with appended(preview, name, kept) as found:
         mesh, material = _parts(preview, name, found, facts.text("uv_map"))
         _check_images(material, preview)
+        forget_sun(material)  # which is in the preview's own scene
         mesh.materials.clear()  # the object's own, which the preview's material hid
         mesh.materials.append(material)
         kept.append(mesh)

@@ -21,7 +21,7 @@ from .taps import bilinear, clamp, pair
 
 MAX_PIXELS = 16384  # the image side that every current GPU takes; Eevee shrinks a larger one, silently
 
-_FRAME = {"Normal": "Vector", "Tangent": "Vector", "Sign": "Float"}
+FRAME = {"Normal": "Vector", "Tangent": "Vector", "Sign": "Float"}
 _TINY = 1e-30  # keeps 0/0 away, as in core.hemisphere
 
 
@@ -36,10 +36,10 @@ def build_sample_group(
     the atlas is not an image of `layout` or has more than `max_pixels` along a side.
     """
     check_previewable(layout, max_pixels)
-    _check_image(image, layout)
-    texel = _texel_group(_pixel_group(image, layout), layout, kind)
-    build, (uv, *vectors) = open_group("RadTex Sample", UV="Vector", **_FRAME, Incoming="Vector")
-    (incidence,) = build.group(_incidence_group(), *vectors)
+    check_image(image, layout)
+    texel = _texel_group(pixel_group(image, layout), layout, kind)
+    build, (uv, *vectors) = open_group("RadTex Sample", UV="Vector", **FRAME, Incoming="Vector")
+    (incidence,) = build.group(incidence_group(), *vectors)
     (b,) = build.group(_bucket_group(), incidence)
     size, last = pair(layout.width, layout.height), pair(layout.width - 1, layout.height - 1)
     if kind is Filter.QUADRILINEAR:
@@ -61,7 +61,8 @@ def check_previewable(layout: AtlasLayout, max_pixels: int = MAX_PIXELS) -> None
         )
 
 
-def _check_image(image: bpy.types.Image, layout: AtlasLayout) -> None:
+def check_image(image: bpy.types.Image, layout: AtlasLayout) -> None:
+    """Raise InputError where the image is not of the layout's size."""
     width, height = layout.pixel_width, layout.pixel_height
     actual = tuple(cast(Sequence[int], image.size))
     if actual != (width, height):
@@ -71,9 +72,9 @@ def _check_image(image: bpy.types.Image, layout: AtlasLayout) -> None:
         )
 
 
-def _incidence_group() -> bpy.types.ShaderNodeTree:
+def incidence_group() -> bpy.types.ShaderNodeTree:
     """The vector towards the viewer in the frame (T, Bt, N) that `core.frame.orthonormal_frame` makes."""
-    build, inputs = open_group("RadTex Incidence", **_FRAME, Incoming="Vector")
+    build, inputs = open_group("RadTex Incidence", **FRAME, Incoming="Vector")
     normal, tangent, sign, incoming = inputs
     n = build.vector("NORMALIZE", normal, label="N")
     along = build.vector("NORMALIZE", tangent)
@@ -120,7 +121,7 @@ def _texel_group(
     return close_group(build, Color=color, Alpha=alpha)
 
 
-def _pixel_group(image: bpy.types.Image, layout: AtlasLayout) -> bpy.types.ShaderNodeTree:
+def pixel_group(image: bpy.types.Image, layout: AtlasLayout) -> bpy.types.ShaderNodeTree:
     """One cell of one texel: the pixel (i n + p, j n + q), read at its centre."""
     build, (cell, texel) = open_group("RadTex Pixel", Cell="Vector", Texel="Vector")
     width, height = layout.pixel_width, layout.pixel_height

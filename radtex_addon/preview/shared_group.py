@@ -49,7 +49,7 @@ def build_shared_group(images: _Images, sidecar: SharedSidecar) -> bpy.types.Sha
     """
     check_shared_previewable(sidecar)
     _check_sizes(images, sidecar)
-    octahedron, around = _octahedron_group(), _surroundings_group(images[SURROUNDINGS], sidecar)
+    octahedron, around = octahedron_group(), _surroundings_group(images[SURROUNDINGS], sidecar)
     inputs = {"UV": "Vector", "Normal": "Vector", "Incoming": "Vector"}
     build, (uv, normal, incoming) = open_group("RadTex Shared", **inputs)
     n = build.vector("NORMALIZE", normal, label="N")
@@ -199,7 +199,7 @@ def _map_group(name: str, image: bpy.types.Image) -> bpy.types.ShaderNodeTree:
     return close_group(build, Color=color)
 
 
-def _octahedron_group() -> bpy.types.ShaderNodeTree:
+def octahedron_group() -> bpy.types.ShaderNodeTree:
     """Direction, of any length, to Place in [0, 1]^2, as `core.octahedron.direction_to_octahedron`."""
     build, (direction,) = open_group("RadTex Octahedron", Direction="Vector")
     length = build.vector("DOT_PRODUCT", build.vector("ABSOLUTE", direction), (1.0, 1.0, 1.0))

@@ -21,6 +21,7 @@ from ..core.errors import InputError
 from ..scene.copy import MATRIX, SHOWN, copy_object
 from ..scene.objects import animates_visibility
 from .load import load_baked_mesh, remove_unused
+from .sun import follow_sun
 
 ORIGINAL = "radtex_original"  # of a copy: the object, and how that was hidden
 _FLAGS = ("hide_render", "hide_viewport")
@@ -63,6 +64,7 @@ def switch_on(original: bpy.types.Object, sidecar: Path) -> Preview:
     """
     _check(original)
     copy_mesh = load_baked_mesh(sidecar)
+    follow_sun(copy_mesh.materials[0], original.users_scene[0])
     _take_away(original)
     copy = _stand_in(original, copy_mesh)
     remove_unused()

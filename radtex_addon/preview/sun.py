@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The material that shows a bake of kind `transfer`, in the light of the scene's first sun.
+
+Drivers carry the sun's direction, colour and strength into two of its nodes, so that it follows as the sun
+turns, in Eevee and Cycles. They are plain enough for Blender to work them out without Python, so that no file
+has to be trusted. Without a sun the two nodes hold a light that may be changed by hand.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+
+from ..core.atlas import AtlasLayout
+from ..scene.nodes import open_material
+from .material import build_frame_group, load_atlas
+from .transfer_group import build_transfer_group
+
+DIRECTION, IRRADIANCE = "RadTex light direction", "RadTex light irradiance"  # names of nodes
+_FROM_LEFT = (-0.45, -0.55, 0.7)
+_SUNNY = (3.0, 3.0, 3.0)
+
+
+def preview_transfer_material(
+    name: str, atlas: Path, layout: AtlasLayout, uv_layer: str, scene: bpy.types.Scene, half: bool = True
+) -> bpy.types.Material:
+    """A material that shows the atlas file on the baked copy, in the light of `scene`'s first sun.
+
+    `uv_layer` is the baked one, `half` as in `load_atlas`. Raises as `load_atlas` and `build_transfer_group`
+    do.
+    """
+    sampler = build_transfer_group(load_atlas(atlas, half), layout)
+    material, build = open_material(name)
+    cast(Any, material).cycles.emission_sampling = "NONE"  # seen by every ray, but no lamp to aim at
+    uv, frame = build.uv_map(uv_layer), build.group(build_frame_group())
+    light, strength = build.combine(*_FROM_LEFT), build.combine(*_SUNNY)
+    for socket, label in ((light, DIRECTION), (strength, IRRADIANCE)):
+        socket.node.name = socket.node.label = label
+    color, alpha = build.group(sampler, uv, *frame, light)
+    emission = build.node("ShaderNodeEmission", build.vector("MULTIPLY", color, strength))
+    behind = build.node("ShaderNodeBsdfTransparent", build.math("SUBTRACT", 1.0, alpha))
+    surface = build.node("ShaderNodeAddShader", emission.outputs[0], behind.outputs[0])
+    build.node("ShaderNodeOutputMaterial", surface.outputs[0])
+    build.arrange()
+    follow_sun(material, scene)
+    return material
+
+
+def first_sun(scene: bpy.types.Scene) -> bpy.types.Object | None:
+    """The scene's first sun by name that renders, if there is one."""
+    suns = (item for item in scene.objects if item.type == "LIGHT" and item.data.type == "SUN")
+    return min((sun for sun in suns if not sun.hide_render), key=lambda sun: sun.name, default=None)
+
+
+def follow_sun(material: bpy.types.Material | None, scene: bpy.types.Scene) -> None:
+    """Let a preview of kind `transfer` follow the scene's first sun; any other material is left alone."""
+    sun = first_sun(scene)
+    if material is None or not forget_sun(material) or sun is None:
+        return
+    nodes = cast(Any, material.node_tree).nodes
+    lamp = cast(bpy.types.Light, sun.data)
+    exposed = hasattr(lamp, "exposure")  # since Blender 4.5
+    for axis in range(3):
+        towards = _driver(nodes[DIRECTION].inputs[axis], "z")
+        _variable(towards, "z", "OBJECT", sun, f"matrix_world[2][{axis}]")  # its column of its own z axis
+        strength = _driver(nodes[IRRADIANCE].inputs[axis], "energy * tint" + " * pow(2, stops)" * exposed)
+        _variable(strength, "energy", "LIGHT", lamp, "energy")
+        _variable(strength, "tint", "LIGHT", lamp, f"color[{axis}]")
+        if exposed:
+            _variable(strength, "stops", "LIGHT", lamp, "exposure")
+
+
+def forget_sun(material: bpy.types.Material) -> bool:
+    """Let a preview follow nothing any more; False for a material of another kind."""
+    tree = material.node_tree
+    if tree is None or DIRECTION not in tree.nodes or IRRADIANCE not in tree.nodes:
+        return False
+    for name in (DIRECTION, IRRADIANCE):
+        for socket in tree.nodes[name].inputs:
+            socket.driver_remove("default_value")
+    return True
+
+
+def _driver(socket: Any, expression: str) -> bpy.types.Driver:
+    driver = socket.driver_add("default_value").driver
+    driver.type, driver.expression = "SCRIPTED", expression
+    return cast(bpy.types.Driver, driver)
+
+
+def _variable(driver: bpy.types.Driver, name: str, kind: str, owner: bpy.types.ID, path: str) -> None:
+    variable = cast(Any, driver.variables.new())
+    variable.name, variable.type = name, "SINGLE_PROP"
+    target = variable.targets[0]
+    target.id_type, target.id, target.data_path = kind, owner, path
