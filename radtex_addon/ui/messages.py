@@ -49,6 +49,10 @@ def draw_remarks(layout: Any, settings: BakeSettings, found: Outlook) -> None:
         for message in found.errors:
             icon = "CHECKMARK" if found.baked else "ERROR"
             draw_text(layout.box(), remark(message, found.folder), icon)
+    if found.forgets:
+        text = iface_("An unfinished bake is here: resume it, or begin anew")
+        draw_text(layout.box(), text, "INFO")
+        layout.operator("radtex.bake", text="Resume", icon="PLAY").resume = True
     if found.remedies:
         _draw_remedies(layout.column(), settings, found)
     for message in found.warnings:

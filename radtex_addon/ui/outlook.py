@@ -33,8 +33,9 @@ class Outlook:
 
     `spec` and `cost` are None where the settings cannot be; `seconds`, of all objects, where nobody has
     estimated them; `folder` where there is none. `remedies` are names of settings that, switched, would
-    settle errors; `baked` is true where nothing is wrong but that there are bakes already. `shown` are those
-    of the objects whose bakes are shown in their places.
+    settle errors; `baked` is true where nothing is wrong but that there are bakes already, `forgets` where an
+    unfinished one would be thrown away that one could go on with. `shown` are those of the objects whose
+    bakes are shown in their places.
     """
 
     objects: tuple[str, ...]
@@ -46,6 +47,7 @@ class Outlook:
     folder: Path | None = None
     remedies: tuple[str, ...] = ()
     baked: bool = False
+    forgets: bool = False
     shown: tuple[str, ...] = ()
 
 
@@ -150,6 +152,7 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
         return Outlook(names, (str(error),), (), spec, cost, seconds, remedies=wanting)
     seen = request.foreseen(scene, names, _PATIENCE)
     remedies = request.remedies(scene, names, _PATIENCE) if seen.errors else {}
+    forgets = not seen.errors and request.forgets(scene, names, _PATIENCE)
     return Outlook(
         names,
         seen.errors,
@@ -160,5 +163,6 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
         request.folder,
         remedies=tuple(remedies),
         baked=remedies == {"overwrite": 0},
+        forgets=forgets,
         shown=tuple(name for name in names if is_on(scene.objects[name])),
     )

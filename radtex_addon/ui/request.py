@@ -77,6 +77,18 @@ class BakeRequest:
                 return found
         return {}
 
+    def forgets(self, scene: bpy.types.Scene, names: Sequence[str], patience: float) -> bool:
+        """Whether it would throw away an unfinished bake that one could go on with."""
+        from ..bake.checkpoint import is_unfinished
+        from ..job.files import OutputFiles
+
+        if self.resume or not self.overwrite:
+            return False
+        files = [OutputFiles.of(name, self.spec, self.folder, self.preview) for name in names]
+        if not any(is_unfinished(one.unfinished) for one in files):
+            return False
+        return self._errors_with(("resume",), scene, names, patience) == 0
+
     def _errors_with(
         self, switched: Sequence[str], scene: bpy.types.Scene, names: Sequence[str], patience: float
     ) -> int:

@@ -29,7 +29,8 @@ def draw_shading(layout: Any, space: bpy.types.Space | None) -> None:
     """Blender's shading buttons, where a bake that is shown cannot be seen for the shading."""
     if not isinstance(space, bpy.types.SpaceView3D) or space.shading.type not in _BLIND:
         return
-    draw_text(layout, iface_("Not seen in this shading. In these it is:"), "INFO")
+    draw_text(layout, iface_("Seen in these shadings only:"), "INFO")
     row = layout.row(align=True)
+    row.use_property_split = False
     for shading, name in (("MATERIAL", "Material"), ("RENDERED", "Rendered")):
         row.prop_enum(space.shading, "type", shading, text=name)

@@ -95,7 +95,11 @@ def test_what_settles_a_refusal_is_known(tmp_path: Path) -> None:
     assert seen().remedies == ("overwrite",)
     settings().resume = True
     assert seen().remedies == ("overwrite", "resume")  # anew, and then without
-    settings().resume, settings().samples = False, 1
+    settings().resume, settings().overwrite = False, True
+    assert (seen().errors, seen().forgets) == ((), False)
+    settings().samples = 1
+    assert (seen().errors, seen().forgets) == ((), True)
+    settings().overwrite = False
     bake_object(context.scene, "Card", spec, out, resume=True)
     assert (seen().remedies, seen().baked) == (("overwrite",), True)
     settings().export_targets = {"web"}
