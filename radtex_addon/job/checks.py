@@ -78,7 +78,7 @@ def _check_previewable(name: str, spec: BakeSpec) -> None:
     """Refuse what no GPU takes, were the atlas square."""
     side = spec.texels
     if spec.layout is Layout.BUCKETS:
-        check_previewable(AtlasLayout(side, side, spec.bucket))
+        check_previewable(AtlasLayout(side, side, 1 if spec.kind is Kind.AO else spec.bucket))
         return
     largest = SharedSidecar(
         bake=facts_of(name, spec, side, side, spec.uv_layer or UV_LAYER),

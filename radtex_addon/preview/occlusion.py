@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials that show bakes of the kinds `shadow` and `ao`: a white object in the sun's light, a grey one."""
+
+from __future__ import annotations
+
+import tempfile
+from math import pi
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import numpy as np
+
+from ..core.atlas import AtlasLayout
+from ..core.sampler import Filter
+from ..core.shadow import unpack_bits
+from ..formats.png import encode_png
+from ..formats.shadow_files import read_shadow_of
+from ..scene.nodes import open_material
+from .material import build_frame_group, load_atlas
+from .node_group import build_sample_group, check_previewable
+from .sun import DIRECTION, IRRADIANCE, follow_sun
+
+_FROM_LEFT = (-0.45, -0.55, 0.7)
+_SUNNY = (3.0, 3.0, 3.0)
+
+
+def preview_shadow_material(
+    name: str, sidecar: Path, uv_layer: str, scene: bpy.types.Scene, kind: Filter
+) -> bpy.types.Material:
+    """A white material in the light of `scene`'s first sun, whose shadows the bake `sidecar` has.
+
+    The light comes from one direction, which the node `DIRECTION` holds, towards it; a driver keeps it the
+    sun's, if there is one. Raises FormatError for files that cannot be read, InputError for a bake that no
+    GPU takes as one pixel a cell.
+    """
+    image, layout = _spread_out(name, sidecar)
+    sampler = build_sample_group(image, layout, kind)
+    material, build = open_material(name)
+    cast(Any, material).cycles.emission_sampling = "NONE"  # seen by every ray, but no lamp to aim at
+    uv, frame = build.uv_map(uv_layer), build.group(build_frame_group())
+    light, irradiance = build.combine(*_FROM_LEFT), build.combine(*_SUNNY)
+    for socket, label in ((light, DIRECTION), (irradiance, IRRADIANCE)):
+        socket.node.name = socket.node.label = label
+    seen, _ = build.group(sampler, uv, *frame, light)
+    upright, towards = build.vector("NORMALIZE", frame[0]), build.vector("NORMALIZE", light)
+    cosine = build.math("MAXIMUM", build.vector("DOT_PRODUCT", upright, towards), 0.0)
+    arriving = build.vector("SCALE", irradiance, build.math("MULTIPLY", cosine, 1 / pi))
+    emission = build.node("ShaderNodeEmission", build.vector("MULTIPLY", seen, arriving))
+    build.node("ShaderNodeOutputMaterial", emission.outputs[0])
+    build.arrange()
+    follow_sun(material, scene)
+    return material
+
+
+def preview_ambient_material(
+    name: str, atlas: Path, layout: AtlasLayout, uv_layer: str, half: bool = True
+) -> bpy.types.Material:
+    """A grey material as bright as the ambient visibility in the file `atlas`; raises as `load_atlas`."""
+    sampler = build_sample_group(load_atlas(atlas, half, data=True), layout, Filter.QUADRILINEAR)
+    material, build = open_material(name)
+    cast(Any, material).cycles.emission_sampling = "NONE"
+    uv, frame = build.uv_map(uv_layer), build.group(build_frame_group())
+    _, ambient = build.group(sampler, uv, *frame)
+    emission = build.node("ShaderNodeEmission", build.combine(ambient, ambient, ambient))
+    build.node("ShaderNodeOutputMaterial", emission.outputs[0])
+    build.arrange()
+    return material
+
+
+def _spread_out(name: str, sidecar: Path) -> tuple[bpy.types.Image, AtlasLayout]:
+    """The bits as an image of one pixel a cell, white where it is open, which belongs to the .blend."""
+    words, facts = read_shadow_of(sidecar)
+    layout = AtlasLayout(facts.width, facts.height, facts.bucket)
+    check_previewable(layout)
+    open_cells = (~unpack_bits(words, facts.bucket)).astype(np.float32)[..., None]
+    picture = np.broadcast_to(layout.from_buckets(open_cells), (layout.pixel_height, layout.pixel_width, 3))
+    with tempfile.TemporaryDirectory(prefix="radtex-") as folder:
+        path = Path(folder, f"{sidecar.stem}.png")
+        path.write_bytes(encode_png(picture[::-1]))
+        image = load_atlas(path, data=True)
+        image.name = f"{name} shadow"
+        image.pack()
+        image.filepath_raw = ""  # soon there is no such file
+    return image, layout

@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Previews of `shadow` and `ao`, rendered by Cycles, against what the files say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Vector
+
+from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.sampler import Filter
+from radtex_addon.core.shadow import visibility
+from radtex_addon.formats.exr import read_buckets, read_render
+from radtex_addon.formats.shadow_files import read_shadow_of
+from radtex_addon.job import BakeResult, bake_object
+from radtex_addon.preview.sun import DIRECTION
+
+pytestmark = pytest.mark.usefixtures("temporary")
+context: Any = bpy.context
+PIXELS = 32
+TOWARDS = Vector((0.5, -0.3, 0.9)).normalized()
+
+
+def baked(kind: str, out: Path, sun: bool = True) -> BakeResult:
+    """A floor of 2 x 2 with a ball above it and a sun of 2 W/m²; opens the preview."""
+    bpy.ops.mesh.primitive_plane_add(size=2)
+    context.object.name = "Floor"
+    bpy.ops.mesh.primitive_ico_sphere_add(radius=0.35, subdivisions=3, location=(0.1, 0.1, 0.5))
+    context.object.visible_camera = False
+    if sun:
+        bpy.ops.object.light_add(type="SUN")
+        context.object.data.energy = 2
+        context.object.rotation_euler = TOWARDS.to_track_quat("Z", "Y").to_euler()
+    spec = BakeSpec(kind=kind, texels=24, bucket=8, samples=4, uv_layer="UVMap")  # type: ignore[arg-type]
+    result = bake_object(context.scene, "Floor", spec, out, preview=Filter.QUADRILINEAR)
+    bpy.ops.wm.open_mainfile(filepath=str(result.files.preview))
+    return result
+
+
+def picture(folder: Path) -> Floats:
+    """The floor from straight above, one colour a pixel, v up: (PIXELS, PIXELS, 3)."""
+    scene = context.scene
+    data = bpy.data.cameras.new("Above")
+    data.type, data.ortho_scale = "ORTHO", 2
+    scene.camera = bpy.data.objects.new("Above", data)
+    scene.collection.objects.link(scene.camera)
+    scene.camera.location.z = 3
+    scene.render.engine = "CYCLES"
+    scene.render.resolution_x = scene.render.resolution_y = PIXELS
+    scene.cycles.samples, scene.cycles.use_denoising = 1, False
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width = "GAUSSIAN", 0.01
+    if hasattr(scene.render.image_settings, "media_type"):
+        scene.render.image_settings.media_type = "IMAGE"
+    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+    scene.render.filepath = str(folder / "above.exr")
+    bpy.ops.render.render(write_still=True)
+    return read_render(folder / "above.exr")[""][..., :3]
+
+
+def places() -> Floats:
+    """Texture coordinates of the pictures' pixels: (PIXELS², 2)."""
+    steps = (np.arange(PIXELS) + 0.5) / PIXELS
+    return np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+
+
+def expected(result: BakeResult, towards: Vector) -> Floats:
+    words, facts = read_shadow_of(result.files.sidecar)
+    layout = AtlasLayout(facts.width, facts.height, facts.bucket)
+    ways = np.broadcast_to(np.array(towards), (PIXELS**2, 3))
+    return visibility(words, layout, places(), ways, Filter.QUADRILINEAR).reshape(PIXELS, PIXELS)
+
+
+def test_a_shadow_shows_white_in_the_suns_light_and_follows_it(out: Path, tmp_path: Path) -> None:
+    result = baked("shadow", out)
+    share = expected(result, TOWARDS)
+    assert share.min() < 0.1
+    assert share.max() > 0.99
+    np.testing.assert_allclose(picture(tmp_path)[..., 1], share * TOWARDS.z * 2 / np.pi, atol=2e-3)
+    turned = Vector((-0.6, 0.1, 0.7)).normalized()
+    sun = next(item for item in bpy.data.objects if item.type == "LIGHT")
+    sun.rotation_euler, sun.data.energy = turned.to_track_quat("Z", "Y").to_euler(), 3
+    context.view_layer.update()
+    np.testing.assert_allclose(
+        picture(tmp_path)[..., 1], expected(result, turned) * turned.z * 3 / np.pi, atol=2e-3
+    )
+
+
+def test_without_a_sun_the_direction_may_be_set_by_hand(out: Path, tmp_path: Path) -> None:
+    result = baked("shadow", out, sun=False)
+    tree = context.scene.objects["Floor"].material_slots[0].material.node_tree
+    for axis in range(3):
+        tree.nodes[DIRECTION].inputs[axis].default_value = TOWARDS[axis]
+    share = expected(result, TOWARDS)
+    np.testing.assert_allclose(picture(tmp_path)[..., 0], share * TOWARDS.z * 3 / np.pi, atol=2e-3)
+
+
+def test_ambient_occlusion_shows_grey(out: Path, tmp_path: Path) -> None:
+    result = baked("ao", out)
+    pixels, facts = read_buckets(result.files.sidecar)
+    shown = picture(tmp_path)
+    np.testing.assert_allclose(shown[..., 0], shown[..., 2], atol=1e-6)
+    uv = places()
+    nearest = pixels[(uv[:, 1] * facts.height).astype(int), (uv[:, 0] * facts.width).astype(int), 3]
+    off = np.abs(shown[..., 0].ravel() - nearest)
+    assert off.mean() < 0.02  # blended between texels, which differ little
+    assert 0.1 < nearest.min() < 0.8
