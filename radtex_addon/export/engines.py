@@ -43,7 +43,7 @@ def write_engine(pack: Pack, folder: Path) -> None:
 def includes(target: Target, pack: Pack) -> list[Path]:
     """The shader files that look the bake up, in the languages of the target."""
     bake = pack.manifest.bake
-    stems = ["radtex"]
+    stems = ["radtex", "radtex_shadow"] if bake["kind"] == "shadow" else ["radtex"]
     if bake["layout"] == "shared":
         stems.append("radtex_shared")
         if "condensed" in bake["shared"]:
@@ -99,6 +99,9 @@ def _settings(pack: Pack) -> list[str]:
     (entry,) = manifest.textures.values()
     width, height = bake["texels"]
     n = bake["bucket"]
+    if entry.arrangement is Arranged.WORDS:
+        layered = ["#define RADTEX_SHADOW_LAYERS"] if entry.layers > 1 else []
+        return [*layered, f"radtex_shadow(bits, ({width}, {height}), uv), then radtex_visible(…, {n}, I)"]
     if entry.arrangement is Arranged.SLICES:
         return [f"radtex_slices(slices, {n}, uv, I), of a texture array with {n} x {n} layers"]
     columns, rows = entry.pages

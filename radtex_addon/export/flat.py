@@ -24,12 +24,16 @@ from ..core.texel_map import TexelMap, rasterise
 from ..formats.exr import read_buckets, stored_compression
 from ..formats.own_texels import loss_of, own_texels
 from ..formats.png import encode_png
+from ..formats.shadow_files import KIND as SHADOW
+from ..formats.shadow_files import visible_buckets
 from ..formats.shared_files import read_shared
+from ..formats.sidecar import read_sidecar
 from .progress import Step, Task
 
 DIRECTIONS = 64  # that a texel of the shared layout is looked at from
 _EACH = 8  # directions between two signs of life
 _GOLDEN = np.pi * (3 - np.sqrt(5))
+_AMBIENT = "ao"
 _ROUNDED = 1e-4  # by how much the means of equal buckets may differ
 _BRIGHT = 99.5  # percent of the texels that the picture shows unclipped
 
@@ -37,9 +41,16 @@ _BRIGHT = 99.5  # percent of the texels that the picture shows unclipped
 def flat_buckets(sidecar: Path, surface: SurfaceMesh) -> Floats:
     """The mean light (H, W, 3) of each bucket of an atlas, float32, row 0 at v = 0, over black.
 
+    Of kinds that hold no light it is how much is open, in grey.
+
     Raises FormatError for files that cannot be read, and a surface that the atlas is not of.
     """
-    (pixels, facts), image = read_buckets(sidecar), sidecar.with_suffix(".exr")
+    image = sidecar.with_suffix(".exr")
+    pixels, facts = (
+        visible_buckets(sidecar) if read_sidecar(sidecar).kind == SHADOW else read_buckets(sidecar)
+    )
+    if facts.kind == _AMBIENT:
+        pixels = pixels[..., 3:]
     light = mean_of_buckets(pixels, AtlasLayout(facts.width, facts.height, facts.bucket))
     loss = max(loss_of(stored_compression(image)), _ROUNDED)
     _check_surface(sidecar, rasterise(surface, facts.width, facts.height), light, loss)

@@ -36,11 +36,12 @@ class Container(StrEnum):
 
 
 class Arranged(StrEnum):
-    """What a texture's pixels are: a bucket matrix, its slices, or an image of the shared layout."""
+    """What a texture's pixels are: a bucket matrix, its slices, an image of the shared layout, or bits."""
 
     MATRIX = "matrix"
     SLICES = "slices"
     IMAGE = "image"
+    WORDS = "words"
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,10 @@ class TextureEntry:
         paged = tuple(count * side for count, side in zip(entry.pages, entry.page_texels, strict=True))
         if paged != entry.stored or any(map(int.__gt__, entry.texels, entry.stored)):
             raise FormatError(f"{facts.source} has pages that do not hold its texels: export it again")
-        if entry.arrangement is not Arranged.SLICES and entry.layers != entry.pages[0] * entry.pages[1]:
+        if (
+            entry.arrangement not in (Arranged.SLICES, Arranged.WORDS)
+            and entry.layers != entry.pages[0] * entry.pages[1]
+        ):
             raise FormatError(f"{facts.source} has other layers than pages: export it again")
         return entry
 

@@ -24,6 +24,7 @@ from .godot import write_godot
 from .manifest import EXTENSION, Manifest, write_manifest
 from .pack import Pack
 from .progress import Step, Task
+from .shadow_texture import LIGHTLESS, check_target
 from .spec import ExportSpec, Target
 from .textures import write_textures
 from .web import check_page, write_web
@@ -81,7 +82,10 @@ def export_path(sidecar: Path, target: Target) -> Path:
 def check_export(sidecar: Path, spec: ExportSpec, out: Path, *, overwrite: bool = False) -> None:
     """Find out at once what would fail at once. Raises InputError and FormatError as `export_steps` does."""
     check_out(out, sidecar.parent, overwrite)
-    check_preview(_Bake.of(sidecar).preview)
+    bake = _Bake.of(sidecar)
+    if bake.bake.kind in LIGHTLESS:
+        check_target(sidecar, bake.bake.kind, spec)
+    check_preview(bake.preview)
     if spec.target is Target.WEB:
         check_page()
 

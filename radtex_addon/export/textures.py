@@ -25,12 +25,14 @@ from ..formats.dds import read_dds, write_texture
 from ..formats.exr import read_buckets
 from ..formats.ktx2 import write_ktx2
 from ..formats.packing import COLOUR, ENDS, IRRADIANCE, SURROUNDINGS
+from ..formats.shadow_files import KIND as SHADOW
 from ..formats.shared_files import layer_path, read_layer, read_shared_sidecar, texture_path
 from ..formats.shared_sidecar import LAYOUT as SHARED
 from ..formats.shared_sidecar import SharedSidecar
 from ..formats.sidecar import read_facts
 from ..formats.texture import MOST_PIXELS, PixelFormat, Texture, encode_texture, most_levels
 from .manifest import Arranged, Container, TextureEntry
+from .shadow_texture import write_shadow_texture
 from .spec import Arrangement, ExportSpec, Target, TextureFormat
 from .texture_choice import (
     check_limit,
@@ -55,7 +57,10 @@ def write_textures(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, T
     format cannot be, FormatError, with the path, for files that are missing, damaged or of different bakes,
     BakeError where the system refuses.
     """
-    if read_facts(sidecar).text("layout") != SHARED:
+    found = read_facts(sidecar)
+    if found.text("kind") == SHADOW:
+        return write_shadow_texture(sidecar, spec, folder)
+    if found.text("layout") != SHARED:
         return _write_buckets(sidecar, spec, folder)
     shared = read_shared_sidecar(sidecar)
     if spec.arrangement is not Arrangement.MATRIX or (spec.levels or 1) > 1:

@@ -25,9 +25,21 @@ from .ktx2_descriptor import descriptor
 from .memory import check_memory
 from .texture import PixelFormat, Texture, blocks_shape, size_misfit
 
-VK_FORMATS = {PixelFormat.RGBA16F: 97, PixelFormat.RGB9E5: 123, PixelFormat.BC6H: 143}  # VkFormat
+VK_FORMATS = {  # VkFormat
+    PixelFormat.RGBA16F: 97,
+    PixelFormat.RGB9E5: 123,
+    PixelFormat.BC6H: 143,
+    PixelFormat.R32UI: 98,
+    PixelFormat.RG32UI: 101,
+}
 
-_TYPE_SIZES = {PixelFormat.RGBA16F: 2, PixelFormat.RGB9E5: 4, PixelFormat.BC6H: 1}
+_TYPE_SIZES = {
+    PixelFormat.RGBA16F: 2,
+    PixelFormat.RGB9E5: 4,
+    PixelFormat.BC6H: 1,
+    PixelFormat.R32UI: 4,
+    PixelFormat.RG32UI: 4,
+}
 _MAGIC = b"\xabKTX 20\xbb\r\n\x1a\n"
 _NONE, _ZSTD = 0, 2  # supercompression schemes
 _EFFORT = 9  # Zstandard's level
@@ -70,7 +82,7 @@ _LEVEL_LAYOUT = struct.Struct("<3Q")
 
 
 def write_ktx2(path: Path, texture: Texture, zstd: bool = True, premultiplied: bool = True) -> None:
-    """Write a texture of RGBA16F, RGB9E5 or BC6H, its rows as they are; ours begin with the bottom one.
+    """Write a texture of one of VK_FORMATS, its rows as they are; ours begin with the bottom one.
 
     `zstd` packs it without loss; `premultiplied` says that RGBA16F has associated alpha. On failure `path`
     is what it was. Raises InputError for another format, BakeError where the system refuses.

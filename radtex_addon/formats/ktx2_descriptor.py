@@ -32,7 +32,7 @@ class _Sample(NamedTuple):
 
 
 def descriptor(pixel_format: PixelFormat, premultiplied: bool) -> bytes:
-    """The descriptor of Rec.709's linear light in RGBA16F, RGB9E5 or BC6H, its total size first.
+    """The descriptor of Rec.709's linear light in RGBA16F, RGB9E5 or BC6H, or of words, its total size first.
 
     It is the same for packed files, as the KTX specification has it since its revision 4.
     """
@@ -78,5 +78,7 @@ _SAMPLES = {
         for place, channel in enumerate((0, 1, 2, _ALPHA))
     ),
     PixelFormat.RGB9E5: _shared_exponent(),
+    PixelFormat.R32UI: (_Sample(0, 32, 0, 0, 1),),
+    PixelFormat.RG32UI: (_Sample(0, 32, 0, 0, 1), _Sample(32, 32, 1, 0, 1)),
     PixelFormat.BC6H: (_Sample(0, 128, _FLOAT, _float_bits(0), _float_bits(1)),),
 }

@@ -14,8 +14,10 @@ import numpy as np
 import numpy.typing as npt
 import OpenEXR
 
+from ..core.arrays import Floats
+from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError, ShapeError
-from ..core.shadow import word_count
+from ..core.shadow import unpack_bits, word_count
 from .atomic import replacing
 from .exr import ATTRIBUTE, Compression, header_text, read_whole
 from .sidecar import Sidecar, read_sidecar
@@ -85,6 +87,14 @@ def read_shadow(path: Path) -> tuple[Words, Sidecar]:
         size = f"{pixels.shape[1]} x {pixels.shape[0]} pixels of {pixels.dtype}"
         raise FormatError(f"{path} has {size}, its header says {sidecar.width} x {sidecar.height} of uint32")
     return pixels.astype(np.uint32, copy=False), sidecar
+
+
+def visible_buckets(path: Path) -> tuple[Floats, Sidecar]:
+    """A shadow as `exr.read_buckets` gives light: (H*n, W*n, 1) float32, 1 where nothing blocks."""
+    words, facts = read_shadow_of(path)
+    layout = AtlasLayout(facts.width, facts.height, facts.bucket)
+    seen = (~unpack_bits(words, facts.bucket)).astype(np.float32)[..., None]
+    return layout.from_buckets(seen), facts
 
 
 def read_shadow_of(path: Path) -> tuple[Words, Sidecar]:

@@ -20,11 +20,17 @@ MOST_PIXELS = 16384  # a side, as in Direct3D 11 and what every GPU of its time 
 MOST_LAYERS = 2048  # of an array, likewise
 
 _PACKED = ("BC5", "BC6H", "BC7")
-_BYTES = {"RGBA16F": 8, "RGB9E5": 4, "RGBA8": 4}  # of a pixel; a block of 4 x 4 pixels has 16
+_BYTES = {
+    "RGBA16F": 8,
+    "RGB9E5": 4,
+    "RGBA8": 4,
+    "R32UI": 4,
+    "RG32UI": 8,
+}  # of a pixel; a block of 4 x 4 pixels has 16
 
 
 class PixelFormat(StrEnum):
-    """What a pixel or a block of pixels is. BC6H is the one without signs."""
+    """What a pixel or a block of pixels is. BC6H is the one without signs; UI are whole numbers."""
 
     RGBA16F = "RGBA16F"
     RGB9E5 = "RGB9E5"
@@ -32,6 +38,8 @@ class PixelFormat(StrEnum):
     BC5 = "BC5"
     BC7 = "BC7"
     RGBA8 = "RGBA8"
+    R32UI = "R32UI"
+    RG32UI = "RG32UI"
 
     @property
     def side(self) -> int:
