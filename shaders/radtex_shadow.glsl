@@ -92,6 +92,14 @@ float radtex_visible(RADTEX_SHADOW, int n, vec3 I) {
     return seen;
 }
 
+// The same of the one cell that holds I: for each of many points of a light, whose size blends cells by itself.
+float radtex_visible_cell(RADTEX_SHADOW, int n, vec3 I) {
+    ivec2 cell = clamp(ivec2((radtex_bucket(I) + 1.0) * 0.5 * float(n)), ivec2(0), ivec2(n - 1));
+    int k = cell.y * n + cell.x;
+    return dot(here.weights, vec4(radtex_open(RADTEX_HERE, 0, k), radtex_open(RADTEX_HERE, 1, k),
+                                  radtex_open(RADTEX_HERE, 2, k), radtex_open(RADTEX_HERE, 3, k)));
+}
+
 // The frame (T, Bt, N) as columns: what radtex_incidence brings vectors into.
 mat3 radtex_frame(vec3 normal, vec3 tangent, float bitangent_sign) {
     vec3 x = radtex_incidence(vec3(1.0, 0.0, 0.0), normal, tangent, bitangent_sign);
@@ -100,19 +108,20 @@ mat3 radtex_frame(vec3 normal, vec3 tangent, float bitangent_sign) {
     return transpose(mat3(x, y, z));
 }
 
-// A sun's irradiance over that which it has at a right angle: the mean of cosine times visibility over `count` points,
-// even on its disc, `angle` wide in radians.
+// A sun's irradiance over that which it has at a right angle, from `count` points, even on its disc, `angle` wide in
+// radians.
 float radtex_sun(RADTEX_SHADOW, int n, mat3 frame, vec3 to_sun, float angle, int count) {
     vec3 axis = normalize(to_sun);
     vec3 across = normalize(cross(abs(axis.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0), axis));
     vec3 up = cross(axis, across);
-    float size = count > 1 ? tan(0.5 * angle) : 0.0, sum = 0.0;
+    float rim = cos(0.5 * angle), sum = 0.0;
     for (int k = 0; k < count; k++) {
-        float radius = size * sqrt((float(k) + 0.5) / float(count)), turn = float(k) * 2.39996323;  // a sunflower
-        vec3 L = normalize(axis + radius * (cos(turn) * across + sin(turn) * up)) * frame;
-        if (L.z > 0.0) sum += L.z * radtex_visible(RADTEX_HERE, n, L);
+        float share = count > 1 ? (float(k) + 0.5) / float(count) : 0.0, turn = float(k) * 2.39996323;  // a sunflower
+        float cosine = 1.0 - share * (1.0 - rim), sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+        vec3 L = (cosine * axis + sine * (cos(turn) * across + sin(turn) * up)) * frame;
+        if (L.z > 0.0) sum += L.z * radtex_visible_cell(RADTEX_HERE, n, L);
     }
-    return sum / float(count);
+    return sum / float(count) * 2.0 / (1.0 + rim);
 }
 
 // A rectangle's irradiance over its radiance: it lies at `corner`, its sides are `side` and `up`, and it shines along
@@ -126,7 +135,7 @@ float radtex_rectangle(RADTEX_SHADOW, int n, mat3 frame, vec3 position, vec3 cor
         float squared = max(dot(way, way), 1e-30);
         vec3 L = (way * inversesqrt(squared)) * frame;
         float weight = max(L.z, 0.0) * max(-dot(way, face), 0.0) / (squared * sqrt(squared));
-        if (weight > 0.0) sum += weight * radtex_visible(RADTEX_HERE, n, L);
+        if (weight > 0.0) sum += weight * radtex_visible_cell(RADTEX_HERE, n, L);
     }
     return sum / float(count);
 }

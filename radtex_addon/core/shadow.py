@@ -72,8 +72,9 @@ def soft_visibility(
     """Which share of a light's irradiance arrives, 0 to 1: (K,).
 
     `lights` (K, S, 3) are unit directions in the frame to points of the light, `weight` (K, S) what light of
-    each would arrive, were nothing in the way; the others are as in `visibility`. Where all weights are 0 the
-    share is 0.
+    each would arrive, were nothing in the way; the others are as in `visibility`, but that cells are never
+    blended: the light's own size does that, and blending on top blurs (by up to 1.3 dB at 8 x 8 cells). Where
+    all weights are 0 the share is 0.
     """
     buckets = _buckets(words, layout)
     lights, weight = as_floats("lights", lights, 3), np.asarray(weight)
@@ -84,23 +85,35 @@ def soft_visibility(
     arrives = np.zeros(len(lights), dtype=lights.dtype)
     for sample in range(lights.shape[1]):
         place, to_light = checked_lookups(uv, lights[:, sample])
-        arrives += weight[:, sample] * _seen(buckets, layout, place, to_light, kind)
+        arrives += weight[:, sample] * _seen(buckets, layout, place, to_light, kind, whole=True)
     total = weight.sum(axis=1)
     share: Floats = np.divide(arrives, total, out=np.zeros_like(arrives), where=total > 0)
     return share
 
 
 def sun_directions(to_sun: Floats, angle: float, count: int) -> Floats:
-    """Directions (..., S, 3) to points spread evenly over a sun's disc, in the space of `to_sun` (..., 3).
+    """Directions (..., S, 3), even in solid angle, over a sun's disc, in the space of `to_sun` (..., 3).
 
     `angle` is the disc's diameter in radians, as Blender's sun has it. One direction is its middle.
     """
     to_sun = as_floats("to_sun", to_sun, 3)
     across = fallback_tangent(to_sun)
     up = np.cross(to_sun, across)
-    radius = np.tan(angle / 2) if count > 1 else 0.0
-    offsets = [radius * (x * across + y * up) for x, y in disc_points(count)]
-    return normalised(np.stack([to_sun + offset for offset in offsets], axis=-2))
+    ways = []
+    for x, y in disc_points(count):
+        share = x * x + y * y if count > 1 else 0.0
+        cosine = 1 - share * (1 - np.cos(angle / 2))
+        sine = np.sqrt(max(1 - cosine * cosine, 0)) / np.sqrt(max(share, 1e-30))
+        ways.append(cosine * to_sun + sine * (x * across + y * up))
+    return np.stack(ways, axis=-2)
+
+
+def sun_weight(angle: float) -> float:
+    """What a sun's irradiance at a right angle is to the mean cosine over `sun_directions`: 2 / (1 + cos).
+
+    Of its disc of even radiance L, that is L pi sin² over L times its solid angle times the mean cosine.
+    """
+    return float(2 / (1 + np.cos(angle / 2)))
 
 
 def disc_points(count: int) -> Iterator[tuple[float, float]]:
@@ -143,6 +156,12 @@ def _buckets(words: Ints, layout: AtlasLayout) -> Floats:
     return (~unpack_bits(words, layout.bucket)).astype(np.float32)[..., None]
 
 
-def _seen(buckets: Floats, layout: AtlasLayout, uv: Floats, direction: Floats, kind: Filter) -> Floats:
-    texels = np.array([layout.width, layout.height], dtype=uv.dtype)
-    return blend_buckets(buckets, uv * texels, direction_to_square(direction), texels, kind)[:, 0]
+def _seen(
+    buckets: Floats, layout: AtlasLayout, uv: Floats, direction: Floats, kind: Filter, whole: bool = False
+) -> Floats:
+    """Blended visibilities; of `whole` cells only where `kind` blends texels."""
+    texels, n = np.array([layout.width, layout.height], dtype=uv.dtype), layout.bucket
+    b = direction_to_square(direction)
+    if whole:
+        b = (np.clip(np.floor((b + 1) / 2 * n), 0, n - 1) + 0.5) / n * 2 - 1
+    return blend_buckets(buckets, uv * texels, b, texels, kind)[:, 0]

@@ -69,9 +69,12 @@ def test_a_suns_points_fill_its_disc_evenly() -> None:
     axis = np.array([0.0, 0.6, 0.8])
     found = shadow.sun_directions(axis, 0.2, 1000)
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1)
-    tangent = np.linalg.norm(np.cross(axis, found), axis=1) / (found @ axis)
-    assert tangent.max() <= np.tan(0.1)
-    np.testing.assert_allclose(np.mean(tangent**2), np.tan(0.1) ** 2 / 2, rtol=1e-3)
+    cosine = found @ axis
+    assert cosine.min() >= np.cos(0.1)
+    np.testing.assert_allclose(np.mean(cosine), (1 + np.cos(0.1)) / 2, rtol=1e-6)
+    assert np.mean(cosine) * shadow.sun_weight(0.2) == pytest.approx(1)  # its irradiance at a right angle
+    across = np.cross(axis, [1.0, 0, 0])
+    assert abs(np.mean(found @ across)) < 1e-4
     np.testing.assert_allclose(shadow.sun_directions(axis, 0.2, 1), [axis])
 
 

@@ -20,6 +20,7 @@ from radtex_addon.core.shadow import (
     soft_visibility,
     square_points,
     sun_directions,
+    sun_weight,
     visibility,
 )
 from radtex_addon.formats.shadow_files import Words
@@ -112,7 +113,7 @@ def expected(words: Words, layout: AtlasLayout, lookups: Lookups, mode: int) -> 
     if mode == SUN:
         ways = sun_directions(normalised(light), ANGLE, POINTS)
         weight = np.maximum(np.einsum("ksx,kx->ks", ways, frame[2]), 0)
-        scale = 1.0
+        scale = sun_weight(ANGLE)
     else:
         sides = np.cross(ACROSS, UP)
         scale = float(np.linalg.norm(sides))
