@@ -1,0 +1,29 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What every module of the gallery gives: pictures side by side, and how near they are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from radtex_addon.report.metrics import Mask, Picture, compare
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One view: path traced, and ours, linear light (H, W, 3) from the top; figures are inside `mask`."""
+
+    name: str
+    reference: Picture
+    ours: Picture
+    mask: Mask
+
+    @property
+    def psnr(self) -> float:
+        """Decibels of what a display shows."""
+        return compare(self.ours, self.reference, self.mask, self.mask).psnr
+
+    @property
+    def flip(self) -> float | None:
+        """FLIP's mean error; None where there is no FLIP."""
+        return compare(self.ours, self.reference, self.mask, self.mask).flip

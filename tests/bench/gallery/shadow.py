@@ -1,0 +1,285 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shadows in one bit a cell, hard and soft, against Cycles: python -m tests.bench.gallery.shadow [--all]
+
+Light is analytic, the sun's or the area lamp's on white, times the share of the lamp that bits let through.
+With `--all` every filter and several bucket sizes are tried.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import radians
+from pathlib import Path
+from typing import Any, Literal, cast
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from radtex_addon.bake.plan import CapturePlan
+from radtex_addon.bake.progress import finished
+from radtex_addon.bake.spec import BakeSpec, Kind
+from radtex_addon.core.arrays import Floats, Ints
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.frame import to_frame
+from radtex_addon.core.hemisphere import square_to_direction
+from radtex_addon.core.sampler import Filter
+from radtex_addon.core.shadow import (
+    area_weights,
+    soft_visibility,
+    square_points,
+    sun_directions,
+    sun_weight,
+    unpack_bits,
+    visibility,
+)
+from radtex_addon.formats.exr import read_render
+from radtex_addon.formats.shadow_files import Words, read_shadow_of
+from radtex_addon.job import bake_object
+from radtex_addon.job.prepare import prepare
+from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
+from radtex_addon.report.metrics import Picture
+from radtex_addon.scene.objects import find_object
+from radtex_addon.scene.scratch import scratch_scene
+from tests.blender.casting import all_meshes, blocked, plan_of_bake
+
+from .row import Row
+
+SUBJECT = "Subject"
+TEXELS = 128
+PIXELS = 256
+SAMPLES = 64  # of the reference's pixels
+LIGHTS = 32  # points of a light that a lookup takes
+SUBSAMPLES = 1
+WHITE = 0.8
+_HALF = 18 / 50  # of the cameras: a sensor of 36 mm behind a lens of 50
+_CAMERAS = {"left": (-4.2, -5.0, 4.2), "high": (1.5, -4.4, 6.6)}
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """A lamp of the scene: a sun from the direction `towards`, or a square of side `size` at `towards`."""
+
+    name: str
+    kind: Literal["SUN", "AREA"]
+    towards: tuple[float, float, float]
+    size: float  # of a sun the angle in radians
+    strength: float
+
+
+LAMPS = (
+    Lamp("sun of 40 degrees", "SUN", (0.35, -0.3, 0.89), radians(40), 3.0),
+    Lamp("area lamp", "AREA", (1.2, -1.0, 3.2), 2.4, 100.0),
+)
+
+
+def scene() -> None:
+    """A head on a floor, which are one mesh and the subject, and things that float above them."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.mesh.primitive_monkey_add(location=(-0.5, 0, 0.75), rotation=(-0.5, 0, 0.4))
+    head: Any = bpy.context.object
+    subdivision = head.modifiers.new("Subdivision", "SUBSURF")
+    subdivision.levels = subdivision.render_levels = 2
+    bpy.ops.object.shade_smooth()
+    bpy.ops.object.modifier_apply(modifier="Subdivision")
+    bpy.ops.mesh.primitive_plane_add(size=5)
+    head.select_set(True)
+    subject: Any = bpy.context.object
+    bpy.ops.object.join()
+    subject.name = SUBJECT
+    white: Any = bpy.data.materials.new("White")
+    white.use_nodes = True
+    white.node_tree.nodes.clear()
+    diffuse = white.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (WHITE, WHITE, WHITE, 1)
+    output = white.node_tree.nodes.new("ShaderNodeOutputMaterial")
+    white.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    subject.data.materials.clear()
+    subject.data.materials.append(white)
+    bpy.ops.mesh.primitive_torus_add(location=(1.3, 0.6, 0.9), rotation=(0.5, 0.3, 0), major_radius=0.6)
+    bpy.ops.mesh.primitive_cube_add(size=0.5, location=(0.9, -1.3, 0.6), rotation=(0.3, 0.5, 0.2))
+    for item in cast(Any, bpy.context.scene).objects:
+        item.visible_camera = item.name == SUBJECT
+    cast(Any, bpy.context.scene).world = bpy.data.worlds.new("Dark")
+    world: Any = cast(Any, bpy.context.scene).world
+    world.use_nodes = True
+    world.node_tree.nodes.clear()
+
+
+@dataclass(frozen=True, eq=False)
+class Baked:
+    """Shadows of the subject, and its surface."""
+
+    words: Words
+    layout: AtlasLayout
+    surface: BakedSurface
+
+
+def bake(spec: BakeSpec, folder: Path) -> Baked:
+    """Bake the open scene's subject."""
+    made = bake_object(cast(Any, bpy.context.scene), SUBJECT, spec, folder)
+    words, facts = read_shadow_of(made.files.sidecar)
+    kept: list[bpy.types.ID] = []
+    with scratch_scene(cast(Any, bpy.context.scene), None, kept) as scratch:
+        prepared = finished(prepare(scratch, find_object(scratch, SUBJECT), spec, kept))
+        surface = BakedSurface(prepared.mesh, prepared.matrix_world, prepared.uv_layer)
+    bpy.data.batch_remove(kept)
+    return Baked(words, AtlasLayout(facts.width, facts.height, facts.bucket), surface)
+
+
+def lit(baked: Baked, seen: GBuffer, lamp: Lamp, kind: Filter, lights: int = LIGHTS) -> Floats:
+    """The light (hits, 3) that the subject sends back where rays met it."""
+    hit = seen.hit
+    position, normal = seen.position[hit], seen.normal[hit]
+    frame = seen.tangent[hit], seen.bitangent[hit], normal
+    if lamp.kind == "SUN":
+        towards = np.array(lamp.towards) / np.linalg.norm(lamp.towards)
+        ways = np.broadcast_to(sun_directions(towards, lamp.size, lights), (len(position), lights, 3))
+        weight = np.maximum(np.einsum("ksx,kx->ks", ways, normal), 0)
+        arriving = weight.mean(axis=1) * lamp.strength * sun_weight(lamp.size)
+    else:
+        axis, corner_u, corner_v = _area_frame(lamp)
+        points = np.array([x * corner_u + y * corner_v for x, y in square_points(lights)]) + lamp.towards
+        ways, weight = area_weights(position, normal, points, axis)
+        arriving = weight.mean(axis=1) * lamp.strength / np.pi
+    local = np.stack([to_frame(ways[:, s], *frame) for s in range(lights)], axis=1)
+    share = soft_visibility(baked.words, baked.layout, seen.uv[hit], local, weight, kind)
+    return np.repeat((WHITE / np.pi * arriving * share)[:, None], 3, axis=1)
+
+
+def _area_frame(lamp: Lamp) -> tuple[Floats, Floats, Floats]:
+    """Where an area lamp shines, and the halves of its sides."""
+    turn = np.array(_turn_down(lamp.towards).to_matrix())
+    return -turn[:, 2], turn[:, 0] * lamp.size / 2, turn[:, 1] * lamp.size / 2
+
+
+def _turn_down(place: tuple[float, float, float]) -> Any:
+    return cast(Any, Vector(place)).to_track_quat("Z", "Y")
+
+
+def views(surface: BakedSurface, lamp: Lamp) -> Iterator[tuple[str, GBuffer, Picture]]:
+    """Each camera's name, what it sees, and Cycles's picture."""
+    item = _add_lamp(lamp)
+    try:
+        for name, place in _CAMERAS.items():
+            turn = cast(Any, Vector(place)).to_track_quat("Z", "Y")
+            rays = Rays.of_camera(place, np.array(turn.to_matrix()), _HALF, PIXELS, SUBSAMPLES)
+            seen = surface.gbuffer(rays, np.full(len(rays.away), np.inf))
+            yield name, seen, _render(place, turn)
+    finally:
+        bpy.data.objects.remove(item)
+
+
+def _add_lamp(lamp: Lamp) -> bpy.types.Object:
+    data: Any = bpy.data.lights.new(lamp.name, lamp.kind)
+    data.energy = lamp.strength
+    if lamp.kind == "SUN":
+        data.angle = lamp.size
+    else:
+        data.size = lamp.size
+    item: Any = bpy.data.objects.new(lamp.name, data)
+    item.location = lamp.towards
+    item.rotation_mode, item.rotation_quaternion = "QUATERNION", _turn_down(lamp.towards)
+    cast(Any, bpy.context.scene).collection.objects.link(item)
+    return cast(bpy.types.Object, item)
+
+
+def _render(place: tuple[float, float, float], turn: Any) -> Picture:
+    """Direct light alone, from the top row on."""
+    made: Any = bpy.context.scene
+    data = bpy.data.cameras.new("Camera")
+    camera: Any = bpy.data.objects.new("Camera", data)
+    camera.location, camera.rotation_mode, camera.rotation_quaternion = place, "QUATERNION", turn
+    made.collection.objects.link(camera)
+    made.camera, made.render.engine = camera, "CYCLES"
+    made.render.resolution_x = made.render.resolution_y = PIXELS
+    made.cycles.samples, made.cycles.max_bounces, made.cycles.use_denoising = SAMPLES, 0, False
+    made.cycles.use_adaptive_sampling = False
+    made.cycles.pixel_filter_type, made.cycles.filter_width = "BOX", 1.0
+    image = made.render.image_settings
+    if hasattr(image, "media_type"):
+        image.media_type = "IMAGE"
+    image.file_format, image.color_depth = "OPEN_EXR", "32"
+    with tempfile.TemporaryDirectory() as folder:
+        made.render.filepath = str(Path(folder, "view.exr"))
+        bpy.ops.render.render(write_still=True)
+        (pixels,) = read_render(Path(folder, "view.exr")).values()
+    bpy.data.objects.remove(camera)
+    picture: Picture = pixels[::-1, :, :3].astype(np.float64)
+    return picture
+
+
+def rows(bucket: int = 8, kind: Filter = Filter.QUADRILINEAR) -> Iterator[Row]:
+    """The gallery's rows: each lamp from new views."""
+    scene()
+    with tempfile.TemporaryDirectory() as folder:
+        baked = bake(BakeSpec(kind=Kind.SHADOW, texels=TEXELS, bucket=bucket), Path(folder))
+    for lamp in LAMPS:
+        for camera, seen, reference in views(baked.surface, lamp):
+            ours = seen.resolve(seen.spread(lit(baked, seen, lamp, kind)))
+            yield Row(f"Shadow, {lamp.name}, {camera}", reference, ours, seen.eroded)
+
+
+def agreement(bucket: int = 8) -> tuple[float, float, float]:
+    """Shares of 10,000 rays that bits are right of: at cells' centres, anywhere, and at best anywhere.
+
+    The last is what one bit a cell can do: the answer that most of many rays through the cell agree with.
+    """
+    scene()
+    spec = BakeSpec(kind=Kind.SHADOW, texels=TEXELS, bucket=bucket)
+    with tempfile.TemporaryDirectory() as folder:
+        baked = bake(spec, Path(folder))
+    plan, tree = plan_of_bake(SUBJECT, spec), all_meshes()
+    rng = np.random.default_rng(7)
+    texel = rng.integers(0, len(plan.texel), 10_000)
+    q, p = rng.integers(0, bucket, (2, 10_000))
+    cells = unpack_bits(baked.words, bucket).reshape(-1, bucket, bucket)[plan.texel]
+    centre = _cell_directions(np.full((10_000, 2), 0.5), q, p, bucket)
+    at_centres = float(np.mean(cells[texel, q, p] == blocked(tree, plan, texel, centre)))
+    return at_centres, *_anywhere(baked, plan, tree, bucket, rng)
+
+
+def _cell_directions(within: Floats, q: Ints, p: Ints, bucket: int) -> Floats:
+    return square_to_direction((np.stack([p, q], axis=1) + within) / bucket * 2 - 1)
+
+
+def _anywhere(
+    baked: Baked, plan: CapturePlan, tree: Any, bucket: int, rng: np.random.Generator
+) -> tuple[float, float]:
+    """Of random cells, many directions each, even in the cell."""
+    count, each = 500, 32
+    texel = np.repeat(rng.integers(0, len(plan.texel), count), each)
+    q, p = (np.repeat(axis, each) for axis in rng.integers(0, bucket, (2, count)))
+    ways = _cell_directions(rng.random((count * each, 2)), q, p, bucket)
+    truth = blocked(tree, plan, texel, ways)
+    place = plan.texel[texel]
+    uv = (np.stack([place % baked.layout.width, place // baked.layout.width], axis=1) + 0.5) / [
+        baked.layout.width,
+        baked.layout.height,
+    ]
+    ours = visibility(baked.words, baked.layout, uv, ways, Filter.NEAREST) < 0.5
+    share = truth.reshape(count, each).mean(axis=1)
+    return float(np.mean(ours == truth)), float(np.mean(np.maximum(share, 1 - share)))
+
+
+def main() -> None:
+    """Print what was measured."""
+    for bucket in (8, 16):
+        centres, random, best = agreement(bucket)
+        print(
+            f"{bucket} x {bucket} cells, {bucket * bucket // 8} bytes a texel: {centres:.2%} at centres, "
+            f"{random:.1%} anywhere, {best:.1%} at best"
+        )
+    every = "--all" in sys.argv
+    for bucket in (8, 16, 32) if every else (8, 16):
+        for kind in Filter if every else (Filter.QUADRILINEAR,):
+            for row in rows(bucket, kind):
+                print(f"{bucket} cells, {kind}: {row.name}: {row.psnr:.1f} dB, FLIP {row.flip}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
