@@ -43,8 +43,10 @@ from radtex_addon.job import bake_object
 from radtex_addon.job.prepare import prepare
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
 from radtex_addon.report.metrics import Picture
+from radtex_addon.scene.nodes import open_world
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
+from tests.blender import stage
 from tests.blender.casting import all_meshes, blocked, plan_of_bake
 
 from .row import Row
@@ -91,23 +93,14 @@ def scene() -> None:
     subject: Any = bpy.context.object
     bpy.ops.object.join()
     subject.name = SUBJECT
-    white: Any = bpy.data.materials.new("White")
-    white.use_nodes = True
-    white.node_tree.nodes.clear()
-    diffuse = white.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
-    diffuse.inputs["Color"].default_value = (WHITE, WHITE, WHITE, 1)
-    output = white.node_tree.nodes.new("ShaderNodeOutputMaterial")
-    white.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
     subject.data.materials.clear()
-    subject.data.materials.append(white)
+    colour = (WHITE, WHITE, WHITE, 1)
+    subject.data.materials.append(stage.material("White", "ShaderNodeBsdfDiffuse", Color=colour))
     bpy.ops.mesh.primitive_torus_add(location=(1.3, 0.6, 0.9), rotation=(0.5, 0.3, 0), major_radius=0.6)
     bpy.ops.mesh.primitive_cube_add(size=0.5, location=(0.9, -1.3, 0.6), rotation=(0.3, 0.5, 0.2))
     for item in cast(Any, bpy.context.scene).objects:
         item.visible_camera = item.name == SUBJECT
-    cast(Any, bpy.context.scene).world = bpy.data.worlds.new("Dark")
-    world: Any = cast(Any, bpy.context.scene).world
-    world.use_nodes = True
-    world.node_tree.nodes.clear()
+    cast(Any, bpy.context.scene).world, _ = open_world("Dark")
 
 
 @dataclass(frozen=True, eq=False)
