@@ -15,7 +15,7 @@ import numpy.typing as npt
 from .arrays import Bools, Floats, Ints, as_floats
 from .atlas import AtlasLayout
 from .errors import ShapeError
-from .frame import fallback_tangent, normalised
+from .frame import fallback_tangent
 from .hemisphere import direction_to_square
 from .sampler import Filter, blend_buckets, checked_lookups
 
