@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layout, Unwrap
+from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layer, Layout, Unwrap
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..export.spec import Target
@@ -91,6 +91,7 @@ def parse(arguments: list[str], inside_blender: bool) -> Request:
     chosen = {
         field.name: getattr(found, field.name) for field in fields(BakeSpec) if hasattr(found, field.name)
     }
+    chosen["layers"] = tuple(found.layers or ())
     if found.exports and not (found.save_preview or demo):
         raise InputError("--export is made from the preview: give --save-preview too")
     return Request(
@@ -161,7 +162,26 @@ def _add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         Kind,
         _DEFAULT.kind,
         "radiance: the object as a viewer sees it; incident: the light that arrives; "
-        "reflection: the same, along the mirror direction",
+        "reflection: the same, along the mirror direction; proxy: what a hull has inside, or shows in its "
+        "place; shadow: which directions are blocked; ao: how much of the sky is; "
+        "transfer: how the object answers to light from each direction",
+    )
+    group.add_argument(
+        "--content",
+        metavar="NAME",
+        help="what a proxy shows: the collection of that name, or * for all that is behind it, as through a "
+        "window (default: what lies inside it)",
+    )
+    add_choice(
+        group,
+        "--layer",
+        Layer,
+        None,
+        "also write this part of the radiance as an atlas, DIR/NAME.KIND.LAYER.exr: "
+        f"{', '.join(Layer)}; base and rest add up to the whole; may be given several times",
+        dest="layers",
+        action="append",
+        metavar="LAYER",
     )
     add_choice(
         group,

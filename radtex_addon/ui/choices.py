@@ -9,6 +9,11 @@ KINDS = (
     ("incident", "Incident", "The light that arrives at the surface from each direction"),
     ("reflection", "Reflection", "The light that arrives from where a mirror would send each view"),
     (
+        "proxy",
+        "Proxy",
+        "What is inside a hull, such as fur or leaves, or the room behind a window, drawn in its place",
+    ),
+    (
         "shadow",
         "Shadow",
         "Which directions are blocked, in one bit each: real-time lamps cast shadows with it, soft ones too",
@@ -18,9 +23,34 @@ KINDS = (
         "Ambient Occlusion",
         "How much of the sky each place sees, and in which direction most of it lies",
     ),
+    (
+        "transfer",
+        "Transfer",
+        "How the object answers to light from each direction: lamps that move light it, even through wax",
+    ),
 )
 
-LIGHTLESS = ("shadow", "ao")  # kinds that have one layout and see no light
+BUCKETS_ONLY = ("proxy", "shadow", "ao", "transfer")  # kinds that have one layout
+LIGHTLESS = ("shadow", "ao")  # kinds that see no light
+LAYERED = ("radiance", "proxy")  # kinds that fall into layers
+
+CONTENTS = (
+    ("inside", "Inside", "All that lies within the hull"),
+    ("collection", "Collection", "What one collection holds, wherever it is"),
+    ("all", "Everything", "All that is behind it, the world too, as through a window"),
+)
+
+LAYERS = (
+    ("diffuse", "Diffuse", "Light scattered by the surface, and below it"),
+    ("glossy", "Glossy", "Reflections, sharp or blurred"),
+    ("transmission", "Transmission", "What is seen through glass"),
+    ("volume", "Volume", "Light scattered by smoke and fog"),
+    ("emission", "Emission", "What glows"),
+    ("environment", "Environment", "The world, where nothing else is seen"),
+    ("normal", "Normal", "Which way what is seen there faces, in world space"),
+    ("base", "Base", "Diffuse light, one value for each texel: a small texture that needs no view"),
+    ("rest", "Rest", "What the base lacks of the whole, in each direction"),
+)
 
 LAYOUTS = (
     ("buckets", "Buckets", "Every texel keeps a picture of its own of the light in all directions"),

@@ -9,7 +9,7 @@ from typing import Any, cast
 import bpy
 
 from . import jobs
-from .choices import LIGHTLESS
+from .choices import BUCKETS_ONLY, LAYERED
 from .messages import draw_remarks
 from .outlook import Outlook, outlook_of
 from .presets import RADTEX_PT_presets
@@ -39,7 +39,11 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         _draw_objects(layout, found)
         column = layout.column()
         column.prop(settings, "kind")
-        if settings.kind not in LIGHTLESS:
+        if settings.kind == "proxy":
+            column.prop(settings, "content")
+            if settings.content == "collection":
+                column.prop_search(settings, "content_collection", bpy.data, "collections")
+        if settings.kind not in BUCKETS_ONLY:
             column.prop(settings, "atlas_layout")
         _draw_uv(layout, settings, context)
         if found is not None:
@@ -63,7 +67,7 @@ class RADTEX_PT_quality(Sidebar, bpy.types.Panel):
         for name in ("texels", "bucket", "samples"):
             if name != "samples" or settings.kind != "shadow":  # which sends one ray a cell
                 column.prop(settings, name)
-        if settings.atlas_layout == "shared" and settings.kind not in LIGHTLESS:
+        if settings.atlas_layout == "shared" and settings.kind not in BUCKETS_ONLY:
             column = layout.column(align=True)
             column.prop(settings, "limit")
             if settings.limit != "none":
@@ -85,10 +89,13 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
         column.prop(settings, "resume")
         column.prop(settings, "overwrite")
         column.prop(settings, "preview")
-        if settings.limit == "none" or settings.atlas_layout != "shared" or settings.kind in LIGHTLESS:
+        plain = settings.atlas_layout != "shared" or settings.kind in BUCKETS_ONLY
+        if settings.limit == "none" or plain:
             if settings.kind != "shadow":
                 column.prop(settings, "full_floats")
             layout.prop(settings, "compression")
+        if plain and settings.kind in LAYERED:
+            layout.column().prop(settings, "layers")
         layout.column().prop(settings, "export_targets")
         layout.operator("radtex.open_folder", icon="FILE_FOLDER")
 

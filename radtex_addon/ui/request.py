@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..bake.spec import BakeSpec, Compression, Layout, parse_layout
+from ..bake.spec import BakeSpec, Compression, Layer, Layout, parse_kind, parse_layout
 from ..core.errors import InputError
 from ..export.spec import Target
-from .choices import LIGHTLESS
+from ..scene.enclosed import EVERYTHING
+from .choices import BUCKETS_ONLY, LAYERED
 from .preferences import preferred
 from .settings import NAMES, BakeSettings
 
@@ -105,13 +106,15 @@ def values_with(settings: BakeSettings, arguments: BakeSettings, given: Iterable
     """A scene's settings, but for the `arguments` that were `given`; a layout brings its cells."""
     named = set(given)
     values = values_of(settings) | {name: getattr(arguments, name) for name in NAMES if name in named}
-    if "bucket" not in named and named & {"atlas_layout", "limit"}:
-        values["bucket"] = suited_bucket(values["atlas_layout"], values["limit"])
+    if "bucket" not in named and named & {"kind", "atlas_layout", "limit"}:
+        values["bucket"] = suited_bucket(values["kind"], values["atlas_layout"], values["limit"])
     return values
 
 
-def suited_bucket(layout: str, limit: str) -> int:
+def suited_bucket(kind: str, layout: str, limit: str) -> int:
     """Cells along a bucket's side where nobody says."""
+    if kind in BUCKETS_ONLY:
+        return BakeSpec(texels=1, kind=parse_kind(kind)).bucket
     chosen = parse_layout(layout)
     condensed = chosen is Layout.SHARED and limit != "none"
     return BakeSpec(texels=1, layout=chosen, target=40.0 if condensed else None).bucket
@@ -143,7 +146,8 @@ def has_folder(values: Mapping[str, Any]) -> bool:
 def spec_of(values: Mapping[str, Any]) -> BakeSpec:
     """What to bake, without where to. Raises InputError for what cannot be."""
     wishes = preferred()
-    layout = Layout.BUCKETS if values["kind"] in LIGHTLESS else parse_layout(values["atlas_layout"])
+    layout = Layout.BUCKETS if values["kind"] in BUCKETS_ONLY else parse_layout(values["atlas_layout"])
+    layered = layout is Layout.BUCKETS and values["kind"] in LAYERED
     limit = values["limit"] if layout is Layout.SHARED else "none"
     return BakeSpec(
         kind=values["kind"],
@@ -161,4 +165,17 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
         target=values["target"] if limit == "target" else None,
         half=limit != "none" or values["kind"] == "shadow" or not values["full_floats"],
         compression=Compression.ZIP if limit != "none" else values["compression"],
+        layers=tuple(layer for layer in Layer if layer.value in values["layers"]) if layered else (),
+        content=_content_of(values) if values["kind"] == "proxy" else None,
     )
+
+
+def _content_of(values: Mapping[str, Any]) -> str | None:
+    if values["content"] == "all":
+        return EVERYTHING
+    if values["content"] == "inside":
+        return None
+    if not values["content_collection"]:
+        raise InputError("which collection does the hull show? choose it below Content")
+    name: str = values["content_collection"]
+    return name

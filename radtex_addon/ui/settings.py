@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from .choices import COMPRESSIONS, KINDS, LAYOUTS, LIMITS, TARGETS, UNWRAPS
+from .choices import COMPRESSIONS, CONTENTS, KINDS, LAYERS, LAYOUTS, LIMITS, TARGETS, UNWRAPS
 from .outlook import mark_stale
 
 # Of the mixin below, in the panel's order.
 NAMES = (
     "kind",
+    "content",
+    "content_collection",
     "atlas_layout",
     "uv_layer",
     "unwrap",
@@ -26,6 +28,7 @@ NAMES = (
     "budget",
     "target",
     "seed",
+    "layers",
     "directory",
     "full_floats",
     "compression",
@@ -42,11 +45,11 @@ def _notice(_: BakeSettings, __: bpy.types.Context) -> None:
 
 
 def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
-    """In the panel, a layout brings the cells that suit it; keyword arguments mean what they say."""
+    """In the panel, kind and layout bring the cells that suit them; keyword arguments mean what they say."""
     if isinstance(settings, bpy.types.PropertyGroup):
         from .request import suited_bucket
 
-        settings.bucket = suited_bucket(settings.atlas_layout, settings.limit)
+        settings.bucket = suited_bucket(settings.kind, settings.atlas_layout, settings.limit)
     mark_stale()
 
 
@@ -58,6 +61,8 @@ class BakeSettings:
 
     if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
         kind: str
+        content: str
+        content_collection: str
         atlas_layout: str
         uv_layer: str
         unwrap: str
@@ -69,6 +74,7 @@ class BakeSettings:
         budget: float
         target: float
         seed: int
+        layers: set[str]
         directory: str
         full_floats: bool
         compression: str
@@ -82,6 +88,19 @@ class BakeSettings:
             description="Which light each texel keeps",
             items=KINDS,
             default="radiance",
+            update=_suit_bucket,
+            options={"SKIP_SAVE"},
+        )
+        content: EnumProperty(
+            name="Content",
+            description="What the hull shows in its place; the hull itself is never seen",
+            items=CONTENTS,
+            default="inside",
+            **_NOTICED,
+        )
+        content_collection: StringProperty(
+            name="Collection",
+            description="The collection whose objects the hull shows",
             **_NOTICED,
         )
         atlas_layout: EnumProperty(
@@ -182,6 +201,15 @@ class BakeSettings:
             default=0,
             min=0,
             **_NOTICED,
+        )
+        layers: EnumProperty(
+            name="Layers",
+            description="Parts of the light to keep as atlases of their own, beside the whole: for deferred "
+            "rendering, or for a base that needs no view and a rest that does",
+            items=LAYERS,
+            update=_notice,
+            options={"ENUM_FLAG", "SKIP_SAVE"},
+            default=set(),
         )
         directory: StringProperty(
             name="Output Folder",

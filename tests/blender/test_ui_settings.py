@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layout, Unwrap
+from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout, Unwrap
 from radtex_addon.core.errors import InputError
 from radtex_addon.cycles.device import GPU_TYPES
 from radtex_addon.export.spec import Target
@@ -51,6 +51,7 @@ def test_the_panels_page_tells_of_every_setting_preset_and_operator() -> None:
     ("items", "enum"),
     [
         (choices.KINDS, Kind),
+        (choices.LAYERS, Layer),
         (choices.LAYOUTS, Layout),
         (choices.UNWRAPS, Unwrap),
         (choices.COMPRESSIONS, Compression),
@@ -94,6 +95,38 @@ def test_a_layout_brings_the_cells_that_suit_it(layout: str, limit: str, cells: 
     settings().limit, settings().atlas_layout = limit, layout
     assert settings().bucket == cells
     assert spec_of(values_of(settings())).bucket == cells
+
+
+@pytest.mark.parametrize("kind", choices.BUCKETS_ONLY)
+def test_a_kind_brings_the_cells_that_suit_it(kind: str) -> None:
+    settings().atlas_layout, settings().bucket = "shared", 5
+    settings().kind = kind
+    assert settings().bucket == BakeSpec(kind=Kind(kind)).bucket
+    settings().kind = "radiance"
+    assert settings().bucket == 16
+
+
+def test_a_hull_shows_what_is_chosen_and_other_kinds_themselves() -> None:
+    settings().kind = "proxy"
+    assert spec_of(values_of(settings())).content is None
+    settings().content = "all"
+    assert spec_of(values_of(settings())).content == "*"
+    settings().content = "collection"
+    with pytest.raises(InputError, match="which collection does the hull show"):
+        spec_of(values_of(settings()))
+    settings().content_collection = "Leaves"
+    assert spec_of(values_of(settings())).content == "Leaves"
+    settings().kind = "radiance"
+    assert spec_of(values_of(settings())).content is None
+
+
+def test_layers_are_for_light_in_buckets() -> None:
+    settings().layers = {"rest", "base"}
+    assert spec_of(values_of(settings())).layers == (Layer.BASE, Layer.REST)
+    settings().atlas_layout = "shared"
+    assert spec_of(values_of(settings())).layers == ()
+    settings().kind = "shadow"
+    assert spec_of(values_of(settings())).layers == ()
 
 
 def test_settings_become_the_spec_that_they_say() -> None:
