@@ -16,7 +16,7 @@ import pytest
 from mathutils import Euler, Matrix
 
 from radtex_addon.bake.progress import Stage
-from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.bake.spec import BakeSpec, Kind, Layer, Layout
 from radtex_addon.cli.arguments import Request, parse
 from radtex_addon.cli.compare_arguments import parse_compare
 from radtex_addon.cli.export_arguments import parse_export
@@ -51,6 +51,8 @@ SPECS = {
     "every choice": BakeSpec(**CHOSEN),
     "none": BakeSpec(device="cpu"),
     "a budget": BakeSpec(layout=Layout.SHARED, budget=800_000, device="cpu"),
+    "layers": BakeSpec(layers=(Layer.DIFFUSE, Layer.NORMAL), device="cpu"),
+    "a proxy": BakeSpec(kind=Kind.PROXY, content="-Shelf", device="cpu"),
     "a target": BakeSpec(layout=Layout.SHARED, target=42.5, bucket=10, device="cpu"),
 }
 
@@ -64,7 +66,8 @@ def understood(asked: Order) -> Request:
 
 
 def test_every_field_of_a_spec_is_among_the_cases() -> None:
-    assert {field.name for field in fields(BakeSpec)} == CHOSEN.keys() | {"layout", "budget", "target"}
+    others = {"layout", "budget", "target", "layers", "content"}
+    assert {field.name for field in fields(BakeSpec)} == CHOSEN.keys() | others
 
 
 @pytest.mark.parametrize("case", SPECS)
