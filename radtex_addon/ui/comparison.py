@@ -53,19 +53,21 @@ def figures(facts: Mapping[str, Any]) -> Iterator[str]:
     """What a comparison found, a line each."""
     yield iface_("{:.1f} dB (at 40 dB hardly anybody sees a difference)").format(facts["psnr"])
     if facts["flip"] is not None:
-        yield iface_("FLIP {:.3f}").format(facts["flip"])
-    yield iface_("{:.3f} of the light").format(facts["energy"])
+        yield iface_("FLIP {:.3f} (0 is alike)").format(facts["flip"])
+    yield iface_("{:.0%} of the light").format(facts["energy"])
 
 
 def show_images(images: Sequence[bpy.types.Image]) -> bool:
-    """Show them in the Image Editors that show nothing of the user's, the difference in the first.
+    """Show them, the difference first, in the Image Editors that are empty, unless they are seen already.
 
-    Returns False where there is no such editor.
+    Returns whether any is seen.
     """
-    editors = [editor for editor in _editors() if editor.image is None or _OURS in editor.image]
-    for editor, image in zip(editors, reversed(images), strict=False):
+    seen = {editor.image.name for editor in _editors() if editor.image in images}
+    unseen = [image for image in reversed(images) if image.name not in seen]
+    empty = [editor for editor in _editors() if editor.image is None]
+    for editor, image in zip(empty, unseen, strict=False):
         editor.image = image
-    return bool(editors)
+    return bool(seen or empty)
 
 
 def open_window(images: Sequence[bpy.types.Image]) -> None:
@@ -76,11 +78,10 @@ def open_window(images: Sequence[bpy.types.Image]) -> None:
     window = context.window_manager.windows[-1]
     window.screen.areas[0].ui_type = "IMAGE_EDITOR"
     for left in range(len(images) - 1, 0, -1):
-        area = max(window.screen.areas, key=lambda area: area.width)
-        with context.temp_override(window=window, area=area):
+        with context.temp_override(window=window, area=window.screen.areas[0]):
             bpy.ops.screen.area_split(direction="VERTICAL", factor=1 / (left + 1))
-    areas = sorted(window.screen.areas, key=lambda area: area.x)
-    for area, image in zip(areas, images, strict=True):
+    last, *others = window.screen.areas  # each split made one on the left; their x is set when they are drawn
+    for area, image in zip([*others, last], images, strict=True):
         area.spaces.active.image = image
 
 

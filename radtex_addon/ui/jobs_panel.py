@@ -75,12 +75,13 @@ def _draw_job(column: Any, job: Job) -> None:
         if picture := pictures.icon(job):
             column.template_icon(picture, scale=_PICTURE)
         return
-    row.label(text=phrase(job), translate=False)
-    if job.state == "done":
+    if job.state == "done":  # as the icon says
         _OFFERS[job.work](column, job)
-    elif job.work == "bake":
-        again = row.operator("radtex.bake", text="", icon="PLAY")
-        again.object, again.resume = job.object, True
+    else:
+        row.label(text=phrase(job), translate=False)
+        if job.work == "bake":
+            again = row.operator("radtex.bake", text="", icon="PLAY")
+            again.object, again.resume = job.object, True
     if job.state == "failed":
         draw_text(column, remark(job.message, job.out), "BLANK1")
     for warning in job.warnings:
