@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from math import inf
 from typing import TypeVar, cast
 
 from ..core.errors import InputError
@@ -66,6 +67,12 @@ class Kind(StrEnum):
 
 LEAVING = (Kind.RADIANCE, Kind.PROXY)  # what a viewer sees, of the object or through it
 OCCLUSION = (Kind.SHADOW, Kind.AO)  # which know no light, only what is in its way
+SOURCED = (
+    Kind.RADIANCE,
+    Kind.INCIDENT,
+    Kind.REFLECTION,
+    *OCCLUSION,
+)  # which another object's surface can give
 
 
 class Layout(StrEnum):
@@ -109,7 +116,9 @@ class BakeSpec:
     atlases beside it. `content` is what a proxy shows: a collection's name, "*" for everything, or what lies
     inside it. Enums may be given as text. With a `budget`, the bytes that its textures may take on a
     GPU, or a `target`, how near they are to come to what was fitted, in dB, a bake in the shared layout is
-    condensed (`core.condensed`).
+    condensed (`core.condensed`). With a `source` the atlas holds what that object shows, found along the
+    normals of this one, which is not seen itself, within an `extrusion` in scene units, or where that is None
+    within a few per cent of this one's size.
     Of kind `transfer`, buckets are octahedral maps of directions to the light, and each of the bucket² suns
     that it is captured under costs `samples` paths a texel; without `bucket` there are 9 x 9 cells.
     Raises InputError for what cannot be baked.
@@ -133,6 +142,8 @@ class BakeSpec:
     target: float | None = None
     layers: tuple[Layer, ...] = ()
     content: str | None = None
+    source: str | None = None
+    extrusion: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layout", parse_layout(self.layout))
@@ -215,8 +226,28 @@ class BakeSpec:
             raise InputError(f"{self.kind} shows the object itself: bake a proxy, or leave the content out")
         if self.kind is Kind.TRANSFER:
             self._check_transfer()
+        self._check_source()
         if self.kind in OCCLUSION:
             self._check_occlusion()
+
+    def _check_source(self) -> None:
+        if self.source is None:
+            if self.extrusion is not None:
+                raise InputError(
+                    f"extrusion {self.extrusion:g} is for what another object shows: name that one (--from), "
+                    "or leave the extrusion out"
+                )
+            return
+        if not self.source:
+            raise InputError("the name of the object to bake from is empty: name one, or none")
+        if self.kind not in SOURCED:
+            raise InputError(f"{self.kind} is not baked from another object: leave --from out")
+        if self.layout is not Layout.BUCKETS:
+            raise InputError("the shared layout is not baked from another object: choose layout buckets")
+        if self.capture is not CaptureMethod.PORTAL:
+            raise InputError(f"capture {self.capture} bakes from no other object: capture by portal")
+        if self.extrusion is not None and not 0 < self.extrusion < inf:
+            raise InputError(f"extrusion {self.extrusion:g}: give a distance above 0, in scene units")
 
     def _check_transfer(self) -> None:
         for asked, wrong, remedy in (

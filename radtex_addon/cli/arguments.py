@@ -172,6 +172,22 @@ def _add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         help="what a proxy shows: the collection of that name, or * for all that is behind it, as through a "
         "window (default: what lies inside it)",
     )
+    group.add_argument(
+        "--from",
+        dest="source",
+        metavar="NAME",
+        default=_DEFAULT.source,
+        help="bake what the detailed object of that name shows: it is found along the normals of --object, "
+        "which is simple, stands around the same place and is not seen itself",
+    )
+    group.add_argument(
+        "--extrusion",
+        type=_distance,
+        metavar="D",
+        default=_DEFAULT.extrusion,
+        help="how far from --object, outwards and inwards, --from is looked for, in scene units "
+        "(default: 3 %% of the size)",
+    )
     add_choice(
         group,
         "--layer",
@@ -244,6 +260,13 @@ def _bytes(word: str) -> int:
     unit = 1024 if found[3] else 1000
     power = " KMG".index(found[2].upper() or " ")
     return round(float(found[1]) * float(unit**power))
+
+
+def _distance(word: str) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        raise InputError(f"--extrusion {word}: give a distance in scene units, such as 0.05") from None
 
 
 def _decibels(word: str) -> float:

@@ -31,6 +31,18 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|com[0-9¹²³]|lpt[0-
 
 
 @dataclass(frozen=True)
+class Source:
+    """The object whose light an atlas holds where it is not the one that wears it.
+
+    It was looked for within the `extrusion`, in scene units; `missed` texels found nothing of it.
+    """
+
+    object_name: str
+    extrusion: float
+    missed: int
+
+
+@dataclass(frozen=True)
 class Sidecar:
     """Facts about one atlas: `width` x `height` texels of `bucket` x `bucket` cells.
 
@@ -51,6 +63,7 @@ class Sidecar:
     blender: str
     layers: tuple[str, ...] = ()
     clamped: int = 0
+    source: Source | None = None
 
     def to_json(self) -> str:
         """The contract's JSON, in ASCII and with a newline at its end."""
@@ -58,7 +71,7 @@ class Sidecar:
 
     def facts(self, layout: str = LAYOUT) -> dict[str, Any]:
         """What the JSON says, in its order, of an atlas in the given layout."""
-        return {
+        facts: dict[str, Any] = {
             "version": VERSION,
             "kind": self.kind,
             "layout": layout,
@@ -77,6 +90,14 @@ class Sidecar:
             "tool": self.tool,
             "blender": self.blender,
         }
+        if self.source is not None:
+            source = self.source
+            facts["source"] = {
+                "object": source.object_name,
+                "extrusion": source.extrusion,
+                "missed": source.missed,
+            }
+        return facts
 
     @classmethod
     def from_json(cls, text: str, source: str = "the sidecar") -> Sidecar:
@@ -111,7 +132,12 @@ class Sidecar:
             blender=facts.text("blender"),
             layers=facts.texts("layers"),
             clamped=facts.whole_number("clamped", 0),
+            source=_source(facts.inner("source")) if "source" in facts.values else None,
         )
+
+
+def _source(facts: Facts) -> Source:
+    return Source(facts.text("object"), facts.positive("extrusion"), facts.whole_number("missed", 0))
 
 
 _CONSTANTS = {"tangents": TANGENTS, "color_space": COLOR_SPACE, "alpha": ALPHA}

@@ -46,7 +46,8 @@ def bake_buckets(
     capture = _capture(scratch, plan, spec, folder)
     image = yield from fill_atlas(plan, capture, spec.memory_mb, hidden, keeper, thumbnail, spec.channels)
     yield Progress(Stage.WRITE, 0, 1)
-    facts = facts_of(original.name, spec, plan.layout.width, plan.layout.height, prepared.uv_layer)
+    width, height = plan.layout.width, plan.layout.height
+    facts = facts_of(original.name, spec, width, height, prepared.uv_layer, prepared.source_facts)
     layers = split_layers(image, plan.layout, spec.layers)
     written = write_buckets(files.sidecar, image[..., :WHOLE], layers, facts, spec.half, spec.compression)
     count = len(plan.texel)
@@ -61,7 +62,7 @@ def _plan(
     plan = plan_capture(texels, spec.bucket)
     if spec.kind is not Kind.RADIANCE:
         return plan, None
-    hidden = yield from find_hidden(prepared.mesh, prepared.matrix_world, plan, folder, keeper)
+    hidden = yield from find_hidden(*prepared.seen, plan, folder, keeper)
     buried = hidden.all(axis=(1, 2))
     return plan_capture(texels, spec.bucket, without=plan.texel[buried]), hidden[~buried]
 

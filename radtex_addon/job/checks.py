@@ -23,6 +23,7 @@ from ..scene.fog import volumes_around
 from ..scene.light import is_dark
 from ..scene.objects import find_object
 from ..scene.scratch import find_view_layer
+from ..scene.source import find_source
 from ..scene.xatlas_process import check_xatlas
 from .files import OutputFiles, facts_of
 from .unfinished import check_files
@@ -58,6 +59,8 @@ def check_request(
         _check_previewable(name, spec)
     if spec.kind is Kind.PROXY:
         find_content(layer, item, spec.content)
+    if spec.source is not None:
+        find_source(scene, item, spec.source, view_layer)
     warnings = []
     if spec.kind not in (*OCCLUSION, Kind.TRANSFER) and is_dark(scene, layer):
         warnings.append(f"scene '{scene.name}' has no light: no lamp, a black world, nothing that emits")

@@ -13,7 +13,7 @@ from ..bake.spec import BakeSpec, Layout
 from ..core.shared import Axis
 from ..formats.packing import layer_names
 from ..formats.shared_files import layer_path, texture_path
-from ..formats.sidecar import Sidecar, file_name
+from ..formats.sidecar import Sidecar, Source, file_name
 from ..version import VERSION
 
 
@@ -57,7 +57,9 @@ class OutputFiles:
         return (*self.images, self.sidecar, *((self.preview,) if self.preview else ()))
 
 
-def facts_of(name: str, spec: BakeSpec, width: int, height: int, uv_layer: str) -> Sidecar:
+def facts_of(
+    name: str, spec: BakeSpec, width: int, height: int, uv_layer: str, source: Source | None = None
+) -> Sidecar:
     """What the sidecar says of a bake of the object `name`, `width` x `height` texels large."""
     return Sidecar(
         object_name=name,
@@ -71,4 +73,5 @@ def facts_of(name: str, spec: BakeSpec, width: int, height: int, uv_layer: str) 
         capture=spec.capture,
         tool=f"RadTex {VERSION}",
         blender=bpy.app.version_string,
+        source=source,
     )

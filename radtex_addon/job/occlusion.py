@@ -49,7 +49,9 @@ def bake_occlusion(
     seen = yield from fill_atlas(plan, capture, spec.memory_mb, None, keeper, thumbnail, spec.channels)
     yield Progress(Stage.WRITE, 0, 1)
     layout = plan.layout
-    facts = facts_of(original.name, spec, layout.width, layout.height, prepared.uv_layer)
+    facts = facts_of(
+        original.name, spec, layout.width, layout.height, prepared.uv_layer, prepared.source_facts
+    )
     write = _write_shadow if spec.kind is Kind.SHADOW else _write_ambient
     try:
         written = write(files.atlas, seen, layout, facts, spec)

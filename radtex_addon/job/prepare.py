@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -18,12 +19,16 @@ from ..core.inset import inset
 from ..core.surface import SurfaceMesh
 from ..core.texel_map import TexelMap, rasterise
 from ..cycles.offset import ray_offset
+from ..formats import sidecar
 from ..scene.copy import UV_LAYER, baked_mesh, surface_mesh
 from ..scene.digests import matrix_digest, mesh_digest, scene_digests
 from ..scene.evaluated import EvaluatedMesh, evaluate
+from ..scene.source import Landing, default_extrusion, find_source, land
 from ..scene.unwrap import unwrap_steps
 from ..scene.unwrap_options import UnwrapOptions
 from ..scene.uv_layer import user_uv
+
+log = logging.getLogger(__name__)
 
 _UNWRAP = "unwrap"  # a piece's name
 _RIM = 0.2  # of a ray's offset: how far from its triangle's edges a ray starts
@@ -34,6 +39,7 @@ class Prepared:
     """The baked copy: `mesh` and the same as arrays, `surface`; `matrix_world` (4, 4) is its object's.
 
     The atlas has `width` x `height` texels on the mesh's `uv_layer`, and `islands` if it was unwrapped anew.
+    What is baked lies on the `source`, if there is one.
     """
 
     mesh: bpy.types.Mesh
@@ -43,9 +49,24 @@ class Prepared:
     width: int
     height: int
     islands: int | None
+    source: Landing | None = None
+
+    @property
+    def seen(self) -> tuple[bpy.types.Mesh, Floats]:
+        """The mesh that texels' points lie on, and its object's matrix (4, 4)."""
+        return (self.mesh, self.matrix_world) if self.source is None else self.source.seen
+
+    @property
+    def source_facts(self) -> sidecar.Source | None:
+        """What the sidecar says of the source."""
+        if self.source is None:
+            return None
+        return sidecar.Source(self.source.name, self.source.extrusion, self.source.missed)
 
     def texels(self, finer: int = 1) -> TexelMap:
-        """Points to capture, `finer` times as many along each side."""
+        """Points to capture, `finer` times as many along each side; with a source those on it."""
+        if self.source is not None:
+            return self.source.texels
         found = rasterise(self.surface, self.width * finer, self.height * finer)
         return inset(found, self.surface, _RIM * ray_offset(self.surface.position))
 
@@ -67,12 +88,13 @@ def prepare(
     if keeper is not KEEPS_NOTHING:
         keeper.expect({"mesh": mesh_digest(evaluated), "object's place": matrix_digest(evaluated)})
         keeper.expect(scene_digests(scratch))
+    source = None if spec.source is None else _evaluate_source(scratch, original, spec.source, keeper)
     yield Progress(Stage.UNWRAP, 0, 1)
     unwrapped = yield from _unwrap(evaluated, spec, keeper)
     yield Progress(Stage.RASTER, 0, 1)
     mesh = baked_mesh(evaluated, unwrapped.uv, unwrapped.layer)
     kept.append(mesh)
-    return Prepared(
+    prepared = Prepared(
         mesh=mesh,
         surface=surface_mesh(evaluated, mesh, unwrapped.layer),
         matrix_world=evaluated.matrix_world,
@@ -81,6 +103,22 @@ def prepare(
         height=unwrapped.height,
         islands=unwrapped.islands,
     )
+    if source is None:
+        return prepared
+    extrusion = spec.extrusion or default_extrusion(prepared.surface.position)
+    landing = yield from land(prepared.texels(), source, original.name, extrusion)
+    if landing.missed:
+        log.warning(landing.complaint)
+    return replace(prepared, source=landing)
+
+
+def _evaluate_source(
+    scratch: bpy.types.Scene, original: bpy.types.Object, name: str, keeper: Keeper
+) -> EvaluatedMesh:
+    source = evaluate(scratch, find_source(scratch, original, name))
+    if keeper is not KEEPS_NOTHING:
+        keeper.expect({"source's mesh": mesh_digest(source), "source's place": matrix_digest(source)})
+    return source
 
 
 @dataclass(frozen=True)

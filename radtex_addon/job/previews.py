@@ -36,6 +36,8 @@ def save_preview_of(
     hidden: tuple[bpy.types.Object, ...] = ()
     if spec.kind is Kind.PROXY and spec.content != EVERYTHING:
         hidden = find_content(find_view_layer(scene, view_layer), original, spec.content)
+    if spec.source is not None:
+        hidden = (scene.objects[spec.source],)
     save_preview(scene, original, copy, material, made.files.preview.absolute(), hidden)
 
 

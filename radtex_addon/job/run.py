@@ -21,6 +21,7 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..cycles.device import use_device
+from ..scene.enclosed import EVERYTHING, show_content_only
 from ..scene.objects import find_object
 from ..scene.scratch import new_data_removed, scratch_scene
 from .buckets import bake_buckets
@@ -170,6 +171,8 @@ def bake_and_keep(
         original = find_object(scratch, name)
         keeper.expect({"device": device})
         prepared = yield from watch.over(prepare(scratch, original, spec, kept, keeper))
+        if prepared.source is not None:
+            show_content_only(scratch, original, EVERYTHING)
         bake = _baker(spec)
         steps = bake(scratch, original, spec, files, prepared, Path(temporary), keeper, thumbnail)
         made = yield from watch.over(steps)

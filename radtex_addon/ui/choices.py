@@ -34,6 +34,8 @@ BUCKETS_ONLY = ("proxy", "shadow", "ao", "transfer")  # kinds that have one layo
 LIGHTLESS = ("shadow", "ao")  # kinds that see no light
 LAYERED = ("radiance", "proxy")  # kinds that fall into layers
 
+SOURCED = ("radiance", "incident", "reflection", "shadow", "ao")  # kinds that another object can give
+
 CONTENTS = (
     ("inside", "Inside", "All that lies within the hull"),
     ("collection", "Collection", "What one collection holds, wherever it is"),

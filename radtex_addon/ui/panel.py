@@ -9,7 +9,7 @@ from typing import Any, cast
 import bpy
 
 from . import jobs
-from .choices import BUCKETS_ONLY, LAYERED
+from .choices import BUCKETS_ONLY, LAYERED, SOURCED
 from .messages import draw_remarks
 from .outlook import Outlook, outlook_of
 from .presets import RADTEX_PT_presets
@@ -46,6 +46,12 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         if settings.kind not in BUCKETS_ONLY:
             column.prop(settings, "atlas_layout")
         _draw_uv(layout, settings, context)
+        if settings.kind in SOURCED and is_plain(settings):
+            column = layout.column()
+            assert context is not None  # Blender always gives one
+            column.prop_search(settings, "source", context.scene, "objects")
+            if settings.source:
+                column.prop(settings, "extrusion")
         if found is not None:
             draw_remarks(layout, settings, found)
             _draw_preview(layout, found, context)
@@ -89,7 +95,7 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
         column.prop(settings, "resume")
         column.prop(settings, "overwrite")
         column.prop(settings, "preview")
-        plain = settings.atlas_layout != "shared" or settings.kind in BUCKETS_ONLY
+        plain = is_plain(settings)
         if settings.limit == "none" or plain:
             if settings.kind != "shadow":
                 column.prop(settings, "full_floats")
@@ -98,6 +104,11 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
             layout.column().prop(settings, "layers")
         layout.column().prop(settings, "export_targets")
         layout.operator("radtex.open_folder", icon="FILE_FOLDER")
+
+
+def is_plain(settings: BakeSettings) -> bool:
+    """Whether every texel keeps a bucket of its own."""
+    return settings.atlas_layout != "shared" or settings.kind in BUCKETS_ONLY
 
 
 def drawn(

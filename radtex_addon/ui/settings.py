@@ -21,6 +21,8 @@ NAMES = (
     "uv_layer",
     "unwrap",
     "padding",
+    "source",
+    "extrusion",
     "texels",
     "bucket",
     "samples",
@@ -67,6 +69,8 @@ class BakeSettings:
         uv_layer: str
         unwrap: str
         padding: int
+        source: str
+        extrusion: float
         texels: int
         bucket: int
         samples: int
@@ -131,6 +135,24 @@ class BakeSettings:
             min=0,
             max=256,
             soft_max=16,
+            **_NOTICED,
+        )
+        source: StringProperty(
+            name="From",
+            description="A detailed object in the same place, whose light the simple one shall show. The "
+            "simple one is not seen while it is baked. Left empty, objects show their own",
+            **_NOTICED,
+        )
+        extrusion: FloatProperty(
+            name="Extrusion",
+            description="How far from the simple surface, outwards and inwards, the detailed one is looked "
+            "for. 0 is 3 % of the object's size",
+            default=0.0,
+            min=0.0,
+            soft_max=1.0,
+            step=1,
+            precision=3,
+            subtype="DISTANCE",
             **_NOTICED,
         )
         texels: IntProperty(

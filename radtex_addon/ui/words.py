@@ -26,8 +26,10 @@ LABELS = {
     "budget": "MB on the GPU",
     "compression": "Compression",
     "device": "Device, in RadTex's preferences",
+    "extrusion": "Extrusion",
     "float": "32-bit Floats",
     "format": "Format",
+    "from": "From",
     "layout": "Layout",
     "levels": "Mip Levels",
     "limit": "Limit",
@@ -59,7 +61,7 @@ STAGES = {  # what a worker is doing, by the names that bakes, exports and compa
     "compare": "Comparing",
 }
 _CHOICES = {"layout": LAYOUTS, "unwrap": UNWRAPS, "compression": COMPRESSIONS}
-_LEFT_OUT = {"uv": "empty", "resume": "off"}  # the others stay as they are
+_LEFT_OUT = {"uv": "empty", "from": "empty", "resume": "off"}  # the others stay as they are
 
 _OPTION = r"(?<![\w/.-])--([a-z][a-z-]*)"
 _ASIDE = re.compile(r" \(([^()]*--[a-z][^()]*)\)")

@@ -56,6 +56,8 @@ _FLAGS = {
     "budget": "--budget",
     "target": "--target",
     "content": "--content",
+    "source": "--from",
+    "extrusion": "--extrusion",
 }
 
 

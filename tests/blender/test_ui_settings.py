@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout, Unwrap
+from radtex_addon.bake.spec import SOURCED, BakeSpec, Compression, Kind, Layer, Layout, Unwrap
 from radtex_addon.core.errors import InputError
 from radtex_addon.cycles.device import GPU_TYPES
 from radtex_addon.export.spec import Target
@@ -118,6 +118,20 @@ def test_a_hull_shows_what_is_chosen_and_other_kinds_themselves() -> None:
     assert spec_of(values_of(settings())).content == "Leaves"
     settings().kind = "radiance"
     assert spec_of(values_of(settings())).content is None
+
+
+def test_what_another_object_shows_is_asked_for_where_it_can_be_had() -> None:
+    settings().source = "High"
+    assert (spec_of(values_of(settings())).source, spec_of(values_of(settings())).extrusion) == ("High", None)
+    settings().extrusion = 0.25
+    assert spec_of(values_of(settings())).extrusion == 0.25
+    for name, value in (("atlas_layout", "shared"), ("kind", "proxy"), ("kind", "transfer"), ("source", "")):
+        before = getattr(settings(), name)
+        setattr(settings(), name, value)
+        asked = spec_of(values_of(settings()))
+        assert (asked.source, asked.extrusion) == (None, None)
+        setattr(settings(), name, before)
+    assert set(choices.SOURCED) == set(SOURCED)
 
 
 def test_layers_are_for_light_in_buckets() -> None:

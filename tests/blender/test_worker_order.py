@@ -53,6 +53,7 @@ SPECS = {
     "a budget": BakeSpec(layout=Layout.SHARED, budget=800_000, device="cpu"),
     "layers": BakeSpec(layers=(Layer.DIFFUSE, Layer.NORMAL), device="cpu"),
     "a proxy": BakeSpec(kind=Kind.PROXY, content="-Shelf", device="cpu"),
+    "another object's": BakeSpec(source="-High", extrusion=0.05, device="cpu"),
     "a target": BakeSpec(layout=Layout.SHARED, target=42.5, bucket=10, device="cpu"),
 }
 
@@ -66,7 +67,7 @@ def understood(asked: Order) -> Request:
 
 
 def test_every_field_of_a_spec_is_among_the_cases() -> None:
-    others = {"layout", "budget", "target", "layers", "content"}
+    others = {"layout", "budget", "target", "layers", "content", "source", "extrusion"}
     assert {field.name for field in fields(BakeSpec)} == CHOSEN.keys() | others
 
 

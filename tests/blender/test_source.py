@@ -1,0 +1,265 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""High to low: a simple object wears what a detailed one shows, found along its normals."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Vector
+from mathutils.bvhtree import BVHTree
+
+from radtex_addon.bake.progress import finished
+from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layout
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.errors import InputError
+from radtex_addon.core.sampler import Filter
+from radtex_addon.formats.bucket_files import size_of
+from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.sidecar import Source, read_sidecar
+from radtex_addon.job import bake_object, bake_steps
+from radtex_addon.job.prepare import Prepared, prepare
+from radtex_addon.scene.objects import find_object
+from radtex_addon.scene.scratch import scratch_scene
+from tests.blender import stage
+from tests.blender.fingerprint import differences, fingerprint
+
+pytestmark = pytest.mark.usefixtures("temporary")
+context: Any = bpy.context  # to the stubs, every pointer may be None
+
+SPEC = BakeSpec(texels=32, bucket=4, samples=2, half=False, source="High", extrusion=0.3)
+BUMP = 0.12  # the highest, of a ball of radius 1
+
+
+def place_material() -> bpy.types.Material:
+    """Glows as its place is coded: a colour is (x, y, z) / 4 + 1/2 in world space."""
+    made = stage.material("Place", "ShaderNodeEmission", Strength=1)
+    tree: Any = made.node_tree
+    glow = next(node for node in tree.nodes if node.type == "EMISSION")
+    code = tree.nodes.new("ShaderNodeVectorMath")
+    code.operation = "MULTIPLY_ADD"
+    code.inputs[1].default_value, code.inputs[2].default_value = (0.25,) * 3, (0.5,) * 3
+    tree.links.new(tree.nodes.new("ShaderNodeNewGeometry").outputs["Position"], code.inputs[0])
+    tree.links.new(code.outputs[0], glow.inputs["Color"])
+    return made
+
+
+def balls(bumps: float = BUMP) -> None:
+    """A smooth ball "Low" of radius 1, and "High", one with bumps of that height which says where it is."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5, radius=1)
+    high = context.object
+    high.name = "High"
+    for vertex in high.data.vertices:
+        wave = np.sin(5 * vertex.co.x) * np.cos(4 * vertex.co.y) * np.sin(6 * vertex.co.z + 1)
+        vertex.co *= 1 + bumps * float(wave)
+    high.data.materials.append(place_material())
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16, radius=1)
+    context.object.name = "Low"
+    bpy.ops.object.shade_smooth()
+    context.object.data.materials.append(
+        stage.material("Red", "ShaderNodeEmission", Color=(9, 0, 0, 1), Strength=9)
+    )
+
+
+def bake(out: Path, spec: BakeSpec = SPEC) -> Floats:
+    return read_buckets(bake_object(context.scene, "Low", spec, out).files.sidecar)[0]
+
+
+def prepared_low(spec: BakeSpec) -> tuple[Prepared, list[bpy.types.ID]]:
+    kept: list[bpy.types.ID] = []
+    with scratch_scene(context.scene, None, kept) as scratch:
+        return finished(prepare(scratch, find_object(scratch, "Low"), spec, kept)), kept
+
+
+def cells_of(image: Floats, bucket: int) -> Floats:
+    """The buckets (H, W, n * n, C)."""
+    height, width = image.shape[0] // bucket, image.shape[1] // bucket
+    cells = image.reshape(height, bucket, width, bucket, -1).transpose(0, 2, 1, 3, 4)
+    return cells.reshape(height, width, bucket**2, -1)
+
+
+def test_texels_show_the_points_that_rays_find(out: Path) -> None:
+    balls()
+    before = fingerprint()
+    image = bake(out)
+    assert differences(before, fingerprint()) == {}
+    plain, _ = prepared_low(replace(SPEC, source=None, extrusion=None))
+    texels = plain.texels()
+    high = bpy.data.objects["High"]
+    tree: Any = BVHTree.FromObject(cast(Any, high), context.evaluated_depsgraph_get())
+    cells = cells_of(image, SPEC.bucket)
+    gaps = []
+    for j, i in np.argwhere(texels.covered)[::7]:
+        point, normal = (Vector(field[j, i].tolist()) for field in (texels.position, texels.normal))
+        met = tree.ray_cast(point + 0.3 * normal, -normal)[0]
+        gaps.append(np.abs((cells[j, i, :, :3] - 0.5) * 4 - np.array(met)).max())
+    print(f"\nof {len(gaps)} texels the places that cells show are off by {max(gaps):.2g} at most")
+    assert len(gaps) > 60
+    assert max(gaps) < 2e-3
+
+
+def test_bumps_that_stand_out_of_the_low_surface_and_lie_below_it_are_found(out: Path) -> None:
+    balls()
+    place = (cells_of(bake(out), SPEC.bucket)[..., :3] - 0.5) * 4
+    radius = np.linalg.norm(place, axis=-1)
+    assert radius.max() > 1 + BUMP / 2
+    assert radius.min() < 1 - BUMP / 2
+
+
+def test_the_sidecar_says_where_the_light_is_from(out: Path) -> None:
+    balls()
+    made = bake_object(context.scene, "Low", SPEC, out)
+    facts = read_sidecar(made.files.sidecar)
+    assert (facts.object_name, facts.source) == ("Low", Source("High", 0.3, 0))
+    assert size_of(facts, "")[0] == facts.width * SPEC.bucket
+    assert (
+        read_sidecar(
+            bake_object(context.scene, "High", BakeSpec(texels=32, samples=1), out).files.sidecar
+        ).source
+        is None
+    )
+
+
+def test_without_a_word_a_few_per_cent_of_the_size_are_searched(out: Path) -> None:
+    balls(bumps=0.02)
+    made = bake_object(context.scene, "Low", replace(SPEC, extrusion=None), out)
+    facts = read_sidecar(made.files.sidecar)
+    assert facts.source is not None
+    assert facts.source.extrusion == pytest.approx(0.03 * np.sqrt(12), rel=0.01)
+    assert facts.source.missed == 0
+
+
+def test_what_finds_nothing_is_counted_told_and_filled(out: Path, caplog: pytest.LogCaptureFixture) -> None:
+    balls()
+    bpy.ops.object.select_all(action="DESELECT")
+    high = bpy.data.objects["High"]
+    lower = [vertex for vertex in high.data.vertices if vertex.co.z < 0]
+    for vertex in lower:
+        vertex.co *= 0.2  # too deep to be found
+    with caplog.at_level(logging.WARNING):
+        made = bake_object(context.scene, "Low", SPEC, out)
+    found = read_sidecar(made.files.sidecar).source
+    assert found is not None
+    share = found.missed / (found.missed + made.covered_texels)
+    assert 0.3 < share < 0.6
+    assert f"{100 * share:.2g} % of the texels of 'Low' found nothing of 'High' within 0.3" in caplog.text
+    assert "enlarge the extrusion" in caplog.text
+    image, _ = read_buckets(made.files.sidecar)
+    assert image[..., 3].min() == 1, "texels are left empty"
+    radius = np.linalg.norm((cells_of(image, SPEC.bucket)[..., :3] - 0.5) * 4, axis=-1)
+    assert radius.min() > 0.65, "what is filled shows nobody's place"
+
+
+def test_nothing_found_at_all_is_refused_and_the_old_atlas_stays(out: Path) -> None:
+    balls()
+    bake(out)
+    before = {path: path.read_bytes() for path in out.iterdir()}
+    bpy.data.objects["High"].location.x = 5
+    with pytest.raises(InputError, match="object 'Low' finds nothing of 'High' within"):
+        bake_object(context.scene, "Low", SPEC, out, overwrite=True)
+    assert {path: path.read_bytes() for path in out.iterdir()} == before
+
+
+def test_moved_turned_and_mirrored_objects_meet_in_world_space(out: Path) -> None:
+    balls()
+    for name in ("High", "Low"):
+        item = bpy.data.objects[name]
+        item.scale, item.rotation_euler = (-1, 0.5, 1.2), (0.3, 0.2, 0.1) if name == "Low" else (0, 0, 0)
+    high = bpy.data.objects["High"]
+    high.parent = bpy.data.objects["Low"]
+    high.scale = (1, 1, 1)
+    context.view_layer.update()
+    place = (cells_of(bake(out), SPEC.bucket)[..., :3] - 0.5) * 4
+    inverse = np.array(high.matrix_world.inverted())
+    local = place @ inverse[:3, :3].T + inverse[:3, 3]
+    radius = np.linalg.norm(local, axis=-1)
+    assert np.abs(radius - 1).max() < BUMP + 0.01, "a cell shows something beside the bumpy ball"
+    assert radius.std() > 0.01
+
+
+def test_lamps_are_met_from_the_high_surface_and_the_low_one_casts_no_shadow(out: Path) -> None:
+    balls(bumps=0.02)
+    low = bpy.data.objects["Low"]
+    low.scale = (1.1, 1.1, 1.1)  # all of High inside it
+    bpy.ops.object.light_add(type="AREA", location=(0, 0, 3))
+    context.object.data.size, context.object.data.energy = 2, 100
+    light = bake(out, replace(SPEC, kind=Kind.INCIDENT, samples=4))
+    assert light[..., 0].max() > 1, "the lamp is not seen"
+    assert light[..., 0].max() == pytest.approx(light[..., 1].max()), "the low object's red is"
+    bits = bake_object(context.scene, "Low", replace(SPEC, kind=Kind.AO, samples=16), out)
+    ambient = read_buckets(bits.files.sidecar)[0][..., 3]
+    assert ambient.mean() > 0.9, "the low object is in the way"
+
+
+def test_a_bake_goes_on_where_it_stopped_unless_the_source_has_changed(out: Path) -> None:
+    balls()
+    whole = bake(out / "whole")
+    steps = bake_steps(context.scene, "Low", SPEC, out)
+    for step in steps:
+        if step.stage == "fill":
+            steps.close()
+    resumed = bake_object(context.scene, "Low", SPEC, out, resume=True)
+    np.testing.assert_array_equal(read_buckets(resumed.files.sidecar)[0], whole)
+    steps = bake_steps(context.scene, "Low", SPEC, out / "other")
+    for step in steps:
+        if step.stage == "fill":
+            steps.close()
+    bpy.data.objects["High"].data.vertices[0].co.z += 0.1
+    with pytest.raises(InputError, match=r"differs in .*source's mesh"):
+        bake_object(context.scene, "Low", SPEC, out / "other", resume=True)
+
+
+def test_the_preview_shows_the_low_object_and_hides_the_high_one(out: Path) -> None:
+    balls()
+    made = bake_object(context.scene, "Low", SPEC, out, preview=Filter.NEAREST)
+    assert not bpy.data.objects["High"].hide_render
+    bpy.ops.wm.open_mainfile(filepath=str(made.files.preview))
+    assert bpy.data.objects["High"].hide_render
+    assert not bpy.data.objects["Low"].hide_render
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        ("Low", "object 'Low' is to be baked from itself"),
+        ("Nobody", "no object 'Nobody' in scene"),
+        ("Lamp", "object 'Lamp' is a light, not a mesh"),
+        ("Hidden", "object 'Hidden' is hidden from render"),
+    ],
+)
+def test_a_source_that_is_none_is_named(out: Path, source: str, words: str) -> None:
+    balls()
+    bpy.ops.object.light_add()
+    context.object.name = "Lamp"
+    bpy.ops.mesh.primitive_cube_add()
+    context.object.name, context.object.hide_render = "Hidden", True
+    with pytest.raises(InputError, match=words):
+        bake(out, replace(SPEC, source=source))
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"source": ""}, "the name of the object to bake from is empty"),
+        ({"extrusion": 0.0}, "extrusion 0: give a distance above 0"),
+        ({"extrusion": float("nan")}, "extrusion nan: give a distance above 0"),
+        ({"source": None}, "extrusion 0.3 is for what another object shows"),
+        ({"kind": Kind.PROXY}, "proxy is not baked from another object"),
+        ({"kind": Kind.TRANSFER}, "transfer is not baked from another object"),
+        ({"layout": Layout.SHARED}, "the shared layout is not baked from another object"),
+        (
+            {"kind": Kind.INCIDENT, "capture": CaptureMethod.PANORAMIC},
+            "capture panoramic bakes from no other object",
+        ),
+    ],
+)
+def test_what_takes_no_source_is_refused(wrong: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        replace(SPEC, **wrong)
