@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 
+from ..bake.spec import Kind
 from ..export.run import export_steps
 from ..export.spec import ExportSpec, Target
 from ..formats.memory import readable_size
@@ -21,7 +22,7 @@ def run_export(request: ExportRequest, report: Report, interruption: Interruptio
     """Make the folder and say what is in it. Raises RadTexError."""
     if request.parent_pipe:
         interruption.ask_when_input_ends()
-    sidecar = find_bake(request.bake, request.object, "exported")
+    sidecar = find_bake(request.bake, request.object, "exported", tuple(Kind))
     name = object_of(sidecar)
     steps = export_steps(sidecar, request.spec, request.out, overwrite=request.overwrite)
     made = interruption.between(steps, partial(report.progress, name))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+from ..formats.transfer_files import LAYOUT as SPHERE
 from .manifest import Arranged, Container, TextureEntry
 from .pack import SHADERS, Pack
 from .spec import Target
@@ -26,6 +27,7 @@ _WHERE = {
     Target.UNREAL: "Step by step: docs/unreal.md of RadTex. It was written by the manual, not run in Unreal.",
     Target.RAW: "The includes say at their top how they are called.",
 }
+_OWN = {"shadow": "radtex_shadow", "transfer": "radtex_transfer"}  # includes of kinds, beside radtex
 _FIRST_ROW = "first row: v = {}"
 
 
@@ -43,7 +45,7 @@ def write_engine(pack: Pack, folder: Path) -> None:
 def includes(target: Target, pack: Pack) -> list[Path]:
     """The shader files that look the bake up, in the languages of the target."""
     bake = pack.manifest.bake
-    stems = ["radtex", "radtex_shadow"] if bake["kind"] == "shadow" else ["radtex"]
+    stems = ["radtex", *(own for kind, own in _OWN.items() if bake["kind"] == kind)]
     if bake["layout"] == "shared":
         stems.append("radtex_shared")
         if "condensed" in bake["shared"]:
@@ -102,6 +104,8 @@ def _settings(pack: Pack) -> list[str]:
     if entry.arrangement is Arranged.WORDS:
         layered = ["#define RADTEX_SHADOW_LAYERS"] if entry.layers > 1 else []
         return [*layered, f"radtex_shadow(bits, ({width}, {height}), uv), then radtex_visible(…, {n}, I)"]
+    if bake["layout"] == SPHERE:
+        return [f"radtex_transfer(atlas, ({width}, {height}), {n}, uv, L), L being the light's direction"]
     if entry.arrangement is Arranged.SLICES:
         return [f"radtex_slices(slices, {n}, uv, I), of a texture array with {n} x {n} layers"]
     columns, rows = entry.pages

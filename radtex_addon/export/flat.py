@@ -21,6 +21,7 @@ from ..core.shared import SharedAtlas, sample_shared
 from ..core.solid_angle import cell_solid_angles_sr
 from ..core.surface import SurfaceMesh
 from ..core.texel_map import TexelMap, rasterise
+from ..core.transfer import mean_over_lights
 from ..formats.exr import read_buckets, stored_compression
 from ..formats.own_texels import loss_of, own_texels
 from ..formats.png import encode_png
@@ -28,6 +29,7 @@ from ..formats.shadow_files import KIND as SHADOW
 from ..formats.shadow_files import visible_buckets
 from ..formats.shared_files import read_shared
 from ..formats.sidecar import read_sidecar
+from ..formats.transfer_files import read_transfer
 from .progress import Step, Task
 
 DIRECTIONS = 64  # that a texel of the shared layout is looked at from
@@ -45,15 +47,21 @@ def flat_buckets(sidecar: Path, surface: SurfaceMesh) -> Floats:
 
     Raises FormatError for files that cannot be read, and a surface that the atlas is not of.
     """
-    image = sidecar.with_suffix(".exr")
     pixels, facts = (
         visible_buckets(sidecar) if read_sidecar(sidecar).kind == SHADOW else read_buckets(sidecar)
     )
     if facts.kind == _AMBIENT:
         pixels = pixels[..., 3:]
     light = mean_of_buckets(pixels, AtlasLayout(facts.width, facts.height, facts.bucket))
-    loss = max(loss_of(stored_compression(image)), _ROUNDED)
-    _check_surface(sidecar, rasterise(surface, facts.width, facts.height), light, loss)
+    _check_means(sidecar, rasterise(surface, facts.width, facts.height), light)
+    return light
+
+
+def flat_sphere(sidecar: Path, surface: SurfaceMesh) -> Floats:
+    """What the texels of a bake of kind `transfer` show under white surroundings: as `flat_buckets`."""
+    pixels, facts = read_transfer(sidecar)
+    light = mean_over_lights(pixels, facts.layout)[..., :3]
+    _check_means(sidecar, rasterise(surface, facts.layout.width, facts.layout.height), light)
     return light
 
 
@@ -75,6 +83,12 @@ def flat_shared(sidecar: Path, surface: SurfaceMesh) -> Generator[Step, None, Fl
     texels = rasterise(surface, facts.bake.width, facts.bake.height)
     _check_surface(sidecar, texels, *own_texels(sidecar, atlas, facts))
     return (yield from mean_of_shared(atlas, texels))
+
+
+def _check_means(sidecar: Path, texels: TexelMap, means: Floats) -> None:
+    """`_check_surface` by the means of buckets."""
+    loss = max(loss_of(stored_compression(sidecar.with_suffix(".exr"))), _ROUNDED)
+    _check_surface(sidecar, texels, means, loss)
 
 
 def _check_surface(sidecar: Path, texels: TexelMap, stored: Floats, loss: float) -> None:

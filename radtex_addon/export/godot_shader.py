@@ -62,14 +62,17 @@ def _matrix(manifest: Manifest, entry: TextureEntry) -> GodotShader:
         f"uniform sampler2D{'Array' if paged else ''} atlas : filter_nearest_mipmap, repeat_disable;",
         *uniforms,
     ]
-    return _buckets(entry, "atlas", f"vec4 light = {lookup};", uniforms, parameters, paged)
+    hull = manifest.bake["kind"] == "proxy"
+    return _buckets(entry, "atlas", f"vec4 light = {lookup};", uniforms, parameters, paged, hull)
 
 
 def _slices(manifest: Manifest, entry: TextureEntry) -> GodotShader:
     hints = "filter_linear_mipmap_anisotropic, repeat_disable"
     uniforms = [f"uniform sampler2DArray slices : {hints};", "uniform int cells;"]
     lookup = "vec4 light = radtex_slices(slices, cells, uv, I);"
-    return _buckets(entry, "slices", lookup, uniforms, {"cells": str(manifest.bake["bucket"])}, False)
+    parameters = {"cells": str(manifest.bake["bucket"])}
+    hull = manifest.bake["kind"] == "proxy"
+    return _buckets(entry, "slices", lookup, uniforms, parameters, False, hull)
 
 
 def _buckets(
@@ -79,9 +82,11 @@ def _buckets(
     uniforms: list[str],
     parameters: Mapping[str, str],
     paged: bool,
+    hull: bool,
 ) -> GodotShader:
     blended = entry.format is PixelFormat.RGBA16F  # what has no alpha is opaque
     words = {
+        "CULLED": "cull_back" if hull else "cull_disabled",  # behind a hull there is nothing of it to see
         "BLENDED": ", blend_premul_alpha, depth_draw_always" if blended else "",
         "DEFINES": "\n#define RADTEX_PAGES" if paged else "",
         "UNIFORMS": "\n".join(uniforms),

@@ -22,6 +22,8 @@ from ..formats.shared_sidecar import LAYOUT as SHARED
 from ..formats.shared_sidecar import SharedSidecar
 from ..formats.sidecar import Sidecar, read_text
 from ..formats.texture import MOST_LAYERS, MOST_PIXELS, PixelFormat, most_levels
+from ..formats.transfer_files import LAYOUT as SPHERE
+from ..formats.transfer_files import TransferSidecar
 
 VERSION = 1
 EXTENSION = "export.json"
@@ -116,7 +118,7 @@ class TextureEntry:
 class Manifest:
     """What a folder holds: the mesh, the flat lightmap, and the textures by layer.
 
-    `textures` has the key "radiance" for the layout `buckets`, the layers' names for the shared one. `bake`
+    `textures` has the layers' names as keys for the shared layout, else the kind, "radiance" for one. `bake`
     is the sidecar's JSON. The flat lightmap's light was multiplied by `flat_scale` before it was encoded.
     """
 
@@ -174,6 +176,8 @@ class Manifest:
 
 def layers_of(bake: Facts) -> tuple[str, ...]:
     """The textures of a bake by what its sidecar says. Raises FormatError as reading the sidecar does."""
+    if bake.text("layout") == SPHERE:
+        return (TransferSidecar.from_facts(bake).bake.kind,)
     if bake.text("layout") != SHARED:
         return (Sidecar.from_facts(bake).kind,)
     shared = SharedSidecar.from_json(json.dumps(bake.values), bake.source)

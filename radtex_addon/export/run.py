@@ -10,21 +10,24 @@ from pathlib import Path
 
 from ..core.arrays import Floats
 from ..core.errors import FormatError
+from ..core.surface import SurfaceMesh
 from ..formats.facts import Facts
 from ..formats.shared_files import read_shared_sidecar
 from ..formats.shared_sidecar import LAYOUT as SHARED
 from ..formats.sidecar import Sidecar, preview_path, read_facts, read_sidecar
+from ..formats.transfer_files import LAYOUT as SPHERE
+from ..formats.transfer_files import read_transfer_sidecar
 from ..scene.preview_file import baked_copy, check_preview, surface_of
 from ..version import VERSION
 from .engines import write_engine
-from .flat import flat_buckets, flat_png, flat_shared
+from .flat import flat_buckets, flat_png, flat_shared, flat_sphere
 from .folder import check_out, files_in, replacing_folder
 from .gltf import write_gltf
 from .godot import write_godot
+from .kinds import check_target
 from .manifest import EXTENSION, Manifest, write_manifest
 from .pack import Pack
 from .progress import Step, Task
-from .shadow_texture import LIGHTLESS, check_target
 from .spec import ExportSpec, Target
 from .textures import write_textures
 from .web import check_page, write_web
@@ -62,8 +65,7 @@ class _Bake:
     @classmethod
     def of(cls, sidecar: Path) -> _Bake:
         facts = read_facts(sidecar)
-        shared = facts.text("layout") == SHARED
-        bake = read_shared_sidecar(sidecar).bake if shared else read_sidecar(sidecar)
+        bake = _sidecar_of(facts.text("layout"), sidecar)
         ending = f".{bake.kind}.json"
         if not sidecar.name.endswith(ending):
             raise FormatError(f"{sidecar} is not called NAME{ending}: give the bake's files their names back")
@@ -72,6 +74,12 @@ class _Bake:
     @property
     def preview(self) -> Path:
         return preview_path(self.sidecar, self.bake.kind)
+
+
+def _sidecar_of(layout: str, sidecar: Path) -> Sidecar:
+    if layout == SHARED:
+        return read_shared_sidecar(sidecar).bake
+    return read_transfer_sidecar(sidecar).bake if layout == SPHERE else read_sidecar(sidecar)
 
 
 def export_path(sidecar: Path, target: Target) -> Path:
@@ -83,8 +91,7 @@ def check_export(sidecar: Path, spec: ExportSpec, out: Path, *, overwrite: bool 
     """Find out at once what would fail at once. Raises InputError and FormatError as `export_steps` does."""
     check_out(out, sidecar.parent, overwrite)
     bake = _Bake.of(sidecar)
-    if bake.bake.kind in LIGHTLESS:
-        check_target(sidecar, bake.bake.kind, spec)
+    check_target(sidecar, bake.bake.kind, spec.target)
     check_preview(bake.preview)
     if spec.target is Target.WEB:
         check_page()
@@ -118,13 +125,7 @@ def _pack(bake: _Bake, spec: ExportSpec, folder: Path) -> Generator[Step, None, 
     layer = bake.bake.uv_map
     with baked_copy(bake.preview, bake.bake.object_name, layer) as (scene, copy):
         yield Step(Task.FLAT, 0, 1)
-        light: Floats
-        surface = surface_of(copy, layer)
-        if bake.facts.text("layout") == SHARED:
-            light = yield from flat_shared(bake.sidecar, surface)
-        else:
-            light = flat_buckets(bake.sidecar, surface)
-        flat, scale = flat_png(light)
+        flat, scale = flat_png((yield from _flat(bake, surface_of(copy, layer))))
         manifest = Manifest(
             tool=f"RadTex {VERSION}",
             name=bake.name,
@@ -139,3 +140,11 @@ def _pack(bake: _Bake, spec: ExportSpec, folder: Path) -> Generator[Step, None, 
         write_gltf(scene, copy, layer, flat, manifest, folder / manifest.mesh)
     write_manifest(folder / f"{bake.name}.{EXTENSION}", manifest)
     return Pack(bake.name, manifest, folder, spec)
+
+
+def _flat(bake: _Bake, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+    """What the flat lightmap shows (H, W, 3)."""
+    layout = bake.facts.text("layout")
+    if layout == SHARED:
+        return (yield from flat_shared(bake.sidecar, surface))
+    return (flat_sphere if layout == SPHERE else flat_buckets)(bake.sidecar, surface)

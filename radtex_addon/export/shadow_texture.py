@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake of kind `shadow` as a texture of whole numbers, and what of a specification it cannot be."""
+"""A bake of kind `shadow` as a texture of whole numbers."""
 
 from __future__ import annotations
 
@@ -14,17 +14,7 @@ from ..formats.ktx2 import write_ktx2
 from ..formats.shadow_files import Words, read_shadow_of
 from ..formats.texture import PixelFormat, Texture
 from .manifest import Arranged, Container, TextureEntry
-from .spec import Arrangement, ExportSpec, Target, TextureFormat
-
-LIGHTLESS = ("shadow", "ao")  # kinds that hold no light
-TAKERS = (Target.RAW, Target.GLTF)  # of these
-
-
-def check_target(sidecar: Path, kind: str, spec: ExportSpec) -> None:
-    """Raise InputError where a bake without light is to go where only light is shown."""
-    if spec.target not in TAKERS:
-        words = " or ".join(TAKERS)
-        raise InputError(f"{sidecar} is of kind {kind}, which {spec.target} does not show: choose {words}")
+from .spec import Arrangement, ExportSpec, TextureFormat
 
 
 def write_shadow_texture(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -90,6 +91,17 @@ def checked_levels(source: Path, layout: AtlasLayout, spec: ExportSpec) -> int |
         size = f"{layout.width} x {layout.height} texels"
         raise InputError(f"{source} has {size}, which make {most} levels at most: give --levels {most}")
     return spec.levels
+
+
+def sphere_spec(sidecar: Path, layout: AtlasLayout, spec: ExportSpec) -> ExportSpec:
+    """What `spec` is for buckets of the whole sphere, which are looked up in one matrix without levels.
+
+    Raises InputError where it asks for something else, naming `sidecar`.
+    """
+    if spec.arrangement is not Arrangement.MATRIX or (spec.levels or 1) > 1:
+        raise InputError(f"{sidecar} has one level in a matrix: leave --arrangement and --levels out")
+    check_limit(sidecar, layout.pixel_width, layout.pixel_height, spec)
+    return replace(spec, levels=1)
 
 
 def check_limit(source: Path, width: int, height: int, spec: ExportSpec) -> None:

@@ -29,8 +29,10 @@ from ..formats.shadow_files import KIND as SHADOW
 from ..formats.shared_files import layer_path, read_layer, read_shared_sidecar, texture_path
 from ..formats.shared_sidecar import LAYOUT as SHARED
 from ..formats.shared_sidecar import SharedSidecar
-from ..formats.sidecar import read_facts
+from ..formats.sidecar import Sidecar, read_facts
 from ..formats.texture import MOST_PIXELS, PixelFormat, Texture, encode_texture, most_levels
+from ..formats.transfer_files import LAYOUT as SPHERE
+from ..formats.transfer_files import read_transfer
 from .manifest import Arranged, Container, TextureEntry
 from .shadow_texture import write_shadow_texture
 from .spec import Arrangement, ExportSpec, Target, TextureFormat
@@ -39,6 +41,7 @@ from .texture_choice import (
     checked_levels,
     choice,
     container_of,
+    sphere_spec,
     straddled_bucket,
     straddled_layout,
 )
@@ -60,8 +63,11 @@ def write_textures(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, T
     found = read_facts(sidecar)
     if found.text("kind") == SHADOW:
         return write_shadow_texture(sidecar, spec, folder)
+    if found.text("layout") == SPHERE:
+        pixels, sphere = read_transfer(sidecar)
+        return _write_buckets(sidecar, pixels, sphere.bake, sphere_spec(sidecar, sphere.layout, spec), folder)
     if found.text("layout") != SHARED:
-        return _write_buckets(sidecar, spec, folder)
+        return _write_buckets(sidecar, *read_buckets(sidecar), spec, folder)
     shared = read_shared_sidecar(sidecar)
     if spec.arrangement is not Arrangement.MATRIX or (spec.levels or 1) > 1:
         raise InputError(f"{sidecar} is of the shared layout: leave --arrangement and --levels out")
@@ -70,9 +76,10 @@ def write_textures(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, T
     return {layer: _write_layer(sidecar, shared, layer, spec, folder) for layer in shared.shapes}
 
 
-def _write_buckets(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
-    (pixels, facts), source = read_buckets(sidecar), sidecar.with_suffix(".exr")
-    layout = AtlasLayout(facts.width, facts.height, facts.bucket)
+def _write_buckets(
+    sidecar: Path, pixels: Floats, facts: Sidecar, spec: ExportSpec, folder: Path
+) -> dict[str, TextureEntry]:
+    source, layout = sidecar.with_suffix(".exr"), AtlasLayout(facts.width, facts.height, facts.bucket)
     sliced = spec.arrangement is Arrangement.SLICES
     if spec.format is TextureFormat.EXR:
         if sliced or (spec.levels or 1) > 1:

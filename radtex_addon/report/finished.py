@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -84,16 +84,21 @@ class Finished:
         )
 
 
-def find_bake(place: Path, object_name: str | None, purpose: str = "judged") -> Path:
-    """The sidecar of a bake of radiance: `place` itself, or the one in the folder `place`.
+def find_bake(
+    place: Path,
+    object_name: str | None,
+    purpose: str = "judged",
+    kinds: Collection[str] = (Kind.RADIANCE,),
+) -> Path:
+    """The sidecar of a bake of one of the `kinds`: `place` itself, or the one in the folder `place`.
 
-    `object_name` tells several apart; `purpose` is what errors say of it. Raises InputError where there is
-    none, or more than one; FormatError for a file that is no sidecar.
+    `object_name` tells several apart, one of radiance goes before others; `purpose` is what errors say of it.
+    Raises InputError where there is none, or more than one; FormatError for a file that is no sidecar.
     """
     if not place.exists():
         raise InputError(f"there is no {place}: name the folder of a bake, or its sidecar, a .json file")
     if not place.is_dir():
-        _check(place, _identity(place), object_name, purpose)
+        _check(place, _identity(place), object_name, purpose, kinds)
         return place
     found = {path: facts for path in _json_files(place) if (facts := _identity_if_ours(path))}
     if not found:
@@ -102,10 +107,14 @@ def find_bake(place: Path, object_name: str | None, purpose: str = "judged") -> 
     if not wanted:
         raise InputError(f"{place} holds no bake of '{object_name}': it has {_listed(found.values())}")
     of_radiance = [path for path, (_, kind) in wanted.items() if kind == Kind.RADIANCE]
-    if len(of_radiance) > 1:
+    fitting = of_radiance or [path for path, (_, kind) in wanted.items() if kind in kinds]
+    if len({wanted[path][0] for path in fitting}) > 1:
         raise InputError(f"{place} holds bakes of {_listed(wanted.values())}: name one (--object)")
-    path = of_radiance[0] if of_radiance else next(iter(wanted))
-    _check(path, wanted[path], object_name, purpose)
+    if len(fitting) > 1:
+        names = ", ".join(path.name for path in fitting)
+        raise InputError(f"{place} holds {names}: name one of these files instead of the folder")
+    path = fitting[0] if fitting else next(iter(wanted))
+    _check(path, wanted[path], object_name, purpose, kinds)
     return path
 
 
@@ -135,14 +144,18 @@ def _identity_if_ours(path: Path) -> tuple[str, str] | None:
         return None
 
 
-def _check(path: Path, identity: tuple[str, str], object_name: str | None, purpose: str) -> None:
+def _check(
+    path: Path, identity: tuple[str, str], object_name: str | None, purpose: str, kinds: Collection[str]
+) -> None:
     name, kind = identity
     if object_name not in (None, name):
         raise InputError(f"{path} is a bake of '{name}', not of '{object_name}': leave --object out")
-    if kind != Kind.RADIANCE:
+    if kind not in tuple(Kind):
+        raise InputError(f"{path} is of kind {kind}, which this RadTex does not know: update RadTex")
+    if kind not in kinds:
         raise InputError(
             f"{path} holds {kind} light, which no camera sees: "
-            f"only a bake of {Kind.RADIANCE} can be {purpose}"
+            f"only a bake of {' or '.join(kinds)} can be {purpose}"
         )
 
 

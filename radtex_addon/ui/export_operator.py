@@ -144,11 +144,15 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
 
     def _place(self, scene: bpy.types.Scene, item: bpy.types.Object, spec: ExportSpec) -> Place:
         """Where an object's bake and its export are. Raises RadTexError for what would fail at once."""
+        from ..bake.spec import Kind
         from ..export.run import check_export, export_path
+        from ..formats.sidecar import file_name
         from ..report.finished import find_bake
 
         place = place_of(scene, self.bake)
-        sidecar = find_bake(place, item.name if place.is_dir() else None, "exported")
+        chosen_kind = place / file_name(item.name, scene.radtex.kind, "json")  # type: ignore[attr-defined]  # ours
+        place = chosen_kind if chosen_kind.is_file() else place
+        sidecar = find_bake(place, item.name if place.is_dir() else None, "exported", tuple(Kind))
         chosen = Path(bpy.path.abspath(self.directory)) if self.directory else None
         out = chosen or export_path(sidecar, spec.target)
         check_export(sidecar, spec, out, overwrite=self.overwrite)

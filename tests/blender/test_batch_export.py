@@ -147,7 +147,7 @@ def test_what_is_missing_or_wrong_is_named(arguments: list[str], words: str) -> 
         (["."], "holds no bake"),
         (["baked"], "holds bakes of 'Ball', 'Bare'"),
         (["baked", "--object", "Bare"], "Bare.preview.blend is missing"),
-        (["baked", "--object", "Lit"], "only a bake of radiance can be exported"),
+        (["baked", "--object", "Lit"], "Lit.preview.blend is missing"),
         (["baked", "--object", "Ball", "--out", "baked"], "holds the bake itself"),
         (["baked", "--object", "Ball", "--out", "baked/Ball.radiance.json"], "is a file"),
     ],

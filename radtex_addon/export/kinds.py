@@ -1,0 +1,29 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which targets show a bake of which kind."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..bake.spec import LEAVING, Kind
+from ..core.errors import InputError
+from .spec import Target
+
+_SEEN = (*LEAVING, Kind.INCIDENT, Kind.REFLECTION)  # looked up by the viewer's direction: everybody can
+_TAKERS: dict[Kind, tuple[Target, ...]] = {
+    **dict.fromkeys(_SEEN, tuple(Target)),
+    Kind.SHADOW: (Target.RAW, Target.GLTF),
+    Kind.AO: (Target.RAW, Target.GLTF),
+    Kind.TRANSFER: (Target.RAW, Target.GLTF),
+}
+
+
+def check_target(sidecar: Path, kind: str, target: Target) -> None:
+    """Raise InputError where a bake is to go to who does not show its kind."""
+    if kind not in tuple(Kind):
+        raise InputError(f"{sidecar} is of kind {kind}, which this RadTex does not export: update RadTex")
+    takers = _TAKERS[Kind(kind)]
+    if target not in takers:
+        words = " or ".join(takers)
+        raise InputError(f"{sidecar} is of kind {kind}, which {target} does not show: choose {words}")

@@ -1,0 +1,154 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`bake.py export` of finished bakes of every kind: what takes them, and what refuses them by name."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.bake.spec import BakeSpec, Kind
+from radtex_addon.cli import main as batch_module
+from radtex_addon.core.sampler import Filter
+from radtex_addon.core.transfer import mean_over_lights
+from radtex_addon.export.flat import srgb
+from radtex_addon.export.folder import files_in
+from radtex_addon.export.manifest import Arranged, read_manifest
+from radtex_addon.export.spec import Target
+from radtex_addon.formats.ktx2 import read_ktx2
+from radtex_addon.formats.transfer_files import read_transfer
+from radtex_addon.job import bake_object
+from tests.blender import stage
+from tests.blender.batch_process import Outcome, refusal
+
+context: Any = bpy.context  # to the stubs, every pointer may be None
+SPECS = {
+    Kind.SHADOW: BakeSpec(kind=Kind.SHADOW, texels=12, bucket=8),
+    Kind.AO: BakeSpec(kind=Kind.AO, texels=12, bucket=4, samples=1),
+    Kind.PROXY: BakeSpec(kind=Kind.PROXY, texels=12, bucket=4, samples=1),
+    Kind.INCIDENT: BakeSpec(kind=Kind.INCIDENT, texels=12, bucket=4, samples=1),
+    Kind.TRANSFER: BakeSpec(kind=Kind.TRANSFER, texels=16, samples=1),
+}
+EVERYBODY = (Kind.PROXY, Kind.INCIDENT)
+
+
+@pytest.fixture(scope="module")
+def bakes(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folders of one bake each, by kind, of a box around a ball; not to be written to."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    context.object.name = "Box"
+    colour = (0.8, 0.4, 0.2, 1)
+    context.object.data.materials.append(stage.material("Box", "ShaderNodeBsdfDiffuse", Color=colour))
+    bpy.ops.mesh.primitive_ico_sphere_add(radius=0.6)
+    context.object.data.materials.append(stage.material("Ball", "ShaderNodeEmission"))
+    folder = tmp_path_factory.mktemp("kinds")
+    for kind, spec in SPECS.items():
+        bake_object(context.scene, "Box", spec, folder / kind, preview=Filter.QUADRILINEAR)
+    return folder
+
+
+@pytest.fixture
+def export(bakes: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:
+    """`bake.py export` of a copy of one kind's bake, beside which the folder is made."""
+
+    def exported(kind: Kind, target: Target, *options: str) -> Outcome:
+        shutil.copytree(bakes / kind, tmp_path / "baked", dirs_exist_ok=True)
+        capfd.readouterr()
+        words = ["export", str(tmp_path / "baked"), "--to", target, *options, "--progress", "none"]
+        return Outcome(batch_module.main(words, inside_blender=False), *capfd.readouterr())
+
+    return exported
+
+
+@pytest.mark.parametrize("kind", SPECS)
+@pytest.mark.parametrize("target", [Target.RAW, Target.GLTF])
+def test_a_finished_bake_of_any_kind_is_exported(
+    export: Callable[..., Outcome], tmp_path: Path, kind: Kind, target: Target
+) -> None:
+    ended = export(kind, target)
+    assert (ended.code, ended.err) == (0, "")
+    made = tmp_path / f"baked/Box.{target}"
+    assert {"Box.glb", "Box.flat.png", f"Box.{kind}.ktx2", "shaders/radtex.glsl"} <= set(files_in(made))
+    manifest = read_manifest(made / "Box.export.json")
+    assert (manifest.bake["kind"], list(manifest.textures)) == (kind, [str(kind)])
+
+
+@pytest.mark.parametrize("kind", EVERYBODY)
+@pytest.mark.parametrize("target", [Target.GODOT, Target.UNITY, Target.UNREAL])
+def test_what_is_looked_up_by_the_viewer_goes_to_every_engine(
+    export: Callable[..., Outcome], tmp_path: Path, kind: Kind, target: Target
+) -> None:
+    assert export(kind, target).code == 0
+    shader = tmp_path / "baked/Box.godot/Box.gdshader"
+    if target is Target.GODOT:
+        assert ("cull_back" in shader.read_text()) is (kind is Kind.PROXY)
+
+
+@pytest.mark.parametrize("kind", [Kind.SHADOW, Kind.AO, Kind.TRANSFER])
+@pytest.mark.parametrize("target", [Target.GODOT, Target.UNITY, Target.UNREAL])
+def test_who_does_not_show_a_kind_refuses_it_by_name(
+    export: Callable[..., Outcome], tmp_path: Path, kind: Kind, target: Target
+) -> None:
+    words = refusal(export(kind, target))
+    assert f"Box.{kind}.json is of kind {kind}, which {target} does not show: choose " in words
+    assert not (tmp_path / f"baked/Box.{target}").exists()
+
+
+def test_a_transfers_cells_are_those_of_the_bake(export: Callable[..., Outcome], tmp_path: Path) -> None:
+    assert export(Kind.TRANSFER, Target.RAW, "--format", "ktx2-rgba16f").code == 0
+    made = tmp_path / "baked/Box.raw"
+    entry = read_manifest(made / "Box.export.json").textures["transfer"]
+    assert (entry.arrangement, entry.levels, entry.pages) == (Arranged.MATRIX, 1, (1, 1))
+    pixels, facts = read_transfer(tmp_path / "baked/Box.transfer.json")
+    stored = np.ascontiguousarray(read_ktx2(made / entry.file).levels[0]).view(np.float16)
+    np.testing.assert_array_equal(stored.reshape(pixels.shape), pixels)
+    assert "radtex_transfer(atlas, (16, " in (made / "README.txt").read_text()
+    assert (made / "shaders/radtex_transfer.glsl").is_file()
+    white = mean_over_lights(pixels, facts.layout)[..., :3]
+    flat: Any = bpy.data.images.load(str(made / "Box.flat.png"))
+    shown = np.array(flat.pixels[:]).reshape(facts.layout.height, facts.layout.width, 4)[..., :3]
+    scale = read_manifest(made / "Box.export.json").flat_scale
+    np.testing.assert_allclose(shown, srgb(white * scale), atol=1 / 255)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--arrangement", "slices"), "one level in a matrix: leave --arrangement and --levels out"),
+        (("--levels", "2"), "one level in a matrix: leave --arrangement and --levels out"),
+        (("--limit", "16"), "which cannot be split"),
+    ],
+)
+def test_what_a_transfer_cannot_be_is_named(
+    export: Callable[..., Outcome], options: tuple[str, ...], words: str
+) -> None:
+    assert words in refusal(export(Kind.TRANSFER, Target.RAW, *options))
+
+
+def test_of_several_kinds_in_a_folder_one_is_named(
+    bakes: Path, export: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    shutil.copytree(bakes / Kind.AO, tmp_path / "baked")
+    words = refusal(export(Kind.SHADOW, Target.RAW))
+    assert "holds Box.ao.json, Box.shadow.json: name one of these files instead of the folder" in words
+
+
+def test_a_kind_from_the_future_is_refused(
+    bakes: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    facts = json.loads((bakes / Kind.INCIDENT / "Box.incident.json").read_text())
+    sidecar = tmp_path / "Box.smell.json"
+    sidecar.write_text(json.dumps(facts | {"kind": "smell"}))
+    capfd.readouterr()
+    code = batch_module.main(
+        ["export", str(sidecar), "--to", "raw", "--progress", "none"], inside_blender=False
+    )
+    assert "is of kind smell, which this RadTex does not know" in refusal(Outcome(code, *capfd.readouterr()))
