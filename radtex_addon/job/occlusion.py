@@ -50,7 +50,7 @@ def bake_occlusion(
     yield Progress(Stage.WRITE, 0, 1)
     layout = plan.layout
     facts = facts_of(
-        original.name, spec, layout.width, layout.height, prepared.uv_layer, prepared.source_facts
+        original.name, spec, layout.width, layout.height, prepared.uv_layer, source=prepared.source_facts
     )
     write = _write_shadow if spec.kind is Kind.SHADOW else _write_ambient
     try:
