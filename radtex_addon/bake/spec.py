@@ -66,6 +66,7 @@ class Kind(StrEnum):
 
 
 LEAVING = (Kind.RADIANCE, Kind.PROXY)  # what a viewer sees, of the object or through it
+ARRIVING = (Kind.INCIDENT, Kind.REFLECTION)
 OCCLUSION = (Kind.SHADOW, Kind.AO)  # which know no light, only what is in its way
 SOURCED = (
     Kind.RADIANCE,
@@ -114,11 +115,11 @@ class BakeSpec:
     with `padding` texels between islands. `device` is a wish that Cycles answers. `half` and `compression`
     shape the files; `memory_mb` bounds a tile, not the atlas. `layers` are parts of a radiance that become
     atlases beside it. `content` is what a proxy shows: a collection's name, "*" for everything, or what lies
-    inside it. Enums may be given as text. With a `budget`, the bytes that its textures may take on a
-    GPU, or a `target`, how near they are to come to what was fitted, in dB, a bake in the shared layout is
-    condensed (`core.condensed`). With a `source` the atlas holds what that object shows, found along the
-    normals of this one, which is not seen itself, within an `extrusion` in scene units, or where that is None
-    within a few per cent of this one's size.
+    inside it. To `accumulate` is to fold the samples into the atlas that is there. Enums may be given as
+    text. With a `budget`, the bytes that its textures may take on a GPU, or a `target`, how near they are to
+    come to what was fitted, in dB, a bake in the shared layout is condensed (`core.condensed`). With a
+    `source` the atlas holds what that object shows, found along the normals of this one, which is not seen
+    itself, within an `extrusion` in scene units, or where that is None within a few per cent of its size.
     Of kind `transfer`, buckets are octahedral maps of directions to the light, and each of the bucket² suns
     that it is captured under costs `samples` paths a texel; without `bucket` there are 9 x 9 cells.
     Raises InputError for what cannot be baked.
@@ -142,6 +143,7 @@ class BakeSpec:
     target: float | None = None
     layers: tuple[Layer, ...] = ()
     content: str | None = None
+    accumulate: bool = False
     source: str | None = None
     extrusion: float | None = None
 
@@ -222,6 +224,8 @@ class BakeSpec:
             )
         if self.layers and self.kind not in LEAVING:
             raise InputError(f"{self.kind} has no layers: bake radiance, or leave the layers out")
+        if self.accumulate:
+            self._check_accumulate()
         if self.content is not None and self.kind is not Kind.PROXY:
             raise InputError(f"{self.kind} shows the object itself: bake a proxy, or leave the content out")
         if self.kind is Kind.TRANSFER:
@@ -271,6 +275,16 @@ class BakeSpec:
             if not self.half:
                 raise InputError("shadow holds bits, not floats: leave 32-bit floats (--float) out")
             object.__setattr__(self, "samples", 1)
+
+    def _check_accumulate(self) -> None:
+        for asked, wrong, remedy in (
+            (f"kind {self.kind}", self.kind not in (*LEAVING, *ARRIVING), "bake it anew"),
+            ("the shared layout", self.layout is not Layout.BUCKETS, "choose layout buckets"),
+            ("layers", bool(self.layers), "leave the layers out"),
+            ("capture panoramic", self.capture is not CaptureMethod.PORTAL, "capture by portal"),
+        ):
+            if wrong:
+                raise InputError(f"{asked} cannot be accumulated: {remedy}")
 
     def _check_shared(self) -> None:
         for name, found, only in (

@@ -305,6 +305,11 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument("--overwrite", action="store_true", help="replace files that are already there")
     group.add_argument(
+        "--accumulate",
+        action="store_true",
+        help="fold the samples into the atlas that is there: 8 and 8 more are 16, if nothing has changed",
+    )
+    group.add_argument(
         "--resume",
         action="store_true",
         help="go on with a bake that was interrupted, killed or failed, from what is kept of it in "

@@ -81,11 +81,15 @@ class PortalCapture:
         seed: int,
         folder: Path,
         aim: Aim | None = None,
+        first: int | None = None,
     ) -> None:
-        """`scene` is a scratch scene, written freely; `folder` takes the files that tiles pass through."""
+        """`scene` is a scratch scene, written freely; `folder` takes the files that tiles pass through.
+
+        `first` is the number of the first of `samples`, where others may be taken before or after.
+        """
         self._scene, self._plan = scene, plan
         self._file = folder / "tile.exr"
-        apply_capture_settings(scene, samples, seed)
+        apply_capture_settings(scene, samples, seed, first)
         if aim is not None:
             look_at_centres(scene)
             keep_passes(scene, aim.passes)

@@ -47,7 +47,8 @@ class Sidecar:
     """Facts about one atlas: `width` x `height` texels of `bucket` x `bucket` cells.
 
     `kind` and `capture` are words, for a reader need not know how to bake them; `clamped` counts the values
-    that were beyond the file's range; `layers` are the files of one bake beyond the first.
+    that were beyond the file's range; `layers` are the files of one bake beyond the first. `mesh` is a digest
+    of the baked copy's shape and UVs, empty where nobody has said.
     """
 
     object_name: str
@@ -63,6 +64,7 @@ class Sidecar:
     blender: str
     layers: tuple[str, ...] = ()
     clamped: int = 0
+    mesh: str = ""
     source: Source | None = None
 
     def to_json(self) -> str:
@@ -89,7 +91,7 @@ class Sidecar:
             "clamped": self.clamped,
             "tool": self.tool,
             "blender": self.blender,
-        }
+        } | ({"mesh": self.mesh} if self.mesh else {})
         if self.source is not None:
             source = self.source
             facts["source"] = {
@@ -132,6 +134,7 @@ class Sidecar:
             blender=facts.text("blender"),
             layers=facts.texts("layers"),
             clamped=facts.whole_number("clamped", 0),
+            mesh=facts.text("mesh") if "mesh" in facts.values else "",
             source=_source(facts.inner("source")) if "source" in facts.values else None,
         )
 

@@ -24,6 +24,7 @@ from ..cycles.panoramic import PanoramicCapture
 from ..cycles.portal import PortalCapture
 from ..formats.bucket_files import write_buckets
 from ..scene.enclosed import show_content_only
+from .accumulate import read_earlier
 from .files import OutputFiles, facts_of
 from .made import Made
 from .prepare import Prepared
@@ -40,14 +41,24 @@ def bake_buckets(
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Made]:
     """Bake the scratch scene's object; `folder` takes temporary files, the `keeper` every finished tile."""
+    facts = facts_of(
+        original.name,
+        spec,
+        prepared.width,
+        prepared.height,
+        prepared.uv_layer,
+        prepared.digest,
+        source=prepared.source_facts,
+    )
+    earlier = read_earlier(files, facts) if spec.accumulate else None
     plan, hidden = yield from _plan(prepared, spec, folder, keeper)
     if spec.kind is Kind.PROXY:
         show_content_only(scratch, original, spec.content)
-    capture = _capture(scratch, plan, spec, folder)
+    capture = _capture(scratch, plan, spec, folder, earlier.samples if earlier else 0)
     image = yield from fill_atlas(plan, capture, spec.memory_mb, hidden, keeper, thumbnail, spec.channels)
     yield Progress(Stage.WRITE, 0, 1)
-    width, height = plan.layout.width, plan.layout.height
-    facts = facts_of(original.name, spec, width, height, prepared.uv_layer, prepared.source_facts)
+    if earlier is not None:
+        image, facts = earlier.with_more(image, facts)
     layers = split_layers(image, plan.layout, spec.layers)
     written = write_buckets(files.sidecar, image[..., :WHOLE], layers, facts, spec.half, spec.compression)
     count = len(plan.texel)
@@ -67,9 +78,12 @@ def _plan(
     return plan_capture(texels, spec.bucket, without=plan.texel[buried]), hidden[~buried]
 
 
-def _capture(scratch: bpy.types.Scene, plan: CapturePlan, spec: BakeSpec, folder: Path) -> Capture:
+def _capture(
+    scratch: bpy.types.Scene, plan: CapturePlan, spec: BakeSpec, folder: Path, first: int
+) -> Capture:
     kind = Kind.RADIANCE if spec.kind is Kind.PROXY else spec.kind  # the same rays, in a scene without it
     if spec.layers:
         return LayeredCapture(scratch, plan, kind, spec.layers, spec.samples, spec.seed, folder)
-    capture = PortalCapture if spec.capture is CaptureMethod.PORTAL else PanoramicCapture
-    return capture(scratch, plan, kind, spec.samples, spec.seed, folder)
+    if spec.capture is CaptureMethod.PANORAMIC:
+        return PanoramicCapture(scratch, plan, kind, spec.samples, spec.seed, folder)
+    return PortalCapture(scratch, plan, kind, spec.samples, spec.seed, folder, first=first)

@@ -58,7 +58,13 @@ class OutputFiles:
 
 
 def facts_of(
-    name: str, spec: BakeSpec, width: int, height: int, uv_layer: str, source: Source | None = None
+    name: str,
+    spec: BakeSpec,
+    width: int,
+    height: int,
+    uv_layer: str,
+    mesh: str = "",
+    source: Source | None = None,
 ) -> Sidecar:
     """What the sidecar says of a bake of the object `name`, `width` x `height` texels large."""
     return Sidecar(
@@ -73,5 +79,6 @@ def facts_of(
         capture=spec.capture,
         tool=f"RadTex {VERSION}",
         blender=bpy.app.version_string,
+        mesh=mesh,
         source=source,
     )

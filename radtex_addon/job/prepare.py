@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
 from collections.abc import Generator
 from dataclasses import dataclass, replace
@@ -39,6 +40,7 @@ class Prepared:
     """The baked copy: `mesh` and the same as arrays, `surface`; `matrix_world` (4, 4) is its object's.
 
     The atlas has `width` x `height` texels on the mesh's `uv_layer`, and `islands` if it was unwrapped anew.
+    The `digest` tells its shape and UVs from others, wherever it stands.
     What is baked lies on the `source`, if there is one.
     """
 
@@ -49,6 +51,7 @@ class Prepared:
     width: int
     height: int
     islands: int | None
+    digest: str
     source: Landing | None = None
 
     @property
@@ -102,6 +105,7 @@ def prepare(
         width=unwrapped.width,
         height=unwrapped.height,
         islands=unwrapped.islands,
+        digest=_digest(evaluated, unwrapped.uv),
     )
     if source is None:
         return prepared
@@ -119,6 +123,13 @@ def _evaluate_source(
     if keeper is not KEEPS_NOTHING:
         keeper.expect({"source's mesh": mesh_digest(source), "source's place": matrix_digest(source)})
     return source
+
+
+def _digest(evaluated: EvaluatedMesh, uv: Floats) -> str:
+    found = hashlib.sha256()
+    for values in (evaluated.position, evaluated.triangles, evaluated.normal, uv):
+        found.update(f"{values.shape}".encode() + np.ascontiguousarray(values).tobytes())
+    return f"sha256:{found.hexdigest()}"
 
 
 @dataclass(frozen=True)

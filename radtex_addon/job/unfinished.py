@@ -8,10 +8,11 @@ from dataclasses import fields
 
 import bpy
 
-from ..bake.checkpoint import Checkpoint, is_unfinished, replaced_by
+from ..bake.checkpoint import DIGEST, Checkpoint, is_unfinished, replaced_by
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError
 from ..formats.atomic import check_absent
+from ..formats.condensed_files import digest
 from ..version import VERSION
 from .files import OutputFiles
 
@@ -32,6 +33,8 @@ def open_checkpoint(name: str, spec: BakeSpec, files: OutputFiles, resume: bool)
     }
     versions = {"RadTex's version": VERSION, "Blender's version": bpy.app.version_string}
     checkpoint.expect({"object": name, **versions, **chosen})
+    if spec.accumulate and files.atlas.is_file():
+        checkpoint.expect({"the atlas that is there": DIGEST + digest(files.atlas)})
     return checkpoint
 
 
@@ -46,7 +49,9 @@ def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, 
                 f"{files.sidecar} is already there, and nothing of object '{name}' is unfinished: "
                 "leave --resume out, and bake it anew (--overwrite)"
             )
-        check_absent(files.all, overwrite)
+        if spec.accumulate and not files.sidecar.exists():
+            raise InputError(f"{files.sidecar} is not there to accumulate onto: bake it first, without that")
+        check_absent(files.all, overwrite or spec.accumulate)
         return
     if not resume and not overwrite:
         raise InputError(
@@ -56,5 +61,5 @@ def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, 
     if resume:
         open_checkpoint(name, spec, files, resume)
     may = replaced_by(files.unfinished) if resume else frozenset()
-    check_absent([path for path in files.all if path.name not in may], overwrite)
+    check_absent([path for path in files.all if path.name not in may], overwrite or spec.accumulate)
     check_absent([path for path in files.all if path.name in may], overwrite=True)

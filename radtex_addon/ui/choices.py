@@ -32,6 +32,7 @@ KINDS = (
 
 BUCKETS_ONLY = ("proxy", "shadow", "ao", "transfer")  # kinds that have one layout
 LIGHTLESS = ("shadow", "ao")  # kinds that see no light
+ACCUMULATED = ("radiance", "incident", "reflection", "proxy")  # kinds that take more samples
 LAYERED = ("radiance", "proxy")  # kinds that fall into layers
 
 SOURCED = ("radiance", "incident", "reflection", "shadow", "ao")  # kinds that another object can give

@@ -9,7 +9,7 @@ from typing import Any, cast
 import bpy
 
 from . import jobs
-from .choices import BUCKETS_ONLY, LAYERED, SOURCED
+from .choices import ACCUMULATED, BUCKETS_ONLY, LAYERED, SOURCED
 from .messages import draw_remarks
 from .outlook import Outlook, outlook_of
 from .presets import RADTEX_PT_presets
@@ -94,8 +94,10 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
         column = layout.column(heading="Files")
         column.prop(settings, "resume")
         column.prop(settings, "overwrite")
-        column.prop(settings, "preview")
         plain = is_plain(settings)
+        if plain and settings.kind in ACCUMULATED:
+            column.prop(settings, "accumulate")
+        column.prop(settings, "preview")
         if settings.limit == "none" or plain:
             if settings.kind != "shadow":
                 column.prop(settings, "full_floats")

@@ -15,7 +15,7 @@ from ..bake.spec import BakeSpec, Compression, Layer, Layout, parse_kind, parse_
 from ..core.errors import InputError
 from ..export.spec import Target
 from ..scene.enclosed import EVERYTHING
-from .choices import BUCKETS_ONLY, LAYERED, SOURCED
+from .choices import ACCUMULATED, BUCKETS_ONLY, LAYERED, SOURCED
 from .preferences import preferred
 from .settings import NAMES, BakeSettings
 
@@ -147,7 +147,8 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
     """What to bake, without where to. Raises InputError for what cannot be."""
     wishes = preferred()
     layout = Layout.BUCKETS if values["kind"] in BUCKETS_ONLY else parse_layout(values["atlas_layout"])
-    layered = layout is Layout.BUCKETS and values["kind"] in LAYERED
+    plain = layout is Layout.BUCKETS
+    layered = plain and values["kind"] in LAYERED
     sourced = layout is Layout.BUCKETS and values["kind"] in SOURCED and values["source"]
     limit = values["limit"] if layout is Layout.SHARED else "none"
     return BakeSpec(
@@ -167,6 +168,7 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
         half=limit != "none" or values["kind"] == "shadow" or not values["full_floats"],
         compression=Compression.ZIP if limit != "none" else values["compression"],
         layers=tuple(layer for layer in Layer if layer.value in values["layers"]) if layered else (),
+        accumulate=values["accumulate"] and plain and values["kind"] in ACCUMULATED,
         content=_content_of(values) if values["kind"] == "proxy" else None,
         source=values["source"] if sourced else None,
         extrusion=values["extrusion"] or None if sourced else None,

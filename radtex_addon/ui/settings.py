@@ -36,6 +36,7 @@ NAMES = (
     "compression",
     "preview",
     "overwrite",
+    "accumulate",
     "resume",
     "export_targets",
 )
@@ -84,6 +85,7 @@ class BakeSettings:
         compression: str
         preview: bool
         overwrite: bool
+        accumulate: bool
         resume: bool
         export_targets: set[str]
     else:
@@ -266,6 +268,13 @@ class BakeSettings:
         overwrite: BoolProperty(
             name="Overwrite",
             description="Replace the files of an earlier bake of the same object",
+            default=False,
+            **_NOTICED,
+        )
+        accumulate: BoolProperty(
+            name="Accumulate",
+            description="Fold the samples into the atlas that is there: less noise, and what was baked "
+            "before still counts",
             default=False,
             **_NOTICED,
         )

@@ -175,6 +175,8 @@ def _of_spec(spec: BakeSpec, device: str) -> Iterator[str]:
         if value is not None:
             yield f"{flag}={value}"
     yield from (f"--layer={layer}" for layer in spec.layers)
+    if spec.accumulate:
+        yield "--accumulate"
     if not spec.half:
         yield "--float"
 

@@ -54,6 +54,7 @@ SPECS = {
     "layers": BakeSpec(layers=(Layer.DIFFUSE, Layer.NORMAL), device="cpu"),
     "a proxy": BakeSpec(kind=Kind.PROXY, content="-Shelf", device="cpu"),
     "another object's": BakeSpec(source="-High", extrusion=0.05, device="cpu"),
+    "more samples": BakeSpec(accumulate=True, device="cpu"),
     "a target": BakeSpec(layout=Layout.SHARED, target=42.5, bucket=10, device="cpu"),
 }
 
@@ -67,7 +68,7 @@ def understood(asked: Order) -> Request:
 
 
 def test_every_field_of_a_spec_is_among_the_cases() -> None:
-    others = {"layout", "budget", "target", "layers", "content", "source", "extrusion"}
+    others = {"layout", "budget", "target", "layers", "content", "source", "extrusion", "accumulate"}
     assert {field.name for field in fields(BakeSpec)} == CHOSEN.keys() | others
 
 

@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Accumulation: k samples and k more are 2k, and what does not fit an atlas leaves it as it is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.bake.layers import Layer
+from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layout
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.errors import InputError
+from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.sidecar import read_sidecar
+from radtex_addon.job import bake_object, buckets
+from tests.blender import stage
+from tests.blender.conftest import PlannedError
+
+pytestmark = pytest.mark.usefixtures("temporary")
+context: Any = bpy.context  # to the stubs, every pointer may be None
+
+SPEC = BakeSpec(texels=24, bucket=4, samples=4, half=False)
+MORE = replace(SPEC, accumulate=True)
+SIDECAR = "Ball.radiance.json"
+
+
+def lit_ball() -> Any:
+    stage.hdri(stage.world())
+    stage.lamps()
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=8, radius=0.6)
+    context.object.name = "Ball"
+    context.object.data.materials.append(
+        stage.material("gold", "ShaderNodeBsdfAnisotropic", Color=(1, 0.7, 0.3, 1), Roughness=0.4)
+    )
+    return context.object
+
+
+def bake(out: Path, spec: BakeSpec) -> Floats:
+    return read_buckets(bake_object(context.scene, "Ball", spec, out).files.sidecar)[0]
+
+
+def contents(out: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()}
+
+
+@pytest.mark.parametrize("kind", [Kind.RADIANCE, Kind.REFLECTION])
+def test_k_samples_and_k_more_are_twice_as_many(out: Path, kind: Kind) -> None:
+    lit_ball()
+    few = bake(out, replace(SPEC, kind=kind))
+    folded = bake(out, replace(MORE, kind=kind))
+    at_once = bake(out / "at once", replace(SPEC, kind=kind, samples=8))
+    largest = float(at_once.max())
+    print(f"\n{kind}: 4 + 4 against 8: {np.abs(folded - at_once).max() / largest:.1e} of {largest:.1f}")
+    assert np.abs(folded - at_once).max() <= 1e-6 * max(1, largest)
+    assert np.abs(few - at_once).max() > 1e-2
+    assert read_sidecar(out / f"Ball.{kind}.json").samples == 8
+
+
+def test_a_third_bake_is_folded_by_its_share(out: Path) -> None:
+    lit_ball()
+    bake(out, SPEC)
+    bake(out, MORE)
+    folded = bake(out, replace(MORE, samples=8))
+    np.testing.assert_allclose(folded, bake(out / "at once", replace(SPEC, samples=16)), atol=1e-5)
+
+
+def test_an_object_that_only_moved_is_the_same_mesh(out: Path) -> None:
+    lit_ball()
+    bake(out, SPEC)
+    bpy.data.objects["Ball"].location.z = 0.5
+    bake(out, MORE)
+    assert read_sidecar(out / SIDECAR).samples == 8
+
+
+def reshape() -> None:
+    bpy.data.objects["Ball"].data.vertices[0].co.z += 0.01
+    bpy.data.objects["Ball"].data.update()
+
+
+@pytest.mark.parametrize(
+    ("spec", "change", "words"),
+    [
+        (MORE, reshape, "is of another mesh"),
+        (replace(MORE, texels=32), None, r"has \d+ x \d+ texels of 4 cells, this bake"),
+        (replace(MORE, bucket=5), None, "texels of 4 cells, this bake .* of 5"),
+    ],
+)
+def test_an_atlas_of_something_else_stays_what_it_is(
+    out: Path, spec: BakeSpec, change: Any, words: str
+) -> None:
+    lit_ball()
+    bake(out, SPEC)
+    before = contents(out)
+    if change is not None:
+        change()
+    with pytest.raises(InputError, match=words):
+        bake(out, spec)
+    assert contents(out) == before
+
+
+def test_a_newer_atlas_is_refused_by_its_version(out: Path) -> None:
+    lit_ball()
+    bake(out, SPEC)
+    sidecar = out / SIDECAR
+    sidecar.write_text(sidecar.read_text().replace('"version": 1', '"version": 2'))
+    with pytest.raises(Exception, match="is of version 2, this RadTex reads 1"):
+        bake(out, MORE)
+
+
+def test_an_atlas_with_layers_is_not_accumulated(out: Path) -> None:
+    lit_ball()
+    bake(out, replace(SPEC, layers=(Layer.GLOSSY,)))
+    with pytest.raises(InputError, match="has layers"):
+        bake(out, MORE)
+
+
+def test_nothing_to_accumulate_onto_is_said(out: Path) -> None:
+    lit_ball()
+    with pytest.raises(InputError, match=r"Ball\.radiance\.json is not there to accumulate onto: bake it"):
+        bake(out, MORE)
+    assert not out.exists()
+
+
+def test_what_fails_leaves_the_atlas_and_is_resumed(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    lit_ball()
+    bake(out, SPEC)
+    before = contents(out)
+
+    def fail(*_: object) -> None:
+        raise PlannedError
+
+    with monkeypatch.context() as patch:
+        patch.setattr(buckets, "write_buckets", fail)
+        with pytest.raises(PlannedError):
+            bake(out, MORE)
+    assert contents(out) == before
+    made = bake_object(context.scene, "Ball", MORE, out, resume=True)
+    np.testing.assert_allclose(
+        read_buckets(made.files.sidecar)[0], bake(out / "at once", replace(SPEC, samples=8)), atol=1e-5
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"kind": Kind.SHADOW}, "kind shadow cannot be accumulated"),
+        ({"layout": Layout.SHARED}, "the shared layout cannot be accumulated"),
+        ({"layers": (Layer.BASE,)}, "layers cannot be accumulated"),
+        ({"kind": Kind.INCIDENT, "capture": CaptureMethod.PANORAMIC}, "capture panoramic cannot be"),
+    ],
+)
+def test_what_cannot_be_accumulated_is_named(options: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        BakeSpec(accumulate=True, **options)
