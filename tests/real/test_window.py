@@ -30,7 +30,7 @@ def test_the_button_bakes_by_a_click(window: Window) -> None:
     before = window.shot("panel")
     press(window)
     wait_for(window, 0.1)
-    during = window.shot("baking")
+    during = window.picture("begun")
     told = wait_for_end(window)
     assert told.state == "done", told.message
     assert {path.name for path in (window.folder / "radtex").iterdir()} == {
@@ -51,8 +51,8 @@ def test_the_window_stays_alive_during_a_long_bake(window: Window) -> None:
     window.ask("ticks.clear()")
     press(window)
     pressed = int(window.value("len(ticks)"))
-    wait_for(window, 0.4)
-    window.shot("filling")
+    wait_for(window, 0.7)
+    window.shot("baking")
     told = wait_for_end(window, 280)
     ticks = window.value("ticks")
     gaps = np.diff(ticks)

@@ -137,13 +137,17 @@ class Window:
         left, top, width, height, tab = self.ask(_SIDEBAR)
         return left, top, width, height, tab
 
-    def shot(self, name: str) -> PIL.Image.Image:
-        """A picture of the screen, kept with the figures, in 256 colours, where those are wanted."""
+    def picture(self, name: str) -> PIL.Image.Image:
+        """A picture of the screen, once all has settled."""
         sleep(_SETTLED)
         path = self.folder / f"{name}.png"
         self.run("import", "-window", "root", f"{self.inside}/{path.name}")
         with PIL.Image.open(path) as opened_picture:
-            picture = opened_picture.convert("RGB")
+            return opened_picture.convert("RGB")
+
+    def shot(self, name: str) -> PIL.Image.Image:
+        """The same, kept with the figures, in 256 colours, where those are wanted."""
+        picture = self.picture(name)
         if _FIGURES:
             picture.quantize(256).save(Path(_FIGURES, f"window-{name}.png"), optimize=True)
         return picture
