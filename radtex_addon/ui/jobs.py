@@ -49,14 +49,16 @@ _session = _Session()
 def submit(scene: bpy.types.Scene, names: Iterable[str], request: BakeRequest) -> float:
     """Hand the scene over as it is now, and let a bake of each object wait its turn.
 
-    Returns how long the session stood still for it, in seconds. Raises BakeError where the scene cannot be
-    saved.
+    Returns how long the session stood still for it, in seconds. Raises InputError where one of them waits or
+    runs already, BakeError where the scene cannot be saved.
     """
     from ..core.sampler import Filter
     from ..worker.handover import hand_over
     from ..worker.orders import order_bake
     from .preferences import preferred
 
+    names = tuple(names)
+    _check_free(names, request)
     handover = hand_over(scene, preferred().cache)
     add(
         order_bake(
@@ -75,6 +77,18 @@ def submit(scene: bpy.types.Scene, names: Iterable[str], request: BakeRequest) -
         for place, name in enumerate(names)
     )
     return handover.stalled
+
+
+def _check_free(names: Iterable[str], request: BakeRequest) -> None:
+    from ..core.errors import InputError
+    from ..worker.order import Work
+    from ..worker.orders import kind_of
+
+    kind = kind_of(request.spec)
+    for job in _session.shown:
+        busy = not job.ended and job.work is Work.BAKE and job.object in names
+        if busy and (job.out, job.order.about) == (request.folder, kind):
+            raise InputError(f"object '{job.object}' is being baked there already: wait for it, or cancel it")
 
 
 def add(orders: Iterable[Order], sequel: Sequel | None = None) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from . import jobs, pictures
-from .choices import TARGETS
+from .choices import KINDS, TARGETS
 from .messages import draw_text
 from .panel import Sidebar
 from .switch import draw_switch
@@ -27,6 +27,7 @@ _ICONS = {
 _RUNNING = {"bake": "RENDER_STILL", "comparison": "IMAGE_REFERENCE", "export": "EXPORT"}
 _TITLES = {"bake": "{}", "comparison": "{}, compared", "export": "{} for {}"}
 _TARGETS = {identifier: name for identifier, name, _ in TARGETS}
+_KINDS = {identifier: name for identifier, name, _ in KINDS}
 
 _PICTURE = 8.0  # times a button's height
 
@@ -52,7 +53,9 @@ class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
 
 def title(job: Job) -> str:
     """Whom a job is about, and what is done."""
-    return iface_(_TITLES[job.work]).format(job.object, _TARGETS.get(job.order.about, ""))
+    about = job.order.about
+    name = f"{job.object}, {iface_(_KINDS[about])}" if about in _KINDS else job.object
+    return iface_(_TITLES[job.work]).format(name, _TARGETS.get(about, ""))
 
 
 def phrase(job: Job) -> str:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..bake.progress import Stage
-from ..bake.spec import BakeSpec, Layout
+from ..bake.spec import BakeSpec, Kind, Layout
 from ..core.sampler import Filter
 from ..export.progress import Task as ExportTask
 from ..export.spec import Arrangement, ExportSpec
@@ -75,6 +75,7 @@ def order_bake(
     return Order(
         work=Work.BAKE,
         object=name,
+        about=kind_of(spec),
         folder=handover.folder,
         out=out,
         blend=handover.blend,
@@ -91,6 +92,11 @@ def order_bake(
         stages=_stages(spec, preview is not None),
         remedy="bake again, if memory ran out with fewer texels, cells or samples",
     )
+
+
+def kind_of(spec: BakeSpec) -> str:
+    """What tells a bake from others of the same object: its kind, unless it is the usual one."""
+    return "" if spec.kind is Kind.RADIANCE else str(spec.kind)
 
 
 def order_export(

@@ -13,6 +13,7 @@ from pathlib import Path
 import bpy
 import pytest
 
+from radtex_addon.core.errors import InputError
 from radtex_addon.export.spec import Target
 from radtex_addon.ui import estimates, jobs, outlook
 from radtex_addon.ui.jobs_panel import phrase
@@ -158,6 +159,20 @@ def test_a_bake_can_be_cancelled_and_another_comes_after_it(out: Path) -> None:
     jobs.forget_ended()
     wait_for(State.DONE)
     assert (out / "Card.incident.exr").exists()
+
+
+def test_what_is_being_baked_is_not_baked_twice_at_once(out: Path) -> None:
+    plane()
+    submit(texels=256, bucket=8, samples=64, preview=False)
+    wait_for(State.RUNNING)
+    with pytest.raises(
+        InputError, match="object 'Card' is being baked there already: wait for it, or cancel"
+    ):
+        submit(texels=8, overwrite=True)
+    submit(texels=4, bucket=2, samples=1, kind="shadow")
+    assert [job.order.about for job in jobs.snapshot()] == ["", "shadow"]
+    jobs.cancel()
+    wait_for(State.CANCELLED)
 
 
 def test_a_cancelled_bake_can_be_gone_on_with(out: Path) -> None:
