@@ -21,6 +21,7 @@ from ..core.errors import InputError
 from ..scene.copy import MATRIX, SHOWN, copy_object
 from ..scene.objects import animates_visibility
 from .load import load_baked_mesh, remove_unused
+from .source import find_shown_source, hidden_source, hide_source, show_source
 from .sun import follow_sun
 
 ORIGINAL = "radtex_original"  # of a copy: the object, and how that was hidden
@@ -58,9 +59,10 @@ def switch_on(original: bpy.types.Object, sidecar: Path) -> Preview:
     """Show the bake whose sidecar is given, with its preview beside it, in an object's place.
 
     A copy wears the bake's mesh and material in the object's collections, with its parent, transform,
-    animation and visibility, and takes over its selection; the object is hidden, and nothing else of it
-    changes. One that is on already shows the bake anew. Raises InputError for an object that cannot be
-    replaced and for missing files, FormatError for files that cannot be read; then nothing has changed.
+    animation and visibility, and takes over its selection; the object is hidden, as is the detailed one that
+    it was baked from, and nothing else changes. One that is on already shows the bake anew. Raises InputError
+    for an object that cannot be replaced and for missing files, FormatError for files that cannot be read;
+    then nothing has changed.
     """
     _check(original)
     copy_mesh = load_baked_mesh(sidecar)
@@ -72,6 +74,8 @@ def switch_on(original: bpy.types.Object, sidecar: Path) -> Preview:
     for collection in _homes(original):
         collection.objects.link(copy)
     _hide(original, copy)
+    if (source := find_shown_source(sidecar, original.users_scene[0])) is not None:
+        hide_source((original, copy), source, _others(copy))
     _take(copy, stances)
     _join_local_views(original, copy)
     return Preview(original, copy, _has_moved(original, copy_mesh))
@@ -89,11 +93,14 @@ def switch_off(item: bpy.types.Object) -> None:
 
 @contextmanager
 def originals_rendered(originals: Sequence[bpy.types.Object]) -> Iterator[None]:
-    """Let the objects render while their previews, which are on, do not; windows show what they did."""
+    """Let the objects, or the detailed ones they show, render while their previews, which are on, do not."""
     pairs = [pair for pair in map(_pair, originals) if pair is not None]
     shown: dict[bpy.types.Object, bool] = {}
     for original, copy in pairs:
-        if original is not None:
+        source = hidden_source((original, copy))
+        if source is not None:
+            shown[source[0]] = source[1]["hide_render"]
+        elif original is not None:
             shown[original] = _flags_of(original, copy)["hide_render"]
         if copy is not None:
             shown[copy] = True
@@ -107,6 +114,11 @@ def originals_rendered(originals: Sequence[bpy.types.Object]) -> Iterator[None]:
             item.hide_render = hidden
 
 
+def _others(copy: bpy.types.Object | None) -> list[bpy.types.Object]:
+    """All previews that are on, but for one."""
+    return [item for item in bpy.data.objects if ORIGINAL in cast(Any, item) and item != copy and is_on(item)]
+
+
 _Pair = tuple[bpy.types.Object | None, bpy.types.Object | None]
 
 
@@ -118,6 +130,7 @@ def _take_away(item: bpy.types.Object) -> bool:
     original, copy = pair
     flags = _flags_of(original, copy)
     stances: list[_Stance] = []
+    show_source(pair, _others(copy))
     if copy is not None:
         stances, named = _stances(copy), cast(Any, copy)[ORIGINAL].get("original")
         bpy.data.objects.remove(copy)

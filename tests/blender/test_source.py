@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Generator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -25,6 +26,9 @@ from radtex_addon.formats.exr import read_buckets
 from radtex_addon.formats.sidecar import Source, read_sidecar
 from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.job.prepare import Prepared, prepare
+from radtex_addon.preview.swap import copy_of, originals_rendered, switch_off, switch_on
+from radtex_addon.report.eye import Eye
+from radtex_addon.report.side_by_side import Comparison, ComparisonSpec, compare_steps
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
@@ -222,6 +226,61 @@ def test_the_preview_shows_the_low_object_and_hides_the_high_one(out: Path) -> N
     bpy.ops.wm.open_mainfile(filepath=str(made.files.preview))
     assert bpy.data.objects["High"].hide_render
     assert not bpy.data.objects["Low"].hide_render
+
+
+def hidden(name: str) -> tuple[bool, bool]:
+    item = bpy.data.objects[name]
+    return item.hide_render, item.hide_viewport
+
+
+def test_switched_on_in_the_scene_the_high_object_is_hidden_until_no_preview_shows_it(out: Path) -> None:
+    balls()
+    other = bpy.data.objects["Low"].copy()
+    other.name = "Lower"
+    context.scene.collection.objects.link(other)
+    bpy.data.objects["High"].hide_viewport = True
+    spec = replace(SPEC, texels=16, samples=1)
+    sidecars = {}
+    for name in ("Low", "Lower"):
+        made = bake_object(context.scene, name, spec, out, preview=Filter.NEAREST)
+        sidecars[name] = made.files.sidecar
+    before = fingerprint()
+    lows = [bpy.data.objects[name] for name in sidecars]
+    for low in lows:
+        switch_on(low, sidecars[low.name])
+        assert hidden("High") == (True, True)
+    switch_on(lows[0], sidecars["Low"])  # anew
+    with originals_rendered(lows):
+        assert (hidden("High"), hidden("Low"), hidden("Lower")) == ((False, True), (True, True), (True, True))
+    switch_off(lows[0])
+    assert hidden("High") == (True, True)
+    copy = copy_of(lows[1])
+    assert copy is not None
+    bpy.data.objects.remove(copy)  # by hand
+    switch_off(lows[1])
+    assert hidden("High") == (False, True)
+    assert {path for path in differences(before, fingerprint()) if "users" not in path} == set()
+
+
+def _result(steps: Generator[Any, None, Comparison]) -> Comparison:
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            return cast(Comparison, end.value)
+
+
+def test_a_comparison_is_with_the_high_object(out: Path) -> None:
+    balls()
+    made = bake_object(context.scene, "Low", SPEC, out, preview=Filter.QUADRILINEAR)
+    bpy.ops.object.camera_add(location=(0, -5, 0), rotation=(np.pi / 2, 0, 0))
+    context.scene.camera = context.object
+    eye = Eye.of_camera(context.scene, context.view_layer)
+    spec = ComparisonSpec(pixels=64, samples=4, device="cpu")
+    found = _result(compare_steps(context.scene, {bpy.data.objects["Low"]: made.files.sidecar}, eye, spec))
+    print(f"\n{found.figures.psnr:.1f} dB")
+    assert found.traced.max() < 2, "the low object is seen"
+    assert found.figures.psnr > 30
 
 
 @pytest.mark.parametrize(
