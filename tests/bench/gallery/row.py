@@ -11,12 +11,16 @@ from radtex_addon.report.metrics import Mask, Picture, compare
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """One view: path traced, and ours, linear light (H, W, 3) from the top; figures are inside `mask`."""
+    """One view: path traced, and ours, linear light (H, W, 3) from the top; figures are inside `mask`.
+
+    `note` says in words what else was measured.
+    """
 
     name: str
     reference: Picture
     ours: Picture
     mask: Mask
+    note: str = ""
 
     @property
     def psnr(self) -> float:

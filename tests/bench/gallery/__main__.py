@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a radiance texture can hold, path traced and ours, in one page.
+
+    python -m tests.bench.gallery                    every row
+    python -m tests.bench.gallery proxy interior     these; the page keeps the others' as they were
+    python -m tests.bench.gallery proxy --out DIR
+
+A row is a module here with a function `rows`. Writes gallery.md and figures/gallery-ROW.png into DIR (docs).
+"""
+
+from __future__ import annotations
+
+import argparse
+from importlib import import_module
+from pathlib import Path
+from time import perf_counter
+
+from .captions import CAPTIONS
+from .page import Record, save_picture, write_page
+from .row import Row
+
+_DOCS = Path(__file__).resolve().parents[3] / "docs"
+
+
+def main() -> None:
+    """Bake, look, compare, write."""
+    parser = argparse.ArgumentParser(
+        prog="python -m tests.bench.gallery",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("rows", nargs="*", metavar="ROW", help="of " + ", ".join(CAPTIONS))
+    parser.add_argument("--out", type=Path, default=_DOCS, help="folder of gallery.md (docs)")
+    options = parser.parse_args()
+    for name in options.rows:
+        if name not in CAPTIONS:
+            parser.error(f"there is no row {name}: choose from {', '.join(CAPTIONS)}")
+    for name in options.rows or CAPTIONS:
+        began = perf_counter()
+        views = [_told(row) for row in import_module(f"{__package__}.{name}").rows()]
+        record = Record.of(views, perf_counter() - began)
+        save_picture(options.out / "figures" / f"gallery-{name}.png", views)
+        write_page(options.out, name, record)
+
+
+def _told(row: Row) -> Row:
+    flip = "" if row.flip is None else f", FLIP {row.flip:.3f}"
+    print(f"{row.name}: {row.psnr:.1f} dB{flip}. {row.note}", flush=True)
+    return row
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,142 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fur and leaves inside a simple hull, which alone is drawn: python -m tests.bench.gallery proxy
+
+A hull's colour and alpha are laid over a grey ground, path traced and ours; measured where either is seen.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from radtex_addon.bake.spec import BakeSpec, Kind
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.sampler import Filter, sample
+from radtex_addon.formats.exr import read_buckets
+from radtex_addon.report.gbuffer import Array
+from radtex_addon.report.metrics import Picture
+
+from .looking import SUBJECT, Camera, added, baked, empty_scene, lamp, principled, rendered, resolved
+from .row import Row
+
+SPEC = BakeSpec(kind=Kind.PROXY, texels=128, bucket=8, samples=8)
+GROUND = 0.18
+_SOLID = 0.5  # of alpha: what counts as silhouette
+_HAIRS, _LEAVES = 90000, 260
+CAMERAS = {
+    "left": Camera((-3.4, -4.6, 1.1), lens=85),
+    "right": Camera((4.9, -2.6, 0.7), lens=85),
+    "above": Camera((0.8, -3.2, 4.8), lens=85),
+}
+
+
+def fur() -> None:
+    """A ball of fur, two colours of it, inside a ball of few faces."""
+    _lit_hull(1.0)
+    added("uv_sphere", "Skin", principled("Skin", (0.4, 0.2, 0.1)), radius=0.82, segments=48, ring_count=24)
+    rng = np.random.default_rng(3)
+    root = _spread_over_ball(_HAIRS)
+    tip = root * rng.uniform(0.92, 0.99, (_HAIRS, 1)) + rng.normal(0, 0.05, (_HAIRS, 3)) - [0, 0, 0.05]
+    tip *= np.minimum(1, 0.99 / np.linalg.norm(tip, axis=1))[:, None]
+    steps = np.linspace(0, 1, 4)[None, :, None]
+    points = root[:, None] * 0.8 * (1 - steps) + tip[:, None] * steps
+    points[:, 1:3] *= 1.03
+    dark = np.sin(7 * root[:, 2] + 2 * np.sin(3 * root[:, 0])) > 0.2
+    for name, chosen, colour in (("Dark", dark, (0.3, 0.13, 0.05)), ("Fair", ~dark, (0.75, 0.5, 0.25))):
+        _hair(name, points[chosen], principled(name, colour, Roughness=0.5))
+
+
+def leaves() -> None:
+    """A clipped bush of leaves inside the same hull."""
+    _lit_hull(1.0)
+    rng = np.random.default_rng(5)
+    out = _spread_over_ball(_LEAVES)
+    middle = out * rng.uniform(0.89, 0.95, (_LEAVES, 1))
+    way = np.cross(out, rng.normal(size=(_LEAVES, 3)))
+    way = way / np.linalg.norm(way, axis=1, keepdims=True) + out * rng.uniform(0.05, 0.3, (_LEAVES, 1))
+    across = np.cross(way, out + rng.normal(0, 0.2, (_LEAVES, 3)))
+    way, across = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in (way, across))
+    outline = np.array(
+        [(0, 0), (0.4, 0.3), (1.0, 0.34), (1.6, 0.2), (2, 0), (1.6, -0.2), (1, -0.34), (0.4, -0.3)]
+    )
+    outline = (outline - [1, 0]) * 0.22
+    corner = middle[:, None] + outline[:, :1] * way[:, None] + outline[:, 1:] * across[:, None]
+    green = principled("Leaf", (0.12, 0.32, 0.05), Roughness=0.45)
+    mesh: Any = bpy.data.meshes.new("Bush")
+    count = len(outline)
+    faces = [tuple(range(k * count, (k + 1) * count)) for k in range(_LEAVES)]
+    mesh.from_pydata(corner.reshape(-1, 3).tolist(), [], faces)
+    mesh.materials.append(green)
+    _link(bpy.data.objects.new("Bush", mesh))
+    added("uv_sphere", "Shade", principled("Shade", (0.08, 0.22, 0.03)), radius=0.9)
+
+
+def _lit_hull(radius: float) -> None:
+    scene = empty_scene((0.6, 0.63, 0.7))
+    scene.render.film_transparent = True
+    lamp((-2.5, -3.5, 4.0), watts=200, size=4)
+    added("ico_sphere", SUBJECT, None, radius=radius * 1.02, subdivisions=3)
+
+
+def _spread_over_ball(count: int) -> Floats:
+    """Unit vectors, evenly spread: a golden spiral."""
+    index = np.arange(count) + 0.5
+    height, around = 1 - 2 * index / count, index * pi * (3 - 5**0.5)
+    radius = np.sqrt(1 - height**2)
+    return np.stack([radius * np.cos(around), radius * np.sin(around), height], axis=1)
+
+
+def _hair(name: str, points: Floats, material: bpy.types.Material) -> None:
+    """Tapering curves through points (K, P, 3)."""
+    count, each = points.shape[:2]
+    curves: Any = bpy.data.hair_curves.new(name)
+    curves.add_curves([each] * count)
+    curves.points.foreach_set("position", points.ravel().astype(np.float32))
+    thick = np.tile(np.linspace(0.0038, 0.002, each), count).astype(np.float32)
+    curves.points.foreach_set("radius", thick)
+    curves.materials.append(material)
+    _link(bpy.data.objects.new(name, curves))
+
+
+def _link(item: bpy.types.Object) -> None:
+    scene: Any = bpy.context.scene
+    scene.collection.objects.link(item)
+
+
+def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
+    """The gallery's rows: a ball of fur and a bush, each from three sides."""
+    for title, build in (("Fur", fur), ("Leaves", leaves)):
+        build()
+        with tempfile.TemporaryDirectory() as folder:
+            bake = baked(spec, Path(folder))
+            pixels, facts = read_buckets(bake.sidecar)
+        layout = AtlasLayout(facts.width, facts.height, facts.bucket)
+        bpy.data.objects[SUBJECT].hide_render = True
+        for name, camera in CAMERAS.items():
+            seen = bake.seen(camera)
+            looked = sample(
+                pixels.astype(np.float32),
+                layout,
+                seen.uv[seen.hit],
+                seen.incidence[seen.hit],
+                Filter.QUADRILINEAR,
+            )
+            ours, truth = resolved(seen.spread(looked), seen), rendered(camera)
+            mask = (ours[..., 3] > _SOLID) | (truth[..., 3] > _SOLID)
+            both = (ours[..., 3] > _SOLID) & (truth[..., 3] > _SOLID)
+            share = f"silhouettes' intersection over union {both.sum() / mask.sum():.3f}; {bake.words}"
+            yield Row(f"Proxy, {title.lower()}, {name}", _over(truth), _over(ours), mask, share)
+
+
+def _over(picture: Array) -> Picture:
+    """A premultiplied picture (H, W, 4) over grey."""
+    laid: Picture = picture[..., :3] + (1 - picture[..., 3:]) * GROUND
+    return laid
