@@ -115,11 +115,12 @@ class BakeSpec:
     with `padding` texels between islands. `device` is a wish that Cycles answers. `half` and `compression`
     shape the files; `memory_mb` bounds a tile, not the atlas. `layers` are parts of a radiance that become
     atlases beside it. `content` is what a proxy shows: a collection's name, "*" for everything, or what lies
-    inside it. To `accumulate` is to fold the samples into the atlas that is there. Enums may be given as
-    text. With a `budget`, the bytes that its textures may take on a GPU, or a `target`, how near they are to
-    come to what was fitted, in dB, a bake in the shared layout is condensed (`core.condensed`). With a
-    `source` the atlas holds what that object shows, found along the normals of this one, which is not seen
-    itself, within an `extrusion` in scene units, or where that is None within a few per cent of its size.
+    inside it. To `accumulate` is to fold the samples into the atlas that is there, to `refresh` is to bake
+    again only what has changed of it, with the samples that it has. Enums may be given as text. With a
+    `budget`, the bytes that its textures may take on a GPU, or a `target`, how near they are to come to what
+    was fitted, in dB, a bake in the shared layout is condensed (`core.condensed`). With a `source` the atlas
+    holds what that object shows, found along the normals of this one, which is not seen itself, within an
+    `extrusion` in scene units, or where that is None within a few per cent of its size.
     Of kind `transfer`, buckets are octahedral maps of directions to the light, and each of the bucket² suns
     that it is captured under costs `samples` paths a texel; without `bucket` there are 9 x 9 cells.
     Raises InputError for what cannot be baked.
@@ -144,6 +145,7 @@ class BakeSpec:
     layers: tuple[Layer, ...] = ()
     content: str | None = None
     accumulate: bool = False
+    refresh: bool = False
     source: str | None = None
     extrusion: float | None = None
 
@@ -224,8 +226,8 @@ class BakeSpec:
             )
         if self.layers and self.kind not in LEAVING:
             raise InputError(f"{self.kind} has no layers: bake radiance, or leave the layers out")
-        if self.accumulate:
-            self._check_accumulate()
+        if self.accumulate or self.refresh:
+            self._check_earlier()
         if self.content is not None and self.kind is not Kind.PROXY:
             raise InputError(f"{self.kind} shows the object itself: bake a proxy, or leave the content out")
         if self.kind is Kind.TRANSFER:
@@ -276,7 +278,10 @@ class BakeSpec:
                 raise InputError("shadow holds bits, not floats: leave 32-bit floats (--float) out")
             object.__setattr__(self, "samples", 1)
 
-    def _check_accumulate(self) -> None:
+    def _check_earlier(self) -> None:
+        if self.accumulate and self.refresh:
+            raise InputError("to accumulate and to refresh contradict each other: choose one of them")
+        done = "accumulated" if self.accumulate else "refreshed"
         for asked, wrong, remedy in (
             (f"kind {self.kind}", self.kind not in (*LEAVING, *ARRIVING), "bake it anew"),
             ("the shared layout", self.layout is not Layout.BUCKETS, "choose layout buckets"),
@@ -284,7 +289,7 @@ class BakeSpec:
             ("capture panoramic", self.capture is not CaptureMethod.PORTAL, "capture by portal"),
         ):
             if wrong:
-                raise InputError(f"{asked} cannot be accumulated: {remedy}")
+                raise InputError(f"{asked} cannot be {done}: {remedy}")
 
     def _check_shared(self) -> None:
         for name, found, only in (

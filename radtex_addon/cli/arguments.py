@@ -310,6 +310,12 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
         help="fold the samples into the atlas that is there: 8 and 8 more are 16, if nothing has changed",
     )
     group.add_argument(
+        "--refresh",
+        action="store_true",
+        help="bake again only those texels of the atlas that is there whose light has changed, with as many "
+        "samples as it has",
+    )
+    group.add_argument(
         "--resume",
         action="store_true",
         help="go on with a bake that was interrupted, killed or failed, from what is kept of it in "

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -18,6 +19,7 @@ from ..bake.session import fill_atlas
 from ..bake.spec import BakeSpec, CaptureMethod, Kind
 from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Bools
+from ..core.texel_map import TexelMap
 from ..cycles.hidden import find_hidden
 from ..cycles.layers import LayeredCapture
 from ..cycles.panoramic import PanoramicCapture
@@ -28,6 +30,7 @@ from .accumulate import read_earlier
 from .files import OutputFiles, facts_of
 from .made import Made
 from .prepare import Prepared
+from .refresh import Refresh
 
 
 def bake_buckets(
@@ -50,26 +53,32 @@ def bake_buckets(
         prepared.digest,
         source=prepared.source_facts,
     )
-    earlier = read_earlier(files, facts) if spec.accumulate else None
-    plan, hidden = yield from _plan(prepared, spec, folder, keeper)
+    earlier = read_earlier(files, facts) if spec.accumulate or spec.refresh else None
+    texels = prepared.texels()
+    plan, hidden = yield from _plan(prepared, texels, spec, folder, keeper)
     if spec.kind is Kind.PROXY:
         show_content_only(scratch, original, spec.content)
-    capture = _capture(scratch, plan, spec, folder, earlier.samples if earlier else 0)
-    image = yield from fill_atlas(plan, capture, spec.memory_mb, hidden, keeper, thumbnail, spec.channels)
+    count = len(plan.texel)
+    paths = count * spec.bucket**2 * spec.samples
+    if earlier is not None and spec.refresh:
+        work = Refresh(scratch, spec, _rays(spec), texels, plan, hidden, earlier, folder)
+        image, paths = yield from work.steps(keeper, thumbnail)
+        facts = replace(facts, samples=earlier.samples)
+    else:
+        capture = _capture(scratch, plan, spec, folder, earlier.samples if earlier else 0)
+        image = yield from fill_atlas(plan, capture, spec.memory_mb, hidden, keeper, thumbnail, spec.channels)
+        if earlier is not None:
+            image, facts = earlier.with_more(image, facts)
     yield Progress(Stage.WRITE, 0, 1)
-    if earlier is not None:
-        image, facts = earlier.with_more(image, facts)
     layers = split_layers(image, plan.layout, spec.layers)
     written = write_buckets(files.sidecar, image[..., :WHOLE], layers, facts, spec.half, spec.compression)
-    count = len(plan.texel)
-    return Made(files, plan.layout, count, count * spec.bucket**2 * spec.samples, written.clamped)
+    return Made(files, plan.layout, count, paths, written.clamped)
 
 
 def _plan(
-    prepared: Prepared, spec: BakeSpec, folder: Path, keeper: Keeper
+    prepared: Prepared, texels: TexelMap, spec: BakeSpec, folder: Path, keeper: Keeper
 ) -> Generator[Progress, None, tuple[CapturePlan, Bools | None]]:
     """What to capture, and which cells of it nobody sees; texels that nobody sees at all cost no path."""
-    texels = prepared.texels()
     plan = plan_capture(texels, spec.bucket)
     if spec.kind is not Kind.RADIANCE:
         return plan, None
@@ -78,10 +87,15 @@ def _plan(
     return plan_capture(texels, spec.bucket, without=plan.texel[buried]), hidden[~buried]
 
 
+def _rays(spec: BakeSpec) -> Kind:
+    """A proxy's rays are radiance's, in a scene without it."""
+    return Kind.RADIANCE if spec.kind is Kind.PROXY else spec.kind
+
+
 def _capture(
     scratch: bpy.types.Scene, plan: CapturePlan, spec: BakeSpec, folder: Path, first: int
 ) -> Capture:
-    kind = Kind.RADIANCE if spec.kind is Kind.PROXY else spec.kind  # the same rays, in a scene without it
+    kind = _rays(spec)
     if spec.layers:
         return LayeredCapture(scratch, plan, kind, spec.layers, spec.samples, spec.seed, folder)
     if spec.capture is CaptureMethod.PANORAMIC:

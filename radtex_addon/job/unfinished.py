@@ -33,7 +33,7 @@ def open_checkpoint(name: str, spec: BakeSpec, files: OutputFiles, resume: bool)
     }
     versions = {"RadTex's version": VERSION, "Blender's version": bpy.app.version_string}
     checkpoint.expect({"object": name, **versions, **chosen})
-    if spec.accumulate and files.atlas.is_file():
+    if (spec.accumulate or spec.refresh) and files.atlas.is_file():
         checkpoint.expect({"the atlas that is there": DIGEST + digest(files.atlas)})
     return checkpoint
 
@@ -43,15 +43,17 @@ def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, 
 
     Raises InputError, which says what to do, also where it is to `resume` one that differs.
     """
+    earlier = spec.accumulate or spec.refresh
+    if earlier and not files.sidecar.exists():
+        done = "accumulate onto" if spec.accumulate else "refresh"
+        raise InputError(f"{files.sidecar} is not there to {done}: bake it first, without that")
     if not is_unfinished(files.unfinished):
         if resume and not overwrite and files.sidecar.exists():
             raise InputError(
                 f"{files.sidecar} is already there, and nothing of object '{name}' is unfinished: "
                 "leave --resume out, and bake it anew (--overwrite)"
             )
-        if spec.accumulate and not files.sidecar.exists():
-            raise InputError(f"{files.sidecar} is not there to accumulate onto: bake it first, without that")
-        check_absent(files.all, overwrite or spec.accumulate)
+        check_absent(files.all, overwrite or earlier)
         return
     if not resume and not overwrite:
         raise InputError(
@@ -61,5 +63,5 @@ def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, 
     if resume:
         open_checkpoint(name, spec, files, resume)
     may = replaced_by(files.unfinished) if resume else frozenset()
-    check_absent([path for path in files.all if path.name not in may], overwrite or spec.accumulate)
+    check_absent([path for path in files.all if path.name not in may], overwrite or earlier)
     check_absent([path for path in files.all if path.name in may], overwrite=True)

@@ -97,6 +97,7 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
         plain = is_plain(settings)
         if plain and settings.kind in ACCUMULATED:
             column.prop(settings, "accumulate")
+            column.prop(settings, "refresh")
         column.prop(settings, "preview")
         if settings.limit == "none" or plain:
             if settings.kind != "shadow":

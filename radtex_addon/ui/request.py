@@ -148,6 +148,7 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
     wishes = preferred()
     layout = Layout.BUCKETS if values["kind"] in BUCKETS_ONLY else parse_layout(values["atlas_layout"])
     plain = layout is Layout.BUCKETS
+    lasting = plain and values["kind"] in ACCUMULATED
     layered = plain and values["kind"] in LAYERED
     sourced = layout is Layout.BUCKETS and values["kind"] in SOURCED and values["source"]
     limit = values["limit"] if layout is Layout.SHARED else "none"
@@ -168,7 +169,8 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
         half=limit != "none" or values["kind"] == "shadow" or not values["full_floats"],
         compression=Compression.ZIP if limit != "none" else values["compression"],
         layers=tuple(layer for layer in Layer if layer.value in values["layers"]) if layered else (),
-        accumulate=values["accumulate"] and plain and values["kind"] in ACCUMULATED,
+        accumulate=values["accumulate"] and lasting,
+        refresh=values["refresh"] and lasting,
         content=_content_of(values) if values["kind"] == "proxy" else None,
         source=values["source"] if sourced else None,
         extrusion=values["extrusion"] or None if sourced else None,

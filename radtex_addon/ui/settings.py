@@ -37,6 +37,7 @@ NAMES = (
     "preview",
     "overwrite",
     "accumulate",
+    "refresh",
     "resume",
     "export_targets",
 )
@@ -86,6 +87,7 @@ class BakeSettings:
         preview: bool
         overwrite: bool
         accumulate: bool
+        refresh: bool
         resume: bool
         export_targets: set[str]
     else:
@@ -275,6 +277,13 @@ class BakeSettings:
             name="Accumulate",
             description="Fold the samples into the atlas that is there: less noise, and what was baked "
             "before still counts",
+            default=False,
+            **_NOTICED,
+        )
+        refresh: BoolProperty(
+            name="Refresh",
+            description="Bake again only the places whose light has changed since the atlas was baked, as "
+            "after a lamp was moved",
             default=False,
             **_NOTICED,
         )

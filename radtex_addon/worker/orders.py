@@ -183,6 +183,8 @@ def _of_spec(spec: BakeSpec, device: str) -> Iterator[str]:
     yield from (f"--layer={layer}" for layer in spec.layers)
     if spec.accumulate:
         yield "--accumulate"
+    if spec.refresh:
+        yield "--refresh"
     if not spec.half:
         yield "--float"
 

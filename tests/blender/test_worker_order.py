@@ -55,6 +55,7 @@ SPECS = {
     "a proxy": BakeSpec(kind=Kind.PROXY, content="-Shelf", device="cpu"),
     "another object's": BakeSpec(source="-High", extrusion=0.05, device="cpu"),
     "more samples": BakeSpec(accumulate=True, device="cpu"),
+    "what has changed": BakeSpec(refresh=True, device="cpu"),
     "a target": BakeSpec(layout=Layout.SHARED, target=42.5, bucket=10, device="cpu"),
 }
 
@@ -68,7 +69,17 @@ def understood(asked: Order) -> Request:
 
 
 def test_every_field_of_a_spec_is_among_the_cases() -> None:
-    others = {"layout", "budget", "target", "layers", "content", "source", "extrusion", "accumulate"}
+    others = {
+        "layout",
+        "budget",
+        "target",
+        "layers",
+        "content",
+        "source",
+        "extrusion",
+        "accumulate",
+        "refresh",
+    }
     assert {field.name for field in fields(BakeSpec)} == CHOSEN.keys() | others
 
 
