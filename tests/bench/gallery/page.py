@@ -33,7 +33,7 @@ _HEAD = """<!-- SPDX-FileCopyrightText: 2026 RadTex authors -->
 
 Each effect and kind on a small scene, from cameras that no bake knows: path traced by Cycles | ours | their
 difference, times {gain}, of the view that came out worst. Decibels are of what a display shows (clipped, by a
-gamma of 2.2), inside the object's silhouette; FLIP is 0 for what nobody can tell apart. Times are of two CPU cores.
+gamma of 2.2), inside the object's silhouette; FLIP is 0 for what nobody can tell apart. Two CPU cores.
 
     uv run python -m tests.bench.gallery            makes this page, its pictures and its figures
     uv run python -m tests.bench.gallery {first}      makes one row of it anew
