@@ -62,7 +62,7 @@ def fit_buckets(plan: CapturePlan, light: Floats, cells: int) -> Generator[Progr
     `sun_radius(S)` and irradiance 1. Yields progress in texels.
     """
     count, side = light.shape[1], _FINER * cells
-    between = _between_suns(len(light), side)
+    between = _between_suns(len(light), side) @ _common(light)
     fit = _Fit.of(cells)
     frame = np.stack(
         [field.reshape(-1, 3)[:count] for field in (plan.tangent, plan.bitangent, plan.normal)], axis=1
@@ -77,6 +77,22 @@ def fit_buckets(plan: CapturePlan, light: Floats, cells: int) -> Generator[Progr
         buckets[some] = fit.buckets(_seen(np.maximum(world, 0), frame[some], fit.places, side))
     yield Progress(Stage.FIT, count, count)
     return buckets
+
+
+def _common(light: Floats) -> Floats:
+    """What rids light under suns (S, K, 3) of noise that texels do not have in common: (S, S) float32.
+
+    A Wiener filter in the texels' own principal components. Neighbouring suns do much the same to most
+    texels, so that light lies in few of them, and noise evenly in all: those of the lower half, which have
+    little else, tell how much of it.
+    """
+    flat = light.reshape(len(light), -1).astype(np.float32)
+    power, components = np.linalg.eigh((flat @ flat.T).astype(np.float64))
+    noise = float(np.median(power[: max(1, len(power) // 2)]))
+    kept = (
+        np.maximum(1 - noise / np.maximum(power, max(noise, 1e-30)), 0) if noise > 0 else np.ones_like(power)
+    )
+    return np.asarray((components * kept) @ components.T).astype(np.float32)
 
 
 def _between_suns(suns: int, side: int) -> Floats:
