@@ -13,9 +13,9 @@ from .spec import Target
 _SEEN = (*LEAVING, Kind.INCIDENT, Kind.REFLECTION)  # looked up by the viewer's direction: everybody can
 _TAKERS: dict[Kind, tuple[Target, ...]] = {
     **dict.fromkeys(_SEEN, tuple(Target)),
-    Kind.SHADOW: (Target.RAW, Target.GLTF),
-    Kind.AO: (Target.RAW, Target.GLTF),
-    Kind.TRANSFER: (Target.RAW, Target.GLTF),
+    Kind.SHADOW: (Target.WEB, Target.RAW, Target.GLTF),
+    Kind.AO: (Target.WEB, Target.RAW, Target.GLTF),
+    Kind.TRANSFER: (Target.WEB, Target.RAW, Target.GLTF),
 }
 
 
@@ -25,5 +25,5 @@ def check_target(sidecar: Path, kind: str, target: Target) -> None:
         raise InputError(f"{sidecar} is of kind {kind}, which this RadTex does not export: update RadTex")
     takers = _TAKERS[Kind(kind)]
     if target not in takers:
-        words = " or ".join(takers)
+        words = ", ".join(takers)
         raise InputError(f"{sidecar} is of kind {kind}, which {target} does not show: choose {words}")

@@ -97,6 +97,12 @@ def test_a_newer_manifest_is_refused(web: Site, copied: Path) -> None:
         says(shown, "is of version 2, this page reads version 1", "RadTex 9.0")
 
 
+def test_a_kind_that_the_page_does_not_show_is_named(web: Site, copied: Path) -> None:
+    changed(copied, lambda facts: facts["bake"].update(kind="smell"))
+    with web.opened("spoilt/") as shown:
+        says(shown, "of kind “smell”, which this page does not show", "take the page")
+
+
 def test_a_page_without_a_bake_says_how_to_name_one(web: Site, copied: Path) -> None:
     page = copied / "index.html"
     (manifest,) = copied.glob("*.export.json")

@@ -25,6 +25,8 @@ export const BLOCKS: Record<PixelFormat, Size> = {
   BC5: [4, 16],
   BC6H: [4, 16],
   BC7: [4, 16],
+  R32UI: [1, 4],
+  RG32UI: [1, 8],
 };
 
 const VK_FORMATS = new Map<number, PixelFormat>([
@@ -34,6 +36,8 @@ const VK_FORMATS = new Map<number, PixelFormat>([
   [143, "BC6H"],
   [145, "BC7"],
   [37, "RGBA8"],
+  [98, "R32UI"],
+  [101, "RG32UI"],
 ]);
 const DXGI_FORMATS = new Map<number, PixelFormat>([
   [10, "RGBA16F"],

@@ -4,7 +4,8 @@
 
 import { FloatType, Mesh, PlaneGeometry, RGBAFormat, Scene, UnsignedByteType, WebGLRenderTarget } from "three";
 
-import { type Filter, lightMaterial, type Stage, shown, TONES } from "./shaders";
+import type { Filter, Stage } from "./parts";
+import { lightMaterial, shown, TONES } from "./shaders";
 import type { SurfacePoint, Viewer } from "./viewer";
 
 const SYNTHETIC = 32; // cells a side of a shared bake's bucket, which is made for the inspector
@@ -14,9 +15,9 @@ export interface Inspection {
   uv: [number, number];
   texel: [number, number];
   cell: [number, number];
-  /** I, in the surface's frame. */
+  /** The direction that is looked up, I or the sun's L, in the surface's frame. */
   incidence: number[];
-  /** B. */
+  /** Where it lies in the bucket, in [-1, 1]^2: B. */
   square: number[];
   /** What the filter in use makes of the lookup, at the finest level. */
   light: number[];
@@ -61,7 +62,7 @@ export class Inspector {
       return;
     }
     const { bake } = viewer.manifest;
-    const stored = bake.layout === "buckets";
+    const stored = bake.layout !== "shared";
     const side = stored ? bake.bucket : SYNTHETIC;
     const texel = point.uv.map((along, axis) => {
       const count = bake.texels[axis] as number;

@@ -74,7 +74,7 @@ async function loadMeshes(url: URL, manifest: Manifest): Promise<Mesh[]> {
   scene.traverse((each) => {
     if (each instanceof Mesh) meshes.push(each);
   });
-  const wanted = ["position", "normal", "uv", ...(manifest.bake.layout === "buckets" ? ["tangent"] : [])];
+  const wanted = ["position", "normal", "uv", ...(manifest.bake.layout === "shared" ? [] : ["tangent"])];
   const lacking = wanted.filter((name) => meshes.some((mesh) => !mesh.geometry.hasAttribute(name)));
   if (!meshes.length || lacking.length) {
     throw new Problem(`${fileName(url)} lacks ${lacking.join(" and ") || "a mesh"}`, "Export the object again.");

@@ -4,9 +4,10 @@
 
 import "./style.css";
 
+import { element } from "./elements";
 import { Inspector } from "./inspector";
 import { load } from "./loading";
-import { element, Panel } from "./panel";
+import { Panel } from "./panel";
 import { asProblem } from "./problem";
 import { scriptOf } from "./script";
 import type { Viewer } from "./viewer";

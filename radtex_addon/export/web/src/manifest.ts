@@ -3,12 +3,13 @@
 // The export's manifest, <name>.export.json: which file is which. docs/format.md describes it.
 
 import { fetchBytes } from "./fetching";
+import { isKind, type Kind } from "./kinds";
 import { Problem } from "./problem";
 
 export const VERSION = 1;
 
 export type Size = [number, number];
-export type PixelFormat = "RGB9E5" | "RGBA16F" | "BC6H" | "BC5" | "BC7" | "RGBA8";
+export type PixelFormat = "RGB9E5" | "RGBA16F" | "BC6H" | "BC5" | "BC7" | "RGBA8" | "R32UI" | "RG32UI";
 export type Lobe = "mirror" | "through";
 
 /** One texture of the export; sizes are in pixels or texels, x first. */
@@ -16,7 +17,7 @@ export interface TextureEntry {
   file: string;
   container: "ktx2" | "dds" | "exr";
   format: PixelFormat;
-  arrangement: "matrix" | "slices" | "image";
+  arrangement: "matrix" | "slices" | "image" | "words";
   size: Size;
   layers: number;
   texels: Size;
@@ -45,8 +46,8 @@ export interface SharedFacts {
 
 /** The bake's sidecar, as far as the page reads it. */
 export interface Sidecar {
-  kind: string;
-  layout: "buckets" | "shared";
+  kind: Kind;
+  layout: "buckets" | "shared" | "sphere";
   texels: Size;
   bucket: number;
   samples: number;
@@ -84,8 +85,14 @@ export async function readManifest(url: URL): Promise<Manifest> {
   for (const key of ["name", "mesh", "flat", "bake", "textures"] as const) {
     if (!manifest[key]) throw damaged(url, `it has no “${key}”`);
   }
-  const { layout, texels, bucket } = manifest.bake;
-  if (!["buckets", "shared"].includes(layout) || !(texels?.length === 2) || !(bucket >= 1)) {
+  const { kind, layout, texels, bucket } = manifest.bake;
+  if (!isKind(kind)) {
+    throw new Problem(
+      `${fileName(url)} is of a bake of kind “${kind as string}”, which this page does not show`,
+      `${manifest.tool ?? "A newer RadTex"} wrote it: take the page that the same export made.`,
+    );
+  }
+  if (!["buckets", "shared", "sphere"].includes(layout) || !(texels?.length === 2) || !(bucket >= 1)) {
     throw damaged(url, "its “bake” is no sidecar that this page knows");
   }
   if (layout === "shared" && !manifest.bake.shared) throw damaged(url, "its “bake” has no “shared”");

@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Buttons, slider, divider, keys and pointer, and what the page tells beside the picture.
 
+import { element } from "./elements";
 import type { Inspection, Inspector } from "./inspector";
+import { KINDS } from "./kinds";
 import type { Manifest } from "./manifest";
-import { type Filter, type Tone, TONES } from "./shaders";
+import type { Filter } from "./parts";
+import { type Tone, TONES } from "./shaders";
+import { SunControls } from "./sun_controls";
 import type { Viewer } from "./viewer";
 
 const FILTER_WORDS: Record<Filter, [string, string]> = {
@@ -18,18 +22,12 @@ const TONE_WORDS: Record<Tone, string> = { none: "None", aces: "ACES", agx: "AgX
 const CLICK = 5; // CSS pixels that a click may stray
 const STEP = 0.07; // radians an arrow key turns
 
-/** An element of index.html. */
-export function element<Kind extends HTMLElement = HTMLElement>(id: string): Kind {
-  const found = document.getElementById(id);
-  if (!found) throw new Error(`index.html has no #${id}: it is of another version than viewer.js`);
-  return found as Kind;
-}
-
 export class Panel {
   private readonly exposure = element<HTMLInputElement>("exposure");
   private readonly divider = element("divider");
   private readonly help = element<HTMLDialogElement>("help");
   private readonly cards = element("cards");
+  private readonly sun: SunControls;
   private told = 0; // when, in milliseconds
   private later = 0; // a timer
 
@@ -42,6 +40,7 @@ export class Panel {
     this.choices("tones", [...TONES], (tone) => [TONE_WORDS[tone], ""], (tone) => viewer.setTone(tone));
     this.exposure.addEventListener("input", () => this.change(() => viewer.setExposure(Number(this.exposure.value))));
     this.exposure.addEventListener("dblclick", () => this.change(() => viewer.setExposure(0)));
+    this.sun = new SunControls(viewer, (act) => this.change(act));
     this.button("compare", () => viewer.setDivider(viewer.divider === null ? viewer.middle : null));
     this.button("turn", () => viewer.setTurning(!viewer.controls.autoRotate));
     this.button("reset", () => viewer.resetView());
@@ -65,11 +64,13 @@ export class Panel {
   private describe({ name, bake, textures }: Manifest): void {
     const formats = [...new Set(Object.values(textures).map(({ format }) => format))].join(", ");
     const layout = bake.shared?.condensed ? "condensed" : bake.layout === "shared" ? "shared layout" : "";
-    const arrangement = bake.layout === "buckets" ? textures[bake.kind]?.arrangement : "";
+    const arrangement = bake.layout === "shared" ? "" : textures[bake.kind]?.arrangement;
+    const { title, about, way } = KINDS[bake.kind];
     const facts = [
+      bake.kind === "radiance" ? "" : title,
       `${bake.texels.join(" × ")} texels`,
-      `${bake.bucket} × ${bake.bucket} cells`,
-      `${bake.samples} samples`,
+      bake.kind === "ao" ? "" : `${bake.bucket} × ${bake.bucket} cells`,
+      bake.kind === "shadow" ? "" : `${bake.samples} samples`,
       layout,
       arrangement,
       formats,
@@ -77,6 +78,9 @@ export class Panel {
     document.title = `${name} · RadTex`;
     element("name").textContent = name;
     element("facts").textContent = facts.filter(Boolean).join(" · ");
+    element("side").textContent = title;
+    element("way").textContent = way;
+    if (about) element("about").textContent = about;
   }
 
   /** A row of buttons of which one is pressed. */
@@ -119,6 +123,7 @@ export class Panel {
     };
     press("filters", viewer.filter);
     press("tones", viewer.tone);
+    this.sun.sync();
     this.exposure.value = String(viewer.exposure);
     element("stops").textContent = `${viewer.exposure > 0 ? "+" : ""}${viewer.exposure.toFixed(1)} stops`;
     element("compare").setAttribute("aria-pressed", String(viewer.divider !== null));
@@ -243,8 +248,8 @@ export class Panel {
     const [bytes, fileBytes] = viewer.memory;
     const { width, height } = viewer.renderer.domElement;
     element("rate").textContent = viewer.rate === null ? "at rest" : `${Math.round(viewer.rate)} frames/s`;
-    element("memory").textContent = `${mebibytes(bytes)} textures`;
-    element("memory").title = `${mebibytes(fileBytes)} as files`;
+    element("memory").textContent = `${memorySize(bytes)} textures`;
+    element("memory").title = `${memorySize(fileBytes)} as files`;
     element("size").textContent = `${width} × ${height}`;
   }
 
@@ -260,16 +265,17 @@ export class Panel {
 
   private tellInspection(at: Inspection): void {
     const begin = (at.cell[1] * at.side + at.cell[0]) * 4;
+    const channels = this.viewer.manifest.bake.kind === "proxy" ? 4 : 3; // a hull's alpha says what is in it
     const words: Record<string, string> = {
       "at-uv": numbers(at.uv, 4),
       "at-texel": `(${at.texel.join(", ")})`,
       "at-cell": `(${at.cell.join(", ")}) of ${at.side} × ${at.side}`,
       "at-incidence": numbers(at.incidence),
-      "at-stored": numbers(at.bucket.subarray(begin, begin + 3)),
-      "at-light": numbers(at.light.slice(0, 3)),
+      "at-stored": numbers(at.bucket.subarray(begin, begin + channels)),
+      "at-light": numbers(at.light.slice(0, channels)),
     };
     for (const [id, word] of Object.entries(words)) element(id).textContent = word;
-    element("bucket-note").textContent = at.stored ? "The texel's bucket" : "Light of this point, every way";
+    element("bucket-note").textContent = at.stored ? KINDS[this.viewer.manifest.bake.kind].bucket : "Light of this point, every way";
   }
 }
 
@@ -277,6 +283,7 @@ function numbers(values: Iterable<number>, digits = 3): string {
   return [...values].map((value) => value.toFixed(digits)).join("  ");
 }
 
-function mebibytes(bytes: number): string {
+function memorySize(bytes: number): string {
+  if (bytes < 2 ** 20) return `${Math.round(bytes / 2 ** 10)} KiB`;
   return `${(bytes / 2 ** 20).toFixed(bytes < 10 * 2 ** 20 ? 1 : 0)} MiB`;
 }

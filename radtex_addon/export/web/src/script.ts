@@ -3,7 +3,9 @@
 // window.radtex: the page as a script drives it, for tests and for who embeds it. docs/web.md tells of it.
 
 import type { Inspection, Inspector } from "./inspector";
-import type { Filter, Tone } from "./shaders";
+import type { Filter } from "./parts";
+import type { Tone } from "./shaders";
+import type { Sun } from "./sun";
 import type { Viewer } from "./viewer";
 
 export interface Picture {
@@ -25,6 +27,10 @@ export interface Script {
   setExposure: (stops: number) => void;
   /** Where the flat lightmap begins, in shares of the width; null for light alone. */
   setDivider: (share: number | null) => void;
+  /** The sun that lights bakes of the kinds shadow and transfer. */
+  sun: () => Sun;
+  /** Change some of its settings. */
+  setSun: (change: Partial<Sun>) => void;
   /** Inspect the point under a place of the canvas, in CSS pixels; null beside the object. */
   inspect: (x: number, y: number) => (Omit<Inspection, "bucket"> & { bucket: string }) | null;
   /** Light alone, without exposure or tone curve; of the flat lightmap if asked. */
@@ -57,6 +63,8 @@ export function scriptOf(page: Promise<[Viewer, Inspector]>): Script {
     setTone: (tone) => there().setTone(tone),
     setExposure: (stops) => there().setExposure(stops),
     setDivider: (share) => there().setDivider(share),
+    sun: () => ({ ...there().sun }),
+    setSun: (change) => there().setSun(change),
     inspect: (x, y) => {
       inspector?.inspect(there().pick(x, y));
       const inspection = inspector?.inspection;

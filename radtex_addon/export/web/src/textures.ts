@@ -26,6 +26,8 @@ const PLAIN: Partial<Record<PixelFormat, [number, number, number]>> = {
   RGB9E5: [0x8c3d, 0x1907, 0x8c3e], // RGB9_E5, RGB, UNSIGNED_INT_5_9_9_9_REV
   RGBA16F: [0x881a, 0x1908, 0x140b], // RGBA16F, RGBA, HALF_FLOAT
   RGBA8: [0x8058, 0x1908, 0x1401], // RGBA8, RGBA, UNSIGNED_BYTE
+  R32UI: [0x8236, 0x8d94, 0x1405], // R32UI, RED_INTEGER, UNSIGNED_INT
+  RG32UI: [0x823c, 0x8228, 0x1405], // RG32UI, RG_INTEGER, UNSIGNED_INT
 };
 const PACKED: Partial<Record<PixelFormat, [number, string]>> = {
   BC5: [0x8dbd, "EXT_texture_compression_rgtc"],
@@ -107,10 +109,11 @@ function upload(gl: WebGL2RenderingContext, pixels: Pixels, entry: TextureEntry,
   gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
   gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
   pixels.levels.forEach((_, level) => uploadLevel(gl, pixels, level));
-  gl.texParameteri(target, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
+  const filter = entry.arrangement === "words" ? gl.NEAREST : gl.LINEAR; // whole numbers have nothing between them
+  gl.texParameteri(target, gl.TEXTURE_MAG_FILTER, filter);
   // Mip levels of a matrix are always named, and blended by the shader.
   const manyLevels = pixels.levels.length > 1;
-  gl.texParameteri(target, gl.TEXTURE_MIN_FILTER, manyLevels ? gl.LINEAR_MIPMAP_NEAREST : gl.LINEAR);
+  gl.texParameteri(target, gl.TEXTURE_MIN_FILTER, manyLevels ? gl.LINEAR_MIPMAP_NEAREST : filter);
   gl.texParameteri(target, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
   gl.texParameteri(target, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
   if (gl.getError() === gl.OUT_OF_MEMORY) {
@@ -140,7 +143,7 @@ function uploadLevel(gl: WebGL2RenderingContext, pixels: Pixels, level: number):
 /** The bytes in the array type that WebGL wants for a type of pixel; copied where they lie at an odd place. */
 function typed(data: Uint8Array<ArrayBuffer>, type: number): Uint8Array | Uint16Array | Uint32Array {
   const bytes = data.byteOffset % 4 ? data.slice() : data;
-  if (type === 0x8c3e) return new Uint32Array(bytes.buffer, bytes.byteOffset, bytes.byteLength / 4);
+  if (type === 0x8c3e || type === 0x1405) return new Uint32Array(bytes.buffer, bytes.byteOffset, bytes.byteLength / 4);
   if (type === 0x140b) return new Uint16Array(bytes.buffer, bytes.byteOffset, bytes.byteLength / 2);
   return bytes;
 }

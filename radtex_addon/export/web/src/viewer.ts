@@ -27,7 +27,9 @@ import {
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 import type { Manifest } from "./manifest";
-import { type Filter, filtersOf, flatMaterial, lightMaterial, shown, type Tone, TONES } from "./shaders";
+import type { Filter } from "./parts";
+import { filtersOf, flatMaterial, lightMaterial, shown, type Tone, TONES } from "./shaders";
+import { changedSun, FIRST_SUN, shine, type Sun } from "./sun";
 import { blendLevels, type Loaded } from "./textures";
 
 /** A point of the surface, in the page's world, and how it lies there. */
@@ -54,6 +56,7 @@ export class Viewer {
   tone: Tone = "none";
   /** In stops. */
   exposure = 0;
+  sun: Readonly<Sun> = FIRST_SUN;
   /** Where the flat lightmap begins, from the left, in shares of the width; null shows light alone. */
   divider: number | null = null;
   /** Frames a second while pictures follow one another, else null. */
@@ -79,7 +82,7 @@ export class Viewer {
   ) {
     this.filters = filtersOf(manifest);
     this.filter = this.filters.at(-1) as Filter;
-    this.flat = flatMaterial(flat, manifest.flat_scale || 1);
+    this.flat = flatMaterial(manifest, flat);
     const box = new Box3();
     for (const mesh of meshes) {
       this.scene.attach(mesh);
@@ -95,6 +98,7 @@ export class Viewer {
     this.controls.addEventListener("change", () => this.invalidate());
     new ResizeObserver(() => this.resize()).observe(stage);
     this.setFilter(this.filter);
+    this.setSun({});
     this.resize();
     this.scene.updateMatrixWorld(true);
     this.resetView();
@@ -129,6 +133,12 @@ export class Viewer {
   setExposure(stops: number): void {
     this.exposure = Math.min(10, Math.max(-10, stops));
     shown.toneMappingExposure.value = 2 ** this.exposure;
+    this.invalidate();
+  }
+
+  setSun(change: Partial<Sun>): void {
+    this.sun = changedSun(this.sun, change);
+    shine(this.sun);
     this.invalidate();
   }
 
@@ -286,6 +296,11 @@ export class Viewer {
 
   private render(material: Material): void {
     for (const mesh of this.meshes) mesh.material = material;
+    if (this.manifest.bake.kind === "proxy") {
+      material.colorWrite = false; // first the depths: of a hull in folds nothing is seen but its nearest side
+      this.renderer.render(this.scene, this.camera);
+      material.colorWrite = true;
+    }
     this.renderer.render(this.scene, this.camera);
   }
 

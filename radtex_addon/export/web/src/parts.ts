@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How each layout and kind is looked up: the shaders that ship with every export, and what they are given.
+
+import condensedLookups from "../../../../shaders/radtex_condensed.glsl";
+import bucketLookups from "../../../../shaders/radtex.glsl";
+import shadowLookups from "../../../../shaders/radtex_shadow.glsl";
+import sharedLookups from "../../../../shaders/radtex_shared.glsl";
+import transferLookups from "../../../../shaders/radtex_transfer.glsl";
+import type { Lobe, Manifest, Sidecar } from "./manifest";
+import { Problem } from "./problem";
+import bucketLight from "./shaders/buckets.glsl";
+import lobeLight from "./shaders/lobe.glsl";
+import shadowLight from "./shaders/shadow.glsl";
+import sharedLight from "./shaders/shared.glsl";
+import sharedImages from "./shaders/shared_images.glsl";
+import transferLight from "./shaders/transfer.glsl";
+import { sunlight } from "./sun";
+import type { Loaded } from "./textures";
+
+export type Filter = "nearest" | "linear" | "quadrilinear" | "levels" | "shared";
+
+/** What is drawn: the mesh, the inspector's picture of one bucket, or its three pixels of numbers. */
+export type Stage = "mesh" | "bucket" | "probe";
+
+export type Uniforms = Record<string, { value: unknown }>;
+
+/** GLSL with a function `light`, and its uniforms. */
+export type Parts = [string, Uniforms];
+
+/** How a bake is looked up, by a filter. */
+export function partsOf(manifest: Manifest, textures: Map<string, Loaded>, filter: Filter, stage: Stage): Parts {
+  const { bake } = manifest;
+  if (bake.layout === "shared") return sharedParts(bake, textures, stage);
+  const loaded = needed(textures, bake.kind);
+  if (bake.kind === "shadow") return shadowParts(bake, loaded, stage);
+  if (bake.kind === "transfer") return transferParts(bake, loaded, stage);
+  return bucketParts(bake, loaded, filter, stage);
+}
+
+function bucketParts(bake: Sidecar, loaded: Loaded, filter: Filter, stage: Stage): Parts {
+  const { arrangement, levels, pages, page_texels: page, texels } = loaded.entry;
+  const slices = arrangement === "slices";
+  const modes: Partial<Record<Filter, string>> = { nearest: "RADTEX_NEAREST", linear: "RADTEX_LINEAR" };
+  const defines = [
+    "#define RADTEX_HARDWARE_LINEAR",
+    `#define SAMPLER ${loaded.isArray ? "sampler2DArray" : "sampler2D"}`,
+    `#define FILTER ${modes[filter] ?? "RADTEX_QUADRILINEAR"}`,
+    slices ? "#define SLICES" : "",
+    loaded.isArray && !slices ? "#define RADTEX_PAGES" : "",
+    filter === "levels" ? `#define LEVELS ${levels}` : "",
+    stage === "bucket" ? "#define STORED" : "",
+    bake.kind === "ao" ? "#define AMBIENT" : "",
+  ];
+  const uniforms: Uniforms = {
+    u_radiance: { value: loaded.texture },
+    u_texels: { value: texels },
+    u_bucket: { value: bake.bucket },
+    u_pages: { value: [...(pages ?? [1, 1]), ...(page ?? texels)] },
+  };
+  return [[...defines, bucketLookups, bucketLight].join("\n"), uniforms];
+}
+
+function shadowParts(bake: Sidecar, loaded: Loaded, stage: Stage): Parts {
+  const defines = [
+    "#define RADTEX_NO_DERIVATIVES",
+    "#define SUNLIT",
+    loaded.isArray ? "#define RADTEX_SHADOW_LAYERS" : "",
+    stage === "bucket" ? "#define STORED" : "",
+  ];
+  const uniforms: Uniforms = {
+    u_bits: { value: loaded.texture },
+    u_texels: { value: bake.texels },
+    u_bucket: { value: bake.bucket },
+    ...sunlight,
+  };
+  return [[...defines, bucketLookups, shadowLookups, shadowLight].join("\n"), uniforms];
+}
+
+function transferParts(bake: Sidecar, loaded: Loaded, stage: Stage): Parts {
+  const defines = ["#define RADTEX_NO_DERIVATIVES", "#define SUNLIT", "#define SPHERE"];
+  if (stage === "bucket") defines.push("#define STORED");
+  const uniforms: Uniforms = {
+    u_transfer: { value: loaded.texture },
+    u_texels: { value: bake.texels },
+    u_bucket: { value: bake.bucket },
+    ...sunlight,
+  };
+  return [[...defines, bucketLookups, transferLookups, transferLight].join("\n"), uniforms];
+}
+
+function sharedParts(bake: Sidecar, textures: Map<string, Loaded>, stage: Stage): Parts {
+  const facts = bake.shared as NonNullable<Sidecar["shared"]>;
+  const { condensed } = facts;
+  const defines = [
+    "#define RADTEX_HARDWARE_LINEAR",
+    `#define RADTEX_FALLOFF ${facts.falloff.length}`,
+    "#define RADTEX_NO_DERIVATIVES",
+    condensed ? `#define CONDENSED\n#define RADTEX_RANK ${condensed.rank}` : "",
+    ...facts.lobes.map((lobe) => `#define ${lobe.toUpperCase()}`),
+  ];
+  const uniforms: Uniforms = {
+    u_fine: { value: facts.colour },
+    u_texels: { value: bake.texels },
+    u_bucket: { value: bake.bucket },
+    u_around: { value: [facts.surroundings, facts.levels] },
+    u_falloff: { value: facts.falloff.flat() },
+  };
+  const parts = condensed ? ["weights", "ends_xy", "ends_zs", "gain", "rest"] : ["ends", "gain", "rest"];
+  const layers = facts.lobes.flatMap((lobe) => parts.map((part) => `${lobe}_${part}`));
+  for (const layer of ["colour", "irradiance", "surroundings", ...layers]) {
+    uniforms[`u_${layer}`] = { value: needed(textures, layer).texture };
+  }
+  if (condensed) {
+    uniforms["u_columns"] = { value: condensed.columns };
+    for (const lobe of facts.lobes) uniforms[`u_${lobe}_ranges`] = { value: rangesOf(condensed.lobes, lobe) };
+  }
+  const lookups = condensed ? [sharedLookups, condensedLookups] : [sharedLookups];
+  if (stage !== "mesh") lookups.unshift(bucketLookups); // for the surface's frame
+  const lobes = facts.lobes.map((lobe) => lobeLight.replaceAll("LOBE", lobe));
+  return [[...defines, ...lookups, sharedImages, ...lobes, sharedLight].join("\n"), uniforms];
+}
+
+/** The twelve vec4 of radtex_condensed.glsl. */
+function rangesOf(lobes: Record<Lobe, { ends: number[][]; gain: number[][]; rest: number[][] }>, lobe: Lobe): number[] {
+  const { ends, gain, rest } = lobes[lobe];
+  return [...ends, ...gain, ...rest].flatMap((range) => [0, 1, 2, 3].map((place) => range[place] ?? 0));
+}
+
+function needed(textures: Map<string, Loaded>, name: string): Loaded {
+  const loaded = textures.get(name);
+  if (!loaded) throw new Problem(`The manifest names no texture “${name}”`, "Export the object again.");
+  return loaded;
+}
