@@ -50,7 +50,10 @@ _LIMITS = {
     "padding": (0, 256),
     "memory_mb": (16, 2**24),
     "budget": (1, 2**40),
+    "frame": (0, 1048574),
+    "unwrap_at": (0, 1048574),
 }
+_OPTIONAL = ("budget", "frame", "unwrap_at")
 
 
 class Kind(StrEnum):
@@ -123,6 +126,8 @@ class BakeSpec:
     `extrusion` in scene units, or where that is None within a few per cent of its size.
     Of kind `transfer`, buckets are octahedral maps of directions to the light, and each of the bucket² suns
     that it is captured under costs `samples` paths a texel; without `bucket` there are 9 x 9 cells.
+    Where there is a `frame`, the scene is baked as it is then, on the unwrap that the mesh has at the frame
+    `unwrap_at`, or its own.
     Raises InputError for what cannot be baked.
     """
 
@@ -148,6 +153,8 @@ class BakeSpec:
     refresh: bool = False
     source: str | None = None
     extrusion: float | None = None
+    frame: int | None = None
+    unwrap_at: int | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layout", parse_layout(self.layout))
@@ -159,8 +166,12 @@ class BakeSpec:
         object.__setattr__(self, "unwrap", parse_unwrap(self.unwrap))
         object.__setattr__(self, "layers", tuple(dict.fromkeys(map(parse_layer, self.layers))))
         for name, (least, most) in _LIMITS.items():
-            if name != "budget" or self.budget is not None:
+            if name not in _OPTIONAL or getattr(self, name) is not None:
                 _check_whole_number(name, getattr(self, name), least, most)
+        if self.unwrap_at is not None and (self.frame is None or self.uv_layer is not None):
+            raise InputError(
+                f"unwrap at frame {self.unwrap_at} is for frames without a UV layer: leave --unwrap-at out"
+            )
         if self.uv_layer == "":
             raise InputError("the UV layer's name is empty: name one of the object's, or none to unwrap anew")
         self._check_kind()

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import argparse
 import re
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layer, Layout, Unwrap
@@ -29,6 +29,7 @@ from .options import (
 )
 
 _DEFAULT = BakeSpec()
+_MOST_FRAMES = 100_000  # in one range
 
 _DESCRIPTION = """\
 Bake radiance textures with Cycles: every texel of an object gets a bucket, a
@@ -73,6 +74,12 @@ class Request:
     in_scene: str | None = None
     unsaved_images: Path | None = None
     parent_pipe: bool = False
+    frames: tuple[int, ...] = ()
+
+    @property
+    def specs(self) -> tuple[BakeSpec, ...]:
+        """What is baked of each object: each of the frames, or the one that the file opens with."""
+        return tuple(replace(self.spec, frame=frame) for frame in self.frames) or (self.spec,)
 
 
 def parse(arguments: list[str], inside_blender: bool) -> Request:
@@ -92,6 +99,10 @@ def parse(arguments: list[str], inside_blender: bool) -> Request:
         field.name: getattr(found, field.name) for field in fields(BakeSpec) if hasattr(found, field.name)
     }
     chosen["layers"] = tuple(found.layers or ())
+    if found.frames:
+        chosen["frame"] = found.frames[0]
+        if len(found.frames) > 1 and found.unwrap_at is None and found.uv_layer is None:
+            chosen["unwrap_at"] = found.frames[0]
     if found.exports and not (found.save_preview or demo):
         raise InputError("--export is made from the preview: give --save-preview too")
     return Request(
@@ -110,6 +121,7 @@ def parse(arguments: list[str], inside_blender: bool) -> Request:
         in_scene=found.in_scene,
         unsaved_images=None if found.unsaved_images is None else Path(found.unsaved_images),
         parent_pipe=found.parent_pipe,
+        frames=found.frames,
     )
 
 
@@ -188,6 +200,22 @@ def _add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         help="how far from --object, outwards and inwards, --from is looked for, in scene units "
         "(default: 3 %% of the size)",
     )
+    group.add_argument(
+        "--frames",
+        type=_frames,
+        metavar="LIST",
+        default=(),
+        help="bake the scene at each of these frames, such as 1,5,10-20, into DIR/NAME-FRAME.KIND.exr, the "
+        "frame in four digits (default: the frame that the file opens with)",
+    )
+    group.add_argument(
+        "--unwrap-at",
+        type=_frame,
+        metavar="FRAME",
+        default=_DEFAULT.unwrap_at,
+        help="unwrap the object as it is at that frame, so that atlases of all frames fit one mesh "
+        "(default: the first of --frames)",
+    )
     add_choice(
         group,
         "--layer",
@@ -260,6 +288,23 @@ def _bytes(word: str) -> int:
     unit = 1024 if found[3] else 1000
     power = " KMG".index(found[2].upper() or " ")
     return round(float(found[1]) * float(unit**power))
+
+
+def _frame(word: str) -> int:
+    if not word.isdecimal():
+        raise InputError(f"--unwrap-at {word}: give a frame's number, such as 1")
+    return int(word)
+
+
+def _frames(words: str) -> tuple[int, ...]:
+    frames: list[int] = []
+    for word in words.split(","):
+        found = re.fullmatch(r"\s*(\d+)(?:-(\d+))?\s*", word)
+        first, last = (int(found[1]), int(found[2] or found[1])) if found else (0, -1)
+        if not first <= last < first + _MOST_FRAMES:
+            raise InputError(f"--frames {words}: give frames' numbers, such as 1,5,10-20")
+        frames += range(first, last + 1)
+    return tuple(dict.fromkeys(frames))
 
 
 def _distance(word: str) -> float:

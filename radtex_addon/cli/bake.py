@@ -11,12 +11,14 @@ from pathlib import Path
 import bpy
 
 from ..bake.checkpoint import is_unfinished
-from ..bake.spec import Layout
+from ..bake.spec import BakeSpec, Layout
 from ..bake.thumbnail import Thumbnail
 from ..core.errors import InputError, RadTexError
 from ..formats.atomic import check_writable
 from ..formats.memory import readable_size
+from ..formats.sidecar import read_facts
 from ..job import BakeResult, OutputFiles, bake_steps, check_request
+from ..job.prepare import Unwraps
 from ..preview.picture import render_picture
 from ..scene.demo import OBJECT
 from ..worker.images import load_unsaved
@@ -35,24 +37,43 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
     scene = open_scene(request.scene, request.demo, request.in_scene)
     if request.unsaved_images is not None:
         load_unsaved(request.unsaved_images)
-    objects = request.objects or (OBJECT,)
-    for name in objects:  # all of them, before the first bake
+    wanted = [
+        (name, spec)
+        for spec in request.specs
+        for name in request.objects or (OBJECT,)
+        if not _is_finished(name, spec, request)
+    ]
+    for name, spec in wanted:  # all of them, before the first bake
         check_request(
             scene,
             name,
-            request.spec,
+            spec,
             request.out,
             request.preview is not None,
             request.overwrite,
             resume=request.resume,
         )
     _check_thumbnail(request.thumbnail)
-    for name in objects:
-        result = _bake(scene, name, request, report, interruption)
+    unwraps: Unwraps = {}
+    for number, (name, spec) in enumerate(wanted):
+        title = name if spec.frame is None else f"{name}, frame {spec.frame} ({number + 1} of {len(wanted)})"
+        result = _bake(scene, name, title, spec, request, unwraps, report, interruption)
         others = _pictures(request, result)
         others += export_baked(result.files.sidecar, request.exports, request.overwrite, interruption)
-        facts = _facts(request, result, others)
-        report.event("done", object=name, summary=_summary(name, request, result), **facts)
+        facts = _facts(spec, result, others)
+        report.event("done", object=name, summary=_summary(title, spec, result), **facts)
+
+
+def _is_finished(name: str, spec: BakeSpec, request: Request) -> bool:
+    """Whether this frame is one that a run which is to be resumed had finished."""
+    files = OutputFiles.of(name, spec, request.out, preview=False)
+    if not request.resume or request.overwrite or len(request.frames) < 2:
+        return False
+    if not files.sidecar.is_file() or is_unfinished(files.unfinished):
+        return False
+    found = read_facts(files.sidecar).values
+    asked = {"object": name, "frame": spec.frame, "samples": spec.samples, "seed": spec.seed}
+    return all(found.get(key) == value for key, value in asked.items())
 
 
 def _check_thumbnail(path: Path | None) -> None:
@@ -66,7 +87,14 @@ def _check_thumbnail(path: Path | None) -> None:
 
 
 def _bake(
-    scene: bpy.types.Scene, name: str, request: Request, report: Report, interruption: Interruption
+    scene: bpy.types.Scene,
+    name: str,
+    title: str,
+    spec: BakeSpec,
+    request: Request,
+    unwraps: Unwraps,
+    report: Report,
+    interruption: Interruption,
 ) -> BakeResult:
     def written(path: Path) -> None:
         report.event("picture", object=name, path=str(path))
@@ -74,24 +102,25 @@ def _bake(
     steps = bake_steps(
         scene,
         name,
-        request.spec,
+        spec,
         request.out,
         preview=request.preview,
         overwrite=request.overwrite,
         resume=request.resume,
         thumbnail=Thumbnail(request.thumbnail, written) if request.thumbnail else None,
+        unwraps=unwraps,
     )
     try:
-        return interruption.between(steps, partial(report.progress, name))
+        return interruption.between(steps, partial(report.progress, title))
     except InputError:
         raise
     except (Exception, KeyboardInterrupt) as raised:  # of all that can end a bake
-        raise _with_the_way_on(as_ours(raised), name, request) from raised
+        raise _with_the_way_on(as_ours(raised), name, spec, request) from raised
 
 
-def _with_the_way_on(failure: RadTexError, name: str, request: Request) -> RadTexError:
+def _with_the_way_on(failure: RadTexError, name: str, spec: BakeSpec, request: Request) -> RadTexError:
     """The same, which also says that a bake can be gone on with, if it can."""
-    files = OutputFiles.of(name, request.spec, request.out, preview=False)
+    files = OutputFiles.of(name, spec, request.out, preview=False)
     if not is_unfinished(files.unfinished):
         return failure
     what = "interrupted" if str(failure) == INTERRUPTED else str(failure)
@@ -107,16 +136,16 @@ def _pictures(request: Request, result: BakeResult) -> list[Path]:
     return [picture]
 
 
-def _summary(name: str, request: Request, result: BakeResult) -> str:
+def _summary(title: str, spec: BakeSpec, result: BakeResult) -> str:
     layout = result.layout
     seconds = sum(result.seconds.values())
     size = readable_size(sum(path.stat().st_size for path in result.files.images))
-    shared = ", shared," if request.spec.layout is Layout.SHARED else ""
+    shared = ", shared," if spec.layout is Layout.SHARED else ""
     lost = f", {result.fireflies:.1%} of the light cut off as fireflies" if result.fireflies > 5e-4 else ""
     clamped = f", {result.clamped} values clamped to what the file holds" if result.clamped else ""
     return (
-        f"{name}: {layout.width} x {layout.height} texels of {layout.bucket} x {layout.bucket} cells{shared} "
-        f"at {request.spec.samples} spp, {result.covered_texels} texels covered, {result.paths:,} paths "
+        f"{title}: {layout.width} x {layout.height} texels of {layout.bucket} x {layout.bucket} cells"
+        f"{shared} at {spec.samples} spp, {result.covered_texels} texels covered, {result.paths:,} paths "
         f"on {result.device} in {seconds:.1f} s, {size}{_condensed(result)}{lost}{clamped}"
     )
 
@@ -132,10 +161,11 @@ def _condensed(result: BakeResult) -> str:
     )
 
 
-def _facts(request: Request, result: BakeResult, others: list[Path]) -> dict[str, object]:
+def _facts(spec: BakeSpec, result: BakeResult, others: list[Path]) -> dict[str, object]:
     return {
         "files": [str(path) for path in (*result.files.all, *others)],
-        "layout": str(request.spec.layout),
+        "layout": str(spec.layout),
+        "frame": spec.frame,
         "texels": [result.layout.width, result.layout.height],
         "bucket": result.layout.bucket,
         "covered_texels": result.covered_texels,

@@ -66,6 +66,7 @@ class Sidecar:
     clamped: int = 0
     mesh: str = ""
     source: Source | None = None
+    frame: int | None = None
 
     def to_json(self) -> str:
         """The contract's JSON, in ASCII and with a newline at its end."""
@@ -99,6 +100,8 @@ class Sidecar:
                 "extrusion": source.extrusion,
                 "missed": source.missed,
             }
+        if self.frame is not None:
+            facts["frame"] = self.frame
         return facts
 
     @classmethod
@@ -136,6 +139,7 @@ class Sidecar:
             clamped=facts.whole_number("clamped", 0),
             mesh=facts.text("mesh") if "mesh" in facts.values else "",
             source=_source(facts.inner("source")) if "source" in facts.values else None,
+            frame=facts.whole_number("frame", 0) if "frame" in facts.values else None,
         )
 
 

@@ -46,7 +46,7 @@ def read_earlier(files: OutputFiles, bake: Sidecar) -> Earlier:
     return Earlier(pixels, earlier)
 
 
-def _difference(earlier: Sidecar, bake: Sidecar) -> str | None:
+def _difference(earlier: Sidecar, bake: Sidecar) -> str | None:  # noqa: PLR0911 (a line for each reason)
     if not earlier.mesh:
         return "does not say of which mesh it is, as bakes of older RadTexes do not"
     sizes = [(one.width, one.height, one.bucket) for one in (earlier, bake)]
@@ -55,6 +55,8 @@ def _difference(earlier: Sidecar, bake: Sidecar) -> str | None:
         return f"has {told[0]}, this bake {told[1]}"
     if earlier.mesh != bake.mesh:
         return "is of another mesh, or of the same unwrapped otherwise"
+    if earlier.source != bake.source:
+        return "shows what another object does, or was looked for at another distance"
     if earlier.layers:
         return "has layers, which are not accumulated"
     if earlier.capture != bake.capture:

@@ -31,7 +31,9 @@ class OutputFiles:
 
     @classmethod
     def of(cls, object_name: str, spec: BakeSpec, folder: Path, preview: bool) -> OutputFiles:
-        """The names of the contract, DESIGN.md section 3, below `folder`."""
+        """The names of the contract, DESIGN.md section 3, below `folder`; a frame's have its number."""
+        if spec.frame is not None:
+            object_name = f"{object_name}-{spec.frame:04d}"
         atlas, sidecar = (folder / file_name(object_name, spec.kind, ending) for ending in ("exr", "json"))
         images: tuple[Path, ...] = (atlas, *(layer_path(sidecar, layer) for layer in spec.layers))
         if spec.layout is Layout.SHARED:
@@ -81,4 +83,5 @@ def facts_of(
         blender=bpy.app.version_string,
         mesh=mesh,
         source=source,
+        frame=spec.frame,
     )

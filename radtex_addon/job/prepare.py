@@ -8,11 +8,12 @@ import hashlib
 import logging
 from collections.abc import Generator
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import bpy
 import numpy as np
 
-from ..bake.checkpoint import KEEPS_NOTHING, Keeper
+from ..bake.checkpoint import KEEPS_NOTHING, Arrays, Keeper
 from ..bake.progress import Progress, Stage
 from ..bake.spec import BakeSpec
 from ..core.arrays import Floats
@@ -24,12 +25,15 @@ from ..formats import sidecar
 from ..scene.copy import UV_LAYER, baked_mesh, surface_mesh
 from ..scene.digests import matrix_digest, mesh_digest, scene_digests
 from ..scene.evaluated import EvaluatedMesh, evaluate
+from ..scene.frames import at_frame
 from ..scene.source import Landing, default_extrusion, find_source, land
 from ..scene.unwrap import unwrap_steps
 from ..scene.unwrap_options import UnwrapOptions
 from ..scene.uv_layer import user_uv
 
 log = logging.getLogger(__name__)
+
+Unwraps: TypeAlias = dict[str, Arrays]  # by what is unwrapped, and how
 
 _UNWRAP = "unwrap"  # a piece's name
 _RIM = 0.2  # of a ray's offset: how far from its triangle's edges a ray starts
@@ -80,11 +84,13 @@ def prepare(
     spec: BakeSpec,
     kept: list[bpy.types.ID],
     keeper: Keeper = KEEPS_NOTHING,
+    unwraps: Unwraps | None = None,
 ) -> Generator[Progress, None, Prepared]:
     """Evaluate and unwrap the scratch scene's object; the copy's mesh joins what is `kept`.
 
-    The `keeper` learns of the scene, and is given the unwrap. Ends amid the stage RASTER, which `texels` goes
-    on with. Raises InputError for what cannot be baked, or is not what the keeper's pieces are of.
+    The `keeper` learns of the scene, and is given the unwrap; `unwraps` that may be this one are, too. Ends
+    amid the stage RASTER, which `texels` goes on with. Raises InputError for what cannot be baked, or is not
+    what the keeper's pieces are of.
     """
     yield Progress(Stage.EVALUATE, 0, 1)
     evaluated = evaluate(scratch, original)
@@ -93,7 +99,10 @@ def prepare(
         keeper.expect(scene_digests(scratch))
     source = None if spec.source is None else _evaluate_source(scratch, original, spec.source, keeper)
     yield Progress(Stage.UNWRAP, 0, 1)
-    unwrapped = yield from _unwrap(evaluated, spec, keeper)
+    shape = evaluated
+    if spec.unwrap_at is not None and spec.unwrap_at != spec.frame:
+        shape = _shape_at(scratch, original, spec.unwrap_at, evaluated)
+    unwrapped = yield from _unwrap(shape, spec, keeper, {} if unwraps is None else unwraps)
     yield Progress(Stage.RASTER, 0, 1)
     mesh = baked_mesh(evaluated, unwrapped.uv, unwrapped.layer)
     kept.append(mesh)
@@ -141,17 +150,40 @@ class _Unwrapped:
     islands: int | None
 
 
+def _shape_at(
+    scratch: bpy.types.Scene, original: bpy.types.Object, frame: int, evaluated: EvaluatedMesh
+) -> EvaluatedMesh:
+    """The mesh as it is at another frame, if it has the same triangles then, else as it was `evaluated`."""
+    with at_frame(scratch, frame):
+        found = evaluate(scratch, original)
+    if np.array_equal(found.triangles, evaluated.triangles):
+        return found
+    log.warning(
+        "object '%s' has other faces at frame %d than at %d: it is unwrapped anew, "
+        "and its atlases do not fit one mesh",
+        original.name,
+        frame,
+        scratch.frame_current,
+    )
+    return evaluated
+
+
 def _unwrap(
-    evaluated: EvaluatedMesh, spec: BakeSpec, keeper: Keeper
+    evaluated: EvaluatedMesh, spec: BakeSpec, keeper: Keeper, known: Unwraps
 ) -> Generator[Progress, None, _Unwrapped]:
     if spec.uv_layer is not None:
         uv = user_uv(evaluated, spec.uv_layer)
         return _Unwrapped(uv, spec.uv_layer, spec.texels, spec.texels, None)
     piece = keeper.found(_UNWRAP)
     if piece is None:
-        options = UnwrapOptions(padding=spec.padding)
-        found = yield from unwrap_steps(evaluated, spec.texels, spec.unwrap, options)
-        piece = {"uv": found.uv, "size": np.array([found.width, found.height, found.islands])}
+        key = (
+            f"{mesh_digest(evaluated)} {matrix_digest(evaluated)} {spec.texels} {spec.unwrap} {spec.padding}"
+        )
+        if key not in known:
+            options = UnwrapOptions(padding=spec.padding)
+            found = yield from unwrap_steps(evaluated, spec.texels, spec.unwrap, options)
+            known[key] = {"uv": found.uv, "size": np.array([found.width, found.height, found.islands])}
+        piece = known[key]
         keeper.keep(_UNWRAP, piece)
     width, height, islands = (int(number) for number in piece["size"])
     return _Unwrapped(piece["uv"], UV_LAYER, width, height, islands)

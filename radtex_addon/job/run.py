@@ -22,6 +22,7 @@ from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..cycles.device import use_device
 from ..scene.enclosed import EVERYTHING, show_content_only
+from ..scene.frames import at_frame
 from ..scene.objects import find_object
 from ..scene.scratch import new_data_removed, scratch_scene
 from .buckets import bake_buckets
@@ -30,7 +31,7 @@ from .condensed import Condensed
 from .files import OutputFiles
 from .made import Made
 from .occlusion import bake_occlusion
-from .prepare import Prepared, prepare
+from .prepare import Prepared, Unwraps, prepare
 from .previews import save_preview_of
 from .shared import bake_shared
 from .transfer import bake_transfer
@@ -70,6 +71,7 @@ def bake_object(
     overwrite: bool = False,
     resume: bool = False,
     thumbnail: Thumbnail | None = None,
+    unwraps: Unwraps | None = None,
 ) -> BakeResult:
     """Bake one object and write its files; see `bake_steps`."""
     return finished(
@@ -83,6 +85,7 @@ def bake_object(
             overwrite=overwrite,
             resume=resume,
             thumbnail=thumbnail,
+            unwraps=unwraps,
         )
     )
 
@@ -98,6 +101,7 @@ def bake_steps(
     overwrite: bool = False,
     resume: bool = False,
     thumbnail: Thumbnail | None = None,
+    unwraps: Unwraps | None = None,
 ) -> Generator[Progress, None, BakeResult]:
     """Bake the mesh object `name` as `scene`'s `view_layer` renders it (the first that does, if None).
 
@@ -106,7 +110,9 @@ def bake_steps(
     returns the result. The scene is what it was afterwards, also after an error or when the generator is
     closed. What is finished of a bake lies in `<name>.<kind>.radtex-unfinished` until all of it is: with
     `resume` the bake goes on from there, without it needs `overwrite` to begin anew. The `thumbnail` is shown
-    what comes in. Raises InputError for what cannot be baked, or resumed, BakeError for what fails meanwhile.
+    what comes in. `unwraps` are those of earlier bakes, such as other frames', and learn of this one's. A
+    frame's files are `<name>-<frame>.…`, the frame in four digits. Raises InputError for what cannot be
+    baked, or resumed, BakeError for what fails meanwhile.
     """
     files = OutputFiles.of(name, spec, folder, preview is not None)
     warnings = check_request(scene, name, spec, folder, preview is not None, overwrite, view_layer, resume)
@@ -115,9 +121,9 @@ def bake_steps(
     watch = Stopwatch()
     checkpoint = open_checkpoint(name, spec, files, resume)
     try:
-        with new_data_removed():
+        with at_frame(scene, spec.frame), new_data_removed():
             baked = yield from bake_and_keep(
-                scene, name, spec, files, view_layer, watch, checkpoint, thumbnail
+                scene, name, spec, files, view_layer, watch, checkpoint, thumbnail, unwraps
             )
             if preview is not None:
                 yield watch.start(Stage.PREVIEW)
@@ -160,6 +166,7 @@ def bake_and_keep(
     watch: Stopwatch,
     keeper: Keeper = KEEPS_NOTHING,
     thumbnail: Thumbnail | None = None,
+    unwraps: Unwraps | None = None,
 ) -> Generator[Progress, None, Baked]:
     """Bake as `bake_steps` does, without its checks; the baked mesh stays, for the caller to remove."""
     kept: list[bpy.types.ID] = []
@@ -170,7 +177,7 @@ def bake_and_keep(
     ):
         original = find_object(scratch, name)
         keeper.expect({"device": device})
-        prepared = yield from watch.over(prepare(scratch, original, spec, kept, keeper))
+        prepared = yield from watch.over(prepare(scratch, original, spec, kept, keeper, unwraps))
         if prepared.source is not None:
             show_content_only(scratch, original, EVERYTHING)
         bake = _baker(spec)

@@ -58,6 +58,8 @@ _FLAGS = {
     "content": "--content",
     "source": "--from",
     "extrusion": "--extrusion",
+    "frame": "--frames",
+    "unwrap_at": "--unwrap-at",
 }
 
 

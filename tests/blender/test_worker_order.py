@@ -56,6 +56,7 @@ SPECS = {
     "another object's": BakeSpec(source="-High", extrusion=0.05, device="cpu"),
     "more samples": BakeSpec(accumulate=True, device="cpu"),
     "what has changed": BakeSpec(refresh=True, device="cpu"),
+    "a frame": BakeSpec(frame=7, unwrap_at=1, device="cpu"),
     "a target": BakeSpec(layout=Layout.SHARED, target=42.5, bucket=10, device="cpu"),
 }
 
@@ -79,6 +80,8 @@ def test_every_field_of_a_spec_is_among_the_cases() -> None:
         "extrusion",
         "accumulate",
         "refresh",
+        "frame",
+        "unwrap_at",
     }
     assert {field.name for field in fields(BakeSpec)} == CHOSEN.keys() | others
 
