@@ -16,8 +16,8 @@ from ..formats.condensed_files import digest
 from ..version import VERSION
 from .files import OutputFiles
 
-# Of a specification: tiles may be of any height, and the device is compared as it was found.
-_MAY_DIFFER = ("memory_mb", "device")
+# Of a specification: tiles may be of any height; device and frame are compared as they were found.
+_MAY_DIFFER = ("memory_mb", "device", "frame")
 
 
 def open_checkpoint(name: str, spec: BakeSpec, files: OutputFiles, resume: bool) -> Checkpoint:
