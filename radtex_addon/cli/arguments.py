@@ -12,6 +12,7 @@ from pathlib import Path
 from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layer, Layout, Unwrap
 from ..core.errors import InputError
 from ..core.sampler import Filter
+from ..export.kinds import check_target
 from ..export.spec import Target
 from .options import (
     COMPARE,
@@ -105,11 +106,14 @@ def parse(arguments: list[str], inside_blender: bool) -> Request:
             chosen["unwrap_at"] = found.frames[0]
     if found.exports and not (found.save_preview or demo):
         raise InputError("--export is made from the preview: give --save-preview too")
+    spec = BakeSpec(**chosen)
+    for target in found.exports or ():
+        check_target("the bake", spec.kind, target)
     return Request(
         scene=None if demo or found.scene is None else Path(found.scene),
         demo=demo,
         objects=tuple(dict.fromkeys(found.object or ())),
-        spec=BakeSpec(**chosen),
+        spec=spec,
         out=Path(found.out),
         preview=found.filter if found.save_preview or demo else None,
         overwrite=found.overwrite or demo,

@@ -19,11 +19,11 @@ _TAKERS: dict[Kind, tuple[Target, ...]] = {
 }
 
 
-def check_target(sidecar: Path, kind: str, target: Target) -> None:
-    """Raise InputError where a bake is to go to who does not show its kind."""
+def check_target(bake: Path | str, kind: str, target: Target) -> None:
+    """Raise InputError, naming the `bake`, where it is to go to who does not show its kind."""
     if kind not in tuple(Kind):
-        raise InputError(f"{sidecar} is of kind {kind}, which this RadTex does not export: update RadTex")
+        raise InputError(f"{bake} is of kind {kind}, which this RadTex does not export: update RadTex")
     takers = _TAKERS[Kind(kind)]
     if target not in takers:
         words = ", ".join(takers)
-        raise InputError(f"{sidecar} is of kind {kind}, which {target} does not show: choose {words}")
+        raise InputError(f"{bake} is of kind {kind}, which {target} does not show: choose {words}")

@@ -15,6 +15,7 @@ import bpy
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError
 from ..export.folder import check_out
+from ..export.kinds import check_target
 from ..export.spec import Target
 from ..formats.sidecar import safe_name
 from .checks import check_request
@@ -57,6 +58,7 @@ def foresee(
             warnings |= dict.fromkeys(found)
             _check_uv(scene.objects[name], spec)
             for target in wanted:
+                check_target("the bake", spec.kind, target)
                 check_out(folder / f"{safe_name(name)}.{target}", folder, overwrite)
         except InputError as error:
             errors[str(error)] = None

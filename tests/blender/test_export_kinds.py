@@ -25,6 +25,7 @@ from radtex_addon.export.spec import Target
 from radtex_addon.formats.ktx2 import read_ktx2
 from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
+from radtex_addon.job.foresight import foresee
 from tests.blender import stage
 from tests.blender.batch_process import Outcome, refusal
 
@@ -131,6 +132,15 @@ def test_what_a_transfer_cannot_be_is_named(
     export: Callable[..., Outcome], options: tuple[str, ...], words: str
 ) -> None:
     assert words in refusal(export(Kind.TRANSFER, Target.RAW, *options))
+
+
+def test_a_bake_that_its_target_would_refuse_is_not_begun(tmp_path: Path) -> None:
+    bpy.ops.mesh.primitive_plane_add()
+    context.object.name = "Card"
+    asked = (context.scene, ("Card",), SPECS[Kind.SHADOW], tmp_path)
+    assert foresee(*asked, preview=True, targets=(Target.WEB, Target.RAW)).errors == ()
+    (error,) = foresee(*asked, preview=True, targets=(Target.WEB, Target.UNITY)).errors
+    assert error == "the bake is of kind shadow, which unity does not show: choose web, raw, gltf"
 
 
 def test_of_several_kinds_in_a_folder_one_is_named(
