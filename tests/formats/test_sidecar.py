@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from radtex_addon.core.errors import FormatError
-from radtex_addon.formats.sidecar import Sidecar, file_name, read_sidecar, safe_name, write_sidecar
+from radtex_addon.formats.sidecar import Sidecar, Source, file_name, read_sidecar, safe_name, write_sidecar
 
 SIDECAR = Sidecar(
     object_name="Größe",
@@ -181,3 +181,25 @@ def test_a_written_name_works_on_this_filesystem(tmp_path: Path) -> None:
         write_sidecar(path, SIDECAR)
         assert path.parent == tmp_path
         assert read_sidecar(path) == SIDECAR
+
+
+def test_a_frame_and_a_source_come_back_and_are_not_told_where_there_are_none() -> None:
+    told = replace(SIDECAR, source=Source("Höhe", 0.25, 3), frame=7)
+    assert Sidecar.from_json(told.to_json()) == told
+    assert json.loads(told.to_json())["source"] == {"object": "Höhe", "extrusion": 0.25, "missed": 3}
+    assert {"source", "frame"}.isdisjoint(json.loads(SIDECAR.to_json()))
+
+
+@pytest.mark.parametrize(
+    ("changes", "complaint"),
+    [
+        ({"frame": -1}, '"frame" is -1'),
+        ({"source": "High"}, '"source" is "High", expected an object'),
+        ({"source": {"extrusion": 0.1, "missed": 0}}, 'lacks "object"'),
+        ({"source": {"object": "High", "extrusion": 0, "missed": 0}}, '"extrusion" is 0'),
+        ({"source": {"object": "High", "extrusion": 0.1, "missed": -1}}, '"missed" is -1'),
+    ],
+)
+def test_a_frame_or_a_source_that_cannot_be_is_refused(changes: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(FormatError, match=complaint):
+        Sidecar.from_json(altered(**changes))

@@ -26,5 +26,10 @@ CAPTIONS = {
     "shadow": Caption("Shadow", "One bit a cell.", ""),
     "transfer": Caption("Transfer", "A wax head under suns that no bake knows.", ""),
     "proxy": Caption("Proxy", "A ball of fur, and a bush of leaves: what is drawn is their hull alone.", ""),
+    "high_to_low": Caption(
+        "High to low",
+        "A carved bronze head of 250 thousand triangles, and its light on a head of four thousand.",
+        "The outline is the simple head's; rims of eyes and ears are softer, and shift a little.",
+    ),
     "interior": Caption("Interior", "A window pane that shows a room.", ""),
 }
