@@ -48,7 +48,8 @@ def _material(
         return preview_shared_material(title, made.files.sidecar.absolute(), uv_layer, spec.half)
     if spec.kind is Kind.SHADOW:
         return preview_shadow_material(title, made.files.sidecar.absolute(), uv_layer, scene, preview)
-    hull = spec.kind is Kind.PROXY
+    clear = spec.kind is Kind.RADIANCE and scene.render.film_transparent  # its far side is seen through it
+    hull = spec.kind is Kind.PROXY or clear
     atlas = made.files.atlas.absolute()
     if spec.kind is Kind.TRANSFER:
         return preview_transfer_material(title, atlas, made.layout, uv_layer, scene, spec.half)

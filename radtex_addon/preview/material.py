@@ -81,9 +81,9 @@ def preview_material(
     """A material that shows the atlas file on the baked copy: its light emitted, the rest let through.
 
     `uv_layer` is the baked one, `half` as in `load_atlas`. A `reflection` atlas shows as on a perfect mirror,
-    an `incident` one shows the light that arrives from where the viewer stands. A `hull` shows its front
-    alone: what is seen through it is in the atlas, and is not to be seen again on its far side. Raises as
-    `load_atlas` and `build_sample_group` do.
+    an `incident` one shows the light that arrives from where the viewer stands. A `hull`, or
+    what else lets light through, shows its front alone: what is seen through it is in the atlas, and is not
+    to be seen again on its far side. Raises as `load_atlas` and `build_sample_group` do.
     """
     sampler = build_sample_group(load_atlas(atlas, half), layout, kind)
     material, build = open_material(name)
