@@ -15,8 +15,11 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
+from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.errors import InputError
+from radtex_addon.core.sampler import Filter
 from radtex_addon.export.spec import Arrangement, ExportSpec, Target, TextureFormat
+from radtex_addon.job import bake_object
 from radtex_addon.preview.swap import is_on
 from radtex_addon.report.eye import Eye
 from radtex_addon.report.shown import bakes_of
@@ -424,6 +427,16 @@ def test_an_export_makes_its_folder_and_leaves_the_scene_alone(bake: str) -> Non
     with pytest.raises(RuntimeError, match="is already there"):
         radtex.export(bake=bake, target="raw")
     radtex.export(bake=bake, target="raw", overwrite=True)
+
+
+def test_of_several_kinds_the_panels_is_exported(bake: str) -> None:
+    scene_with_balls()
+    spec = BakeSpec(kind=Kind.SHADOW, texels=16)
+    bake_object(context.scene, NAME, spec, Path(bake), preview=Filter.QUADRILINEAR, overwrite=True)
+    context.scene.radtex.kind = "shadow"
+    radtex.export(bake=bake, target="raw")
+    made = {path.name for path in (Path(bake) / "Ball.raw").iterdir()}
+    assert {"Ball.shadow.ktx2", "Ball.radiance.ktx2"} & made == {"Ball.shadow.ktx2"}
 
 
 def test_a_preview_is_exported_as_its_object(bake: str, tmp_path: Path) -> None:
