@@ -17,6 +17,7 @@ WORKER = "--background"
 CROSS = 54  # pixels from the sidebar's right edge to the buttons that cancel a job
 LONG = {"texels": 128, "bucket": 8, "samples": 16}  # half a minute or more on two cores
 SHORT = {"texels": 64, "bucket": 4, "samples": 4}
+_PATIENCE = 240.0  # seconds for a bake on a busy machine; after 300 a test counts as hung
 _FORGET = """
 import sys
 outlook = sys.modules["bl_ext.user_default.radtex.radtex_addon.ui.outlook"]
@@ -83,10 +84,10 @@ def latest(window: Window) -> Told:
 
 def wait_for(window: Window, fraction: float) -> None:
     """Wait until the latest job is that far."""
-    wait_until(lambda: latest(window).fraction > fraction, 120, f"the bake does not reach {fraction}")
+    wait_until(lambda: latest(window).fraction > fraction, _PATIENCE, f"the bake does not reach {fraction}")
 
 
-def wait_for_end(window: Window, timeout: float = 120) -> Told:
+def wait_for_end(window: Window, timeout: float = _PATIENCE) -> Told:
     """Wait until the latest job has ended; what is known of it then."""
     running = {"running", "waiting"}
     wait_until(lambda: latest(window).state not in running, timeout, "the bake does not end")
