@@ -17,6 +17,7 @@ from radtex_addon.report.metrics import Picture
 from tests.real.browser import Shown, decoded
 from tests.real.exhibit import CAMERAS, Camera, decibels
 from tests.real.kinds import KindBake, Sun, baked
+from tests.real.test_web_messages import within
 from tests.real.web import Site, save
 
 LEAST = 38.0  # dB
@@ -166,6 +167,18 @@ def test_the_suns_controls_move_it(web: Site, bake: Callable[..., KindBake], kin
         assert all(page.locator(f"#sun-{setting}").is_hidden() for setting in others)
         page.keyboard.press("]")
         assert shown.text("stops") == "+0.5 stops"
+
+
+def test_a_phone_has_the_sun_among_its_settings(web: Site, bake: Callable[..., KindBake]) -> None:
+    web.add("phone", bake(Kind.SHADOW))
+    with web.opened("phone/", 360, 740, has_touch=True, is_mobile=True) as shown:
+        shown.wait()
+        shown.page.get_by_role("button", name="Settings").tap()
+        within(shown)
+        before = shown.pixels()
+        shown.page.locator("#sun-azimuth").tap(position={"x": 250, "y": 12})
+        assert np.abs(shown.pixels() - before).max() > 0.05
+        shown.page.locator("#exposure").tap()  # by scrolling, if need be
 
 
 def test_other_kinds_have_no_sun(web: Site, bake: Callable[..., KindBake]) -> None:
