@@ -23,6 +23,7 @@ import pytest
 from radtex_addon.bake import spec
 from radtex_addon.bake.plan import Tile
 from radtex_addon.bake.progress import Stage
+from radtex_addon.cli import bake as baking
 from radtex_addon.cli import main as batch_module
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError
@@ -130,7 +131,7 @@ def test_a_bake_in_a_process_of_its_own_prints_json_lines_and_nothing_else(room:
     assert done[0]["bucket"] == 2
     assert done[0]["paths"] == done[0]["covered_texels"] * 4
     pixels, _ = read_atlas(out / "Card.radiance.exr")
-    assert 0.8 <= pixels[..., :3].astype(float).min() < 2
+    assert 0.64 <= pixels[..., :3].astype(float).min() < 2  # a path may meet the box, once white too
     assert room.read_bytes() == before
 
 
@@ -225,7 +226,7 @@ def test_scripts_in_the_file_never_run(out: Path, tmp_path: Path, batch: Batch) 
 
 
 def test_the_demo_bakes_and_shows_itself(out: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(batch_module, "render_picture", partial(render_picture, pixels=32, samples=2))
+    monkeypatch.setattr(baking, "render_picture", partial(render_picture, pixels=32, samples=2))
     small = ("--texels", 64, "--bucket", 2, "--samples", 1, "--unwrap", "blender", "--filter", "nearest")
     out.mkdir()
     (out / "Suzanne.radiance.exr").write_text("of an earlier demo")
@@ -283,11 +284,11 @@ BAD = {
     "no object": ([], ["which object?", "--object NAME"]),
     "a device that is not there": (
         ["--object", "Card", "--device", "optix"],
-        ["--device optix", "try auto, or cpu"],
+        ["no optix", "choose auto, or cpu (--device)"],
     ),
     "no device at all": (
         ["--object", "Card", "--device", "toaster"],
-        ["--device toaster", "try auto, or cpu"],
+        ["no toaster", "choose auto, or cpu (--device)"],
     ),
 }
 
@@ -468,10 +469,10 @@ def test_objects_that_were_done_before_a_failure_stay(
 ) -> None:
     two_done = iter([False, True])
 
-    def sometimes(*arguments: Any) -> Any:
+    def sometimes(*arguments: Any, **options: Any) -> Any:
         if next(two_done):
             raise BakeError("planned")
-        return PortalCapture(*arguments)
+        return PortalCapture(*arguments, **options)
 
     monkeypatch.setattr(buckets, "PortalCapture", sometimes)
     ended = batch(
