@@ -32,7 +32,7 @@ from .row import Row
 SUBJECT = "Subject"
 PIXELS = 256
 SUBSAMPLES = 2  # of ours, along a pixel's side
-SAMPLES = 64  # of a reference's pixel, before it is denoised
+SAMPLES = 48  # of a reference's pixel, before it is denoised
 _SENSOR = 36.0  # millimetres
 
 Place = tuple[float, float, float]

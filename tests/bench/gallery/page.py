@@ -33,10 +33,11 @@ _HEAD = """<!-- SPDX-FileCopyrightText: 2026 RadTex authors -->
 
 Each effect and kind on a small scene, from cameras that no bake knows: path traced by Cycles | ours | their
 difference, times {gain}, of the view that came out worst. Decibels are of what a display shows (clipped, by a
-gamma of 2.2), inside the object's silhouette; FLIP is 0 for what nobody can tell apart. Two CPU cores.
+gamma of 2.2), inside the object's silhouette; FLIP is 0 for what nobody can tell apart. Seconds are of
+two CPU cores with other work beside.
 
-    uv run python -m tests.bench.gallery            makes this page, its pictures and its figures
-    uv run python -m tests.bench.gallery {first}      makes one row of it anew
+    uv run --group test python -m tests.bench.gallery            makes this page, its pictures and its figures
+    uv run --group test python -m tests.bench.gallery {first}      makes one row of it anew
 
 | effect | dB, worst to best | FLIP | views | seconds |
 |---|---|---|---|---|
@@ -112,12 +113,12 @@ def _section(name: str, record: Record) -> str:
     lines = [
         f"\n## {caption.title}\n",
         f"![path traced, ours, difference](figures/gallery-{name}.png)\n",
-        f"{caption.shows} {caption.seen}\n",
+        f"{caption.shows} {caption.seen}".rstrip() + "\n",
         "| view | dB | FLIP | |",
         "|---|---|---|---|",
     ]
     for view, psnr, flip, note in record.views:
         lines.append(f"| {view} | {psnr:.1f} | {'' if flip is None else f'{flip:.3f}'} | {note} |")
-    command = f"`uv run python -m tests.bench.gallery {name}`"
+    command = f"`uv run --group test python -m tests.bench.gallery {name}`"
     lines.append(f"\n{command}, Blender {record.blender}, {record.seconds:.0f} s.")
     return "\n".join(lines) + "\n"

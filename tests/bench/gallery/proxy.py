@@ -33,7 +33,6 @@ _SOLID = 0.5  # of alpha: what counts as silhouette
 _HAIRS, _LEAVES = 90000, 260
 CAMERAS = {
     "left": Camera((-3.4, -4.6, 1.1), lens=85),
-    "right": Camera((4.9, -2.6, 0.7), lens=85),
     "above": Camera((0.8, -3.2, 4.8), lens=85),
 }
 
@@ -112,7 +111,7 @@ def _link(item: bpy.types.Object) -> None:
 
 
 def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
-    """The gallery's rows: a ball of fur and a bush, each from three sides."""
+    """The gallery's rows: a ball of fur and a bush, each from two sides."""
     for title, build in (("Fur", fur), ("Leaves", leaves)):
         build()
         with tempfile.TemporaryDirectory() as folder:
