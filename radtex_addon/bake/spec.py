@@ -170,7 +170,7 @@ class BakeSpec:
                 _check_whole_number(name, getattr(self, name), least, most)
         if self.unwrap_at is not None and (self.frame is None or self.uv_layer is not None):
             raise InputError(
-                f"unwrap at frame {self.unwrap_at} is for frames without a UV layer: leave --unwrap-at out"
+                f"unwrap at frame {self.unwrap_at} is for frames without a UV layer: leave it out"
             )
         if self.uv_layer == "":
             raise InputError("the UV layer's name is empty: name one of the object's, or none to unwrap anew")
