@@ -5,18 +5,37 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import StrEnum
 from math import inf
-from typing import TypeVar, cast
+from typing import cast
 
 from ..core.errors import InputError
 from ..formats.exr import Compression
 from ..formats.memory import physical_memory, readable_size
+from .choices import (
+    ARRIVING,
+    LEAVING,
+    OCCLUSION,
+    SOURCED,
+    CaptureMethod,
+    Kind,
+    Layout,
+    Unwrap,
+    parse_capture,
+    parse_compression,
+    parse_kind,
+    parse_layer,
+    parse_layout,
+    parse_unwrap,
+)
 from .layers import OF_LAYER, WHOLE, Layer, captured
 from .plan import MAX_IMAGE_SIDE
 from .rays import Rays
 
 __all__ = [
+    "ARRIVING",
+    "LEAVING",
+    "OCCLUSION",
+    "SOURCED",
     "BakeSpec",
     "CaptureMethod",
     "Compression",
@@ -54,58 +73,6 @@ _LIMITS = {
     "unwrap_at": (0, 1048574),
 }
 _OPTIONAL = ("budget", "frame", "unwrap_at")
-
-
-class Kind(StrEnum):
-    """What a bucket holds."""
-
-    RADIANCE = "radiance"
-    INCIDENT = "incident"
-    REFLECTION = "reflection"
-    PROXY = "proxy"
-    SHADOW = "shadow"
-    AO = "ao"
-    TRANSFER = "transfer"
-
-
-LEAVING = (Kind.RADIANCE, Kind.PROXY)  # what a viewer sees, of the object or through it
-ARRIVING = (Kind.INCIDENT, Kind.REFLECTION)
-OCCLUSION = (Kind.SHADOW, Kind.AO)  # which know no light, only what is in its way
-SOURCED = (
-    Kind.RADIANCE,
-    Kind.INCIDENT,
-    Kind.REFLECTION,
-    *OCCLUSION,
-)  # which another object's surface can give
-
-
-class Layout(StrEnum):
-    """How an atlas holds its light."""
-
-    BUCKETS = "buckets"
-    SHARED = "shared"
-
-    @property
-    def cells(self) -> int:
-        """Along a bucket's side, where nobody says."""
-        return 16 if self is Layout.SHARED else 8
-
-
-class CaptureMethod(StrEnum):
-    """How Cycles fills buckets."""
-
-    PORTAL = "portal"
-    PANORAMIC = "panoramic"
-
-
-class Unwrap(StrEnum):
-    """Who makes the UV layer if none is named."""
-
-    XATLAS = "xatlas"
-    BLENDER = "blender"
-
-
-_Choice = TypeVar("_Choice", bound=StrEnum)
 
 
 @dataclass(frozen=True)
@@ -341,43 +308,6 @@ class BakeSpec:
         if memory is not None and self.atlas_bytes > memory:
             needed, present = readable_size(self.atlas_bytes), readable_size(memory)
             raise InputError(f"{asked} needs {needed} of memory, this machine has {present}: lower one")
-
-
-def parse_kind(text: str) -> Kind:
-    """The kind named by `text`. Raises InputError, with the choices."""
-    return _parse(Kind, "kind", text)
-
-
-def parse_capture(text: str) -> CaptureMethod:
-    """The capture named by `text`. Raises InputError, with the choices."""
-    return _parse(CaptureMethod, "capture", text)
-
-
-def parse_compression(text: str) -> Compression:
-    """The compression named by `text`. Raises InputError, with the choices."""
-    return _parse(Compression, "compression", text)
-
-
-def parse_layout(text: str) -> Layout:
-    """The layout named by `text`. Raises InputError, with the choices."""
-    return _parse(Layout, "layout", text)
-
-
-def parse_layer(text: str) -> Layer:
-    """The layer named by `text`. Raises InputError, with the choices."""
-    return _parse(Layer, "layer", text)
-
-
-def parse_unwrap(text: str) -> Unwrap:
-    """The unwrap named by `text`. Raises InputError, with the choices."""
-    return _parse(Unwrap, "unwrap", text)
-
-
-def _parse(choices: type[_Choice], word: str, text: str) -> _Choice:
-    try:
-        return choices(text)
-    except ValueError:
-        raise InputError(f"there is no {word} {text!r}: choose from {', '.join(choices)}") from None
 
 
 def _check_whole_number(name: str, value: object, least: int, most: int) -> None:

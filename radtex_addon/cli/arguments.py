@@ -5,15 +5,15 @@
 from __future__ import annotations
 
 import argparse
-import re
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
-from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layer, Layout, Unwrap
+from ..bake.spec import BakeSpec
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..export.kinds import check_target
 from ..export.spec import Target
+from .bake_arguments import add_how, add_output, add_quality, add_what
 from .options import (
     COMPARE,
     DEMO,
@@ -21,16 +21,9 @@ from .options import (
     REPORT,
     Parser,
     ProgressStyle,
-    add_choice,
-    add_device,
     add_help,
-    add_number,
     add_parent,
-    add_progress,
 )
-
-_DEFAULT = BakeSpec()
-_MOST_FRAMES = 100_000  # in one range
 
 _DESCRIPTION = """\
 Bake radiance textures with Cycles: every texel of an object gets a bucket, a
@@ -143,276 +136,10 @@ def _parser(inside_blender: bool) -> Parser:
         allow_abbrev=False,
         add_help=False,
     )
-    _add_what(parser.add_argument_group("what is baked"), inside_blender)
-    _add_quality(parser.add_argument_group("quality"))
-    _add_how(parser.add_argument_group("how"))
-    _add_output(parser.add_argument_group("output"))
+    add_what(parser.add_argument_group("what is baked"), inside_blender)
+    add_quality(parser.add_argument_group("quality"))
+    add_how(parser.add_argument_group("how"))
+    add_output(parser.add_argument_group("output"))
     add_parent(parser.add_argument_group("for a program that runs this one"), of_scene=True)
     add_help(parser.add_argument_group("help"))
     return parser
-
-
-def _add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
-    file = "left out: the file that Blender has open is baked" if inside_blender else "a .blend file"
-    group.add_argument(
-        "scene",
-        nargs="?",
-        metavar="SCENE",
-        help=f"{file}; or the word {DEMO}, for a small scene of our own: it saves a preview, "
-        "renders a picture of it, and replaces what an earlier demo left",
-    )
-    group.add_argument(
-        "--object",
-        action="append",
-        metavar="NAME",
-        help="the mesh object to bake; may be given several times",
-    )
-    group.add_argument(
-        "--in-scene",
-        metavar="NAME",
-        help="the scene of the file (default: the one that it opens with)",
-    )
-    add_choice(
-        group,
-        "--kind",
-        Kind,
-        _DEFAULT.kind,
-        "radiance: the object as a viewer sees it; incident: the light that arrives; "
-        "reflection: the same, along the mirror direction; proxy: what a hull has inside, or shows in its "
-        "place; shadow: which directions are blocked; ao: how much of the sky is; "
-        "transfer: how the object answers to light from each direction",
-    )
-    group.add_argument(
-        "--content",
-        metavar="NAME",
-        help="what a proxy shows: the collection of that name, or * for all that is behind it, as through a "
-        "window (default: what lies inside it)",
-    )
-    group.add_argument(
-        "--from",
-        dest="source",
-        metavar="NAME",
-        default=_DEFAULT.source,
-        help="bake what the detailed object of that name shows: it is found along the normals of --object, "
-        "which is simple, stands around the same place and is not seen itself",
-    )
-    group.add_argument(
-        "--extrusion",
-        type=_distance,
-        metavar="D",
-        default=_DEFAULT.extrusion,
-        help="how far from --object, outwards and inwards, --from is looked for, in scene units "
-        "(default: 3 %% of the size)",
-    )
-    group.add_argument(
-        "--frames",
-        type=_frames,
-        metavar="LIST",
-        default=(),
-        help="bake the scene at each of these frames, such as 1,5,10-20, into DIR/NAME-FRAME.KIND.exr, the "
-        "frame in four digits (default: the frame that the file opens with)",
-    )
-    group.add_argument(
-        "--unwrap-at",
-        type=_frame,
-        metavar="FRAME",
-        default=_DEFAULT.unwrap_at,
-        help="unwrap the object as it is at that frame, so that atlases of all frames fit one mesh "
-        "(default: the first of --frames)",
-    )
-    add_choice(
-        group,
-        "--layer",
-        Layer,
-        None,
-        "also write this part of the radiance as an atlas, DIR/NAME.KIND.LAYER.exr: "
-        f"{', '.join(Layer)}; base and rest add up to the whole; may be given several times",
-        dest="layers",
-        action="append",
-        metavar="LAYER",
-    )
-    add_choice(
-        group,
-        "--layout",
-        Layout,
-        _DEFAULT.layout,
-        "buckets: every texel keeps a picture of its own; shared: what all texels see in common is kept "
-        "once and sharp, fitted to single paths, which suits glossy things; radiance by the portal only",
-    )
-    group.add_argument(
-        "--uv",
-        dest="uv_layer",
-        metavar="NAME",
-        default=_DEFAULT.uv_layer,
-        help="bake on this UV layer of the object (default: unwrap a copy anew)",
-    )
-    add_choice(group, "--unwrap", Unwrap, _DEFAULT.unwrap, "who unwraps; blender is quicker on large meshes")
-    _number(group, "--padding", "padding", "N", "texels that the unwrap leaves free between islands")
-
-
-def _add_quality(group: argparse._ArgumentGroup) -> None:
-    _number(group, "--texels", "texels", "N", "texels along the atlas's longer side")
-    _number(
-        group,
-        "--bucket",
-        "bucket",
-        "N",
-        "cells along a bucket's side: each texel tells N x N directions apart",
-        f"{Layout.BUCKETS.cells}; {Layout.SHARED.cells} in the shared layout",
-    )
-    _number(
-        group,
-        "--samples",
-        "samples",
-        "N",
-        "light paths for each cell: more paths, less noise; in the shared layout about 64 N for each texel, "
-        "however many cells it has",
-    )
-
-    group.add_argument(
-        "--budget",
-        type=_bytes,
-        metavar="SIZE",
-        help="what the shared layout's textures may take on a GPU, such as 800KB or 8MB: texels that are "
-        "alike then share buckets (default: every texel keeps its own)",
-    )
-    group.add_argument(
-        "--target",
-        type=_decibels,
-        metavar="DB",
-        help="condense the shared layout to the fewest clusters, ever doubled, that come that near to "
-        "what was fitted, such as 40dB",
-    )
-
-
-def _bytes(word: str) -> int:
-    found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*([KMG]?)(i?)B?", word.strip(), re.IGNORECASE)
-    if found is None:
-        raise InputError(f"--budget {word}: give a size, such as 800KB or 8MB")
-    unit = 1024 if found[3] else 1000
-    power = " KMG".index(found[2].upper() or " ")
-    return round(float(found[1]) * float(unit**power))
-
-
-def _frame(word: str) -> int:
-    if not word.isdecimal():
-        raise InputError(f"--unwrap-at {word}: give a frame's number, such as 1")
-    return int(word)
-
-
-def _frames(words: str) -> tuple[int, ...]:
-    frames: list[int] = []
-    for word in words.split(","):
-        found = re.fullmatch(r"\s*(\d+)(?:-(\d+))?\s*", word)
-        first, last = (int(found[1]), int(found[2] or found[1])) if found else (0, -1)
-        if not first <= last < first + _MOST_FRAMES:
-            raise InputError(f"--frames {words}: give frames' numbers, such as 1,5,10-20")
-        frames += range(first, last + 1)
-    return tuple(dict.fromkeys(frames))
-
-
-def _distance(word: str) -> float:
-    try:
-        return float(word)
-    except ValueError:
-        raise InputError(f"--extrusion {word}: give a distance in scene units, such as 0.05") from None
-
-
-def _decibels(word: str) -> float:
-    found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(?:dB)?", word.strip(), re.IGNORECASE)
-    if found is None:
-        raise InputError(f"--target {word}: give decibels, such as 40dB")
-    return float(found[1])
-
-
-def _add_how(group: argparse._ArgumentGroup) -> None:
-    add_choice(
-        group,
-        "--capture",
-        CaptureMethod,
-        _DEFAULT.capture,
-        "portal: many texels in one render; panoramic: a fisheye camera at each texel, slow, "
-        "not for radiance",
-    )
-    _number(group, "--seed", "seed", "N", "seed of the light paths; the same seed gives the same atlas")
-    add_device(group)
-    _number(
-        group,
-        "--memory",
-        "memory_mb",
-        "MB",
-        "memory that one render may take, beside the scene and the atlas",
-    )
-
-
-def _add_output(group: argparse._ArgumentGroup) -> None:
-    group.add_argument(
-        "--out",
-        metavar="DIR",
-        default="radtex",
-        help="folder for the files, made if need be (default: %(default)s)",
-    )
-    group.add_argument("--overwrite", action="store_true", help="replace files that are already there")
-    group.add_argument(
-        "--accumulate",
-        action="store_true",
-        help="fold the samples into the atlas that is there: 8 and 8 more are 16, if nothing has changed",
-    )
-    group.add_argument(
-        "--refresh",
-        action="store_true",
-        help="bake again only those texels of the atlas that is there whose light has changed, with as many "
-        "samples as it has",
-    )
-    group.add_argument(
-        "--resume",
-        action="store_true",
-        help="go on with a bake that was interrupted, killed or failed, from what is kept of it in "
-        "DIR/NAME.KIND.radtex-unfinished; the atlas is what it would have been, bit by bit",
-    )
-    group.add_argument(
-        "--save-preview",
-        action="store_true",
-        help="also write DIR/NAME.preview.blend: the scene with the baked object in it",
-    )
-    add_choice(
-        group,
-        "--filter",
-        Filter,
-        Filter.QUADRILINEAR,
-        "how the preview blends cells and texels of layout buckets",
-    )
-    group.add_argument(
-        "--float", dest="half", action="store_false", help="store 32-bit floats (default: half floats)"
-    )
-    add_choice(
-        group,
-        "--compression",
-        Compression,
-        _DEFAULT.compression,
-        "how the atlas is packed; dwaa is small and loses a little",
-    )
-    add_choice(
-        group,
-        "--export",
-        Target,
-        None,
-        "also make DIR/NAME.TARGET of the bake, as bake.py export --to TARGET does; may be given several "
-        "times, and needs --save-preview",
-        dest="exports",
-        action="append",
-    )
-    group.add_argument(
-        "--thumbnail",
-        metavar="FILE",
-        help="a small PNG of what is baked so far, written anew every second",
-    )
-    add_progress(group)
-
-
-def _number(
-    group: argparse._ArgumentGroup, flag: str, field: str, metavar: str, text: str, default: str = ""
-) -> None:
-    """An option for a number; a field whose `default` wants words is left to the specification."""
-    known = None if default else getattr(_DEFAULT, field)
-    add_number(group, flag, field, metavar, f"{text} (default: {default or known})", known)

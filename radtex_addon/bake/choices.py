@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What can be chosen for a bake, by words."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import TypeVar
+
+from ..core.errors import InputError
+from ..formats.exr import Compression
+from .layers import Layer
+
+
+class Kind(StrEnum):
+    """What a bucket holds."""
+
+    RADIANCE = "radiance"
+    INCIDENT = "incident"
+    REFLECTION = "reflection"
+    PROXY = "proxy"
+    SHADOW = "shadow"
+    AO = "ao"
+    TRANSFER = "transfer"
+
+
+LEAVING = (Kind.RADIANCE, Kind.PROXY)  # what a viewer sees, of the object or through it
+ARRIVING = (Kind.INCIDENT, Kind.REFLECTION)
+OCCLUSION = (Kind.SHADOW, Kind.AO)  # which know no light, only what is in its way
+SOURCED = (
+    Kind.RADIANCE,
+    Kind.INCIDENT,
+    Kind.REFLECTION,
+    *OCCLUSION,
+)  # which another object's surface can give
+
+
+class Layout(StrEnum):
+    """How an atlas holds its light."""
+
+    BUCKETS = "buckets"
+    SHARED = "shared"
+
+    @property
+    def cells(self) -> int:
+        """Along a bucket's side, where nobody says."""
+        return 16 if self is Layout.SHARED else 8
+
+
+class CaptureMethod(StrEnum):
+    """How Cycles fills buckets."""
+
+    PORTAL = "portal"
+    PANORAMIC = "panoramic"
+
+
+class Unwrap(StrEnum):
+    """Who makes the UV layer if none is named."""
+
+    XATLAS = "xatlas"
+    BLENDER = "blender"
+
+
+_Choice = TypeVar("_Choice", bound=StrEnum)
+
+
+def parse_kind(text: str) -> Kind:
+    """The kind named by `text`. Raises InputError, with the choices."""
+    return _parse(Kind, "kind", text)
+
+
+def parse_capture(text: str) -> CaptureMethod:
+    """The capture named by `text`. Raises InputError, with the choices."""
+    return _parse(CaptureMethod, "capture", text)
+
+
+def parse_compression(text: str) -> Compression:
+    """The compression named by `text`. Raises InputError, with the choices."""
+    return _parse(Compression, "compression", text)
+
+
+def parse_layout(text: str) -> Layout:
+    """The layout named by `text`. Raises InputError, with the choices."""
+    return _parse(Layout, "layout", text)
+
+
+def parse_layer(text: str) -> Layer:
+    """The layer named by `text`. Raises InputError, with the choices."""
+    return _parse(Layer, "layer", text)
+
+
+def parse_unwrap(text: str) -> Unwrap:
+    """The unwrap named by `text`. Raises InputError, with the choices."""
+    return _parse(Unwrap, "unwrap", text)
+
+
+def _parse(choices: type[_Choice], word: str, text: str) -> _Choice:
+    try:
+        return choices(text)
+    except ValueError:
+        raise InputError(f"there is no {word} {text!r}: choose from {', '.join(choices)}") from None
