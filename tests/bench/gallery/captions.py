@@ -74,7 +74,7 @@ CAPTIONS = {
         "A ball of fur, and a clipped bush of leaves: what is drawn is a ball of 1,280 faces around them.",
         "From afar it is fur and it is a bush; near, single hairs and the edges of leaves are gone, for a "
         "texel is wider than they are. A grey veil lies along the rim: there a cell of 20 degrees holds "
-        "both the leaves and what is beside them. Silhouettes are within 6 % of the true ones.",
+        "both the leaves and what is beside them. Silhouettes are within 5 % of the true ones.",
     ),
     "interior": Caption(
         "Interior",

@@ -60,7 +60,7 @@ def leaves() -> None:
     out = _spread_over_ball(_LEAVES)
     middle = out * rng.uniform(0.89, 0.95, (_LEAVES, 1))
     way = np.cross(out, rng.normal(size=(_LEAVES, 3)))
-    way = way / np.linalg.norm(way, axis=1, keepdims=True) + out * rng.uniform(0.05, 0.3, (_LEAVES, 1))
+    way = way / np.linalg.norm(way, axis=1, keepdims=True) + out * rng.uniform(0.02, 0.18, (_LEAVES, 1))
     across = np.cross(way, out + rng.normal(0, 0.2, (_LEAVES, 3)))
     way, across = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in (way, across))
     outline = np.array(
@@ -75,7 +75,7 @@ def leaves() -> None:
     mesh.from_pydata(corner.reshape(-1, 3).tolist(), [], faces)
     mesh.materials.append(green)
     _link(bpy.data.objects.new("Bush", mesh))
-    added("uv_sphere", "Shade", principled("Shade", (0.08, 0.22, 0.03)), radius=0.9)
+    added("uv_sphere", "Shade", principled("Shade", (0.1, 0.27, 0.04)), radius=0.91)
 
 
 def _lit_hull(radius: float) -> None:
