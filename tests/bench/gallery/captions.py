@@ -66,8 +66,9 @@ CAPTIONS = {
     ),
     "transfer": Caption(
         "Transfer",
-        "A wax head under suns that no bake knew, one of them behind it.",
-        "",
+        "A thing of wax under suns that no bake knew, one of them behind it.",
+        "Light shines through where it should, the rims glow under the sun behind. What is lit from behind "
+        "is dark, and there the grain of the samples, coloured, is seen at once.",
     ),
     "proxy": Caption(
         "Proxy",
