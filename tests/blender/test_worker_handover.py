@@ -309,7 +309,7 @@ def test_a_folder_that_refuses_is_one_line_and_leaves_nothing(
 ) -> None:
     (tmp_path / "file").write_text("mine")
     with pytest.raises(
-        BakeError, match=r"cannot be saved .* below .*file.*: choose another folder$"
+        BakeError, match=r"nothing can be saved for a worker below .*file.*: choose another folder$"
     ) as raised:
         hand_over(context.scene, tmp_path / "file")
     assert "\n" not in str(raised.value)
