@@ -284,11 +284,11 @@ BAD = {
     "no object": ([], ["which object?", "--object NAME"]),
     "a device that is not there": (
         ["--object", "Card", "--device", "optix"],
-        ["no optix", "choose auto, or cpu (--device)"],
+        ["no device 'optix'", "choose auto, or cpu (--device)"],
     ),
     "no device at all": (
         ["--object", "Card", "--device", "toaster"],
-        ["no toaster", "choose auto, or cpu (--device)"],
+        ["no device 'toaster'", "choose auto, or cpu (--device)"],
     ),
 }
 
