@@ -140,7 +140,8 @@ def test_files_are_the_same_however_often_the_bake_was_killed(
 
 
 def is_done(out: Path) -> bool:
-    return (out / "Ball.radiance.json").exists() and not (out / FOLDER).exists()
+    """Whether nothing is to be resumed; an empty folder may be left, if the kill came before its removal."""
+    return (out / "Ball.radiance.json").exists() and not (out / FOLDER / KEY).exists()
 
 
 # in this process
