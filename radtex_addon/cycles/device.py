@@ -69,4 +69,6 @@ def _choose(preferences: Any, wish: str) -> str:
             for device in devices:
                 device.use = True
             return kind
-    raise InputError(f"this machine has no device '{wish.lower()}' for Cycles: choose auto, or cpu (--device)")
+    raise InputError(
+        f"this machine has no device '{wish.lower()}' for Cycles: choose auto, or cpu (--device)"
+    )
