@@ -34,7 +34,7 @@ class LayeredCapture:
     ) -> None:
         """As for the portal; `layers` are those that the bake shall have."""
         self._layers = captured(layers)
-        self._portal = PortalCapture(scene, plan, kind, samples, seed, folder, first=0)
+        self._portal = PortalCapture(scene, plan, kind, samples, seed, folder)
         keep_passes(scene, tuple(name for layer in self._layers for name in attributes_of(layer)))
 
     def render(self, tile: Tile) -> Floats:

@@ -81,11 +81,11 @@ class PortalCapture:
         seed: int,
         folder: Path,
         aim: Aim | None = None,
-        first: int | None = None,
+        first: int = 0,
     ) -> None:
         """`scene` is a scratch scene, written freely; `folder` takes the files that tiles pass through.
 
-        `first` is the number of the first of `samples`, where others may be taken before or after.
+        `first` is the number of the first of `samples`, where others were taken before.
         """
         self._scene, self._plan = scene, plan
         self._file = folder / "tile.exr"

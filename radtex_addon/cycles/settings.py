@@ -16,11 +16,11 @@ import bpy
 log = logging.getLogger(__name__)
 
 
-def apply_capture_settings(scene: bpy.types.Scene, samples: int, seed: int, first: int | None = None) -> None:
+def apply_capture_settings(scene: bpy.types.Scene, samples: int, seed: int, first: int = 0) -> None:
     """Make `scene` render raw, unfiltered, scene-linear Rec.709 at exactly `samples` per pixel.
 
-    With a number they are those from the `first` on of one long sequence: 4 and the next 4 are the first 8.
-    (Beyond 256 the sequence is another whenever their number doubles.)
+    They are those from the number `first` on. Of the pattern TABULATED_SOBOL 4 and the next 4 are the first 8
+    (beyond 256 the sequence is another whenever their number doubles); others have one for each number.
     """
     _measure_evenly(cast(Any, scene).cycles, samples, seed, first)
     _output(scene.render)
@@ -36,12 +36,10 @@ def apply_capture_settings(scene: bpy.types.Scene, samples: int, seed: int, firs
     scene.view_settings.view_transform = "Raw"
 
 
-def _measure_evenly(cycles: Any, samples: int, seed: int, first: int | None) -> None:
-    cycles.samples = (first or 0) + samples
-    cycles.use_sample_subset = bool(first)
-    cycles.sample_offset, cycles.sample_subset_length = first or 0, samples
-    if first is not None:
-        cycles.sampling_pattern = "TABULATED_SOBOL"  # blue noise is another for each number of samples
+def _measure_evenly(cycles: Any, samples: int, seed: int, first: int) -> None:
+    cycles.samples = first + samples
+    cycles.use_sample_subset = first > 0
+    cycles.sample_offset, cycles.sample_subset_length = first, samples
     cycles.seed = seed
     cycles.use_animated_seed = False
     cycles.use_adaptive_sampling = cycles.use_denoising = False

@@ -57,7 +57,7 @@ class Refresh:
         if changed.any():
             part = plan_capture(self.texels, layout.bucket, without=self._others(changed))
             capture = PortalCapture(
-                self.scene, part, self.kind, self.earlier.samples, self.spec.seed, self.folder, first=0
+                self.scene, part, self.kind, self.earlier.samples, self.spec.seed, self.folder
             )
             image = yield from fill_atlas(part, capture, self.spec.memory_mb, None, keeper, thumbnail)
             buckets[part.covered] = layout.to_buckets(image)[part.covered]

@@ -33,6 +33,7 @@ SIDECAR = "Ball.radiance.json"
 def lit_ball() -> Any:
     stage.hdri(stage.world())
     stage.lamps()
+    context.scene.cycles.sampling_pattern = "TABULATED_SOBOL"  # others begin anew for each number of samples
     bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=8, radius=0.6)
     context.object.name = "Ball"
     context.object.data.materials.append(

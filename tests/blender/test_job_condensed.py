@@ -63,14 +63,17 @@ def textures(axis: Axis = Axis.MIRROR) -> set[str]:
 @pytest.mark.parametrize("budget", [25_000, 60_000])
 def test_a_budget_is_kept_and_made_use_of(out: Path, budget: int) -> None:
     ball()
+    bpy.data.objects.remove(
+        bpy.data.objects["Point"]
+    )  # of two, Cycles takes either first: noise would differ
+    context.view_layer.update()
     result = bake(out, spec(budget=budget))
     assert names(out) == {"Ball.radiance.json", *textures()} == {path.name for path in result.files.all}
     size = sum(path.stat().st_size - HEADERS for path in result.files.images)
     chosen = result.condensed
     assert chosen is not None
     assert size == chosen.bytes
-    # Cycles takes lamps in the order of their addresses: light, and with it the clusters, differs by noise.
-    assert 0.75 * budget < size <= budget
+    assert 0.85 * budget < size <= budget
     atlas, sidecar = read_condensed(out / "Ball.radiance.json")
     assert chosen.clusters == tuple(len(lobe.ends) for lobe in atlas.lobes)
     assert (chosen.colour, chosen.surroundings) == (sidecar.colour, sidecar.surroundings)

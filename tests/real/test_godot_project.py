@@ -143,7 +143,7 @@ def test_far_away_mipmaps_show_what_more_samples_show(exhibit: Exhibit, root: Ro
     whole = bake.inside(large).reshape(64, 8, 64, 8).all(axis=(1, 3))
     shots = [Shot(small, {"filtering": mode}) for mode in (3, 2)]
     by_levels, plain = pictures(root, opened, "Compatibility", shots)
-    assert decibels(by_levels, mean, whole) > decibels(plain, mean, whole)
+    assert decibels(by_levels, mean, whole) > decibels(plain, mean, whole) + 0.5
 
 
 def test_dragging_turns_it_and_the_wheel_moves_it(exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
