@@ -19,13 +19,13 @@ from ..bake.spec import BakeSpec, Kind
 from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
-from ..core.errors import BakeError
 from ..core.occlusion import occlusion
 from ..core.shadow import pack_bits
 from ..cycles.occlusion import OcclusionCapture
-from ..formats.exr import write_atlas
+from ..formats.atomic import replacing
+from ..formats.bucket_files import write_buckets
 from ..formats.shadow_files import write_shadow
-from ..formats.sidecar import Sidecar, write_sidecar
+from ..formats.sidecar import Sidecar
 from .files import OutputFiles, facts_of
 from .made import Made
 from .prepare import Prepared
@@ -53,13 +53,7 @@ def bake_occlusion(
         original.name, spec, layout.width, layout.height, prepared.uv_layer, source=prepared.source_facts
     )
     write = _write_shadow if spec.kind is Kind.SHADOW else _write_ambient
-    try:
-        written = write(files.atlas, seen, layout, facts, spec)
-        write_sidecar(files.sidecar, written)
-    except BakeError:  # an atlas must not lie beside the sidecar of another
-        for path in (files.atlas, files.sidecar):
-            path.unlink(missing_ok=True)
-        raise
+    written = write(files, seen, layout, facts, spec)
     return Made(
         files,
         AtlasLayout(layout.width, layout.height, written.bucket),
@@ -73,15 +67,21 @@ def _paths(plan: CapturePlan, spec: BakeSpec) -> int:
     return len(plan.texel) * spec.bucket**2 * spec.samples
 
 
-def _write_shadow(path: Path, seen: Floats, layout: AtlasLayout, facts: Sidecar, spec: BakeSpec) -> Sidecar:
-    """Write bits; returns what lies in the header."""
+def _write_shadow(
+    files: OutputFiles, seen: Floats, layout: AtlasLayout, facts: Sidecar, spec: BakeSpec
+) -> Sidecar:
+    """Write bits and their sidecar, both or neither; returns what the sidecar says."""
     words = np.concatenate([pack_bits(row[..., 0] < 0.5) for row in _by_rows(seen, layout)])
-    write_shadow(path, words, facts, spec.compression)
+    with replacing(files.sidecar) as beside:  # left last: it takes its place once the bits are in theirs
+        beside.write_text(facts.to_json(), encoding="utf-8", newline="\n")
+        write_shadow(files.atlas, words, facts, spec.compression)
     return facts
 
 
-def _write_ambient(path: Path, seen: Floats, layout: AtlasLayout, facts: Sidecar, spec: BakeSpec) -> Sidecar:
-    """Write one value a texel, which is a bucket of one cell with all the rays; returns the header."""
+def _write_ambient(
+    files: OutputFiles, seen: Floats, layout: AtlasLayout, facts: Sidecar, spec: BakeSpec
+) -> Sidecar:
+    """Write one value a texel, which is a bucket of one cell with all the rays; returns the sidecar."""
     pixels = np.empty((layout.height, layout.width, 4), dtype=np.float32)
     first = 0
     for row in _by_rows(seen, layout):
@@ -90,7 +90,7 @@ def _write_ambient(path: Path, seen: Floats, layout: AtlasLayout, facts: Sidecar
         pixels[first : first + len(row), :, 3] = ambient
         first += len(row)
     of_texel = replace(facts, bucket=1, samples=spec.samples * spec.bucket**2)
-    return write_atlas(path, pixels, of_texel, spec.half, spec.compression)
+    return write_buckets(files.sidecar, pixels, {}, of_texel, spec.half, spec.compression)
 
 
 def _by_rows(seen: Floats, layout: AtlasLayout) -> Generator[Floats, None, None]:
