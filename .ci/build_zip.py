@@ -24,7 +24,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from build_web import build_web
+from build_web import alone, build_web
 from seal_wheel import seal_wheel
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -77,12 +77,14 @@ def main() -> None:
     )
     parser.add_argument("--out", type=Path, default=ROOT / "dist", metavar="DIR", help="default: dist/")
     out: Path = parser.parse_args().out
-    wheels = named_wheels()
-    fetch_wheels(wheels)
-    for wheel in wheels:
-        wheel.lay()
-    build_web()
-    for path in build(out):
+    with alone():
+        wheels = named_wheels()
+        fetch_wheels(wheels)
+        for wheel in wheels:
+            wheel.lay()
+        build_web()
+        zips = build(out)
+    for path in zips:
         print(f"{path}  {path.stat().st_size / 2**20:.1f} MiB", flush=True)
 
 

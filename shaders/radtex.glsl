@@ -104,7 +104,16 @@ vec4 radtex_sample(RADTEX_ATLAS, ivec2 texels, int n, vec2 uv, vec3 I, int mode)
     return radtex_texel(RADTEX_PASSED, texel, n, B, mode == RADTEX_LINEAR, 0);
 }
 
-// The same, quadrilinear, between the mip levels around `level`, which is 0 or more and the atlas's last at most.
+// What a ray finds where it hits the surface at `uv`: radtex_sample towards where it comes from. `ray` leads to the
+// surface, in the space of the other vectors, of any length but zero. One from behind the normal takes the rim: at a
+// slant a smooth normal turns away from rays that do hit the front. A ray that meets a facet's back is no hit.
+vec4 radtex_hit(RADTEX_ATLAS, ivec2 texels, int n, vec2 uv, vec3 ray, vec3 normal, vec3 tangent, float bitangent_sign,
+                int mode) {
+    vec3 I = radtex_incidence(-ray, normal, tangent, bitangent_sign);
+    return radtex_sample(RADTEX_PASSED, texels, n, uv, I, mode);
+}
+
+// As radtex_sample, quadrilinear, between the mip levels around `level`, which is 0 or more and the atlas's last at most.
 vec4 radtex_sample_level(RADTEX_ATLAS, ivec2 texels, int n, vec2 uv, vec3 I, float level) {
     vec2 B = radtex_bucket(I);
     int low = int(level);

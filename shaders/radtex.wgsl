@@ -94,7 +94,16 @@ fn radtex_sample(atlas: texture_2d<f32>, texels: vec2i, n: i32, uv: vec2f, I: ve
     return radtex_texel(atlas, texel, n, B, mode == RADTEX_LINEAR, 0);
 }
 
-// The same, quadrilinear, between the mip levels around `level`, which is 0 or more and the atlas's last at most.
+// What a ray finds where it hits the surface at `uv`: radtex_sample towards where it comes from. `ray` leads to the
+// surface, in the space of the other vectors, of any length but zero. One from behind the normal takes the rim: at a
+// slant a smooth normal turns away from rays that do hit the front. A ray that meets a facet's back is no hit.
+fn radtex_hit(atlas: texture_2d<f32>, texels: vec2i, n: i32, uv: vec2f, ray: vec3f, normal: vec3f, tangent: vec3f,
+              bitangent_sign: f32, mode: i32) -> vec4f {
+    let I = radtex_incidence(-ray, normal, tangent, bitangent_sign);
+    return radtex_sample(atlas, texels, n, uv, I, mode);
+}
+
+// As radtex_sample, quadrilinear, between the mip levels around `level`, which is 0 or more and the atlas's last at most.
 fn radtex_sample_level(atlas: texture_2d<f32>, texels: vec2i, n: i32, uv: vec2f, I: vec3f, level: f32) -> vec4f {
     let B = radtex_bucket(I);
     let low = i32(level);
@@ -156,6 +165,13 @@ fn radtex_sample_filtered(atlas: texture_2d<f32>, filtering: sampler, texels: ve
     if mode == RADTEX_QUADRILINEAR { return radtex_four_filtered(atlas, filtering, texels, n, uv, B, 0); }
     let texel = clamp(vec2i(floor(uv * vec2f(texels))), vec2i(0), texels - 1);
     return radtex_texel_filtered(atlas, filtering, texel, n, B, 0);
+}
+
+// As radtex_hit, but for RADTEX_NEAREST.
+fn radtex_hit_filtered(atlas: texture_2d<f32>, filtering: sampler, texels: vec2i, n: i32, uv: vec2f, ray: vec3f,
+                       normal: vec3f, tangent: vec3f, bitangent_sign: f32, mode: i32) -> vec4f {
+    let I = radtex_incidence(-ray, normal, tangent, bitangent_sign);
+    return radtex_sample_filtered(atlas, filtering, texels, n, uv, I, mode);
 }
 
 // As radtex_sample_level.

@@ -84,3 +84,17 @@ vec3 radtex_condensed(sampler2D colour, ivec2 fine, sampler2D irradiance, ivec2 
                                 through_ranges, columns, n, texels, surroundings, around, uv, -V);
     return max(light, 0.0);
 }
+
+// What a ray finds where it hits the surface, for a runtime that traces: V is radtex_hit_viewer(ray, N).
+vec3 radtex_condensed_hit(sampler2D colour, ivec2 fine, sampler2D irradiance, ivec2 texels,
+                          vec3 falloff[RADTEX_FALLOFF],
+                          sampler2D mirror_weights, sampler2D mirror_ends_xy, sampler2D mirror_ends_zs,
+                          sampler2D mirror_gain, sampler2D mirror_rest, vec4 mirror_ranges[12],
+                          sampler2D through_weights, sampler2D through_ends_xy, sampler2D through_ends_zs,
+                          sampler2D through_gain, sampler2D through_rest, vec4 through_ranges[12],
+                          int columns, int n, sampler2D surroundings, ivec2 around, vec2 uv, vec3 N, vec3 ray) {
+    return radtex_condensed(colour, fine, irradiance, texels, falloff,
+                            mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest, mirror_ranges,
+                            through_weights, through_ends_xy, through_ends_zs, through_gain, through_rest,
+                            through_ranges, columns, n, surroundings, around, uv, N, radtex_hit_viewer(ray, N));
+}

@@ -90,4 +90,19 @@ float3 radtex_condensed(Texture2D colour, int2 fine, Texture2D irradiance, int2 
     return max(light, 0.0);
 }
 
+// What a ray finds where it hits the surface, for a runtime that traces: V is radtex_hit_viewer(ray, N).
+float3 radtex_condensed_hit(Texture2D colour, int2 fine, Texture2D irradiance, int2 texels,
+                            float3 falloff[RADTEX_FALLOFF],
+                            Texture2D mirror_weights, Texture2D mirror_ends_xy, Texture2D mirror_ends_zs,
+                            Texture2D mirror_gain, Texture2D mirror_rest, float4 mirror_ranges[12],
+                            Texture2D through_weights, Texture2D through_ends_xy, Texture2D through_ends_zs,
+                            Texture2D through_gain, Texture2D through_rest, float4 through_ranges[12],
+                            int columns, int n, Texture2D surroundings, int2 around, float2 uv, float3 N,
+                            float3 ray) {
+    return radtex_condensed(colour, fine, irradiance, texels, falloff,
+                            mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest, mirror_ranges,
+                            through_weights, through_ends_xy, through_ends_zs, through_gain, through_rest,
+                            through_ranges, columns, n, surroundings, around, uv, N, radtex_hit_viewer(ray, N));
+}
+
 #endif

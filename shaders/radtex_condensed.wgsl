@@ -100,3 +100,19 @@ fn radtex_condensed(colour: texture_2d<f32>, fine: vec2i, irradiance: texture_2d
                                 filtering, through_ranges, columns, n, texels, surroundings, around, uv, -V);
     return max(light, vec3f(0.0));
 }
+
+// What a ray finds where it hits the surface, for a runtime that traces: V is radtex_hit_viewer(ray, N).
+fn radtex_condensed_hit(colour: texture_2d<f32>, fine: vec2i, irradiance: texture_2d<f32>, texels: vec2i,
+                        filtering: sampler, falloff: RadtexFalloff,
+                        mirror_weights: texture_2d<f32>, mirror_ends_xy: texture_2d<f32>,
+                        mirror_ends_zs: texture_2d<f32>, mirror_gain: texture_2d<f32>, mirror_rest: texture_2d<f32>,
+                        mirror_ranges: RadtexRanges, through_weights: texture_2d<f32>,
+                        through_ends_xy: texture_2d<f32>, through_ends_zs: texture_2d<f32>,
+                        through_gain: texture_2d<f32>, through_rest: texture_2d<f32>, through_ranges: RadtexRanges,
+                        columns: i32, n: i32, surroundings: texture_2d<f32>, around: vec2i, uv: vec2f, N: vec3f,
+                        ray: vec3f) -> vec3f {
+    return radtex_condensed(colour, fine, irradiance, texels, filtering, falloff,
+                            mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest, mirror_ranges,
+                            through_weights, through_ends_xy, through_ends_zs, through_gain, through_rest,
+                            through_ranges, columns, n, surroundings, around, uv, N, radtex_hit_viewer(ray, N));
+}

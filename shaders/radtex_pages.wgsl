@@ -48,6 +48,13 @@ fn radtex_sample_paged(atlas: texture_2d_array<f32>, pages: vec4i, texels: vec2i
     return radtex_texel_paged(atlas, pages, texel, n, B, mode == RADTEX_LINEAR, 0);
 }
 
+// As radtex_hit.
+fn radtex_hit_paged(atlas: texture_2d_array<f32>, pages: vec4i, texels: vec2i, n: i32, uv: vec2f, ray: vec3f,
+                    normal: vec3f, tangent: vec3f, bitangent_sign: f32, mode: i32) -> vec4f {
+    let I = radtex_incidence(-ray, normal, tangent, bitangent_sign);
+    return radtex_sample_paged(atlas, pages, texels, n, uv, I, mode);
+}
+
 // As radtex_sample_level.
 fn radtex_sample_level_paged(atlas: texture_2d_array<f32>, pages: vec4i, texels: vec2i, n: i32, uv: vec2f, I: vec3f,
                              level: f32) -> vec4f {

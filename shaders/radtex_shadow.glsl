@@ -26,13 +26,13 @@ precision highp usampler2DArray;
 #define RADTEX_BITS usampler2D
 #endif
 
-// The four texels around a place, and their weights.
+// The nine texels around a place, and how far that is from the middle one's middle, -1/2 to 1/2.
 struct RadtexShadow {
-    vec4 weights;
+    vec2 beyond;
 #ifdef RADTEX_SHADOW_LAYERS
-    ivec2 low, high;
+    ivec2 nearest, last;
 #else
-    uvec2 words[4];
+    uvec2 words[9];
 #endif
 };
 
@@ -46,28 +46,26 @@ struct RadtexShadow {
 
 // What every lookup at `uv` reads, for however many lights. With layers, `bits` also is each lookup's first argument.
 RadtexShadow radtex_shadow(RADTEX_BITS bits, ivec2 texels, vec2 uv) {
-    vec2 position = uv * vec2(texels) - 0.5;
-    ivec2 corner = ivec2(floor(position)), last = texels - 1;
-    ivec2 low = clamp(corner, ivec2(0), last), high = clamp(corner + 1, ivec2(0), last);
-    vec2 f = fract(position);
+    vec2 position = uv * vec2(texels), corner = floor(position);
+    ivec2 nearest = ivec2(corner), last = texels - 1;
     RadtexShadow here;
-    here.weights = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
+    here.beyond = position - corner - 0.5;
 #ifdef RADTEX_SHADOW_LAYERS
-    here.low = low;
-    here.high = high;
+    here.nearest = nearest;
+    here.last = last;
 #else
-    here.words[0] = texelFetch(bits, low, 0).xy;
-    here.words[1] = texelFetch(bits, ivec2(high.x, low.y), 0).xy;
-    here.words[2] = texelFetch(bits, ivec2(low.x, high.y), 0).xy;
-    here.words[3] = texelFetch(bits, high, 0).xy;
+    for (int t = 0; t < 9; t++) {
+        ivec2 texel = clamp(nearest + ivec2(t % 3, t / 3) - 1, ivec2(0), last);
+        here.words[t] = texelFetch(bits, texel, 0).xy;
+    }
 #endif
     return here;
 }
 
-// 1 where the cell of texel `t`, of four, is open, 0 where it is blocked.
+// 1 where the cell k of texel t, of nine, is open, 0 where it is blocked.
 float radtex_open(RADTEX_SHADOW, int t, int k) {
 #ifdef RADTEX_SHADOW_LAYERS
-    ivec2 texel = ivec2((t & 1) == 0 ? here.low.x : here.high.x, t < 2 ? here.low.y : here.high.y);
+    ivec2 texel = clamp(here.nearest + ivec2(t % 3, t / 3) - 1, ivec2(0), here.last);
     uvec2 words = texelFetch(bits, ivec3(texel, k >> 6), 0).xy;
 #else
     uvec2 words = here.words[t];
@@ -76,29 +74,69 @@ float radtex_open(RADTEX_SHADOW, int t, int k) {
     return float(1u - ((word >> uint(k & 31)) & 1u));
 }
 
-// How much of a light in the unit direction I of the frame is seen, 0 to 1: texels and cells are blended.
-float radtex_visible(RADTEX_SHADOW, int n, vec3 I) {
-    vec2 position = clamp((radtex_bucket(I) + 1.0) * 0.5 * float(n), 0.5, float(n) - 0.5) - 0.5;
-    ivec2 low = ivec2(position), high = min(low + 1, n - 1);
-    vec2 f = position - vec2(low);
-    float seen = 0.0;
-    for (int t = 0; t < 4; t++) {
-        float below = mix(radtex_open(RADTEX_HERE, t, low.y * n + low.x),
-                          radtex_open(RADTEX_HERE, t, low.y * n + high.x), f.x);
-        float above = mix(radtex_open(RADTEX_HERE, t, high.y * n + low.x),
-                          radtex_open(RADTEX_HERE, t, high.y * n + high.x), f.x);
-        seen += here.weights[t] * mix(below, above, f.y);
-    }
-    return seen;
+// The same between the four texels around the place.
+float radtex_open_here(RADTEX_SHADOW, int k) {
+    int x = here.beyond.x < 0.0 ? -1 : 1, y = here.beyond.y < 0.0 ? -3 : 3;
+    vec2 f = abs(here.beyond);
+    return mix(mix(radtex_open(RADTEX_HERE, 4, k), radtex_open(RADTEX_HERE, 4 + x, k), f.x),
+               mix(radtex_open(RADTEX_HERE, 4 + y, k), radtex_open(RADTEX_HERE, 4 + x + y, k), f.x), f.y);
 }
 
-// The same of the one cell that holds I: for each of many points of a light, whose size blends cells by itself.
-float radtex_visible_cell(RADTEX_SHADOW, int n, vec3 I) {
-    ivec2 cell = clamp(ivec2((radtex_bucket(I) + 1.0) * 0.5 * float(n)), ivec2(0), ivec2(n - 1));
-    int k = cell.y * n + cell.x;
-    return dot(here.weights, vec4(radtex_open(RADTEX_HERE, 0, k), radtex_open(RADTEX_HERE, 1, k),
-                                  radtex_open(RADTEX_HERE, 2, k), radtex_open(RADTEX_HERE, 3, k)));
+// Where a direction of the frame lies among the middles of n x n cells.
+vec2 radtex_between_cells(int n, vec3 I) {
+    return clamp((radtex_bucket(I) + 1.0) * 0.5 * float(n), 0.5, float(n) - 0.5) - 0.5;
 }
+
+// How much of a light in the unit direction I of the frame is seen, 0 to 1: texels and cells are blended.
+float radtex_visible(RADTEX_SHADOW, int n, vec3 I) {
+    vec2 position = radtex_between_cells(n, I);
+    ivec2 low = ivec2(position), high = min(low + 1, n - 1);
+    vec2 f = position - vec2(low);
+    float below = mix(radtex_open_here(RADTEX_HERE, low.y * n + low.x),
+                      radtex_open_here(RADTEX_HERE, low.y * n + high.x), f.x);
+    float above = mix(radtex_open_here(RADTEX_HERE, high.y * n + low.x),
+                      radtex_open_here(RADTEX_HERE, high.y * n + high.x), f.x);
+    return mix(below, above, f.y);
+}
+
+// What each of many points of a light looks up, and how.
+#ifdef RADTEX_SHADOW_LAYERS
+#define RADTEX_POINTS RADTEX_SHADOW
+#define RADTEX_POINT RADTEX_HERE
+
+// The cell that holds I: more than 8 x 8 cells are fine enough for a light's own size to blend them.
+float radtex_visible_point(RADTEX_POINTS, int n, vec3 I) {
+    ivec2 cell = clamp(ivec2((radtex_bucket(I) + 1.0) * 0.5 * float(n)), ivec2(0), ivec2(n - 1));
+    return radtex_open_here(RADTEX_HERE, cell.y * n + cell.x);
+}
+#else
+#define RADTEX_POINTS float cells[64]
+#define RADTEX_POINT cells
+
+// How open each cell is in the mean of nine texels, read once for all points.
+void radtex_blend(RadtexShadow here, out float cells[64]) {
+    for (int k = 0; k < 64; k++) cells[k] = 0.0;
+    for (int t = 0; t < 9; t++) {
+        float x = t % 3 == 1 ? 1.0 : 0.5 + (t % 3 == 0 ? -here.beyond.x : here.beyond.x);
+        float y = t / 3 == 1 ? 1.0 : 0.5 + (t / 3 == 0 ? -here.beyond.y : here.beyond.y);
+        uvec2 clear = ~here.words[t];
+        for (int k = 0; k < 32; k++) {
+            cells[k] += 0.25 * x * y * float((clear.x >> uint(k)) & 1u);
+            cells[k + 32] += 0.25 * x * y * float((clear.y >> uint(k)) & 1u);
+        }
+    }
+}
+
+// Between four cells, and sharpened: a shadow's edge lies where so wide a blend is about a half.
+float radtex_visible_point(RADTEX_POINTS, int n, vec3 I) {
+    vec2 position = radtex_between_cells(n, I);
+    ivec2 low = ivec2(position), high = min(low + 1, n - 1);
+    vec2 f = position - vec2(low);
+    float below = mix(cells[low.y * n + low.x], cells[low.y * n + high.x], f.x);
+    float above = mix(cells[high.y * n + low.x], cells[high.y * n + high.x], f.x);
+    return clamp(2.0 * mix(below, above, f.y) - 0.5, 0.0, 1.0);
+}
+#endif
 
 // The frame (T, Bt, N) as columns: what radtex_incidence brings vectors into.
 mat3 radtex_frame(vec3 normal, vec3 tangent, float bitangent_sign) {
@@ -111,6 +149,10 @@ mat3 radtex_frame(vec3 normal, vec3 tangent, float bitangent_sign) {
 // A sun's irradiance over that which it has at a right angle, from `count` points, even on its disc, `angle` wide in
 // radians.
 float radtex_sun(RADTEX_SHADOW, int n, mat3 frame, vec3 to_sun, float angle, int count) {
+#ifndef RADTEX_SHADOW_LAYERS
+    float cells[64];
+    radtex_blend(here, cells);
+#endif
     vec3 axis = normalize(to_sun);
     vec3 across = normalize(cross(abs(axis.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0), axis));
     vec3 up = cross(axis, across);
@@ -119,7 +161,7 @@ float radtex_sun(RADTEX_SHADOW, int n, mat3 frame, vec3 to_sun, float angle, int
         float share = count > 1 ? (float(k) + 0.5) / float(count) : 0.0, turn = float(k) * 2.39996323;  // a sunflower
         float cosine = 1.0 - share * (1.0 - rim), sine = sqrt(max(1.0 - cosine * cosine, 0.0));
         vec3 L = (cosine * axis + sine * (cos(turn) * across + sin(turn) * up)) * frame;
-        if (L.z > 0.0) sum += L.z * radtex_visible_cell(RADTEX_HERE, n, L);
+        if (L.z > 0.0) sum += L.z * radtex_visible_point(RADTEX_POINT, n, L);
     }
     return sum / float(count) * 2.0 / (1.0 + rim);
 }
@@ -127,6 +169,10 @@ float radtex_sun(RADTEX_SHADOW, int n, mat3 frame, vec3 to_sun, float angle, int
 // A rectangle's irradiance over its radiance: it lies at `corner`, its sides are `side` and `up`, and it shines along
 // cross(side, up). Divide by the area for a lamp of given power. Points are spread by Roberts's sequence.
 float radtex_rectangle(RADTEX_SHADOW, int n, mat3 frame, vec3 position, vec3 corner, vec3 side, vec3 up, int count) {
+#ifndef RADTEX_SHADOW_LAYERS
+    float cells[64];
+    radtex_blend(here, cells);
+#endif
     vec3 face = cross(side, up);  // as long as the area
     float sum = 0.0;
     for (int k = 0; k < count; k++) {
@@ -135,7 +181,7 @@ float radtex_rectangle(RADTEX_SHADOW, int n, mat3 frame, vec3 position, vec3 cor
         float squared = max(dot(way, way), 1e-30);
         vec3 L = (way * inversesqrt(squared)) * frame;
         float weight = max(L.z, 0.0) * max(-dot(way, face), 0.0) / (squared * sqrt(squared));
-        if (weight > 0.0) sum += weight * radtex_visible_cell(RADTEX_HERE, n, L);
+        if (weight > 0.0) sum += weight * radtex_visible_point(RADTEX_POINT, n, L);
     }
     return sum / float(count);
 }

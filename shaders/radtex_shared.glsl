@@ -101,6 +101,14 @@ vec3 radtex_lobe(sampler2D ends, sampler2D gain, sampler2D rest, int n, sampler2
     return radtex_buckets(gain, n, uv, place).rgb * met + radtex_buckets(rest, n, uv, place).rgb;
 }
 
+// The direction V to the viewer whose place a ray takes that hits the surface: `ray` leads to it, unit as N is. One from
+// behind N counts as grazing: at a slant a smooth normal turns away from rays that do hit the front. A ray that meets a
+// facet's back is no hit.
+vec3 radtex_hit_viewer(vec3 ray, vec3 N) {
+    vec3 V = max(dot(ray, N), 0.0) * N - ray;
+    return V / max(length(V), 1e-30);
+}
+
 // Radiance of a bake with both lobes towards the viewer, in the unit direction V, where the unit normal is N.
 vec3 radtex_shared(sampler2D colour, sampler2D irradiance, vec3 falloff[RADTEX_FALLOFF],
                    sampler2D mirror_ends, sampler2D mirror_gain, sampler2D mirror_rest,
@@ -110,4 +118,14 @@ vec3 radtex_shared(sampler2D colour, sampler2D irradiance, vec3 falloff[RADTEX_F
         + radtex_lobe(mirror_ends, mirror_gain, mirror_rest, n, surroundings, around, uv, reflect(-V, N))
         + radtex_lobe(through_ends, through_gain, through_rest, n, surroundings, around, uv, -V);
     return max(light, 0.0);
+}
+
+// What a ray finds where it hits the surface, for a runtime that traces: V is radtex_hit_viewer(ray, N).
+vec3 radtex_shared_hit(sampler2D colour, sampler2D irradiance, vec3 falloff[RADTEX_FALLOFF],
+                       sampler2D mirror_ends, sampler2D mirror_gain, sampler2D mirror_rest,
+                       sampler2D through_ends, sampler2D through_gain, sampler2D through_rest, int n,
+                       sampler2D surroundings, ivec2 around, vec2 uv, vec3 N, vec3 ray) {
+    return radtex_shared(colour, irradiance, falloff, mirror_ends, mirror_gain, mirror_rest,
+                         through_ends, through_gain, through_rest, n, surroundings, around, uv, N,
+                         radtex_hit_viewer(ray, N));
 }

@@ -102,6 +102,14 @@ float3 radtex_lobe(Texture2D ends, Texture2D gain, Texture2D rest, int n, Textur
     return radtex_buckets(gain, n, uv, place).rgb * met + radtex_buckets(rest, n, uv, place).rgb;
 }
 
+// The direction V to the viewer whose place a ray takes that hits the surface: `ray` leads to it, unit as N is. One from
+// behind N counts as grazing: at a slant a smooth normal turns away from rays that do hit the front. A ray that meets a
+// facet's back is no hit.
+float3 radtex_hit_viewer(float3 ray, float3 N) {
+    float3 V = max(dot(ray, N), 0.0) * N - ray;
+    return V / max(length(V), 1e-30);
+}
+
 // Radiance of a bake with both lobes towards the viewer, in the unit direction V, where the unit normal is N.
 float3 radtex_shared(Texture2D colour, Texture2D irradiance, float3 falloff[RADTEX_FALLOFF],
                      Texture2D mirror_ends, Texture2D mirror_gain, Texture2D mirror_rest,
@@ -111,6 +119,16 @@ float3 radtex_shared(Texture2D colour, Texture2D irradiance, float3 falloff[RADT
         + radtex_lobe(mirror_ends, mirror_gain, mirror_rest, n, surroundings, around, uv, reflect(-V, N))
         + radtex_lobe(through_ends, through_gain, through_rest, n, surroundings, around, uv, -V);
     return max(light, 0.0);
+}
+
+// What a ray finds where it hits the surface, for a runtime that traces: V is radtex_hit_viewer(ray, N).
+float3 radtex_shared_hit(Texture2D colour, Texture2D irradiance, float3 falloff[RADTEX_FALLOFF],
+                         Texture2D mirror_ends, Texture2D mirror_gain, Texture2D mirror_rest,
+                         Texture2D through_ends, Texture2D through_gain, Texture2D through_rest, int n,
+                         Texture2D surroundings, int2 around, float2 uv, float3 N, float3 ray) {
+    return radtex_shared(colour, irradiance, falloff, mirror_ends, mirror_gain, mirror_rest,
+                         through_ends, through_gain, through_rest, n, surroundings, around, uv, N,
+                         radtex_hit_viewer(ray, N));
 }
 
 #endif

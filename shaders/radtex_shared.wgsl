@@ -103,6 +103,14 @@ fn radtex_lobe(ends: texture_2d<f32>, gain: texture_2d<f32>, rest: texture_2d<f3
     return radtex_buckets(gain, filtering, n, uv, place).rgb * met + radtex_buckets(rest, filtering, n, uv, place).rgb;
 }
 
+// The direction V to the viewer whose place a ray takes that hits the surface: `ray` leads to it, unit as N is. One from
+// behind N counts as grazing: at a slant a smooth normal turns away from rays that do hit the front. A ray that meets a
+// facet's back is no hit.
+fn radtex_hit_viewer(ray: vec3f, N: vec3f) -> vec3f {
+    let V = max(dot(ray, N), 0.0) * N - ray;
+    return V / max(length(V), 1e-30);
+}
+
 // Radiance of a bake with both lobes towards the viewer, in the unit direction V, where the unit normal is N.
 fn radtex_shared(colour: texture_2d<f32>, irradiance: texture_2d<f32>, filtering: sampler, falloff: RadtexFalloff,
                  mirror_ends: texture_2d<f32>, mirror_gain: texture_2d<f32>, mirror_rest: texture_2d<f32>,
@@ -112,4 +120,14 @@ fn radtex_shared(colour: texture_2d<f32>, irradiance: texture_2d<f32>, filtering
         + radtex_lobe(mirror_ends, mirror_gain, mirror_rest, filtering, n, surroundings, around, uv, reflect(-V, N))
         + radtex_lobe(through_ends, through_gain, through_rest, filtering, n, surroundings, around, uv, -V);
     return max(light, vec3f(0.0));
+}
+
+// What a ray finds where it hits the surface, for a runtime that traces: V is radtex_hit_viewer(ray, N).
+fn radtex_shared_hit(colour: texture_2d<f32>, irradiance: texture_2d<f32>, filtering: sampler, falloff: RadtexFalloff,
+                     mirror_ends: texture_2d<f32>, mirror_gain: texture_2d<f32>, mirror_rest: texture_2d<f32>,
+                     through_ends: texture_2d<f32>, through_gain: texture_2d<f32>, through_rest: texture_2d<f32>,
+                     n: i32, surroundings: texture_2d<f32>, around: vec2i, uv: vec2f, N: vec3f, ray: vec3f) -> vec3f {
+    return radtex_shared(colour, irradiance, filtering, falloff, mirror_ends, mirror_gain, mirror_rest,
+                         through_ends, through_gain, through_rest, n, surroundings, around, uv, N,
+                         radtex_hit_viewer(ray, N));
 }

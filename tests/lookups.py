@@ -13,6 +13,7 @@ from radtex_addon.core import hemisphere as hs
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised, orthonormal_frame, to_frame
+from radtex_addon.core.hit import sample_hit
 from radtex_addon.core.sampler import Filter, sample
 
 SIDE = 100  # the lookups fill a square picture
@@ -79,6 +80,15 @@ def random_lookups(seed: int = 3) -> Lookups:
     viewer = incidence[:, :1] * t + incidence[:, 1:2] * bt + incidence[:, 2:] * n
     stretched = [v * rng.uniform(0.3, 3, (COUNT, 1)) for v in (normal, tangent, viewer)]
     return Lookups(*(a.astype(np.float32) for a in (uv, *stretched[:2], sign, stretched[2])))
+
+
+def hit_answers(atlas: Floats, lookups: Lookups) -> Floats:
+    """What the reference finds by rays from where the viewers are, quadrilinear, (K, C)."""
+    ray, normal, tangent, sign = (
+        a.astype(float) for a in (-lookups.viewer, lookups.normal, lookups.tangent, lookups.sign)
+    )
+    uv = lookups.uv.astype(float)
+    return sample_hit(atlas.astype(float), LAYOUT, uv, ray, normal, tangent, sign, Filter.QUADRILINEAR)
 
 
 def worst_error(result: Floats, atlas: Floats, lookups: Lookups, kind: Filter) -> tuple[float, float]:

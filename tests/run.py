@@ -8,6 +8,8 @@
 """Run the tests on every supported Blender: `uv run tests/run.py [--blender 5.2] [pytest's arguments]`.
 
 Each Blender has an environment of its own (.venv-4.5, .venv-5.2), made from uv.lock when needed.
+They run side by side, each line behind its Blender's number; a run of everything gives the newest's tests
+of real programs, which often wait, a process of their own.
 The last line sums up, as pytest would; the exit code is 0 only if all passed.
 """
 
@@ -21,6 +23,7 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from time import perf_counter
 from xml.etree import ElementTree as ET
@@ -28,6 +31,8 @@ from xml.etree import ElementTree as ET
 ROOT = Path(__file__).resolve().parent.parent
 UV = os.environ.get("UV") or shutil.which("uv") or "uv"
 PYTHON_OF = {"4.5": "3.11", "5.2": "3.13"}
+NEWEST = "5.2"
+REAL = "tests/real"  # where other programs are started, in the newest Blender's run alone
 
 
 def main() -> int:
@@ -38,18 +43,23 @@ def main() -> int:
     parser.add_argument("--blender", choices=PYTHON_OF, action="append", help="only this one; repeatable")
     options, pytest_arguments = parser.parse_known_args()
     started = perf_counter()
-    counts: Counter[str] = Counter()
-    codes = []
-    for blender in options.blender or PYTHON_OF:
-        code, outcome = run_pytest(blender, pytest_arguments)
-        codes.append(code)
-        counts += outcome
+    runs = dict.fromkeys(options.blender or PYTHON_OF, pytest_arguments)
+    if not pytest_arguments and NEWEST in runs:
+        runs |= {NEWEST: [f"--ignore={REAL}"], f"{NEWEST} real": [REAL]}
+    with ThreadPoolExecutor(len(runs)) as pool:
+        ended = [pool.submit(run_pytest, name, arguments, len(runs) > 1) for name, arguments in runs.items()]
+    outcomes = [run.result() for run in ended]
+    counts = sum((count for _, count in outcomes), Counter[str]())
     print(summary(counts, perf_counter() - started), flush=True)
-    return max(codes, key=abs)
+    return max((code for code, _ in outcomes), key=abs)
 
 
-def run_pytest(blender: str, arguments: list[str]) -> tuple[int, Counter[str]]:
-    """Run pytest in one Blender's environment; return its exit code and how many tests ended how."""
+def run_pytest(name: str, arguments: list[str], beside: bool) -> tuple[int, Counter[str]]:
+    """Run pytest in the environment of the Blender that `name` begins with.
+
+    Return its exit code and how many tests ended how. Beside others, each line says whose it is.
+    """
+    blender = name.split(maxsplit=1)[0]
     command = [UV, "run", "--frozen", "--python", PYTHON_OF[blender]]
     command += ["--no-default-groups", f"--group=blender-{blender.replace('.', '')}", "--group=test"]
     command += ["python", "-m", "pytest"]
@@ -58,11 +68,32 @@ def run_pytest(blender: str, arguments: list[str]) -> tuple[int, Counter[str]]:
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder, "report.xml")
         print(f"Blender {blender}: {shlex.join([*command, *arguments])}", flush=True)
-        code = subprocess.run(
-            [*command, f"--junit-xml={report}", *arguments], cwd=ROOT, env=environment, check=False
-        ).returncode
+        command += [f"--junit-xml={report}", *arguments]
+        code = run_marked(f"{name} | ", command, environment) if beside else run(command, environment)
         outcome = read_report(report) if report.exists() else Counter({"error": 1})
     return code, outcome
+
+
+def run(command: list[str], environment: dict[str, str]) -> int:
+    """Run a command and return its exit code."""
+    return subprocess.run(command, cwd=ROOT, env=environment, check=False).returncode
+
+
+def run_marked(mark: str, command: list[str], environment: dict[str, str]) -> int:
+    """Run a command, with `mark` before each line that it says, and return its exit code."""
+    with subprocess.Popen(
+        command,
+        cwd=ROOT,
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        encoding="utf-8",
+        errors="replace",
+    ) as process:
+        for line in process.stdout or ():
+            print(mark + line, end="", flush=True)
+    return process.returncode
 
 
 def read_report(path: Path) -> Counter[str]:

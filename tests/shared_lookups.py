@@ -4,10 +4,13 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
+from radtex_addon.core.hit import sample_shared_hit
 from radtex_addon.core.shared import SharedAtlas, sample_shared
 from tests.lookups import COUNT, Lookups
 
@@ -38,3 +41,14 @@ def shared_answers(atlas: SharedAtlas, lookups: Lookups) -> Floats:
     """What the reference sampler sees, (K, 3)."""
     normal, viewer = (normalised(vectors.astype(float)) for vectors in (lookups.normal, lookups.viewer))
     return sample_shared(atlas, lookups.uv.astype(float), normal, viewer)
+
+
+def by_ray(lookup: str) -> str:
+    """A shader's `radtex_shared(..., N, V)` or `radtex_condensed(..., N, V)`, by the ray from the viewer."""
+    return re.sub(r"radtex_(shared|condensed)\(", r"radtex_\1_hit(", lookup).replace("N, V)", "N, -V)")
+
+
+def shared_hit_answers(atlas: SharedAtlas, lookups: Lookups) -> Floats:
+    """What the reference finds by rays from where the viewers are, (K, 3)."""
+    normal, viewer = (normalised(vectors.astype(float)) for vectors in (lookups.normal, lookups.viewer))
+    return sample_shared_hit(atlas, lookups.uv.astype(float), normal, -viewer)

@@ -69,6 +69,26 @@ class Keeper:
 KEEPS_NOTHING = Keeper()
 
 
+class Drawer(Keeper):
+    """The pieces of another keeper whose names begin with a `label`, without it."""
+
+    def __init__(self, keeper: Keeper, label: str) -> None:
+        self._keeper, self._label = keeper, label
+
+    def expect(self, facts: Facts) -> None:
+        self._keeper.expect(facts)
+
+    def names(self) -> list[str]:
+        label = self._label
+        return [name.removeprefix(label) for name in self._keeper.names() if name.startswith(label)]
+
+    def found(self, name: str) -> Arrays | None:
+        return self._keeper.found(self._label + name)
+
+    def keep(self, name: str, arrays: Arrays) -> None:
+        self._keeper.keep(self._label + name, arrays)
+
+
 class Checkpoint(Keeper):
     """Keeps pieces in `folder`, which appears with the first of them."""
 

@@ -10,6 +10,7 @@ from typing import TypeVar
 from ..core.errors import InputError
 from ..formats.exr import Compression
 from .layers import Layer
+from .parts import Split
 
 
 class Kind(StrEnum):
@@ -54,6 +55,14 @@ class CaptureMethod(StrEnum):
     PANORAMIC = "panoramic"
 
 
+class View(StrEnum):
+    """From where a transfer is looked at."""
+
+    NORMAL = "normal"  # each texel along its normal
+    CAMERA = "camera"  # from the scene's camera
+    AROUND = "around"  # each texel from nine directions, between which lookups blend
+
+
 class Unwrap(StrEnum):
     """Who makes the UV layer if none is named."""
 
@@ -74,6 +83,11 @@ def parse_capture(text: str) -> CaptureMethod:
     return _parse(CaptureMethod, "capture", text)
 
 
+def parse_view(text: str) -> View:
+    """The view named by `text`. Raises InputError, with the choices."""
+    return _parse(View, "view", text)
+
+
 def parse_compression(text: str) -> Compression:
     """The compression named by `text`. Raises InputError, with the choices."""
     return _parse(Compression, "compression", text)
@@ -87,6 +101,11 @@ def parse_layout(text: str) -> Layout:
 def parse_layer(text: str) -> Layer:
     """The layer named by `text`. Raises InputError, with the choices."""
     return _parse(Layer, "layer", text)
+
+
+def parse_split(text: str) -> Split:
+    """The way to split named by `text`. Raises InputError, with the choices."""
+    return _parse(Split, "way to split", text)
 
 
 def parse_unwrap(text: str) -> Unwrap:

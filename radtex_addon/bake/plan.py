@@ -21,6 +21,7 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.frame import orthonormal_frame
 from ..core.gutter import Nearest, dilate, nearest_covered
+from ..core.ray_offset import ray_offset
 from ..core.texel_map import TexelMap
 
 MIN_IMAGE_SIDE = 4  # Blender renders no smaller picture, in pixels
@@ -41,6 +42,7 @@ class CapturePlan:
 
     `texel` (K,) is the flat index j * width + i of each covered texel. The five fields are (rows, columns, 3)
     float32 in world space, row-major in the order of `texel`; the last row is filled up with the last texel.
+    `own_offset` (rows, columns, 1) is where rays start that do not all start equally far from the surface.
     """
 
     layout: AtlasLayout
@@ -50,6 +52,14 @@ class CapturePlan:
     bitangent: Floats
     normal: Floats
     facet: Floats
+    own_offset: Floats | None = None
+
+    @cached_property
+    def offset(self) -> Floats:
+        """How far from the surface rays start, in scene units: (rows, columns, 1) float32."""
+        if self.own_offset is not None:
+            return self.own_offset
+        return np.full((self.rows, self.columns, 1), ray_offset(self.position), dtype=np.float32)
 
     @property
     def rows(self) -> int:
@@ -95,6 +105,28 @@ class CapturePlan:
         return self.texel[first : first + tile.rows * self.columns]
 
 
+def plan_of_some(plan: CapturePlan, chosen: Bools) -> CapturePlan:
+    """The plan of those of its texels alone where `chosen` (K,) is True, which are some."""
+    picked = np.flatnonzero(chosen)
+    rows, columns = _shape(len(picked), plan.layout.bucket)
+    padded = picked[np.minimum(np.arange(rows * columns), len(picked) - 1)]
+
+    def pack(field: Floats) -> Floats:
+        packed: Floats = field.reshape(plan.rows * plan.columns, -1)[padded].reshape(rows, columns, -1)
+        return packed
+
+    return CapturePlan(
+        plan.layout,
+        plan.texel[picked],
+        pack(plan.position),
+        pack(plan.tangent),
+        pack(plan.bitangent),
+        pack(plan.normal),
+        pack(plan.facet),
+        None if plan.own_offset is None else pack(plan.own_offset),
+    )
+
+
 def plan_capture(texels: TexelMap, bucket: int, without: Ints | None = None) -> CapturePlan:
     """Pack a texel map's covered texels, `without` some (flat indices).
 
@@ -106,9 +138,7 @@ def plan_capture(texels: TexelMap, bucket: int, without: Ints | None = None) -> 
         texel = np.setdiff1d(texel, without, assume_unique=True)
     if not len(texel):
         raise InputError("the UV layer covers no texel: give the bake more texels, or unwrap the mesh again")
-    least = -(-MIN_IMAGE_SIDE // bucket)
-    columns = _columns(len(texel), least, MAX_IMAGE_SIDE // bucket)
-    rows = max(least, -(-len(texel) // columns))
+    rows, columns = _shape(len(texel), bucket)
     padded = texel[np.minimum(np.arange(rows * columns), len(texel) - 1)]
 
     def pack(field: Floats) -> Floats:
@@ -118,7 +148,23 @@ def plan_capture(texels: TexelMap, bucket: int, without: Ints | None = None) -> 
     normal, tangent, sign = pack(texels.normal), pack(texels.tangent), pack(texels.sign[..., None])[..., 0]
     tangent, bitangent, normal = orthonormal_frame(normal, tangent, sign)
     layout = AtlasLayout(width, height, bucket)
-    return CapturePlan(layout, texel, pack(texels.position), tangent, bitangent, normal, pack(texels.facet))
+    return CapturePlan(
+        layout,
+        texel,
+        pack(texels.position),
+        tangent,
+        bitangent,
+        normal,
+        pack(texels.facet),
+        None if texels.offset is None else pack(texels.offset[..., None]),
+    )
+
+
+def _shape(count: int, bucket: int) -> tuple[int, int]:
+    """Rows and columns of the packed image of `count` texels."""
+    least = -(-MIN_IMAGE_SIDE // bucket)
+    columns = _columns(count, least, MAX_IMAGE_SIDE // bucket)
+    return max(least, -(-count // columns)), columns
 
 
 def _columns(count: int, least: int, most: int) -> int:

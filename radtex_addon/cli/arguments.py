@@ -5,14 +5,16 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from pathlib import Path
 
+from ..bake.frames import of_frames
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..export.kinds import check_target
 from ..export.spec import Target
+from ..scene.demo import OBJECT
 from .bake_arguments import add_how, add_output, add_quality, add_what
 from .options import (
     COMPARE,
@@ -24,6 +26,7 @@ from .options import (
     add_help,
     add_parent,
 )
+from .variants import lit, parse_lights
 
 _DESCRIPTION = """\
 Bake radiance textures with Cycles: every texel of an object gets a bucket, a
@@ -69,11 +72,18 @@ class Request:
     unsaved_images: Path | None = None
     parent_pipe: bool = False
     frames: tuple[int, ...] = ()
+    lights: tuple[tuple[str, ...], ...] = ()
+    together: str | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What atlases are called: each object has its own, or all have one."""
+        return (self.together,) if self.together is not None else self.objects or (OBJECT,)
 
     @property
     def specs(self) -> tuple[BakeSpec, ...]:
-        """What is baked of each object: each of the frames, or the one that the file opens with."""
-        return tuple(replace(self.spec, frame=frame) for frame in self.frames) or (self.spec,)
+        """What is baked of each object under each of its lights: all frames, or the one of the file."""
+        return of_frames(self.spec, self.frames) or (self.spec,)
 
 
 def parse(arguments: list[str], inside_blender: bool) -> Request:
@@ -95,17 +105,18 @@ def parse(arguments: list[str], inside_blender: bool) -> Request:
     chosen["layers"] = tuple(found.layers or ())
     if found.frames:
         chosen["frame"] = found.frames[0]
-        if len(found.frames) > 1 and found.unwrap_at is None and found.uv_layer is None:
-            chosen["unwrap_at"] = found.frames[0]
     if found.exports and not (found.save_preview or demo):
         raise InputError("--export is made from the preview: give --save-preview too")
-    spec = BakeSpec(**chosen)
+    objects = tuple(dict.fromkeys(found.object or ()))
+    chosen["objects"] = _sharing(found.together, objects, demo)
+    lights = tuple(map(parse_lights, found.lit or ()))
+    spec = lit(BakeSpec(**chosen), lights)
     for target in found.exports or ():
         check_target("the bake", spec.kind, target)
     return Request(
         scene=None if demo or found.scene is None else Path(found.scene),
         demo=demo,
-        objects=tuple(dict.fromkeys(found.object or ())),
+        objects=objects,
         spec=spec,
         out=Path(found.out),
         preview=found.filter if found.save_preview or demo else None,
@@ -119,7 +130,20 @@ def parse(arguments: list[str], inside_blender: bool) -> Request:
         unsaved_images=None if found.unsaved_images is None else Path(found.unsaved_images),
         parent_pipe=found.parent_pipe,
         frames=found.frames,
+        lights=lights,
+        together=found.together,
     )
+
+
+def _sharing(together: str | None, objects: tuple[str, ...], demo: bool) -> tuple[str, ...]:
+    """The objects that share an atlas called `together`; none without such a name."""
+    if together is None:
+        return ()
+    if not together.strip():
+        raise InputError("--together wants a name for the atlas, such as --together Furniture")
+    if demo:
+        raise InputError(f"the {DEMO} has one object: leave --together out")
+    return objects
 
 
 def _parser(inside_blender: bool) -> Parser:

@@ -16,11 +16,10 @@ from ..bake.thumbnail import Thumbnail
 from ..core.errors import InputError, RadTexError
 from ..formats.atomic import check_writable
 from ..formats.memory import readable_size
-from ..formats.sidecar import read_facts
-from ..job import BakeResult, OutputFiles, bake_steps, check_request
-from ..job.prepare import Unwraps
+from ..job import BakeResult, OutputFiles, bake_steps, check_request, part_specs
+from ..job.unwrapping import Unwraps
+from ..job.variants import left_to_do, passed_over
 from ..preview.picture import render_picture
-from ..scene.demo import OBJECT
 from ..worker.images import load_unsaved
 from .arguments import Request
 from .export import export_baked
@@ -28,6 +27,7 @@ from .failure import as_ours
 from .interruption import INTERRUPTED, Interruption
 from .opening import open_scene
 from .reporting import Report
+from .variants import titled, variants
 
 
 def run_bake(request: Request, report: Report, interruption: Interruption) -> None:
@@ -37,12 +37,15 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
     scene = open_scene(request.scene, request.demo, request.in_scene)
     if request.unsaved_images is not None:
         load_unsaved(request.unsaved_images)
-    wanted = [
-        (name, spec)
-        for spec in request.specs
-        for name in request.objects or (OBJECT,)
-        if not _is_finished(name, spec, request)
+    specs = variants(request.specs, request.lights, scene)
+    several = len(specs) > 1 or request.spec.split is not None
+    goes_on = request.resume and not request.overwrite and several
+    asked = [
+        (name, part) for spec in specs for name in request.names for part in part_specs(scene, name, spec)
     ]
+    wanted = left_to_do(asked, request.out) if goes_on else asked
+    if remark := passed_over(asked, wanted):
+        report.event("warning", message=remark)
     for name, spec in wanted:  # all of them, before the first bake
         check_request(
             scene,
@@ -56,24 +59,12 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
     _check_thumbnail(request.thumbnail)
     unwraps: Unwraps = {}
     for number, (name, spec) in enumerate(wanted):
-        title = name if spec.frame is None else f"{name}, frame {spec.frame} ({number + 1} of {len(wanted)})"
+        title = titled(name, spec, number, len(wanted))
         result = _bake(scene, name, title, spec, request, unwraps, report, interruption)
         others = _pictures(request, result)
         others += export_baked(result.files.sidecar, request.exports, request.overwrite, interruption)
         facts = _facts(spec, result, others)
         report.event("done", object=name, summary=_summary(title, spec, result), **facts)
-
-
-def _is_finished(name: str, spec: BakeSpec, request: Request) -> bool:
-    """Whether this frame is one that a run which is to be resumed had finished."""
-    files = OutputFiles.of(name, spec, request.out, preview=False)
-    if not request.resume or request.overwrite or len(request.frames) < 2:
-        return False
-    if not files.sidecar.is_file() or is_unfinished(files.unfinished):
-        return False
-    found = read_facts(files.sidecar).values
-    asked = {"object": name, "frame": spec.frame, "samples": spec.samples, "seed": spec.seed}
-    return all(found.get(key) == value for key, value in asked.items())
 
 
 def _check_thumbnail(path: Path | None) -> None:
@@ -165,7 +156,10 @@ def _facts(spec: BakeSpec, result: BakeResult, others: list[Path]) -> dict[str, 
     return {
         "files": [str(path) for path in (*result.files.all, *others)],
         "layout": str(spec.layout),
+        "objects": list(spec.objects),
+        "part": spec.part,
         "frame": spec.frame,
+        "lights": list(spec.lights),
         "texels": [result.layout.width, result.layout.height],
         "bucket": result.layout.bucket,
         "covered_texels": result.covered_texels,

@@ -7,14 +7,14 @@ from __future__ import annotations
 import argparse
 import re
 
-from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layer, Layout, Unwrap
+from ..bake.frames import parse_frames
+from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layer, Layout, Split, Unwrap, View
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..export.spec import Target
 from .options import DEMO, add_choice, add_device, add_number, add_progress
 
 _DEFAULT = BakeSpec()
-_MOST_FRAMES = 100_000  # in one range
 
 
 def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
@@ -34,6 +34,26 @@ def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         help="the mesh object to bake; may be given several times",
     )
     group.add_argument(
+        "--together",
+        metavar="NAME",
+        help="bake all objects into one atlas, which is called NAME: DIR/NAME.KIND.exr "
+        "(default: each has its own)",
+    )
+    add_choice(
+        group,
+        "--split",
+        Split,
+        None,
+        "material: an atlas for each material, DIR/NAME.MATERIAL.KIND.exr; udim: one for each tile of the UV "
+        "layer --uv, DIR/NAME.1001.KIND.exr and so on (default: one for the whole surface)",
+    )
+    group.add_argument(
+        "--part",
+        metavar="PART",
+        default=_DEFAULT.part,
+        help="of --split, bake this material or tile alone (default: all of them)",
+    )
+    group.add_argument(
         "--in-scene",
         metavar="NAME",
         help="the scene of the file (default: the one that it opens with)",
@@ -48,11 +68,27 @@ def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         "place; shadow: which directions are blocked; ao: how much of the sky is; "
         "transfer: how the object answers to light from each direction",
     )
+    add_choice(
+        group,
+        "--view",
+        View,
+        _DEFAULT.view,
+        "from where a transfer is seen: normal: each texel along its normal, which suits matt things; "
+        "camera: from the scene's camera, gloss and all; "
+        "around: from nine directions, for nine times the paths",
+    )
     group.add_argument(
         "--content",
         metavar="NAME",
         help="what a proxy shows: the collection of that name, or * for all that is behind it, as through a "
         "window (default: what lies inside it)",
+    )
+    group.add_argument(
+        "--ao-distance",
+        type=_ao_distance,
+        metavar="D",
+        default=_DEFAULT.ao_distance,
+        help="of ao, what is farther than D, in scene units, counts as open (default: nothing does)",
     )
     group.add_argument(
         "--from",
@@ -71,8 +107,15 @@ def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         "(default: 3 %% of the size)",
     )
     group.add_argument(
+        "--cage",
+        metavar="NAME",
+        default=_DEFAULT.cage,
+        help="look for --from from this object on, through --object and as far beyond, instead of along "
+        "normals: a copy of --object whose vertices were moved out; it is never seen",
+    )
+    group.add_argument(
         "--frames",
-        type=_frames,
+        type=parse_frames,
         metavar="LIST",
         default=(),
         help="bake the scene at each of these frames, such as 1,5,10-20, into DIR/NAME-FRAME.KIND.exr, the "
@@ -85,6 +128,15 @@ def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         default=_DEFAULT.unwrap_at,
         help="unwrap the object as it is at that frame, so that atlases of all frames fit one mesh "
         "(default: the first of --frames)",
+    )
+    group.add_argument(
+        "--lights",
+        action="append",
+        dest="lit",
+        metavar="LIST",
+        help="bake with these lamps, or collections of lamps, alone lit, such as Key,Fill, into "
+        "DIR/NAME-Key+Fill.KIND.exr; the name world is the light of no lamp. each: an atlas for every lamp "
+        "and one for world, which add up to the whole; all: the whole; may be given several times",
     )
     add_choice(
         group,
@@ -167,22 +219,18 @@ def _frame(word: str) -> int:
     return int(word)
 
 
-def _frames(words: str) -> tuple[int, ...]:
-    frames: list[int] = []
-    for word in words.split(","):
-        found = re.fullmatch(r"\s*(\d+)(?:-(\d+))?\s*", word)
-        first, last = (int(found[1]), int(found[2] or found[1])) if found else (0, -1)
-        if not first <= last < first + _MOST_FRAMES:
-            raise InputError(f"--frames {words}: give frames' numbers, such as 1,5,10-20")
-        frames += range(first, last + 1)
-    return tuple(dict.fromkeys(frames))
-
-
 def _distance(word: str) -> float:
     try:
         return float(word)
     except ValueError:
         raise InputError(f"--extrusion {word}: give a distance in scene units, such as 0.05") from None
+
+
+def _ao_distance(word: str) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        raise InputError(f"--ao-distance {word}: give a distance in scene units, such as 0.5") from None
 
 
 def _decibels(word: str) -> float:
@@ -232,6 +280,13 @@ def add_output(group: argparse._ArgumentGroup) -> None:
         action="store_true",
         help="bake again only those texels of the atlas that is there whose light has changed, with as many "
         "samples as it has",
+    )
+    group.add_argument(
+        "--where",
+        metavar="NAME",
+        default=_DEFAULT.where,
+        help="accumulate or refresh only faces of the object's vertex group, boolean face attribute or "
+        "material of that name (default: everywhere)",
     )
     group.add_argument(
         "--resume",

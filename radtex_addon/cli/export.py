@@ -9,10 +9,11 @@ from functools import partial
 from pathlib import Path
 
 from ..bake.spec import Kind
+from ..core.errors import InputError
 from ..export.run import export_steps
 from ..export.spec import ExportSpec, Target
 from ..formats.memory import readable_size
-from ..report.finished import find_bake, object_of
+from ..report.finished import find_bakes, object_of
 from .export_arguments import ExportRequest
 from .interruption import Interruption
 from .reporting import Report
@@ -22,7 +23,15 @@ def run_export(request: ExportRequest, report: Report, interruption: Interruptio
     """Make the folder and say what is in it. Raises RadTexError."""
     if request.parent_pipe:
         interruption.ask_when_input_ends()
-    sidecar = find_bake(request.bake, request.object, "exported", tuple(Kind))
+    sidecars = find_bakes(request.bake, request.object, "exported", tuple(Kind))
+    if len(sidecars) > 1 and request.out is not None:
+        names = ", ".join(path.name for path in sidecars)
+        raise InputError(f"{names} do not fit in one folder: name one of them, or leave --out out")
+    for sidecar in sidecars:
+        _export(sidecar, request, report, interruption)
+
+
+def _export(sidecar: Path, request: ExportRequest, report: Report, interruption: Interruption) -> None:
     name = object_of(sidecar)
     steps = export_steps(sidecar, request.spec, request.out, overwrite=request.overwrite)
     made = interruption.between(steps, partial(report.progress, name))

@@ -8,6 +8,7 @@ import argparse
 from dataclasses import dataclass, fields
 from pathlib import Path
 
+from ..bake.layers import Layer
 from ..core.errors import InputError
 from ..export.spec import Arrangement, ExportSpec, Target, TextureFormat
 from .options import (
@@ -103,6 +104,16 @@ def _add_what(group: argparse._ArgumentGroup) -> None:
 
 
 def _add_textures(group: argparse._ArgumentGroup) -> None:
+    add_choice(
+        group,
+        "--layer",
+        Layer,
+        None,
+        "a layer of the bake that shall lie beside the whole; may be given several times",
+        dest="layers",
+        action="append",
+        metavar="LAYER",
+    )
     add_choice(
         group,
         "--format",

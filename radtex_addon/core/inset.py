@@ -19,26 +19,28 @@ from .texel_map import TexelMap
 _CHUNK = 1 << 18  # texels in hand at once
 
 
-def inset(texels: TexelMap, surface: SurfaceMesh, distance: float) -> TexelMap:
+def inset(texels: TexelMap, surface: SurfaceMesh, distance: float | Floats) -> TexelMap:
     """The texel map of `surface` with each position at least `distance` away from its triangle's edges.
 
-    `distance` is in world units. Points that are far enough stay to the bit, and so do those of triangles
-    without area; a triangle too small for the distance is met in its middle. Frames stay as they are.
+    `distance` is in world units, one for all or one for each triangle, (F,). Points that are far enough stay
+    to the bit, and so do those of triangles without area; a triangle too small for the distance is met in its
+    middle. Frames stay as they are.
     """
     covered = np.flatnonzero(texels.covered)
+    distances = np.broadcast_to(np.asarray(distance, dtype=np.float64), (len(surface.triangles),))
     position = texels.position.copy()
     points, triangle = position.reshape(-1, 3), texels.triangle.ravel()
     for start in range(0, len(covered), _CHUNK):
         texel = covered[start : start + _CHUNK]
         corner = surface.corner_position[triangle[texel]].astype(np.float64)
-        weight, least = _weights(points[texel].astype(np.float64), corner, distance)
+        weight, least = _weights(points[texel].astype(np.float64), corner, distances[triangle[texel]])
         near = np.flatnonzero((weight < least).any(axis=1))
         points[texel[near]] = np.einsum("kc,kcx->kx", _at_least(weight[near], least[near]), corner[near])
     return replace(texels, position=position)
 
 
-def _weights(point: Floats, corner: Floats, distance: float) -> tuple[Floats, Floats]:
-    """Barycentric weights (K, 3) of points (K, 3) in triangles (K, 3, 3), and those `distance` off the edges.
+def _weights(point: Floats, corner: Floats, distance: Floats) -> tuple[Floats, Floats]:
+    """Barycentric weights (K, 3) of points (K, 3) in triangles (K, 3, 3), and of those `distance` off edges.
 
     A corner's weight is the point's distance from the opposite edge over the corner's own: its altitude.
     """
@@ -50,7 +52,8 @@ def _weights(point: Floats, corner: Floats, distance: float) -> tuple[Floats, Fl
     edge = np.sqrt(np.sum((behind - ahead) ** 2, axis=-1))
     altitude = np.divide(np.sqrt(squared), edge, out=np.zeros_like(edge), where=edge > 0)
     most = np.full(altitude.shape, 1 / 3)
-    return weight, np.divide(distance, altitude, out=most, where=3 * distance < altitude)
+    least = distance[:, None]
+    return weight, np.divide(least, altitude, out=most, where=3 * least < altitude)
 
 
 def _at_least(weight: Floats, least: Floats) -> Floats:

@@ -81,11 +81,16 @@ def four_texels(position: Floats, size: Floats) -> Iterator[tuple[Ints, Floats]]
 def _cells(b: Floats, n: int, blend: bool) -> Iterator[tuple[Ints, Floats]]:
     """The cell that holds each B, or the four around it within the bucket, with their weights."""
     if blend:
-        position = (bleed_guard(b, n) + 1) / 2 * n - 0.5
-        yield from _bilinear(position, np.full(2, n - 1, dtype=b.dtype))
+        yield from four_cells(b, n)
         return
     cell = np.clip(np.floor((b + 1) / 2 * n), 0, n - 1)
     yield cell.astype(np.intp), np.ones(len(b), dtype=b.dtype)
+
+
+def four_cells(b: Floats, n: int) -> Iterator[tuple[Ints, Floats]]:
+    """The four cells (K, 2) of n x n around each B (K, 2), p first, and their weights (K,)."""
+    position = (bleed_guard(b, n) + 1) / 2 * n - 0.5
+    yield from _bilinear(position, np.full(2, n - 1, dtype=b.dtype))
 
 
 def _bilinear(position: Floats, last: Floats) -> Iterator[tuple[Ints, Floats]]:

@@ -17,7 +17,7 @@ from .atlas import AtlasLayout
 from .errors import ShapeError
 from .frame import fallback_tangent
 from .hemisphere import direction_to_square
-from .sampler import Filter, blend_buckets, checked_lookups
+from .sampler import Filter, blend_buckets, checked_lookups, four_cells
 
 WORD = 32  # bits
 
@@ -66,29 +66,76 @@ def visibility(words: Ints, layout: AtlasLayout, uv: Floats, direction: Floats, 
     return _seen(buckets, layout, uv, direction, kind)
 
 
-def soft_visibility(
-    words: Ints, layout: AtlasLayout, uv: Floats, lights: Floats, weight: Floats, kind: Filter
-) -> Floats:
+def soft_visibility(words: Ints, layout: AtlasLayout, uv: Floats, lights: Floats, weight: Floats) -> Floats:
     """Which share of a light's irradiance arrives, 0 to 1: (K,).
 
     `lights` (K, S, 3) are unit directions in the frame to points of the light, `weight` (K, S) what light of
-    each would arrive, were nothing in the way; the others are as in `visibility`, but that cells are never
-    blended: the light's own size does that, and blending on top blurs (by up to 1.3 dB at 8 x 8 cells). Where
-    all weights are 0 the share is 0.
+    each would arrive, were nothing in the way; the others are as in `visibility`. Where all weights are 0 the
+    share is 0.
+
+    A shadow's edge crosses the middles of neighbouring cells at neighbouring places, which bits know well,
+    while of its direction between two cells they know nothing. So bits are blended wide, over nine texels and
+    four cells, where the edge lies about where the blend is a half, and then sharpened, twice as steep: the
+    edge wanders from cell to cell instead of jumping, and what is blocked stays so.
     """
-    buckets = _buckets(words, layout)
+    buckets, (lights, weight) = _buckets(words, layout), _checked_lights(lights, weight)
+    uv, _ = checked_lookups(uv, lights[:, 0])
+    texels, n = np.array([layout.width, layout.height], dtype=uv.dtype), layout.bucket
+    blended = np.zeros((len(uv), n, n), dtype=uv.dtype)
+    for texel, texel_weight in _nine_texels(uv * texels, texels):
+        blended += texel_weight[:, None, None] * buckets[texel[:, 1], texel[:, 0], ..., 0]
+    arrives, lookup = np.zeros(len(uv), dtype=uv.dtype), np.arange(len(uv))
+    for sample in range(lights.shape[1]):
+        seen = np.zeros(len(uv), dtype=uv.dtype)
+        for cell, cell_weight in four_cells(direction_to_square(lights[:, sample]), n):
+            seen += cell_weight * blended[lookup, cell[:, 1], cell[:, 0]]
+        arrives += weight[:, sample] * np.clip(2 * seen - 0.5, 0, 1)
+    return _share(arrives, weight)
+
+
+def cell_visibility(
+    words: Ints, layout: AtlasLayout, uv: Floats, lights: Floats, weight: Floats, kind: Filter
+) -> Floats:
+    """`soft_visibility` by whole cells, of which the light's own size blends many.
+
+    It reads far less, and with more than 8 x 8 cells is about as good. `kind` says whether it blends texels.
+    """
+    buckets, (lights, weight) = _buckets(words, layout), _checked_lights(lights, weight)
+    arrives = np.zeros(len(lights), dtype=lights.dtype)
+    for sample in range(lights.shape[1]):
+        place, to_light = checked_lookups(uv, lights[:, sample])
+        arrives += weight[:, sample] * _seen(buckets, layout, place, to_light, kind, whole=True)
+    return _share(arrives, weight)
+
+
+def _checked_lights(lights: Floats, weight: Floats) -> tuple[Floats, Floats]:
     lights, weight = as_floats("lights", lights, 3), np.asarray(weight)
     if lights.ndim != 3 or weight.shape != lights.shape[:2]:
         raise ShapeError(
             f"lights, weight: expected (K, S, 3) and (K, S), got {lights.shape} and {weight.shape}"
         )
-    arrives = np.zeros(len(lights), dtype=lights.dtype)
-    for sample in range(lights.shape[1]):
-        place, to_light = checked_lookups(uv, lights[:, sample])
-        arrives += weight[:, sample] * _seen(buckets, layout, place, to_light, kind, whole=True)
+    return lights, weight
+
+
+def _share(arrives: Floats, weight: Floats) -> Floats:
     total = weight.sum(axis=1)
     share: Floats = np.divide(arrives, total, out=np.zeros_like(arrives), where=total > 0)
     return share
+
+
+def _nine_texels(position: Floats, size: Floats) -> Iterator[tuple[Ints, Floats]]:
+    """The nine texels (K, 2) around each position (K, 2), in texels, x first, and their weights (K,).
+
+    Along an axis they are (1/2 - g, 1, 1/2 + g) / 2 where the position is g beyond the nearest middle: a box
+    of one texel's width, blurred by one of two.
+    """
+    nearest = np.floor(position)
+    beyond = position - nearest - 0.5
+    along = np.stack([0.5 - beyond, np.ones_like(beyond), 0.5 + beyond]) / 2
+    for y in range(3):
+        for x in range(3):
+            texel = np.clip(nearest + np.array([x - 1, y - 1]), 0, size - 1).astype(np.intp)
+            yield texel, along[x, :, 0] * along[y, :, 1]
 
 
 def sun_directions(to_sun: Floats, angle: float, count: int) -> Floats:

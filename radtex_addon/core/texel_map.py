@@ -34,7 +34,8 @@ class TexelMap:
     `position` (H, W, 3) in world space; `normal` and `tangent` (H, W, 3) unit and orthogonal, and the
     bitangent's `sign` (H, W), +1 or -1; `facet` (H, W, 3) unit normal of the triangle itself, on the shading
     normal's side; `triangle` (H, W) int32, -1 where no island touches; `inside` (H, W) bool, True where the
-    texel's centre lies in an island (elsewhere its point is the island's nearest to the centre).
+    texel's centre lies in an island (elsewhere its point is the island's nearest to the centre). `offset`
+    (H, W) is how far from the surface rays start, in scene units, where that is not the same for all.
     """
 
     position: Floats
@@ -44,6 +45,7 @@ class TexelMap:
     facet: Floats
     triangle: Ints
     inside: Bools
+    offset: Floats | None = None
 
     @property
     def covered(self) -> Bools:

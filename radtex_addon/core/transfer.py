@@ -6,6 +6,9 @@ A bucket is an octahedral map (`core.octahedron`) of the directions to the light
 middle along the normal, its corners the light behind the surface. A cell holds the radiance that leaves the
 texel under a directional light that gives an irradiance of 1 on a plane facing it. Light is linear: what
 several lights do adds up.
+
+Where a texel was looked at from k x k views, it has as many buckets, and the atlas W k x H k of them: that of
+the view (a, b) is number (i k + a, j k + b). Views lie in a square as the cells of a bucket of radiance do.
 """
 
 from __future__ import annotations
@@ -14,42 +17,74 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from .arrays import Floats, as_floats
+from .arrays import Floats, Ints, as_floats
 from .atlas import AtlasLayout
 from .errors import ShapeError
+from .hemisphere import direction_to_square
 from .octahedron import cell_directions, direction_to_octahedron, octahedron_taps
-from .sampler import checked_lookups, four_texels
+from .sampler import checked_lookups, four_cells, four_texels
 
 
-def sample_transfer(image: Floats, layout: AtlasLayout, uv: Floats, light: Floats) -> Floats:
+def with_views(layout: AtlasLayout, views: int) -> AtlasLayout:
+    """The atlas's own layout, of texels that have `views` x `views` buckets each."""
+    return AtlasLayout(layout.width * views, layout.height * views, layout.bucket)
+
+
+def sample_transfer(
+    image: Floats,
+    layout: AtlasLayout,
+    uv: Floats,
+    light: Floats,
+    viewer: Floats | None = None,
+    views: int = 1,
+) -> Floats:
     """What texture coordinates show under unit light: between four texels, each between four cells.
 
-    `image` (H*n, W*n, C), row 0 at the bottom; `uv` (K, 2), clamped to the atlas's edge; `light` (K, 3) the
-    directions to the light in the frame, of any length but zero. Returns (K, C), float32 or float64 as `uv`
-    is. Raises ShapeError for shapes that do not fit.
+    `image` (H*k*n, W*k*n, C), k being `views`, row 0 at the bottom; `uv` (K, 2), clamped to the atlas's edge;
+    `light` (K, 3) the directions to the light in the frame, of any length but zero. With several `views` it
+    is seen by a `viewer` in unit directions (K, 3), between the four views around those. Returns (K, C),
+    float32 or float64 as `uv` is. Raises ShapeError for shapes that do not fit.
     """
     uv, light = checked_lookups(uv, light)
     n, texels = layout.bucket, np.array([layout.width, layout.height], dtype=uv.dtype)
-    buckets = layout.to_buckets(image).reshape(layout.height, layout.width, n * n, -1)
+    stored = with_views(layout, views)
+    buckets = stored.to_buckets(image).reshape(stored.height, stored.width, n * n, -1)
     taps = list(octahedron_taps(direction_to_octahedron(light), n))
     total = np.zeros((len(uv), image.shape[2]), dtype=uv.dtype)
-    for texel, texel_weight in four_texels(uv * texels, texels):
-        for cell, cell_weight in taps:
-            total += (texel_weight * cell_weight)[:, None] * buckets[texel[:, 1], texel[:, 0], cell]
+    for view, view_weight in _views(uv, viewer, views):
+        for texel, texel_weight in four_texels(uv * texels, texels):
+            x, y = (texel * views + view).T
+            for cell, cell_weight in taps:
+                total += (view_weight * texel_weight * cell_weight)[:, None] * buckets[y, x, cell]
     return total
 
 
+def _views(uv: Floats, viewer: Floats | None, views: int) -> list[tuple[Ints, Floats]]:
+    """The views (K, 2) that lookups blend, with their weights (K,)."""
+    if views == 1:
+        return [(np.zeros((len(uv), 2), dtype=np.intp), np.ones(len(uv), dtype=uv.dtype))]
+    if viewer is None:
+        raise ShapeError(f"transfer atlas of {views} x {views} views: the viewer's directions are missing")
+    _, viewer = checked_lookups(uv, viewer)
+    return list(four_cells(direction_to_square(viewer), views))
+
+
 def relight(
-    image: Floats, layout: AtlasLayout, uv: Floats, lights: Iterable[tuple[Floats, Floats]]
+    image: Floats,
+    layout: AtlasLayout,
+    uv: Floats,
+    lights: Iterable[tuple[Floats, Floats]],
+    viewer: Floats | None = None,
+    views: int = 1,
 ) -> Floats:
-    """Radiance (K, 3) at texture coordinates (K, 2) under several lights, errors as in `sample_transfer`.
+    """Radiance (K, 3) at texture coordinates (K, 2) under several lights, the rest as in `sample_transfer`.
 
     Each of the `lights` is its directions (K, 3), to the light in the frame, and its irradiance on a plane
     facing it: (3,), or (K, 3) where it differs from point to point, as a point lamp's does.
     """
     total = np.zeros((len(uv), 3), dtype=as_floats("uv", uv, 2).dtype)
     for direction, irradiance in lights:
-        total += sample_transfer(image, layout, uv, direction)[:, :3] * irradiance
+        total += sample_transfer(image, layout, uv, direction, viewer, views)[:, :3] * irradiance
     return total
 
 
@@ -67,15 +102,17 @@ def lookup_solid_angles_sr(size: int, finer: int = 16) -> Floats:
     return total * (4 * np.pi / total.sum())
 
 
-def mean_over_lights(image: Floats, layout: AtlasLayout) -> Floats:
-    """What texels show under white surroundings of radiance 1: (H, W, C) of an atlas (H*n, W*n, C), float32.
+def mean_over_lights(image: Floats, layout: AtlasLayout, views: int = 1) -> Floats:
+    """What texels show under white surroundings of radiance 1: (H, W, C) of an atlas, float32.
 
-    A sky's piece of solid angle w gives an irradiance of w on a plane facing it. Raises ShapeError where the
-    image does not fit the layout.
+    A sky's piece of solid angle w gives an irradiance of w on a plane facing it. Of several views it is the
+    mean. Raises ShapeError where the image does not fit the layout.
     """
-    n = layout.bucket
-    if image.shape[:2] != (layout.pixel_height, layout.pixel_width):
-        raise ShapeError(f"transfer atlas: expected {layout.pixel_height} x {layout.pixel_width} pixels")
+    n, stored = layout.bucket, with_views(layout, views)
+    if image.shape[:2] != (stored.pixel_height, stored.pixel_width):
+        raise ShapeError(f"transfer atlas: expected {stored.pixel_height} x {stored.pixel_width} pixels")
     weight = lookup_solid_angles_sr(n).astype(np.float32).reshape(n, n)
-    rows = (np.einsum("wqpc,qp->wc", row.astype(np.float32), weight) for row in layout.to_buckets(image))
-    return np.stack(list(rows))
+    rows = (np.einsum("wqpc,qp->wc", row.astype(np.float32), weight) for row in stored.to_buckets(image))
+    light = np.stack(list(rows)).reshape(layout.height, views, layout.width, views, -1)
+    mean: Floats = light.mean(axis=(1, 3))
+    return mean

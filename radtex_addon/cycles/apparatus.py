@@ -15,6 +15,7 @@ import numpy as np
 from ..core.arrays import Floats
 from ..core.errors import BakeError
 from ..formats.exr import read_render
+from ..scene.lamps import GROUP
 from ..scene.nodes import NodeBuilder, open_material
 
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
@@ -108,7 +109,10 @@ def render_image(scene: bpy.types.Scene, file: Path) -> Floats:
 
 
 def render_layers(scene: bpy.types.Scene, file: Path) -> dict[str, Floats]:
-    """The same with every pass that is kept, the combined one first, by the name that Blender gives it."""
+    """The same with every pass that is kept, the combined one first, by the name that Blender gives it.
+
+    Where some lamps alone are lit (`scene.lamps`), the combined one has their light, and the alpha of all.
+    """
     file.unlink(missing_ok=True)
     try:
         bpy.ops.render.render(write_still=True, scene=scene.name)
@@ -121,6 +125,9 @@ def render_layers(scene: bpy.types.Scene, file: Path) -> dict[str, Floats]:
             "(--verbose tells more)"
         )
     passes = {name.rpartition(".")[2]: image for name, image in read_render(file).items()}
+    light = passes.pop(f"Combined_{GROUP}", None)
+    if light is not None:
+        passes["Combined"] = np.concatenate([light[..., :3], passes["Combined"][..., 3:]], axis=-1)
     return dict(sorted(passes.items(), key=lambda named: named[0] not in ("", "Combined")))
 
 

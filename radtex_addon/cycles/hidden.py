@@ -9,7 +9,7 @@ such a viewer meets the mesh from behind: a few rays for every cell, by the port
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from pathlib import Path
 
 import bpy
@@ -17,11 +17,11 @@ import numpy as np
 from mathutils import Matrix
 
 from ..bake.checkpoint import KEEPS_NOTHING, Keeper
-from ..bake.plan import CapturePlan, Tile
+from ..bake.plan import CapturePlan, Tile, plan_of_some
 from ..bake.progress import Progress, Stage
 from ..bake.rays import PROBES
 from ..bake.spec import Kind
-from ..core.arrays import Bools, Floats
+from ..core.arrays import Bools, Floats, Ints
 from ..scene.nodes import open_material, open_world
 from ..scene.scratch import remove_scene
 from .portal import PortalCapture
@@ -31,24 +31,39 @@ _HIDDEN = "hidden"  # a piece's name
 
 
 def find_hidden(
-    mesh: bpy.types.Mesh,
-    matrix_world: Floats,
+    meshes: Sequence[tuple[bpy.types.Mesh, Floats]],
     plan: CapturePlan,
     folder: Path,
     keeper: Keeper = KEEPS_NOTHING,
+    owner: Ints | None = None,
 ) -> Generator[Progress, None, Bools]:
-    """Which cells look out of the mesh's own inside: (K, n, n), indexed [texel, q, p].
+    """Which cells look out of their own mesh's inside: (K, n, n), indexed [texel, q, p].
 
-    `mesh` is the baked copy, `matrix_world` (4, 4) its object's, `folder` takes temporary files, the
-    `keeper` what is found. All False where every cell would be hidden. Yields progress in texels. Raises
-    BakeError where Cycles fails.
+    `meshes` are baked copies and their objects' matrices (4, 4); of several, `owner` (K,) numbers the one
+    that each texel lies on, for another's far side hides nothing that is before it. `folder` takes temporary
+    files, the `keeper` what is found. All False where every cell would be hidden. Yields progress in texels.
+    Raises BakeError where Cycles fails.
     """
     kept = keeper.found(_HIDDEN)
     if kept is None:
-        kept = {"hidden": (yield from _probe(mesh, matrix_world, plan, folder))}
+        kept = {"hidden": (yield from _probe_each(meshes, plan, folder, owner))}
         keeper.keep(_HIDDEN, kept)
     hidden: Bools = kept["hidden"]
     return np.zeros_like(hidden) if hidden.all() else hidden
+
+
+def _probe_each(
+    meshes: Sequence[tuple[bpy.types.Mesh, Floats]], plan: CapturePlan, folder: Path, owner: Ints | None
+) -> Generator[Progress, None, Bools]:
+    if owner is None:
+        return (yield from _probe(*meshes[0], plan, folder))
+    n = plan.layout.bucket
+    hidden: Bools = np.zeros((len(plan.texel), n, n), dtype=bool)
+    for number, (mesh, matrix_world) in enumerate(meshes):
+        of_mesh = owner == number
+        if of_mesh.any():
+            hidden[of_mesh] = yield from _probe(mesh, matrix_world, plan_of_some(plan, of_mesh), folder)
+    return hidden
 
 
 def _probe(

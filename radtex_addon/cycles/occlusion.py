@@ -4,19 +4,27 @@
 
 The film is transparent and the world empty, so that alpha says how much of a ray was stopped. Lamps do not
 stop camera rays. No light is looked at.
+
+Where only what is near counts, every ray goes to a known place of its cell, and tells where it ended. (A ray
+through a portal has no length that a camera could limit.)
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+from math import ceil, sqrt
 from pathlib import Path
 from typing import Any, cast
 
 import bpy
 import numpy as np
 
-from ..bake.plan import CapturePlan, Tile
+from ..bake.light_samples import spread_shifts
+from ..bake.plan import MAX_IMAGE_SIDE, CapturePlan, Tile
 from ..bake.spec import Kind
-from ..core.arrays import Floats
+from ..core.arrays import Bools, Floats
+from ..core.atlas import AtlasLayout
+from ..core.occlusion import square_to_cosine
 from ..scene.casters import casters_seen, may_be_clear, show_all_collections
 from .portal import Aim, PortalCapture
 from .settings import first_hit_only
@@ -24,27 +32,43 @@ from .settings import first_hit_only
 CLEAR_SAMPLES = 16  # rays that vote on a bit where something lets some of them through
 
 
+_POSITION = "use_pass_position"
+_MOST_PIXELS = 1 << 19  # of a render whose rays tell where they ended
+
+
 class OcclusionCapture:
     """Captures `shadow` and `ao` in a scratch scene: the share of each cell's rays that nothing stops."""
 
     def __init__(
-        self, scene: bpy.types.Scene, plan: CapturePlan, kind: Kind, samples: int, seed: int, folder: Path
+        self,
+        scene: bpy.types.Scene,
+        plan: CapturePlan,
+        kind: Kind,
+        samples: int,
+        seed: int,
+        folder: Path,
+        distance: float | None = None,
     ) -> None:
         """`scene` is a scratch scene, written freely; `folder` takes the files that tiles pass through.
 
-        For `shadow` all rays go to the middles of cells, `samples` of them only where anything is clear.
+        For `shadow` all rays go to the middles of cells, `samples` of them only where anything is clear. With
+        a `distance`, in scene units, `ao` counts what is farther as open, and has `rays` a cell: the next
+        square number from `samples` on, if a picture of so many pixels can be.
         """
-        self._whole = kind is Kind.SHADOW
-        scene.render.film_transparent = True
-        scene.world = cast(Any, None)
-        show_all_collections(scene)
-        first_hit_only(scene)
-        cast(Any, scene).cycles.volume_bounces = 0
-        aim = None
+        _look_for_casters_only(scene)
+        self._scene, self._users = scene, {item.session_uid for item in bpy.data.objects}
+        self._whole, self._distance = kind is Kind.SHADOW, distance
+        self._finer, aim = 1, None
         if self._whole:
             aim = Aim(np.full((len(plan.texel), 2), 0.5))
             samples = CLEAR_SAMPLES if may_be_clear() else 1
-        self._users = {item.session_uid for item in bpy.data.objects}
+        elif distance is not None:
+            self._finer = _finer(plan, samples)
+            layout = plan.layout
+            plan = replace(plan, layout=AtlasLayout(layout.width, layout.height, layout.bucket * self._finer))
+            aim, samples = Aim(spread_shifts(len(plan.texel), seed), (_POSITION,)), 1
+        self.rays = samples * self._finer**2
+        self._plan, self._aim = plan, aim
         self._capture = PortalCapture(scene, plan, kind, samples, seed, folder, aim)
 
     def render(self, tile: Tile) -> Floats:
@@ -52,6 +76,48 @@ class OcclusionCapture:
 
         Of `shadow` every cell is one or the other. Raises BakeError where Cycles fails.
         """
-        with casters_seen(self._users):
+        with casters_seen(self._scene, self._users):
+            if self._distance is not None:
+                return self._near(tile, self._distance)
             alpha = self._capture.render(tile)[..., 3:]
         return (alpha < 0.5).astype(np.float32) if self._whole else np.clip(1 - alpha, 0, 1)
+
+    def _near(self, tile: Tile, distance: float) -> Floats:
+        plan, side = self._plan, self._plan.layout.bucket
+        rows = max(1, _MOST_PIXELS // (plan.columns * side * side))
+        end, found = tile.first_row + tile.rows, []
+        for first in range(tile.first_row, end, rows):
+            part = Tile(first, min(rows, end - first))
+            passes = self._capture.render_passes(part)
+            stopped = self._stopped_within(distance, part, passes["Position"][..., :3])
+            alpha = np.clip(next(iter(passes.values()))[..., 3], 0, 1) * stopped
+            n = side // self._finer
+            cells = alpha.reshape(len(alpha), n, self._finer, n, self._finer).mean(axis=(2, 4))
+            found.append((1 - cells[..., None]).astype(np.float32))
+        return np.concatenate(found)
+
+    def _stopped_within(self, distance: float, tile: Tile, ends: Floats) -> Bools:
+        """Whether rays ended near, if they did, at `ends` (k, n, n, 3); those below the facet always do."""
+        plan, aim = self._plan, cast(Aim, self._aim)
+        texels = slice(tile.first_row * plan.columns, tile.first_row * plan.columns + len(ends))
+        frame = np.stack([plan.tangent, plan.bitangent, plan.normal]).reshape(3, -1, 3)[:, texels]
+        facet = np.einsum("akx,kx->ka", frame, plan.facet.reshape(-1, 3)[texels])
+        ways = square_to_cosine(Aim(aim.shift[texels]).square(plan.layout.bucket))
+        below = np.einsum("kra,ka->kr", ways, facet).reshape(ends.shape[:3]) < 0
+        away = ends - plan.points[texels][:, None, None]
+        near: Bools = (np.einsum("kqpx,kqpx->kqp", away, away) <= distance * distance) | below
+        return near
+
+
+def _look_for_casters_only(scene: bpy.types.Scene) -> None:
+    scene.render.film_transparent = True
+    scene.world = cast(Any, None)
+    show_all_collections(scene)
+    first_hit_only(scene)
+    cast(Any, scene).cycles.volume_bounces = 0
+
+
+def _finer(plan: CapturePlan, samples: int) -> int:
+    """Rays along a cell's side: as many as `samples` want, and as a picture's sides have room for."""
+    most = MAX_IMAGE_SIDE // (max(plan.rows, plan.columns) * plan.layout.bucket)
+    return max(1, min(ceil(sqrt(samples)), most))

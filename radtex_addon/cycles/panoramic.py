@@ -26,7 +26,6 @@ from ..core.errors import InputError
 from ..core.hemisphere import square_to_disc
 from ..scene.nodes import open_material
 from .apparatus import box, mirror, render_image
-from .offset import ray_offset
 from .settings import allow_more_bounces, apply_capture_settings
 
 _SENSOR = 36.0  # mm; any size serves
@@ -57,7 +56,7 @@ class PanoramicCapture:
         scene.render.resolution_x = scene.render.resolution_y = self._side
         scene.render.filepath = str(self._file)
         allow_more_bounces(scene, transparent=1, glossy=1)
-        self._offset = ray_offset(plan.position)
+        self._offset = float(plan.offset.min())
         self._camera = _camera(scene, self._offset)
         self._box = _box(scene, self._offset / 4)
         scene.camera = self._camera

@@ -22,6 +22,7 @@ from ..bake.spec import Kind
 from ..core.arrays import Floats
 from ..core.errors import BakeError
 from ..core.hemisphere import cell_centres
+from ..core.ray_offset import GRAZING, ray_offset
 from ..scene.nodes import NodeBuilder, Socket, open_material
 from .apparatus import (
     Extent,
@@ -32,7 +33,6 @@ from .apparatus import (
     plane,
     render_layers,
 )
-from .offset import GRAZING, ray_offset
 from .settings import allow_more_bounces, apply_capture_settings, keep_passes, look_at_centres
 
 
@@ -163,9 +163,8 @@ def _portal_material(
     direction = build.vector("ADD", direction, build.vector("SCALE", normal, i_z))
     height = build.vector("DOT_PRODUCT", direction, facet)
     direction = _above_facet(build, direction, facet, height, GRAZING if kind is Kind.RADIANCE else 0.0)
-    epsilon = ray_offset(plan.position)
     lift = direction if kind is Kind.RADIANCE else facet
-    start = build.vector("MULTIPLY_ADD", lift, (epsilon,) * 3, position)
+    start = build.vector("MULTIPLY_ADD", lift, _offset(build, plan, uv), position)
     way = build.vector("SCALE", direction, -1.0) if kind is Kind.RADIANCE else direction
     portal = build.node("ShaderNodeBsdfRayPortal")
     build.feed(portal.inputs["Position"], start)
@@ -181,6 +180,16 @@ def _portal_material(
     ours = build.node("ShaderNodeMixShader", build.math("LESS_THAN", length, reach), clear, surface)
     build.node("ShaderNodeOutputMaterial", ours.outputs[0])
     return material
+
+
+def _offset(
+    build: NodeBuilder, plan: CapturePlan, uv: bpy.types.NodeSocket
+) -> bpy.types.NodeSocket | tuple[float, float, float]:
+    """How far from the surface rays start, thrice."""
+    if plan.own_offset is None:
+        return (float(ray_offset(plan.position)),) * 3
+    spread = np.repeat(plan.own_offset, 3, axis=2)
+    return build.image(float_image("RadTex offset", spread), uv)[0]
 
 
 def _local_direction(build: NodeBuilder, bucket: Socket, kind: Kind) -> tuple[Socket, Socket, Socket]:

@@ -13,6 +13,8 @@ from typing import Any, cast
 
 import bpy
 
+from ..scene.lamps import GROUP
+
 log = logging.getLogger(__name__)
 
 
@@ -24,6 +26,8 @@ def apply_capture_settings(scene: bpy.types.Scene, samples: int, seed: int, firs
     """
     _measure_evenly(cast(Any, scene).cycles, samples, seed, first)
     _output(scene.render)
+    if any(GROUP in layer.lightgroups for layer in scene.view_layers):
+        keep_passes(scene, ())  # the lamps' own
     render = scene.render
     cast(Any, render).engine = "CYCLES"  # the stubs know no add-on's engine
     render.use_motion_blur = False

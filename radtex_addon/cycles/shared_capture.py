@@ -64,7 +64,7 @@ def capture_shared(
     where no texel is covered, BakeError where Cycles fails.
     """
     probe = plan_capture(texels, PROBE_CELLS)
-    hidden = yield from find_hidden(mesh, matrix_world, probe, folder, keeper)
+    hidden = yield from find_hidden([(mesh, matrix_world)], probe, folder, keeper)
     buried = hidden.all(axis=(1, 2))
     without = probe.texel[buried]
 

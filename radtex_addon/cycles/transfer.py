@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The captures of kind `transfer`: what every texel shows along its normal, under one sun after another.
+"""The captures of kind `transfer`: what every texel shows to its viewers, under one sun after another.
 
 The scene stays loaded, and only the sun turns. Its light is told from all other by a light group of its own,
 so that what materials emit, and lamps that something instances, leave no trace.
@@ -32,13 +32,12 @@ from .portal import Aim, PortalCapture
 
 _GROUP = "RadTexSun"
 _PASS = f"Combined_{_GROUP}"
-_STRAIGHT = 0.51  # along the normal, all but: the very middle of a bucket has no azimuth
 _MOST = 65504.0  # pieces are half floats
 
 
 @dataclass(frozen=True, eq=False)
 class Lit:
-    """What a plan's K texels show: `light` (S, K, 3) float16 under each of S suns, `alpha` (K,) float16."""
+    """What K texels show to V viewers: `light` (S, K, V, 3) under each of S suns, `alpha` (K, V); float16."""
 
     light: Floats
     alpha: Floats
@@ -47,6 +46,7 @@ class Lit:
 def capture_under_suns(
     scene: bpy.types.Scene,
     plan: CapturePlan,
+    shift: Floats,
     suns: int,
     samples: int,
     seed: int,
@@ -55,21 +55,20 @@ def capture_under_suns(
     keeper: Keeper = KEEPS_NOTHING,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Lit]:
-    """Look at each texel of a plan of one cell a bucket under `sun_directions(suns)`, of irradiance 1.
+    """Look at each texel of a plan under `sun_directions(suns)`, of irradiance 1.
 
+    From each cell of a bucket one ray goes, at `shift` (K, 2) in the cell, as `bake.transfer_views` says.
     `scene` is a copy of a scratch scene, which is spent afterwards; `folder` takes temporary files, the
     `keeper` each render, the `thumbnail` is shown the mean of the suns so far. Yields progress in texels
     under suns. Raises BakeError where Cycles fails, or brings what is no number.
     """
     take_light_away(scene)
     sun = _add_sun(scene, sun_radius(suns))
-    count = len(plan.texel)
-    capture = PortalCapture(
-        scene, plan, Kind.RADIANCE, samples, seed, folder, Aim(np.full((count, 2), _STRAIGHT))
-    )
-    most = max(1, memory_mb * 2**20 // (plan.columns * BYTES_PER_PIXEL))
+    count, views = len(plan.texel), plan.layout.bucket**2
+    capture = PortalCapture(scene, plan, Kind.RADIANCE, samples, seed, folder, Aim(shift))
+    most = max(1, memory_mb * 2**20 // (plan.columns * views * BYTES_PER_PIXEL))
     tiles = [Tile(row, min(most, plan.rows - row)) for row in range(0, plan.rows, most)]
-    lit = Lit(np.empty((suns, count, 3), dtype=np.float16), np.empty(count, dtype=np.float16))
+    lit = Lit(np.empty((suns, count, views, 3), dtype=np.float16), np.empty((count, views), dtype=np.float16))
     total = np.zeros((count, 3), dtype=np.float32)
     for number, direction in enumerate(sun_directions(suns)):
         _turn(sun, direction)
@@ -80,7 +79,7 @@ def capture_under_suns(
             found = keeper.once(f"sun-{number:04d}-{tile.first_row:06d}", partial(_trace, capture, tile))
             some = slice(first, first + len(found["alpha"]))
             lit.light[number, some], lit.alpha[some] = found["light"], found["alpha"]
-        total += lit.light[number]
+        total += lit.light[number].mean(axis=1, dtype=np.float32)
         if thumbnail is not None:  # under white surroundings, as far as they are known
             thumbnail.add(plan.layout, plan.texel, total * np.float32(4 * np.pi / (number + 1)))
     yield Progress(Stage.CAPTURE, suns * count, suns * count)
@@ -106,13 +105,13 @@ def _turn(sun: bpy.types.Object, direction: Floats) -> None:
 
 def _trace(capture: PortalCapture, tile: Tile) -> Arrays:
     passes = capture.render_passes(tile)
-    light, alpha = passes[_PASS].reshape(-1, passes[_PASS].shape[-1])[:, :3], passes["Combined"][..., 3]
+    light, alpha = passes[_PASS][..., :3], passes["Combined"][..., 3]
     wrong = int(np.count_nonzero(np.isnan(light)))
     if wrong:
         raise BakeError(
             f"Cycles returned {wrong} values that are not numbers: look for a material that divides by 0"
         )
     return {
-        "light": np.clip(light, 0, _MOST).astype(np.float16),
-        "alpha": alpha.reshape(-1).astype(np.float16),
+        "light": np.clip(light, 0, _MOST).astype(np.float16).reshape(len(light), -1, 3),
+        "alpha": alpha.astype(np.float16).reshape(len(alpha), -1),
     }

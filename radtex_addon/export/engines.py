@@ -10,6 +10,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+from ..formats.bucket_files import BASE
 from ..formats.transfer_files import LAYOUT as SPHERE
 from .manifest import Arranged, Container, TextureEntry
 from .pack import SHADERS, Pack
@@ -98,14 +99,12 @@ def _settings(pack: Pack) -> list[str]:
             "Light is looked up in the world space of the bake, in Blender's axes (z up): docs/format.md,",
             '"The shared layout". All numbers stand in the manifest under "bake".',
         ]
-    (entry,) = manifest.textures.values()
+    entry = manifest.textures[bake["kind"]]
     width, height = bake["texels"]
     n = bake["bucket"]
     if entry.arrangement is Arranged.WORDS:
         layered = ["#define RADTEX_SHADOW_LAYERS"] if entry.layers > 1 else []
         return [*layered, f"radtex_shadow(bits, ({width}, {height}), uv), then radtex_visible(…, {n}, I)"]
-    if bake["layout"] == SPHERE:
-        return [f"radtex_transfer(atlas, ({width}, {height}), {n}, uv, L), L being the light's direction"]
     if entry.arrangement is Arranged.SLICES:
         return [f"radtex_slices(slices, {n}, uv, I), of a texture array with {n} x {n} layers"]
     columns, rows = entry.pages
@@ -116,10 +115,20 @@ def _settings(pack: Pack) -> list[str]:
     if entry.container is Container.EXR and pack.spec.target is Target.UNREAL:
         defined.append("#define RADTEX_TOP_DOWN")
     size = f"({width}, {height})"
+    if bake["layout"] == SPHERE:
+        views = bake["transfer"].get("views", 1)
+        lookup = f"radtex_transfer(atlas, {size}, {n}, uv, L)"
+        if views > 1:
+            lookup = f"radtex_transfer_around(atlas, {size}, {views}, {n}, uv, I, L)"
+        return [*defined, f"{lookup}, L being the light's direction"]
     lookups = [f"radtex_sample(atlas, {size}, {n}, uv, I, RADTEX_QUADRILINEAR)"]
     if entry.levels > 1:
         level = f"radtex_level(uv, {size}, {entry.levels})"
         lookups.append(f"radtex_sample_level(atlas, {size}, {n}, uv, I, {level})")
+    if BASE in manifest.textures:
+        lookups.append(
+            "base: an image, looked up at uv by plain bilinear filtering; base + rest is the whole"
+        )
     return [*defined, *lookups]
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..bake.choices import LEAVING
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError
@@ -37,13 +38,17 @@ _EACH = 8  # directions between two signs of life
 _GOLDEN = np.pi * (3 - np.sqrt(5))
 _AMBIENT = "ao"
 _ROUNDED = 1e-4  # by how much the means of equal buckets may differ
+_RGBA = 4
+_OPAQUE = 0.999  # alpha: half floats' means fall a trifle short of 1
+_LEAST_ALPHA = 1 / 512  # what eight bits round to nothing
 _BRIGHT = 99.5  # percent of the texels that the picture shows unclipped
 
 
 def flat_buckets(sidecar: Path, surface: SurfaceMesh) -> Floats:
-    """The mean light (H, W, 3) of each bucket of an atlas, float32, row 0 at v = 0, over black.
+    """The mean light (H, W, 3 or 4) of each bucket of an atlas, float32, row 0 at v = 0.
 
-    Of kinds that hold no light it is how much is open, in grey.
+    Where what is seen is clear somewhere, alpha's mean is the fourth channel, and light premultiplied. Of
+    kinds that hold no light it is how much is open, in grey.
 
     Raises FormatError for files that cannot be read, and a surface that the atlas is not of.
     """
@@ -52,7 +57,9 @@ def flat_buckets(sidecar: Path, surface: SurfaceMesh) -> Floats:
     )
     if facts.kind == _AMBIENT:
         pixels = pixels[..., 3:]
-    light = mean_of_buckets(pixels, AtlasLayout(facts.width, facts.height, facts.bucket))
+    clear = facts.kind in LEAVING and pixels.shape[2] == _RGBA and bool((pixels[..., 3] < _OPAQUE).any())
+    layout = AtlasLayout(facts.width, facts.height, facts.bucket)
+    light = mean_of_buckets(pixels if clear else pixels[..., :3], layout)
     _check_means(sidecar, rasterise(surface, facts.width, facts.height), light)
     return light
 
@@ -60,16 +67,19 @@ def flat_buckets(sidecar: Path, surface: SurfaceMesh) -> Floats:
 def flat_sphere(sidecar: Path, surface: SurfaceMesh) -> Floats:
     """What the texels of a bake of kind `transfer` show under white surroundings: as `flat_buckets`."""
     pixels, facts = read_transfer(sidecar)
-    light = mean_over_lights(pixels, facts.layout)[..., :3]
+    light = mean_over_lights(pixels, facts.layout, facts.views)[..., :3]
     _check_means(sidecar, rasterise(surface, facts.layout.width, facts.layout.height), light)
     return light
 
 
 def mean_of_buckets(pixels: Floats, layout: AtlasLayout) -> Floats:
-    """The mean light (H, W, 3), float32, of an atlas (H*n, W*n, C), each cell weighing its solid angle."""
+    """The mean (H, W, C), float32, of an atlas (H*n, W*n, C), each cell weighing its solid angle.
+
+    Of one channel it is grey, (H, W, 3).
+    """
     weight = (cell_solid_angles_sr(layout.bucket) / (2 * np.pi)).astype(np.float32)
     buckets = layout.to_buckets(pixels)
-    rows = (np.einsum("wqpc,qp->wc", row[..., :3].astype(np.float32), weight) for row in buckets)
+    rows = (np.einsum("wqpc,qp->wc", row.astype(np.float32), weight) for row in buckets)
     light: Floats = np.stack(list(rows))
     return np.broadcast_to(light, (*light.shape[:2], 3)) if light.shape[2] == 1 else light
 
@@ -128,13 +138,17 @@ def even_directions(count: int) -> Floats:
 
 
 def flat_png(light: Floats) -> tuple[bytes, float]:
-    """A PNG of light (H, W, 3), row 0 at v = 0, in sRGB; and by what the light was multiplied for that.
+    """A PNG of light (H, W, 3 or 4), row 0 at v = 0, in sRGB; and by what the light was multiplied for that.
 
-    That is 1 unless more than a few texels are brighter than white.
+    That is 1 unless more than a few texels are brighter than white. Of premultiplied light with alpha the
+    picture has the colour of what is there, as PNG and glTF want it.
     """
-    brightest = float(np.percentile(light.max(axis=2), _BRIGHT))
+    colour, alpha = light[..., :3], np.clip(light[..., 3:], 0, 1)
+    if alpha.size:
+        colour = np.divide(colour, alpha, out=np.zeros_like(colour), where=alpha > _LEAST_ALPHA)
+    brightest = float(np.percentile(colour.max(axis=2), _BRIGHT))
     scale = 1 / brightest if brightest > 1 else 1.0
-    return encode_png(srgb(light[::-1] * scale)), scale
+    return encode_png(np.concatenate([srgb(colour * scale), alpha], axis=2)[::-1]), scale
 
 
 def srgb(linear: Floats) -> Floats:

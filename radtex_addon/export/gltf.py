@@ -41,10 +41,12 @@ def write_gltf(
     flat: bytes,
     manifest: Manifest,
     path: Path,
+    clear: bool = False,
 ) -> None:
     """Write the baked copy, alone in `scene` (which it may change), to `path`.
 
-    `flat` is the fallback's PNG. Raises BakeError where Blender's exporter fails.
+    `flat` is the fallback's PNG, which is blended where it is `clear`; of a hull the front alone is drawn.
+    Raises BakeError where Blender's exporter fails.
     """
     _strip(copy, uv_layer)
     with tempfile.TemporaryDirectory(prefix="radtex-") as folder:
@@ -59,6 +61,8 @@ def write_gltf(
         _set_frame(glb, primitive["attributes"])
         primitive["material"] = 0
     _add_material(glb, flat, manifest)
+    if clear:
+        document["materials"][0]["alphaMode"] = "BLEND"
     glb.compact()
     document["asset"]["generator"] = f"{manifest.tool}, {document['asset']['generator']}"
     glb.write(path)
@@ -181,7 +185,7 @@ def _add_material(glb: Glb, flat: bytes, manifest: Manifest) -> None:
     document["materials"] = [
         {
             "name": f"{manifest.name} radiance",
-            "doubleSided": True,
+            "doubleSided": manifest.bake["kind"] != "proxy",
             "pbrMetallicRoughness": {
                 "baseColorTexture": {"index": 0, "texCoord": 0},
                 "metallicFactor": 0.0,

@@ -38,7 +38,7 @@ def bake_shader(manifest: Manifest, baked: Floats) -> GodotShader:
     """The shader of a bake; `baked` (3, 3) turns directions of the mesh into Blender's world of the bake."""
     if manifest.bake["layout"] == "shared":
         return _shared(manifest, baked)
-    (entry,) = manifest.textures.values()
+    entry = manifest.textures[manifest.bake["kind"]]
     return _slices(manifest, entry) if entry.arrangement is Arranged.SLICES else _matrix(manifest, entry)
 
 

@@ -15,7 +15,7 @@ _TAKERS: dict[Kind, tuple[Target, ...]] = {
     **dict.fromkeys(_SEEN, tuple(Target)),
     Kind.SHADOW: (Target.WEB, Target.RAW, Target.GLTF),
     Kind.AO: (Target.WEB, Target.RAW, Target.GLTF),
-    Kind.TRANSFER: (Target.WEB, Target.RAW, Target.GLTF),
+    Kind.TRANSFER: (Target.WEB, Target.RAW, Target.GLTF, Target.UNITY, Target.UNREAL),
 }
 
 

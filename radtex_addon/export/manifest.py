@@ -20,6 +20,7 @@ from ..formats.facts import Facts, json_text
 from ..formats.packing import layer_names
 from ..formats.shared_sidecar import LAYOUT as SHARED
 from ..formats.shared_sidecar import SharedSidecar
+from ..formats.sidecar import LAYOUT as BUCKETS
 from ..formats.sidecar import Sidecar, read_text
 from ..formats.texture import MOST_LAYERS, MOST_PIXELS, PixelFormat, most_levels
 from ..formats.transfer_files import LAYOUT as SPHERE
@@ -118,8 +119,9 @@ class TextureEntry:
 class Manifest:
     """What a folder holds: the mesh, the flat lightmap, and the textures by layer.
 
-    `textures` has the layers' names as keys for the shared layout, else the kind, "radiance" for one. `bake`
-    is the sidecar's JSON. The flat lightmap's light was multiplied by `flat_scale` before it was encoded.
+    `textures` has the layers' names as keys for the shared layout, else the kind, "radiance" for one, and the
+    layers that lie beside the whole. `bake` is the sidecar's JSON. The flat lightmap's light was multiplied
+    by `flat_scale` before it was encoded.
     """
 
     tool: str
@@ -160,6 +162,8 @@ class Manifest:
             raise FormatError(f"{source} is of version {version}, this RadTex reads {VERSION}: update RadTex")
         bake, textures = facts.inner("bake"), facts.inner("textures")
         layers = layers_of(bake)
+        if bake.text("layout") == BUCKETS:
+            layers += tuple(layer for layer in bake.texts("layers") if layer in textures.values)
         if set(textures.values) != set(layers):
             found = ", ".join(textures.values) or "none"
             raise FormatError(f"{source} has the textures {found}, expected {', '.join(layers)}")

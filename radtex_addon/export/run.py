@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..core.arrays import Floats
-from ..core.errors import FormatError
+from ..core.errors import FormatError, InputError
 from ..core.surface import SurfaceMesh
 from ..formats.facts import Facts
 from ..formats.shared_files import read_shared_sidecar
 from ..formats.shared_sidecar import LAYOUT as SHARED
+from ..formats.sidecar import LAYOUT as BUCKETS
 from ..formats.sidecar import Sidecar, preview_path, read_facts, read_sidecar
 from ..formats.transfer_files import LAYOUT as SPHERE
 from ..formats.transfer_files import read_transfer_sidecar
@@ -73,13 +74,24 @@ class _Bake:
 
     @property
     def preview(self) -> Path:
-        return preview_path(self.sidecar, self.bake.kind)
+        return preview_path(self.sidecar, self.bake.kind, self.bake.part)
 
 
 def _sidecar_of(layout: str, sidecar: Path) -> Sidecar:
     if layout == SHARED:
         return read_shared_sidecar(sidecar).bake
     return read_transfer_sidecar(sidecar).bake if layout == SPHERE else read_sidecar(sidecar)
+
+
+def _check_layers(bake: _Bake, spec: ExportSpec) -> None:
+    """Raise InputError for a layer that the bake does not have."""
+    layers = bake.bake.layers if bake.facts.text("layout") == BUCKETS else ()
+    for layer in spec.layers:
+        if layer not in layers:
+            known = ", ".join(layers) or "none"
+            raise InputError(
+                f"{bake.sidecar} has no layer {layer}, its layers are: {known}; bake it with --layer {layer}"
+            )
 
 
 def export_path(sidecar: Path, target: Target) -> Path:
@@ -92,6 +104,7 @@ def check_export(sidecar: Path, spec: ExportSpec, out: Path, *, overwrite: bool 
     check_out(out, sidecar.parent, overwrite)
     bake = _Bake.of(sidecar)
     check_target(sidecar, bake.bake.kind, spec.target)
+    _check_layers(bake, spec)
     check_preview(bake.preview)
     if spec.target is Target.WEB:
         check_page()
@@ -123,9 +136,12 @@ def _pack(bake: _Bake, spec: ExportSpec, folder: Path) -> Generator[Step, None, 
     yield Step(Task.TEXTURES, 0, 1)
     textures = write_textures(bake.sidecar, spec, folder)
     layer = bake.bake.uv_map
-    with baked_copy(bake.preview, bake.bake.object_name, layer) as (scene, copy):
+    part = None if bake.bake.part is None else bake.bake.part.index
+    with baked_copy(bake.preview, bake.bake.surfaces, layer, part) as (scene, copy):
         yield Step(Task.FLAT, 0, 1)
-        flat, scale = flat_png((yield from _flat(bake, surface_of(copy, layer))))
+        light = yield from _flat(bake, surface_of(copy, layer))
+        flat, scale = flat_png(light)
+        clear = light.shape[2] > 3  # it has alpha
         manifest = Manifest(
             tool=f"RadTex {VERSION}",
             name=bake.name,
@@ -137,13 +153,13 @@ def _pack(bake: _Bake, spec: ExportSpec, folder: Path) -> Generator[Step, None, 
         )
         (folder / manifest.flat).write_bytes(flat)
         yield Step(Task.MESH, 0, 1)
-        write_gltf(scene, copy, layer, flat, manifest, folder / manifest.mesh)
+        write_gltf(scene, copy, layer, flat, manifest, folder / manifest.mesh, clear)
     write_manifest(folder / f"{bake.name}.{EXTENSION}", manifest)
     return Pack(bake.name, manifest, folder, spec)
 
 
 def _flat(bake: _Bake, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
-    """What the flat lightmap shows (H, W, 3)."""
+    """What the flat lightmap shows (H, W, 3), or (H, W, 4) of what is clear."""
     layout = bake.facts.text("layout")
     if layout == SHARED:
         return (yield from flat_shared(bake.sidecar, surface))

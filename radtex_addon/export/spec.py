@@ -7,6 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from ..bake.choices import parse_layer
+from ..bake.layers import Layer
 from ..core.errors import InputError
 
 
@@ -63,7 +65,7 @@ class ExportSpec:
     """One export. Raises InputError for what cannot be.
 
     `levels` is the number of mip levels, None for as many as fit; `limit` the most pixels along a texture's
-    side, None for what the target's devices take.
+    side, None for what the target's devices take. `layers` of the bake lie beside the whole, each once.
     """
 
     target: Target
@@ -72,8 +74,10 @@ class ExportSpec:
     arrangement: Arrangement = Arrangement.MATRIX
     levels: int | None = None
     limit: int | None = None
+    layers: tuple[Layer, ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "layers", tuple(dict.fromkeys(map(parse_layer, self.layers or ()))))
         taken = TAKES[self.target]
         if self.format not in taken:
             words = ", ".join(form for form in TextureFormat if form in taken)

@@ -93,14 +93,13 @@ def checked_levels(source: Path, layout: AtlasLayout, spec: ExportSpec) -> int |
     return spec.levels
 
 
-def sphere_spec(sidecar: Path, layout: AtlasLayout, spec: ExportSpec) -> ExportSpec:
-    """What `spec` is for buckets of the whole sphere, which are looked up in one matrix without levels.
+def sphere_spec(sidecar: Path, spec: ExportSpec) -> ExportSpec:
+    """What `spec` is for buckets of the whole sphere, which are looked up in a matrix without levels.
 
     Raises InputError where it asks for something else, naming `sidecar`.
     """
     if spec.arrangement is not Arrangement.MATRIX or (spec.levels or 1) > 1:
         raise InputError(f"{sidecar} has one level in a matrix: leave --arrangement and --levels out")
-    check_limit(sidecar, layout.pixel_width, layout.pixel_height, spec)
     return replace(spec, levels=1)
 
 

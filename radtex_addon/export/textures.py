@@ -20,13 +20,15 @@ from ..core.levels import fitting_levels, level_chain, padded_layout
 from ..core.pages import Pages, fitting_pages, split_pages
 from ..core.slices import mip_chain, to_slices
 from ..formats.atomic import replacing
+from ..formats.bucket_files import BASE, image_path, read_layer
 from ..formats.condensed_files import digest
 from ..formats.dds import read_dds, write_texture
 from ..formats.exr import read_buckets
 from ..formats.ktx2 import write_ktx2
 from ..formats.packing import COLOUR, ENDS, IRRADIANCE, SURROUNDINGS
 from ..formats.shadow_files import KIND as SHADOW
-from ..formats.shared_files import layer_path, read_layer, read_shared_sidecar, texture_path
+from ..formats.shared_files import layer_path, read_shared_sidecar, texture_path
+from ..formats.shared_files import read_layer as read_shared_layer
 from ..formats.shared_sidecar import LAYOUT as SHARED
 from ..formats.shared_sidecar import SharedSidecar
 from ..formats.sidecar import Sidecar, read_facts
@@ -49,6 +51,11 @@ from .texture_choice import (
 _CONDENSED = (TextureFormat.AUTO, TextureFormat.DDS_BC6H)  # what leaves a condensed bake as it is
 _SMOOTH = (COLOUR, IRRADIANCE, SURROUNDINGS)  # without buckets that a block could straddle
 _BLOCK = PixelFormat.BC6H.side
+_EXACT = {
+    TextureFormat.KTX2_RGB9E5: TextureFormat.KTX2_RGBA16F,
+    TextureFormat.KTX2_BC6H: TextureFormat.KTX2_RGBA16F,
+    TextureFormat.DDS_BC6H: TextureFormat.DDS_RGBA16F,
+}
 
 
 def write_textures(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
@@ -65,9 +72,14 @@ def write_textures(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, T
         return write_shadow_texture(sidecar, spec, folder)
     if found.text("layout") == SPHERE:
         pixels, sphere = read_transfer(sidecar)
-        return _write_buckets(sidecar, pixels, sphere.bake, sphere_spec(sidecar, sphere.layout, spec), folder)
+        stored = replace(sphere.bake, width=sphere.stored.width, height=sphere.stored.height)
+        return _write_buckets(sidecar, pixels, stored, sphere_spec(sidecar, spec), folder)
     if found.text("layout") != SHARED:
-        return _write_buckets(sidecar, *read_buckets(sidecar), spec, folder)
+        pixels, facts = read_buckets(sidecar)
+        written = _write_buckets(sidecar, pixels, facts, spec, folder)
+        for layer in spec.layers:
+            written |= _write_layer_of_buckets(sidecar, facts, layer, spec, folder)
+        return written
     shared = read_shared_sidecar(sidecar)
     if spec.arrangement is not Arrangement.MATRIX or (spec.levels or 1) > 1:
         raise InputError(f"{sidecar} is of the shared layout: leave --arrangement and --levels out")
@@ -76,17 +88,30 @@ def write_textures(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, T
     return {layer: _write_layer(sidecar, shared, layer, spec, folder) for layer in shared.shapes}
 
 
-def _write_buckets(
-    sidecar: Path, pixels: Floats, facts: Sidecar, spec: ExportSpec, folder: Path
+def _write_layer_of_buckets(
+    sidecar: Path, facts: Sidecar, layer: str, spec: ExportSpec, folder: Path
 ) -> dict[str, TextureEntry]:
-    source, layout = sidecar.with_suffix(".exr"), AtlasLayout(facts.width, facts.height, facts.bucket)
+    """A part of the light, stored as the whole is, the base as an image; exactly where it is below 0."""
+    image = read_layer(sidecar, layer)
+    if layer == BASE:
+        return {layer: _write_image(image_path(sidecar, layer), image, spec, folder, None)}
+    if image.min() < 0:
+        spec = replace(spec, format=_EXACT.get(spec.format, spec.format))
+    return _write_buckets(sidecar, image, facts, spec, folder, layer)
+
+
+def _write_buckets(
+    sidecar: Path, pixels: Floats, facts: Sidecar, spec: ExportSpec, folder: Path, layer: str = ""
+) -> dict[str, TextureEntry]:
+    """The atlas itself, or a `layer` of its size."""
+    source, layout = image_path(sidecar, layer), AtlasLayout(facts.width, facts.height, facts.bucket)
     sliced = spec.arrangement is Arrangement.SLICES
     if spec.format is TextureFormat.EXR:
         if sliced or (spec.levels or 1) > 1:
             raise InputError(f"{source} holds one image: for slices or levels choose --format ktx2-rgba16f")
         check_limit(source, layout.pixel_width, layout.pixel_height, spec)
         pages = Pages(1, 1, layout.width, layout.height)
-        return {facts.kind: _copy_exr(source, folder, pixels, Arranged.MATRIX, pages)}
+        return {layer or facts.kind: _copy_exr(source, folder, pixels, Arranged.MATRIX, pages)}
     levels, pages = (_sliced if sliced else _paged)(source, layout, spec)
     is_array = sliced or pages.layers > 1
     container = container_of(source, spec, is_array)
@@ -99,7 +124,7 @@ def _write_buckets(
     texels = (layout.width, layout.height)
     arranged = Arranged.SLICES if sliced else Arranged.MATRIX
     entry = _entry(path, container, texture, zstd, arranged, texels, pages)
-    return {facts.kind: replace(entry, levels=levels)}
+    return {layer or facts.kind: replace(entry, levels=levels)}
 
 
 def _paged(source: Path, layout: AtlasLayout, spec: ExportSpec) -> tuple[int, Pages]:
@@ -142,15 +167,25 @@ def _chain(images: list[Floats], spec: ExportSpec) -> list[Floats]:
 def _write_layer(
     sidecar: Path, shared: SharedSidecar, layer: str, spec: ExportSpec, folder: Path
 ) -> TextureEntry:
-    """One image of a bake in the shared layout; blocks beyond its edge are filled with its last pixels."""
-    source, image = layer_path(sidecar, layer), read_layer(sidecar, shared, layer)
+    """One image of a bake in the shared layout."""
+    source, image = layer_path(sidecar, layer), read_shared_layer(sidecar, shared, layer)
+    straddled = None if layer in _SMOOTH else straddled_bucket(shared.bake.bucket, border=1)
+    return _write_image(source, image, spec, folder, straddled, exact=layer.endswith(ENDS))
+
+
+def _write_image(
+    source: Path, image: Floats, spec: ExportSpec, folder: Path, straddled: str | None, exact: bool = False
+) -> TextureEntry:
+    """An image as a texture; `exact` or with values below 0 in RGBA16F, whatever `spec` says.
+
+    Blocks beyond its edge are filled with its last pixels.
+    """
     height, width = image.shape[:2]
     check_limit(source, width, height, spec)
     if spec.format is TextureFormat.EXR:
         return _copy_exr(source, folder, image, Arranged.IMAGE, Pages(1, 1, width, height))
     container, kind = container_of(source, spec, is_array=False), PixelFormat.RGBA16F
-    if not layer.endswith(ENDS) and image.min() >= 0:
-        straddled = None if layer in _SMOOTH else straddled_bucket(shared.bake.bucket, border=1)
+    if not exact and image.min() >= 0:
         kind = choice(source, image, spec, container, straddled)
     if kind is PixelFormat.BC6H:
         image = np.pad(image, ((0, -height % _BLOCK), (0, -width % _BLOCK), (0, 0)), mode="edge")

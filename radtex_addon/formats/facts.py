@@ -102,6 +102,13 @@ class Facts:
             raise self._mistyped(key, "a list of [red, green, blue]")
         return tuple((float(r), float(g), float(b)) for r, g, b in value)
 
+    def point(self, key: str) -> tuple[float, float, float, float]:
+        value = self._of(key)
+        if not isinstance(value, list) or len(value) != 4 or not all(map(_is_number, value)):
+            raise self._mistyped(key, "four numbers")
+        x, y, z, w = map(float, value)
+        return x, y, z, w
+
     def constant(self, key: str, expected: object) -> None:
         if self._of(key) != expected:
             raise self._mistyped(key, json.dumps(expected))

@@ -34,12 +34,37 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|com[0-9¹²³]|lpt[0-
 class Source:
     """The object whose light an atlas holds where it is not the one that wears it.
 
-    It was looked for within the `extrusion`, in scene units; `missed` texels found nothing of it.
+    It was looked for within the `extrusion`, in scene units, or from a `cage` that stands off as far at most;
+    `missed` texels found nothing of it.
     """
 
     object_name: str
     extrusion: float
     missed: int
+    cage: str | None = None
+
+
+@dataclass(frozen=True)
+class Part:
+    """The part of an object that an atlas is of, where others have atlases of their own.
+
+    It is called `name` and has the number `index` among the parts; `by` is what they are split by.
+    """
+
+    by: str
+    name: str
+    index: int
+
+
+@dataclass(frozen=True)
+class Content:
+    """What a hull shows: the `objects` of a collection, or, where that is "", those within the hull.
+
+    With "*" in the place of a collection's name it is all that there is, and nothing is listed.
+    """
+
+    collection: str
+    objects: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -48,7 +73,9 @@ class Sidecar:
 
     `kind` and `capture` are words, for a reader need not know how to bake them; `clamped` counts the values
     that were beyond the file's range; `layers` are the files of one bake beyond the first. `mesh` is a digest
-    of the baked copy's shape and UVs, empty where nobody has said.
+    of the baked copy's shape and UVs, empty where nobody has said. Where `objects` share the atlas,
+    `object_name` is what it is called. What was farther than the `ao_distance` counts as open.
+    Where `texel_samples` (`formats.counts`) tells of texels with more, `samples` are the fewest.
     """
 
     object_name: str
@@ -67,6 +94,17 @@ class Sidecar:
     mesh: str = ""
     source: Source | None = None
     frame: int | None = None
+    lights: tuple[str, ...] = ()
+    objects: tuple[str, ...] = ()
+    part: Part | None = None
+    ao_distance: float | None = None
+    texel_samples: str = ""
+    content: Content | None = None
+
+    @property
+    def surfaces(self) -> tuple[str, ...]:
+        """The objects that the atlas is of."""
+        return self.objects or (self.object_name,)
 
     def to_json(self) -> str:
         """The contract's JSON, in ASCII and with a newline at its end."""
@@ -99,9 +137,24 @@ class Sidecar:
                 "object": source.object_name,
                 "extrusion": source.extrusion,
                 "missed": source.missed,
-            }
+            } | ({"cage": source.cage} if source.cage is not None else {})
         if self.frame is not None:
             facts["frame"] = self.frame
+        if self.lights:
+            facts["lights"] = list(self.lights)
+        if self.objects:
+            facts["objects"] = list(self.objects)
+        if self.ao_distance is not None:
+            facts["ao_distance"] = self.ao_distance
+        if self.part is not None:
+            facts["part"] = {"by": self.part.by, "name": self.part.name, "index": self.part.index}
+        if self.texel_samples:
+            facts["texel_samples"] = self.texel_samples
+        if self.content is not None:
+            facts["content"] = {
+                "collection": self.content.collection,
+                "objects": list(self.content.objects),
+            }
         return facts
 
     @classmethod
@@ -140,11 +193,38 @@ class Sidecar:
             mesh=facts.text("mesh") if "mesh" in facts.values else "",
             source=_source(facts.inner("source")) if "source" in facts.values else None,
             frame=facts.whole_number("frame", 0) if "frame" in facts.values else None,
+            lights=facts.texts("lights") if "lights" in facts.values else (),
+            objects=facts.texts("objects") if "objects" in facts.values else (),
+            part=part_in(facts),
+            ao_distance=facts.positive("ao_distance") if "ao_distance" in facts.values else None,
+            texel_samples=facts.text("texel_samples") if "texel_samples" in facts.values else "",
+            content=content_in(facts),
         )
 
 
 def _source(facts: Facts) -> Source:
-    return Source(facts.text("object"), facts.positive("extrusion"), facts.whole_number("missed", 0))
+    return Source(
+        facts.text("object"),
+        facts.positive("extrusion"),
+        facts.whole_number("missed", 0),
+        facts.text("cage") if "cage" in facts.values else None,
+    )
+
+
+def part_in(facts: Facts) -> Part | None:
+    """Which part of an object a sidecar's `facts` are of, None for all of it. Raises FormatError."""
+    if "part" not in facts.values:
+        return None
+    found = facts.inner("part")
+    return Part(found.text("by"), found.text("name"), found.whole_number("index", 0))
+
+
+def content_in(facts: Facts) -> Content | None:
+    """What the hull shows of whose bake `facts` are, None for another kind. Raises FormatError."""
+    if "content" not in facts.values:
+        return None
+    found = facts.inner("content")
+    return Content(found.text("collection"), found.texts("objects"))
 
 
 _CONSTANTS = {"tangents": TANGENTS, "color_space": COLOR_SPACE, "alpha": ALPHA}
@@ -165,9 +245,15 @@ def read_facts(path: Path) -> Facts:
     return Facts.parse(read_text(path), str(path))
 
 
-def preview_path(path: Path, kind: str) -> Path:
-    """Where the preview of the bake lies whose sidecar is the file `path`, if one was saved."""
-    return path.with_name(f"{path.name.removesuffix(f'.{kind}.json')}.preview.blend")
+def preview_path(path: Path, kind: str, part: Part | None = None) -> Path:
+    """Where the preview of the bake lies whose sidecar is the file `path`, if one was saved.
+
+    Parts of an object have one in common.
+    """
+    stem = path.name.removesuffix(f".{kind}.json")
+    if part is not None:
+        stem = f"{stem.removesuffix(f'.{safe_name(part.name)}')}.{part.by}"
+    return path.with_name(f"{stem}.preview.blend")
 
 
 def read_text(path: Path) -> str:
@@ -180,10 +266,12 @@ def read_text(path: Path) -> str:
         raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
 
 
-def file_name(object_name: str, kind: str, extension: str, layer: str | None = None) -> str:
-    """The contract's `<name>.<kind>.<extension>`, or `<name>.<kind>.<layer>.<extension>`."""
-    parts = [safe_name(object_name), kind, *([safe_name(layer)] if layer is not None else []), extension]
-    return ".".join(parts)
+def file_name(
+    object_name: str, kind: str, extension: str, layer: str | None = None, part: str | None = None
+) -> str:
+    """The contract's `<name>.<kind>.<extension>`: a part's name comes before the kind, a layer's after it."""
+    words = [object_name, part, kind, layer]
+    return ".".join([*(safe_name(word) for word in words if word is not None), extension])
 
 
 def safe_name(name: str) -> str:

@@ -15,29 +15,49 @@ from typing import Any
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, ShapeError
+from ..core.transfer import with_views
 from .atomic import replacing
 from .exr import Compression, header_text, read_pixels, stored_rows, write_rows
 from .facts import Facts, json_text
 from .sidecar import Sidecar, read_text
 
 LAYOUT = "sphere"
-VIEW = "normal"  # each texel is seen along its normal
+NORMAL, CAMERA, AROUND = VIEWS = ("normal", "camera", "around")  # from where texels were looked at
+_MOST_VIEWS = 16
 
 
 @dataclass(frozen=True)
 class TransferSidecar:
-    """Facts about one bake: what every layout has, and the number of suns that it was captured under."""
+    """Facts about one bake: what every layout has, and how many `suns` it was captured under.
+
+    `view` is from where: along the normals, from a camera, whose `eye` is (x, y, z, 1) in the bake's world,
+    or if it is far away (x, y, z, 0), the direction to it; or from all around, by `views` x `views` views.
+    """
 
     bake: Sidecar
     suns: int
+    view: str = NORMAL
+    eye: tuple[float, float, float, float] | None = None
+    views: int = 1
 
     @property
     def layout(self) -> AtlasLayout:
+        """The atlas's layout, were there one view."""
         return AtlasLayout(self.bake.width, self.bake.height, self.bake.bucket)
+
+    @property
+    def stored(self) -> AtlasLayout:
+        """The image's layout, with the buckets of all views."""
+        return with_views(self.layout, self.views)
 
     def facts(self) -> dict[str, Any]:
         """What the JSON says, in its order."""
-        return self.bake.facts(LAYOUT) | {"transfer": {"view": VIEW, "suns": self.suns}}
+        transfer: dict[str, Any] = {"view": self.view, "suns": self.suns}
+        if self.eye is not None:
+            transfer["eye"] = list(self.eye)
+        if self.view == AROUND:
+            transfer["views"] = self.views
+        return self.bake.facts(LAYOUT) | {"transfer": transfer}
 
     def to_json(self) -> str:
         """The contract's JSON, in ASCII and with a newline at its end."""
@@ -50,8 +70,10 @@ class TransferSidecar:
         Raises FormatError for another version or layout, a missing or mistyped key, and another view.
         """
         bake, transfer = Sidecar.from_facts(facts, LAYOUT), facts.inner("transfer")
-        transfer.choice("view", (VIEW,))
-        return cls(bake, transfer.whole_number("suns", 1))
+        view = transfer.choice("view", VIEWS)
+        eye = transfer.point("eye") if view == CAMERA else None
+        views = transfer.whole_number("views", 2, _MOST_VIEWS) if view == AROUND else 1
+        return cls(bake, transfer.whole_number("suns", 1), view, eye, views)
 
 
 def write_transfer(
@@ -61,12 +83,12 @@ def write_transfer(
     half: bool = True,
     compression: Compression = Compression.ZIP,
 ) -> TransferSidecar:
-    """Write the sidecar to `path` and the atlas (H*n, W*n, 4), row 0 at the bottom, beside it; both or none.
+    """Write the sidecar to `path` and the atlas, row 0 at the bottom, beside it; both or none.
 
     Values beyond the file's range are clamped to it and counted in the returned sidecar. Raises ShapeError if
     pixels and sidecar differ in size, BakeError for values that are not numbers and where the system refuses.
     """
-    expected = (sidecar.layout.pixel_height, sidecar.layout.pixel_width, 4)
+    expected = (sidecar.stored.pixel_height, sidecar.stored.pixel_width, 4)
     if pixels.shape != expected:
         raise ShapeError(f"transfer atlas: expected shape {expected}, got {pixels.shape}")
     image = path.with_suffix(".exr")
@@ -79,7 +101,7 @@ def write_transfer(
 
 
 def read_transfer(path: Path) -> tuple[Floats, TransferSidecar]:
-    """Pixels (H*n, W*n, 4) of the bake whose sidecar is the file `path`, as stored, row 0 at the bottom.
+    """Pixels, as `stored` says, of the bake whose sidecar is the file `path`, as stored, row 0 at the bottom.
 
     Raises FormatError, with the path, for a sidecar or an image that is missing, damaged, not ours, of a
     newer version, of another bake, or not of the size that the sidecar says.
@@ -90,7 +112,7 @@ def read_transfer(path: Path) -> tuple[Floats, TransferSidecar]:
         raise FormatError(
             f"{image} is of another bake than {path}: put one bake's files together, or bake again"
         )
-    layout = sidecar.layout
+    layout = sidecar.stored
     return read_pixels(image, layout.pixel_width, layout.pixel_height, [4]), sidecar
 
 

@@ -8,6 +8,7 @@ map, captures, atlas, files.
 
 from .checks import check_request
 from .files import OutputFiles
+from .parts import part_specs
 from .run import BakeResult, bake_object, bake_steps
 
-__all__ = ["BakeResult", "OutputFiles", "bake_object", "bake_steps", "check_request"]
+__all__ = ["BakeResult", "OutputFiles", "bake_object", "bake_steps", "check_request", "part_specs"]

@@ -4,61 +4,38 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Generator
 
-from ..core.arrays import Floats
-from ..core.errors import InputError
-from ..formats.exr import read_buckets
-from ..formats.sidecar import Sidecar
-from .files import OutputFiles
+import numpy as np
 
-
-@dataclass(frozen=True, eq=False)
-class Earlier:
-    """An earlier bake: its atlas (H*n, W*n, 4) and its sidecar."""
-
-    pixels: Floats
-    sidecar: Sidecar
-
-    @property
-    def samples(self) -> int:
-        """For each cell."""
-        return self.sidecar.samples
-
-    def with_more(self, pixels: Floats, bake: Sidecar) -> tuple[Floats, Sidecar]:
-        """The mean over both bakes' samples, float32, and what is to be said of it."""
-        both = self.samples + bake.samples
-        mean: Floats = pixels * (bake.samples / both) + self.pixels * (self.samples / both)
-        return mean.astype("float32"), replace(bake, samples=both)
+from ..bake.checkpoint import Keeper
+from ..bake.progress import Progress
+from ..bake.thumbnail import Thumbnail
+from ..core.arrays import Floats, Ints
+from .again import Again
 
 
-def read_earlier(files: OutputFiles, bake: Sidecar) -> Earlier:
-    """The atlas that `files` name, as one that `bake` may be folded into.
+def accumulated(
+    again: Again, keeper: Keeper, thumbnail: Thumbnail | None
+) -> Generator[Progress, None, tuple[Floats, int, Ints]]:
+    """Give the chosen texels as many more samples as the specification says, each from where its own ended.
 
-    Raises InputError where it is of another mesh, size or capture, FormatError as `exr.read_buckets` does.
+    Returns the atlas (H*n, W*n, 4) float32, the mean over all samples of each texel; how many paths it took;
+    and how many samples a cell each texel has now, (H, W). Raises BakeError where Cycles fails.
     """
-    pixels, earlier = read_buckets(files.sidecar)
-    differs = _difference(earlier, bake)
-    if differs is None and pixels.shape[2] != 4:
-        differs = f"has {pixels.shape[2]} channels, not 4"
-    if differs is not None:
-        raise InputError(f"{files.atlas} {differs}: accumulate onto an atlas of its own, or bake anew")
-    return Earlier(pixels, earlier)
+    plan, counts = again.plan, again.counts
+    more = np.where(again.chosen, again.spec.samples, 0)
+    before = again.buckets()
+    buckets = before.copy()
+    paths = yield from again.capture(buckets, more, counts, keeper, thumbnail)
+    some = plan.placed(again.chosen)
+    both = counts + more
+    new, old = (plan.placed(part / both).astype(np.float32)[some] for part in (more, counts))
+    buckets[some] = _weighted(buckets[some], new) + _weighted(before[some], old)
+    yield from again.fill(buckets)
+    return plan.layout.from_buckets(buckets), paths, plan.placed(both, gutter=True)
 
 
-def _difference(earlier: Sidecar, bake: Sidecar) -> str | None:  # noqa: PLR0911 (a line for each reason)
-    if not earlier.mesh:
-        return "does not say of which mesh it is, as bakes of older RadTexes do not"
-    sizes = [(one.width, one.height, one.bucket) for one in (earlier, bake)]
-    if sizes[0] != sizes[1]:
-        told = ["{} x {} texels of {} cells".format(*size) for size in sizes]
-        return f"has {told[0]}, this bake {told[1]}"
-    if earlier.mesh != bake.mesh:
-        return "is of another mesh, or of the same unwrapped otherwise"
-    if earlier.source != bake.source:
-        return "shows what another object does, or was looked for at another distance"
-    if earlier.layers:
-        return "has layers, which are not accumulated"
-    if earlier.capture != bake.capture:
-        return f"was captured by {earlier.capture}, not by {bake.capture}"
-    return None
+def _weighted(buckets: Floats, share: Floats) -> Floats:
+    weighted: Floats = buckets * share[:, None, None, None]
+    return weighted

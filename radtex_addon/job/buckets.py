@@ -20,22 +20,23 @@ from ..bake.spec import BakeSpec, CaptureMethod, Kind
 from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Bools
 from ..core.texel_map import TexelMap
-from ..cycles.hidden import find_hidden
 from ..cycles.layers import LayeredCapture
 from ..cycles.panoramic import PanoramicCapture
 from ..cycles.portal import PortalCapture
 from ..formats.bucket_files import write_buckets
+from ..formats.sidecar import Content
 from ..scene.enclosed import show_content_only
-from .accumulate import read_earlier
-from .files import OutputFiles, facts_of
+from .accumulate import accumulated
+from .again import Again, chosen_texels
+from .earlier import read_earlier, with_counts
+from .files import OutputFiles
 from .made import Made
 from .prepare import Prepared
-from .refresh import Refresh
+from .refresh import refreshed
 
 
 def bake_buckets(
     scratch: bpy.types.Scene,
-    original: bpy.types.Object,
     spec: BakeSpec,
     files: OutputFiles,
     prepared: Prepared,
@@ -43,32 +44,25 @@ def bake_buckets(
     keeper: Keeper = KEEPS_NOTHING,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Made]:
-    """Bake the scratch scene's object; `folder` takes temporary files, the `keeper` every finished tile."""
-    facts = facts_of(
-        original.name,
-        spec,
-        prepared.width,
-        prepared.height,
-        prepared.uv_layer,
-        prepared.digest,
-        source=prepared.source_facts,
-    )
+    """Bake what is prepared; `folder` takes temporary files, the `keeper` every finished tile."""
+    facts = prepared.facts(spec)
     earlier = read_earlier(files, facts) if spec.accumulate or spec.refresh else None
     texels = prepared.texels()
     plan, hidden = yield from _plan(prepared, texels, spec, folder, keeper)
     if spec.kind is Kind.PROXY:
-        show_content_only(scratch, original, spec.content)
+        named = show_content_only(scratch, prepared.original, spec.content)
+        facts = replace(facts, content=Content(spec.content or "", named))
     count = len(plan.texel)
     paths = count * spec.bucket**2 * spec.samples
-    if earlier is not None and spec.refresh:
-        work = Refresh(scratch, spec, _rays(spec), texels, plan, hidden, earlier, folder)
-        image, paths = yield from work.steps(keeper, thumbnail)
-        facts = replace(facts, samples=earlier.samples)
+    if earlier is not None:
+        chosen = chosen_texels(plan, texels, prepared.chosen, spec.where)
+        again = Again(scratch, spec, _rays(spec), texels, plan, hidden, earlier, chosen, folder)
+        work = refreshed if spec.refresh else accumulated
+        image, paths, counts = yield from work(again, keeper, thumbnail)
+        facts = with_counts(facts, counts)
     else:
-        capture = _capture(scratch, plan, spec, folder, earlier.samples if earlier else 0)
+        capture = _capture(scratch, plan, spec, folder)
         image = yield from fill_atlas(plan, capture, spec.memory_mb, hidden, keeper, thumbnail, spec.channels)
-        if earlier is not None:
-            image, facts = earlier.with_more(image, facts)
     yield Progress(Stage.WRITE, 0, 1)
     layers = split_layers(image, plan.layout, spec.layers)
     written = write_buckets(files.sidecar, image[..., :WHOLE], layers, facts, spec.half, spec.compression)
@@ -82,7 +76,7 @@ def _plan(
     plan = plan_capture(texels, spec.bucket)
     if spec.kind is not Kind.RADIANCE:
         return plan, None
-    hidden = yield from find_hidden(*prepared.seen, plan, folder, keeper)
+    hidden = yield from prepared.hidden(plan, folder, keeper)
     buried = hidden.all(axis=(1, 2))
     return plan_capture(texels, spec.bucket, without=plan.texel[buried]), hidden[~buried]
 
@@ -92,12 +86,10 @@ def _rays(spec: BakeSpec) -> Kind:
     return Kind.RADIANCE if spec.kind is Kind.PROXY else spec.kind
 
 
-def _capture(
-    scratch: bpy.types.Scene, plan: CapturePlan, spec: BakeSpec, folder: Path, first: int
-) -> Capture:
+def _capture(scratch: bpy.types.Scene, plan: CapturePlan, spec: BakeSpec, folder: Path) -> Capture:
     kind = _rays(spec)
     if spec.layers:
         return LayeredCapture(scratch, plan, kind, spec.layers, spec.samples, spec.seed, folder)
     if spec.capture is CaptureMethod.PANORAMIC:
         return PanoramicCapture(scratch, plan, kind, spec.samples, spec.seed, folder)
-    return PortalCapture(scratch, plan, kind, spec.samples, spec.seed, folder, first=first)
+    return PortalCapture(scratch, plan, kind, spec.samples, spec.seed, folder)

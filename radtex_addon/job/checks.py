@@ -4,26 +4,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
 
 from ..bake.rays import FINER
-from ..bake.spec import OCCLUSION, BakeSpec, CaptureMethod, Kind, Layout
+from ..bake.spec import OCCLUSION, BakeSpec, CaptureMethod, Kind, Layout, View
+from ..bake.transfer_views import views_along
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.shared import LEAST_LEVEL, Axis
+from ..core.transfer import with_views
 from ..formats.atomic import check_writable
 from ..formats.shared_sidecar import SharedSidecar
 from ..preview.node_group import check_previewable
 from ..preview.shared_group import check_shared_previewable
+from ..scene.cage import find_cage
 from ..scene.copy import UV_LAYER
 from ..scene.enclosed import find_content
+from ..scene.eye import find_eye
 from ..scene.fog import volumes_around
+from ..scene.lamps import find_lamps
 from ..scene.light import is_dark
 from ..scene.objects import find_object
 from ..scene.scratch import find_view_layer
 from ..scene.source import find_source
+from ..scene.where import check_where
 from ..scene.xatlas_process import check_xatlas
 from .files import OutputFiles, facts_of
 from .unfinished import check_files
@@ -41,10 +48,16 @@ def check_request(
 ) -> list[str]:
     """Everything that can be known to fail before a bake starts; returns warnings.
 
-    Raises InputError for an object or a view layer that is not there, an object that cannot be baked, for
-    files that would be lost or cannot be written, and where it is to `resume` a bake that differs.
+    Raises InputError for an object or a view layer that is not there, an object that cannot be baked, a
+    shared atlas that bears a stranger's name, for files that would be lost or cannot be written, and where it
+    is to `resume` a bake that differs.
     """
-    item = find_object(scene, name)
+    items = [find_object(scene, each) for each in spec.objects or (name,)]
+    if spec.objects and name not in spec.objects and name in scene.objects:
+        raise InputError(
+            f"the atlas cannot be called '{name}', as an object that has no part in it: "
+            "give it another name (--together)"
+        )
     layer = find_view_layer(scene, view_layer)
     if spec.uv_layer is None:
         check_xatlas()
@@ -57,20 +70,50 @@ def check_request(
     check_files(name, spec, files, overwrite, resume)
     if preview:
         _check_previewable(name, spec)
-    if spec.kind is Kind.PROXY:
-        find_content(layer, item, spec.content)
-    if spec.source is not None:
-        find_source(scene, item, spec.source, view_layer)
+    _check_names(scene, layer, items, spec)
+    return _warnings(scene, layer, items, spec)
+
+
+def _warnings(
+    scene: bpy.types.Scene,
+    layer: bpy.types.ViewLayer,
+    items: Sequence[bpy.types.Object],
+    spec: BakeSpec,
+) -> list[str]:
+    """What bakes, but hardly as it is meant."""
     warnings = []
-    if spec.kind not in (*OCCLUSION, Kind.TRANSFER) and is_dark(scene, layer):
+    if spec.kind not in (*OCCLUSION, Kind.TRANSFER) and not spec.lights and is_dark(scene, layer):
         warnings.append(f"scene '{scene.name}' has no light: no lamp, a black world, nothing that emits")
     if spec.capture is CaptureMethod.PORTAL:
         warnings.extend(
-            f"object '{name}' stands in the volume of '{fog}', which the bake will not show: "
+            f"object '{item.name}' stands in the volume of '{fog}', which the bake will not show: "
             "make it the world's volume, or hide it from render"
+            for item in items
             for fog in volumes_around(layer, item)
         )
     return warnings
+
+
+def _check_names(
+    scene: bpy.types.Scene,
+    layer: bpy.types.ViewLayer,
+    items: Sequence[bpy.types.Object],
+    spec: BakeSpec,
+) -> None:
+    """Find all that a bake names, or takes for granted, beside its objects."""
+    item = items[0]
+    if spec.view is View.CAMERA:
+        find_eye(scene)
+    if spec.kind is Kind.PROXY:
+        find_content(layer, item, spec.content)
+    if spec.source is not None:
+        find_source(scene, item, spec.source, layer.name)
+    if spec.cage is not None:
+        find_cage(scene, item, spec.source, spec.cage)
+    if spec.where is not None:
+        check_where(items, spec.where)
+    if spec.lights:
+        find_lamps(layer, spec.lights)
 
 
 def _is_open(path: Path) -> bool:
@@ -81,7 +124,8 @@ def _check_previewable(name: str, spec: BakeSpec) -> None:
     """Refuse what no GPU takes, were the atlas square."""
     side = spec.texels
     if spec.layout is Layout.BUCKETS:
-        check_previewable(AtlasLayout(side, side, 1 if spec.kind is Kind.AO else spec.bucket))
+        layout = AtlasLayout(side, side, 1 if spec.kind is Kind.AO else spec.bucket)
+        check_previewable(with_views(layout, views_along(spec.view)))
         return
     largest = SharedSidecar(
         bake=facts_of(name, spec, side, side, spec.uv_layer or UV_LAYER),

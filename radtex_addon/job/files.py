@@ -13,36 +13,44 @@ from ..bake.spec import BakeSpec, Layout
 from ..core.shared import Axis
 from ..formats.packing import layer_names
 from ..formats.shared_files import layer_path, texture_path
-from ..formats.sidecar import Sidecar, Source, file_name
+from ..formats.sidecar import Part, Sidecar, Source, file_name
 from ..version import VERSION
 
 
 @dataclass(frozen=True)
 class OutputFiles:
-    """Where a bake of one object goes; `preview` is None if none is wanted.
+    """Where a bake goes; `preview` is None if none is wanted.
 
     `images` are the plain layout's atlas and its layers, or all that the shared layout can have, condensed or
-    not.
+    not. The preview is the bake's own but where parts have one in common.
     """
 
     images: tuple[Path, ...]
     sidecar: Path
     preview: Path | None
+    preview_is_own: bool = True
 
     @classmethod
     def of(cls, object_name: str, spec: BakeSpec, folder: Path, preview: bool) -> OutputFiles:
-        """The names of the contract, DESIGN.md section 3, below `folder`; a frame's have its number."""
+        """The names of the contract, DESIGN.md section 3, below `folder`; a frame's have its number.
+
+        Parts have a preview in common, which shows all that there are.
+        """
         if spec.frame is not None:
             object_name = f"{object_name}-{spec.frame:04d}"
-        atlas, sidecar = (folder / file_name(object_name, spec.kind, ending) for ending in ("exr", "json"))
+        if spec.lights:
+            object_name = f"{object_name}-{'+'.join(spec.lights)}"
+        atlas, sidecar = (
+            folder / file_name(object_name, spec.kind, ending, part=spec.part) for ending in ("exr", "json")
+        )
         images: tuple[Path, ...] = (atlas, *(layer_path(sidecar, layer) for layer in spec.layers))
         if spec.layout is Layout.SHARED:
             images = (
                 *(layer_path(sidecar, layer) for layer in layer_names(Axis)),
                 *(texture_path(sidecar, layer) for layer in layer_names(Axis, condensed=True)),
             )
-        shown = folder / file_name(object_name, "preview", "blend")
-        return cls(images, sidecar, shown if preview else None)
+        shown = folder / file_name(object_name, "preview", "blend", part=spec.split)
+        return cls(images, sidecar, shown if preview else None, spec.split is None)
 
     @property
     def unfinished(self) -> Path:
@@ -53,6 +61,11 @@ class OutputFiles:
     def atlas(self) -> Path:
         """The plain layout's image; the shared layout's first."""
         return self.images[0]
+
+    @property
+    def own(self) -> tuple[Path, ...]:
+        """All that no other bake writes, too."""
+        return self.all if self.preview_is_own else (*self.images, self.sidecar)
 
     @property
     def all(self) -> tuple[Path, ...]:
@@ -67,8 +80,9 @@ def facts_of(
     uv_layer: str,
     mesh: str = "",
     source: Source | None = None,
+    part: Part | None = None,
 ) -> Sidecar:
-    """What the sidecar says of a bake of the object `name`, `width` x `height` texels large."""
+    """What the sidecar says of a bake called `name`, `width` x `height` texels large."""
     return Sidecar(
         object_name=name,
         kind=spec.kind,
@@ -84,4 +98,7 @@ def facts_of(
         mesh=mesh,
         source=source,
         frame=spec.frame,
+        lights=spec.lights,
+        objects=spec.objects,
+        part=part,
     )

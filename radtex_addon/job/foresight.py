@@ -17,9 +17,9 @@ from ..core.errors import InputError
 from ..export.folder import check_out
 from ..export.kinds import check_target
 from ..export.spec import Target
-from ..formats.sidecar import safe_name
 from .checks import check_request
 from .condensed import check_budget
+from .files import OutputFiles
 
 
 @dataclass(frozen=True)
@@ -56,10 +56,12 @@ def foresee(
         try:
             found = check_request(scene, name, spec, folder, preview, overwrite, view_layer, resume)
             warnings |= dict.fromkeys(found)
-            _check_uv(scene.objects[name], spec)
+            for each in spec.objects or (name,):
+                _check_uv(scene.objects[each], spec)
+            stem = OutputFiles.of(name, spec, folder, preview).sidecar.name.removesuffix(f".{spec.kind}.json")
             for target in wanted:
                 check_target("the bake", spec.kind, target)
-                check_out(folder / f"{safe_name(name)}.{target}", folder, overwrite)
+                check_out(folder / f"{stem}.{target}", folder, overwrite)
         except InputError as error:
             errors[str(error)] = None
     try:

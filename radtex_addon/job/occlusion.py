@@ -14,6 +14,7 @@ import numpy as np
 from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage
+from ..bake.rays import PROBE_CELLS
 from ..bake.session import fill_atlas
 from ..bake.spec import BakeSpec, Kind
 from ..bake.thumbnail import Thumbnail
@@ -26,7 +27,7 @@ from ..formats.atomic import replacing
 from ..formats.bucket_files import write_buckets
 from ..formats.shadow_files import write_shadow
 from ..formats.sidecar import Sidecar
-from .files import OutputFiles, facts_of
+from .files import OutputFiles
 from .made import Made
 from .prepare import Prepared
 
@@ -35,7 +36,6 @@ _ROWS = 64  # of texels, worked on at once
 
 def bake_occlusion(
     scratch: bpy.types.Scene,
-    original: bpy.types.Object,
     spec: BakeSpec,
     files: OutputFiles,
     prepared: Prepared,
@@ -43,28 +43,39 @@ def bake_occlusion(
     keeper: Keeper = KEEPS_NOTHING,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Made]:
-    """Bake the scratch scene's object; `folder` takes temporary files, the `keeper` every finished tile."""
-    plan = plan_capture(prepared.texels(), spec.bucket)
-    capture = OcclusionCapture(scratch, plan, spec.kind, spec.samples, spec.seed, folder)
+    """Bake what is prepared; `folder` takes temporary files, the `keeper` every finished tile."""
+    plan = yield from plan_occlusion(prepared, spec.bucket, folder, keeper)
+    capture = OcclusionCapture(scratch, plan, spec.kind, spec.samples, spec.seed, folder, spec.ao_distance)
     seen = yield from fill_atlas(plan, capture, spec.memory_mb, None, keeper, thumbnail, spec.channels)
     yield Progress(Stage.WRITE, 0, 1)
     layout = plan.layout
-    facts = facts_of(
-        original.name, spec, layout.width, layout.height, prepared.uv_layer, source=prepared.source_facts
-    )
-    write = _write_shadow if spec.kind is Kind.SHADOW else _write_ambient
-    written = write(files, seen, layout, facts, spec)
+    facts = prepared.facts(spec)
+    rays = spec.bucket**2 * capture.rays
+    if spec.kind is Kind.SHADOW:
+        written = _write_shadow(files, seen, layout, facts, spec)
+    else:
+        of_texel = replace(facts, bucket=1, samples=rays, ao_distance=spec.ao_distance)
+        written = _write_ambient(files, seen, layout, of_texel, spec)
     return Made(
         files,
         AtlasLayout(layout.width, layout.height, written.bucket),
         len(plan.texel),
-        _paths(plan, spec),
+        len(plan.texel) * rays,
         0,
     )
 
 
-def _paths(plan: CapturePlan, spec: BakeSpec) -> int:
-    return len(plan.texel) * spec.bucket**2 * spec.samples
+def plan_occlusion(
+    prepared: Prepared, bucket: int, folder: Path, keeper: Keeper = KEEPS_NOTHING
+) -> Generator[Progress, None, CapturePlan]:
+    """Where rays start, but for texels that nobody sees, where a part of the mesh is stuck into another.
+
+    These would blend their dark into their neighbours; now what fills gutters fills them.
+    """
+    texels = prepared.texels()
+    probe = plan_capture(texels, PROBE_CELLS)
+    hidden = yield from prepared.hidden(probe, folder, keeper)
+    return plan_capture(texels, bucket, without=probe.texel[hidden.all(axis=(1, 2))])
 
 
 def _write_shadow(
@@ -89,8 +100,7 @@ def _write_ambient(
         pixels[first : first + len(row), :, :3] = bent
         pixels[first : first + len(row), :, 3] = ambient
         first += len(row)
-    of_texel = replace(facts, bucket=1, samples=spec.samples * spec.bucket**2)
-    return write_buckets(files.sidecar, pixels, {}, of_texel, spec.half, spec.compression)
+    return write_buckets(files.sidecar, pixels, {}, facts, spec.half, spec.compression)
 
 
 def _by_rows(seen: Floats, layout: AtlasLayout) -> Generator[Floats, None, None]:

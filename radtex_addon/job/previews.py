@@ -4,55 +4,137 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import bpy
+import numpy as np
 
 from ..bake.spec import BakeSpec, Kind, Layout
+from ..bake.transfer_views import views_along
+from ..core.arrays import Ints
+from ..core.atlas import AtlasLayout
+from ..core.errors import FormatError
 from ..core.sampler import Filter
+from ..formats.sidecar import read_facts
+from ..formats.transfer_files import LAYOUT as TRANSFER
+from ..formats.transfer_files import read_transfer_sidecar
 from ..preview.material import preview_material, preview_shared_material
 from ..preview.occlusion import preview_ambient_material, preview_shadow_material
-from ..preview.save import save_preview
+from ..preview.save import TITLE, StandIn, save_preview
 from ..preview.sun import preview_transfer_material
+from ..scene.closed import is_closed
 from ..scene.copy import copy_object
 from ..scene.enclosed import EVERYTHING, find_content
 from ..scene.scratch import find_view_layer
-from .made import Made
+from .files import OutputFiles
 from .prepare import Prepared
 
 
 def save_preview_of(
     scene: bpy.types.Scene,
-    name: str,
     spec: BakeSpec,
-    made: Made,
+    files: OutputFiles,
     prepared: Prepared,
     preview: Filter,
     view_layer: str | None,
 ) -> None:
-    """Write `<name>.preview.blend` of the object `name` as it was baked. Raises BakeError as it cannot."""
-    assert made.files.preview is not None  # there is one where there is a filter
-    material = _material(f"RadTex {name}", spec, made, prepared.uv_layer, preview, scene)
-    original = scene.objects[name]
-    copy = copy_object(original, prepared.mesh)
+    """Write `<name>.preview.blend` of what is prepared as it was baked. Raises BakeError as it cannot.
+
+    Of an object that is split it shows all parts that have atlases of this kind and layout by now, and the
+    others as they are.
+    """
+    assert files.preview is not None  # there is one where there is a filter
+    materials = {
+        number: _material(title, spec, there, prepared, preview, scene)
+        for number, (title, there) in _baked(spec, files, prepared).items()
+    }
+    stand_ins = []
+    for piece, name in zip(prepared.pieces, spec.objects or (prepared.name,), strict=True):
+        slots: tuple[bpy.types.Material | None, ...] = (materials.get(None),)
+        if piece.part is not None:
+            slots = tuple(materials.get(number, own) for number, own in _slots(piece.mesh, piece.part))
+        original = scene.objects[name]
+        stand_ins.append(StandIn(original, copy_object(original, piece.mesh), slots))
     hidden: tuple[bpy.types.Object, ...] = ()
     if spec.kind is Kind.PROXY and spec.content != EVERYTHING:
-        hidden = find_content(find_view_layer(scene, view_layer), original, spec.content)
+        hull = scene.objects[prepared.name]
+        hidden = find_content(find_view_layer(scene, view_layer), hull, spec.content)
     if spec.source is not None:
         hidden = (scene.objects[spec.source],)
-    save_preview(scene, original, copy, material, made.files.preview.absolute(), hidden)
+    save_preview(scene, stand_ins, files.preview.absolute(), hidden)
+
+
+def _baked(
+    spec: BakeSpec, files: OutputFiles, prepared: Prepared
+) -> dict[int | None, tuple[str, OutputFiles]]:
+    """Each part's number, its material's name and its files, of all that are baked; None for all at once."""
+    title = f"{TITLE}{prepared.name}"
+    if spec.split is None:
+        return {None: (title, files)}
+    found: dict[int | None, tuple[str, OutputFiles]] = {}
+    own = _reading(files.sidecar)
+    for number, part in enumerate(prepared.parts):
+        there = OutputFiles.of(prepared.name, replace(spec, part=part), files.sidecar.parent, preview=True)
+        if part == spec.part or _is_of(there.sidecar, prepared, own):
+            found[number] = (f"{title} {part}", there)
+    return found
+
+
+def _is_of(sidecar: Path, prepared: Prepared, reading: tuple[str, int]) -> bool:
+    """Whether the file is the sidecar of a bake of the same mesh, which one reads in the same way."""
+    try:
+        facts = read_facts(sidecar)
+        return facts.values.get("mesh") == prepared.digest and _reading(sidecar) == reading
+    except FormatError:
+        return False
+
+
+def _reading(sidecar: Path) -> tuple[str, int]:
+    """How a bake is read: its layout, and the views along a bucket's side. Raises FormatError."""
+    facts = read_facts(sidecar)
+    layout = facts.text("layout")
+    return layout, read_transfer_sidecar(sidecar).views if layout == TRANSFER else 1
+
+
+def _slots(mesh: bpy.types.Mesh, part: Ints) -> list[tuple[int, bpy.types.Material | None]]:
+    """Give a mesh a slot for each part and material; returns, for each, the part's number and the material.
+
+    `part` (F,) numbers the parts of the triangles.
+    """
+    index = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("material_index", index)
+    pairs, slot = np.unique(np.stack([part, index], axis=1), axis=0, return_inverse=True)
+    own = [*mesh.materials] or [None]
+    found = [(int(number), own[min(place, len(own) - 1)]) for number, place in pairs]
+    mesh.materials.clear()
+    for _, material in found:
+        mesh.materials.append(material)
+    mesh.polygons.foreach_set("material_index", np.ascontiguousarray(slot.reshape(-1), dtype=np.int32))
+    return found
 
 
 def _material(
-    title: str, spec: BakeSpec, made: Made, uv_layer: str, preview: Filter, scene: bpy.types.Scene
+    title: str,
+    spec: BakeSpec,
+    files: OutputFiles,
+    prepared: Prepared,
+    preview: Filter,
+    scene: bpy.types.Scene,
 ) -> bpy.types.Material:
+    sidecar, atlas, uv_layer = files.sidecar.absolute(), files.atlas.absolute(), prepared.uv_layer
     if spec.layout is Layout.SHARED:
-        return preview_shared_material(title, made.files.sidecar.absolute(), uv_layer, spec.half)
+        return preview_shared_material(title, sidecar, uv_layer, spec.half)
     if spec.kind is Kind.SHADOW:
-        return preview_shadow_material(title, made.files.sidecar.absolute(), uv_layer, scene, preview)
-    clear = spec.kind is Kind.RADIANCE and scene.render.film_transparent  # its far side is seen through it
-    hull = spec.kind is Kind.PROXY or clear
-    atlas = made.files.atlas.absolute()
+        return preview_shadow_material(title, sidecar, uv_layer, scene, preview)
+    clear = spec.kind is Kind.RADIANCE and scene.render.film_transparent
+    closed = clear and all(is_closed(piece.mesh) for piece in prepared.pieces)
+    hull = spec.kind is Kind.PROXY or closed  # its far side is seen through it
+    facts = read_facts(sidecar)
+    layout = AtlasLayout(*facts.size("texels"), facts.whole_number("bucket", 1))
     if spec.kind is Kind.TRANSFER:
-        return preview_transfer_material(title, atlas, made.layout, uv_layer, scene, spec.half)
+        views = views_along(spec.view)
+        return preview_transfer_material(title, atlas, layout, uv_layer, scene, spec.half, views)
     if spec.kind is Kind.AO:
-        return preview_ambient_material(title, atlas, made.layout, uv_layer, spec.half)
-    return preview_material(title, atlas, made.layout, uv_layer, preview, spec.half, hull)
+        return preview_ambient_material(title, atlas, layout, uv_layer, spec.half)
+    return preview_material(title, atlas, layout, uv_layer, preview, spec.half, hull)

@@ -14,15 +14,18 @@ import bpy
 
 from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.progress import Progress, Stage, finished
-from ..bake.spec import OCCLUSION, BakeSpec, Kind, Layout
+from ..bake.spec import OCCLUSION, BakeSpec, Kind, Layout, View
 from ..bake.stopwatch import Stopwatch
 from ..bake.thumbnail import Thumbnail
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..cycles.device import use_device
+from ..scene.cage import take_cage_out
 from ..scene.enclosed import EVERYTHING, show_content_only
+from ..scene.eye import find_eye
 from ..scene.frames import at_frame
+from ..scene.lamps import light_only
 from ..scene.objects import find_object
 from ..scene.scratch import new_data_removed, scratch_scene
 from .buckets import bake_buckets
@@ -31,11 +34,13 @@ from .condensed import Condensed
 from .files import OutputFiles
 from .made import Made
 from .occlusion import bake_occlusion
-from .prepare import Prepared, Unwraps, prepare
+from .parts import check_part
+from .prepare import Prepared, prepare
 from .previews import save_preview_of
 from .shared import bake_shared
 from .transfer import bake_transfer
 from .unfinished import open_checkpoint
+from .unwrapping import Unwraps
 
 log = logging.getLogger(__name__)
 
@@ -105,6 +110,9 @@ def bake_steps(
 ) -> Generator[Progress, None, BakeResult]:
     """Bake the mesh object `name` as `scene`'s `view_layer` renders it (the first that does, if None).
 
+    Where the specification has `objects`, these are baked, and `name` is what their atlas is called; where it
+    has a split, it has a part, too.
+
     Writes `<name>.<kind>.json` and `.exr` into `folder`, or in the shared layout `<name>.<kind>.<layer>.exr`,
     and with a `preview` filter `<name>.preview.blend`; the shared layout has but one filter. Yields progress;
     returns the result. The scene is what it was afterwards, also after an error or when the generator is
@@ -114,6 +122,7 @@ def bake_steps(
     frame's files are `<name>-<frame>.…`, the frame in four digits. Raises InputError for what cannot be
     baked, or resumed, BakeError for what fails meanwhile.
     """
+    check_part(name, spec)
     files = OutputFiles.of(name, spec, folder, preview is not None)
     warnings = check_request(scene, name, spec, folder, preview is not None, overwrite, view_layer, resume)
     for warning in warnings:
@@ -127,7 +136,7 @@ def bake_steps(
             )
             if preview is not None:
                 yield watch.start(Stage.PREVIEW)
-                save_preview_of(scene, name, spec, baked.made, baked.prepared, preview, view_layer)
+                save_preview_of(scene, spec, baked.made.files, baked.prepared, preview, view_layer)
     except InputError:  # there is nothing to go on with: another try asks for something else
         checkpoint.drop_own()
         raise
@@ -175,13 +184,19 @@ def bake_and_keep(
         scratch_scene(scene, view_layer, kept) as scratch,
         use_device(scratch, spec.device) as device,  # before the unwrap, which may take long
     ):
-        original = find_object(scratch, name)
+        originals = [find_object(scratch, each) for each in spec.objects or (name,)]
         keeper.expect({"device": device})
-        prepared = yield from watch.over(prepare(scratch, original, spec, kept, keeper, unwraps))
+        if spec.view is View.CAMERA:
+            keeper.expect({"camera's place": str(find_eye(scratch))})
+        prepared = yield from watch.over(prepare(scratch, originals, spec, kept, keeper, unwraps, name))
         if prepared.source is not None:
-            show_content_only(scratch, original, EVERYTHING)
+            show_content_only(scratch, prepared.original, EVERYTHING)
+        if spec.cage is not None:
+            take_cage_out(scratch, spec.cage)
+        if spec.lights:
+            light_only(scratch, spec.lights)
         bake = _baker(spec)
-        steps = bake(scratch, original, spec, files, prepared, Path(temporary), keeper, thumbnail)
+        steps = bake(scratch, spec, files, prepared, Path(temporary), keeper, thumbnail)
         made = yield from watch.over(steps)
     return Baked(made, prepared, device)
 

@@ -22,7 +22,7 @@ from ..core.shared import SharedAtlas
 from ..cycles.shared_capture import capture_shared
 from ..formats.shared_files import layer_path, texture_path, write_shared
 from .condensed import Condensed, check_budget, condense_steps
-from .files import OutputFiles, facts_of
+from .files import OutputFiles
 from .made import Made
 from .prepare import Prepared
 
@@ -39,7 +39,6 @@ class FittedBake:
 
 def bake_shared(
     scratch: bpy.types.Scene,
-    original: bpy.types.Object,
     spec: BakeSpec,
     files: OutputFiles,
     prepared: Prepared,
@@ -47,13 +46,13 @@ def bake_shared(
     keeper: Keeper = KEEPS_NOTHING,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Made]:
-    """Bake the scratch scene's object; `folder` takes temporary files, the `keeper` every finished render.
+    """Bake what is prepared; `folder` takes temporary files, the `keeper` every finished render.
 
     Raises InputError for a budget that is too small for its texels.
     """
-    fitted = yield from fit_bake(scratch, original, spec, prepared, folder, keeper, thumbnail)
+    fitted = yield from fit_bake(scratch, spec, prepared, folder, keeper, thumbnail)
     width, height = fitted.plan.layout.width, fitted.plan.layout.height
-    facts = facts_of(original.name, spec, width, height, prepared.uv_layer)
+    facts = prepared.facts(spec)
     condensed: Condensed | None = None
     if spec.condensed:
         steps = condense_steps(files.sidecar, fitted.atlas, fitted.plan, spec, facts)
@@ -77,7 +76,6 @@ def bake_shared(
 
 def fit_bake(
     scratch: bpy.types.Scene,
-    original: bpy.types.Object,
     spec: BakeSpec,
     prepared: Prepared,
     folder: Path,
@@ -90,7 +88,7 @@ def fit_bake(
     check_budget(spec, width, height)
     capture = yield from capture_shared(
         scratch,
-        original,
+        prepared.original,
         prepared.mesh,
         prepared.matrix_world,
         texels,

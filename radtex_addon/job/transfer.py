@@ -14,23 +14,23 @@ from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage
 from ..bake.rays import PROBE_CELLS
-from ..bake.spec import BakeSpec
+from ..bake.spec import BakeSpec, View
 from ..bake.thumbnail import Thumbnail
 from ..bake.transfer import fit_buckets
+from ..bake.transfer_views import view_shift, views_along
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
-from ..cycles.hidden import find_hidden
-from ..cycles.transfer import capture_under_suns
+from ..cycles.transfer import Lit, capture_under_suns
 from ..formats.transfer_files import TransferSidecar, write_transfer
+from ..scene.eye import find_eye
 from ..scene.scratch import scene_copied
-from .files import OutputFiles, facts_of
+from .files import OutputFiles
 from .made import Made
 from .prepare import Prepared
 
 
 def bake_transfer(
     scratch: bpy.types.Scene,
-    original: bpy.types.Object,
     spec: BakeSpec,
     files: OutputFiles,
     prepared: Prepared,
@@ -38,39 +38,44 @@ def bake_transfer(
     keeper: Keeper = KEEPS_NOTHING,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Made]:
-    """Bake the scratch scene's object; `folder` takes temporary files, the `keeper` every finished render."""
-    plan = yield from _plan(prepared, folder, keeper)
-    suns = spec.bucket**2
+    """Bake what is prepared; `folder` takes temporary files, the `keeper` every finished render."""
+    eye = find_eye(scratch) if spec.view is View.CAMERA else None
+    views = views_along(spec.view)
+    plan = yield from _plan(prepared, views, folder, keeper)
+    suns, shift = spec.bucket**2, view_shift(plan, eye)
     with scene_copied(scratch) as scene:
         lit = yield from capture_under_suns(
-            scene, plan, suns, spec.samples, spec.seed, spec.memory_mb, folder, keeper, thumbnail
+            scene, plan, shift, suns, spec.samples, spec.seed, spec.memory_mb, folder, keeper, thumbnail
         )
-    light = yield from fit_buckets(plan, lit.light, spec.bucket)
+    atlas = yield from _atlas(plan, lit, spec.bucket)
     yield Progress(Stage.WRITE, 0, 1)
     layout = AtlasLayout(plan.layout.width, plan.layout.height, spec.bucket)
-    facts = facts_of(original.name, spec, layout.width, layout.height, prepared.uv_layer)
-    written = write_transfer(
-        files.sidecar,
-        _image(plan, layout, light, lit.alpha),
-        TransferSidecar(facts, suns),
-        spec.half,
-        spec.compression,
-    )
+    facts = prepared.facts(spec)
+    place = None if eye is None else (*eye.place, 0.0 if eye.far else 1.0)
+    sidecar = TransferSidecar(facts, suns, spec.view, place, views)
+    written = write_transfer(files.sidecar, atlas, sidecar, spec.half, spec.compression)
     count = len(plan.texel)
-    return Made(files, layout, count, count * suns * spec.samples, written.bake.clamped)
+    paths = count * views**2 * suns * spec.samples
+    return Made(files, layout, count, paths, written.bake.clamped)
 
 
-def _plan(prepared: Prepared, folder: Path, keeper: Keeper) -> Generator[Progress, None, CapturePlan]:
-    """One ray for each texel, but for those that nobody sees."""
+def _plan(
+    prepared: Prepared, views: int, folder: Path, keeper: Keeper
+) -> Generator[Progress, None, CapturePlan]:
+    """A ray from each view of each texel, but for those that nobody sees."""
     texels = prepared.texels()
     probe = plan_capture(texels, PROBE_CELLS)
-    hidden = yield from find_hidden(prepared.mesh, prepared.matrix_world, probe, folder, keeper)
-    return plan_capture(texels, 1, without=probe.texel[hidden.all(axis=(1, 2))])
+    hidden = yield from prepared.hidden(probe, folder, keeper)
+    return plan_capture(texels, views, without=probe.texel[hidden.all(axis=(1, 2))])
 
 
-def _image(plan: CapturePlan, layout: AtlasLayout, light: Floats, alpha: Floats) -> Floats:
-    """The atlas (H*n, W*n, 4) float32 of buckets (K, n*n, 3) and alphas (K,), gutter filled."""
-    n = layout.bucket
-    rgba = np.empty((*light.shape[:2], 4), dtype=np.float32)
-    rgba[..., :3], rgba[..., 3] = light, alpha[:, None]
-    return layout.from_buckets(plan.placed(rgba.reshape(-1, n, n, 4), gutter=True))
+def _atlas(plan: CapturePlan, lit: Lit, n: int) -> Generator[Progress, None, Floats]:
+    """The image (H*k*n, W*k*n, 4) float32 of k x k views, gutter filled."""
+    layout, k = plan.layout, plan.layout.bucket
+    atlas = np.empty((layout.height, k, n, layout.width, k, n, 4), dtype=np.float32)
+    for view in range(k * k):
+        light = yield from fit_buckets(plan, lit.light[:, :, view], n)
+        alpha = np.repeat(lit.alpha[:, view, None, None].astype(np.float32), n * n, axis=1)
+        rgba = np.concatenate([light, alpha], axis=2).reshape(-1, n, n, 4)
+        atlas[:, view // k, :, :, view % k] = plan.placed(rgba, gutter=True).transpose(0, 2, 1, 3, 4)
+    return atlas.reshape(layout.height * k * n, layout.width * k * n, 4)

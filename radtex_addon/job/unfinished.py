@@ -5,19 +5,23 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from pathlib import Path
 
 import bpy
 
 from ..bake.checkpoint import DIGEST, Checkpoint, is_unfinished, replaced_by
 from ..bake.spec import BakeSpec
-from ..core.errors import InputError
+from ..core.errors import FormatError, InputError
 from ..formats.atomic import check_absent
 from ..formats.condensed_files import digest
+from ..formats.sidecar import part_in, read_facts
 from ..version import VERSION
 from .files import OutputFiles
 
 # Of a specification: tiles may be of any height; device and frame are compared as they were found.
 _MAY_DIFFER = ("memory_mb", "device", "frame")
+# What the scene's own digests call by the same word.
+_CALLED = {"objects": "objects that share the atlas", "lights": "lamps that are lit"}
 
 
 def open_checkpoint(name: str, spec: BakeSpec, files: OutputFiles, resume: bool) -> Checkpoint:
@@ -25,9 +29,9 @@ def open_checkpoint(name: str, spec: BakeSpec, files: OutputFiles, resume: bool)
 
     Raises InputError where it is to `resume` one that differs.
     """
-    checkpoint = Checkpoint(files.unfinished, resume, files.all)
+    checkpoint = Checkpoint(files.unfinished, resume, files.own)
     chosen = {
-        field.name.replace("_", " "): str(getattr(spec, field.name))
+        _CALLED.get(field.name, field.name.replace("_", " ")): str(getattr(spec, field.name))
         for field in fields(spec)
         if field.name not in _MAY_DIFFER
     }
@@ -53,7 +57,8 @@ def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, 
                 f"{files.sidecar} is already there, and nothing of object '{name}' is unfinished: "
                 "leave --resume out, and bake it anew (--overwrite)"
             )
-        check_absent(files.all, overwrite or earlier)
+        check_absent(files.own, overwrite or earlier)
+        _check_common(name, spec, files, overwrite)
         return
     if not resume and not overwrite:
         raise InputError(
@@ -62,6 +67,35 @@ def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, 
         )
     if resume:
         open_checkpoint(name, spec, files, resume)
+    else:
+        _check_common(name, spec, files, overwrite)
     may = replaced_by(files.unfinished) if resume else frozenset()
-    check_absent([path for path in files.all if path.name not in may], overwrite or earlier)
-    check_absent([path for path in files.all if path.name in may], overwrite=True)
+    check_absent([path for path in files.own if path.name not in may], overwrite or earlier)
+    check_absent([path for path in files.own if path.name in may], overwrite=True)
+
+
+def _check_common(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool) -> None:
+    """Leave a preview that parts have in common to them, unless such parts as this one made it.
+
+    Raises InputError where none of them lies beside it.
+    """
+    shown = files.preview
+    if shown is None or files.preview_is_own or overwrite or not shown.exists():
+        return
+    if not any(_is_sibling(path, name, spec) for path in shown.parent.glob(f"*.{spec.kind}.json")):
+        raise InputError(
+            f"{shown} is already there, and shows no {spec.kind} of '{name}': "
+            "overwrite it (--overwrite), or choose another folder"
+        )
+
+
+def _is_sibling(sidecar: Path, name: str, spec: BakeSpec) -> bool:
+    """Whether it is of a part that has its preview in common with what `spec` asks for."""
+    try:
+        facts = read_facts(sidecar)
+        part = part_in(facts)
+    except FormatError:
+        return False
+    found = facts.values
+    same = (found.get("object"), found.get("frame"), found.get("lights", []))
+    return part is not None and part.by == spec.split and same == (name, spec.frame, list(spec.lights))

@@ -4,50 +4,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, cast
 
 import bpy
 
 from ..core.errors import FormatError, InputError
-from ..formats.sidecar import preview_path, read_facts
+from ..formats.facts import Facts
+from ..formats.sidecar import part_in, preview_path, read_facts
 from ..scene.preview_file import appended
-from .save import images_of
+from .save import TITLE, images_of
 from .sun import forget_sun
 
-_OURS = "radtex_preview"  # of every data-block that came with a preview
+OURS = "radtex_preview"  # of every data-block that came with a preview
 
 
-def load_baked_mesh(sidecar: Path) -> bpy.types.Mesh:
-    """The mesh of the bake whose sidecar is the file `sidecar`; its one material shows the atlas.
+def load_baked_meshes(sidecar: Path, names: Sequence[str]) -> list[bpy.types.Mesh]:
+    """The meshes of the bake whose sidecar is the file `sidecar`; their materials show the atlas.
 
-    What it uses (material, node groups, images) is loaded with it, and nothing else of the preview's file.
-    Raises InputError where a file is missing, FormatError for one that cannot be read or fits no other.
+    Of several that share it those of the objects `names`; one that was baked alone may have another name by
+    now. What they use (materials, node groups, images) is loaded with them, and nothing else of the preview's
+    file. Raises InputError where a file is missing, or an object has no part in the bake; FormatError for
+    a file that cannot be read or fits no other.
     """
     facts = read_facts(sidecar)
-    name, kind = facts.text("object"), facts.text("kind")
-    preview = preview_path(sidecar, kind)
+    baked = _baked_names(sidecar, facts, names)
+    preview = preview_path(sidecar, facts.text("kind"), part_in(facts))
     if not preview.is_file():
         raise InputError(f"{preview} is missing, which holds what a preview shows: bake again with a preview")
     before = {block.session_uid for block in _blocks()}
     kept: list[bpy.types.ID] = []
-    with appended(preview, name, kept) as found:
-        mesh, material = _parts(preview, name, found, facts.text("uv_map"))
-        _check_images(material, preview)
-        forget_sun(material)  # which is in the preview's own scene
-        mesh.materials.clear()  # the object's own, which the preview's material hid
-        mesh.materials.append(material)
-        kept.append(mesh)
+    with appended(preview, baked, kept) as loaded:
+        meshes = [
+            _dressed(preview, name, found, facts.text("uv_map"))
+            for name, found in zip(baked, loaded, strict=True)
+        ]
+        kept.extend(meshes)
     for block in _blocks():
         if block.session_uid not in before:
-            cast(Any, block)[_OURS] = True
-    return mesh
+            cast(Any, block)[OURS] = True
+    return meshes
+
+
+def _baked_names(sidecar: Path, facts: Facts, names: Sequence[str]) -> list[str]:
+    """What the objects `names` were called when they were baked."""
+    if "objects" not in facts.values:
+        return [facts.text("object")]
+    shared = facts.texts("objects")
+    for name in names:
+        if name not in shared:
+            listed = ", ".join(f"'{other}'" for other in shared)
+            raise InputError(f"{sidecar} is the atlas of {listed}, and '{name}' is none of them")
+    return list(names)
 
 
 def remove_unused() -> None:
     """Remove what came with previews and is used by nothing any more."""
-    while unused := [block for block in _blocks() if block.users == 0 and _OURS in cast(Any, block)]:
+    while unused := [block for block in _blocks() if block.users == 0 and OURS in cast(Any, block)]:
         bpy.data.batch_remove(unused)
 
 
@@ -58,18 +72,22 @@ def _blocks() -> Iterator[bpy.types.ID]:
         yield from cast("Iterator[bpy.types.ID]", kind)
 
 
-def _parts(
-    preview: Path, name: str, found: bpy.types.Object | None, layer: str
-) -> tuple[bpy.types.Mesh, bpy.types.Material]:
+def _dressed(preview: Path, name: str, found: bpy.types.Object | None, layer: str) -> bpy.types.Mesh:
+    """The mesh of a baked copy, with what the copy wears: its own materials were hidden by that."""
     mesh = None if found is None else found.data
     if found is None or not isinstance(mesh, bpy.types.Mesh):
         raise FormatError(f"{preview} holds no mesh '{name}': bake again with a preview")
-    material = None
-    for slot in found.material_slots:
-        material, slot.material = slot.material, None  # or it would count the object as a user for ever
-    if material is None or layer not in cast(Any, mesh).attributes:
+    if layer not in cast(Any, mesh).attributes or not any(slot.material for slot in found.material_slots):
         raise FormatError(f"{preview} is of another bake than its sidecar: bake again with a preview")
-    return mesh, material
+    for index, slot in enumerate(found.material_slots):
+        material, slot.material = slot.material, None  # or it would count the object as a user for ever
+        mesh.materials[index] = material
+        if material is None:
+            continue
+        if material.name.startswith(TITLE):  # of a part that is not baked it is the user's own
+            _check_images(material, preview)
+            forget_sun(material)  # which is in the preview's own scene
+    return mesh
 
 
 def _check_images(material: bpy.types.Material, preview: Path) -> None:

@@ -40,7 +40,7 @@ def build_sample_group(
     texel = _texel_group(pixel_group(image, layout), layout, kind)
     build, (uv, *vectors) = open_group("RadTex Sample", UV="Vector", **FRAME, Incoming="Vector")
     (incidence,) = build.group(incidence_group(), *vectors)
-    (b,) = build.group(_bucket_group(), incidence)
+    (b,) = build.group(bucket_group(), incidence)
     size, last = pair(layout.width, layout.height), pair(layout.width - 1, layout.height - 1)
     if kind is Filter.QUADRILINEAR:
         position = build.vector("MULTIPLY_ADD", uv, size, pair(-0.5, -0.5), label="position, in texels")
@@ -90,7 +90,7 @@ def incidence_group() -> bpy.types.ShaderNodeTree:
     return close_group(build, Incidence=local)
 
 
-def _bucket_group() -> bpy.types.ShaderNodeTree:
+def bucket_group() -> bpy.types.ShaderNodeTree:
     """Direction in the frame to B in [-1, 1]^2, as `core.hemisphere.direction_to_square`."""
     build, (incidence,) = open_group("RadTex Bucket", Incidence="Vector")
     x, y, z = build.separate(incidence)

@@ -28,6 +28,7 @@ from ..formats.shared_files import read_shared_sidecar
 _SHADERS = Path(__file__).parents[2] / "shaders"
 SOURCE = _SHADERS / "radtex.osl"
 SHARED_SOURCE = _SHADERS / "radtex_shared.osl"
+TRANSFER_SOURCE = _SHADERS / "radtex_transfer.osl"
 _FALLOFF = 16  # points that the shader takes
 _FILTERS = {Filter.NEAREST: 0, Filter.LINEAR: 1, Filter.QUADRILINEAR: 2}
 
@@ -78,6 +79,24 @@ def add_shared_osl_node(tree: bpy.types.NodeTree, path: Path, source: Path = SHA
         "Levels": sidecar.levels,
         **{axis.title(): axis in sidecar.lobes for axis in Axis},
         **{f"Falloff{point}": (*light, 1.0) for point, light in enumerate(sidecar.falloff)},
+    }
+    return _script_node(tree, source, constants)
+
+
+def add_transfer_osl_node(
+    tree: bpy.types.NodeTree, atlas: Path, layout: AtlasLayout, views: int = 1, source: Path = TRANSFER_SOURCE
+) -> bpy.types.Node:
+    """A Script node that samples the atlas file of kind `transfer` as "RadTex Transfer" does.
+
+    Inputs, beside those of `add_osl_node`: Light, which points to it; of one view Incoming says nothing. The
+    scene must render, and errors are, as there.
+    """
+    constants = {
+        "Atlas": str(atlas),
+        "Width": layout.width,
+        "Height": layout.height,
+        "Bucket": layout.bucket,
+        "Views": views,
     }
     return _script_node(tree, source, constants)
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
@@ -19,31 +20,43 @@ import bpy
 from ..core.errors import BakeError
 from ..formats.atomic import replacing
 
+TITLE = "RadTex "  # how names of materials that show a bake begin
+
 _log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class StandIn:
+    """An object's baked `copy`, which shows its mesh as it is and is in no collection.
+
+    It wears `materials`, one for each of its slots; one alone is for all of them.
+    """
+
+    original: bpy.types.Object
+    copy: bpy.types.Object
+    materials: tuple[bpy.types.Material | None, ...]
 
 
 def save_preview(
     scene: bpy.types.Scene,
-    original: bpy.types.Object,
-    copy: bpy.types.Object,
-    material: bpy.types.Material,
+    stand_ins: Sequence[StandIn],
     path: Path,
     hidden: Sequence[bpy.types.Object] = (),
 ) -> None:
-    """Write a .blend in which `copy` stands in `original`'s place, bears its name and wears `material`.
+    """Write a .blend in which copies stand in their originals' places, bear their names and wear materials.
 
-    `copy` shows its mesh as it is and is in no collection; `scene` is the one that opens. The material's
-    images are in the file if they are packed, else referenced relative to it. What is to be `hidden` is so
-    in that file, for `copy` shows it. The session (the objects, the
-    file's name, unsaved edits) is afterwards what it was, also after an error. Raises BakeError where Blender
-    cannot write.
+    `scene` is the one that opens. The materials' images are in the file if they are packed, else referenced
+    relative to it. What is to be `hidden` is so in that file, for a copy shows it. The session (the objects,
+    the file's name, unsaved edits) is afterwards what it was, also after an error. Raises BakeError where
+    Blender cannot write.
     """
     for image in bpy.data.images:
         if image.is_dirty and not image.packed_file:
             _log.warning("image '%s' has unsaved changes, which %s will not show", image.name, path.name)
     with replacing(path) as beside, ExitStack() as session:
-        session.enter_context(_standing_in(original, copy, material))
-        session.enter_context(_relative_images(material))
+        for stand_in in stand_ins:
+            session.enter_context(_standing_in(stand_in))
+        session.enter_context(_relative_images(stand_ins))
         session.enter_context(_shown(scene))
         session.enter_context(_hidden(hidden))
         try:
@@ -53,10 +66,9 @@ def save_preview(
 
 
 @contextmanager
-def _standing_in(
-    original: bpy.types.Object, copy: bpy.types.Object, material: bpy.types.Material
-) -> Iterator[None]:
-    """Give all that uses `original` a duplicate of `copy` instead, by the original's name."""
+def _standing_in(pair: StandIn) -> Iterator[None]:
+    """Give all that uses the original a duplicate of its copy instead, by the original's name."""
+    original, copy = pair.original, pair.copy
     name = original.name
     mesh = cast(bpy.types.Mesh, copy.data)
     bare = not mesh.materials
@@ -66,8 +78,9 @@ def _standing_in(
             collection.objects.unlink(standin)
         if bare:
             mesh.materials.append(None)
-        for slot in standin.material_slots:
-            slot.link, slot.material = "OBJECT", material  # on the object: the mesh keeps its own
+        for index, slot in enumerate(standin.material_slots):
+            slot.link = "OBJECT"  # the mesh keeps its own
+            slot.material = pair.materials[index if len(pair.materials) > 1 else 0]
         if original.library is None:
             original.name = f"{name} (original)"
         standin.name = name
@@ -95,12 +108,15 @@ def _hidden(items: Sequence[bpy.types.Object]) -> Iterator[None]:
 
 
 @contextmanager
-def _relative_images(material: bpy.types.Material) -> Iterator[None]:
-    """Name the material's images relative to the open file; Blender turns that into the new file's terms.
+def _relative_images(stand_ins: Sequence[StandIn]) -> Iterator[None]:
+    """Name the images of previews relative to the open file; Blender turns that into the new file's terms.
 
     A file never saved has no place to be relative to; Blender then writes all paths relative by itself.
     """
-    images = images_of(material.node_tree)
+    worn = {material for stand_in in stand_ins for material in stand_in.materials}
+    own = {slot.material for stand_in in stand_ins for slot in stand_in.original.material_slots}
+    shown = [material for material in worn - own if material is not None]
+    images = {image for material in shown for image in images_of(material.node_tree)}
     paths = {image: image.filepath_raw for image in images if not image.packed_file}
     try:
         if bpy.data.filepath:

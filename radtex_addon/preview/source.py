@@ -1,69 +1,79 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The detailed object that a bake onto a simple one shows: hidden while the preview stands in its place.
+"""What a bake shows in the place of an object: hidden while the preview stands there.
 
-The simple object and its preview both hold a pointer to it, and how it was hidden before.
+That is the detailed object that a bake onto a simple one is from, or what a proxy's hull is around. The
+object and its preview both hold pointers to all of it, and how each was hidden before.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import bpy
 
-from ..formats.sidecar import read_facts
+from ..formats.sidecar import content_in, read_facts
 
 _RECORD = "radtex_source"
 _FLAGS = ("hide_render", "hide_viewport")
 
+Flags = Mapping[str, bool]  # by the names of an object's properties
 
-def find_shown_source(sidecar: Path, scene: bpy.types.Scene) -> bpy.types.Object | None:
-    """The object of the scene that the bake with this sidecar is from; None where there is none to hide.
 
-    Raises FormatError for a sidecar that cannot be read.
+def find_shown(sidecar: Path, scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    """The objects of the scene that the bake with this sidecar shows in its object's place.
+
+    What is no longer there, or linked from a library, where nothing can be hidden, is left out. Raises
+    FormatError for a sidecar that cannot be read.
     """
     facts = read_facts(sidecar)
-    if "source" not in facts.values:
-        return None
-    found: Any = scene.objects.get(facts.inner("source").text("object"))
-    return None if found is None or found.library is not None else found
+    content = content_in(facts)
+    names = () if content is None else content.objects
+    if "source" in facts.values:
+        names = (facts.inner("source").text("object"),)
+    named: Iterator[Any] = (scene.objects.get(name) for name in names)
+    return [item for item in named if item is not None and item.library is None]
 
 
-def hide_source(pair: Iterable[Any], source: Any, others: Iterable[Any]) -> None:
-    """Hide `source` for the object and the preview in `pair`; `others` are previews that are on."""
-    known = next((other[_RECORD] for other in others if _source_in(other) == source), None)
-    flags = {flag: bool(known[flag] if known else getattr(source, flag)) for flag in _FLAGS}
-    for item in pair:
-        item[_RECORD] = {"object": source, **flags}
-    for flag in _FLAGS:
-        setattr(source, flag, True)
+def hide_shown(pair: Iterable[Any], shown: Iterable[Any], others: Iterable[Any]) -> None:
+    """Hide what is `shown` by the object and the preview in `pair`; `others` are previews that are on."""
+    known = {item: flags for other in others for item, flags in _hidden_in(other)}
+    record = {}
+    for number, item in enumerate(shown):
+        flags = known.get(item) or {flag: bool(getattr(item, flag)) for flag in _FLAGS}
+        record[str(number)] = {"object": item, **flags}
+    if not record:
+        return
+    for one in pair:
+        one[_RECORD] = record
+    for entry in record.values():
+        for flag in _FLAGS:
+            setattr(entry["object"], flag, True)
 
 
-def hidden_source(pair: Iterable[Any]) -> tuple[bpy.types.Object, dict[str, bool]] | None:
-    """What an object and its preview, of which one may be None, hide, and how it was hidden before."""
-    for item in pair:
-        source = None if item is None else _source_in(item)
-        if source is not None:
-            return source, {flag: bool(item[_RECORD][flag]) for flag in _FLAGS}
-    return None
+def hidden_by(pair: Iterable[Any]) -> dict[bpy.types.Object, Flags]:
+    """What an object and its preview, of which one may be None, hide, and how that was hidden before."""
+    return {item: flags for one in pair if one is not None for item, flags in _hidden_in(one)}
 
 
-def show_source(pair: Iterable[Any], others: Iterable[Any]) -> None:
+def show_again(pair: Iterable[Any], others: Iterable[Any]) -> None:
     """Show what the pair hides as it was, unless `others`, previews that are on, hide it too; forget it."""
     items = [item for item in pair if item is not None]
-    found = hidden_source(items)
+    found = hidden_by(items)
+    still = hidden_by(others)
     for item in items:
         if _RECORD in item:
             del item[_RECORD]
-    if found is None or any(_source_in(other) == found[0] for other in others):
-        return
-    for flag, value in found[1].items():
-        setattr(found[0], flag, value)
+    for shown, flags in found.items():
+        for flag, value in flags.items() if shown not in still else ():
+            setattr(shown, flag, value)
 
 
-def _source_in(item: Any) -> Any:
-    """What an item's record names; None for one that has none, or names what was deleted."""
-    source = item[_RECORD].get("object") if _RECORD in item else None
-    return source if source is not None and source.users_collection else None
+def _hidden_in(item: Any) -> Iterator[tuple[bpy.types.Object, Flags]]:
+    """What an item's record names, but for what was deleted."""
+    for entry in item[_RECORD].values() if _RECORD in item else ():
+        shown = entry.get("object")
+        if shown is not None and shown.users_collection:
+            yield shown, {flag: bool(entry[flag]) for flag in _FLAGS}

@@ -25,14 +25,20 @@ _SUNNY = (3.0, 3.0, 3.0)
 
 
 def preview_transfer_material(
-    name: str, atlas: Path, layout: AtlasLayout, uv_layer: str, scene: bpy.types.Scene, half: bool = True
+    name: str,
+    atlas: Path,
+    layout: AtlasLayout,
+    uv_layer: str,
+    scene: bpy.types.Scene,
+    half: bool = True,
+    views: int = 1,
 ) -> bpy.types.Material:
     """A material that shows the atlas file on the baked copy, in the light of `scene`'s first sun.
 
-    `uv_layer` is the baked one, `half` as in `load_atlas`. Raises as `load_atlas` and `build_transfer_group`
-    do.
+    `layout` is that of its `views`, `uv_layer` the baked one, `half` as in `load_atlas`. Raises as
+    `load_atlas` and `build_transfer_group` do.
     """
-    sampler = build_transfer_group(load_atlas(atlas, half), layout)
+    sampler = build_transfer_group(load_atlas(atlas, half), layout, views)
     material, build = open_material(name)
     cast(Any, material).cycles.emission_sampling = "NONE"  # seen by every ray, but no lamp to aim at
     uv, frame = build.uv_map(uv_layer), build.group(build_frame_group())

@@ -17,11 +17,12 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from ..core.errors import InputError
+from ..core.errors import InputError, RadTexError
 from ..scene.copy import MATRIX, SHOWN, copy_object
 from ..scene.objects import animates_visibility
-from .load import load_baked_mesh, remove_unused
-from .source import find_shown_source, hidden_source, hide_source, show_source
+from .layers import check_layer, wear_layer
+from .load import load_baked_meshes, remove_unused
+from .source import find_shown, hidden_by, hide_shown, show_again
 from .sun import follow_sun
 
 ORIGINAL = "radtex_original"  # of a copy: the object, and how that was hidden
@@ -55,30 +56,58 @@ def copy_of(item: bpy.types.Object) -> bpy.types.Object | None:
     return None if pair is None else pair[1]
 
 
-def switch_on(original: bpy.types.Object, sidecar: Path) -> Preview:
-    """Show the bake whose sidecar is given, with its preview beside it, in an object's place.
+def switch_on(original: bpy.types.Object, sidecar: Path, layer: str | None = None) -> Preview:
+    """Show the bake whose sidecar is given in an object's place: `switch_all_on` of one."""
+    return switch_all_on([original], sidecar, layer)[0]
 
-    A copy wears the bake's mesh and material in the object's collections, with its parent, transform,
-    animation and visibility, and takes over its selection; the object is hidden, as is the detailed one that
-    it was baked from, and nothing else changes. One that is on already shows the bake anew. Raises InputError
-    for an object that cannot be replaced and for missing files, FormatError for files that cannot be read;
-    then nothing has changed.
+
+def switch_all_on(
+    originals: Sequence[bpy.types.Object], sidecar: Path, layer: str | None = None
+) -> list[Preview]:
+    """Show the bake whose sidecar is given, its preview beside it, in the place of objects that share it.
+
+    Copies wear the bake's meshes and materials in the objects' collections, with their parents, transforms,
+    animation and visibility, and take over their selection; the objects are hidden, as is what the bake shows
+    in their place (`source`), and nothing else changes. A `layer` is shown instead of the whole. One that is
+    on already shows the bake anew. Raises InputError for an object that cannot be replaced or has no part in
+    the bake, a layer that there is not, and missing files, FormatError for files that cannot be read; then
+    nothing has changed.
     """
-    _check(original)
-    copy_mesh = load_baked_mesh(sidecar)
-    follow_sun(copy_mesh.materials[0], original.users_scene[0])
-    _take_away(original)
-    copy = _stand_in(original, copy_mesh)
+    for original in originals:
+        _check(original)
+    if layer is not None:
+        check_layer(sidecar, layer)
+    meshes = load_baked_meshes(sidecar, [original.name for original in originals])
+    if layer is not None:
+        _wear_layer(meshes, sidecar, layer)
+    made = [_show(original, mesh, sidecar) for original, mesh in zip(originals, meshes, strict=True)]
     remove_unused()
+    return made
+
+
+def _wear_layer(meshes: Sequence[bpy.types.Mesh], sidecar: Path, layer: str) -> None:
+    try:
+        wear_layer(meshes, sidecar, layer)
+    except RadTexError:
+        bpy.data.batch_remove(meshes)
+        remove_unused()
+        raise
+
+
+def _show(original: bpy.types.Object, mesh: bpy.types.Mesh, sidecar: Path) -> Preview:
+    for material in mesh.materials:
+        if material is not None:
+            follow_sun(material, original.users_scene[0])
+    _take_away(original)
+    copy = _stand_in(original, mesh)
     stances = _stances(original)
     for collection in _homes(original):
         collection.objects.link(copy)
     _hide(original, copy)
-    if (source := find_shown_source(sidecar, original.users_scene[0])) is not None:
-        hide_source((original, copy), source, _others(copy))
+    hide_shown((original, copy), find_shown(sidecar, original.users_scene[0]), _others(copy))
     _take(copy, stances)
     _join_local_views(original, copy)
-    return Preview(original, copy, _has_moved(original, copy_mesh))
+    return Preview(original, copy, _has_moved(original, mesh))
 
 
 def switch_off(item: bpy.types.Object) -> None:
@@ -93,14 +122,13 @@ def switch_off(item: bpy.types.Object) -> None:
 
 @contextmanager
 def originals_rendered(originals: Sequence[bpy.types.Object]) -> Iterator[None]:
-    """Let the objects, or the detailed ones they show, render while their previews, which are on, do not."""
+    """Let the objects, or what bakes show instead, render while their previews, which are on, do not."""
     pairs = [pair for pair in map(_pair, originals) if pair is not None]
     shown: dict[bpy.types.Object, bool] = {}
     for original, copy in pairs:
-        source = hidden_source((original, copy))
-        if source is not None:
-            shown[source[0]] = source[1]["hide_render"]
-        elif original is not None:
+        instead = hidden_by((original, copy))
+        shown |= {item: flags["hide_render"] for item, flags in instead.items()}
+        if original is not None and not instead:
             shown[original] = _flags_of(original, copy)["hide_render"]
         if copy is not None:
             shown[copy] = True
@@ -130,7 +158,7 @@ def _take_away(item: bpy.types.Object) -> bool:
     original, copy = pair
     flags = _flags_of(original, copy)
     stances: list[_Stance] = []
-    show_source(pair, _others(copy))
+    show_again(pair, _others(copy))
     if copy is not None:
         stances, named = _stances(copy), cast(Any, copy)[ORIGINAL].get("original")
         bpy.data.objects.remove(copy)

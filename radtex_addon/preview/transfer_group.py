@@ -7,29 +7,58 @@ from __future__ import annotations
 import bpy
 
 from ..core.atlas import AtlasLayout
+from ..core.transfer import with_views
 from ..scene.nodes import NodeBuilder, Socket, close_group, open_group
-from .node_group import FRAME, check_image, check_previewable, incidence_group, pixel_group
+from .node_group import FRAME, bucket_group, check_image, check_previewable, incidence_group, pixel_group
 from .shared_group import octahedron_group
-from .taps import bilinear, pair
+from .taps import bilinear, clamp, pair
 
 
-def build_transfer_group(image: bpy.types.Image, layout: AtlasLayout) -> bpy.types.ShaderNodeTree:
+def build_transfer_group(
+    image: bpy.types.Image, layout: AtlasLayout, views: int = 1
+) -> bpy.types.ShaderNodeTree:
     """A node group that samples the atlas `image` of kind `transfer` between four texels and four cells.
 
     Inputs: UV (0..1, v up); Normal, Tangent and Light, vectors of any length in one space (Light points to
-    the light); Sign, the bitangent's in that space. Outputs: Color, the radiance under an irradiance of 1,
-    premultiplied, and Alpha. Raises InputError where the atlas is not an image of `layout`, or is larger than
-    a GPU takes.
+    the light); Sign, the bitangent's in that space; with `views` x `views` views, between four of which it
+    blends, Incoming as of "RadTex Sample". Outputs: Color, the radiance under an irradiance of 1,
+    premultiplied, and Alpha. Raises InputError where the atlas is not an image of `layout` with these views,
+    or is larger than a GPU takes.
     """
-    check_previewable(layout)
-    check_image(image, layout)
-    texel = _texel_group(_cell_group(pixel_group(image, layout), layout.bucket), layout.bucket)
-    build, (uv, *vectors) = open_group("RadTex Transfer", UV="Vector", **FRAME, Light="Vector")
-    (local,) = build.group(incidence_group(), *vectors)
+    stored = with_views(layout, views)
+    check_previewable(stored)
+    check_image(image, stored)
+    texel = _texel_group(_cell_group(pixel_group(image, stored), layout.bucket), layout.bucket)
+    view = _view_group(texel, layout, views)
+    viewer = {"Incoming": "Vector"} if views > 1 else {}
+    build, (uv, *vectors) = open_group("RadTex Transfer", UV="Vector", **FRAME, Light="Vector", **viewer)
+    frame, light, *incoming = vectors[:3], *vectors[3:]
+    (local,) = build.group(incidence_group(), *frame, light)
     (place,) = build.group(octahedron_group(), local)
+    if views == 1:
+        color, alpha = build.group(view, pair(0, 0), uv, place)
+        return close_group(build, Color=color, Alpha=alpha)
+    (incidence,) = build.group(incidence_group(), *frame, *incoming)
+    (b,) = build.group(bucket_group(), incidence)
+    half, last = views / 2, pair(views - 1, views - 1)
+    position = build.vector("MULTIPLY_ADD", b, pair(half, half), pair(half - 0.5, half - 0.5))
+    among = clamp(build, position, last, label="position, in views")
+    color, alpha = bilinear(build, view, among, uv, place, last=last, in_turn=True)
+    return close_group(build, Color=color, Alpha=alpha)
+
+
+def _view_group(texel: bpy.types.ShaderNodeTree, layout: AtlasLayout, views: int) -> bpy.types.ShaderNodeTree:
+    """One of the views, between the four texels around a place."""
+    of_view, (number, view, place) = open_group(
+        "RadTex Transfer View Texel", Texel="Vector", View="Vector", Place="Vector"
+    )
+    index = of_view.vector("MULTIPLY_ADD", number, pair(views, views), view)
+    color, alpha = of_view.group(texel, index, place)
+    tap = close_group(of_view, Color=color, Alpha=alpha)
+    build, (view, uv, place) = open_group("RadTex Transfer View", View="Vector", UV="Vector", Place="Vector")
     size, last = pair(layout.width, layout.height), pair(layout.width - 1, layout.height - 1)
     position = build.vector("MULTIPLY_ADD", uv, size, pair(-0.5, -0.5), label="position, in texels")
-    color, alpha = bilinear(build, texel, position, place, last=last)
+    color, alpha = bilinear(build, tap, position, view, place, last=last)
     return close_group(build, Color=color, Alpha=alpha)
 
 

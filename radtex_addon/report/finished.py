@@ -28,7 +28,7 @@ from ..formats.shared_files import (
     read_shared_sidecar,
     texture_path,
 )
-from ..formats.sidecar import Sidecar, preview_path, read_facts
+from ..formats.sidecar import Sidecar, file_name, part_in, preview_path, read_facts
 from ..scene.copy import UV_LAYER
 from .gbuffer import Array, GBuffer
 
@@ -59,7 +59,7 @@ class Finished:
     @property
     def preview(self) -> Path:
         """Where the preview lies, if one was saved."""
-        return preview_path(self.path, self.sidecar.kind)
+        return preview_path(self.path, self.sidecar.kind, self.sidecar.part)
 
     @property
     def unwrapped(self) -> bool:
@@ -95,32 +95,95 @@ def find_bake(
     `object_name` tells several apart, one of radiance goes before others; `purpose` is what errors say of it.
     Raises InputError where there is none, or more than one; FormatError for a file that is no sidecar.
     """
+    found = find_bakes(place, object_name, purpose, kinds)
+    if len(found) > 1:
+        names = ", ".join(path.name for path in found)
+        raise InputError(f"{place} holds {names}: name one of these files instead of the folder")
+    return found[0]
+
+
+def find_bakes(
+    place: Path, object_name: str | None, purpose: str, kinds: Collection[str] = (Kind.RADIANCE,)
+) -> list[Path]:
+    """What `find_bake` finds, or where an object is split the sidecars of all parts that are there."""
     if not place.exists():
         raise InputError(f"there is no {place}: name the folder of a bake, or its sidecar, a .json file")
     if not place.is_dir():
         _check(place, _identity(place), object_name, purpose, kinds)
-        return place
-    found = {path: facts for path in _json_files(place) if (facts := _identity_if_ours(path))}
+        return [place]
+    found = {path: identity for path in _json_files(place) if (identity := _identity_if_ours(path))}
     if not found:
         raise InputError(f"{place} holds no bake: name a folder with a sidecar, NAME.{Kind.RADIANCE}.json")
-    wanted = {path: facts for path, facts in found.items() if object_name in (None, facts[0])}
+    wanted = {path: identity for path, identity in found.items() if identity.is_of(object_name)}
+    wanted = {path: wanted[path] for path in wanted if wanted[path].name == object_name} or wanted
     if not wanted:
         raise InputError(f"{place} holds no bake of '{object_name}': it has {_listed(found.values())}")
-    of_radiance = [path for path, (_, kind) in wanted.items() if kind == Kind.RADIANCE]
-    fitting = of_radiance or [path for path, (_, kind) in wanted.items() if kind in kinds]
-    if len({wanted[path][0] for path in fitting}) > 1:
+    of_radiance = [path for path, identity in wanted.items() if identity.kind == Kind.RADIANCE]
+    fitting = of_radiance or [path for path, identity in wanted.items() if identity.kind in kinds]
+    if len({wanted[path].name for path in fitting}) > 1:
         raise InputError(f"{place} holds bakes of {_listed(wanted.values())}: name one (--object)")
-    if len(fitting) > 1:
+    plain = [path for path in fitting if path.name == wanted[path].plain_file]
+    whole = [path for path in plain if wanted[path].split is None]
+    fitting = whole or plain or fitting  # before parts, and before frames, and lamps alone
+    splits = {(wanted[path].split, wanted[path].variant) for path in fitting}
+    if len(fitting) > 1 and (len(splits) > 1 or wanted[fitting[0]].split is None):
         names = ", ".join(path.name for path in fitting)
         raise InputError(f"{place} holds {names}: name one of these files instead of the folder")
-    path = fitting[0] if fitting else next(iter(wanted))
-    _check(path, wanted[path], object_name, purpose, kinds)
-    return path
+    if not fitting:
+        _check(*next(iter(wanted.items())), object_name, purpose, kinds)
+    return fitting
+
+
+def check_all_lit(path: Path) -> None:
+    """Refuse a bake of some lamps alone where it would be compared with a scene that has all its light.
+
+    Raises InputError, or FormatError for a file that is no sidecar.
+    """
+    facts = read_facts(path)
+    if "lights" in facts.values:
+        lit = ", ".join(f"'{name}'" for name in facts.texts("lights"))
+        raise InputError(f"{path} has the light of {lit} alone: compare a bake of the whole scene's light")
+
+
+def check_whole(path: Path) -> None:
+    """Refuse a bake of several objects, or of a part of one, where one whole object is judged.
+
+    Raises InputError, or FormatError for a file that is no sidecar.
+    """
+    identity = _identity(path)
+    if identity.objects or identity.split:
+        what = "several objects in one atlas" if identity.objects else "a part of an object"
+        raise InputError(f"{path} is of {what}, which no report judges: compare it instead (bake.py compare)")
 
 
 def object_of(path: Path) -> str:
     """The object that a sidecar names. Raises FormatError."""
-    return _identity(path)[0]
+    return _identity(path).name
+
+
+@dataclass(frozen=True)
+class _Identity:
+    """What a sidecar says first: what the bake is called, its kind, the objects that it is of.
+
+    Of an object that is split, `split` says by what, and again the kind, and `part` is the part's name.
+    `variant` tells frames and lamps alone from the plain bake.
+    """
+
+    name: str
+    kind: str
+    objects: tuple[str, ...]
+    split: tuple[str, str] | None
+    part: str | None
+    variant: tuple[object, ...]
+
+    @property
+    def plain_file(self) -> str:
+        """What the sidecar is called of a bake of all light, at no frame that was asked for."""
+        return file_name(self.name, self.kind, "json", part=self.part)
+
+    def is_of(self, name: str | None) -> bool:
+        """Whether the bake is called so, or of an object that is; any is, of None."""
+        return name is None or name == self.name or name in self.objects
 
 
 def _json_files(folder: Path) -> list[Path]:
@@ -130,14 +193,19 @@ def _json_files(folder: Path) -> list[Path]:
         raise InputError(f"{folder} cannot be read: {error.strerror or error}; name another") from error
 
 
-def _identity(path: Path) -> tuple[str, str]:
-    """The object and the kind that a sidecar names."""
+def _identity(path: Path) -> _Identity:
     facts = read_facts(path)
     facts.text("layout")
-    return facts.text("object"), facts.text("kind")
+    objects = facts.texts("objects") if "objects" in facts.values else ()
+    part, kind = part_in(facts), facts.text("kind")
+    lights = facts.texts("lights") if "lights" in facts.values else ()
+    variant = (facts.whole_number("frame", 0) if "frame" in facts.values else None, lights)
+    if part is None:
+        return _Identity(facts.text("object"), kind, objects, None, None, variant)
+    return _Identity(facts.text("object"), kind, objects, (part.by, kind), part.name, variant)
 
 
-def _identity_if_ours(path: Path) -> tuple[str, str] | None:
+def _identity_if_ours(path: Path) -> _Identity | None:
     try:
         return _identity(path)
     except FormatError:
@@ -145,10 +213,10 @@ def _identity_if_ours(path: Path) -> tuple[str, str] | None:
 
 
 def _check(
-    path: Path, identity: tuple[str, str], object_name: str | None, purpose: str, kinds: Collection[str]
+    path: Path, identity: _Identity, object_name: str | None, purpose: str, kinds: Collection[str]
 ) -> None:
-    name, kind = identity
-    if object_name not in (None, name):
+    name, kind = identity.name, identity.kind
+    if not identity.is_of(object_name):
         raise InputError(f"{path} is a bake of '{name}', not of '{object_name}': leave --object out")
     if kind not in tuple(Kind):
         raise InputError(f"{path} is of kind {kind}, which this RadTex does not know: update RadTex")
@@ -159,8 +227,8 @@ def _check(
         )
 
 
-def _listed(identities: Iterable[tuple[str, str]]) -> str:
-    return ", ".join(sorted({f"'{name}'" for name, _ in identities}))
+def _listed(identities: Iterable[_Identity]) -> str:
+    return ", ".join(sorted({f"'{identity.name}'" for identity in identities}))
 
 
 def read_bake(path: Path) -> Finished:

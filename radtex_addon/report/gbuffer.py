@@ -30,7 +30,8 @@ Indices = npt.NDArray[np.int64]
 class Rays:
     """A camera's rays: N = `pixels`² `subsamples`² of them, for a square picture.
 
-    They start at `origin` (3,) and go `away` (N, 3), unit, in world space.
+    They start at `origin` (3,), or (N, 3) where each starts elsewhere, as rays do that were mirrored, and go
+    `away` (N, 3), unit, in world space.
     """
 
     pixels: int
@@ -140,9 +141,10 @@ class BakedSurface:
         place, corner = self.place, self._corner
         near = self._around(rays)
         triangle = np.full(len(rays.away), -1, dtype=np.int64)
-        triangle[near] = _first_met(self._tree, rays.origin, rays.away[near])
+        origin = np.broadcast_to(rays.origin, rays.away.shape)
+        triangle[near] = _first_met(self._tree, origin[near], rays.away[near])
         hit = triangle >= 0
-        distance, weights = _meet(rays.origin, rays.away[hit], place[corner[triangle[hit]]])
+        distance, weights = _meet(origin[hit], rays.away[hit], place[corner[triangle[hit]]])
         kept = distance < blocked[hit]
         hit[hit] = kept
         triangle[~hit] = 0
@@ -161,7 +163,7 @@ class BakedSurface:
         return GBuffer(
             pixels=rays.pixels,
             hit=hit,
-            position=spread(rays.origin + rays.away[hit] * distance[:, None]),
+            position=spread(origin[hit] + rays.away[hit] * distance[:, None]),
             normal=spread(normal),
             tangent=spread(tangent),
             bitangent=spread(bitangent),
@@ -173,7 +175,9 @@ class BakedSurface:
         )
 
     def _around(self, rays: Rays) -> npt.NDArray[np.bool_]:
-        """Which rays can meet the mesh: those within the cone of its vertices."""
+        """Which rays can meet the mesh: those within the cone of its vertices, if they start together."""
+        if rays.origin.ndim > 1:
+            return np.ones(len(rays.away), dtype=bool)
         towards = self.place - rays.origin
         towards /= np.linalg.norm(towards, axis=1, keepdims=True)
         axis = towards.mean(axis=0)
@@ -197,9 +201,9 @@ def _values(items: Any, field: str, width: int) -> Array:
 
 
 def _first_met(tree: BVHTree, origin: Array, away: Array) -> Indices:
-    start = Vector(origin.tolist())
     cast_ray = tree.ray_cast
-    met = (cast_ray(start, direction)[2] for direction in away.tolist())
+    starts = map(Vector, origin.tolist())
+    met = (cast_ray(start, direction)[2] for start, direction in zip(starts, away.tolist(), strict=True))
     return np.fromiter((-1 if index is None else index for index in met), np.int64, len(away))
 
 

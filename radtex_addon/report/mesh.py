@@ -130,7 +130,7 @@ def _uv_of_preview(bake: Finished, evaluated: EvaluatedMesh) -> Floats | None:
     if not bake.preview.is_file():
         return None
     try:
-        with appended(bake.preview, bake.sidecar.object_name) as found:
+        with appended(bake.preview, (bake.sidecar.object_name,)) as (found,):
             mesh = None if found is None else found.data
             if not isinstance(mesh, bpy.types.Mesh) or not _same_triangles(mesh, evaluated):
                 return None

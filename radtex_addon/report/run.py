@@ -18,7 +18,7 @@ from ..formats.sidecar import file_name
 from ..scene.objects import find_object
 from ..scene.scratch import scratch_scene
 from .causes import bake_variants, first_change
-from .finished import Finished, object_of, read_bake
+from .finished import Finished, check_all_lit, check_whole, object_of, read_bake
 from .judging import judge, mean_energy, mean_flip, mean_psnr, noise_floor
 from .mesh import Found, find_mesh
 from .page import Contents, page
@@ -81,6 +81,8 @@ def report_steps(
     not there or does not fit, FormatError for files that cannot be read, BakeError for what fails meanwhile.
     """
     check_writable(out.parent)
+    check_all_lit(sidecar)
+    check_whole(sidecar)
     bake = read_bake(sidecar)
     found, views = yield from _look(scene, bake, spec)
     yield Step(Task.COMPARE, 0, 1)

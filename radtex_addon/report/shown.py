@@ -12,7 +12,7 @@ import bpy
 from ..bake.spec import Kind
 from ..formats.sidecar import file_name
 from ..preview.swap import is_on
-from .finished import find_bake
+from .finished import find_bake, find_bakes
 
 
 def shown_bake(place: Path, name: str) -> Path:
@@ -26,7 +26,7 @@ def shown_bake(place: Path, name: str) -> Path:
         sidecar = place / file_name(name, kind, "json")
         if sidecar.is_file():
             return sidecar
-    return find_bake(place, name, "shown")
+    return find_bakes(place, name, "shown", tuple(Kind))[0]  # what shows one part shows all that there are
 
 
 def bakes_of(items: Iterable[bpy.types.Object], place: Path) -> dict[bpy.types.Object, Path | None]:

@@ -20,9 +20,10 @@ from ..core.errors import InputError
 from ..cycles.apparatus import render_layers
 from ..cycles.device import use_device
 from ..cycles.settings import apply_capture_settings, denoise, keep_passes
-from ..preview.swap import copy_of, is_on, originals_rendered, switch_off, switch_on
+from ..preview.swap import copy_of, is_on, originals_rendered, switch_all_on, switch_off
 from ..scene.scratch import scene_copied, scratch_scene
 from .eye import Eye
+from .finished import check_all_lit
 from .gbuffer import eroded
 from .metrics import Figures, Mask, Picture, compare, display
 from .progress import Step, Task
@@ -82,6 +83,8 @@ def compare_steps(
     """
     if not bakes:
         raise InputError("no object to compare: name one that was baked")
+    for sidecar in filter(None, bakes.values()):
+        check_all_lit(sidecar)
     with (
         tempfile.TemporaryDirectory(prefix="radtex-") as folder,
         _shown(bakes),
@@ -106,15 +109,18 @@ def compare_steps(
 @contextmanager
 def _shown(bakes: Mapping[bpy.types.Object, Path | None]) -> Iterator[None]:
     """Switch those previews on that are off, and off again."""
+    off: dict[Path, list[bpy.types.Object]] = {}
+    for original, sidecar in bakes.items():
+        if is_on(original):
+            continue
+        if sidecar is None:
+            raise InputError(f"object '{original.name}' has no preview: bake it first")
+        off.setdefault(sidecar, []).append(original)
     ours: list[bpy.types.Object] = []
     try:
-        for original, sidecar in bakes.items():
-            if is_on(original):
-                continue
-            if sidecar is None:
-                raise InputError(f"object '{original.name}' has no preview: bake it first")
-            switch_on(original, sidecar)
-            ours.append(original)
+        for sidecar, sharing in off.items():
+            switch_all_on(sharing, sidecar)
+            ours += sharing
         yield
     finally:
         for original in ours:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, cast
 
 import bpy
 
@@ -16,28 +16,33 @@ _OPACITY = {"BSDF_PRINCIPLED": "Alpha"}
 
 
 @contextmanager
-def casters_seen(objects: Collection[int]) -> Iterator[None]:
-    """Let camera rays see, of these objects, what shadow rays see; then all is as it was.
+def casters_seen(scratch: bpy.types.Scene, objects: Collection[int]) -> Iterator[None]:
+    """Let camera rays of the scratch scene's renders see, of these objects, what shadow rays see.
 
-    `objects` are `session_uid`s. Those that hold out, or catch shadows, are plain ones meanwhile. Few objects
-    need any change.
+    `objects` are `session_uid`s. Those that hold out, or catch shadows, are plain ones to these renders.
+    Written are the copies of objects that a render evaluates for itself, which nobody else ever sees: so
+    instances follow too, and no object of the user's is touched, not even for a moment.
     """
-    before: list[tuple[Any, str, bool]] = []
+
+    def show(_: bpy.types.Scene, graph: bpy.types.Depsgraph | None = None) -> None:
+        if graph is None or graph.mode != "RENDER" or cast(Any, graph.scene).original != scratch:
+            return
+        for item in graph.ids:
+            if isinstance(item, bpy.types.Object) and item.original.session_uid in objects:
+                _show_as_caster(item)
+
+    heard = cast("list[Any]", bpy.app.handlers.frame_change_post)  # a render sends it, once it has evaluated
+    heard.append(show)
     try:
-        for item in (item for item in bpy.data.objects if item.session_uid in objects):
-            wanted = {
-                "visible_camera": item.visible_shadow,
-                "is_holdout": False,
-                "is_shadow_catcher": False,
-            }
-            for name, value in wanted.items():
-                now = getattr(item, name)
-                if now != value:
-                    before.append((item, name, now))
-                    setattr(item, name, value)
         yield
     finally:
-        for item, name, value in reversed(before):
+        heard.remove(show)
+
+
+def _show_as_caster(item: bpy.types.Object) -> None:
+    wanted = {"visible_camera": item.visible_shadow, "is_holdout": False, "is_shadow_catcher": False}
+    for name, value in wanted.items():
+        if getattr(item, name) != value:
             setattr(item, name, value)
 
 

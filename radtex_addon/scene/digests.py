@@ -18,6 +18,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
+from ..core.arrays import Floats
 from .evaluated import EvaluatedMesh
 
 _PREFIX = "sha256:"
@@ -107,11 +108,16 @@ def mesh_digest(mesh: EvaluatedMesh) -> str:
     return _PREFIX + state.hexdigest()
 
 
+def array_digest(array: Floats) -> str:
+    """Of an array's values."""
+    state = hashlib.sha256()
+    _feed(state, array)
+    return _PREFIX + state.hexdigest()
+
+
 def matrix_digest(mesh: EvaluatedMesh) -> str:
     """Of where the object is."""
-    state = hashlib.sha256()
-    _feed(state, mesh.matrix_world)
-    return _PREFIX + state.hexdigest()
+    return array_digest(mesh.matrix_world)
 
 
 def scene_digests(scratch: bpy.types.Scene) -> dict[str, str]:

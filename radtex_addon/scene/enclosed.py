@@ -54,11 +54,14 @@ def find_content(
     return tuple(sorted(shown, key=lambda item: item.name))
 
 
-def show_content_only(scratch: bpy.types.Scene, hull: bpy.types.Object, content: str | None) -> None:
-    """Take `hull` out of a scratch scene, and hide from its camera all but the content.
+def show_content_only(
+    scratch: bpy.types.Scene, hull: bpy.types.Object, content: str | None
+) -> tuple[str, ...]:
+    """Take `hull` out of a scratch scene, and hide from its camera all but the content; return its names.
 
     What is hidden still shadows and lights, and shows in the content's mirrors. With EVERYTHING nothing is
-    hidden, and the world is seen too; else the film is transparent. Raises InputError as `find_content` does.
+    hidden or named, and the world is seen too; else the film is transparent. Raises InputError as
+    `find_content` does.
     """
     layer = next(layer for layer in scratch.view_layers if layer.use)
     found = set(find_content(layer, hull, content))
@@ -87,6 +90,7 @@ def show_content_only(scratch: bpy.types.Scene, hull: bpy.types.Object, content:
     if not everything:
         scratch.render.film_transparent = True
     layer.update()
+    return () if everything else tuple(sorted(item.name for item in found))
 
 
 def _renders(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> bool:

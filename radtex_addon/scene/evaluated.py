@@ -115,7 +115,7 @@ def evaluate(scratch: bpy.types.Scene, original: bpy.types.Object) -> EvaluatedM
     found: list[EvaluatedMesh] = []
 
     def read(depsgraph: bpy.types.Depsgraph) -> None:
-        rendered, instances = _rendered(depsgraph, original)
+        rendered, instances = find_rendered(depsgraph, original)
         if rendered is None:
             raise InputError(f"object '{original.name}' is hidden from render: nothing shows it there")
         refuse_adaptive_subdivision(rendered, depsgraph.scene)
@@ -129,7 +129,7 @@ def evaluate(scratch: bpy.types.Scene, original: bpy.types.Object) -> EvaluatedM
     return mesh
 
 
-def _rendered(
+def find_rendered(
     depsgraph: bpy.types.Depsgraph, original: bpy.types.Object
 ) -> tuple[bpy.types.Object | None, int]:
     """The evaluated object, None where renders leave it out, and the number of instances that it makes."""

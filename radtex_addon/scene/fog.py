@@ -15,6 +15,7 @@ def volumes_around(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> list[s
 
     A domain is a volume object, or a mesh whose material has a volume. (The world's volume is no trouble.)
     """
+    layer.update()  # or it lists objects that a script has just removed
     low, high = _bounds(item)
     found = []
     for other in layer.objects:

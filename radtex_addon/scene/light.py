@@ -43,6 +43,17 @@ def put_out(material: bpy.types.Material) -> bpy.types.Material:
     return dark
 
 
+def dark_world(world: bpy.types.World | None) -> bpy.types.World | None:
+    """A copy of the world that emits no light, with its volume; the world itself if it emits none."""
+    if world is None or not _world_shines(world):
+        return world
+    dark = cast(bpy.types.World, world.copy())
+    dark.color = 0, 0, 0
+    if _has_nodes(dark):
+        _put_out(dark.node_tree, {})
+    return dark
+
+
 def _put_out(tree: Any, dark: dict[bpy.types.ID, bpy.types.ID]) -> None:
     """Link every emitter's strength to 0, drivers or not; groups are copied, each once."""
     nothing = tree.nodes.new("ShaderNodeValue").outputs[0]

@@ -17,49 +17,78 @@ from ..core.errors import FormatError, InputError
 from ..core.frame import normalised
 from ..core.surface import SurfaceMesh
 from .copy import MATRIX, NORMAL, SIGN, TANGENT
+from .joined import joined_copy, values_in
+from .parts import PART
 from .scratch import new_data_removed, remove_scene
 
 _SHEARED = 1e-5  # of a matrix's largest value: how far its rotation, move and scale may miss it
 
 
 @contextmanager
-def baked_copy(preview: Path, name: str, uv_layer: str) -> Iterator[tuple[bpy.types.Scene, bpy.types.Object]]:
-    """The baked copy called `name` of a preview's .blend, alone in a scene of its own, as it was baked.
+def baked_copy(
+    preview: Path, names: Sequence[str], uv_layer: str, part: int | None = None
+) -> Iterator[tuple[bpy.types.Scene, bpy.types.Object]]:
+    """The baked copy called `names[0]` of a preview's .blend, alone in a scene of its own, as it was baked.
 
     It stands where it stood then, and nothing moves it: no parent, no animation, no constraint; a matrix that
-    shears is given to the mesh. All that was loaded goes away at exit. Raises InputError where there is no
-    preview, FormatError where it is no .blend that this Blender reads, or not of a bake on `uv_layer`.
+    shears is given to the mesh. Several, which share an atlas, come as one object whose mesh is in world
+    space; so does the numbered `part` of what is split. All that was loaded goes away at exit. Raises
+    InputError where there is no preview, FormatError where it is no .blend that this Blender reads, or not
+    of a bake on `uv_layer`.
     """
     check_preview(preview)
-    with appended(preview, name) as found:
-        if found is None or not isinstance(found.data, bpy.types.Mesh):
-            raise FormatError(f"{preview} holds no mesh '{name}': bake it again with --save-preview")
-        mesh: Any = found.data
-        lacking = [wanted for wanted in (NORMAL, TANGENT, SIGN, uv_layer) if wanted not in mesh.attributes]
-        if lacking:
-            raise FormatError(
-                f"{preview} is of another bake: its mesh lacks '{lacking[0]}'; bake again with --save-preview"
-            )
+    with appended(preview, names) as loaded:
+        wanted = (NORMAL, TANGENT, SIGN, uv_layer, *(() if part is None else (PART,)))
+        copies = [_checked(preview, name, item, wanted) for name, item in zip(names, loaded, strict=True)]
         scene = cast("bpy.types.Scene", bpy.data.scenes.new("RadTex copy"))
         try:
-            scene.collection.objects.link(found)
+            for copy in copies:
+                scene.collection.objects.link(copy)
             scene.view_layers[0].update()
-            _settle(found, mesh)
+            alone = len(copies) == 1 and part is None
+            for copy in copies:
+                _settle(copy, copy.data, whole=not alone)
+            found = copies[0] if alone else _joined(scene, copies, uv_layer, part)
             scene.view_layers[0].update()
             yield scene, found
         finally:
             remove_scene(scene)
 
 
-def _settle(copy: bpy.types.Object, mesh: Any) -> None:
-    """Put the copy where the bake had it."""
+def _checked(
+    preview: Path, name: str, found: bpy.types.Object | None, wanted: Sequence[str]
+) -> bpy.types.Object:
+    if found is None or not isinstance(found.data, bpy.types.Mesh):
+        raise FormatError(f"{preview} holds no mesh '{name}': bake it again with --save-preview")
+    mesh: Any = found.data
+    lacking = [each for each in wanted if each not in mesh.attributes]
+    if lacking:
+        raise FormatError(
+            f"{preview} is of another bake: its mesh lacks '{lacking[0]}'; bake again with --save-preview"
+        )
+    return found
+
+
+def _joined(
+    scene: bpy.types.Scene, copies: Sequence[bpy.types.Object], uv_layer: str, part: int | None
+) -> bpy.types.Object:
+    """One object in the copies' place."""
+    found = joined_copy(copies, uv_layer, part)
+    for copy in copies:
+        scene.collection.objects.unlink(copy)
+    scene.collection.objects.link(found)
+    return found
+
+
+def _settle(copy: bpy.types.Object, mesh: Any, whole: bool) -> None:
+    """Put the copy where the bake had it; its `whole` matrix is given to the mesh, or only where it must."""
     matrix = copy.matrix_world.copy()
     if MATRIX in mesh:
         matrix = Matrix(np.array(mesh[MATRIX]).reshape(4, 4).tolist())
     copy.parent = None
     copy.constraints.clear()
     copy.animation_data_clear()
-    if _sheared(matrix):
+    if whole or _sheared(matrix):
         _give_to_mesh(matrix, mesh)
         matrix = Matrix.Identity(4)
     copy.matrix_world = matrix
@@ -78,11 +107,11 @@ def _give_to_mesh(matrix: Matrix, mesh: Any) -> None:
     mirrored = np.linalg.det(turn) < 0
     for name, change in ((NORMAL, np.linalg.inv(turn)), (TANGENT, turn.T)):
         data = mesh.attributes[name].data
-        moved = normalised(_values(data, "vector", 3).astype(np.float64) @ change)
+        moved = normalised(values_in(data, "vector", 3).astype(np.float64) @ change)
         data.foreach_set("vector", np.ascontiguousarray(moved, dtype=np.float32).ravel())
     if mirrored:
         data = mesh.attributes[SIGN].data
-        data.foreach_set("value", -_values(data, "value", 1).ravel())
+        data.foreach_set("value", -values_in(data, "value", 1).ravel())
         mesh.flip_normals()
     mesh.transform(matrix)
 
@@ -94,8 +123,10 @@ def check_preview(preview: Path) -> None:
 
 
 @contextmanager
-def appended(blend: Path, name: str, keep: Sequence[bpy.types.ID] = ()) -> Iterator[bpy.types.Object | None]:
-    """The object `name` of a .blend, in no scene, or None; all that was loaded goes away at exit.
+def appended(
+    blend: Path, names: Sequence[str], keep: Sequence[bpy.types.ID] = ()
+) -> Iterator[list[bpy.types.Object | None]]:
+    """The objects `names` of a .blend, in no scene, None for such as it lacks; they go away at exit.
 
     Only what is in `keep` (a list that may grow inside) stays, with what it uses. Raises FormatError for a
     file that this Blender does not read.
@@ -106,10 +137,12 @@ def appended(blend: Path, name: str, keep: Sequence[bpy.types.ID] = ()) -> Itera
         try:
             try:
                 with libraries.load(str(blend)) as (there, wanted):
-                    wanted.objects = [name] if name in there.objects else []
+                    there_are = [name for name in names if name in there.objects]
+                    wanted.objects = list(there_are)
             except OSError as error:
                 raise FormatError(f"{blend} is no .blend that this Blender reads: bake it again") from error
-            yield wanted.objects[0] if wanted.objects else None
+            found = dict(zip(there_are, wanted.objects, strict=True))
+            yield [found.get(name) for name in names]
         finally:
             for library in set(libraries) - before:  # what is appended needs it no more
                 libraries.remove(library)
@@ -120,10 +153,10 @@ def surface_of(copy: bpy.types.Object, uv_layer: str) -> SurfaceMesh:
     mesh: Any = copy.data
     matrix = np.array(copy.matrix_world, dtype=np.float64)
     turn = matrix[:3, :3]
-    place = _values(mesh.vertices, "co", 3)
+    place = values_in(mesh.vertices, "co", 3)
     mirrored = np.linalg.det(turn) < 0
     normal, tangent, sign, uv = (
-        _values(mesh.attributes[name].data, field, width).reshape(-1, 3, width)
+        values_in(mesh.attributes[name].data, field, width).reshape(-1, 3, width)
         for name, field, width in (
             (NORMAL, "vector", 3),
             (TANGENT, "vector", 3),
@@ -133,15 +166,9 @@ def surface_of(copy: bpy.types.Object, uv_layer: str) -> SurfaceMesh:
     )
     return SurfaceMesh(
         position=place @ turn.T + matrix[:3, 3],
-        triangles=_values(mesh.loops, "vertex_index", 1, np.int32).reshape(-1, 3),
+        triangles=values_in(mesh.loops, "vertex_index", 1, np.int32).reshape(-1, 3),
         normal=normal.astype(np.float64) @ np.linalg.inv(turn),
         tangent=tangent.astype(np.float64) @ turn.T,
         sign=sign[..., 0] * (-1.0 if mirrored else 1.0),
         uv=uv,
     )
-
-
-def _values(items: Any, field: str, width: int, dtype: type = np.float32) -> Any:
-    values: Any = np.empty(len(items) * width, dtype=dtype)
-    items.foreach_get(field, values)
-    return values.reshape(-1, width)

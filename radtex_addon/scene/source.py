@@ -21,6 +21,7 @@ from .evaluated import EvaluatedMesh
 from .objects import find_object
 
 _OF_SIZE = 0.03  # of the simple object's diagonal: how far its surface and the detailed one's lie apart
+_TOUCHING = 1e-4  # of the farthest that a cage stands off
 _CHUNK = 1 << 15  # rays between two reports
 
 
@@ -29,8 +30,8 @@ class Landing:
     """The texels of an object, moved onto the surface of the source `name`, whose triangles are `seen`.
 
     `texels` has the object's own frames, and the source's positions and facets; `missed` texels that found
-    nothing within the `extrusion`, in scene units, are not covered. `seen` is a bare mesh and its object's
-    matrix (4, 4); `simple` is the object's name.
+    nothing within the `extrusion`, in scene units, are not covered; of a `cage` it is the farthest that it
+    stands off. `seen` is a bare mesh and its object's matrix (4, 4); `simple` is the object's name.
     """
 
     name: str
@@ -39,14 +40,19 @@ class Landing:
     texels: TexelMap
     missed: int
     seen: tuple[bpy.types.Mesh, Floats]
+    cage: str | None = None
 
     @property
     def complaint(self) -> str:
         """How much was missed, and what to do about it."""
         share = self.missed / (self.missed + np.count_nonzero(self.texels.covered))
+        lacking = (
+            f"{100 * share:.2g} % of the texels of '{self.simple}' found nothing of '{self.name}' within"
+        )
+        if self.cage is not None:
+            return f"{lacking} the cage '{self.cage}', and show their neighbours: move that further out"
         return (
-            f"{100 * share:.2g} % of the texels of '{self.simple}' found nothing of '{self.name}' within "
-            f"{self.extrusion:.3g}, and show their neighbours: enlarge the extrusion (--extrusion)"
+            f"{lacking} {self.extrusion:.3g}, and show their neighbours: enlarge the extrusion (--extrusion)"
         )
 
 
@@ -70,32 +76,36 @@ def default_extrusion(position: Floats) -> float:
 
 
 def land(
-    texels: TexelMap, source: EvaluatedMesh, simple: str, extrusion: float
+    texels: TexelMap, source: EvaluatedMesh, simple: str, above: float | Floats, cage: str | None = None
 ) -> Generator[Progress, None, Landing]:
     """Move the texels of the object `simple` onto the source's surface.
 
-    A ray starts `extrusion` above a texel's point, runs against its normal and ends as far below; the first
-    triangle that it meets, from whichever side, has the point. Yields progress in texels. Raises InputError
-    where no ray meets any.
+    A ray starts `above` a texel's point, as far along its normal, or (H, W, 3) at the place of a `cage` that
+    lies by so much beside it, runs through the point and ends as far behind; the first triangle that it
+    meets, from whichever side, has the point. Yields progress in texels. Raises InputError where no ray meets
+    any.
     """
     covered = np.flatnonzero(texels.covered)
     place, normal = (
         field.reshape(-1, 3)[covered].astype(np.float64) for field in (texels.position, texels.normal)
     )
+    out, reach = _ways(above, covered, normal)
+    extrusion = float(reach.max())
     caster = _Caster(source)
     triangle = np.empty(len(covered), dtype=np.int64)
     found = np.empty((len(covered), 3))
     for first in range(0, len(covered), _CHUNK):
         yield Progress(Stage.RASTER, first, len(covered))
         part = slice(first, first + _CHUNK)
-        start = place[part] + extrusion * normal[part]
-        triangle[part], found[part] = caster.cast(start, -normal[part], 2 * extrusion)
+        start = place[part] + reach[part, None] * out[part]
+        triangle[part], found[part] = caster.cast(start, -out[part], 2 * reach[part])
     yield Progress(Stage.RASTER, len(covered), len(covered))
     hit = triangle >= 0
     if not hit.any():
+        wider = "enlarge the extrusion (--extrusion)" if cage is None else f"move the cage '{cage}' out"
         raise InputError(
             f"object '{simple}' finds nothing of '{source.name}' within {extrusion:g} of its surface: "
-            "enlarge the extrusion (--extrusion), or bring both to the same place"
+            f"{wider}, or bring both to the same place"
         )
     facet = caster.facet[triangle[hit]]
     facet *= np.where(np.sum(facet * normal[hit], axis=1, keepdims=True) < 0, -1, 1)
@@ -115,7 +125,22 @@ def land(
         texels=moved,
         missed=int(np.count_nonzero(~hit)),
         seen=(_bare_mesh(source), source.matrix_world),
+        cage=cage,
     )
+
+
+def _ways(above: float | Floats, covered: Ints, normal: Floats) -> tuple[Floats, Floats]:
+    """Unit vectors (K, 3) from texels' points to where their rays start, and how far that is: (K,).
+
+    Where a cage touches the surface it is a hair above it, along the normal.
+    """
+    if not isinstance(above, np.ndarray):
+        return normal, np.full(len(covered), float(above))
+    offset = above.reshape(-1, 3)[covered]
+    far = np.linalg.norm(offset, axis=1)
+    least = max(_TOUCHING * float(far.max()), float(np.finfo(np.float32).tiny))
+    out = np.where((far > least)[:, None], offset / np.maximum(far, least)[:, None], normal)
+    return out, np.maximum(far, least)
 
 
 class _Caster:
@@ -130,12 +155,15 @@ class _Caster:
         tree = BVHTree.FromPolygons(places.tolist(), source.triangles.tolist(), all_triangles=True)
         self._cast = cast(Any, tree).ray_cast
 
-    def cast(self, start: Floats, way: Floats, reach: float) -> tuple[Ints, Floats]:
-        """Of rays (K, 3) along unit vectors the triangle that each meets first, or -1, and where: (K, 3)."""
+    def cast(self, start: Floats, way: Floats, reach: Floats) -> tuple[Ints, Floats]:
+        """Of rays (K, 3) along unit vectors the triangle that each meets first, or -1, and where: (K, 3).
+
+        They end after `reach` (K,).
+        """
         begin = start - self._middle
         met = [
-            self._cast(origin, towards, reach)
-            for origin, towards in zip(begin.tolist(), way.tolist(), strict=True)
+            self._cast(origin, towards, far)
+            for origin, towards, far in zip(begin.tolist(), way.tolist(), reach.tolist(), strict=True)
         ]
         triangle = np.array([-1 if index is None else index for _, _, index, _ in met], dtype=np.int64)
         distance = np.array([0.0 if index is None else length for _, _, index, length in met])

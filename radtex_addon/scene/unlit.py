@@ -15,13 +15,18 @@ _FLAGS = ("exclude", "holdout", "indirect_only")
 
 
 def take_light_away(scene: bpy.types.Scene) -> None:
-    """Leave lamps out of a scratch scene, and make its world black.
+    """Leave lamps out of a scratch scene, as `take_lamps_away` does, and make its world black."""
+    scene.world, _ = open_world("RadTex black")
+    take_lamps_away(scene)
+
+
+def take_lamps_away(scene: bpy.types.Scene) -> None:
+    """Leave lamps out of a scratch scene.
 
     Its collections give way to copies without lamps, which view layers show as they did before: the user's
     own stay what they are. What is made goes with the scratch scene's other data. Lamps that something
     instances stay, and so does what materials emit.
     """
-    scene.world, _ = open_world("RadTex black")
     flags = {layer.name: list(_flags(layer.layer_collection)) for layer in scene.view_layers}
     root, copies = scene.collection, dict[bpy.types.Collection, bpy.types.Collection]()
     children = list(root.children)

@@ -37,7 +37,7 @@ def user_uv(evaluated: EvaluatedMesh, layer: str) -> Floats:
         raise InputError(f"{where} has coordinates that are not finite: unwrap it anew")
     _check_area(evaluated, uv, where)
     _check_bounds(uv, where)
-    _check_overlap(uv, where)
+    check_apart(uv, where)
     return np.clip(uv, 0.0, 1.0)
 
 
@@ -61,11 +61,13 @@ def _check_bounds(uv: Floats, where: str) -> None:
     if low.min() < -_OUTSIDE or high.max() > 1 + _OUTSIDE:
         raise InputError(
             f"{where} reaches outside 0..1, from ({low[0]:.3g}, {low[1]:.3g}) to"
-            f" ({high[0]:.3g}, {high[1]:.3g}): pack its islands into the unit square"
+            f" ({high[0]:.3g}, {high[1]:.3g}): pack its islands into the unit square,"
+            " or bake tile by tile (--split udim)"
         )
 
 
-def _check_overlap(uv: Floats, where: str) -> None:
+def check_apart(uv: Floats, where: str) -> None:
+    """Make sure that triangles (F, 3, 2) do not overlap; `where` names them. Raises InputError."""
     overlap = find_overlap(uv)
     if overlap.fraction == 0:
         return

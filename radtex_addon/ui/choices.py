@@ -37,10 +37,34 @@ LAYERED = ("radiance", "proxy")  # kinds that fall into layers
 
 SOURCED = ("radiance", "incident", "reflection", "shadow", "ao")  # kinds that another object can give
 
+VIEWS = (
+    (
+        "normal",
+        "Normal",
+        "Each place as it is seen straight from above: right for matt things, from anywhere",
+    ),
+    ("camera", "Camera", "As the scene's camera sees it, gloss and all: for one picture that is lit anew"),
+    (
+        "around",
+        "Around",
+        "From nine directions, between which it blends: nine times the paths and the texture",
+    ),
+)
+
 CONTENTS = (
     ("inside", "Inside", "All that lies within the hull"),
     ("collection", "Collection", "What one collection holds, wherever it is"),
     ("all", "Everything", "All that is behind it, the world too, as through a window"),
+)
+
+VARIANTS = (
+    ("none", "None", "One atlas for each object"),
+    ("frames", "Frames", "One for each of some frames of the animation, on one unwrap"),
+    (
+        "lamps",
+        "Each Lamp",
+        "One for each lamp alone, and one for all other light. Light adds up: games mix them as they like",
+    ),
 )
 
 LAYERS = (
@@ -62,6 +86,12 @@ LAYOUTS = (
         "Shared",
         "What all texels see in common is kept once, and sharp. For glossy things; radiance only",
     ),
+)
+
+SPLITS = (
+    ("none", "None", "The whole surface has one atlas"),
+    ("material", "Material", "Each material has an atlas, as in engines that draw material by material"),
+    ("udim", "UDIM", "Each tile of the UV layer has an atlas, and tiles are numbered from 1001 on"),
 )
 
 UNWRAPS = (

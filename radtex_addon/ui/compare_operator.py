@@ -13,7 +13,7 @@ import bpy
 from bpy.props import FloatVectorProperty, IntProperty
 
 from . import jobs
-from .finding import originals, place_of
+from .finding import bake_called, originals, place_of
 from .of_bake import AsksFirst, MayWait, OfBake
 from .operator import shown
 from .words import remark
@@ -83,7 +83,9 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
 
         scene, layer = shown(context)
         try:
-            bakes, place = self._bakes(scene, originals(layer, self.object))
+            items = originals(layer, self.object, scene, self.bake)
+            bake = bake_called(layer, self.object, scene, self.bake)
+            bakes, place = self._bakes(scene, items, bake)
             spec = ComparisonSpec(self.pixels, self.samples, preferred().device)
             eye = self._eye(context)
             if self.at_once:
@@ -95,7 +97,9 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
             return {"CANCELLED"}
         return {"FINISHED"}
 
-    def _bakes(self, scene: bpy.types.Scene, items: list[bpy.types.Object]) -> tuple[_Bakes, Path | None]:
+    def _bakes(
+        self, scene: bpy.types.Scene, items: list[bpy.types.Object], bake: str
+    ) -> tuple[_Bakes, Path | None]:
         """The sidecar of each object's bake, None where its preview is on; and the place of those sidecars.
 
         Raises RadTexError.
@@ -105,7 +109,7 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
 
         if all(map(is_on, items)):
             return dict.fromkeys(items), None
-        place = place_of(scene, self.bake)
+        place = place_of(scene, bake)
         return bakes_of(items, place), place
 
     def _compare(self, scene: bpy.types.Scene, bakes: _Bakes, eye: Eye, spec: ComparisonSpec) -> None:

@@ -32,13 +32,20 @@ class RADTEX_OT_estimate(bpy.types.Operator):
         return can_bake(cls, context)
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
-        from ..core.errors import RadTexError
+        from ..core.errors import InputError, RadTexError
         from .request import spec_of, values_of
+        from .surfaces import have_own_atlases
 
         scene, layer = shown(context)
         names = chosen_objects(layer)
         try:
-            spec = spec_of(values_of(scene.radtex))  # type: ignore[attr-defined]  # ours
+            values = values_of(scene.radtex)  # type: ignore[attr-defined]  # ours
+            spec = spec_of(values)
+            if not have_own_atlases(values, spec, len(names)):
+                raise InputError(
+                    "only the time of whole objects with atlases of their own is estimated: "
+                    "switch One Atlas off, and choose no Split"
+                )
             if not bpy.app.background:
                 estimates.ask(scene, names, spec)
                 return {"FINISHED"}

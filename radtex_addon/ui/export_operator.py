@@ -12,7 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from . import jobs
 from .choices import TARGETS
-from .finding import originals, place_of
+from .finding import originals, place_of, sharing
 from .of_bake import AsksFirst, MayWait, OfBake
 from .operator import shown
 from .words import remark
@@ -115,12 +115,13 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         scene, layer = shown(context)
         try:
             spec = self._spec()
-            items = originals(layer, self.object)
-            if self.directory and len(items) > 1:
-                raise InputError(
-                    "several objects do not fit in one folder: name one, or leave the folder out"
-                )
-            places = [self._place(scene, item, spec) for item in items]
+            names = [item.name for item in originals(layer, self.object, scene, self.bake)]
+            if sharing(layer, self.object, scene, self.bake):
+                names = [self.object]
+            places = [place for name in names for place in self._places(scene, name, spec)]
+            places = list({place.sidecar: place for place in places}.values())  # objects may share one
+            if self.directory and len(places) > 1:
+                raise InputError("several bakes do not fit in one folder: leave the folder out")
             if self.at_once:
                 self._export(places, spec)
             else:
@@ -142,21 +143,29 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
             limit=self.limit or None,
         )
 
-    def _place(self, scene: bpy.types.Scene, item: bpy.types.Object, spec: ExportSpec) -> Place:
-        """Where an object's bake and its export are. Raises RadTexError for what would fail at once."""
+    def _places(self, scene: bpy.types.Scene, called: str, spec: ExportSpec) -> list[Place]:
+        """Where the bakes called so, one for each part or variant, and their exports are.
+
+        Raises RadTexError for what would fail at once.
+        """
         from ..bake.spec import Kind
         from ..export.run import check_export, export_path
         from ..formats.sidecar import file_name
-        from ..report.finished import find_bake
+        from ..job.variants import variants_in
+        from ..report.finished import find_bakes, object_of
 
-        place = place_of(scene, self.bake)
-        chosen_kind = place / file_name(item.name, scene.radtex.kind, "json")  # type: ignore[attr-defined]  # ours
+        place, kind = place_of(scene, self.bake), scene.radtex.kind  # type: ignore[attr-defined]  # ours
+        chosen_kind = place / file_name(called, kind, "json")
+        variants = variants_in(place, called, kind) if place.is_dir() else ()
         place = chosen_kind if chosen_kind.is_file() else place
-        sidecar = find_bake(place, item.name if place.is_dir() else None, "exported", tuple(Kind))
         chosen = Path(bpy.path.abspath(self.directory)) if self.directory else None
-        out = chosen or export_path(sidecar, spec.target)
-        check_export(sidecar, spec, out, overwrite=self.overwrite)
-        return Place(item.name, sidecar, out)
+        places = []
+        name = called if place.is_dir() else None
+        for sidecar in variants or find_bakes(place, name, "exported", tuple(Kind)):
+            out = chosen or export_path(sidecar, spec.target)
+            check_export(sidecar, spec, out, overwrite=self.overwrite)
+            places.append(Place(object_of(sidecar), sidecar, out))
+        return places
 
     def _export(self, places: list[Place], spec: ExportSpec) -> None:
         """Export now, and report each object. Raises RadTexError."""

@@ -15,16 +15,22 @@ if TYPE_CHECKING:
     from ..core.errors import RadTexError
 
 
-def originals(layer: bpy.types.ViewLayer, name: str) -> list[bpy.types.Object]:
+def originals(
+    layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene | None = None, bake: str = ""
+) -> list[bpy.types.Object]:
     """The object called `name`; without one the selected meshes, or else the active one.
 
-    A preview counts for what it stands in for, unless that was deleted. Raises InputError for none.
+    With the `scene`, a name may also be that of a `bake` which several objects share. A preview counts for
+    what it stands in for, unless that was deleted. Raises InputError for none.
     """
     from ..core.errors import InputError
     from ..preview.swap import original_of
 
     if name:
         chosen = [item for item in layer.objects if item.name == name]
+        if not chosen and scene is not None:
+            shared = sharing(layer, name, scene, bake)
+            chosen = [item for item in layer.objects if item.name in shared]
         if not chosen:
             raise InputError(f"no object '{name}' in view layer '{layer.name}': name one that is there")
     else:
@@ -32,6 +38,33 @@ def originals(layer: bpy.types.ViewLayer, name: str) -> list[bpy.types.Object]:
     if not chosen:
         raise InputError("no mesh object is selected: select one that was baked")
     return list(dict.fromkeys(original_of(item) or item for item in chosen))
+
+
+def sharing(layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene, bake: str) -> tuple[str, ...]:
+    """The objects of the atlas called `name`; none where there is no such, or an object is called so."""
+    from ..core.errors import RadTexError
+    from ..formats.sidecar import read_facts
+    from ..job.variants import variants_in
+    from ..report.shown import shown_bake
+
+    if not name or any(item.name == name for item in layer.objects):
+        return ()
+    kind = scene.radtex.kind  # type: ignore[attr-defined]  # ours
+    try:
+        place = place_of(scene, bake)
+        variants = variants_in(place, name, kind) if place.is_dir() else ()
+        facts = read_facts(variants[0] if variants else shown_bake(place, name))
+        return facts.texts("objects") if "objects" in facts.values else ()
+    except RadTexError:
+        return ()
+
+
+def bake_called(layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene, bake: str) -> str:
+    """Where to look for the bakes that an operator is about: `bake`, or the sidecar of the atlas `name`.
+
+    Each of the objects that share one may have a bake of its own beside it. Raises RadTexError.
+    """
+    return str(sidecar_of(scene, name, bake)) if sharing(layer, name, scene, bake) else bake
 
 
 def selected_meshes(layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
@@ -55,14 +88,14 @@ def has_meshes(operator: type[bpy.types.Operator], context: bpy.types.Context | 
     return True
 
 
-def sidecar_of(scene: bpy.types.Scene, item: bpy.types.Object, bake: str) -> Path:
-    """The sidecar of an object's bake, of any kind: `bake` itself, or in that folder, or in the scene's.
+def sidecar_of(scene: bpy.types.Scene, name: str, bake: str) -> Path:
+    """The sidecar of a bake called `name`, of any kind: `bake` itself, or in that folder, or in the scene's.
 
     Raises InputError where there is none, FormatError for a file that is no sidecar.
     """
     from ..report.shown import shown_bake
 
-    return shown_bake(place_of(scene, bake), item.name)
+    return shown_bake(place_of(scene, bake), name)
 
 
 def place_of(scene: bpy.types.Scene, bake: str) -> Path:
@@ -94,7 +127,7 @@ def sidecars_of(
     errors: list[RadTexError] = []
     for item in items:
         try:
-            found[item] = sidecar_of(scene, item, bake)
+            found[item] = sidecar_of(scene, item.name, bake)
         except RadTexError as error:
             errors.append(error)
     if errors and not found:

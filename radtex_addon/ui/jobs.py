@@ -15,6 +15,7 @@ from . import outlook, pictures
 from .redraw import redraw
 
 if TYPE_CHECKING:
+    from ..bake.spec import BakeSpec
     from ..worker.job import Job
     from ..worker.order import Order
     from ..worker.queue import Queue
@@ -57,14 +58,13 @@ def submit(scene: bpy.types.Scene, names: Iterable[str], request: BakeRequest) -
     from ..worker.orders import order_bake
     from .preferences import preferred
 
-    names = tuple(names)
-    _check_free(names, request)
+    bakes = _free(request.bakes(scene, tuple(names)), request)
     handover = hand_over(scene, preferred().cache)
     add(
         order_bake(
             handover,
             name,
-            request.spec,
+            spec,
             request.folder,
             Filter.QUADRILINEAR if request.preview else None,
             overwrite=request.overwrite,
@@ -74,21 +74,34 @@ def submit(scene: bpy.types.Scene, names: Iterable[str], request: BakeRequest) -
                 *(f"--export={target}" for target in request.targets),
             ),
         )
-        for place, name in enumerate(names)
+        for place, (name, spec) in enumerate(bakes)
     )
     return handover.stalled
 
 
-def _check_free(names: Iterable[str], request: BakeRequest) -> None:
+def _free(bakes: tuple[tuple[str, BakeSpec], ...], request: BakeRequest) -> tuple[tuple[str, BakeSpec], ...]:
+    """Those that are not being baked already; where it goes on with variants or parts, others of them may be.
+
+    Raises InputError where one may not, or all are.
+    """
     from ..core.errors import InputError
+    from ..job.variants import variant_of
     from ..worker.order import Work
     from ..worker.orders import kind_of
 
-    kind = kind_of(request.spec)
-    for job in _session.shown:
-        busy = not job.ended and job.work is Work.BAKE and job.object in names
-        if busy and (job.out, job.order.about) == (request.folder, kind):
-            raise InputError(f"object '{job.object}' is being baked there already: wait for it, or cancel it")
+    busy = {
+        (job.object, job.order.about, job.order.part, job.order.variant)
+        for job in _session.shown
+        if not job.ended and job.work is Work.BAKE and job.out == request.folder
+    }
+    taken = [
+        bake for bake in bakes if (bake[0], kind_of(bake[1]), bake[1].part or "", variant_of(bake[1])) in busy
+    ]
+    free = tuple(bake for bake in bakes if bake not in taken)
+    several = any(spec.part or variant_of(spec) for _, spec in taken)
+    if taken and not (request.resume and free and several):
+        raise InputError(f"object '{taken[0][0]}' is being baked there already: wait for it, or cancel it")
+    return free
 
 
 def add(orders: Iterable[Order], sequel: Sequel | None = None) -> None:

@@ -12,7 +12,7 @@ from . import jobs, pictures
 from .choices import KINDS, TARGETS
 from .messages import draw_text
 from .panel import Sidebar
-from .switch import draw_switch
+from .switch import draw_show, draw_switch
 from .words import duration, iface_, remark, stage
 
 if TYPE_CHECKING:
@@ -54,7 +54,8 @@ class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
 def title(job: Job) -> str:
     """Whom a job is about, and what is done."""
     about = job.order.about
-    name = f"{job.object}, {iface_(_KINDS[about])}" if about in _KINDS else job.object
+    kind = iface_(_KINDS[about]) if about in _KINDS else ""
+    name = ", ".join(filter(None, (job.object, job.order.part, kind, job.order.variant)))
     return iface_(_TITLES[job.work]).format(name, _TARGETS.get(about, ""))
 
 
@@ -82,9 +83,9 @@ def _draw_job(column: Any, job: Job) -> None:
         _OFFERS[job.work](column, job)
     else:
         row.label(text=phrase(job), translate=False)
-        if job.work == "bake":
+        if job.work == "bake" and not job.order.shared:  # the operator takes one object's name
             again = row.operator("radtex.bake", text="", icon="PLAY")
-            again.object, again.resume = job.object, True
+            again.object, again.part, again.resume = job.object, job.order.part, True
     if job.state == "failed":
         draw_text(column, remark(job.message, job.out), "BLANK1")
     for warning in job.warnings:
@@ -94,8 +95,10 @@ def _draw_job(column: Any, job: Job) -> None:
 def _offer_bake(column: Any, job: Job) -> None:
     """The switch between object and bake, and its folder."""
     if any(path.name.endswith(".preview.blend") for path in job.files):
-        switch = draw_switch(column, bpy.data.objects.get(job.object))
-        switch.object, switch.bake = job.object, str(job.out)
+        item = bpy.data.objects.get((job.order.shared or (job.object,))[0])
+        switch = draw_show(column) if job.order.variant else draw_switch(column, item)
+        sidecar = next((path for path in job.files if path.suffix == ".json"), job.out)
+        switch.object, switch.bake = job.object, str(sidecar)
     column.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(job.out)
 
 

@@ -59,6 +59,8 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         given = (name for name in NAMES if self.properties.is_property_set(name))
         try:
             request = BakeRequest.of(values_with(scene.radtex, self, given))  # type: ignore[attr-defined]  # ours
+            if told := request.left_out(scene, names):
+                self.report({"INFO"}, remark(told))
             if bpy.app.background or self.wait:
                 self._bake(scene, names, request)
             else:
@@ -75,22 +77,27 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         from ..export.run import export_steps
         from ..export.spec import ExportSpec
         from ..job import bake_object
+        from ..job.unwrapping import Unwraps
+        from ..job.variants import variant_of
 
         _check(scene, names, request)
         preview = Filter.QUADRILINEAR if request.preview else None
-        for name in names:
+        unwraps: Unwraps = {}
+        for name, spec in request.bakes(scene, names):
             made = bake_object(
                 scene,
                 name,
-                request.spec,
+                spec,
                 request.folder,
                 preview=preview,
                 overwrite=request.overwrite,
                 resume=request.resume,
+                unwraps=unwraps,
             )
             for target in request.targets:
                 finished(export_steps(made.files.sidecar, ExportSpec(target), overwrite=request.overwrite))
-            self.report({"INFO"}, f"Baked {name}")
+            told = (f"Baked {name}", spec.part, variant_of(spec))
+            self.report({"INFO"}, ", ".join(word for word in told if word))
 
     def _submit(self, scene: bpy.types.Scene, names: tuple[str, ...], request: BakeRequest) -> None:
         """Let workers bake, while the window stays alive."""

@@ -32,10 +32,10 @@ class Outlook:
     """A bake of the chosen objects: what would fail, what to know, and what each of them costs at most.
 
     `spec` and `cost` are None where the settings cannot be; `seconds`, of all objects, where nobody has
-    estimated them; `folder` where there is none. `remedies` are names of settings that, switched, would
-    settle errors; `baked` is true where nothing is wrong but that there are bakes already, `forgets` where an
-    unfinished one would be thrown away that one could go on with. `shown` are those of the objects whose
-    bakes are shown in their places.
+    estimated them, or they have no atlases of their own; `folder` where there is none. `remedies` are names
+    of settings that, switched, would settle errors; `baked` is true where nothing is wrong but that there are
+    bakes already, `forgets` where an unfinished one would be thrown away that one could go on with. `shown`
+    are those of the objects whose bakes are shown in their places.
     """
 
     objects: tuple[str, ...]
@@ -55,6 +55,7 @@ class Outlook:
 class _Cache:
     found: dict[tuple[int, str], Outlook]
     changed: float = 0.0
+    looking: bool = False  # then Blender tells of what it brings up to date for that
 
 
 _cache = _Cache({})
@@ -75,13 +76,19 @@ def outlook_of(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outlo
 
 def refresh(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outlook:
     """Work it out anew, and keep it."""
-    found = _cache.found[_key(scene, view_layer)] = _work_out(scene, view_layer)
+    _cache.looking = True
+    try:
+        found = _cache.found[_key(scene, view_layer)] = _work_out(scene, view_layer)
+    finally:
+        _cache.looking = False
     return found
 
 
 @persistent  # type: ignore[untyped-decorator]  # the stubs say nothing of it
 def mark_stale(*_: object) -> None:
     """Something changed: what is kept will be worked out anew, soon. Any handler's arguments will do."""
+    if _cache.looking:
+        return
     _cache.changed = monotonic()
     if not bpy.app.timers.is_registered(_tick):
         bpy.app.timers.register(_tick, first_interval=_QUIET, persistent=True)
@@ -136,6 +143,7 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
     from ..preview.swap import is_on
     from . import estimates
     from .request import BakeRequest, has_folder, spec_of, values_of
+    from .surfaces import have_own_atlases
 
     names = chosen_objects(view_layer)
     settings: BakeSettings = scene.radtex  # type: ignore[attr-defined]  # ours, not Blender's
@@ -144,13 +152,17 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
         spec = spec_of(values)
     except InputError as error:
         return Outlook(names, (str(error),), ())
-    cost, seconds = cost_of(spec), estimates.seconds_known(scene, names, spec)
+    cost, seconds = cost_of(spec), None
+    if have_own_atlases(values, spec, len(names)):
+        seconds = estimates.seconds_known(scene, names, spec)
     try:
         request = BakeRequest.of(values)
     except InputError as error:
         wanting = () if has_folder(values) else ("directory",)
         return Outlook(names, (str(error),), (), spec, cost, seconds, remedies=wanting)
     seen = request.foreseen(scene, names, _PATIENCE)
+    if seconds is not None and not seen.errors:
+        seconds *= len(request.specs(scene))
     remedies = request.remedies(scene, names, _PATIENCE) if seen.errors else {}
     forgets = not seen.errors and request.forgets(scene, names, _PATIENCE)
     return Outlook(

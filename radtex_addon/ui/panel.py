@@ -14,6 +14,7 @@ from .messages import draw_remarks
 from .outlook import Outlook, outlook_of
 from .presets import RADTEX_PT_presets
 from .settings import BakeSettings
+from .surfaces import draw_surfaces
 from .switch import LARGE, draw_shading, draw_switch
 from .words import iface_
 
@@ -37,21 +38,23 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, settings, found = drawn(self, context)
         _draw_objects(layout, found)
-        column = layout.column()
-        column.prop(settings, "kind")
-        if settings.kind == "proxy":
-            column.prop(settings, "content")
-            if settings.content == "collection":
-                column.prop_search(settings, "content_collection", bpy.data, "collections")
-        if settings.kind not in BUCKETS_ONLY:
-            column.prop(settings, "atlas_layout")
+        _draw_kind(layout.column(), settings)
+        draw_surfaces(
+            layout.column(), settings, found is not None and len(found.objects) > 1, is_plain(settings)
+        )
         _draw_uv(layout, settings, context)
         if settings.kind in SOURCED and is_plain(settings):
             column = layout.column()
             assert context is not None  # Blender always gives one
             column.prop_search(settings, "source", context.scene, "objects")
             if settings.source:
-                column.prop(settings, "extrusion")
+                column.prop_search(settings, "cage", context.scene, "objects")
+                if not settings.cage:
+                    column.prop(settings, "extrusion")
+        column = layout.column()
+        column.prop(settings, "variants")
+        if settings.variants == "frames":
+            column.prop(settings, "frames")
         if found is not None:
             draw_remarks(layout, settings, found)
             _draw_preview(layout, found, context)
@@ -71,7 +74,7 @@ class RADTEX_PT_quality(Sidebar, bpy.types.Panel):
         layout, settings, _ = drawn(self, context)
         column = layout.column(align=True)
         for name in ("texels", "bucket", "samples"):
-            if name != "samples" or settings.kind != "shadow":  # which sends one ray a cell
+            if (name, settings.kind) not in (("samples", "shadow"), ("bucket", "ao")):  # one ray; no cells
                 column.prop(settings, name)
         if settings.atlas_layout == "shared" and settings.kind not in BUCKETS_ONLY:
             column = layout.column(align=True)
@@ -98,6 +101,8 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
         if plain and settings.kind in ACCUMULATED:
             column.prop(settings, "accumulate")
             column.prop(settings, "refresh")
+            if settings.accumulate or settings.refresh:
+                column.prop(settings, "where")
         column.prop(settings, "preview")
         if settings.limit == "none" or plain:
             if settings.kind != "shadow":
@@ -107,6 +112,21 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
             layout.column().prop(settings, "layers")
         layout.column().prop(settings, "export_targets")
         layout.operator("radtex.open_folder", icon="FILE_FOLDER")
+
+
+def _draw_kind(column: bpy.types.UILayout, settings: BakeSettings) -> None:
+    """The kind, and what belongs to it alone."""
+    column.prop(settings, "kind")
+    if settings.kind == "transfer":
+        column.prop(settings, "view")
+    if settings.kind == "proxy":
+        column.prop(settings, "content")
+        if settings.content == "collection":
+            column.prop_search(settings, "content_collection", bpy.data, "collections")
+    if settings.kind == "ao":
+        column.prop(settings, "ao_distance")
+    if settings.kind not in BUCKETS_ONLY:
+        column.prop(settings, "atlas_layout")
 
 
 def is_plain(settings: BakeSettings) -> bool:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import EnumProperty
 
-from .finding import originals, sidecars_of
+from .choices import LAYERS
+from .finding import bake_called, originals, sidecars_of
 from .of_bake import OfBake
 from .operator import shown
 from .words import remark
@@ -33,12 +34,20 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
 
     if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
         action: str
+        layer: str
     else:
         action: EnumProperty(
             name="Action",
             description="What to show",
             items=_ACTIONS,
             default="TOGGLE",
+            options={"SKIP_SAVE"},
+        )
+        layer: EnumProperty(
+            name="Layer",
+            description="What of the bake's light to show, of one with layers. They are shown opaque",
+            items=(("whole", "Whole", "All light"), *LAYERS),
+            default="whole",
             options={"SKIP_SAVE"},
         )
 
@@ -48,10 +57,10 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
 
         scene, layer = shown(context)
         try:
-            items = originals(layer, self.object)
+            items = originals(layer, self.object, scene, self.bake)
             off = self.action == "OFF" or (self.action == "TOGGLE" and all(map(is_on, items)))
             if not off:
-                self._switch_on(scene, items)
+                self._switch_on(scene, items, bake_called(layer, self.object, scene, self.bake))
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
@@ -59,18 +68,21 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
             switch_off(item)
         return {"FINISHED"}
 
-    def _switch_on(self, scene: bpy.types.Scene, items: list[bpy.types.Object]) -> None:
-        """Show every bake that there is, or none. Raises RadTexError."""
+    def _switch_on(self, scene: bpy.types.Scene, items: list[bpy.types.Object], bake: str) -> None:
+        """Show every bake that there is in `bake`, or none. Raises RadTexError."""
         from ..core.errors import RadTexError
-        from ..preview.swap import is_on, switch_off, switch_on
+        from ..preview.swap import is_on, switch_all_on, switch_off
 
         wanted = [item for item in items if self.action == "ON" or not is_on(item)]
         before = [item for item in wanted if is_on(item)]
-        sidecars, errors = sidecars_of(scene, wanted, self.bake)
+        sidecars, errors = sidecars_of(scene, wanted, bake)
+        layer = None if self.layer == "whole" else self.layer
         made = []
         try:
-            for item, sidecar in sidecars.items():
-                made.append(switch_on(item, sidecar))
+            for sidecar in dict.fromkeys(sidecars.values()):
+                made += switch_all_on(
+                    [item for item in wanted if sidecars.get(item) == sidecar], sidecar, layer
+                )
         except RadTexError:
             for preview in made:
                 if preview.original not in before:

@@ -6,18 +6,25 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..bake.spec import BakeSpec, Compression, Layer, Layout, parse_kind, parse_layout
+from ..bake.frames import of_frames, parse_frames
+from ..bake.spec import BakeSpec, Compression, Layer, Layout, View, parse_kind, parse_layout
 from ..core.errors import InputError
 from ..export.spec import Target
 from ..scene.enclosed import EVERYTHING
+from ..scene.lamps import each_light
+from ..scene.scratch import find_view_layer
 from .choices import ACCUMULATED, BUCKETS_ONLY, LAYERED, SOURCED
 from .preferences import preferred
 from .settings import NAMES, BakeSettings
+from .surfaces import bakes_of, may_lack_parts, shared_name
 
 if TYPE_CHECKING:
     from ..job.foresight import Foresight
@@ -27,7 +34,7 @@ _MEGABYTE = 1e6
 
 @dataclass(frozen=True)
 class BakeRequest:
-    """A bake as it was asked for: what, how, and where to."""
+    """A bake as it was asked for: what, how, and where to. Objects may have a `shared` atlas of that name."""
 
     spec: BakeSpec
     folder: Path
@@ -35,6 +42,9 @@ class BakeRequest:
     overwrite: bool
     resume: bool
     targets: tuple[Target, ...]
+    shared: str | None = None
+    frames: tuple[int, ...] = ()
+    each_lamp: bool = False
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> BakeRequest:
@@ -50,23 +60,91 @@ class BakeRequest:
             overwrite=values["overwrite"],
             resume=values["resume"],
             targets=targets,
+            shared=shared_name(values, spec),
+            frames=parse_frames(values["frames"]) if values["variants"] == "frames" else (),
+            each_lamp=values["variants"] == "lamps",
         )
 
     def foreseen(self, scene: bpy.types.Scene, names: Iterable[str], patience: float) -> Foresight:
         """What can be said of baking these objects beforehand; `patience` is in seconds."""
-        from ..job.foresight import foresee
+        from ..job.foresight import Foresight, foresee
 
-        return foresee(
-            scene,
-            names,
-            self.spec,
-            self.folder,
-            preview=self.preview,
-            overwrite=self.overwrite,
-            resume=self.resume,
-            targets=self.targets,
-            patience=patience,
-        )
+        errors: dict[str, None] = {}
+        warnings: dict[str, None] = {}
+        since = monotonic()
+        try:
+            bakes = self.bakes(scene, tuple(names), guess=True)
+        except InputError as error:
+            return Foresight((str(error),))
+        for spec, group in groupby(bakes, key=itemgetter(1)):
+            found = foresee(
+                scene,
+                (name for name, _ in group),
+                spec,
+                self.folder,
+                preview=self.preview,
+                overwrite=self.overwrite,
+                resume=self.resume,
+                targets=self.targets,
+                patience=patience,
+            )
+            errors |= dict.fromkeys(found.errors)
+            warnings |= dict.fromkeys(found.warnings)
+            if monotonic() - since > patience:
+                break
+        return Foresight(tuple(errors), tuple(warnings))
+
+    def bakes(
+        self, scene: bpy.types.Scene, names: Sequence[str], *, guess: bool = False
+    ) -> tuple[tuple[str, BakeSpec], ...]:
+        """What is baked of these objects, by the names of the atlases; `surfaces.bakes_of` says how.
+
+        Where it goes on with several variants or parts, those that are not finished. Raises InputError where
+        all are, unless parts are a `guess` that may lack some; where lamps have no atlases of their own, and
+        where there are none.
+        """
+        from ..job.variants import left_to_do
+
+        asked = self._asked(scene, names, guess)
+        if not self._goes_on(scene):
+            return asked
+        unsure = guess and may_lack_parts(scene, names, self.spec)
+        try:
+            found = left_to_do(asked, self.folder)
+        except InputError:
+            if not unsure:
+                raise
+            found = ()
+        if asked and not found and not unsure:
+            raise InputError("all variants are finished: leave --resume out, and bake anew (--overwrite)")
+        return found
+
+    def left_out(self, scene: bpy.types.Scene, names: Sequence[str]) -> str:
+        """What to know of bakes that going on leaves out; empty if nothing. Raises InputError as `bakes`."""
+        from ..job.variants import passed_over
+
+        if not (self._goes_on(scene) and (self.spec.accumulate or self.spec.refresh)):
+            return ""  # without looking for parts
+        return passed_over(self._asked(scene, names, guess=False), self.bakes(scene, names))
+
+    def _goes_on(self, scene: bpy.types.Scene) -> bool:
+        """Whether it goes on with those of several variants or parts that are left to do."""
+        several = len(self.specs(scene)) > 1 or (self.spec.split is not None and self.spec.part is None)
+        return self.resume and not self.overwrite and several
+
+    def _asked(
+        self, scene: bpy.types.Scene, names: Sequence[str], guess: bool
+    ) -> tuple[tuple[str, BakeSpec], ...]:
+        """All variants and parts, finished or not."""
+        specs = self.specs(scene)
+        return tuple(bake for spec in specs for bake in bakes_of(scene, names, spec, self.shared, guess))
+
+    def specs(self, scene: bpy.types.Scene) -> tuple[BakeSpec, ...]:
+        """The bake in all its variants. Raises InputError as `bakes` does."""
+        if self.each_lamp:
+            lights = each_light(find_view_layer(scene, None))
+            return tuple(replace(self.spec, lights=one) for one in lights)
+        return of_frames(self.spec, self.frames) or (self.spec,)
 
     def remedies(self, scene: bpy.types.Scene, names: Sequence[str], patience: float) -> dict[str, int]:
         """Settings that, switched, would leave fewer errors than are foreseen now, and how many."""
@@ -85,7 +163,11 @@ class BakeRequest:
 
         if self.resume or not self.overwrite:
             return False
-        files = [OutputFiles.of(name, self.spec, self.folder, self.preview) for name in names]
+        try:
+            bakes = self.bakes(scene, names, guess=True)
+        except InputError:
+            return False
+        files = [OutputFiles.of(name, spec, self.folder, self.preview) for name, spec in bakes]
         if not any(is_unfinished(one.unfinished) for one in files):
             return False
         return self._errors_with(("resume",), scene, names, patience) == 0
@@ -169,11 +251,17 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
         half=limit != "none" or values["kind"] == "shadow" or not values["full_floats"],
         compression=Compression.ZIP if limit != "none" else values["compression"],
         layers=tuple(layer for layer in Layer if layer.value in values["layers"]) if layered else (),
+        split=None if values["split"] == "none" else values["split"],
+        part=values["part"] or None if values["split"] != "none" else None,
         accumulate=values["accumulate"] and lasting,
         refresh=values["refresh"] and lasting,
+        view=View(values["view"] if values["kind"] == "transfer" else "normal"),
+        where=values["where"] or None if lasting and (values["accumulate"] or values["refresh"]) else None,
+        ao_distance=values["ao_distance"] or None if values["kind"] == "ao" else None,
         content=_content_of(values) if values["kind"] == "proxy" else None,
         source=values["source"] if sourced else None,
-        extrusion=values["extrusion"] or None if sourced else None,
+        extrusion=values["extrusion"] or None if sourced and not values["cage"] else None,
+        cage=values["cage"] or None if sourced else None,
     )
 
 

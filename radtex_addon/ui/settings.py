@@ -4,25 +4,42 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from .choices import COMPRESSIONS, CONTENTS, KINDS, LAYERS, LAYOUTS, LIMITS, TARGETS, UNWRAPS
+from . import output_settings, surfaces
+from .choices import (
+    BUCKETS_ONLY,
+    CONTENTS,
+    KINDS,
+    LAYOUTS,
+    LIMITS,
+    UNWRAPS,
+    VARIANTS,
+    VIEWS,
+)
+from .noticed import NOTICED
 from .outlook import mark_stale
 
 # Of the mixin below, in the panel's order.
 NAMES = (
     "kind",
+    "view",
     "content",
     "content_collection",
+    "ao_distance",
     "atlas_layout",
+    *surfaces.NAMES,
     "uv_layer",
     "unwrap",
     "padding",
     "source",
     "extrusion",
+    "cage",
+    "variants",
+    "frames",
     "texels",
     "bucket",
     "samples",
@@ -30,49 +47,61 @@ NAMES = (
     "budget",
     "target",
     "seed",
-    "layers",
-    "directory",
-    "full_floats",
-    "compression",
-    "preview",
-    "overwrite",
-    "accumulate",
-    "refresh",
-    "resume",
-    "export_targets",
+    *output_settings.NAMES,
 )
 
 
-def _notice(_: BakeSettings, __: bpy.types.Context) -> None:
-    """The panel shows what is no longer so. (Of what scripts change, Blender tells no handler.)"""
-    mark_stale()
+_OWN_CELLS = "radtex_cells"  # of a scene's settings: numbers of cells that were chosen, by what has them
 
 
 def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
-    """In the panel, kind and layout bring the cells that suit them; keyword arguments mean what they say."""
+    """In the panel, kind and layout bring the cells that suit them, or were chosen for such before.
+
+    Keyword arguments mean what they say.
+    """
     if isinstance(settings, bpy.types.PropertyGroup):
         from .request import suited_bucket
 
-        settings.bucket = suited_bucket(settings.kind, settings.atlas_layout, settings.limit)
+        own = cast(Any, settings).get(_OWN_CELLS, {}).get(_sort_of_cells(settings))
+        settings.bucket = own or suited_bucket(settings.kind, settings.atlas_layout, settings.limit)
     mark_stale()
 
 
-_NOTICED: dict[str, Any] = {"update": _notice, "options": {"SKIP_SAVE"}}
+def _keep_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
+    """Remember the number of cells for when such are asked for again."""
+    if isinstance(settings, bpy.types.PropertyGroup):
+        known = dict(cast(Any, settings).get(_OWN_CELLS, {}))
+        cast(Any, settings)[_OWN_CELLS] = known | {_sort_of_cells(settings): settings.bucket}
+    mark_stale()
 
 
-class BakeSettings:
+def _sort_of_cells(settings: BakeSettings) -> str:
+    """What has a number of cells of its own; `ao` has no cells, whose number is that of its rays' grid."""
+    if settings.kind in ("transfer", "ao"):
+        return settings.kind
+    if settings.kind in BUCKETS_ONLY or settings.atlas_layout == "buckets":
+        return "buckets"
+    return "shared" if settings.limit == "none" else "condensed"
+
+
+class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
     """Not registered itself: the scene's settings and the operator take its properties."""
 
     if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
         kind: str
+        view: str
         content: str
         content_collection: str
+        ao_distance: float
         atlas_layout: str
         uv_layer: str
         unwrap: str
         padding: int
         source: str
         extrusion: float
+        cage: str
+        variants: str
+        frames: str
         texels: int
         bucket: int
         samples: int
@@ -80,16 +109,6 @@ class BakeSettings:
         budget: float
         target: float
         seed: int
-        layers: set[str]
-        directory: str
-        full_floats: bool
-        compression: str
-        preview: bool
-        overwrite: bool
-        accumulate: bool
-        refresh: bool
-        resume: bool
-        export_targets: set[str]
     else:
         kind: EnumProperty(
             name="Kind",
@@ -99,17 +118,35 @@ class BakeSettings:
             update=_suit_bucket,
             options={"SKIP_SAVE"},
         )
+        view: EnumProperty(
+            name="View",
+            description="From where the object's answer to light is seen",
+            items=VIEWS,
+            default="normal",
+            **NOTICED,
+        )
         content: EnumProperty(
             name="Content",
             description="What the hull shows in its place; the hull itself is never seen",
             items=CONTENTS,
             default="inside",
-            **_NOTICED,
+            **NOTICED,
         )
         content_collection: StringProperty(
             name="Collection",
             description="The collection whose objects the hull shows",
-            **_NOTICED,
+            **NOTICED,
+        )
+        ao_distance: FloatProperty(
+            name="Distance",
+            description="What is farther away than this counts as open. 0 looks as far as there is",
+            default=0.0,
+            min=0.0,
+            soft_max=10.0,
+            step=1,
+            precision=3,
+            subtype="DISTANCE",
+            **NOTICED,
         )
         atlas_layout: EnumProperty(
             name="Layout",
@@ -123,14 +160,14 @@ class BakeSettings:
             name="UV Layer",
             description="The UV layer to bake on: inside the unit square and without overlaps, or places on "
             "the surface would show each other's light. Left empty, a copy is unwrapped anew",
-            **_NOTICED,
+            **NOTICED,
         )
         unwrap: EnumProperty(
             name="Unwrap",
             description="Who lays out the surface where no UV layer is chosen",
             items=UNWRAPS,
             default="xatlas",
-            **_NOTICED,
+            **NOTICED,
         )
         padding: IntProperty(
             name="Padding",
@@ -139,13 +176,13 @@ class BakeSettings:
             min=0,
             max=256,
             soft_max=16,
-            **_NOTICED,
+            **NOTICED,
         )
         source: StringProperty(
             name="From",
             description="A detailed object in the same place, whose light the simple one shall show. The "
             "simple one is not seen while it is baked. Left empty, objects show their own",
-            **_NOTICED,
+            **NOTICED,
         )
         extrusion: FloatProperty(
             name="Extrusion",
@@ -157,7 +194,26 @@ class BakeSettings:
             step=1,
             precision=3,
             subtype="DISTANCE",
-            **_NOTICED,
+            **NOTICED,
+        )
+        cage: StringProperty(
+            name="Cage",
+            description="A copy of the simple object whose vertices were moved out: the detailed one is "
+            "looked for from there on, instead of along the normals. It may be hidden",
+            **NOTICED,
+        )
+        variants: EnumProperty(
+            name="Variants",
+            description="Several atlases of each object at once",
+            items=VARIANTS,
+            default="none",
+            **NOTICED,
+        )
+        frames: StringProperty(
+            name="Frames",
+            description="The frames to bake, such as 1,5,10-20",
+            default="1",
+            **NOTICED,
         )
         texels: IntProperty(
             name="Texels",
@@ -168,7 +224,7 @@ class BakeSettings:
             max=65536,
             soft_min=16,
             soft_max=1024,
-            **_NOTICED,
+            **NOTICED,
         )
         bucket: IntProperty(
             name="Cells",
@@ -178,7 +234,8 @@ class BakeSettings:
             min=2,
             max=256,
             soft_max=32,
-            **_NOTICED,
+            update=_keep_bucket,
+            options={"SKIP_SAVE"},
         )
         samples: IntProperty(
             name="Samples",
@@ -188,7 +245,7 @@ class BakeSettings:
             min=1,
             max=2**24,
             soft_max=1024,
-            **_NOTICED,
+            **NOTICED,
         )
         limit: EnumProperty(
             name="Limit",
@@ -208,7 +265,7 @@ class BakeSettings:
             soft_max=16.0,
             step=10,
             precision=2,
-            **_NOTICED,
+            **NOTICED,
         )
         target: FloatProperty(
             name="dB",
@@ -219,88 +276,14 @@ class BakeSettings:
             max=60.0,
             step=100,
             precision=0,
-            **_NOTICED,
+            **NOTICED,
         )
         seed: IntProperty(
             name="Seed",
             description="Another seed gives other noise; the same one gives the same picture",
             default=0,
             min=0,
-            **_NOTICED,
-        )
-        layers: EnumProperty(
-            name="Layers",
-            description="Parts of the light to keep as atlases of their own, beside the whole: for deferred "
-            "rendering, or for a base that needs no view and a rest that does",
-            items=LAYERS,
-            update=_notice,
-            options={"ENUM_FLAG", "SKIP_SAVE"},
-            default=set(),
-        )
-        directory: StringProperty(
-            name="Output Folder",
-            description="Where the atlas and all that belongs to it are written; // is the .blend "
-            "file's folder",
-            default="//radtex/",
-            subtype="DIR_PATH",
-            update=_notice,
-            options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
-        )
-        full_floats: BoolProperty(
-            name="32-bit Floats",
-            description="Keep light beyond 65504 and steps that 16 bits are too few for. Hardly ever seen, "
-            "and twice as large",
-            default=False,
-            **_NOTICED,
-        )
-        compression: EnumProperty(
-            name="Compression",
-            description="How the images are packed on disk",
-            items=COMPRESSIONS,
-            default="zip",
-            **_NOTICED,
-        )
-        preview: BoolProperty(
-            name="Preview",
-            description="Also write a .blend in which the baked copy stands in the object's place. Showing "
-            "the bake here and exporting it need that",
-            default=True,
-            **_NOTICED,
-        )
-        overwrite: BoolProperty(
-            name="Overwrite",
-            description="Replace the files of an earlier bake of the same object",
-            default=False,
-            **_NOTICED,
-        )
-        accumulate: BoolProperty(
-            name="Accumulate",
-            description="Fold the samples into the atlas that is there: less noise, and what was baked "
-            "before still counts",
-            default=False,
-            **_NOTICED,
-        )
-        refresh: BoolProperty(
-            name="Refresh",
-            description="Bake again only the places whose light has changed since the atlas was baked, as "
-            "after a lamp was moved",
-            default=False,
-            **_NOTICED,
-        )
-        resume: BoolProperty(
-            name="Resume",
-            description="Go on with a bake that was cancelled or that failed, from what is kept of it: the "
-            "picture is the same as if it had never stopped",
-            default=False,
-            **_NOTICED,
-        )
-        export_targets: EnumProperty(
-            name="Export",
-            description="Folders to make of the bake once it is done: for browsers, engines and viewers",
-            items=TARGETS,
-            update=_notice,
-            options={"ENUM_FLAG", "SKIP_SAVE"},
-            default=set(),
+            **NOTICED,
         )
 
 

@@ -25,6 +25,13 @@ def draw_switch(layout: Any, item: bpy.types.Object | None) -> Any:
     return row.operator("radtex.preview_toggle", icon="HIDE_OFF" if pressed else "HIDE_ON", depress=pressed)
 
 
+def draw_show(layout: Any) -> Any:
+    """The button that shows one of several bakes of an object; returns its operator's properties."""
+    switch = layout.operator("radtex.preview_toggle", icon="HIDE_OFF")
+    switch.action = "ON"
+    return switch
+
+
 def draw_shading(layout: Any, space: bpy.types.Space | None) -> None:
     """Blender's shading buttons, where a bake that is shown cannot be seen for the shading."""
     if not isinstance(space, bpy.types.SpaceView3D) or space.shading.type not in _BLIND:

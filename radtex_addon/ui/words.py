@@ -12,7 +12,7 @@ from typing import Any
 
 from bpy.app import translations
 
-from .choices import COMPRESSIONS, LAYOUTS, UNWRAPS
+from .choices import COMPRESSIONS, LAYOUTS, SPLITS, UNWRAPS
 
 _translations: Any = translations  # whose stubs say that nothing comes back
 
@@ -21,24 +21,32 @@ iface_: Callable[[str], str] = _translations.pgettext_iface
 
 # What the panel calls the batch's options. One that is not here is not in the window either.
 LABELS = {
+    "ao-distance": "Distance",
     "arrangement": "Arrangement",
     "bucket": "Cells",
     "budget": "MB on the GPU",
+    "cage": "Cage",
     "compression": "Compression",
     "device": "Device, in RadTex's preferences",
     "extrusion": "Extrusion",
     "float": "32-bit Floats",
     "format": "Format",
+    "frames": "Frames",
     "from": "From",
+    "layer": "Layers",
     "layout": "Layout",
     "levels": "Mip Levels",
+    "lights": "Variants",
     "limit": "Limit",
     "object": "Object",
     "out": "Folder",
     "overwrite": "Overwrite",
     "pixels": "Pixels",
     "resume": "Resume",
+    "part": "Only",
     "save-preview": "Preview",
+    "split": "Split",
+    "together": "One Atlas",
     "unwrap": "Unwrap",
     "uv": "UV Layer",
 }
@@ -60,7 +68,7 @@ STAGES = {  # what a worker is doing, by the names that bakes, exports and compa
     "reference": "Tracing paths",
     "compare": "Comparing",
 }
-_CHOICES = {"layout": LAYOUTS, "unwrap": UNWRAPS, "compression": COMPRESSIONS}
+_CHOICES = {"split": SPLITS, "layout": LAYOUTS, "unwrap": UNWRAPS, "compression": COMPRESSIONS}
 _LEFT_OUT = {"uv": "empty", "from": "empty", "resume": "off"}  # the others stay as they are
 
 _OPTION = r"(?<![\w/.-])--([a-z][a-z-]*)"

@@ -55,11 +55,12 @@ class Work(StrEnum):
 class Order:
     """One run of `bake.py`, and what is told of it.
 
-    `object` says whom it is about, and `about` what else tells it from others. In `folder` the worker works;
-    it goes away with the last of its orders. In `out` the run's files appear. `command` is the first of its
-    words, empty for a bake; then come the `blend` to open, if there is one, and `arguments`. `stages` are all
-    that it may speak of, in order, each with its part of the whole, 0 for one that it does not go through.
-    `remedy` is what to do when it ended early.
+    `object` says whom it is about, `part` which part of it, `variant` which frame or light, and `about` what
+    else tells it from others. In `folder` the worker works; it goes away with the last of its orders. In
+    `out` the run's files appear. `command` is the first of its words, empty for a bake; then come the `blend`
+    to open, if there is one, and `arguments`. `stages` are all that it may speak of, in order, each with its
+    part of the whole, 0 for one that it does not go through. `remedy` is what to do when it ended early.
+    `shared` are the objects of an atlas that several share, which `object` is then the name of.
     """
 
     work: Work
@@ -70,6 +71,9 @@ class Order:
     stages: Mapping[str, float]
     remedy: str
     about: str = ""
+    part: str = ""
+    variant: str = ""
+    shared: tuple[str, ...] = ()
     command: str = ""
     blend: Path | None = None
 

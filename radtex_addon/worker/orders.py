@@ -7,6 +7,8 @@ A value is joined to its option, for names may begin with a dash.
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +18,7 @@ from ..bake.spec import BakeSpec, Kind, Layout
 from ..core.sampler import Filter
 from ..export.progress import Task as ExportTask
 from ..export.spec import Arrangement, ExportSpec
+from ..job.variants import variant_of
 from ..report.progress import Task
 from .order import Handover, Order, Work, parts
 
@@ -56,10 +59,16 @@ _FLAGS = {
     "budget": "--budget",
     "target": "--target",
     "content": "--content",
+    "view": "--view",
     "source": "--from",
     "extrusion": "--extrusion",
+    "cage": "--cage",
+    "ao_distance": "--ao-distance",
+    "split": "--split",
+    "part": "--part",
     "frame": "--frames",
     "unwrap_at": "--unwrap-at",
+    "where": "--where",
 }
 
 
@@ -73,16 +82,23 @@ def order_bake(
     overwrite: bool = False,
     extra: Sequence[str] = (),
 ) -> Order:
-    """A bake of the object `name`; without a `preview` filter none is saved. `extra` are more arguments."""
+    """A bake of the object `name`, or of `spec.objects` by that name.
+
+    Without a `preview` filter none is saved. `extra` are more arguments.
+    """
     return Order(
         work=Work.BAKE,
         object=name,
         about=kind_of(spec),
+        part=spec.part or "",
+        variant=variant_of(spec),
+        shared=spec.objects,
         folder=handover.folder,
         out=out,
         blend=handover.blend,
         arguments=(
-            f"--object={name}",
+            *(f"--object={each}" for each in spec.objects or (name,)),
+            *((f"--together={name}",) if spec.objects else ()),
             *_of_scene(handover),
             *_of_spec(spec, handover.device),
             f"--out={out.absolute()}",
@@ -119,6 +135,7 @@ def order_export(
             *(() if spec.arrangement is Arrangement.MATRIX else (f"--arrangement={spec.arrangement}",)),
             *(() if spec.levels is None else (f"--levels={spec.levels}",)),
             *(() if spec.limit is None else (f"--limit={spec.limit}",)),
+            *(f"--layer={layer}" for layer in spec.layers),
             f"--out={out.absolute()}",
             *(("--overwrite",) if overwrite else ()),
             *_SPOKEN,
@@ -183,12 +200,20 @@ def _of_spec(spec: BakeSpec, device: str) -> Iterator[str]:
         if value is not None:
             yield f"{flag}={value}"
     yield from (f"--layer={layer}" for layer in spec.layers)
+    if spec.lights:
+        yield f"--lights={_comma_separated(spec.lights)}"
     if spec.accumulate:
         yield "--accumulate"
     if spec.refresh:
         yield "--refresh"
     if not spec.half:
         yield "--float"
+
+
+def _comma_separated(names: Sequence[str]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="").writerow(names)
+    return text.getvalue()
 
 
 def _stages(spec: BakeSpec, preview: bool) -> dict[str, float]:

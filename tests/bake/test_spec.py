@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from radtex_addon.bake import spec
+from radtex_addon.bake import spec_checks
 from radtex_addon.bake.spec import (
     BakeSpec,
     CaptureMethod,
@@ -73,13 +73,13 @@ def test_the_smallest_bake_is_one_texel_of_four_cells() -> None:
 
 
 def test_an_image_beyond_blenders_limit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(spec, "physical_memory", lambda: None)
+    monkeypatch.setattr(spec_checks, "physical_memory", lambda: None)
     assert "makes 65544 pixels a side, 65536 is the most" in refusal(texels=8193, bucket=8)
     assert BakeSpec(texels=8192, bucket=8).pixels_a_side == 65536
 
 
 def test_an_atlas_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(spec, "physical_memory", lambda: 2**31)
+    monkeypatch.setattr(spec_checks, "physical_memory", lambda: 2**31)
     expected = "texels 1025 with bucket 8 needs 2.0 GiB of memory, this machine has 2.0 GiB: lower one"
     assert refusal(texels=1025, bucket=8) == expected
     assert BakeSpec(texels=1024, bucket=8).atlas_bytes == 2**31
@@ -127,13 +127,13 @@ def test_a_shared_bakes_paths_do_not_depend_on_its_cells() -> None:
 
 
 def test_the_shared_layouts_images_are_bounded_with_their_borders(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(spec, "physical_memory", lambda: None)
+    monkeypatch.setattr(spec_checks, "physical_memory", lambda: None)
     assert BakeSpec(layout=Layout.SHARED, texels=8192, bucket=6).pixels_a_side == 65536
     assert "makes 73728 pixels a side" in refusal(layout=Layout.SHARED, texels=8192, bucket=7)
 
 
 def test_a_shared_bake_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(spec, "physical_memory", lambda: 2**32)
+    monkeypatch.setattr(spec_checks, "physical_memory", lambda: 2**32)
     assert "texels 256 with bucket 16 needs" in refusal(layout=Layout.SHARED, texels=256)
     assert BakeSpec(layout=Layout.SHARED).atlas_bytes < 2**31
 

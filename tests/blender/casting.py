@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import tempfile
+from pathlib import Path
 from typing import Any, cast
 
 import bpy
@@ -11,11 +13,11 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from radtex_addon.bake.plan import CapturePlan, plan_capture
+from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Bools, Floats, Ints
-from radtex_addon.cycles.offset import ray_offset
+from radtex_addon.job.occlusion import plan_occlusion
 from radtex_addon.job.prepare import prepare
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
@@ -25,8 +27,9 @@ def plan_of_bake(name: str, spec: BakeSpec) -> CapturePlan:
     """Where a bake of `spec` sends rays from the open scene's object `name`."""
     kept: list[bpy.types.ID] = []
     with scratch_scene(cast(bpy.types.Scene, bpy.context.scene), None, kept) as scratch:
-        prepared = finished(prepare(scratch, find_object(scratch, name), spec, kept))
-        plan = plan_capture(prepared.texels(), spec.bucket)
+        prepared = finished(prepare(scratch, [find_object(scratch, name)], spec, kept))
+        with tempfile.TemporaryDirectory() as folder:
+            plan = finished(plan_occlusion(prepared, spec.bucket, Path(folder)))
     bpy.data.batch_remove(kept)
     return plan
 
@@ -57,7 +60,7 @@ def blocked(tree: BVHTree, plan: CapturePlan, texel: Ints, direction: Floats) ->
     axes = (field.reshape(-1, 3)[texel] for field in (plan.tangent, plan.bitangent, plan.normal))
     world = sum(direction[:, k, None] * axis for k, axis in enumerate(axes))
     facet = plan.facet.reshape(-1, 3)[texel].astype(float)
-    start = plan.points[texel] + ray_offset(plan.position) * facet
+    start = plan.points[texel] + plan.offset.reshape(-1, 1)[texel] * facet
     cast_ray = cast(Any, tree.ray_cast)
     hit = [
         cast_ray(Vector(origin), Vector(way))[0] is not None

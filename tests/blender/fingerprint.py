@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import hashlib
 import warnings
-from collections.abc import Iterator
+from functools import cache
 from typing import Any
 
 import bpy
@@ -32,6 +32,7 @@ LONG = 64  # items; longer collections are hashed
 def fingerprint() -> dict[str, object]:
     """Path of a property -> its value, for the whole file."""
     found: dict[str, object] = {}
+    _properties.cache_clear()
     for scene in bpy.data.scenes:
         for layer in scene.view_layers:
             layer.update()  # scenes that were never shown are not set up yet
@@ -39,8 +40,9 @@ def fingerprint() -> dict[str, object]:
         if kind.type == "COLLECTION" and kind.identifier not in SKIPPED:
             blocks = getattr(bpy.data, kind.identifier)
             found[kind.identifier] = [(block.name_full, block.session_uid, block.users) for block in blocks]
-            for block in blocks:
-                _walk(block, f"{kind.identifier}[{block.name_full}]", found, DEPTH)
+            with warnings.catch_warnings(action="ignore"):  # what Blender 6 will remove is still there
+                for block in blocks:
+                    _walk(block, f"{kind.identifier}[{block.name_full}]", found, DEPTH)
     for name in dir(bpy.app.handlers):
         if isinstance(functions := getattr(bpy.app.handlers, name), list):
             found[f"handlers.{name}"] = [id(function) for function in functions]
@@ -58,37 +60,39 @@ def differences(before: dict[str, object], after: dict[str, object]) -> dict[str
     }
 
 
+@cache
+def _properties(kind: Any) -> list[tuple[str, Any]]:
+    """Names and properties of a kind of struct. Forgotten at each fingerprint: extensions add to them."""
+    named = ((prop.identifier, prop) for prop in kind.bl_rna.properties)
+    return [(name, prop) for name, prop in named if name not in SKIPPED and not name.startswith("bl_")]
+
+
 def _walk(struct: Any, path: str, found: dict[str, object], depth: int) -> None:
-    for prop in struct.bl_rna.properties:
-        name = prop.identifier
-        if name in SKIPPED or name.startswith("bl_"):
-            continue
+    kind: Any = type(struct)
+    for name, prop in _properties(kind):
         try:
-            with warnings.catch_warnings(action="ignore"):  # what Blender 6 will remove is still there
-                value = getattr(struct, name)
+            value = getattr(struct, name)
         except (AttributeError, RuntimeError, ValueError, TypeError):
             continue
-        found.update(_plain(prop, value, f"{path}.{name}", found, depth))
+        _note(prop, value, f"{path}.{name}", found, depth)
 
 
-def _plain(
-    prop: Any, value: Any, path: str, found: dict[str, object], depth: int
-) -> Iterator[tuple[str, object]]:
+def _note(prop: Any, value: Any, path: str, found: dict[str, object], depth: int) -> None:
     if prop.type == "COLLECTION":
-        yield from _items(value, path, found, depth)
+        _note_items(value, path, found, depth)
     elif prop.type == "POINTER":
         if value is None or isinstance(value, bpy.types.ID):
-            yield path, value and value.name_full
+            found[path] = value and value.name_full
         if isinstance(value, (bpy.types.Node, bpy.types.NodeSocket)):  # the end of a link: its tree has it
-            yield path, value.name
+            found[path] = value.name
         elif value is not None and (not isinstance(value, bpy.types.ID) or _own_tree(value)) and depth:
             _walk(value, path, found, depth - 1)
     elif getattr(prop, "is_array", False):
-        yield path, np.array(value).tolist()
+        found[path] = np.array(value).tolist()
     elif prop.type == "ENUM" and prop.is_enum_flag:
-        yield path, sorted(value)
+        found[path] = sorted(value)
     else:
-        yield path, value
+        found[path] = value
 
 
 def _own_tree(value: bpy.types.ID) -> bool:
@@ -96,11 +100,11 @@ def _own_tree(value: bpy.types.ID) -> bool:
     return isinstance(value, bpy.types.NodeTree) and value.is_embedded_data
 
 
-def _items(value: Any, path: str, found: dict[str, object], depth: int) -> Iterator[tuple[str, object]]:
-    yield path, len(value) if len(value) <= LONG else _digest(value)
+def _note_items(value: Any, path: str, found: dict[str, object], depth: int) -> None:
+    found[path] = len(value) if len(value) <= LONG else _digest(value)
     for index, item in enumerate(value if len(value) <= LONG and depth else ()):
         if isinstance(item, bpy.types.ID):
-            yield f"{path}[{index}]", item.name_full
+            found[f"{path}[{index}]"] = item.name_full
         elif item is not None:
             _walk(item, f"{path}[{index}]", found, depth - 1)
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -43,10 +44,15 @@ def world(colour: tuple[float, float, float] = (1, 1, 1)) -> bpy.types.World:
 
 
 def hdri(made: bpy.types.World) -> None:
-    """Light a world by one of the HDRIs that Blender ships."""
+    """Light a world by one of the HDRIs that Blender ships.
+
+    Cycles samples it by a map as fine as the picture: its own choice costs each scene a second more.
+    """
     path = Path(bpy.utils.resource_path("LOCAL")) / "datafiles" / "studiolights" / "world" / "courtyard.exr"
     environment = made.node_tree.nodes.new("ShaderNodeTexEnvironment")
     environment.image = bpy.data.images.load(str(path))
+    sampling: Any = made.cycles
+    sampling.sampling_method, sampling.sample_map_resolution = "MANUAL", environment.image.size[0]
     background = next(n for n in made.node_tree.nodes if n.type == "BACKGROUND")
     made.node_tree.links.new(environment.outputs["Color"], background.inputs["Color"])
 

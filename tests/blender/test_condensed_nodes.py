@@ -24,7 +24,7 @@ from radtex_addon.formats.shared_files import (
 )
 from radtex_addon.preview.condensed_group import condensed_layers
 from radtex_addon.preview.material import load_layers, preview_shared_material
-from radtex_addon.preview.save import save_preview
+from radtex_addon.preview.save import StandIn, save_preview
 from radtex_addon.preview.shared_group import build_shared_group, check_shared_previewable
 from tests.blender.lookup_stage import ENGINES, add_camera_above, render_exr, render_groups, set_up_render
 from tests.lookups import relative_error
@@ -141,7 +141,7 @@ def test_the_preview_needs_no_file_beside_it(path: Path, saved: bool) -> None:
     scene.collection.objects.link(pane)
     material = preview_shared_material("RadTex pane", written(path, even_light()), "RadTex")
     folder = path.with_name("elsewhere")
-    save_preview(scene, pane, pane.copy(), material, folder / "pane.preview.blend")
+    save_preview(scene, [StandIn(pane, pane.copy(), (material,))], folder / "pane.preview.blend")
     bpy.ops.wm.open_mainfile(filepath=str(folder / "pane.preview.blend"))
     scene = cast(Any, bpy.context.scene)
     add_camera_above(scene, (0, 0), (2, 2), 8)

@@ -37,7 +37,7 @@ def test_a_cell_weighs_its_solid_angle(bucket: int) -> None:
     for q, p in np.ndindex(bucket, bucket):
         light = mean_of_buckets(one_cell(bucket, q, p), AtlasLayout(2, 1, bucket))
         share = solid_angle[q, p] / (2 * np.pi)
-        np.testing.assert_allclose(light[0, 0], share * np.array([1, 2, 4]), rtol=1e-5)
+        np.testing.assert_allclose(light[0, 0], share * np.array([1, 2, 4, 1]), rtol=1e-5)
         assert not light[0, 1].any()
 
 
@@ -119,6 +119,16 @@ def test_the_picture_is_srgb_and_its_top_row_is_v_1() -> None:
     shown = np.asarray(Image.open(io.BytesIO(data)))
     assert shown[1, 0].tolist() == [188, 127, 255]
     assert shown.sum() == 188 + 127 + 255
+
+
+def test_what_is_clear_keeps_its_alpha_and_its_colour() -> None:
+    light = np.zeros((1, 3, 4), dtype=np.float32)
+    light[0, 0] = (0.25, 0.107, 0.5, 0.5)  # premultiplied: half of what is above
+    light[0, 1] = (0.5, 0.2140, 1, 1)
+    data, scale = flat_png(light)
+    assert scale == 1
+    shown = np.asarray(Image.open(io.BytesIO(data)))
+    assert shown[0].tolist() == [[188, 127, 255, 128], [188, 127, 255, 255], [0, 0, 0, 0]]
 
 
 def test_light_beyond_white_is_scaled_but_for_a_few_texels() -> None:

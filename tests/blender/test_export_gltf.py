@@ -110,7 +110,7 @@ def test_the_frame_is_the_bakes_to_the_last_bit(out: Path, tmp_path: Path) -> No
     wedge()
     sidecar = baked("Wedge", out)
     glb = exported(sidecar, tmp_path / "made")
-    with baked_copy(out / "Wedge.preview.blend", "Wedge", "RadTex") as (_, copy):
+    with baked_copy(out / "Wedge.preview.blend", ("Wedge",), "RadTex") as (_, copy):
         mesh: Any = copy.data
         count = len(mesh.loops)
         values = {NORMAL: np.empty((count, 3), np.float32), TANGENT: np.empty((count, 3), np.float32)}
@@ -173,7 +173,7 @@ def test_it_stands_in_the_world_as_the_bake_had_it(make: Any, out: Path, tmp_pat
     place = found.position @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # back to z up
     np.testing.assert_allclose(place.min(axis=0), low, atol=1e-4)
     np.testing.assert_allclose(place.max(axis=0), high, atol=1e-4)
-    with baked_copy(out / "Wedge.preview.blend", "Wedge", "RadTex") as (_, copy):
+    with baked_copy(out / "Wedge.preview.blend", ("Wedge",), "RadTex") as (_, copy):
         surface = surface_of(copy, "RadTex")
     expected = surface.corner_position.reshape(-1, 3)
     np.testing.assert_allclose(found.position, to_gltf(expected), atol=1e-5)

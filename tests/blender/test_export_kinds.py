@@ -7,12 +7,14 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
 import pytest
+from PIL import Image
 
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.cli import main as batch_module
@@ -20,9 +22,11 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.core.transfer import mean_over_lights
 from radtex_addon.export.flat import srgb
 from radtex_addon.export.folder import files_in
-from radtex_addon.export.manifest import Arranged, read_manifest
+from radtex_addon.export.manifest import Arranged, Container, read_manifest
 from radtex_addon.export.spec import Target
+from radtex_addon.formats.glb import Glb
 from radtex_addon.formats.ktx2 import read_ktx2
+from radtex_addon.formats.texture import PixelFormat
 from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
 from radtex_addon.job.foresight import foresee
@@ -93,14 +97,76 @@ def test_what_is_looked_up_by_the_viewer_goes_to_every_engine(
         assert ("cull_back" in shader.read_text()) is (kind is Kind.PROXY)
 
 
-@pytest.mark.parametrize("kind", [Kind.SHADOW, Kind.AO, Kind.TRANSFER])
-@pytest.mark.parametrize("target", [Target.GODOT, Target.UNITY, Target.UNREAL])
+def test_a_hulls_fallback_is_clear_and_has_a_front_alone(
+    export: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    """Of the box around the ball: beside the ball is nothing."""
+    for kind, clear in ((Kind.PROXY, True), (Kind.INCIDENT, False)):
+        assert export(kind, Target.GLTF, "--out", str(tmp_path / f"{kind}.gltf")).code == 0
+        folder = tmp_path / f"{kind}.gltf"
+        (material,) = Glb.read(folder / "Box.glb").document["materials"]
+        assert (material.get("alphaMode"), material["doubleSided"]) == (
+            ("BLEND", False) if clear else (None, True)
+        )
+        with Image.open(folder / "Box.flat.png") as flat:
+            assert flat.mode == ("RGBA" if clear else "RGB")
+            shown = np.asarray(flat)
+        if clear:
+            assert 0 < shown[..., 3].mean() < 250
+            assert shown[..., :3][shown[..., 3] > 8].min() > 200  # as white as the ball
+        shutil.rmtree(tmp_path / "baked")
+
+
+def test_a_layer_that_the_bake_lacks_is_refused(export: Callable[..., Outcome]) -> None:
+    told = refusal(export(Kind.PROXY, Target.RAW, "--layer", "base"))
+    assert "has no layer base, its layers are: none; bake it with --layer base" in told
+    assert "--layer haze: choose from diffuse" in refusal(export(Kind.PROXY, Target.RAW, "--layer", "haze"))
+
+
+@pytest.mark.parametrize(
+    ("kind", "target"),
+    [
+        *product((Kind.SHADOW, Kind.AO), (Target.GODOT, Target.UNITY, Target.UNREAL)),
+        (Kind.TRANSFER, Target.GODOT),
+    ],
+)
 def test_who_does_not_show_a_kind_refuses_it_by_name(
     export: Callable[..., Outcome], tmp_path: Path, kind: Kind, target: Target
 ) -> None:
     words = refusal(export(kind, target))
     assert f"Box.{kind}.json is of kind {kind}, which {target} does not show: choose " in words
     assert not (tmp_path / f"baked/Box.{target}").exists()
+
+
+@pytest.mark.parametrize(("target", "ending"), [(Target.UNITY, "hlsl"), (Target.UNREAL, "ush")])
+def test_a_transfer_goes_to_engines_that_have_its_shader(
+    export: Callable[..., Outcome], tmp_path: Path, target: Target, ending: str
+) -> None:
+    assert export(Kind.TRANSFER, target).code == 0
+    made = tmp_path / f"baked/Box.{target}"
+    assert {f"shaders/radtex.{ending}", f"shaders/radtex_transfer.{ending}"} <= set(files_in(made))
+    entry = read_manifest(made / "Box.export.json").textures["transfer"]
+    assert (entry.container, entry.format) == (Container.DDS, PixelFormat.RGBA16F)  # 9 cells are no blocks
+
+
+def test_a_transfer_too_large_for_one_texture_is_cut_into_pages(
+    export: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    assert export(Kind.TRANSFER, Target.RAW, "--limit", "100", "--format", "ktx2-rgba16f").code == 0
+    made = tmp_path / "baked/Box.raw"
+    entry = read_manifest(made / "Box.export.json").textures["transfer"]
+    columns, rows = entry.pages
+    assert entry.layers == columns * rows > 1
+    assert max(entry.size) <= 100
+    words = (made / "README.txt").read_text()
+    assert f"#define RADTEX_PAGES, pages = ({columns}, {rows}, {entry.page_texels[0]}, " in words
+    pixels, _ = read_transfer(tmp_path / "baked/Box.transfer.json")
+    width, height = entry.size
+    layers = np.ascontiguousarray(read_ktx2(made / entry.file).levels[0]).view(np.float16)
+    first = layers.reshape(-1, height, width, 4)[0]
+    np.testing.assert_array_equal(first, pixels[:height, :width])
+    told = refusal(export(Kind.TRANSFER, Target.RAW, "--limit", "100", "--format", "exr", "--overwrite"))
+    assert "which cannot be split: raise the limit of 100 by --limit" in told
 
 
 def test_a_transfers_cells_are_those_of_the_bake(export: Callable[..., Outcome], tmp_path: Path) -> None:
@@ -125,7 +191,7 @@ def test_a_transfers_cells_are_those_of_the_bake(export: Callable[..., Outcome],
     [
         (("--arrangement", "slices"), "one level in a matrix: leave --arrangement and --levels out"),
         (("--levels", "2"), "one level in a matrix: leave --arrangement and --levels out"),
-        (("--limit", "16"), "which cannot be split"),
+        (("--limit", "16", "--format", "exr"), "which cannot be split"),
     ],
 )
 def test_what_a_transfer_cannot_be_is_named(

@@ -27,7 +27,16 @@ from radtex_addon.cycles.portal import PortalCapture
 from radtex_addon.formats import bucket_files
 from radtex_addon.formats.exr import read_atlas, read_render
 from radtex_addon.formats.sidecar import read_sidecar
-from radtex_addon.job import BakeResult, bake_object, bake_steps, buckets, check_request, prepare, run
+from radtex_addon.job import (
+    BakeResult,
+    bake_object,
+    bake_steps,
+    buckets,
+    check_request,
+    prepare,
+    run,
+    unwrapping,
+)
 from radtex_addon.version import VERSION
 from tests.blender import stage
 from tests.blender.conftest import PlannedError
@@ -435,9 +444,9 @@ def test_the_users_file_is_what_it_was_whatever_fails(out: Path) -> None:
     before, preferred = fingerprint(), preferences()
     parts = {
         "evaluate": prepare,
-        "unwrap_steps": prepare,
+        "unwrap_steps": unwrapping,
         "rasterise": prepare,
-        "find_hidden": buckets,
+        "find_hidden": prepare,
         "write_buckets": buckets,
         "save_preview_of": run,
     }

@@ -14,10 +14,15 @@ import pytest
 from radtex_addon.bake.layers import LIGHT, Layer
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.errors import InputError
+from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.exr import read_buckets
 from radtex_addon.job import bake_object
+from radtex_addon.preview.swap import switch_off, switch_on
 from tests.blender import stage
+from tests.blender.fingerprint import differences, fingerprint
+from tests.blender.lookup_stage import render_exr, set_up_render
 
 pytestmark = pytest.mark.usefixtures("temporary")
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -107,3 +112,57 @@ def test_rest_of_a_diffuse_thing_is_next_to_nothing(out: Path) -> None:
     made = bake_object(context.scene, "Card", spec, out)
     np.testing.assert_allclose(read_layer(made.files.sidecar, "base"), 0.8, atol=2e-3)
     np.testing.assert_allclose(read_layer(made.files.sidecar, "rest"), 0, atol=2e-2)
+
+
+def glowing_ball(out: Path) -> Path:
+    """The sidecar of a bake, with a preview and layers, of a green glow over a red diffuse surface."""
+    stage.world((1, 1, 1))
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2)
+    ball = context.object
+    ball.name = "Ball"
+    shader = stage.material("Ball", "ShaderNodeBsdfPrincipled")
+    node = next(node for node in shader.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    for name, value in (
+        ("Base Color", (1, 0, 0, 1)),
+        ("Emission Color", (0, 1, 0, 1)),
+        ("Specular IOR Level", 0),
+    ):
+        node.inputs[name].default_value = value
+    node.inputs["Emission Strength"].default_value = 0.5
+    ball.data.materials.append(shader)
+    layers = (Layer.EMISSION, Layer.BASE)
+    spec = BakeSpec(texels=16, bucket=2, samples=4, layers=layers)
+    return bake_object(context.scene, "Ball", spec, out, preview=Filter.QUADRILINEAR).files.sidecar
+
+
+def seen_from_above(path: Path) -> Floats:
+    """The middle of what Cycles sees of the scene."""
+    bpy.ops.object.camera_add(location=(0, 0, 5))
+    camera = context.object
+    context.scene.camera = camera
+    camera.data.type, camera.data.ortho_scale = "ORTHO", 0.2
+    set_up_render(context.scene, "CYCLES")
+    context.scene.render.resolution_x = context.scene.render.resolution_y = 4
+    seen = render_exr(context.scene, path)
+    bpy.data.objects.remove(camera)
+    return seen[..., :3].mean(axis=(0, 1))
+
+
+def test_the_preview_shows_a_layer_alone(out: Path) -> None:
+    sidecar = glowing_ball(out)
+    ball = bpy.data.objects["Ball"]
+    before = fingerprint()
+    expected = {None: (1, 0.5, 0), "emission": (0, 0.5, 0), "base": (1, 0, 0)}
+    for number, (layer, light) in enumerate(expected.items()):
+        switch_on(ball, sidecar, layer)
+        found = seen_from_above(out.parent / f"{number}.exr")
+        np.testing.assert_allclose(found, light, atol=0.1, err_msg=str(layer))
+        names = [image.name for image in bpy.data.images if image.type == "IMAGE"]
+        assert names == [f"Ball.radiance{'.' + layer if layer else ''}.exr"]
+    shown = fingerprint()
+    with pytest.raises(InputError, match="has no layer glossy, its layers are: emission, base"):
+        switch_on(ball, sidecar, "glossy")
+    assert differences(shown, fingerprint()) == {}
+    switch_off(ball)
+    assert not bpy.data.images.get("Ball.radiance.base.exr")
+    assert {path for path in differences(before, fingerprint()) if path.startswith("objects")} == set()

@@ -37,13 +37,14 @@ from tests.lookups import (
     LAYOUT,
     SIDE,
     Lookups,
+    hit_answers,
     random_atlas,
     random_lookups,
     relative_error,
     worst_error,
 )
 from tests.shared_atlases import facts_about, random_condensed_atlas, random_shared_atlas
-from tests.shared_lookups import random_fragments, shared_answers
+from tests.shared_lookups import random_fragments, shared_answers, shared_hit_answers
 
 WIDTH, HEIGHT = 7, 5  # of the shared layout's atlases
 FRAGMENTS = random_fragments(WIDTH, HEIGHT)
@@ -71,6 +72,41 @@ def test_the_script_node_agrees_with_the_reference(tmp_path: Path) -> None:
         print(f"OSL {kind}: worst error {worst:.1e}, across an edge {across:.2%}")
         assert worst <= 2e-3
         assert across <= 2e-3
+
+
+def test_a_ray_stands_in_for_the_viewer(tmp_path: Path) -> None:
+    """The viewer stays linked, and must not matter."""
+    atlas, lookups = random_atlas(), random_lookups()
+    path = write_exr(tmp_path / "random.exr", atlas)
+    shared = random_shared_atlas(WIDTH, HEIGHT)
+    write_shared(tmp_path / "a.radiance.json", shared, facts_about(shared))
+
+    def plain(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
+        node = osl.add_osl_node(build.tree, path, LAYOUT, Filter.QUADRILINEAR)
+        for name, source in zip(("UV", "Normal", "Tangent", "Sign", "Incoming"), inputs, strict=True):
+            build.feed(node.inputs[name], inputs[0] if name == "Incoming" else source)
+        build.feed(node.inputs["Ray"], build.vector("SCALE", inputs[4], -1.0))
+        return node.outputs["Color"], node.outputs["Alpha"]
+
+    def by_shared(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
+        node = osl.add_shared_osl_node(build.tree, tmp_path / "a.radiance.json")
+        ray = build.vector("SCALE", inputs[4], -1.0)
+        for name, source in {"UV": inputs[0], "Normal": inputs[1], "Ray": ray, "Incoming": inputs[0]}.items():
+            build.feed(node.inputs[name], source)
+        return node.outputs["Color"], build.math("ADD", 1.0, 0.0)
+
+    stage = LookupStage(cast(bpy.types.Scene, bpy.context.scene), "CYCLES")
+    cast(Any, stage.scene).cycles.shading_system = True
+    stage.add(lookups, plain)
+    stage.add(FRAGMENTS, by_shared)
+    result, lobes = stage.render(tmp_path / "answers.exr")
+    error = relative_error(result, hit_answers(atlas, lookups))
+    worse = relative_error(
+        lobes[:, :3], shared_hit_answers(read_shared(tmp_path / "a.radiance.json")[0], FRAGMENTS)
+    )
+    print(f"OSL rays: worst error {error.max():.1e}, shared layout {worse.max():.1e}")
+    assert error.max() <= 2e-3
+    assert worse.max() <= 2e-3
 
 
 @pytest.mark.parametrize("linked", [("UV", "Tangent", "Sign"), ("UV", "Normal", "Tangent", "Sign")])

@@ -21,7 +21,7 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.shared_files import write_shared
 from radtex_addon.preview import save
 from radtex_addon.preview.material import preview_material, preview_shared_material
-from radtex_addon.preview.save import save_preview
+from radtex_addon.preview.save import StandIn, save_preview
 from tests.blender.lookup_stage import ENGINES, add_camera_above, render_exr, set_up_render, write_exr
 from tests.lookups import LAYOUT
 from tests.shared_atlases import facts_about, random_shared_atlas
@@ -124,7 +124,7 @@ def test_the_copy_stands_in_the_object_s_place(
     if saved:
         bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "user.blend"))
     path = tmp_path / "out" / "pane.preview.blend"
-    save_preview(current_scene(), pane, baked_copy(pane, materials), material, path)
+    save_preview(current_scene(), [StandIn(pane, baked_copy(pane, materials), (material,))], path)
     assert sorted(p.name for p in path.parent.iterdir()) == ["pane.preview.blend", "pane.radiance.exr"]
     bpy.ops.wm.open_mainfile(filepath=str(path))
     objects = cast(Any, bpy.data.objects)
@@ -147,7 +147,7 @@ def test_the_file_shows_the_preview_wherever_its_folder_goes(
 ) -> None:
     path = tmp_path / "out" / "pane.preview.blend"
     add_camera_above(current_scene(), (0, 0), (2, 2), 8)
-    save_preview(current_scene(), pane, baked_copy(pane), material, path)
+    save_preview(current_scene(), [StandIn(pane, baked_copy(pane), (material,))], path)
     moved = shutil.move(path.parent, tmp_path / "elsewhere")
     bpy.ops.wm.open_mainfile(filepath=str(Path(moved) / path.name))
     set_up_render(current_scene(), engine)
@@ -163,7 +163,8 @@ def test_a_bake_in_the_shared_layout_is_found_beside_the_file(pane: Any, tmp_pat
     folder.mkdir()
     material = preview_shared_material("RadTex pane", even_light(folder), UV_LAYER)
     add_camera_above(current_scene(), (0, 0), (2, 2), 8)
-    save_preview(current_scene(), pane, baked_copy(pane), material, folder / "pane.preview.blend")
+    path = folder / "pane.preview.blend"
+    save_preview(current_scene(), [StandIn(pane, baked_copy(pane), (material,))], path)
     moved = shutil.move(folder, tmp_path / "elsewhere")
     bpy.ops.wm.open_mainfile(filepath=str(Path(moved) / "pane.preview.blend"))
     assert {image.filepath[:16] for image in bpy.data.images} == {"//pane.radiance."}
@@ -205,7 +206,7 @@ def test_the_session_is_left_as_it_was(
     copy = baked_copy(pane)
     before = state(pane, copy)
     with caplog.at_level(logging.WARNING):
-        save_preview(other, pane, copy, material, tmp_path / "out" / "pane.preview.blend")
+        save_preview(other, [StandIn(pane, copy, (material,))], tmp_path / "out" / "pane.preview.blend")
     assert state(pane, copy) == before
     assert "image 'painted' has unsaved changes" in caplog.text
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out" / "pane.preview.blend"))
@@ -222,6 +223,7 @@ def test_a_file_that_cannot_be_written_leaves_the_session_as_it_was(
     monkeypatch.setattr(save, "replacing", nowhere)
     copy = baked_copy(pane, 1)
     before = state(pane, copy)
+    path = tmp_path / "out" / "pane.preview.blend"
     with pytest.raises(BakeError, match=r"pane\.preview\.blend: Blender cannot write it"):
-        save_preview(current_scene(), pane, copy, material, tmp_path / "out" / "pane.preview.blend")
+        save_preview(current_scene(), [StandIn(pane, copy, (material,))], path)
     assert state(pane, copy) == before

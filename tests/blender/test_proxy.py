@@ -17,8 +17,10 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.sidecar import Content, read_sidecar
 from radtex_addon.job import bake_object
 from radtex_addon.preview.picture import render_picture
+from radtex_addon.preview.swap import copy_of, originals_rendered, switch_off, switch_on
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 
@@ -147,6 +149,95 @@ def test_the_preview_shows_the_hull_in_the_contents_place(out: Path, content: st
     assert seen[32, 32, [0, 2]].max() < 50
     assert seen[20, 16, 1] < 50, "green beside the ball"
     assert seen[20, 16, 2] > 200, "the world is not seen beside the ball"
+
+
+def previewed(out: Path, name: str = "Hull", content: str | None = None) -> Path:
+    """The sidecar of a small bake with a preview."""
+    spec = BakeSpec(kind=Kind.PROXY, texels=16, bucket=2, samples=1, content=content)
+    return bake_object(context.scene, name, spec, out, preview=Filter.NEAREST).files.sidecar
+
+
+def hidden(name: str) -> tuple[bool, bool]:
+    item = bpy.data.objects[name]
+    return item.hide_render, item.hide_viewport
+
+
+@pytest.mark.parametrize(("content", "objects"), [(None, ("Ball",)), ("Shown", ("Ball", "Floor")), ("*", ())])
+def test_switched_on_in_the_scene_the_content_is_hidden(
+    out: Path, content: str | None, objects: tuple[str, ...]
+) -> None:
+    hull_around_a_ball()
+    chosen = bpy.data.collections.new("Shown")
+    for name in ("Ball", "Floor"):
+        chosen.objects.link(bpy.data.objects[name])
+    sidecar = previewed(out, content=content)
+    bpy.data.objects["Ball"].hide_viewport = True
+    assert read_sidecar(sidecar).content == Content(content or "", objects)
+    before = fingerprint()
+    hull = bpy.data.objects["Hull"]
+    switch_on(hull, sidecar)
+    switch_on(hull, sidecar)  # anew
+    for name in ("Ball", "Floor"):
+        assert hidden(name) == ((True, True) if name in objects else (False, name == "Ball"))
+    with originals_rendered([hull]):
+        assert not bpy.data.objects["Ball"].hide_render
+        assert hull.hide_render is bool(objects)
+    switch_off(hull)
+    assert {path for path in differences(before, fingerprint()) if "users" not in path} == set()
+
+
+def test_content_comes_back_when_no_hull_shows_it_any_more(out: Path) -> None:
+    """Two hulls around one ball: one preview is switched off, the other deleted by hand."""
+    hull_around_a_ball()
+    other = bpy.data.objects["Hull"].copy()
+    other.name = "Husk"
+    context.scene.collection.objects.link(other)
+    bpy.data.objects["Husk"].hide_render = True  # or each would be the other's content
+    sidecars = {"Hull": previewed(out)}
+    bpy.data.objects["Husk"].hide_render, bpy.data.objects["Hull"].hide_render = False, True
+    sidecars["Husk"] = previewed(out, "Husk")
+    bpy.data.objects["Hull"].hide_render = False
+    before = fingerprint()
+    hulls = [bpy.data.objects[name] for name in sidecars]
+    for hull in hulls:
+        switch_on(hull, sidecars[hull.name])
+    switch_off(hulls[0])
+    assert hidden("Ball") == (True, True)
+    copy = copy_of(hulls[1])
+    assert copy is not None
+    bpy.data.objects.remove(copy)
+    switch_off(hulls[1])
+    assert {path for path in differences(before, fingerprint()) if "users" not in path} == set()
+
+
+@pytest.mark.parametrize("lost", ["Hull", "Ball"])
+def test_what_is_deleted_meanwhile_keeps_nothing_hidden(out: Path, lost: str) -> None:
+    hull_around_a_ball()
+    thing("cube", "Box", (1, 1, 0), size=0.2)
+    sidecar = previewed(out)
+    copy = switch_on(bpy.data.objects["Hull"], sidecar).copy
+    assert hidden("Ball") == hidden("Box") == (True, True)
+    bpy.data.objects.remove(bpy.data.objects[lost])
+    switch_off(copy)
+    left = {"Hull", "Ball", "Box", "Floor"} - {lost}
+    assert {item.name for item in bpy.data.objects} == left
+    assert {hidden(name) for name in left} == {(False, False)}
+
+
+def test_undo_and_a_saved_file_know_what_was_hidden(out: Path) -> None:
+    hull_around_a_ball()
+    sidecar = previewed(out)
+    bpy.ops.ed.undo_push(message="before")
+    switch_on(bpy.data.objects["Hull"], sidecar)
+    bpy.ops.ed.undo_push(message="on")
+    bpy.ops.ed.undo()
+    assert hidden("Ball") == hidden("Hull") == (False, False)
+    bpy.ops.ed.redo()
+    assert hidden("Ball") == (True, True)
+    bpy.ops.wm.save_as_mainfile(filepath=str(out / "user.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(out / "user.blend"))
+    switch_off(bpy.data.objects["Hull"])
+    assert hidden("Ball") == hidden("Hull") == (False, False)
 
 
 @pytest.mark.parametrize(

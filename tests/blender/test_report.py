@@ -263,6 +263,10 @@ def test_rays_meet_a_card_where_they_should() -> None:
     near = surface.gbuffer(rays, np.where(rays.away[:, 0] < 0, 4.9, np.inf))
     assert near.inside.sum() == 18
     assert surface.gbuffer(rays, np.full(100, 4.9)).hit.sum() == 0
+    begun = replace(rays, origin=rays.origin + rays.away)  # each a little on its way
+    same = surface.gbuffer(begun, np.full(100, np.inf))
+    np.testing.assert_array_equal(same.hit, hit)
+    np.testing.assert_allclose(same.uv[hit], buffer.uv[hit], atol=1e-6)
 
 
 # files

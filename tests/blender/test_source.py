@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -13,7 +13,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 import pytest
-from mathutils import Vector
+from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 
 from radtex_addon.bake.progress import finished
@@ -78,7 +78,7 @@ def bake(out: Path, spec: BakeSpec = SPEC) -> Floats:
 def prepared_low(spec: BakeSpec) -> tuple[Prepared, list[bpy.types.ID]]:
     kept: list[bpy.types.ID] = []
     with scratch_scene(context.scene, None, kept) as scratch:
-        return finished(prepare(scratch, find_object(scratch, "Low"), spec, kept)), kept
+        return finished(prepare(scratch, [find_object(scratch, "Low")], spec, kept)), kept
 
 
 def cells_of(image: Floats, bucket: int) -> Floats:
@@ -158,6 +158,128 @@ def test_what_finds_nothing_is_counted_told_and_filled(out: Path, caplog: pytest
     assert image[..., 3].min() == 1, "texels are left empty"
     radius = np.linalg.norm((cells_of(image, SPEC.bucket)[..., :3] - 0.5) * 4, axis=-1)
     assert radius.min() > 0.65, "what is filled shows nobody's place"
+
+
+def cage_around(grow: Callable[[Vector], float], name: str = "Cage") -> Any:
+    """A copy of "Low" whose vertices went out along their normals, by what `grow` says of their places."""
+    cage: Any = bpy.data.objects["Low"].copy()
+    cage.name, cage.data = name, cage.data.copy()
+    context.scene.collection.objects.link(cage)
+    away = [(vertex.co + grow(vertex.co) * vertex.normal).copy() for vertex in cage.data.vertices]
+    for vertex, place in zip(cage.data.vertices, away, strict=True):
+        vertex.co = place
+    return cage
+
+
+def test_a_cage_that_is_an_extrusion_lands_where_that_does(out: Path) -> None:
+    balls()
+    cage = cage_around(lambda _: 0.3)
+    caged = replace(SPEC, extrusion=None, cage="Cage")
+    cage.hide_render = True
+    bpy.data.objects["Low"].matrix_world = Matrix.Rotation(0.4, 4, "X") @ Matrix.Translation((0.1, 0, 0))
+    cage.matrix_world = bpy.data.objects["Low"].matrix_world
+    context.view_layer.update()
+    (along, kept), (through, others) = prepared_low(SPEC), prepared_low(caged)
+    assert along.source is not None
+    assert through.source is not None
+    assert along.source.missed == through.source.missed == 0
+    gap = np.abs(along.source.texels.position - through.source.texels.position).max()
+    print(f"\npoints are apart by {gap:.1e}")
+    assert gap < 2e-4  # a point lies a hair inside its triangle, a normal is its own texel's
+    assert through.source.extrusion == pytest.approx(0.3, rel=1e-3)
+    del kept, others
+    before = fingerprint()
+    image, alike = bake(out / "cage", caged), bake(out)
+    assert differences(before, fingerprint()) == {}
+    np.testing.assert_allclose(image, alike, atol=1e-4)
+    facts = read_sidecar(out / "cage" / "Low.radiance.json")
+    assert facts.source is not None
+    assert (facts.source.cage, facts.source.missed) == ("Cage", 0)
+
+
+def test_a_cage_reaches_a_far_part_that_an_extrusion_for_the_near_ones_misses(out: Path) -> None:
+    balls(bumps=0.02)
+    for vertex in bpy.data.objects["High"].data.vertices:
+        if vertex.co.z > 0.6:
+            vertex.co *= 1.8  # a horn
+    missed = {}
+    cage_around(lambda place: 0.05 if place.z < 0.5 else 1.1)
+    for spec in (replace(SPEC, extrusion=0.05), replace(SPEC, extrusion=None, cage="Cage")):
+        made = bake_object(context.scene, "Low", spec, out / str(spec.cage))
+        found = read_sidecar(made.files.sidecar).source
+        assert found is not None
+        missed[spec.cage] = found.missed
+        place = (cells_of(read_buckets(made.files.sidecar)[0], SPEC.bucket)[..., :3] - 0.5) * 4
+        highest = place[..., 2].max()
+        assert (highest > 1.6) == (spec.cage is not None), highest
+    assert missed[None] > 20
+    assert missed["Cage"] == 0
+
+
+def test_a_cage_that_renders_casts_no_shadow(out: Path) -> None:
+    balls(bumps=0)
+    stage.world((0.5, 0.5, 0.5))
+    high = bpy.data.objects["High"]
+    high.data.materials[0] = stage.material("White", "ShaderNodeBsdfDiffuse", Color=(1, 1, 1, 1))
+    spec = replace(SPEC, extrusion=None, cage="Cage", samples=4)
+    cage = cage_around(lambda _: 0.3)
+    assert not cage.hide_render
+    image = bake(out, spec)
+    np.testing.assert_allclose(image[..., :3].mean(), 0.5, rtol=0.02)
+
+
+def test_where_a_cage_touches_only_what_lies_there_is_found() -> None:
+    balls(bumps=0)
+    bpy.data.objects["High"].scale = (1.02, 1.02, 1.02)
+    cage_around(lambda place: 0.1 if place.z > 0 else 0)
+    kept = prepared_low(replace(SPEC, extrusion=None, cage="Cage"))[0].source
+    assert kept is not None
+    height = kept.texels.position[kept.texels.covered][:, 2]
+    assert height.max() > 0.9
+    assert height.min() > -0.1
+    assert kept.missed > 100
+
+
+def test_a_resumed_bake_has_the_same_cage(out: Path) -> None:
+    balls()
+    cage = cage_around(lambda _: 0.3)
+    cage.hide_render = True
+    spec = replace(SPEC, extrusion=None, cage="Cage")
+    whole = bake(out / "whole", spec)
+    for folder in (out, out / "other"):
+        steps = bake_steps(context.scene, "Low", spec, folder)
+        for step in steps:
+            if step.stage == "fill":
+                steps.close()
+    resumed = bake_object(context.scene, "Low", spec, out, resume=True)
+    np.testing.assert_array_equal(read_buckets(resumed.files.sidecar)[0], whole)
+    cage.data.vertices[40].co *= 0.95  # within the same bounds
+    with pytest.raises(InputError, match=r"differs in .*cage's mesh"):
+        bake_object(context.scene, "Low", spec, out / "other", resume=True)
+
+
+@pytest.mark.parametrize(
+    ("cage", "words"),
+    [
+        ("Low", "object 'Low' cannot be the cage too"),
+        ("High", "object 'High' cannot be the cage too"),
+        ("Nobody", "cage 'Nobody' is not in scene"),
+        ("Lamp", "cage 'Lamp' is no mesh of scene"),
+        ("Cut", "cage 'Cut' has .* vertices and .* faces, 'Low' has .*: make it a copy of 'Low'"),
+        ("Turned", "cage 'Turned' has other faces than 'Low', or in another order"),
+        ("Broken", "cage 'Broken' has vertices whose coordinates are not finite"),
+    ],
+)
+def test_a_cage_that_is_none_is_named(out: Path, cage: str, words: str) -> None:
+    balls()
+    bpy.ops.object.light_add()
+    context.object.name = "Lamp"
+    cage_around(lambda _: 0.3, "Cut").modifiers.new("Fewer", "DECIMATE").ratio = 0.5
+    cage_around(lambda _: 0.3, "Turned").data.flip_normals()
+    cage_around(lambda _: 0.3, "Broken").data.vertices[3].co.x = float("nan")
+    with pytest.raises(InputError, match=words):
+        bake(out, replace(SPEC, extrusion=None, cage=cage))
+    assert not list(out.glob("*.exr"))
 
 
 def test_nothing_found_at_all_is_refused_and_the_old_atlas_stays(out: Path) -> None:
@@ -310,6 +432,9 @@ def test_a_source_that_is_none_is_named(out: Path, source: str, words: str) -> N
         ({"extrusion": 0.0}, "extrusion 0: give a distance above 0"),
         ({"extrusion": float("nan")}, "extrusion nan: give a distance above 0"),
         ({"source": None}, "extrusion 0.3 is for what another object shows"),
+        ({"source": None, "extrusion": None, "cage": "Cage"}, "cage Cage is for what another object shows"),
+        ({"extrusion": None, "cage": ""}, "the cage's name is empty"),
+        ({"cage": "Cage"}, "a cage and an extrusion contradict each other"),
         ({"kind": Kind.PROXY}, "proxy is not baked from another object"),
         ({"kind": Kind.TRANSFER}, "transfer is not baked from another object"),
         ({"layout": Layout.SHARED}, "the shared layout is not baked from another object"),

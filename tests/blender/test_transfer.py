@@ -4,17 +4,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
 import pytest
+from mathutils import Vector
 
 from radtex_addon.bake.progress import Progress, Stage, finished
-from radtex_addon.bake.spec import BakeSpec, Kind
+from radtex_addon.bake.spec import BakeSpec, Kind, View
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
+from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.core.transfer import mean_over_lights, sample_transfer
 from radtex_addon.formats.transfer_files import TransferSidecar, read_transfer
 from radtex_addon.job import bake_object, bake_steps
@@ -160,3 +163,93 @@ def test_the_users_scene_is_what_it_was(tmp_path: Path) -> None:
 def test_what_it_cannot_be_is_refused(wrong: dict[str, Any], says: str) -> None:
     with pytest.raises(InputError, match=says):
         BakeSpec(kind=Kind.TRANSFER, **wrong)
+
+
+def changing_card() -> None:
+    """A matt card whose colour is (1 + I.x) / 2 to a viewer in the world's direction I."""
+    bpy.ops.mesh.primitive_plane_add(size=2)
+    made = context.object
+    made.name = "Card"
+    painted: Any = stage.material("Changing", "ShaderNodeBsdfDiffuse")
+    tree = painted.node_tree
+    towards, paint = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeVectorMath")
+    paint.operation = "DOT_PRODUCT"
+    paint.inputs[1].default_value = (0.5, 0, 0)
+    lighter = tree.nodes.new("ShaderNodeMath")
+    lighter.inputs[1].default_value = 0.5
+    tree.links.new(towards.outputs["Incoming"], paint.inputs[0])
+    tree.links.new(paint.outputs["Value"], lighter.inputs[0])
+    diffuse = next(node for node in tree.nodes if node.type == "BSDF_DIFFUSE")
+    tree.links.new(lighter.outputs[0], diffuse.inputs["Color"])
+    made.data.materials.append(painted)
+
+
+def camera(place: tuple[float, float, float], kind: str) -> None:
+    data: Any = bpy.data.cameras.new("Eye")
+    data.type = kind
+    made = bpy.data.objects.new("Eye", data)
+    made.location = place
+    made.rotation_euler = Vector(place).to_track_quat("Z", "Y").to_euler()
+    context.scene.collection.objects.link(made)
+    context.scene.camera = made
+    context.view_layer.update()
+
+
+PLACE = (1.5, -0.5, 1.0)
+UV = np.array([[0.3, 0.3], [0.5, 0.5], [0.8, 0.6]])
+ABOVE = np.tile([[0.0, 0.0, 1.0]], (len(UV), 1))
+
+
+def to_eye(far: bool) -> Floats:
+    """Unit vectors from the card, whose UV layer lies along x and y, to PLACE: (K, 3)."""
+    points = np.concatenate([2 * UV - 1, np.zeros((len(UV), 1))], axis=1)
+    away = np.array(PLACE) - points * (not far)
+    return np.asarray(away / np.linalg.norm(away, axis=1, keepdims=True))
+
+
+@pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
+def test_a_cameras_view_shows_what_the_camera_sees(tmp_path: Path, kind: str) -> None:
+    changing_card()
+    camera(PLACE, kind)
+    pixels, facts = bake(tmp_path, replace(SMALL, view=View.CAMERA, texels=12, uv_layer="UVMap"))
+    away = to_eye(kind == "ORTHO")
+    assert (facts.view, facts.views) == ("camera", 1)
+    assert facts.eye is not None
+    np.testing.assert_allclose(
+        facts.eye, (*(away[0] if kind == "ORTHO" else PLACE), kind != "ORTHO"), atol=1e-5
+    )
+    shown = sample_transfer(pixels, facts.layout, UV, ABOVE)[:, 0]
+    np.testing.assert_allclose(shown, (1 + away[:, 0]) / 2 / np.pi, rtol=0.04)
+
+
+def test_views_from_around_blend_between_nine(tmp_path: Path) -> None:
+    changing_card()
+    pixels, facts = bake(tmp_path, replace(SMALL, view=View.AROUND, uv_layer="UVMap"))
+    assert (facts.view, facts.views, facts.eye) == ("around", 3, None)
+    assert pixels.shape == (6 * 3 * 9, 6 * 3 * 9, 4)
+    middles = square_to_direction(cell_centres(3).reshape(-1, 2))
+    uv, above = np.full((9, 2), 0.5), np.tile([[0.0, 0.0, 1.0]], (9, 1))
+    shown = sample_transfer(pixels, facts.layout, uv, above, middles, facts.views)[:, 0]
+    np.testing.assert_allclose(shown, (1 + middles[:, 0]) / 2 / np.pi, atol=0.012)
+    tilted = np.tile([[0.5, 0.0, np.sqrt(0.75)]], (9, 1))  # between the middle one and its neighbour
+    between = sample_transfer(pixels, facts.layout, uv, above, tilted, facts.views)[0, 0]
+    np.testing.assert_allclose(between, 0.75 / np.pi, atol=0.012)
+
+
+def test_what_faces_away_from_the_camera_is_seen_from_before_it(tmp_path: Path) -> None:
+    changing_card()
+    camera((1.5, -0.5, -1.0), "PERSP")
+    pixels, facts = bake(tmp_path, replace(SMALL, view=View.CAMERA, texels=12, uv_layer="UVMap"))
+    shown = sample_transfer(pixels, facts.layout, UV, ABOVE)[:, 0]
+    np.testing.assert_allclose(shown, (1 + to_eye(False)[:, 0]) / 2 / np.pi, rtol=0.04)
+
+
+def test_a_view_that_cannot_be_is_refused(tmp_path: Path) -> None:
+    card()
+    with pytest.raises(InputError, match="scene 'Scene' has no camera to be seen from: add one"):
+        bake(tmp_path / "out", replace(SMALL, view=View.CAMERA))
+    assert not (tmp_path / "out").exists()
+    with pytest.raises(InputError, match=r"radiance is not baked for a view: leave camera \(--view\) out"):
+        BakeSpec(view=View.CAMERA)
+    with pytest.raises(InputError, match="makes 81000 pixels a side"):
+        BakeSpec(kind=Kind.TRANSFER, view=View.AROUND, texels=3000)

@@ -23,9 +23,11 @@ from radtex_addon.preview.material import load_atlas
 from radtex_addon.preview.sun import DIRECTION, IRRADIANCE, first_sun
 from radtex_addon.preview.swap import switch_off, switch_on
 from radtex_addon.preview.transfer_group import build_transfer_group
+from radtex_addon.scene.nodes import NodeBuilder, Socket
 from tests.blender import stage
-from tests.blender.lookup_stage import ENGINES, LookupStage
+from tests.blender.lookup_stage import ENGINES, Inputs, LookupStage, write_exr
 from tests.lookups import COUNT, LAYOUT, random_atlas, random_lookups, relative_error
+from tests.transfer_lookups import Way, questions
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
@@ -47,6 +49,26 @@ def test_the_group_agrees_with_the_reference(engine: str, tmp_path: Path) -> Non
     error = relative_error(result, expected)
     print(f"{engine}: worst error {error.max():.1e}, mean {error.mean():.1e}")
     assert error.max() <= 4e-3  # Eevee renders half floats
+
+
+@pytest.mark.parametrize("engine", ENGINES.values(), ids=ENGINES)
+def test_the_group_of_several_views_agrees_with_the_reference(engine: str, tmp_path: Path) -> None:
+    question = next(each for each in questions() if each.way is Way.AROUND)
+    light = np.tile(np.array([[0.3, -0.5, -0.2]], np.float32), (COUNT, 1))  # for all: there is no input more
+    question = replace(question, light=light)
+    path = write_exr(tmp_path / "A.exr", question.atlas)
+    group = build_transfer_group(load_atlas(path), LAYOUT, question.views)
+
+    def shader(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
+        *frame, viewer = inputs
+        return build.group(group, *frame, (0.3, -0.5, -0.2), viewer)
+
+    places = LookupStage(context.scene, engine)
+    places.add(question.lookups, shader)
+    (result,) = places.render(tmp_path / "answers.exr")
+    error = relative_error(result, question.answers)
+    print(f"{engine}: worst error {error.max():.1e}, mean {error.mean():.1e}")
+    assert error.max() <= 4e-3
 
 
 def test_an_image_of_another_size_is_refused(tmp_path: Path) -> None:

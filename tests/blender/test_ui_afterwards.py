@@ -454,7 +454,6 @@ def test_a_preview_is_exported_as_its_object(bake: str, tmp_path: Path) -> None:
         ({"target": "web", "format": "exr"}, "web does not read it"),
         ({"object": "Other"}, "holds no bake of 'Other'"),
         ({"limit": 3}, "a texture needs 16 pixels at least"),
-        ({"directory": "/tmp/one"}, "Several objects do not fit in one folder"),
     ],
 )
 def test_what_cannot_be_exported_is_said(arguments: dict[str, Any], words: str, bake: str) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-from radtex_addon.bake import spec as specs
+from radtex_addon.bake import spec_checks as specs
 from radtex_addon.bake.cost import cost_of
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.ui.presets import PRESET_NAMES, STOCK, SUBDIR

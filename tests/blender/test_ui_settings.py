@@ -17,6 +17,7 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.cycles.device import GPU_TYPES
 from radtex_addon.export.spec import Target
 from radtex_addon.ui import choices, registration
+from radtex_addon.ui.output_settings import places
 from radtex_addon.ui.presets import STOCK, RADTEX_OT_preset_add
 from radtex_addon.ui.request import BakeRequest, spec_of, values_of
 from radtex_addon.ui.settings import NAMES
@@ -88,7 +89,7 @@ def test_settings_can_be_neither_more_nor_less_than_the_names() -> None:
 
 @pytest.mark.parametrize(
     ("layout", "limit", "cells"),
-    [("buckets", "none", 8), ("buckets", "budget", 8), ("shared", "none", 16), ("shared", "target", 14)],
+    [("buckets", "none", 5), ("buckets", "budget", 5), ("shared", "none", 16), ("shared", "target", 14)],
 )
 def test_a_layout_brings_the_cells_that_suit_it(layout: str, limit: str, cells: int) -> None:
     settings().bucket = 5
@@ -103,7 +104,51 @@ def test_a_kind_brings_the_cells_that_suit_it(kind: str) -> None:
     settings().kind = kind
     assert settings().bucket == BakeSpec(kind=Kind(kind)).bucket
     settings().kind = "radiance"
+    assert settings().bucket == 5  # which was chosen for the shared layout
+
+
+def test_cells_that_were_chosen_come_back() -> None:
+    settings().bucket = 12
+    settings().kind = "incident"  # whose cells are of the same sort
+    assert settings().bucket == 12
+    settings().kind = "transfer"
+    assert settings().bucket == 9
+    settings().bucket = 15
+    settings().kind = "ao"  # which has none
+    assert settings().bucket == 8
+    settings().kind = "shadow"
+    assert settings().bucket == 12
+    settings().kind = "transfer"
+    assert settings().bucket == 15
+    settings().kind, settings().atlas_layout = "radiance", "shared"
     assert settings().bucket == 16
+    settings().limit = "budget"
+    assert settings().bucket == 14
+    settings().limit, settings().atlas_layout = "none", "buckets"
+    assert settings().bucket == 12
+
+
+def test_places_are_for_what_is_accumulated_or_refreshed() -> None:
+    settings().where = "Rim"
+    assert spec_of(values_of(settings())).where is None
+    for name in ("accumulate", "refresh"):
+        setattr(settings(), name, True)
+        assert spec_of(values_of(settings())).where == "Rim"
+        settings().kind = "shadow"
+        assert spec_of(values_of(settings())).where is None
+        settings().kind = "radiance"
+        setattr(settings(), name, False)
+
+
+def test_places_of_the_active_object_are_found() -> None:
+    bpy.ops.mesh.primitive_cube_add()
+    context.object.vertex_groups.new(name="Rim")
+    context.object.data.attributes.new("worn", "BOOLEAN", "FACE")
+    context.object.data.attributes.new("heat", "FLOAT", "FACE")
+    context.object.data.materials.append(bpy.data.materials.new("Brass"))
+    found = {("Brass", "Material"), ("worn", "Boolean attribute"), ("Rim", "Vertex group")}
+    assert set(places(settings(), context, "")) == found
+    assert list(places(settings(), context, "ri")) == [("Rim", "Vertex group")]
 
 
 def test_a_hull_shows_what_is_chosen_and_other_kinds_themselves() -> None:
@@ -118,6 +163,15 @@ def test_a_hull_shows_what_is_chosen_and_other_kinds_themselves() -> None:
     assert spec_of(values_of(settings())).content == "Leaves"
     settings().kind = "radiance"
     assert spec_of(values_of(settings())).content is None
+
+
+def test_how_far_ambient_rays_look_is_asked_of_them_alone() -> None:
+    settings().ao_distance = 0.5
+    assert spec_of(values_of(settings())).ao_distance is None
+    settings().kind = "ao"
+    assert spec_of(values_of(settings())).ao_distance == 0.5
+    settings().ao_distance = 0.0
+    assert spec_of(values_of(settings())).ao_distance is None
 
 
 def test_what_another_object_shows_is_asked_for_where_it_can_be_had() -> None:

@@ -16,7 +16,7 @@ import pytest
 from mathutils import Euler, Matrix
 
 from radtex_addon.bake.progress import Stage
-from radtex_addon.bake.spec import BakeSpec, Kind, Layer, Layout
+from radtex_addon.bake.spec import BakeSpec, Kind, Layer, Layout, Split, View
 from radtex_addon.cli.arguments import Request, parse
 from radtex_addon.cli.compare_arguments import parse_compare
 from radtex_addon.cli.export_arguments import parse_export
@@ -54,9 +54,16 @@ SPECS = {
     "layers": BakeSpec(layers=(Layer.DIFFUSE, Layer.NORMAL), device="cpu"),
     "a proxy": BakeSpec(kind=Kind.PROXY, content="-Shelf", device="cpu"),
     "another object's": BakeSpec(source="-High", extrusion=0.05, device="cpu"),
+    "another object's, from a cage": BakeSpec(source="-High", cage="-Cage", device="cpu"),
     "more samples": BakeSpec(accumulate=True, device="cpu"),
     "what has changed": BakeSpec(refresh=True, device="cpu"),
+    "some places": BakeSpec(accumulate=True, where="--Rim, upper", device="cpu"),
+    "what is near": BakeSpec(kind=Kind.AO, ao_distance=0.25, device="cpu"),
+    "a view": BakeSpec(kind=Kind.TRANSFER, view=View.CAMERA, device="cpu"),
     "a frame": BakeSpec(frame=7, unwrap_at=1, device="cpu"),
+    "objects in one atlas": BakeSpec(objects=("--Vase", "Cup"), device="cpu"),
+    "a part": BakeSpec(split=Split.UDIM, uv_layer="Layer", part="1002", device="cpu"),
+    "some lamps": BakeSpec(lights=("Key, left", "-Fill"), device="cpu"),
     "a target": BakeSpec(layout=Layout.SHARED, target=42.5, bucket=10, device="cpu"),
 }
 
@@ -71,17 +78,25 @@ def understood(asked: Order) -> Request:
 
 def test_every_field_of_a_spec_is_among_the_cases() -> None:
     others = {
+        "ao_distance",
         "layout",
         "budget",
         "target",
         "layers",
         "content",
+        "view",
         "source",
         "extrusion",
+        "cage",
         "accumulate",
         "refresh",
         "frame",
         "unwrap_at",
+        "lights",
+        "objects",
+        "split",
+        "part",
+        "where",
     }
     assert {field.name for field in fields(BakeSpec)} == CHOSEN.keys() | others
 
@@ -90,7 +105,8 @@ def test_every_field_of_a_spec_is_among_the_cases() -> None:
 def test_a_spec_arrives_as_it_was_ordered(case: str) -> None:
     request = understood(order(SPECS[case]))
     assert request.spec == SPECS[case]
-    assert (request.objects, request.in_scene) == (("--Vase",), "-Scene")
+    assert (request.objects, request.in_scene) == (SPECS[case].objects or ("--Vase",), "-Scene")
+    assert request.names == ("--Vase",)
     assert request.out == FOLDER / "out"
     assert (request.preview, request.overwrite) == (None, False)
     assert (request.progress, request.parent_pipe, request.unsaved_images) == (ProgressStyle.JSON, True, None)

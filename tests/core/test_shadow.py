@@ -47,7 +47,8 @@ def test_a_lookup_at_a_cells_centre_is_its_bit() -> None:
         np.testing.assert_allclose(seen, ~blocked[j, i, q, p], atol=1e-12)
 
 
-def test_soft_shadows_of_a_half_plane_are_the_share_of_the_sun_above_it() -> None:
+@pytest.mark.parametrize("blended", [True, False])
+def test_soft_shadows_of_a_half_plane_are_the_share_of_the_sun_above_it(blended: bool) -> None:
     n = 64
     layout = AtlasLayout(1, 1, n)
     edge = np.radians(40)  # all that is lower towards +x is blocked
@@ -58,11 +59,44 @@ def test_soft_shadows_of_a_half_plane_are_the_share_of_the_sun_above_it() -> Non
     for above in np.radians([-12, -6, -2, 0, 3, 8, 12]):
         sun = np.array([[np.cos(edge + above), 0, np.sin(edge + above)]])
         lights = shadow.sun_directions(sun, size, 512)
-        even = np.ones((1, 512))
-        share = shadow.soft_visibility(words, layout, np.full((1, 2), 0.5), lights, even, Filter.LINEAR)
+        even, uv = np.ones((1, 512)), np.full((1, 2), 0.5)
+        if blended:
+            share = shadow.soft_visibility(words, layout, uv, lights, even)
+        else:
+            share = shadow.cell_visibility(words, layout, uv, lights, even, Filter.LINEAR)
         t = np.clip(above / (size / 2), -1, 1)
         expected = 0.5 + (t * np.sqrt(1 - t * t) + np.arcsin(t)) / np.pi  # of a disc above a line
         assert abs(share[0] - expected) < 0.04  # of a sun about 10 cells wide
+
+
+def test_an_edge_wanders_between_cells_instead_of_jumping() -> None:
+    """A wall's edge passes cell after cell at place after place; a narrow light sees it pass evenly."""
+    n, width = 8, 64
+    layout = AtlasLayout(width, 1, n)
+    column = cell_centres(n)[0, :, 0]
+    edge = 0.125 * (np.arange(width) - 31.5)  # of each texel, along B's first axis: two texels a cell
+    blocked = np.broadcast_to((column < edge[:, None])[:, None], (width, n, n))
+    words = shadow.pack_bits(blocked[None])
+    place = np.linspace(26, 38, 97)
+    uv = np.stack([place / width, np.full(len(place), 0.5)], axis=1)
+    b = np.stack([np.linspace(-0.15, 0.15, 64), np.full(64, 0.02)], axis=1)
+    lights: Floats = np.broadcast_to(square_to_direction(b), (len(uv), 64, 3))
+    even = np.ones(lights.shape[:2])
+    expected = np.clip((0.15 - np.interp(place - 0.5, np.arange(width), edge)) / 0.3, 0, 1)
+    blended = shadow.soft_visibility(words, layout, uv, lights, even)
+    whole = shadow.cell_visibility(words, layout, uv, lights, even, Filter.QUADRILINEAR)
+    error, of_cells = (float(np.sqrt(np.mean((found - expected) ** 2))) for found in (blended, whole))
+    print(f"RMS {error:.3f}, of whole cells {of_cells:.3f}")
+    assert error < 0.5 * of_cells
+
+
+def test_where_all_bits_agree_so_does_the_light() -> None:
+    lights: Floats = np.tile(square_to_direction(cell_centres(8)).reshape(1, -1, 3), (3, 1, 1))
+    uv = np.array([[0.0, 0.0], [0.41, 0.77], [1.0, 1.0]])
+    for bit in (False, True):
+        words = shadow.pack_bits(np.full((3, 5, 8, 8), bit))
+        share = shadow.soft_visibility(words, LAYOUT, uv, lights, np.ones(lights.shape[:2]))
+        np.testing.assert_allclose(share, float(not bit), atol=1e-12)
 
 
 def test_a_suns_points_fill_its_disc_evenly() -> None:
@@ -106,9 +140,7 @@ def test_an_area_lights_weights_add_up_to_its_irradiance() -> None:
 def test_a_light_that_is_nowhere_lights_nothing() -> None:
     words = shadow.pack_bits(np.zeros((3, 5, 8, 8), dtype=bool))
     lights: Floats = np.tile([0.0, 0, 1], (4, 6, 1))
-    share = shadow.soft_visibility(
-        words, LAYOUT, np.full((4, 2), 0.5), lights, np.zeros((4, 6)), Filter.LINEAR
-    )
+    share = shadow.soft_visibility(words, LAYOUT, np.full((4, 2), 0.5), lights, np.zeros((4, 6)))
     np.testing.assert_array_equal(share, 0)
 
 
@@ -134,6 +166,4 @@ def test_wrong_shapes_are_named() -> None:
         )
     words = np.zeros((3, 5, 2), np.uint32)
     with pytest.raises(ShapeError, match="lights, weight"):
-        shadow.soft_visibility(
-            words, LAYOUT, np.zeros((1, 2)), np.ones((1, 4, 3)), np.ones((1, 3)), Filter.LINEAR
-        )
+        shadow.soft_visibility(words, LAYOUT, np.zeros((1, 2)), np.ones((1, 4, 3)), np.ones((1, 3)))

@@ -10,8 +10,15 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import ShapeError
+from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.core.octahedron import cell_directions
-from radtex_addon.core.transfer import lookup_solid_angles_sr, mean_over_lights, relight, sample_transfer
+from radtex_addon.core.transfer import (
+    lookup_solid_angles_sr,
+    mean_over_lights,
+    relight,
+    sample_transfer,
+    with_views,
+)
 
 LAYOUT = AtlasLayout(3, 2, 6)
 
@@ -51,6 +58,34 @@ def test_the_whole_sphere_is_one_piece() -> None:
         found = sample_transfer(atlas, LAYOUT, uv, light)
         assert np.abs(np.diff(found, axis=0)).max() < 0.02
         np.testing.assert_allclose(found[0], found[-1], atol=1e-9)
+
+
+def test_views_lie_as_the_cells_of_a_bucket_do() -> None:
+    """Towards a view's own direction a lookup is that view's alone, and between two it is their mean."""
+    random, views = np.random.default_rng(1), 3
+    stored = with_views(LAYOUT, views)
+    atlas = random.random((stored.pixel_height, stored.pixel_width, 4))
+    uv, light = np.tile([(1 + 0.5) / 3, (0 + 0.5) / 2], (9, 1)), np.tile(directions(1), (9, 1))
+    middles = square_to_direction(cell_centres(views).reshape(-1, 2)).astype(float)
+    found = sample_transfer(atlas, LAYOUT, uv, light, middles, views)
+    buckets = stored.to_buckets(atlas)
+    for view, answer in enumerate(found):
+        bucket = buckets[view // 3, 3 + view % 3]
+        alone = sample_transfer(bucket, AtlasLayout(1, 1, 6), uv[:1] * 0 + 0.5, light[:1])
+        np.testing.assert_allclose(answer, alone[0], atol=1e-6)
+    between = square_to_direction(np.array([[1 / 3, 0.0]]))
+    mean = sample_transfer(atlas, LAYOUT, uv[:1], light[:1], between, views)
+    np.testing.assert_allclose(mean[0], (found[4] + found[5]) / 2, atol=1e-6)
+    with pytest.raises(ShapeError, match="the viewer's directions are missing"):
+        sample_transfer(atlas, LAYOUT, uv, light, views=3)
+    np.testing.assert_allclose(
+        mean_over_lights(atlas, LAYOUT, views)[0, 1],
+        np.mean(
+            [mean_over_lights(buckets[q, 3 + p], AtlasLayout(1, 1, 6)) for q in range(3) for p in range(3)],
+            axis=(0, 1, 2),
+        ),
+        rtol=1e-5,
+    )
 
 
 def test_the_light_of_several_lamps_adds_up() -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from radtex_addon.bake.layers import Layer
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import FormatError, InputError, ShapeError
@@ -19,8 +20,9 @@ from radtex_addon.core.slices import from_slices, mip_chain
 from radtex_addon.export.manifest import Arranged, Container, TextureEntry
 from radtex_addon.export.spec import Arrangement, ExportSpec, Target, TextureFormat
 from radtex_addon.export.textures import write_textures
+from radtex_addon.formats.bucket_files import write_buckets
 from radtex_addon.formats.dds import read_texture
-from radtex_addon.formats.exr import read_atlas, write_atlas
+from radtex_addon.formats.exr import read_atlas, read_buckets, write_atlas
 from radtex_addon.formats.ktx2 import read_ktx2
 from radtex_addon.formats.packing import pack
 from radtex_addon.formats.shared_files import texture_path, write_condensed, write_shared
@@ -58,6 +60,30 @@ def exported(sidecar: Path, spec: ExportSpec, folder: Path) -> tuple[TextureEntr
     texture = texture_of(folder, entry)
     assert entry.file == f"Vase.radiance.{entry.container}"
     return entry, texture
+
+
+@pytest.mark.parametrize("form", [TextureFormat.AUTO, TextureFormat.KTX2_RGB9E5, TextureFormat.KTX2_BC6H])
+def test_layers_lie_beside_the_whole_and_add_up_to_it(tmp_path: Path, form: TextureFormat) -> None:
+    """Base and rest are as exact as their formats; what is below 0 keeps its sign in any."""
+    path = bake(tmp_path, 12, 8, 8)
+    whole, facts = read_buckets(path)
+    layout = AtlasLayout(12, 8, 8)
+    base = layout.to_buckets(whole[..., :3]).mean(axis=(2, 3)).astype(np.float32)
+    rest = whole[..., :3] - base.repeat(8, axis=0).repeat(8, axis=1)
+    write_buckets(path, whole, {"base": base, "rest": rest, "diffuse": whole[..., :3]}, facts)
+    spec = ExportSpec(Target.RAW, form, layers=(Layer.BASE, Layer.REST))
+    entries = write_textures(path, spec, tmp_path)
+    assert list(entries) == ["radiance", "base", "rest"]
+    assert entries["base"].arrangement is Arranged.IMAGE
+    assert entries["rest"].format is PixelFormat.RGBA16F
+    assert entries["rest"].levels == entries["radiance"].levels
+    found = {name: decode_texture(texture_of(tmp_path, entry))[0][0] for name, entry in entries.items()}
+    height, width = rest.shape[:2]
+    added = found["rest"][:height, :width, :3] + found["base"][:8, :12, :3].repeat(8, axis=0).repeat(
+        8, axis=1
+    )
+    np.testing.assert_allclose(added, whole[..., :3], rtol=0.1, atol=0.1 * float(base.max()))
+    assert found["rest"].min() < -0.1
 
 
 def texture_of(folder: Path, entry: TextureEntry) -> Texture:

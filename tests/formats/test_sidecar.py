@@ -15,7 +15,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from radtex_addon.core.errors import FormatError
-from radtex_addon.formats.sidecar import Sidecar, Source, file_name, read_sidecar, safe_name, write_sidecar
+from radtex_addon.formats.sidecar import (
+    Content,
+    Sidecar,
+    Source,
+    file_name,
+    read_sidecar,
+    safe_name,
+    write_sidecar,
+)
 
 SIDECAR = Sidecar(
     object_name="Größe",
@@ -183,17 +191,33 @@ def test_a_written_name_works_on_this_filesystem(tmp_path: Path) -> None:
         assert read_sidecar(path) == SIDECAR
 
 
+def test_lights_and_a_cage_come_back_and_are_not_told_where_there_are_none() -> None:
+    told = replace(SIDECAR, source=Source("High", 0.25, 3, "Käfig"), lights=("Key, left", "world"))
+    assert Sidecar.from_json(told.to_json()) == told
+    assert "lights" not in json.loads(SIDECAR.to_json())
+    assert "cage" not in json.loads(replace(SIDECAR, source=Source("High", 0.25, 3)).to_json())["source"]
+
+
 def test_a_frame_and_a_source_come_back_and_are_not_told_where_there_are_none() -> None:
-    told = replace(SIDECAR, source=Source("Höhe", 0.25, 3), frame=7)
+    told = replace(SIDECAR, source=Source("Höhe", 0.25, 3), frame=7, content=Content("Büsche", ("Blatt",)))
     assert Sidecar.from_json(told.to_json()) == told
     assert json.loads(told.to_json())["source"] == {"object": "Höhe", "extrusion": 0.25, "missed": 3}
     assert {"source", "frame"}.isdisjoint(json.loads(SIDECAR.to_json()))
+
+
+def test_how_far_ambient_rays_looked_comes_back() -> None:
+    near = replace(SIDECAR, kind="ao", ao_distance=0.25)
+    assert Sidecar.from_json(near.to_json()) == near
+    assert "ao_distance" not in json.loads(SIDECAR.to_json())
+    with pytest.raises(FormatError, match='"ao_distance" is 0'):
+        Sidecar.from_json(altered(ao_distance=0))
 
 
 @pytest.mark.parametrize(
     ("changes", "complaint"),
     [
         ({"frame": -1}, '"frame" is -1'),
+        ({"lights": "Key"}, '"lights" is "Key"'),
         ({"source": "High"}, '"source" is "High", expected an object'),
         ({"source": {"extrusion": 0.1, "missed": 0}}, 'lacks "object"'),
         ({"source": {"object": "High", "extrusion": 0, "missed": 0}}, '"extrusion" is 0'),

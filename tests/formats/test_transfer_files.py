@@ -5,7 +5,9 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -47,12 +49,37 @@ def test_the_sidecar_says_what_the_layout_is(tmp_path: Path) -> None:
         read_sidecar(path)  # who knows hemispherical buckets alone
 
 
+@pytest.mark.parametrize(
+    ("view", "more", "bad", "says"),
+    [
+        ("camera", {"eye": (1.0, -4.5, 0.5, 1.0)}, {"eye": [1, 2, 3]}, '"eye" is .*, expected four numbers'),
+        ("around", {"views": 2}, {"views": 1}, '"views" is 1, expected a whole number from 2 to 16'),
+    ],
+)
+def test_views_are_written_and_read(tmp_path: Path, view: str, more: Any, bad: Any, says: str) -> None:
+    path, sidecar = tmp_path / "Wax.transfer.json", replace(FACTS, view=view, **more)
+    image = np.tile(pixels(), (sidecar.views, sidecar.views, 1))
+    write_transfer(path, image, sidecar)
+    found, facts = read_transfer(path)
+    assert facts == sidecar
+    np.testing.assert_array_equal(found, image.astype(np.float16))
+    wrong = json.loads(path.read_text())
+    wrong["transfer"] |= bad
+    path.write_text(json.dumps(wrong))
+    with pytest.raises(FormatError, match=says):
+        read_transfer(path)
+    del wrong["transfer"][next(iter(bad))]
+    path.write_text(json.dumps(wrong))
+    with pytest.raises(FormatError, match="lacks"):
+        read_transfer(path)
+
+
 def test_another_view_or_bake_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "Wax.transfer.json"
     write_transfer(path, pixels(), FACTS)
     text = path.read_text()
     path.write_text(text.replace('"normal"', '"cells"'))
-    with pytest.raises(FormatError, match='"view" is "cells", expected normal'):
+    with pytest.raises(FormatError, match='"view" is "cells", expected normal or camera or around'):
         read_transfer(path)
     path.write_text(text.replace('"suns": 16', '"suns": 17'))
     with pytest.raises(FormatError, match=r"Wax.transfer.exr is of another bake than"):

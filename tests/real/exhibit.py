@@ -109,7 +109,7 @@ class Bake:
     def surface(self) -> BakedSurface:
         """The baked copy in the world, without Blender's data."""
         facts = self.finished.sidecar
-        with baked_copy(self.preview, facts.object_name, facts.uv_map) as (_, copy):
+        with baked_copy(self.preview, facts.surfaces, facts.uv_map) as (_, copy):
             return BakedSurface(cast(bpy.types.Mesh, copy.data), np.array(PLACE), facts.uv_map)
 
     @cached_property

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from functools import cache
 
 from radtex_addon.core.arrays import Floats
 from tests.real.root import Root
@@ -28,6 +29,7 @@ STAGES = {
 _NAME, _BINDING = re.compile(r'OpName (%\w+) "(\w+)"'), re.compile(r"OpDecorate (%\w+) Binding (\d+)")
 
 
+@cache
 def compiled(
     root: Root, compiler: str, source: str, stage: str = "pixel", entry: str = "main"
 ) -> tuple[bytes, dict[str, int]]:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small real bakes of the kinds that are not looked up as radiance is, and what each must show.
 
-    python -m tests.real.kinds shadow FOLDER [CELLS]
+    python -m tests.real.kinds shadow FOLDER VIEW [CELLS]
 
 They are of the exhibit's head and cameras; the proxy is a ball around it.
 """
@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
@@ -19,7 +19,8 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Kind
+from radtex_addon.bake.layers import Layer
+from radtex_addon.bake.spec import BakeSpec, Kind, View
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import to_frame
@@ -27,6 +28,7 @@ from radtex_addon.core.hemisphere import direction_to_square
 from radtex_addon.core.octahedron import direction_to_octahedron
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.core.shadow import (
+    cell_visibility,
     soft_visibility,
     sun_directions,
     sun_weight,
@@ -47,11 +49,13 @@ from radtex_addon.scene.preview_file import baked_copy
 from tests.real.exhibit import PLACE, ROOT, Bake, Camera
 
 HULL = "Hull"
+LAYERS = (Layer.BASE, Layer.REST, Layer.GLOSSY)  # of the proxy; they change nothing of the whole
 POINTS = 32  # of the sun's disc, as the page takes
+MOST_BLENDED = 8  # cells on a side that soft shadows blend; whole ones of more
 SPECS = {
     Kind.SHADOW: BakeSpec(kind=Kind.SHADOW, texels=64),
     Kind.AO: BakeSpec(kind=Kind.AO, texels=64, samples=1),
-    Kind.PROXY: BakeSpec(kind=Kind.PROXY, texels=64, samples=4, content="Inside"),
+    Kind.PROXY: BakeSpec(kind=Kind.PROXY, texels=64, samples=4, content="Inside", layers=LAYERS),
     Kind.TRANSFER: BakeSpec(kind=Kind.TRANSFER, texels=64, samples=1),
 }
 
@@ -101,7 +105,7 @@ class KindBake(Bake):
     def surface(self) -> BakedSurface:
         facts = read_facts(self.sidecar)
         name, layer = facts.text("object"), facts.text("uv_map")
-        with baked_copy(self.preview, name, layer) as (_, copy):
+        with baked_copy(self.preview, (name,), layer) as (_, copy):
             return BakedSurface(cast(bpy.types.Mesh, copy.data), np.array(PLACE), layer)
 
     def seen(self, camera: Camera, sun: Sun | None = None) -> Picture:
@@ -158,13 +162,19 @@ class KindBake(Bake):
         ways = sun_directions(sun.towards, wide, POINTS)
         local = np.stack([self._in_frame(buffer, way) for way in ways], axis=1)
         weight = np.maximum(local[..., 2], 0)
-        share = soft_visibility(words, layout, uv, local, weight, Filter.QUADRILINEAR)
+        if layout.bucket <= MOST_BLENDED:
+            share = soft_visibility(words, layout, uv, local, weight)
+        else:
+            share = cell_visibility(words, layout, uv, local, weight, Filter.QUADRILINEAR)
         return (share * weight.mean(axis=1) * sun_weight(wide))[:, None]
 
     def _transfer(self, buffer: GBuffer, sun: Sun) -> Floats:
         pixels, facts = read_transfer(self.sidecar)
         local = self._in_frame(buffer, sun.towards)
-        answer = sample_transfer(pixels.astype(np.float32), facts.layout, buffer.uv[buffer.hit], local)
+        stored, hit = pixels.astype(np.float32), buffer.hit
+        answer = sample_transfer(
+            stored, facts.layout, buffer.uv[hit], local, buffer.incidence[hit], facts.views
+        )
         lit: Floats = answer * [*sun.irradiance, 1]
         return lit
 
@@ -177,17 +187,17 @@ class KindBake(Bake):
         return to_frame(every, buffer.tangent[hit], buffer.bitangent[hit], buffer.normal[hit])
 
 
-def baked(kind: Kind, folder: Path, cells: int | None = None) -> KindBake:
+def baked(kind: Kind, folder: Path, cells: int | None = None, view: View = View.NORMAL) -> KindBake:
     """Bake in a process of its own: the file that is open here stays as it is."""
     if not folder.is_dir():
-        arguments = [kind, str(folder), *([str(cells)] if cells else [])]
+        arguments = [kind, str(folder), view, *([str(cells)] if cells else [])]
         command = [sys.executable, "-m", "tests.real.kinds", *arguments]
         ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=600)
         assert ended.returncode == 0, ended.stderr
     return KindBake(folder)
 
 
-def main(kind: Kind, folder: Path, cells: int | None) -> None:
+def main(kind: Kind, folder: Path, view: View, cells: int | None) -> None:
     """Bake the head, or the hull around it, with its preview."""
     scene = build_demo_scene()
     head: Any = bpy.data.objects[OBJECT]
@@ -199,9 +209,10 @@ def main(kind: Kind, folder: Path, cells: int | None) -> None:
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3, radius=1.6)
         hull: Any = bpy.context.object
         hull.name, hull.matrix_world, name = HULL, PLACE, HULL
-    spec = SPECS[kind] if cells is None else BakeSpec(**{**vars(SPECS[kind]), "bucket": cells})
+    spec = replace(SPECS[kind], view=view, bucket=cells or SPECS[kind].bucket)
     bake_object(scene, name, spec, folder, preview=Filter.QUADRILINEAR)
 
 
 if __name__ == "__main__":
-    main(Kind(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]) if len(sys.argv) > 3 else None)
+    kind, folder, view, *cells = sys.argv[1:]
+    main(Kind(kind), Path(folder), View(view), int(cells[0]) if cells else None)

@@ -21,7 +21,7 @@ from tests.condensed_textures import COLUMNS, Ranges, pixels, rows_of, uncompres
 from tests.lookups import SIDE, Lookups, relative_error
 from tests.real.opengl import BC5_UNORM, BC6H_UF16, BC7_UNORM, VERSIONS, compiled, compressed, drawn, fetched
 from tests.shared_atlases import facts_about, random_condensed_atlas
-from tests.shared_lookups import random_fragments, shared_answers
+from tests.shared_lookups import random_fragments, shared_answers, shared_hit_answers
 
 SHADERS = [Path(__file__).parents[2] / "shaders" / f"radtex_{name}.glsl" for name in ("shared", "condensed")]
 WIDTH, HEIGHT = 7, 5
@@ -35,15 +35,22 @@ uniform vec4 mirror_ranges[12], through_ranges[12];
 uniform vec3 falloff[RADTEX_FALLOFF];
 uniform ivec2 fine, texels, around;
 uniform int columns, n;
+uniform bool traced;
 out vec4 result;
 void main() {
     ivec2 here = ivec2(gl_FragCoord.xy);
     vec2 uv = texelFetch(uvs, here, 0).xy;
     vec3 N = texelFetch(normals, here, 0).xyz, V = texelFetch(viewers, here, 0).xyz;
-    result = vec4(radtex_condensed(colour, fine, irradiance, texels, falloff,
-        mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest, mirror_ranges,
-        through_weights, through_ends_xy, through_ends_zs, through_gain, through_rest, through_ranges,
-        columns, n, surroundings, around, uv, N, V), 1.0);
+    vec3 light = traced
+        ? radtex_condensed_hit(colour, fine, irradiance, texels, falloff,
+            mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest, mirror_ranges,
+            through_weights, through_ends_xy, through_ends_zs, through_gain, through_rest, through_ranges,
+            columns, n, surroundings, around, uv, N, -V)
+        : radtex_condensed(colour, fine, irradiance, texels, falloff,
+            mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest, mirror_ranges,
+            through_weights, through_ends_xy, through_ends_zs, through_gain, through_rest, through_ranges,
+            columns, n, surroundings, around, uv, N, V);
+    result = vec4(light, 1.0);
 }
 """
 
@@ -56,10 +63,15 @@ def run(
     ranges: Ranges,
     columns: int,
     fragments: Lookups,
+    traced: bool = False,
 ) -> Floats:
-    """The shader's answers, (K, 3) float32; `head` is a version and defines, `ranges` each lobe's (12, 4)."""
+    """The shader's answers, (K, 3) float32; by rays if `traced`.
+
+    `head` is a version and defines, `ranges` each lobe's (12, 4).
+    """
     code = "".join(path.read_text(encoding="utf-8") for path in SHADERS)
     program = compiled(context, head + f"#define RADTEX_RANK {atlas.lobes[0].rank}\n", code + FRAGMENT)
+    program["traced"] = traced
     program["n"], program["columns"] = atlas.lobes[0].ends.shape[2], columns
     program["fine"], program["texels"] = (image.shape[1::-1] for image in (atlas.colour, atlas.irradiance))
     program["around"] = (len(atlas.surroundings[0]), len(atlas.surroundings))
@@ -84,6 +96,16 @@ def test_glsl_agrees_with_the_reference(
     print(f"{version}, {clusters} clusters of rank {rank}, n {bucket}: worst error {error.max():.1e}")
     assert np.median(error) <= 5e-6
     assert np.quantile(error, 0.99) <= 1e-4
+    assert error.max() <= WORST
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_rays_find_what_the_reference_does(context: moderngl.Context, version: str) -> None:
+    atlas, fragments = random_condensed_atlas(WIDTH, HEIGHT), random_fragments(WIDTH, HEIGHT)
+    result = run(context, VERSIONS[version], atlas, *uncompressed(atlas), COLUMNS, fragments, traced=True)
+    error = relative_error(result, shared_hit_answers(atlas.expanded(), fragments))
+    print(f"{version} rays: worst error {error.max():.1e}, median {np.median(error):.1e}")
+    assert np.median(error) <= 5e-6
     assert error.max() <= WORST
 
 

@@ -20,7 +20,7 @@ from tests.lookups import SIDE, Lookups, relative_error
 from tests.real.root import Root
 from tests.real.webgpu import Resource, Sampler, Texture, blocks, drawn, fields, image
 from tests.shared_atlases import facts_about, random_condensed_atlas
-from tests.shared_lookups import random_fragments, shared_answers
+from tests.shared_lookups import by_ray, random_fragments, shared_answers, shared_hit_answers
 
 SHADERS = [Path(__file__).parents[2] / "shaders" / f"radtex_{name}.wgsl" for name in ("shared", "condensed")]
 WIDTH, HEIGHT = 7, 5
@@ -49,12 +49,13 @@ struct Settings { fine: vec2i, texels: vec2i, around: vec2i, columns: i32, n: i3
     let uv = textureLoad(fields, here, 0, 0).xy;
     let N = textureLoad(fields, here, 1, 0).xyz;
     let V = textureLoad(fields, here, 2, 0).xyz;
-    return vec4f(radtex_condensed(colour, s.fine, irradiance, s.texels, filtering, falloff,
-        mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest, mirror_ranges,
-        through_weights, through_ends_xy, through_ends_zs, through_gain, through_rest, through_ranges,
-        s.columns, s.n, surroundings, s.around, uv, N, V), 1.0);
+    return vec4f(LOOKUP, 1.0);
 }
 """ + "".join(f"@group(0) @binding({6 + k}) var {LAYERS[k]}: texture_2d<f32>;\n" for k in range(len(LAYERS)))
+LOOKUP = """radtex_condensed(colour, s.fine, irradiance, s.texels, filtering, falloff,
+        mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest, mirror_ranges,
+        through_weights, through_ends_xy, through_ends_zs, through_gain, through_rest, through_ranges,
+        s.columns, s.n, surroundings, s.around, uv, N, V)"""
 FETCH = """
 @group(0) @binding(0) var picture: texture_2d<f32>;
 @fragment fn main(@builtin(position) at: vec4f) -> @location(0) vec4f {
@@ -72,8 +73,9 @@ def run(
     fragments: Lookups,
     *,
     hardware: bool = False,
+    traced: bool = False,
 ) -> Floats:
-    """The shader's answers, (K, 3) float32; `ranges` are each lobe's (12, 4)."""
+    """The shader's answers, (K, 3) float32, by rays if `traced`; `ranges` are each lobe's (12, 4)."""
     normal, viewer = (normalised(vectors) for vectors in (fragments.normal, fragments.viewer))
     sizes = [*atlas.colour.shape[1::-1], *atlas.irradiance.shape[1::-1]]
     around = [len(atlas.surroundings[0]), len(atlas.surroundings)]
@@ -89,7 +91,8 @@ def run(
     code = "".join(path.read_text(encoding="utf-8") for path in SHADERS)
     code = code.replace("RADTEX_RANK: i32 = 2;", f"RADTEX_RANK: i32 = {atlas.lobes[0].rank};")
     constants = {"RADTEX_HARDWARE_LINEAR": float(hardware)}
-    return drawn(root, code + FRAGMENT, resources, SIDE, constants=constants)[:, :3]
+    fragment = FRAGMENT.replace("LOOKUP", by_ray(LOOKUP) if traced else LOOKUP)
+    return drawn(root, code + fragment, resources, SIDE, constants=constants)[:, :3]
 
 
 @pytest.mark.parametrize(("clusters", "rank", "bucket"), [(4, 2, 14), (1, 2, 2), (9, 6, 6), (1000, 2, 2)])
@@ -108,6 +111,15 @@ def test_wgsl_agrees_with_the_reference(root: Root, clusters: int, rank: int, bu
     assert np.quantile(error, 0.99) <= 1e-4
     assert (error <= np.maximum(doubt, WORST)).all()
     assert np.mean(sure) >= 0.99
+
+
+def test_rays_find_what_the_reference_does(root: Root) -> None:
+    atlas, fragments = random_condensed_atlas(WIDTH, HEIGHT), random_fragments(WIDTH, HEIGHT)
+    result = run(root, atlas, *uncompressed(atlas), COLUMNS, fragments, traced=True)
+    error = relative_error(result, shared_hit_answers(atlas.expanded(), fragments))
+    print(f"rays: worst error {error.max():.1e}, median {np.median(error):.1e}")
+    assert np.median(error) <= 5e-6
+    assert (error <= np.maximum(doubts(atlas, fragments), WORST)).all()
 
 
 def test_one_hardware_lookup_is_as_good_as_its_weights(root: Root) -> None:

@@ -20,6 +20,7 @@ from tests.lookups import (
     SIDE,
     Lookups,
     constant_buckets,
+    hit_answers,
     random_atlas,
     random_lookups,
     relative_error,
@@ -46,13 +47,16 @@ out vec4 result;
 void main() {
     ivec2 here = ivec2(gl_FragCoord.xy);
     vec4 normal = texelFetch(normals, here, 0), tangent = texelFetch(tangents, here, 0);
-    vec3 I = radtex_incidence(texelFetch(viewers, here, 0).xyz, normal.xyz, tangent.xyz, normal.w);
+    vec3 viewer = texelFetch(viewers, here, 0).xyz;
+    vec3 I = radtex_incidence(viewer, normal.xyz, tangent.xyz, normal.w);
     vec3 uv = texelFetch(uvs, here, 0).xyz;  // and the level
     if (mode < 3) result = radtex_sample(RADTEX_PASSED, texels, n, uv.xy, I, mode);
-    else result = radtex_sample_level(RADTEX_PASSED, texels, n, uv.xy, I, uv.z);
+    else if (mode == 3) result = radtex_sample_level(RADTEX_PASSED, texels, n, uv.xy, I, uv.z);
+    else result = radtex_hit(RADTEX_PASSED, texels, n, uv.xy, -viewer, normal.xyz, tangent.xyz, normal.w,
+                             RADTEX_QUADRILINEAR);
 }
 """
-BY_LEVEL = 3  # the shader's mode, after the filters
+BY_LEVEL, BY_RAY = 3, 4  # the shader's modes, after the filters
 
 
 def run(
@@ -111,6 +115,16 @@ def test_levels_agree_with_the_reference(context: moderngl.Context, version: str
     worst = float(relative_error(result, expected).max())
     print(f"{version} levels, {way}: worst error {worst:.1e}")
     assert worst <= WORST
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("version", VERSIONS)
+def test_rays_find_what_the_reference_does(context: moderngl.Context, version: str, way: str) -> None:
+    atlas, lookups = random_atlas(), random_lookups()
+    result = run(context, VERSIONS[version] + WAYS[way], atlas, lookups, BY_RAY, np.zeros(COUNT))
+    error = relative_error(result, hit_answers(atlas, lookups))
+    print(f"{version} rays, {way}: worst error {error.max():.1e}, median {np.median(error):.1e}")
+    assert error.max() <= WORST
 
 
 @pytest.mark.parametrize(("defines", "rounding"), [("", 1e-7), (HARDWARE, 5e-4), (HARDWARE + PAGED, 5e-4)])

@@ -25,6 +25,7 @@ from tests.lookups import (
     SIDE,
     Lookups,
     constant_buckets,
+    hit_answers,
     random_atlas,
     random_lookups,
     relative_error,
@@ -34,7 +35,7 @@ from tests.real.godot import RENDERERS, Job, answers
 from tests.real.root import Root
 from tests.real.test_glsl_derivatives import uvs_of_quads
 from tests.shared_atlases import random_condensed_atlas, random_shared_atlas
-from tests.shared_lookups import random_fragments, shared_answers
+from tests.shared_lookups import by_ray, random_fragments, shared_answers, shared_hit_answers
 
 WORST = 2e-3
 LEVELS = 4  # 13 x 7 texels are stored as 16 x 8, and the last level as 2 x 1
@@ -68,6 +69,14 @@ vec4 answer(ivec2 here) {
 OF_SLICES = (
     "vec4 answer(ivec2 h) { return radtex_slices(slices, n, texelFetch(uvs, h, 0).xy, incidence(h)); }"
 )
+BY_RAY = """
+vec4 answer(ivec2 here) {
+    vec4 normal = texelFetch(normals, here, 0);
+    vec3 tangent = texelFetch(tangents, here, 0).xyz, ray = -texelFetch(viewers, here, 0).xyz;
+    vec2 uv = texelFetch(uvs, here, 0).xy;
+    return radtex_hit(ATLAS, texels, n, uv, ray, normal.xyz, tangent, normal.w, RADTEX_QUADRILINEAR);
+}
+"""
 THE_LEVEL = "vec4 answer(ivec2 h) { return vec4(radtex_level(texelFetch(uvs, h, 0).xy, texels, 4)); }"
 SHARED = """
 vec4 answer(ivec2 here) {
@@ -155,6 +164,30 @@ def test_levels_agree_with_the_reference(root: Root, renderer: str) -> None:
 
 
 @pytest.mark.parametrize("renderer", RENDERERS)
+def test_rays_find_what_the_reference_does(root: Root, renderer: str) -> None:
+    """By every layout; the texture itself, and in pages."""
+    atlas, lookups, fragments = random_atlas(), random_lookups(), random_fragments(7, 5)
+    paged = page_chain(atlas, LAYOUT, PAGES, 1)[0].astype(np.float16)
+    shared, condensed = random_shared_atlas(), random_condensed_atlas(7, 5)
+    jobs = [
+        Job(ONE + BY_RAY, {"atlas": atlas} | fields(lookups)),
+        Job(ONE + BY_RAY, {"atlas": paged} | fields(lookups), defines=PAGED),
+        Job(constants(shared) + by_ray(SHARED), pack(shared) | seen(fragments), ("radtex_shared",)),
+        condensed_job(condensed, by_ray(CONDENSED), fragments),
+    ]
+    *plain, by_shared, by_condensed = answers(root, renderer, jobs)
+    error = relative_error(np.stack(plain), hit_answers(atlas, lookups))
+    print(f"{renderer} rays: worst error {error.max():.1e}")
+    assert error.max() <= WORST
+    error = relative_error(by_shared[:, :3], shared_hit_answers(shared, fragments))
+    print(f"{renderer} rays, shared: worst error {error.max():.1e}, median {np.median(error):.1e}")
+    assert error.max() <= WORST
+    error = relative_error(by_condensed[:, :3], shared_hit_answers(condensed.expanded(), fragments))
+    print(f"{renderer} rays, condensed: worst error {error.max():.1e}, median {np.median(error):.1e}")
+    assert np.all(error <= WORST + rounding(condensed, fragments))
+
+
+@pytest.mark.parametrize("renderer", RENDERERS)
 def test_what_the_hardware_does_agrees_with_the_reference(root: Root, renderer: str) -> None:
     """Slices, at whole levels, as drivers measure pixels in their own ways; and the level of a matrix."""
     chain, lookups = halves(mip_chain(to_slices(random_atlas(), LAYOUT))), random_lookups()
@@ -197,23 +230,24 @@ def test_the_shared_layout_agrees_with_the_reference(root: Root, renderer: str) 
 def test_the_condensed_form_agrees_with_the_reference(root: Root, renderer: str) -> None:
     fragments, shapes = random_fragments(7, 5), [(4, 2, 14), (9, 6, 6), (1000, 2, 2)]
     atlases = [random_condensed_atlas(7, 5, *shape) for shape in shapes]
-    jobs = []
-    for atlas in atlases:
-        images, ranges = uncompressed(atlas)
-        (height, width), (rows, columns) = atlas.colour.shape[:2], atlas.irradiance.shape[:2]
-        facts = (
-            f"const ivec2 fine = ivec2({width}, {height});\nconst ivec2 texels = ivec2({columns}, {rows});\n"
-        )
-        facts += f"const int columns = {COLUMNS};\n"
-        facts += "".join(array(f"{axis}_ranges", values) for axis, values in ranges.items())
-        defines = f"#define RADTEX_RANK {atlas.lobes[0].rank}\n"
-        includes = ("radtex_shared", "radtex_condensed")
-        jobs.append(Job(constants(atlas) + facts + CONDENSED, images | seen(fragments), includes, defines))
+    jobs = [condensed_job(atlas, CONDENSED, fragments) for atlas in atlases]
     for atlas, shape, result in zip(atlases, shapes, answers(root, renderer, jobs), strict=True):
         error = relative_error(result[:, :3], shared_answers(atlas.expanded(), fragments))
         print(f"{renderer} condensed {shape}: worst error {error.max():.1e}, median {np.median(error):.1e}")
         assert np.all(error <= WORST + rounding(atlas, fragments))
         assert np.quantile(error, 0.999) <= WORST / 4
+
+
+def condensed_job(atlas: CondensedAtlas, code: str, fragments: Lookups) -> Job:
+    """A lookup of the condensed form."""
+    images, ranges = uncompressed(atlas)
+    (height, width), (rows, columns) = atlas.colour.shape[:2], atlas.irradiance.shape[:2]
+    facts = f"const ivec2 fine = ivec2({width}, {height});\nconst ivec2 texels = ivec2({columns}, {rows});\n"
+    facts += f"const int columns = {COLUMNS};\n"
+    facts += "".join(array(f"{axis}_ranges", values) for axis, values in ranges.items())
+    defines = f"#define RADTEX_RANK {atlas.lobes[0].rank}\n"
+    includes = ("radtex_shared", "radtex_condensed")
+    return Job(constants(atlas) + facts + code, images | seen(fragments), includes, defines)
 
 
 def rounding(atlas: CondensedAtlas, fragments: Lookups) -> Floats:

@@ -10,7 +10,9 @@ from __future__ import annotations
 import os
 import shutil
 from collections import deque
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +34,8 @@ from tests.real.root import Root, screen
 LEAST = 38.0  # dB
 MODES = {kind: mode for mode, kind in enumerate(Filter)}
 FRONT = CAMERAS[0]
+DEFAULT = ExportSpec(Target.GODOT)
+Opened = Callable[[Form, ExportSpec], tuple[Path, str]]
 FIGURES = os.environ.get("RADTEX_FIGURES")
 INSIDE = Path(__file__).parent / "inside" / "godot"
 DRAG = """
@@ -56,10 +60,21 @@ wait
 """
 
 
-def project(bake: Bake, folder: Path, spec: ExportSpec | None = None) -> Path:
+def project(bake: Bake, folder: Path, spec: ExportSpec = DEFAULT) -> Path:
     """The exhibit's bake, exported."""
-    deque(export_steps(bake.sidecar, spec or ExportSpec(Target.GODOT), folder / "project"), maxlen=0)
+    deque(export_steps(bake.sidecar, spec, folder / "project"), maxlen=0)
     return folder / "project"
+
+
+@pytest.fixture(scope="module")
+def opened(exhibit: Exhibit, root: Root, tmp_path_factory: pytest.TempPathFactory) -> Opened:
+    """Exports of the exhibit after Godot's import, which takes longer than a picture: each is made once."""
+
+    @cache
+    def imported_once(form: Form, spec: ExportSpec) -> tuple[Path, str]:
+        return imported(root, project(getattr(exhibit, form), tmp_path_factory.mktemp("godot"), spec))
+
+    return imported_once
 
 
 def shots_of(form: Form) -> list[Shot]:
@@ -69,10 +84,10 @@ def shots_of(form: Form) -> list[Shot]:
 
 
 @pytest.mark.parametrize("form", Form)
-def test_godot_shows_the_reference(form: Form, exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
+def test_godot_shows_the_reference(form: Form, exhibit: Exhibit, root: Root, opened: Opened) -> None:
     bake: Bake = getattr(exhibit, form)
-    opened, shots = imported(root, project(bake, tmp_path)), shots_of(form)
-    shown = {renderer: pictures(root, opened, renderer, shots) for renderer in RENDERERS}
+    shots = shots_of(form)
+    shown = {renderer: pictures(root, opened(form, DEFAULT), renderer, shots) for renderer in RENDERERS}
     for renderer, taken in shown.items():
         for shot, picture in zip(shots, taken, strict=True):
             reference, inside = bake.picture(shot.camera), bake.inside(shot.camera)
@@ -85,11 +100,10 @@ def test_godot_shows_the_reference(form: Form, exhibit: Exhibit, root: Root, tmp
         _keep(Path(FIGURES, f"godot-{form}.png"), strip)
 
 
-def test_each_filter_and_the_exposure_do_what_they_say(exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
+def test_each_filter_and_the_exposure_do_what_they_say(exhibit: Exhibit, root: Root, opened: Opened) -> None:
     bake = exhibit.plain
-    opened = imported(root, project(bake, tmp_path))
-    shots = [Shot(FRONT, {"filtering": mode}) for mode in MODES.values()]
-    *taken, darker = pictures(root, opened, "Compatibility", [*shots, Shot(FRONT, {"exposure": 0.25})])
+    shots = [*(Shot(FRONT, {"filtering": mode}) for mode in MODES.values()), Shot(FRONT, {"exposure": 0.25})]
+    *taken, darker = pictures(root, opened(Form.PLAIN, DEFAULT), "Compatibility", shots)
     for kind, picture in zip(MODES, taken, strict=True):
         found = {other: decibels(picture, bake.picture(FRONT, other), bake.eroded(FRONT)) for other in Filter}
         print(f"{kind}: {found[kind]:.1f} dB")
@@ -110,14 +124,13 @@ def test_each_filter_and_the_exposure_do_what_they_say(exhibit: Exhibit, root: R
 )
 @pytest.mark.parametrize("renderer", RENDERERS)
 def test_other_arrangements_and_formats_show_it_too(
-    spec: ExportSpec, renderer: str, exhibit: Exhibit, root: Root, tmp_path: Path
+    spec: ExportSpec, renderer: str, exhibit: Exhibit, root: Root, opened: Opened
 ) -> None:
-    bake = exhibit.plain
-    opened = imported(root, project(bake, tmp_path, spec))
-    (picture,) = pictures(root, opened, renderer, [Shot(FRONT)])
+    bake, place = exhibit.plain, opened(Form.PLAIN, spec)
+    (picture,) = pictures(root, place, renderer, [Shot(FRONT)])
     reference = bake.picture(FRONT)
     if spec.format is TextureFormat.KTX2_BC6H:
-        reference = picture_of_file(bake, next(opened[0].glob("*.ktx2")))
+        reference = picture_of_file(bake, next(place[0].glob("*.ktx2")))
     found = decibels(picture, reference, bake.eroded(FRONT))
     print(f"{renderer} {spec.format} {spec.arrangement}: {found:.1f} dB")
     assert found > LEAST
@@ -133,21 +146,20 @@ def picture_of_file(bake: Bake, path: Path) -> Picture:
     return buffer.resolve(buffer.spread(seen))
 
 
-def test_far_away_mipmaps_show_what_more_samples_show(exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
+def test_far_away_mipmaps_show_what_more_samples_show(exhibit: Exhibit, root: Root, opened: Opened) -> None:
     """From afar, against the mean of 8 x 8 lookups a pixel: with levels it is nearer to that than without."""
     bake = exhibit.plain
-    opened = imported(root, project(bake, tmp_path))
     large = replace(FRONT, place=(11.0, -24.0, 6.0), pixels=512)
     small = replace(large, pixels=64)
     mean = bake.picture(large).reshape(64, 8, 64, 8, 3).mean(axis=(1, 3))
     whole = bake.inside(large).reshape(64, 8, 64, 8).all(axis=(1, 3))
     shots = [Shot(small, {"filtering": mode}) for mode in (3, 2)]
-    by_levels, plain = pictures(root, opened, "Compatibility", shots)
+    by_levels, plain = pictures(root, opened(Form.PLAIN, DEFAULT), "Compatibility", shots)
     assert decibels(by_levels, mean, whole) > decibels(plain, mean, whole) + 0.5
 
 
-def test_dragging_turns_it_and_the_wheel_moves_it(exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
-    folder, inside = imported(root, project(exhibit.plain, tmp_path))
+def test_dragging_turns_it_and_the_wheel_moves_it(root: Root, opened: Opened) -> None:
+    folder, inside = opened(Form.PLAIN, DEFAULT)
     ended = root.run(screen(["sh", "-c", DRAG], 640, 480), cwd=inside, timeout=240)
     said = (folder / "said.log").read_text(encoding="utf-8")
     assert ended.returncode == 0, ended.stderr
@@ -170,9 +182,9 @@ def test_without_our_extension_the_mesh_shows_the_flat_lightmap(
     for file in (INSIDE / "project.godot", INSIDE / "open.gd"):
         shutil.copy(file, bare)
     shutil.copy(mesh, bare / "mesh.glb")
-    opened = imported(root, bare)
-    run_godot(root, ["--headless", "--path", opened[1], "--script", "res://open.gd"])
-    (picture,) = pictures(root, opened, "Forward+", [Shot(FRONT)])
+    place = imported(root, bare)
+    run_godot(root, ["--headless", "--path", place[1], "--script", "res://open.gd"])
+    (picture,) = pictures(root, place, "Forward+", [Shot(FRONT)])
     buffer, light = bake.buffer(FRONT), light_of(flat)[::-1]
     layout = AtlasLayout(light.shape[1], light.shape[0], 1)
     seen = sample(light, layout, buffer.uv[buffer.hit], buffer.incidence[buffer.hit], Filter.QUADRILINEAR)

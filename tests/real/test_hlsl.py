@@ -19,6 +19,7 @@ from tests.lookups import (
     LAYOUT,
     SIDE,
     constant_buckets,
+    hit_answers,
     random_atlas,
     random_lookups,
     relative_error,
@@ -51,10 +52,13 @@ float4 main(float4 at : SV_Position) : SV_Target {
     int n = facts.z;
     float4 place = fields.Load(int4(here, 0, 0));  // u, v, filter, level
     float4 normal = fields.Load(int4(here, 1, 0)), tangent = fields.Load(int4(here, 2, 0));
-    float3 I = radtex_incidence(fields.Load(int4(here, 3, 0)).xyz, normal.xyz, tangent.xyz, normal.w);
+    float3 viewer = fields.Load(int4(here, 3, 0)).xyz;
+    float3 I = radtex_incidence(viewer, normal.xyz, tangent.xyz, normal.w);
     int mode = int(place.z);
     if (mode < 3) return radtex_sample(RADTEX_PASSED, texels, n, place.xy, I, mode);
-    return radtex_sample_level(RADTEX_PASSED, texels, n, place.xy, I, place.w);
+    if (mode == 3) return radtex_sample_level(RADTEX_PASSED, texels, n, place.xy, I, place.w);
+    return radtex_hit(RADTEX_PASSED, texels, n, place.xy, -viewer, normal.xyz, tangent.xyz, normal.w,
+                      RADTEX_QUADRILINEAR);
 }
 """
 SLICES = """
@@ -79,16 +83,17 @@ float4 main(float4 at : SV_Position) : SV_Target {
 FACTS = np.array([*astuple(PAGES), LAYOUT.width, LAYOUT.height, LAYOUT.bucket, LEVELS], np.int32)
 
 
-def run(root: Root, compiler: str, defines: str, atlas: Floats, level: Floats) -> list[Floats]:
-    """The answers to `random_lookups`, (COUNT, 4) float32 by each filter, then at `level` (COUNT,)."""
+def run(root: Root, compiler: str, defines: str, atlas: Floats, level: Floats | None) -> list[Floats]:
+    """Answers to `random_lookups`, (COUNT, 4) float32 by each filter, then at `level` (COUNT,) or by rays."""
     lookups = random_lookups()
     paged = PAGED in defines
     chain = page_chain(atlas, LAYOUT, PAGES, LEVELS) if paged else level_chain(atlas, LAYOUT, LEVELS)
     stored = [values.astype(np.float16) for values in chain]
     if TOP_DOWN in defines:
         stored = [np.flip(values, axis=-3) for values in stored]
-    mode = np.repeat(np.arange(4), COUNT)[:, None]
-    places = np.concatenate([np.tile(lookups.uv, (4, 1)), mode, np.tile(level, 4)[:, None]], axis=1)
+    mode = np.repeat([0, 1, 2, 4 if level is None else 3], COUNT)[:, None]
+    levels = np.tile(np.zeros(COUNT) if level is None else level, 4)[:, None]
+    places = np.concatenate([np.tile(lookups.uv, (4, 1)), mode, levels], axis=1)
     normals = np.concatenate([lookups.normal, lookups.sign[:, None]], axis=1)
     vectors = [np.tile(values, (4, 1)) for values in (normals, lookups.tangent, lookups.viewer)]
     resources: dict[str, Resource] = {
@@ -122,6 +127,17 @@ def test_hlsl_agrees_with_the_reference(root: Root, compiler: str, way: str) -> 
     expected = sample_level(chain, LAYOUT, lookups.uv.astype(float), lookups.incidence, level.astype(float))
     error = relative_error(at_level, expected)
     print(f"{compiler}, {way}, levels: worst error {error.max():.1e}")
+    assert error.max() <= WORST
+
+
+@pytest.mark.parametrize("way", ["one texture", "pages top down"])
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_rays_find_what_the_reference_does(root: Root, compiler: str, way: str) -> None:
+    atlas = random_atlas()
+    error = relative_error(
+        run(root, compiler, WAYS[way], atlas, None)[3], hit_answers(atlas, random_lookups())
+    )
+    print(f"{compiler}, {way}, rays: worst error {error.max():.1e}")
     assert error.max() <= WORST
 
 

@@ -20,7 +20,7 @@ from radtex_addon.formats.shared_files import layer_path, read_shared, write_sha
 from tests.lookups import SIDE, Lookups, relative_error
 from tests.real.opengl import VERSIONS, compiled, drawn
 from tests.shared_atlases import facts_about, random_shared_atlas
-from tests.shared_lookups import random_fragments, shared_answers
+from tests.shared_lookups import random_fragments, shared_answers, shared_hit_answers
 
 SHADER = Path(__file__).parents[2] / "shaders" / "radtex_shared.glsl"
 WIDTH, HEIGHT = 7, 5
@@ -31,13 +31,18 @@ uniform sampler2D mirror_ends, mirror_gain, mirror_rest, through_ends, through_g
 uniform vec3 falloff[RADTEX_FALLOFF];
 uniform ivec2 around;
 uniform int n;
+uniform bool traced;
 out vec4 result;
 void main() {
     ivec2 here = ivec2(gl_FragCoord.xy);
     vec2 uv = texelFetch(uvs, here, 0).xy;
     vec3 N = texelFetch(normals, here, 0).xyz, V = texelFetch(viewers, here, 0).xyz;
-    result = vec4(radtex_shared(colour, irradiance, falloff, mirror_ends, mirror_gain, mirror_rest,
-        through_ends, through_gain, through_rest, n, surroundings, around, uv, N, V), 1.0);
+    vec3 light = traced
+        ? radtex_shared_hit(colour, irradiance, falloff, mirror_ends, mirror_gain, mirror_rest,
+            through_ends, through_gain, through_rest, n, surroundings, around, uv, N, -V)
+        : radtex_shared(colour, irradiance, falloff, mirror_ends, mirror_gain, mirror_rest,
+            through_ends, through_gain, through_rest, n, surroundings, around, uv, N, V);
+    result = vec4(light, 1.0);
 }
 """
 
@@ -48,9 +53,11 @@ def run(
     atlas: SharedAtlas,
     images: Mapping[str, Floats],
     fragments: Lookups,
+    traced: bool = False,
 ) -> Floats:
-    """The shader's answers, (K, 3) float32; `head` is a version and defines."""
+    """The shader's answers, (K, 3) float32; `head` is a version and defines; by rays if `traced`."""
     program = compiled(context, head, SHADER.read_text(encoding="utf-8") + FRAGMENT)
+    program["traced"] = traced
     program["n"] = atlas.lobes[0].ends.shape[2]
     program["around"] = (len(atlas.surroundings[0]), len(atlas.surroundings))
     program["falloff"] = [tuple(point) for point in atlas.falloff.tolist()]
@@ -74,6 +81,16 @@ def test_glsl_agrees_with_the_reference(
     print(f"{version}, n {bucket}, {levels} levels from {surroundings}: worst error {error.max():.1e}")
     assert np.median(error) <= 5e-6
     assert np.quantile(error, 0.999) <= 5e-5
+    assert error.max() <= WORST
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_rays_find_what_the_reference_does(context: moderngl.Context, version: str) -> None:
+    atlas, fragments = random_shared_atlas(WIDTH, HEIGHT), random_fragments(WIDTH, HEIGHT)
+    result = run(context, VERSIONS[version], atlas, pack(atlas), fragments, traced=True)
+    error = relative_error(result, shared_hit_answers(atlas, fragments))
+    print(f"{version} rays: worst error {error.max():.1e}, median {np.median(error):.1e}")
+    assert np.median(error) <= 5e-6
     assert error.max() <= WORST
 
 

@@ -20,7 +20,7 @@ from tests.real.hlsl import COMPILERS, looked_up
 from tests.real.root import Root
 from tests.real.webgpu import Resource, Sampler, fields, image
 from tests.shared_atlases import random_condensed_atlas, random_shared_atlas
-from tests.shared_lookups import random_fragments, shared_answers
+from tests.shared_lookups import by_ray, random_fragments, shared_answers, shared_hit_answers
 
 WIDTH, HEIGHT = 7, 5
 WORST = 2e-3  # as far off as radtex_shared.glsl may be
@@ -61,10 +61,12 @@ def run(
     images: Mapping[str, Floats],
     fragments: Lookups,
     ranges: Ranges | None = None,
+    traced: bool = False,
 ) -> Floats:
-    """The shader's answers, (K, 3) float32; `ranges` are each condensed lobe's (12, 4)."""
+    """The shader's answers, (K, 3) float32, by rays if `traced`; `ranges`: each condensed lobe's (12, 4)."""
     condensed = isinstance(atlas, CondensedAtlas)
     names, lookup = (CONDENSED, CONDENSED_LOOKUP) if condensed else (SHARED, SHARED_LOOKUP)
+    lookup = by_ray(lookup) if traced else lookup
     declared = ", ".join(f"{name} : register(t{1 + k})" for k, name in enumerate(names))
     source = SHADER % ("condensed" if condensed else "shared", declared, lookup)
     normal, viewer = (normalised(vectors) for vectors in (fragments.normal, fragments.viewer))
@@ -127,6 +129,23 @@ def test_the_condensed_form_agrees_with_the_reference(
     assert np.quantile(error, 0.99) <= 1e-4
     assert (error <= np.maximum(doubt, WORST)).all()
     assert np.mean(sure) >= 0.99
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_rays_find_what_the_reference_does(root: Root, compiler: str) -> None:
+    fragments, shared = random_fragments(WIDTH, HEIGHT), random_shared_atlas(WIDTH, HEIGHT)
+    result = run(root, compiler, "", shared, pack(shared), fragments, traced=True)
+    error = relative_error(result, shared_hit_answers(shared, fragments))
+    condensed = random_condensed_atlas(WIDTH, HEIGHT)
+    images, ranges = uncompressed(condensed)
+    result = run(root, compiler, "", condensed, images, fragments, ranges, traced=True)
+    worse = relative_error(result, shared_hit_answers(condensed.expanded(), fragments))
+    print(f"{compiler}, rays: worst error {error.max():.1e}, condensed {worse.max():.1e}")
+    for found in (error, worse):
+        assert np.median(found) <= 5e-6
+        assert np.quantile(found, 0.99) <= 1e-4
+    assert error.max() <= WORST
+    assert (worse <= np.maximum(doubts(condensed, fragments), WORST)).all()
 
 
 @pytest.mark.parametrize(("compiler", "defines"), [("glslang", HARDWARE), ("vkd3d", HARDWARE + TOP_DOWN)])

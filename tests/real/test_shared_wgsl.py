@@ -20,7 +20,7 @@ from tests.lookups import SIDE, Lookups, relative_error
 from tests.real.root import Root
 from tests.real.webgpu import Resource, Sampler, drawn, fields, image
 from tests.shared_atlases import facts_about, random_shared_atlas
-from tests.shared_lookups import random_fragments, shared_answers
+from tests.shared_lookups import by_ray, random_fragments, shared_answers, shared_hit_answers
 
 SHADER = Path(__file__).parents[2] / "shaders" / "radtex_shared.wgsl"
 WIDTH, HEIGHT = 7, 5
@@ -45,10 +45,11 @@ struct Settings { around: vec2i, n: i32 }
     let uv = textureLoad(fields, here, 0, 0).xy;
     let N = textureLoad(fields, here, 1, 0).xyz;
     let V = textureLoad(fields, here, 2, 0).xyz;
-    return vec4f(radtex_shared(colour, irradiance, filtering, falloff, mirror_ends, mirror_gain, mirror_rest,
-        through_ends, through_gain, through_rest, s.n, surroundings, s.around, uv, N, V), 1.0);
+    return vec4f(%s, 1.0);
 }
 """
+LOOKUP = """radtex_shared(colour, irradiance, filtering, falloff, mirror_ends, mirror_gain, mirror_rest,
+        through_ends, through_gain, through_rest, s.n, surroundings, s.around, uv, N, V)"""
 
 
 def run(
@@ -58,8 +59,9 @@ def run(
     fragments: Lookups,
     *,
     hardware: bool = False,
+    traced: bool = False,
 ) -> Floats:
-    """The shader's answers, (K, 3) float32."""
+    """The shader's answers, (K, 3) float32, by rays if `traced`."""
     normal, viewer = (normalised(vectors) for vectors in (fragments.normal, fragments.viewer))
     settings = [len(atlas.surroundings[0]), len(atlas.surroundings), atlas.lobes[0].ends.shape[2], 0]
     resources: dict[int | str, Resource] = {
@@ -70,7 +72,7 @@ def run(
     }
     resources |= {name: image(values) for name, values in images.items()}
     constants = {"RADTEX_HARDWARE_LINEAR": float(hardware)}
-    code = SHADER.read_text(encoding="utf-8") + FRAGMENT
+    code = SHADER.read_text(encoding="utf-8") + FRAGMENT % (by_ray(LOOKUP) if traced else LOOKUP)
     return drawn(root, code, resources, SIDE, constants=constants)[:, :3]
 
 
@@ -84,6 +86,15 @@ def test_wgsl_agrees_with_the_reference(root: Root, bucket: int, surroundings: i
     print(f"n {bucket}, {levels} levels from {surroundings}: worst error {error.max():.1e}")
     assert np.median(error) <= 5e-6
     assert np.quantile(error, 0.999) <= 5e-5
+    assert error.max() <= WORST
+
+
+def test_rays_find_what_the_reference_does(root: Root) -> None:
+    atlas, fragments = random_shared_atlas(WIDTH, HEIGHT), random_fragments(WIDTH, HEIGHT)
+    result = run(root, atlas, pack(atlas), fragments, traced=True)
+    error = relative_error(result, shared_hit_answers(atlas, fragments))
+    print(f"rays: worst error {error.max():.1e}, median {np.median(error):.1e}")
+    assert np.median(error) <= 5e-6
     assert error.max() <= WORST
 
 

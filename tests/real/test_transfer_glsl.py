@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import astuple, replace
 from pathlib import Path
 
 import moderngl
@@ -11,81 +12,78 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.frame import orthonormal_frame, to_frame
-from radtex_addon.core.transfer import relight, sample_transfer
-from tests.lookups import COUNT, LAYOUT, SIDE, Lookups, random_atlas, random_lookups, relative_error
+from radtex_addon.core.pages import fitting_pages, page_chain
+from radtex_addon.core.transfer import with_views
+from tests.lookups import COUNT, LAYOUT, SIDE, random_lookups, relative_error
 from tests.real.opengl import VERSIONS, compiled, drawn, mipmapped
+from tests.transfer_lookups import VIEWS, WORST, Question, Way, questions, random_lights
 
 SHADERS = Path(__file__).parents[2] / "shaders"
-WORST = 2e-3
-IRRADIANCE = (2.0, 1.0, 0.5)
+PAGED = "#define RADTEX_PAGES\n"
 FRAGMENT = """
-uniform sampler2D atlas, uvs, normals, tangents, lights;
+#ifdef RADTEX_PAGES
+uniform sampler2DArray atlas;
+uniform ivec4 pages;
+#else
+uniform sampler2D atlas;
+#endif
+uniform sampler2D uvs, normals, tangents, viewers, lights;
 uniform ivec2 texels;
-uniform int n, mode;
+uniform int n, mode, views;
 out vec4 result;
 void main() {
     ivec2 here = ivec2(gl_FragCoord.xy);
     vec4 normal = texelFetch(normals, here, 0);
     vec4 tangent = vec4(texelFetch(tangents, here, 0).xyz, normal.w);
-    vec3 light = texelFetch(lights, here, 0).xyz, power = vec3(2.0, 1.0, 0.5);
+    vec3 light = texelFetch(lights, here, 0).xyz, E = vec3(2.0, 1.0, 0.5);
     vec2 uv = texelFetch(uvs, here, 0).xy;
-    if (mode == 0) {
-        vec3 L = radtex_incidence(light, normal.xyz, tangent.xyz, tangent.w);
-        result = radtex_transfer(atlas, texels, n, uv, L);
-    } else if (mode == 1) {
-        result = vec4(radtex_sun(atlas, texels, n, uv, normal.xyz, tangent, light, power), 1.0);
-    } else {
-        result = vec4(radtex_point_light(atlas, texels, n, uv, normal.xyz, tangent, light, power), 1.0);
-    }
+    vec3 L = radtex_incidence(light, normal.xyz, tangent.xyz, tangent.w);
+    vec3 I = radtex_incidence(texelFetch(viewers, here, 0).xyz, normal.xyz, tangent.xyz, tangent.w);
+    result = vec4(1.0);
+    if (mode == 0) result = radtex_transfer(RADTEX_PASSED, texels, n, uv, L);
+    if (mode == 1) result.rgb = radtex_sun(RADTEX_PASSED, texels, n, uv, normal.xyz, tangent, light, E);
+    if (mode == 2)
+        result.rgb = radtex_point_light(RADTEX_PASSED, texels, n, uv, normal.xyz, tangent, light, E);
+    if (mode == 3) result = radtex_transfer_around(RADTEX_PASSED, texels, views, n, uv, I, L);
 }
 """
 
 
-def lights(seed: int = 8) -> Floats:
-    """To lights all around, (K, 3) float32, of lengths from 0.5 to 3."""
-    random = np.random.default_rng(seed)
-    away = random.normal(size=(COUNT, 3))
-    away *= random.uniform(0.5, 3, (COUNT, 1)) / np.linalg.norm(away, axis=1, keepdims=True)
-    return away.astype(np.float32)
-
-
-def run(
-    context: moderngl.Context, head: str, atlas: Floats, lookups: Lookups, light: Floats, mode: int
-) -> Floats:
+def run(context: moderngl.Context, head: str, question: Question, paged: bool = False) -> Floats:
     """The shader's answers, (K, 4) float32."""
     source = "".join((SHADERS / name).read_text("utf-8") for name in ("radtex.glsl", "radtex_transfer.glsl"))
-    program = compiled(context, head, source + FRAGMENT)
-    program["texels"], program["n"], program["mode"] = (LAYOUT.width, LAYOUT.height), LAYOUT.bucket, mode
-    signed = np.concatenate([lookups.normal, lookups.sign[:, None]], axis=1)
-    inputs = {"uvs": lookups.uv, "normals": signed, "tangents": lookups.tangent, "lights": light}
-    fields = {name: values.reshape(SIDE, SIDE, -1).astype(np.float32) for name, values in inputs.items()}
-    stored = mipmapped(context, [atlas.astype(np.float16)], moderngl.NEAREST)
-    return drawn(context, program, {"atlas": stored, **fields}, SIDE)
-
-
-def local(lookups: Lookups, light: Floats) -> Floats:
-    """Lights in the frame, (K, 3) float64."""
-    frame = orthonormal_frame(lookups.normal.astype(float), lookups.tangent.astype(float), lookups.sign)
-    return to_frame(light.astype(float), *frame)
-
-
-@pytest.mark.parametrize("version", VERSIONS)
-def test_glsl_agrees_with_the_reference(context: moderngl.Context, version: str) -> None:
-    atlas, lookups, light = random_atlas(), random_lookups(), lights()
-    stored, uv, direction = (
-        atlas.astype(np.float16).astype(float),
-        lookups.uv.astype(float),
-        local(lookups, light),
+    program = compiled(context, head, (PAGED if paged else "") + source + FRAGMENT)
+    program["texels"], program["n"], program["mode"] = (
+        (LAYOUT.width, LAYOUT.height),
+        LAYOUT.bucket,
+        question.way,
     )
-    squared = (light.astype(float) ** 2).sum(axis=1, keepdims=True)
-    sun = relight(stored, LAYOUT, uv, [(direction, np.array(IRRADIANCE))])
-    lamp = relight(stored, LAYOUT, uv, [(direction, IRRADIANCE / squared)])
-    expected = [sample_transfer(stored, LAYOUT, uv, direction), sun, lamp]
-    for mode, answers in enumerate(expected):
-        result = run(context, VERSIONS[version], atlas, lookups, light, mode)[:, : answers.shape[1]]
-        worst = float(relative_error(result, answers).max())
-        print(f"{version}, mode {mode}: worst error of {COUNT} lookups {worst:.1e}")
+    program["views"] = question.views
+    lookups = question.lookups
+    inputs = {
+        "uvs": lookups.uv,
+        "normals": np.concatenate([lookups.normal, lookups.sign[:, None]], axis=1),
+        "tangents": lookups.tangent,
+        "viewers": lookups.viewer,
+        "lights": question.light,
+    }
+    fields = {name: values.reshape(SIDE, SIDE, -1).astype(np.float32) for name, values in inputs.items()}
+    levels = [question.atlas]
+    if paged:
+        stored = with_views(LAYOUT, question.views)
+        pages = fitting_pages(stored, 60, 1)
+        program["pages"] = astuple(pages)
+        levels = page_chain(question.atlas, stored, pages, 1)
+    return drawn(context, program, {"atlas": mipmapped(context, levels, moderngl.NEAREST), **fields}, SIDE)
+
+
+@pytest.mark.parametrize("paged", [False, True])
+@pytest.mark.parametrize("version", VERSIONS)
+def test_glsl_agrees_with_the_reference(context: moderngl.Context, version: str, paged: bool) -> None:
+    for question in questions():
+        result = run(context, VERSIONS[version], question, paged)
+        worst = float(relative_error(result, question.answers).max())
+        print(f"{version}, {question.way.name}: worst error of {COUNT} lookups {worst:.1e}")
         assert worst <= WORST
 
 
@@ -96,5 +94,10 @@ def test_cells_do_not_bleed_into_other_texels(context: moderngl.Context) -> None
     atlas = np.kron(value.transpose(2, 0, 1), np.ones((LAYOUT.bucket, LAYOUT.bucket))).transpose(1, 2, 0)
     i, j = random.integers(LAYOUT.width, size=COUNT), random.integers(LAYOUT.height, size=COUNT)
     lookups.uv[:] = np.stack([(i + 0.5) / LAYOUT.width, (j + 0.5) / LAYOUT.height], axis=1)
-    result = run(context, VERSIONS["GLSL 330"], atlas, lookups, lights(), 0)
+    asked = Question(Way.LOOKUP, atlas.astype(np.float16), lookups, random_lights())
+    result = run(context, VERSIONS["GLSL 330"], asked)
+    np.testing.assert_allclose(result, value[j, i], atol=1e-5)
+    alike = LAYOUT.to_buckets(asked.atlas.astype(float)).repeat(VIEWS, axis=0).repeat(VIEWS, axis=1)
+    atlas = with_views(LAYOUT, VIEWS).from_buckets(alike).astype(np.float16)
+    result = run(context, VERSIONS["GLSL 330"], replace(asked, way=Way.AROUND, atlas=atlas))
     np.testing.assert_allclose(result, value[j, i], atol=1e-5)

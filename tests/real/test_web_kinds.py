@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -12,11 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import Kind
+from radtex_addon.bake.spec import Kind, View
 from radtex_addon.report.metrics import Picture
 from tests.real.browser import Shown, decoded
 from tests.real.exhibit import CAMERAS, Camera, decibels
-from tests.real.kinds import KindBake, Sun, baked
+from tests.real.kinds import SPECS, KindBake, Sun, baked
 from tests.real.test_web_messages import within
 from tests.real.web import Site, save
 
@@ -29,7 +30,7 @@ LIT = (Kind.SHADOW, Kind.TRANSFER)  # by the page's sun
 def bake(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., KindBake]:
     """Bakes by kind and cells, made when they are first asked for."""
     folder = tmp_path_factory.mktemp("kinds")
-    return lambda kind, cells=None: baked(kind, folder / f"{kind}{cells or ''}", cells)
+    return lambda kind, cells=None: baked(kind, folder / f"{kind}{cells or SPECS[kind].bucket}", cells)
 
 
 @contextmanager
@@ -118,6 +119,23 @@ def test_transfer_answers_to_a_sun_of_any_direction_and_colour(
             assert found >= LEAST
 
 
+@pytest.mark.parametrize(("view", "limit"), [(View.AROUND, None), (View.NORMAL, 256), (View.AROUND, 1024)])
+def test_transfer_from_around_and_in_pages(
+    web: Site, tmp_path_factory: pytest.TempPathFactory, view: View, limit: int | None
+) -> None:
+    made = baked(Kind.TRANSFER, tmp_path_factory.getbasetemp() / f"transfer-{view}", view=view)
+    name = f"transfer-{view}-{limit}"
+    web.add(name, made, **({} if limit is None else {"limit": limit}))
+    with web.opened(f"{name}/") as shown:
+        shown.wait()
+        for sun, camera in zip(LIGHTS, CAMERAS, strict=True):
+            set_sun(shown, sun)
+            shown.set_camera(camera)
+            found = agreement(shown, made.seen(camera, sun), made, camera)
+            print(f"transfer, {view}, {limit}, {camera.name}: {found:.1f} dB")
+            assert found >= LEAST
+
+
 @pytest.mark.parametrize("kind", [Kind.PROXY, Kind.SHADOW, Kind.AO, Kind.TRANSFER])
 def test_the_inspector_shows_what_the_texel_holds(
     web: Site, bake: Callable[..., KindBake], kind: Kind
@@ -167,6 +185,43 @@ def test_the_suns_controls_move_it(web: Site, bake: Callable[..., KindBake], kin
         assert all(page.locator(f"#sun-{setting}").is_hidden() for setting in others)
         page.keyboard.press("]")
         assert shown.text("stops") == "+0.5 stops"
+
+
+@pytest.mark.parametrize("kind", [Kind.SHADOW, Kind.TRANSFER])
+def test_dragging_with_shift_turns_the_sun(web: Site, bake: Callable[..., KindBake], kind: Kind) -> None:
+    """And nothing else: the camera stays, no point is inspected, and the sliders follow."""
+    web.add(f"dragged-{kind}", bake(kind))
+    with web.opened(f"dragged-{kind}/", 900, 500) as shown:
+        shown.wait()
+        page, mouse = shown.page, shown.page.mouse
+        assert page.get_by_text("Shift-drag in the picture turns the sun").is_visible()
+        place = "JSON.stringify([radtex.sun().azimuth, radtex.sun().height])"
+        before, sun = shown.pixels(), json.loads(page.evaluate(place))
+        mouse.move(200, 220)
+        page.keyboard.down("Shift")
+        mouse.down()
+        mouse.move(300, 170, steps=5)
+        mouse.up()
+        page.keyboard.up("Shift")
+        azimuth, height = json.loads(page.evaluate(place))
+        assert (azimuth - sun[0], height - sun[1]) == pytest.approx((40, 20))
+        assert page.locator("#sun-azimuth").input_value() == str(round(azimuth))
+        assert page.locator("#sun-height").input_value() == str(round(height))
+        after = shown.pixels()
+        assert np.abs(after[..., :3] - before[..., :3]).max() > 0.05
+        np.testing.assert_array_equal(after[..., 3] > 0, before[..., 3] > 0)  # nothing else has moved
+        assert page.locator("body.inspecting").count() == 0
+        page.evaluate("radtex.setSun({azimuth: 170})")
+        page.keyboard.press("Shift+ArrowRight")
+        page.keyboard.press("Shift+ArrowRight")
+        page.keyboard.press("Shift+ArrowRight")
+        assert page.evaluate("radtex.sun().azimuth") == pytest.approx(-175)  # all the way round
+        mouse.move(200, 220)
+        mouse.down()
+        mouse.move(300, 170, steps=5)
+        mouse.up()
+        assert page.evaluate("radtex.sun().azimuth") == pytest.approx(-175)
+        assert (shown.pixels()[..., 3] > 0).sum() != (after[..., 3] > 0).sum()  # without Shift it orbits
 
 
 def test_a_phone_has_the_sun_among_its_settings(web: Site, bake: Callable[..., KindBake]) -> None:

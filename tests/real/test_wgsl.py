@@ -23,6 +23,7 @@ from tests.lookups import (
     SIDE,
     Lookups,
     constant_buckets,
+    hit_answers,
     random_atlas,
     random_lookups,
     relative_error,
@@ -51,7 +52,8 @@ struct Settings { texels: vec2i, n: i32, mode: i32, pages: vec4i }
     let level = place.z;
     let normal = textureLoad(fields, here, 1, 0);
     let tangent = textureLoad(fields, here, 2, 0).xyz;
-    let I = radtex_incidence(textureLoad(fields, here, 3, 0).xyz, normal.xyz, tangent, normal.w);
+    let viewer = textureLoad(fields, here, 3, 0).xyz;
+    let I = radtex_incidence(viewer, normal.xyz, tangent, normal.w);
     let result = %s;
     if s.n < 0 { return vec4f(level); }  // never: all bindings are in use
     return result;
@@ -122,6 +124,21 @@ def test_levels_agree_with_the_reference(root: Root) -> None:
     )
     assert error.max() <= WORST
     assert relative_error(paged, expected).max() <= WORST
+
+
+def test_rays_find_what_the_reference_does(root: Root) -> None:
+    atlas, lookups = random_atlas(), random_lookups()
+    expected = hit_answers(atlas, lookups)
+    arguments = "s.texels, s.n, uv, -viewer, normal.xyz, tangent, normal.w, s.mode"
+    error = relative_error(run(root, f"radtex_hit(atlas, {arguments})", image(atlas), lookups), expected)
+    split = image(split_pages(atlas, LAYOUT, PAGES))
+    paged = relative_error(
+        run(root, f"radtex_hit_paged(atlas, s.pages, {arguments})", split, lookups), expected
+    )
+    print(f"rays: worst error {error.max():.1e}, paged {paged.max():.1e}")
+    assert max(error.max(), paged.max()) <= WORST
+    filtered = run(root, f"radtex_hit_filtered(atlas, filtering, {arguments})", image(atlas), lookups)
+    np.testing.assert_allclose(filtered, expected, rtol=0, atol=float(atlas.max()) * 2 / 256)
 
 
 def test_slices_agree_with_the_reference(root: Root) -> None:

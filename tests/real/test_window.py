@@ -47,7 +47,7 @@ def test_the_button_bakes_by_a_click(window: Window) -> None:
 
 
 def test_the_window_stays_alive_during_a_long_bake(window: Window) -> None:
-    choose(window, **LONG | {"samples": 64}, overwrite=True)
+    choose(window, **LONG | {"samples": 112}, overwrite=True)
     window.ask("ticks.clear()")
     press(window)
     pressed = int(window.value("len(ticks)"))

@@ -28,6 +28,7 @@ from tests.real.root import REPOSITORY
 SOURCES = REPOSITORY / "radtex_addon/export/web"
 UV = os.environ.get("UV") or shutil.which("uv") or "uv"
 FIGURES = os.environ.get("RADTEX_FIGURES")  # a folder for screenshots of the page, docs/figures for one
+_PATIENCE = 120_000  # milliseconds: without a GPU, and beside other tests, a frame may take seconds
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,7 @@ class Site:
     ) -> Iterator[Shown]:
         """A tab with the export of that name; `before` is a script that runs before the page's."""
         tab = self.browser.new_context(viewport={"width": width, "height": height}, **context)
+        tab.set_default_timeout(_PATIENCE)
         try:
             page = tab.new_page()
             page.add_init_script(before)

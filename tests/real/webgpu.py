@@ -21,7 +21,7 @@ from tests.real.root import Root
 
 RUNNER = "/repository/tests/real/inside/webgpu.py"
 Values = npt.NDArray[Any]
-_FORMATS = {"f2": "16float", "f4": "32float", "u1": "8unorm"}
+_FORMATS = {"f2": "16float", "f4": "32float", "u1": "8unorm", "u4": "32uint"}
 _BINDING = re.compile(r"@group\(0\)\s*@binding\((\d+)\)\s*var(?:<\w+>)?\s+(\w+)")
 
 
@@ -49,7 +49,8 @@ Resource = Texture | Sampler | Values
 def image(*levels: Values) -> Texture:
     """A texture of its mip levels: (H, W, C), or (layers, H, W, C) for an array texture.
 
-    float16, float32 or uint8 (0 to 1); of three channels the fourth is filled with ones.
+    float16, float32, uint8 (0 to 1) or whole numbers, uint32; of three channels, the fourth is filled with
+    ones.
     """
     filled = [np.ascontiguousarray(_four(level)) for level in levels]
     *_, height, width, channels = filled[0].shape

@@ -56,8 +56,8 @@ def fit_stage(
     kept: list[bpy.types.ID] = []
     with scratch_scene(scene, None, kept) as scratch:
         item = find_object(scratch, stage.subject.name)
-        prepared = finished(prepare(scratch, item, spec, kept))
-        fitted = finished(fit_bake(scratch, item, spec, prepared, folder))
+        prepared = finished(prepare(scratch, [item], spec, kept))
+        fitted = finished(fit_bake(scratch, spec, prepared, folder))
     matrix = np.array(stage.subject.matrix_world)
     seen = [(view, gbuffer(view, prepared.mesh, matrix, prepared.uv_layer)) for view in looked_from]
     return fitted, Looked(seen), prepared.uv_layer

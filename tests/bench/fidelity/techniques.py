@@ -149,7 +149,7 @@ def _captured(stage: Stage, spec: BakeSpec, folder: Path) -> tuple[SharedCapture
     kept: list[bpy.types.ID] = []
     with scratch_scene(scene, None, kept) as scratch:
         item = find_object(scratch, stage.subject.name)
-        prepared = finished(prepare(scratch, item, spec, kept))
+        prepared = finished(prepare(scratch, [item], spec, kept))
         places = prepared.texels(), prepared.texels(FINER)
         mesh, matrix = prepared.mesh, prepared.matrix_world
         steps = capture_shared(scratch, item, mesh, matrix, *places, spec.rays, spec.seed, folder)

@@ -60,9 +60,19 @@ CAPTIONS = {
     ),
     "shadow": Caption(
         "Shadow",
-        "One bit a cell, under a wide sun and an area lamp.",
-        "The sun's shadows are smooth. The area lamp's lie where they should, but fall in steps, for the "
-        "lamp is hardly wider than one of 8 x 8 cells: it wants more of them.",
+        "One bit a cell, under a wide sun and an area lamp: 8 bytes a texel with 8 x 8 cells, 32 bytes with "
+        "16 x 16.",
+        "Shadows lie where they should, are as dark, and sharpen towards what casts them. With 8 x 8 cells "
+        "their slopes are faceted, as cut by a knife, where the lamp is hardly wider than a cell; 16 x 16 "
+        "cells leave little of that. Around the eyes, which are stuck into the head, a rim is too dark.",
+    ),
+    "ao": Caption(
+        "Ambient occlusion",
+        "White things in a corner, lit by the sky alone: a sky of one colour, and one that is warm on the "
+        "left and blue on the right, seen along the bent normal. One value and one direction a texel.",
+        "Hollows, contacts and the ring's inside are as dark as they should be, and walls take the colour of "
+        "that side of the sky which they face. Along the walls' feet lie short dark stitches: texels half "
+        "of which are in the wall. The left wall is a touch too red, for what is open there is no cone.",
     ),
     "transfer": Caption(
         "Transfer",
@@ -70,24 +80,66 @@ CAPTIONS = {
         "Light shines through where it should, the rims glow under the sun behind. What is lit from behind "
         "is dark, and there the grain of the samples, coloured, is seen at once.",
     ),
+    "lamps": Caption(
+        "Lamps",
+        "A vase under three lamps and a dim sky, each baked alone: the sum of the atlases, each times a "
+        "colour that no bake knew.",
+        "Colours meet on the flutes and over the lip where they should. Inside, where light has bounced, "
+        "the grain of eight samples a cell is seen, of all four atlases together.",
+    ),
+    "layers": Caption(
+        "Layers",
+        "Parts of one bake's light, against Cycles's own passes: diffuse, glossy, and what a base of one "
+        "value a texel and a view-dependent rest add up to.",
+        "The picture is of gloss alone: highlights, and the red that the wall lays on the edge, are where "
+        "they should be; it is a little mottled, of twelve samples a cell, and softer in the folds of the "
+        "ear.",
+    ),
     "proxy": Caption(
         "Proxy",
-        "A ball of fur, and a clipped bush of leaves: what is drawn is a ball of 1,280 faces around them.",
-        "From afar it is fur and it is a bush; near, single hairs and the edges of leaves are gone, for a "
-        "texel is wider than they are. A grey veil lies along the rim: there a cell of 20 degrees holds "
-        "both the leaves and what is beside them. Silhouettes are within 5 % of the true ones.",
+        "A ball of fur, and a clipped bush of leaves: what is drawn are hulls of 2,048 and 4,608 triangles, "
+        "wrapped around them.",
+        "From afar it is fur and it is a bush; near, single hairs are gone and leaves have soft edges, for a "
+        "texel is wider than a hair, and a third of a leaf. Along the rim leaves fade into the "
+        "ground, for there a cell of 20 degrees holds both a leaf and what is beside it. Silhouettes are "
+        "within 3 % of the true ones.",
     ),
     "interior": Caption(
         "Interior",
         "A window pane that shows a room with true parallax, 24 texels of 64 x 64 cells. The room is not "
         "drawn.",
         "Ball, table and picture stand where they should from all three places. Edges are as soft as a "
-        "cell is wide at their depth, and walls are blotchy: five samples a cell are too few for light "
-        "that has bounced.",
+        "cell is wide at their depth, and walls are still a little blotchy: sixteen samples a cell are "
+        "few for light that has bounced.",
     ),
     "high_to_low": Caption(
         "High to low",
         "A carved head's light on a head of few faces, drawn beside the carved one itself.",
         "Carving, eyes and shadows are where they should be; edges of the carving are a texel softer.",
+    ),
+    "moving_reflection": Caption(
+        "Moving reflections",
+        "A chrome ball on its way through a room that was baked without it, four atlases of 128 texels: each "
+        "of its rays ends in the atlas that it hits. What is around it, which is not measured, is looked up "
+        "too. The camera alone sees the ball: it casts no shadow in either picture, for no bake could know "
+        "of it. Held against a ball that does darken the floor beneath it, 18 to 24 dB are left: a runtime "
+        "must add that shadow.",
+        "Window, tiles, ring and head stand in the ball where they should, and as sharp as in the room. What "
+        "grain the walls have, the ball has too, smaller. Edges of tiles are a texel softer, the window's a "
+        "little wide. (Both pictures have few colours, for their file's sake.)",
+    ),
+    "together": Caption(
+        "Shared atlas",
+        "A ring of brass, a head of terracotta and a column of plaster, which light one another, all three "
+        "in one atlas of 128 texels.",
+        "Each shows its own light, and what the others throw on it: the column the head's red, the head the "
+        "column's shade. Fine lines of the head are a texel softer; the column, which has the largest faces, "
+        "is a little mottled.",
+    ),
+    "udim": Caption(
+        "UDIM tiles",
+        "A painted ring whose UV layer lies in two tiles, with an atlas for each.",
+        "Nothing tells where one tile ends and the next begins. The edges of the paint are a texel softer, "
+        "and a faint grain is left on the white.",
     ),
 }

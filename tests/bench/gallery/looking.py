@@ -170,7 +170,7 @@ def baked(spec: BakeSpec, folder: Path, name: str = SUBJECT) -> Baked:
     size = sum(path.stat().st_size for path in folder.glob("*.exr"))
     kept: list[bpy.types.ID] = []
     with scratch_scene(scene, None, kept) as scratch:
-        prepared = finished(prepare(scratch, find_object(scratch, name), spec, kept))
+        prepared = finished(prepare(scratch, [find_object(scratch, name)], spec, kept))
         surface = BakedSurface(prepared.mesh, prepared.matrix_world, prepared.uv_layer)
     bpy.data.batch_remove(kept)
     shape = f"{spec.texels} texels, {spec.bucket} cells, {spec.samples} spp, {spec.layout}"

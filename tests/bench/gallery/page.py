@@ -23,8 +23,8 @@ from radtex_addon.report.metrics import display
 from .captions import CAPTIONS
 from .row import Row
 
-_MOST_BYTES = 60_000  # of a picture
-_COLOURS = (256, 160, 96, 64, 40, 24)
+_MOST_BYTES = 160_000  # of a picture
+_COLOURS = (None, 256, 160, 96, 64, 40)  # None is all
 _GAIN = 4  # of the differences
 _OUTSIDE = 0.12  # a display value, where nothing is measured
 _HEAD = """<!-- SPDX-FileCopyrightText: 2026 RadTex authors -->
@@ -64,7 +64,7 @@ class Record:
 def save_picture(path: Path, rows: Sequence[Row]) -> None:
     """Save path traced | ours | difference of the worst of `rows`, as a PNG of at most _MOST_BYTES."""
     row = min(rows, key=lambda row: row.psnr)
-    inside = row.mask[..., None]
+    inside = (row.mask if row.around is None else row.mask | row.around)[..., None]
     truth, ours = display(row.reference), display(row.ours)
     panels = [truth, ours, np.clip(_GAIN * np.abs(ours - truth), 0, 1)]
     joined = np.concatenate([np.where(inside, panel, _OUTSIDE) for panel in panels], axis=1)
@@ -76,10 +76,11 @@ def save_picture(path: Path, rows: Sequence[Row]) -> None:
         beside.write_bytes(fitting or _encoded(picture, 8))
 
 
-def _encoded(picture: Image.Image, colours: int) -> bytes:
-    """A PNG of so many colours."""
+def _encoded(picture: Image.Image, colours: int | None) -> bytes:
+    """A PNG of so many colours, or of all."""
     encoded = io.BytesIO()
-    picture.quantize(colours, dither=Image.Dither.NONE).save(encoded, "PNG", optimize=True)
+    kept = picture if colours is None else picture.quantize(colours, dither=Image.Dither.FLOYDSTEINBERG)
+    kept.save(encoded, "PNG", optimize=True)
     return encoded.getvalue()
 
 

@@ -3,6 +3,8 @@
 """Fur and leaves inside a simple hull, which alone is drawn: python -m tests.bench.gallery proxy
 
 A hull's colour and alpha are laid over a grey ground, path traced and ours; measured where either is seen.
+Hulls are wrapped around what they show. Each is baked with four points to a texel and looked up in their
+mean, the atlas's mip level 1: hairs and leaves are narrower than a texel, and one point of it would not tell.
 """
 
 from __future__ import annotations
@@ -19,15 +21,17 @@ import numpy as np
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.levels import level_chain
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.exr import read_buckets
 from radtex_addon.report.gbuffer import Array
 from radtex_addon.report.metrics import Picture
 
+from .hull import UV_LAYER, wrap_hull
 from .looking import SUBJECT, Camera, added, baked, empty_scene, lamp, principled, rendered, resolved
 from .row import Row
 
-SPEC = BakeSpec(kind=Kind.PROXY, texels=128, bucket=8, samples=8)
+SPEC = BakeSpec(kind=Kind.PROXY, texels=256, bucket=8, samples=4, uv_layer=UV_LAYER)
 GROUND = 0.18
 _SOLID = 0.5  # of alpha: what counts as silhouette
 _HAIRS, _LEAVES = 90000, 260
@@ -38,8 +42,8 @@ CAMERAS = {
 
 
 def fur() -> None:
-    """A ball of fur, two colours of it, inside a ball of few faces."""
-    _lit_hull(1.0)
+    """A ball of fur, two colours of it, in a hull of 2,048 triangles."""
+    _lit_scene()
     added("uv_sphere", "Skin", principled("Skin", (0.4, 0.2, 0.1)), radius=0.82, segments=48, ring_count=24)
     rng = np.random.default_rng(3)
     root = _spread_over_ball(_HAIRS)
@@ -51,11 +55,12 @@ def fur() -> None:
     dark = np.sin(7 * root[:, 2] + 2 * np.sin(3 * root[:, 0])) > 0.2
     for name, chosen, colour in (("Dark", dark, (0.3, 0.13, 0.05)), ("Fair", ~dark, (0.75, 0.5, 0.25))):
         _hair(name, points[chosen], principled(name, colour, Roughness=0.5))
+    wrap_hull(SUBJECT, tip, cells=32)
 
 
 def leaves() -> None:
-    """A clipped bush of leaves inside the same hull."""
-    _lit_hull(1.0)
+    """A clipped bush of leaves in a hull of 4,608 triangles."""
+    _lit_scene()
     rng = np.random.default_rng(5)
     out = _spread_over_ball(_LEAVES)
     middle = out * rng.uniform(0.89, 0.95, (_LEAVES, 1))
@@ -76,13 +81,20 @@ def leaves() -> None:
     mesh.materials.append(green)
     _link(bpy.data.objects.new("Bush", mesh))
     added("uv_sphere", "Shade", principled("Shade", (0.1, 0.27, 0.04)), radius=0.91)
+    inwards = middle[:, None] - corner
+    filled = [corner + share * inwards for share in np.linspace(0, 1, 6)]
+    between = [
+        (1 - share) * place + share * np.roll(place, -1, axis=1)
+        for place in filled
+        for share in (0, 0.3, 0.6)
+    ]
+    wrap_hull(SUBJECT, np.concatenate(between).reshape(-1, 3), cells=48)
 
 
-def _lit_hull(radius: float) -> None:
+def _lit_scene() -> None:
     scene = empty_scene((0.6, 0.63, 0.7))
     scene.render.film_transparent = True
     lamp((-2.5, -3.5, 4.0), watts=200, size=4)
-    added("ico_sphere", SUBJECT, None, radius=radius * 1.02, subdivisions=3)
 
 
 def _spread_over_ball(count: int) -> Floats:
@@ -117,7 +129,8 @@ def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
         with tempfile.TemporaryDirectory() as folder:
             bake = baked(spec, Path(folder))
             pixels, facts = read_buckets(bake.sidecar)
-        layout = AtlasLayout(facts.width, facts.height, facts.bucket)
+        pixels = level_chain(pixels, AtlasLayout(facts.width, facts.height, facts.bucket), 2)[1]
+        layout = AtlasLayout(facts.width // 2, facts.height // 2, facts.bucket)
         bpy.data.objects[SUBJECT].hide_render = True
         for name, camera in CAMERAS.items():
             seen = bake.seen(camera)
@@ -131,8 +144,9 @@ def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
             ours, truth = resolved(seen.spread(looked), seen), rendered(camera)
             mask = (ours[..., 3] > _SOLID) | (truth[..., 3] > _SOLID)
             both = (ours[..., 3] > _SOLID) & (truth[..., 3] > _SOLID)
-            share = f"silhouettes' intersection over union {both.sum() / mask.sum():.3f}; {bake.words}"
-            yield Row(f"Proxy, {title.lower()}, {name}", _over(truth), _over(ours), mask, share)
+            share = f"silhouettes' intersection over union {both.sum() / mask.sum():.3f}"
+            note = f"{share}; looked up at level 1, {layout.width} texels; baked with {bake.words}"
+            yield Row(f"Proxy, {title.lower()}, {name}", _over(truth), _over(ours), mask, note)
 
 
 def _over(picture: Array) -> Picture:

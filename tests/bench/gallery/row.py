@@ -13,7 +13,7 @@ from radtex_addon.report.metrics import Mask, Picture, compare
 class Row:
     """One view: path traced, and ours, linear light (H, W, 3) from the top; figures are inside `mask`.
 
-    `note` says in words what else was measured.
+    `note` says in words what else was measured. Around the mask, pictures show what `around` (H, W) has.
     """
 
     name: str
@@ -21,6 +21,7 @@ class Row:
     ours: Picture
     mask: Mask
     note: str = ""
+    around: Mask | None = None
 
     @property
     def psnr(self) -> float:

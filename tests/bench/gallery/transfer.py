@@ -97,7 +97,7 @@ def rows(cells: int = 15) -> Iterator[Row]:
     )
     kept: list[bpy.types.ID] = []
     with scratch_scene(made, None, kept) as scratch:
-        prepared = finished(prepare(scratch, find_object(scratch, SUBJECT), spec, kept))
+        prepared = finished(prepare(scratch, [find_object(scratch, SUBJECT)], spec, kept))
         surface = BakedSurface(prepared.mesh, prepared.matrix_world, prepared.uv_layer)
     bpy.data.batch_remove(kept)
     pixels = stored.astype(np.float64)

@@ -52,6 +52,8 @@ export interface Sidecar {
   bucket: number;
   samples: number;
   shared?: SharedFacts;
+  /** Of kind transfer; views along a side where it was seen from around. */
+  transfer?: { view: "normal" | "camera" | "around"; views?: number };
 }
 
 export interface Manifest {

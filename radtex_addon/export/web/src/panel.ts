@@ -5,10 +5,12 @@
 import { element } from "./elements";
 import type { Inspection, Inspector } from "./inspector";
 import { KINDS } from "./kinds";
+import { layerWords } from "./layers";
 import type { Manifest } from "./manifest";
 import type { Filter } from "./parts";
 import { type Tone, TONES } from "./shaders";
 import { SunControls } from "./sun_controls";
+import { followSunDrag } from "./sun_drag";
 import type { Viewer } from "./viewer";
 
 const FILTER_WORDS: Record<Filter, [string, string]> = {
@@ -21,6 +23,7 @@ const FILTER_WORDS: Record<Filter, [string, string]> = {
 const TONE_WORDS: Record<Tone, string> = { none: "None", aces: "ACES", agx: "AgX", neutral: "Neutral" };
 const CLICK = 5; // CSS pixels that a click may stray
 const STEP = 0.07; // radians an arrow key turns
+const SUN_STEP = 5; // degrees
 
 export class Panel {
   private readonly exposure = element<HTMLInputElement>("exposure");
@@ -37,6 +40,7 @@ export class Panel {
   ) {
     this.describe(viewer.manifest);
     this.choices("filters", viewer.filters, (filter) => FILTER_WORDS[filter], (filter) => viewer.setFilter(filter));
+    this.choices("layers", viewer.layers, layerWords, (layer) => viewer.setLayer(layer));
     this.choices("tones", [...TONES], (tone) => [TONE_WORDS[tone], ""], (tone) => viewer.setTone(tone));
     this.exposure.addEventListener("input", () => this.change(() => viewer.setExposure(Number(this.exposure.value))));
     this.exposure.addEventListener("dblclick", () => this.change(() => viewer.setExposure(0)));
@@ -49,11 +53,13 @@ export class Panel {
     this.button("help-open", () => this.help.showModal());
     this.button("help-close", () => this.help.close());
     this.followPointer();
+    followSunDrag(viewer, (act) => this.change(act));
     this.followDivider();
     this.followBucket();
     document.addEventListener("keydown", (event) => this.key(event));
     viewer.drawn = () => this.afterFrame();
     element("filters").hidden = element("filters-title").hidden = viewer.filters.length < 2;
+    element("layers").hidden = element("layers-title").hidden = viewer.layers.length < 2;
     new ResizeObserver(() => this.cover()).observe(this.cards);
     this.sync();
     this.cover();
@@ -122,6 +128,7 @@ export class Panel {
       }
     };
     press("filters", viewer.filter);
+    press("layers", viewer.layer);
     press("tones", viewer.tone);
     this.sun.sync();
     this.exposure.value = String(viewer.exposure);
@@ -222,6 +229,14 @@ export class Panel {
       Escape: () => this.inspector.inspect(null),
       "?": () => this.help.showModal(),
     };
+    if (event.shiftKey && this.sun.turns) {
+      Object.assign(acts, {
+        ArrowLeft: () => viewer.turnSun(-SUN_STEP, 0),
+        ArrowRight: () => viewer.turnSun(SUN_STEP, 0),
+        ArrowUp: () => viewer.turnSun(0, SUN_STEP),
+        ArrowDown: () => viewer.turnSun(0, -SUN_STEP),
+      });
+    }
     const act = filter ? () => viewer.setFilter(filter) : acts[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!act) return;
     event.preventDefault();

@@ -7,6 +7,7 @@ import bucketLookups from "../../../../shaders/radtex.glsl";
 import shadowLookups from "../../../../shaders/radtex_shadow.glsl";
 import sharedLookups from "../../../../shaders/radtex_shared.glsl";
 import transferLookups from "../../../../shaders/radtex_transfer.glsl";
+import { BASE, bucketsOf, SUM, WHOLE } from "./layers";
 import type { Lobe, Manifest, Sidecar } from "./manifest";
 import { Problem } from "./problem";
 import bucketLight from "./shaders/buckets.glsl";
@@ -29,13 +30,36 @@ export type Uniforms = Record<string, { value: unknown }>;
 export type Parts = [string, Uniforms];
 
 /** How a bake is looked up, by a filter. */
-export function partsOf(manifest: Manifest, textures: Map<string, Loaded>, filter: Filter, stage: Stage): Parts {
+export function partsOf(
+  manifest: Manifest,
+  textures: Map<string, Loaded>,
+  filter: Filter,
+  stage: Stage,
+  layer: string,
+): Parts {
   const { bake } = manifest;
   if (bake.layout === "shared") return sharedParts(bake, textures, stage);
-  const loaded = needed(textures, bake.kind);
+  const loaded = needed(textures, bucketsOf(layer, bake.kind));
   if (bake.kind === "shadow") return shadowParts(bake, loaded, stage);
   if (bake.kind === "transfer") return transferParts(bake, loaded, stage);
-  return bucketParts(bake, loaded, filter, stage);
+  const [defines, uniforms] = layerParts(bake, textures, layer);
+  const [lookups, own] = bucketParts(bake, loaded, filter, stage);
+  return [[...defines, lookups].join("\n"), { ...own, ...uniforms }];
+}
+
+/** What a layer changes: the base is an image, and what covers is the whole's to say. */
+function layerParts(bake: Sidecar, textures: Map<string, Loaded>, layer: string): [string[], Uniforms] {
+  if (layer === WHOLE) return [[], {}];
+  const whole = needed(textures, bake.kind);
+  const uniforms: Uniforms = { u_whole: { value: whole.texture } };
+  const defines = [
+    layer === BASE ? "#define BASE_ALONE" : "",
+    layer === SUM ? "#define BASE_ADDED" : "",
+    layer === "normal" ? "#define NORMALS" : "",
+    whole.entry.format === "RGBA16F" ? "#define COVERED" : "",
+  ];
+  if (layer === BASE || layer === SUM) uniforms["u_base"] = { value: needed(textures, BASE).texture };
+  return [defines, uniforms];
 }
 
 function bucketParts(bake: Sidecar, loaded: Loaded, filter: Filter, stage: Stage): Parts {
@@ -78,12 +102,23 @@ function shadowParts(bake: Sidecar, loaded: Loaded, stage: Stage): Parts {
 }
 
 function transferParts(bake: Sidecar, loaded: Loaded, stage: Stage): Parts {
-  const defines = ["#define RADTEX_NO_DERIVATIVES", "#define SUNLIT", "#define SPHERE"];
-  if (stage === "bucket") defines.push("#define STORED");
+  const { pages, page_texels: page, texels } = loaded.entry;
+  const views = bake.transfer?.views ?? 1;
+  const defines = [
+    "#define RADTEX_NO_DERIVATIVES",
+    "#define SUNLIT",
+    "#define SPHERE",
+    `#define SAMPLER ${loaded.isArray ? "sampler2DArray" : "sampler2D"}`,
+    loaded.isArray ? "#define RADTEX_PAGES" : "",
+    views > 1 ? "#define AROUND" : "",
+    stage === "bucket" ? "#define STORED" : "",
+  ];
   const uniforms: Uniforms = {
     u_transfer: { value: loaded.texture },
     u_texels: { value: bake.texels },
     u_bucket: { value: bake.bucket },
+    u_views: { value: views },
+    u_pages: { value: [...(pages ?? [1, 1]), ...(page ?? texels)] },
     ...sunlight,
   };
   return [[...defines, bucketLookups, transferLookups, transferLight].join("\n"), uniforms];

@@ -22,6 +22,10 @@ export interface Script {
   /** Place the camera by its 4 x 4 matrix, row by row, in glTF's axes; it looks along its own -z. fovy in radians. */
   setCamera: (matrix: number[], fovy: number, width: number, height: number) => void;
   setFilter: (filter: Filter) => void;
+  /** What setLayer takes here. */
+  layers: () => string[];
+  /** Show the whole, one of its layers, or the sum of base and rest. */
+  setLayer: (layer: string) => void;
   setTone: (tone: Tone) => void;
   /** In stops. */
   setExposure: (stops: number) => void;
@@ -60,6 +64,8 @@ export function scriptOf(page: Promise<[Viewer, Inspector]>): Script {
     filters: () => there().filters,
     setCamera: (matrix, fovy, width, height) => there().setCamera(matrix, fovy, width, height),
     setFilter: (filter) => there().setFilter(filter),
+    layers: () => there().layers,
+    setLayer: (layer) => there().setLayer(layer),
     setTone: (tone) => there().setTone(tone),
     setExposure: (stops) => there().setExposure(stops),
     setDivider: (share) => there().setDivider(share),

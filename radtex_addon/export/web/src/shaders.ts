@@ -16,6 +16,7 @@ import {
 } from "three";
 
 import { KINDS } from "./kinds";
+import { WHOLE } from "./layers";
 import type { Manifest } from "./manifest";
 import { type Filter, partsOf, type Stage, type Uniforms } from "./parts";
 import { Problem } from "./problem";
@@ -52,22 +53,27 @@ export function lightMaterial(
   textures: Map<string, Loaded>,
   filter: Filter,
   stage: Stage,
+  layer: string = WHOLE,
 ): RawShaderMaterial {
   const shared = manifest.bake.layout === "shared";
-  const material = assembled(...partsOf(manifest, textures, filter, stage), stage, sidesOf(manifest));
-  if (stage === "mesh" && [...textures.values()].some((loaded) => !shared && loaded.entry.format === "RGBA16F")) {
-    material.transparent = true; // what has no alpha of its own is not blended
-    material.blending = CustomBlending;
-    material.blendSrc = OneFactor;
-    material.blendDst = OneMinusSrcAlphaFactor;
-  }
-  return material;
+  const material = assembled(...partsOf(manifest, textures, filter, stage, layer), stage, sidesOf(manifest));
+  const clear = !shared && [...textures.values()].some((loaded) => loaded.entry.format === "RGBA16F");
+  return stage === "mesh" && clear ? blended(material) : material; // what has no alpha of its own is not blended
 }
 
 /** The flat lightmap on the mesh. */
 export function flatMaterial(manifest: Manifest, texture: Texture): RawShaderMaterial {
   const uniforms = { u_flat: { value: texture }, u_flat_scale: { value: manifest.flat_scale || 1 } };
-  return assembled(`precision highp float;\n${flatLight}`, uniforms, "mesh", sidesOf(manifest));
+  const material = assembled(`precision highp float;\n${flatLight}`, uniforms, "mesh", sidesOf(manifest));
+  return manifest.bake.layout === "buckets" ? blended(material) : material;
+}
+
+function blended(material: RawShaderMaterial): RawShaderMaterial {
+  material.transparent = true;
+  material.blending = CustomBlending;
+  material.blendSrc = OneFactor;
+  material.blendDst = OneMinusSrcAlphaFactor;
+  return material;
 }
 
 /** A hull shows its front alone: what is seen through it is in its texture. */

@@ -29,13 +29,18 @@ export class SunControls {
     change: (act: () => void) => void,
   ) {
     this.shownSettings = KINDS[viewer.manifest.bake.kind].sun.flatMap((part) => [...SETTINGS[part]]);
-    element("sun").hidden = !this.shownSettings.length;
+    element("sun").hidden = element("sun-gesture").hidden = !this.turns;
     for (const setting of Object.values(SETTINGS).flat()) {
       element(`sun-${setting}-row`).hidden = !this.shownSettings.includes(setting);
       const input = this.input(setting);
       const value = (): Partial<Sun> => ({ [setting]: setting === "colour" ? input.value : Number(input.value) });
       input.addEventListener("input", () => change(() => viewer.setSun(value())));
     }
+  }
+
+  /** Whether there is a sun that can be turned. */
+  get turns(): boolean {
+    return this.shownSettings.includes("azimuth");
   }
 
   /** Have the controls say what is so. */

@@ -26,6 +26,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
+import { layersOf, WHOLE } from "./layers";
 import type { Manifest } from "./manifest";
 import type { Filter } from "./parts";
 import { filtersOf, flatMaterial, lightMaterial, shown, type Tone, TONES } from "./shaders";
@@ -53,6 +54,9 @@ export class Viewer {
   /** Called after each frame that was drawn. */
   drawn: () => void = () => undefined;
   filter: Filter;
+  /** What is shown of the bake: the whole, or one of its layers. */
+  layer = WHOLE;
+  readonly layers: string[];
   tone: Tone = "none";
   /** In stops. */
   exposure = 0;
@@ -64,7 +68,7 @@ export class Viewer {
 
   private readonly scene = new Scene();
   private readonly ball: Sphere;
-  private readonly materials = new Map<Filter, RawShaderMaterial>();
+  private readonly materials = new Map<string, RawShaderMaterial>();
   private readonly flat: RawShaderMaterial;
   private scheduled = 0;
   private before = 0; // when the last frame was, in milliseconds
@@ -82,6 +86,7 @@ export class Viewer {
   ) {
     this.filters = filtersOf(manifest);
     this.filter = this.filters.at(-1) as Filter;
+    this.layers = layersOf(manifest);
     this.flat = flatMaterial(manifest, flat);
     const box = new Box3();
     for (const mesh of meshes) {
@@ -118,8 +123,15 @@ export class Viewer {
   setFilter(filter: Filter): void {
     if (!this.filters.includes(filter)) throw new Error(`no filter ${filter}: there are ${this.filters.join(", ")}`);
     this.filter = filter;
-    const radiance = this.textures.get(this.manifest.bake.kind);
-    if (radiance?.entry.arrangement === "slices") blendLevels(this.renderer, radiance, filter === "levels");
+    for (const loaded of this.textures.values()) {
+      if (loaded.entry.arrangement === "slices") blendLevels(this.renderer, loaded, filter === "levels");
+    }
+    this.invalidate();
+  }
+
+  setLayer(layer: string): void {
+    if (!this.layers.includes(layer)) throw new Error(`no layer ${layer}: there are ${this.layers.join(", ")}`);
+    this.layer = layer;
     this.invalidate();
   }
 
@@ -140,6 +152,12 @@ export class Viewer {
     this.sun = changedSun(this.sun, change);
     shine(this.sun);
     this.invalidate();
+  }
+
+  /** Turn the sun by degrees, to the right about the vertical and up: it goes round, but not over the top. */
+  turnSun(right: number, up: number): void {
+    const { azimuth, height } = this.sun;
+    this.setSun({ azimuth: ((((azimuth + right + 180) % 360) + 360) % 360) - 180, height: height + up });
   }
 
   setDivider(share: number | null): void {
@@ -288,9 +306,10 @@ export class Viewer {
   }
 
   private light(): RawShaderMaterial {
-    const { filter } = this;
-    const material = this.materials.get(filter) ?? lightMaterial(this.manifest, this.textures, filter, "mesh");
-    this.materials.set(filter, material);
+    const { filter, layer } = this;
+    const key = `${filter} ${layer}`;
+    const material = this.materials.get(key) ?? lightMaterial(this.manifest, this.textures, filter, "mesh", layer);
+    this.materials.set(key, material);
     return material;
   }
 

@@ -55,8 +55,8 @@ class Shared:
         reached: dict[Stage, float] = {}
         with scratch_scene(scene, None, kept) as scratch:
             item = find_object(scratch, stage.subject.name)
-            prepared = _finish(prepare(scratch, item, self.spec, kept), reached)
-            made = _finish(bake_shared(scratch, item, self.spec, files, prepared, folder), reached)
+            prepared = _finish(prepare(scratch, [item], self.spec, kept), reached)
+            made = _finish(bake_shared(scratch, self.spec, files, prepared, folder), reached)
         ended = perf_counter()
         atlas, sidecar = read_shared(files.sidecar)
         print(

@@ -28,9 +28,9 @@ vec4 light(vec2 uv, vec3 normal, vec4 tangent, vec3 V) {
 vec4 stored_cell(ivec2 texel, ivec2 cell) {
     RadtexShadow here;
 #ifdef RADTEX_SHADOW_LAYERS
-    here.low = here.high = texel;
+    here.nearest = here.last = texel;
 #else
-    here.words[0] = texelFetch(u_bits, texel, 0).xy;
+    here.words[4] = texelFetch(u_bits, texel, 0).xy;
 #endif
-    return vec4(vec3(radtex_open(HERE, 0, cell.y * u_bucket + cell.x)), 1.0);
+    return vec4(vec3(radtex_open(HERE, 4, cell.y * u_bucket + cell.x)), 1.0);
 }

@@ -2,17 +2,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A bake of kind `transfer` in the light of a sun.
 
-uniform sampler2D u_transfer;
+uniform SAMPLER u_transfer;
+uniform ivec4 u_pages; // columns, rows, texels of a page across and up
 uniform ivec2 u_texels;
-uniform int u_bucket;
+uniform int u_bucket, u_views;
 uniform vec3 u_to_sun, u_irradiance;
+
+#ifdef RADTEX_PAGES
+#define ATLAS u_transfer, u_pages
+#else
+#define ATLAS u_transfer
+#endif
 
 vec4 light(vec2 uv, vec3 normal, vec4 tangent, vec3 V) {
     vec3 L = radtex_incidence(u_to_sun, normal, tangent.xyz, tangent.w);
-    return radtex_transfer(u_transfer, u_texels, u_bucket, uv, L) * vec4(u_irradiance, 1.0);
+#ifdef AROUND
+    vec3 I = radtex_incidence(V, normal, tangent.xyz, tangent.w);
+    vec4 answer = radtex_transfer_around(ATLAS, u_texels, u_views, u_bucket, uv, I, L);
+#else
+    vec4 answer = radtex_transfer(ATLAS, u_texels, u_bucket, uv, L);
+#endif
+    return answer * vec4(u_irradiance, 1.0);
 }
 
-// One cell of one texel's map, as it is stored: under an irradiance of 1.
+// One cell of one texel's map, as it is stored, of the middle view: under an irradiance of 1.
 vec4 stored_cell(ivec2 texel, ivec2 cell) {
-    return texelFetch(u_transfer, texel * u_bucket + cell, 0);
+    return radtex_sphere_cell(ATLAS, texel * u_views + u_views / 2, u_bucket, cell);
 }

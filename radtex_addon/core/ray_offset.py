@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.arrays import Floats
+from .arrays import Floats
 
 GRAZING = 0.01  # least cosine between a ray and the facet it starts at
 _OF_SIZE = 5e-4  # of the object's diagonal: below a texel, above what smooth shading bends

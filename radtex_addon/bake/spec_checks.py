@@ -1,0 +1,245 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What of a specification does not go together, or cannot be baked: refused by name."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import TYPE_CHECKING
+
+from ..core.errors import InputError
+from ..formats.exr import Compression
+from ..formats.memory import physical_memory, readable_size
+from .choices import ARRIVING, LEAVING, OCCLUSION, SOURCED, CaptureMethod, Kind, Layout, View
+from .parts import Split
+from .plan import MAX_IMAGE_SIDE
+
+if TYPE_CHECKING:
+    from .spec import BakeSpec
+
+_MOST_SHARED_SAMPLES = 2**12  # 177 thousand paths a texel
+_TARGETS = (10.0, 60.0)  # dB; textures of 8 bits come no nearer
+
+# What a whole number may be; Cycles's own bounds for samples and seed.
+_LIMITS = {
+    "texels": (1, MAX_IMAGE_SIDE),
+    "bucket": (2, 256),
+    "samples": (1, 2**24),
+    "seed": (0, 2**31 - 1),
+    "padding": (0, 256),
+    "memory_mb": (16, 2**24),
+    "budget": (1, 2**40),
+    "frame": (0, 1048574),
+    "unwrap_at": (0, 1048574),
+}
+_OPTIONAL = ("budget", "frame", "unwrap_at")
+
+
+def check(spec: BakeSpec) -> None:
+    """Raises InputError for what cannot be baked; enums and the number of cells are settled before."""
+    for name, (least, most) in _LIMITS.items():
+        if name not in _OPTIONAL or getattr(spec, name) is not None:
+            _check_whole_number(name, getattr(spec, name), least, most)
+    if spec.unwrap_at is not None and (spec.frame is None or spec.uv_layer is not None):
+        raise InputError(f"unwrap at frame {spec.unwrap_at} is for frames without a UV layer: leave it out")
+    if spec.uv_layer == "":
+        raise InputError("the UV layer's name is empty: name one of the object's, or none to unwrap anew")
+    _check_kind(spec)
+    if spec.layout is Layout.SHARED:
+        _check_shared(spec)
+    if spec.condensed:
+        _check_condensed(spec)
+    _check_size(spec)
+
+
+def _check_kind(spec: BakeSpec) -> None:
+    if spec.capture is CaptureMethod.PANORAMIC and spec.kind in LEAVING:
+        raise InputError(
+            f"capture panoramic only looks outwards and cannot bake {spec.kind}: "
+            "capture by portal, or bake incident or reflection"
+        )
+    if spec.layers and spec.kind not in LEAVING:
+        raise InputError(f"{spec.kind} has no layers: bake radiance, or leave the layers out")
+    if spec.accumulate or spec.refresh:
+        _check_earlier(spec)
+    if spec.where is not None:
+        _check_where(spec)
+    if spec.content is not None and spec.kind is not Kind.PROXY:
+        raise InputError(f"{spec.kind} shows the object itself: bake a proxy, or leave the content out")
+    if spec.view is not View.NORMAL and spec.kind is not Kind.TRANSFER:
+        raise InputError(f"{spec.kind} is not baked for a view: leave {spec.view} (--view) out")
+    if spec.kind is Kind.TRANSFER:
+        _check_transfer(spec)
+    _check_source(spec)
+    _check_lights(spec)
+    _check_surfaces(spec)
+    _check_distance(spec)
+    if spec.kind in OCCLUSION:
+        _check_occlusion(spec)
+
+
+def _check_source(spec: BakeSpec) -> None:
+    if spec.source is None:
+        for word, given in (("extrusion", spec.extrusion), ("cage", spec.cage)):
+            if given is not None:
+                raise InputError(
+                    f"{word} {given} is for what another object shows: name that one (--from), "
+                    f"or leave the {word} out"
+                )
+        return
+    if not spec.source:
+        raise InputError("the name of the object to bake from is empty: name one, or none")
+    if spec.kind not in SOURCED:
+        raise InputError(f"{spec.kind} is not baked from another object: leave --from out")
+    if spec.layout is not Layout.BUCKETS:
+        raise InputError("the shared layout is not baked from another object: choose layout buckets")
+    if spec.capture is not CaptureMethod.PORTAL:
+        raise InputError(f"capture {spec.capture} bakes from no other object: capture by portal")
+    _check_reach(spec)
+
+
+def _check_reach(spec: BakeSpec) -> None:
+    """How far from the surface the source is looked for."""
+    if spec.extrusion is not None and not 0 < spec.extrusion < inf:
+        raise InputError(f"extrusion {spec.extrusion:g}: give a distance above 0, in scene units")
+    if spec.cage == "":
+        raise InputError("the cage's name is empty: name an object, or none")
+    if spec.cage is not None and spec.extrusion is not None:
+        raise InputError("a cage and an extrusion contradict each other: give one of them")
+
+
+def _check_lights(spec: BakeSpec) -> None:
+    if not spec.lights:
+        return
+    if not all(spec.lights):
+        raise InputError("a light's name is empty: name lamps, or collections of lamps")
+    for asked, wrong, remedy in (
+        (f"kind {spec.kind}", spec.kind not in (*LEAVING, *ARRIVING), "bake radiance"),
+        ("the shared layout", spec.layout is not Layout.BUCKETS, "choose layout buckets"),
+        ("layers", bool(spec.layers), "leave the layers out"),
+        ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, "capture by portal"),
+    ):
+        if wrong:
+            raise InputError(f"{asked} cannot be baked for some lamps alone (--lights): {remedy}")
+
+
+def _check_surfaces(spec: BakeSpec) -> None:
+    """Of which objects the atlas is, and of which part of them."""
+    if spec.objects:
+        if len(spec.objects) < 2:
+            raise InputError(f"object '{spec.objects[0]}' is alone: name others to share its atlas")
+        for asked, wrong, remedy in (
+            ("the shared layout", spec.layout is Layout.SHARED, "choose layout buckets"),
+            ("a proxy", spec.kind is Kind.PROXY, "bake hulls one by one"),
+            ("what another object shows (--from)", spec.source is not None, "bake these one by one"),
+        ):
+            if wrong:
+                raise InputError(f"{asked} is not baked for several objects in one atlas: {remedy}")
+    if spec.split is Split.UDIM and spec.uv_layer is None:
+        raise InputError("UDIM tiles are a UV layer's: name the layer (--uv)")
+    if spec.part is not None and spec.split is None:
+        raise InputError(f"part '{spec.part}' of what? Split by {' or '.join(Split)}, or leave it out")
+
+
+def _check_distance(spec: BakeSpec) -> None:
+    if spec.ao_distance is None:
+        return
+    if spec.kind is not Kind.AO:
+        raise InputError(f"{spec.kind} looks as far as there is: bake ao, or leave --ao-distance out")
+    if not 0 < spec.ao_distance < inf:
+        raise InputError(f"ao distance {spec.ao_distance:g}: give one above 0, in scene units")
+
+
+def _check_transfer(spec: BakeSpec) -> None:
+    for asked, wrong, remedy in (
+        ("shared layout", spec.layout is not Layout.BUCKETS, "choose layout buckets"),
+        ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, "capture by portal"),
+        ("budget or target", spec.condensed, "leave it out"),
+    ):
+        if wrong:
+            raise InputError(f"kind transfer knows no {asked}: {remedy}")
+
+
+def _check_occlusion(spec: BakeSpec) -> None:
+    kind = spec.kind
+    if spec.layout is not Layout.BUCKETS:
+        raise InputError(f"the shared layout holds light, not {kind}: choose layout buckets")
+    if spec.capture is not CaptureMethod.PORTAL:
+        raise InputError(f"capture {spec.capture} cannot bake {kind}: capture by portal")
+    if spec.compression is Compression.DWAA:
+        raise InputError(f"compression dwaa is for light and spoils {kind}: choose zip or piz")
+    if kind is Kind.SHADOW and not spec.half:
+        raise InputError("shadow holds bits, not floats: leave 32-bit floats (--float) out")
+
+
+def _check_earlier(spec: BakeSpec) -> None:
+    if spec.accumulate and spec.refresh:
+        raise InputError("to accumulate and to refresh contradict each other: choose one of them")
+    done = "accumulated" if spec.accumulate else "refreshed"
+    for asked, wrong, remedy in (
+        (f"kind {spec.kind}", spec.kind not in (*LEAVING, *ARRIVING), "bake it anew"),
+        ("the shared layout", spec.layout is not Layout.BUCKETS, "choose layout buckets"),
+        ("layers", bool(spec.layers), "leave the layers out"),
+        ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, "capture by portal"),
+    ):
+        if wrong:
+            raise InputError(f"{asked} cannot be {done}: {remedy}")
+
+
+def _check_where(spec: BakeSpec) -> None:
+    if not spec.where:
+        raise InputError("the name of where is empty: name a vertex group, an attribute or a material")
+    if not (spec.accumulate or spec.refresh):
+        raise InputError(
+            f"where '{spec.where}' is for what is accumulated (--accumulate) or refreshed (--refresh): "
+            "choose one of them, or leave it out"
+        )
+
+
+def _check_shared(spec: BakeSpec) -> None:
+    for name, found, only in (
+        ("kind", spec.kind, Kind.RADIANCE),
+        ("capture", spec.capture, CaptureMethod.PORTAL),
+    ):
+        if found is not only:
+            raise InputError(
+                f"the shared layout knows {name} {only} only, not {found}: bake that in layout buckets"
+            )
+    if spec.layers:
+        raise InputError("the shared layout has no layers: bake those in layout buckets")
+    _check_whole_number("samples in the shared layout", spec.samples, 1, _MOST_SHARED_SAMPLES)
+
+
+def _check_condensed(spec: BakeSpec) -> None:
+    asked = "a budget" if spec.target is None else "a target"
+    if spec.layout is not Layout.SHARED:
+        raise InputError(f"{asked} needs the shared layout: choose --layout shared, or leave it out")
+    if spec.budget is not None and spec.target is not None:
+        raise InputError("a budget and a target contradict each other: give one of them")
+    if not spec.half or spec.compression is not Compression.ZIP:
+        raise InputError(f"{asked} makes textures of one format: leave --float and --compression out")
+    least, most = _TARGETS
+    if spec.target is not None and not least <= spec.target <= most:
+        raise InputError(f"target {spec.target:g} dB: give {least:g} to {most:g} dB")
+    if spec.bucket % 4 != 2:
+        raise InputError(
+            f"bucket {spec.bucket} with {asked}: give 6, 10, 14 or 18 cells, which with their border "
+            "fill the blocks of compressed textures"
+        )
+
+
+def _check_size(spec: BakeSpec) -> None:
+    asked = f"texels {spec.texels} with bucket {spec.bucket}"
+    if spec.pixels_a_side > MAX_IMAGE_SIDE:
+        side = spec.pixels_a_side
+        raise InputError(f"{asked} makes {side} pixels a side, {MAX_IMAGE_SIDE} is the most: lower one")
+    memory = physical_memory()
+    if memory is not None and spec.atlas_bytes > memory:
+        needed, present = readable_size(spec.atlas_bytes), readable_size(memory)
+        raise InputError(f"{asked} needs {needed} of memory, this machine has {present}: lower one")
+
+
+def _check_whole_number(name: str, value: object, least: int, most: int) -> None:
+    if isinstance(value, int) and not isinstance(value, bool) and least <= value <= most:
+        return
+    raise InputError(f"{name} {value}: give a whole number from {least} to {most}")

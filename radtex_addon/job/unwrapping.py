@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Texture coordinates for all that is baked: of one object or several, in one atlas or one for each part."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from ..bake.checkpoint import Arrays, Keeper
+from ..bake.parts import Split
+from ..bake.progress import Progress
+from ..bake.spec import BakeSpec
+from ..core.arrays import Bools, Floats
+from ..core.errors import InputError
+from ..scene.copy import UV_LAYER
+from ..scene.digests import matrix_digest, mesh_digest
+from ..scene.evaluated import EvaluatedMesh
+from ..scene.parts import Parts, in_first_tile, parts_of, taken
+from ..scene.together import side_by_side
+from ..scene.unwrap import unwrap_steps
+from ..scene.unwrap_options import UnwrapOptions
+from ..scene.uv_layer import check_apart, user_uv
+
+Unwraps: TypeAlias = dict[str, Arrays]  # by what is unwrapped, and how
+
+_UNWRAP = "unwrap"  # a piece's name
+_WHOLE = ""  # the name of the one part of what is not split
+
+
+@dataclass(frozen=True, eq=False)
+class AtlasPart:
+    """What one atlas is of: triangles of each mesh, `faces` (F,) each; `islands` if it was unwrapped anew."""
+
+    name: str
+    faces: tuple[Bools, ...]
+    width: int
+    height: int
+    islands: int | None
+
+
+@dataclass(frozen=True, eq=False)
+class Unwrapped:
+    """Coordinates (F, 3, 2) of each mesh in its `layer`, every part's in 0..1 of an atlas of its own."""
+
+    uvs: tuple[Floats, ...]
+    layer: str
+    parts: tuple[AtlasPart, ...]
+
+    def chosen(self, spec: BakeSpec, name: str) -> tuple[int, AtlasPart]:
+        """The number and the part that the specification is of. Raises InputError where there is none."""
+        for index, part in enumerate(self.parts):
+            if part.name == (spec.part or _WHOLE):
+                return index, part
+        known = ", ".join(f"'{part.name}'" for part in self.parts)
+        raise InputError(f"object '{name}' has no {spec.split} '{spec.part}' in renders: it has {known}")
+
+
+def unwrap_surfaces(
+    meshes: Sequence[EvaluatedMesh], spec: BakeSpec, keeper: Keeper, known: Unwraps
+) -> Generator[Progress, None, Unwrapped]:
+    """Unwrap, or take the UV layer that the specification names; the `keeper` is given what was unwrapped.
+
+    Raises InputError for a layer that does not serve, and for what cannot be unwrapped.
+    """
+    parts = split_surfaces(meshes, spec)
+    if spec.uv_layer is not None:
+        return _of_layer(meshes, parts, spec, spec.uv_layer)
+    piece = keeper.found(_UNWRAP)
+    if piece is None:
+        digests = " ".join(mesh_digest(mesh) + matrix_digest(mesh) for mesh in meshes)
+        key = f"{digests} {spec.texels} {spec.unwrap} {spec.padding} {spec.split}"
+        if key not in known:
+            known[key] = yield from _anew(meshes, parts, spec)
+        piece = known[key]
+        keeper.keep(_UNWRAP, piece)
+    ends = np.cumsum([len(mesh.triangles) for mesh in meshes])
+    sizes = piece["sizes"].tolist()
+    made = [AtlasPart(name, parts[name], *size) for name, size in zip(parts, sizes, strict=True)]
+    return Unwrapped(tuple(np.split(piece["uv"], ends[:-1])), UV_LAYER, tuple(made))
+
+
+def split_surfaces(meshes: Sequence[EvaluatedMesh], spec: BakeSpec) -> dict[str, tuple[Bools, ...]]:
+    """The parts by name, each with its triangles (F,) of every mesh; one called "" of what is not split."""
+    if spec.split is None:
+        return {_WHOLE: tuple(np.ones(len(mesh.triangles), dtype=bool) for mesh in meshes)}
+    found: list[Parts] = [parts_of(mesh, spec.split, spec.uv_layer) for mesh in meshes]
+    names = list(dict.fromkeys(name for parts in found for name in parts))
+    if spec.split is Split.UDIM:
+        names.sort(key=int)
+    return {
+        name: tuple(
+            parts.get(name, np.zeros(len(mesh.triangles), dtype=bool))
+            for mesh, parts in zip(meshes, found, strict=True)
+        )
+        for name in names
+    }
+
+
+def _of_layer(
+    meshes: Sequence[EvaluatedMesh], parts: dict[str, tuple[Bools, ...]], spec: BakeSpec, layer: str
+) -> Unwrapped:
+    """A layer of the user's own: the same atlas, square, for every part."""
+    uvs = [np.zeros((len(mesh.triangles), 3, 2), dtype=np.float32) for mesh in meshes]
+    for name, faces in parts.items():
+        for mesh, uv, some in zip(meshes, uvs, faces, strict=True):
+            if some.any():
+                part = mesh if some.all() else taken(mesh, some)
+                if spec.split is Split.UDIM:
+                    part = in_first_tile(part, layer, name)
+                uv[some] = user_uv(part, layer)
+        if len(meshes) > 1:
+            names = ", ".join(f"'{mesh.name}'" for mesh in meshes)
+            together = np.concatenate([uv[some] for uv, some in zip(uvs, faces, strict=True)])
+            check_apart(together, f"UV layer '{layer}' of objects {names} together")
+    made = (AtlasPart(name, faces, spec.texels, spec.texels, None) for name, faces in parts.items())
+    return Unwrapped(tuple(uvs), layer, tuple(made))
+
+
+def _anew(
+    meshes: Sequence[EvaluatedMesh], parts: dict[str, tuple[Bools, ...]], spec: BakeSpec
+) -> Generator[Progress, None, Arrays]:
+    """Every part unwrapped by itself: `uv` (F, 3, 2) of all meshes' triangles, `sizes` (P, 3) of the atlases.
+
+    A size is width and height in texels, and the number of islands.
+    """
+    options = UnwrapOptions(padding=spec.padding)
+    every = np.concatenate([np.stack(faces_of_mesh) for faces_of_mesh in _by_mesh(parts)], axis=1)
+    uv = np.zeros((every.shape[1], 3, 2))
+    sizes = []
+    for faces, some in zip(parts.values(), every, strict=True):
+        those = [
+            mesh if one.all() else taken(mesh, one)
+            for mesh, one in zip(meshes, faces, strict=True)
+            if one.any()
+        ]
+        names = "', '".join(mesh.name for mesh in those)
+        found = yield from unwrap_steps(side_by_side(those, names), spec.texels, spec.unwrap, options)
+        uv[some] = found.uv
+        sizes.append([found.width, found.height, found.islands])
+    return {"uv": uv, "sizes": np.array(sizes)}
+
+
+def _by_mesh(parts: dict[str, tuple[Bools, ...]]) -> Sequence[tuple[Bools, ...]]:
+    """For each mesh its triangles in every part."""
+    return list(zip(*parts.values(), strict=True))

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+//
+// Relight an object by a radiance texture of kind `transfer`: WGSL. Put radtex.wgsl, then this, before your shader's
+// text, then for each light, and add up what they bring:
+//
+//     let L = radtex_incidence(direction to the light, normal, tangent.xyz, tangent.w);
+//     let answer = radtex_transfer(atlas, vec2i(W, H), n, uv, L);
+//     light += answer.rgb * irradiance;  // that the light gives a plane facing it: colour and strength
+//
+// or by radtex_sun and radtex_point_light. Normal and tangent are as radtex.wgsl takes them, in the space of the
+// direction: objects may turn. `atlas` is <name>.transfer.exr: W x H texels of n x n cells, scene-linear Rec.709,
+// premultiplied, without mipmaps, uploaded bottom row first (v = 0 is row 0). Alpha is the surface's, in any light.
+// Where the sidecar's transfer.view is "around", k being transfer.views and I as radtex_sample takes it, the answer is
+//
+//     radtex_transfer_around(atlas, vec2i(W, H), k, n, uv, I, L);
+
+// Where a direction, of any length, lies on an octahedral map, in [0, 1]^2: +z in the middle, -z in the corners.
+fn radtex_sphere(direction: vec3f) -> vec2f {
+    let d = direction / max(abs(direction.x) + abs(direction.y) + abs(direction.z), 1e-30);
+    let folded = (1.0 - abs(d.yx)) * select(vec2f(1.0), vec2f(-1.0), d.xy < vec2f(0.0));
+    return select(d.xy, folded, d.z < 0.0) * 0.5 + 0.5;
+}
+
+// One cell of one texel. Beyond an edge lies on the sphere the same edge's cell, mirrored at the edge's middle.
+fn radtex_sphere_cell(atlas: texture_2d<f32>, texel: vec2i, n: i32, cell: vec2i) -> vec4f {
+    let beyond = (cell < vec2i(0)) | (cell >= vec2i(n));
+    let there = clamp(select(cell, n - 1 - cell, beyond.yx), vec2i(0), vec2i(n - 1));
+    return textureLoad(atlas, texel * n + there, 0);
+}
+
+// One texel's map, between the four cells around a place on it.
+fn radtex_sphere_texel(atlas: texture_2d<f32>, texel: vec2i, n: i32, place: vec2f) -> vec4f {
+    let position = place * f32(n) - 0.5;
+    let low = vec2i(floor(position));
+    return radtex_mix(radtex_sphere_cell(atlas, texel, n, low),
+                      radtex_sphere_cell(atlas, texel, n, low + vec2i(1, 0)),
+                      radtex_sphere_cell(atlas, texel, n, low + vec2i(0, 1)),
+                      radtex_sphere_cell(atlas, texel, n, low + vec2i(1, 1)), position - vec2f(low));
+}
+
+// Between the four texels around `uv`, of one view among k x k.
+fn radtex_sphere_view(atlas: texture_2d<f32>, texels: vec2i, k: i32, view: vec2i, n: i32, uv: vec2f,
+                      place: vec2f) -> vec4f {
+    let t = radtex_around(texels, uv, 0);
+    let low = t.low * k + view;
+    let high = t.high * k + view;
+    return radtex_mix(radtex_sphere_texel(atlas, low, n, place),
+                      radtex_sphere_texel(atlas, vec2i(high.x, low.y), n, place),
+                      radtex_sphere_texel(atlas, vec2i(low.x, high.y), n, place),
+                      radtex_sphere_texel(atlas, high, n, place), t.f);
+}
+
+// Radiance (rgb) that leaves the surface at `uv` under light of irradiance 1 from the direction L of the frame, of any
+// length but zero, and alpha: between four texels.
+fn radtex_transfer(atlas: texture_2d<f32>, texels: vec2i, n: i32, uv: vec2f, L: vec3f) -> vec4f {
+    return radtex_sphere_view(atlas, texels, 1, vec2i(0), n, uv, radtex_sphere(L));
+}
+
+// The same as a viewer in the unit direction I of the frame sees it, between the four views around that of k x k.
+fn radtex_transfer_around(atlas: texture_2d<f32>, texels: vec2i, k: i32, n: i32, uv: vec2f, I: vec3f,
+                          L: vec3f) -> vec4f {
+    let place = radtex_sphere(L);
+    let v = radtex_cells(k, radtex_bucket(I));
+    return radtex_mix(radtex_sphere_view(atlas, texels, k, v.low, n, uv, place),
+                      radtex_sphere_view(atlas, texels, k, vec2i(v.high.x, v.low.y), n, uv, place),
+                      radtex_sphere_view(atlas, texels, k, vec2i(v.low.x, v.high.y), n, uv, place),
+                      radtex_sphere_view(atlas, texels, k, v.high, n, uv, place), v.f);
+}
+
+// Radiance under a directional light: `to_light` points to it, `irradiance` is what a plane facing it receives.
+fn radtex_sun(atlas: texture_2d<f32>, texels: vec2i, n: i32, uv: vec2f, normal: vec3f, tangent: vec4f, to_light: vec3f,
+              irradiance: vec3f) -> vec3f {
+    let L = radtex_incidence(to_light, normal, tangent.xyz, tangent.w);
+    return radtex_transfer(atlas, texels, n, uv, L).rgb * irradiance;
+}
+
+// Radiance under a point light of radiant `intensity`, `to_light` away. Right where the light is far against how far
+// light spreads below the surface: its direction is taken for the same all over the object.
+fn radtex_point_light(atlas: texture_2d<f32>, texels: vec2i, n: i32, uv: vec2f, normal: vec3f, tangent: vec4f,
+                      to_light: vec3f, intensity: vec3f) -> vec3f {
+    let irradiance = intensity / max(dot(to_light, to_light), 1e-30);
+    return radtex_sun(atlas, texels, n, uv, normal, tangent, to_light, irradiance);
+}

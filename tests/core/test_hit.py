@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rays that end in an atlas see what a viewer would, and grazing light where they come from behind."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from radtex_addon.core.errors import ShapeError
+from radtex_addon.core.frame import normalised
+from radtex_addon.core.hit import hit_viewer, sample_hit, sample_shared_hit
+from radtex_addon.core.sampler import Filter, sample
+from tests.lookups import LAYOUT, random_atlas, random_lookups
+from tests.shared_atlases import random_shared_atlas
+from tests.shared_lookups import random_fragments, shared_answers
+
+LOOKUPS = random_lookups()
+RNG = np.random.default_rng(8)
+
+
+@pytest.mark.parametrize("kind", list(Filter))
+def test_a_ray_finds_what_a_viewer_at_its_start_sees(kind: Filter) -> None:
+    atlas = random_atlas().astype(float)
+    uv, normal, tangent, sign, viewer = (
+        a.astype(float) for a in (LOOKUPS.uv, LOOKUPS.normal, LOOKUPS.tangent, LOOKUPS.sign, LOOKUPS.viewer)
+    )
+    found = sample_hit(atlas, LAYOUT, uv, -viewer, normal, tangent, sign, kind)
+    np.testing.assert_array_equal(found, sample(atlas, LAYOUT, uv, LOOKUPS.incidence, kind))
+
+
+def test_a_ray_from_behind_finds_the_rim_on_its_side() -> None:
+    image = random_atlas().astype(float)
+    angle = RNG.uniform(0, 2 * np.pi, 500)
+    across = np.stack([np.cos(angle), np.sin(angle), np.zeros(500)], axis=1)
+    up, along = np.tile([0.0, 0, 1], (500, 1)), np.tile([1.0, 0, 0], (500, 1))
+    uv, depth = RNG.uniform(size=(500, 2)), RNG.uniform(0.01, 3, (500, 1))
+    found, rim = (
+        sample_hit(image, LAYOUT, uv, ray, up, along, np.ones(500), Filter.QUADRILINEAR)
+        for ray in (depth * up - across, -across)
+    )
+    np.testing.assert_allclose(found, rim, rtol=1e-9)
+
+
+def test_the_viewer_of_a_ray_stands_on_or_above_the_horizon() -> None:
+    ray, normal = (normalised(RNG.normal(size=(1000, 3))) for _ in "ab")
+    viewer, facing = hit_viewer(ray, normal), np.sum(ray * normal, axis=1)
+    np.testing.assert_allclose(np.linalg.norm(viewer, axis=1), 1)
+    front = facing <= 0
+    np.testing.assert_allclose(viewer[front], -ray[front], atol=1e-15)
+    np.testing.assert_allclose(np.sum(viewer * normal, axis=1)[~front], 0, atol=1e-12)
+    on_a_plane = np.linalg.det(np.stack([viewer, ray, normal], axis=1))
+    np.testing.assert_allclose(on_a_plane, 0, atol=1e-12)
+    assert (np.sum(viewer * ray, axis=1) < 0).all()
+
+
+def test_the_shared_layout_is_hit_as_it_is_seen() -> None:
+    atlas, fragments = random_shared_atlas(7, 5), random_fragments(7, 5)
+    normal, viewer = (normalised(v.astype(float)) for v in (fragments.normal, fragments.viewer))
+    found = sample_shared_hit(atlas, fragments.uv.astype(float), normal, -viewer)
+    front = np.sum(normal * viewer, axis=1) > 1e-6
+    assert 0.9 < front.mean() < 1
+    np.testing.assert_allclose(found[front], shared_answers(atlas, fragments)[front], rtol=1e-4)
+
+
+def test_rays_that_do_not_fit_are_refused() -> None:
+    ones = np.ones((4, 3))
+    with pytest.raises(ShapeError, match=r"ray: expected shape \(4, 3\)"):
+        sample_hit(random_atlas(), LAYOUT, ones[:, :2], ones[:3], ones, ones, np.ones(4), Filter.QUADRILINEAR)
