@@ -10,7 +10,8 @@
 Each Blender has an environment of its own (.venv-4.5, .venv-5.2), made from uv.lock when needed.
 They run side by side, each line behind its Blender's number; a run of everything gives the newest's tests
 of real programs, which often wait, a process of their own.
-The last line sums up, as pytest would; the exit code is 0 only if all passed.
+At the end, what failed is named, with the end of what pytest said of it, and the last line sums up, as
+pytest would; the exit code is 0 only if all passed.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ import sys
 import tempfile
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
 from xml.etree import ElementTree as ET
@@ -32,6 +34,7 @@ ROOT = Path(__file__).resolve().parent.parent
 UV = os.environ.get("UV") or shutil.which("uv") or "uv"
 PYTHON_OF = {"4.5": "3.11", "5.2": "3.13"}
 NEWEST = "5.2"
+TAIL = 12  # lines of a failure that are said again at the end
 REAL = "tests/real"  # where other programs are started, in the newest Blender's run alone
 
 
@@ -49,15 +52,26 @@ def main() -> int:
     with ThreadPoolExecutor(len(runs)) as pool:
         ended = [pool.submit(run_pytest, name, arguments, len(runs) > 1) for name, arguments in runs.items()]
     outcomes = [run.result() for run in ended]
-    counts = sum((count for _, count in outcomes), Counter[str]())
+    for name, (_, outcome) in zip(runs, outcomes, strict=True):
+        for failure in outcome.failures:
+            print(f"\n{name} | {failure}")
+    counts = sum((outcome.counts for _, outcome in outcomes), Counter[str]())
     print(summary(counts, perf_counter() - started), flush=True)
     return max((code for code, _ in outcomes), key=abs)
 
 
-def run_pytest(name: str, arguments: list[str], beside: bool) -> tuple[int, Counter[str]]:
+@dataclass(frozen=True)
+class Outcome:
+    """How many tests ended how, and of each that failed its name and the end of what pytest said of it."""
+
+    counts: Counter[str]
+    failures: list[str] = field(default_factory=list)
+
+
+def run_pytest(name: str, arguments: list[str], beside: bool) -> tuple[int, Outcome]:
     """Run pytest in the environment of the Blender that `name` begins with.
 
-    Return its exit code and how many tests ended how. Beside others, each line says whose it is.
+    Return its exit code and how its tests ended. Beside others, each line says whose it is.
     """
     blender = name.split(maxsplit=1)[0]
     command = [UV, "run", "--frozen", "--python", PYTHON_OF[blender]]
@@ -70,7 +84,7 @@ def run_pytest(name: str, arguments: list[str], beside: bool) -> tuple[int, Coun
         print(f"Blender {blender}: {shlex.join([*command, *arguments])}", flush=True)
         command += [f"--junit-xml={report}", *arguments]
         code = run_marked(f"{name} | ", command, environment) if beside else run(command, environment)
-        outcome = read_report(report) if report.exists() else Counter({"error": 1})
+        outcome = read_report(report) if report.exists() else Outcome(Counter({"error": 1}))
     return code, outcome
 
 
@@ -96,11 +110,18 @@ def run_marked(mark: str, command: list[str], environment: dict[str, str]) -> in
     return process.returncode
 
 
-def read_report(path: Path) -> Counter[str]:
-    """Count the outcomes in a JUnit report."""
+def read_report(path: Path) -> Outcome:
+    """Read the outcomes from a JUnit report."""
     words = {"failure": "failed", "error": "error", "skipped": "skipped"}
-    cases = ET.parse(path).iter("testcase")
-    return Counter(next((words[e.tag] for e in case if e.tag in words), "passed") for case in cases)
+    counts, failures = Counter[str](), []
+    for case in ET.parse(path).iter("testcase"):
+        ends = [element for element in case if element.tag in words]
+        counts[words[ends[0].tag] if ends else "passed"] += 1
+        for end in ends:
+            if end.tag != "skipped":
+                said = "\n".join((end.text or "").splitlines()[-TAIL:])
+                failures.append(f"{words[end.tag]}: {case.get('classname')}.{case.get('name')}\n{said}")
+    return Outcome(counts, failures)
 
 
 def summary(counts: Counter[str], seconds: float) -> str:
