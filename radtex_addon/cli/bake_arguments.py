@@ -12,7 +12,7 @@ from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layer, Layou
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..export.spec import Target
-from .options import DEMO, add_choice, add_device, add_number, add_progress
+from .options import DEMO, add_choice, add_device, add_memory, add_number, add_progress, parse_size
 
 _DEFAULT = BakeSpec()
 
@@ -205,12 +205,7 @@ def add_quality(group: argparse._ArgumentGroup) -> None:
 
 
 def _bytes(word: str) -> int:
-    found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*([KMG]?)(i?)B?", word.strip(), re.IGNORECASE)
-    if found is None:
-        raise InputError(f"--budget {word}: give a size, such as 800KB or 8MB")
-    unit = 1024 if found[3] else 1000
-    power = " KMG".index(found[2].upper() or " ")
-    return round(float(found[1]) * float(unit**power))
+    return parse_size("--budget", word, "800KB or 8MB")
 
 
 def _frame(word: str) -> int:
@@ -252,13 +247,7 @@ def add_how(group: argparse._ArgumentGroup) -> None:
     )
     _number(group, "--seed", "seed", "N", "seed of the light paths; the same seed gives the same atlas")
     add_device(group)
-    _number(
-        group,
-        "--memory",
-        "memory_mb",
-        "MB",
-        "memory that one render may take, beside the scene and the atlas",
-    )
+    add_memory(group, "memory that one render may take, beside the scene and the atlas", _DEFAULT.memory_mb)
 
 
 def add_output(group: argparse._ArgumentGroup) -> None:

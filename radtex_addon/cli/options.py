@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from enum import StrEnum
 from typing import NoReturn
 
@@ -17,6 +18,9 @@ DEMO = "demo"
 REPORT = "report"
 EXPORT = "export"
 COMPARE = "compare"
+
+MIB = 2**20
+_DIGITS = 12  # no machine has as much
 
 
 class ProgressStyle(StrEnum):
@@ -113,6 +117,38 @@ def add_choice(
         metavar=metavar or "|".join(options),
         help=f"{text}{known}",
     )
+
+
+def add_memory(group: argparse._ArgumentGroup, text: str, known: int | None) -> None:
+    """How much memory may be taken, in whole MiB, which is `known` without the option."""
+    default = "" if known is None else f" (default: {known})"
+    group.add_argument(
+        "--memory",
+        dest="memory_mb",
+        type=_memory,
+        metavar="SIZE",
+        default=known,
+        help=f"{text}, such as 2GB or 1.5GiB; a number alone counts MiB{default}",
+    )
+
+
+def parse_size(flag: str, word: str, examples: str) -> int:
+    """Bytes, at least one, of a size as people write it: 800KB, 1.5 GiB; KB is 1000 of them, KiB 1024.
+
+    Raises InputError, which names the option `flag` and gives the `examples`.
+    """
+    found = re.fullmatch(r"(\d{1,12}(?:\.\d{1,12})?)\s*([KMGT]?)(i?)B?", word.strip(), re.IGNORECASE)
+    unit = 1024 if found and found[3] else 1000
+    size = round(float(found[1]) * float(unit ** " KMGT".index(found[2].upper() or " "))) if found else 0
+    if size < 1:
+        raise InputError(f"{flag} {word}: give a size, such as {examples}")
+    return size
+
+
+def _memory(word: str) -> int:
+    if word.strip().isdecimal() and len(word) <= _DIGITS:
+        return int(word)
+    return parse_size("--memory", word, "2GB or 800MB") // MIB
 
 
 def add_number(

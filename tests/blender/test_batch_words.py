@@ -110,6 +110,30 @@ def test_what_is_said_reaches_the_spec() -> None:
     assert (request.preview, request.overwrite) == (Filter.LINEAR, True)
 
 
+@pytest.mark.parametrize(
+    ("word", "mib"),
+    [
+        ("512", 512),
+        ("2GB", 1907),
+        ("2 gib", 2048),
+        ("1.5GiB", 1536),
+        ("800MB", 762),
+        ("64M", 61),
+        ("1T", 953674),
+    ],
+)
+def test_memory_is_a_size_and_a_number_alone_counts_mebibytes(word: str, mib: int) -> None:
+    line = ["a.blend", "--object", "A", f"--memory={word}"]
+    assert parse(line, inside_blender=False).spec.memory_mb == mib
+
+
+@pytest.mark.parametrize("word", ["", "much", "-1", "2 XB", "1e9", "0GB", "2GB 3", "0x10", "9" * 13])
+def test_memory_that_is_no_size_is_refused_with_examples(word: str) -> None:
+    line = ["a.blend", "--object", "A", f"--memory={word}"]
+    with pytest.raises(InputError, match=r"^--memory .*: give a size, such as 2GB or 800MB$"):
+        parse(line, inside_blender=False)
+
+
 def test_the_shared_layout_has_cells_of_its_own() -> None:
     line = ["a.blend", "--object", "A", "--layout", "shared"]
     assert parse(line, inside_blender=False).spec == BakeSpec(layout=spec.Layout.SHARED, bucket=16)
