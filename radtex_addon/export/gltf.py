@@ -9,7 +9,6 @@ are replaced by what the bake used. glTF's y is up and its texture coordinates r
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -24,6 +23,7 @@ from ..core.arrays import Floats
 from ..core.errors import BakeError
 from ..core.frame import normalised
 from ..formats.glb import Glb
+from ..formats.temporary import temporary_folder
 from ..scene.copy import NORMAL, SIGN, TANGENT
 from .manifest import Manifest
 
@@ -49,8 +49,8 @@ def write_gltf(
     Raises BakeError where Blender's exporter fails.
     """
     _strip(copy, uv_layer)
-    with tempfile.TemporaryDirectory(prefix="radtex-") as folder:
-        file = Path(folder, "mesh.glb")
+    with temporary_folder() as folder:
+        file = folder / "mesh.glb"
         _export(scene, file)
         glb = Glb.read(file)
     document = glb.document

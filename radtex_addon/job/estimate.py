@@ -4,13 +4,11 @@
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
-
 import bpy
 
 from ..bake.estimate import Probe, probe_specs
 from ..bake.spec import BakeSpec
+from ..formats.temporary import temporary_folder
 from .run import bake_object
 
 
@@ -23,6 +21,6 @@ def probe_object(
 
 
 def _probe(scene: bpy.types.Scene, name: str, spec: BakeSpec, view_layer: str | None) -> Probe:
-    with tempfile.TemporaryDirectory(prefix="radtex-probe-") as folder:
-        made = bake_object(scene, name, spec, Path(folder), view_layer=view_layer)
+    with temporary_folder() as folder:
+        made = bake_object(scene, name, spec, folder, view_layer=view_layer)
         return Probe(spec.texels, made.covered_texels, made.paths, made.seconds)

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import logging
-import tempfile
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +20,7 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..cycles.device import use_device
+from ..formats.temporary import temporary_folder
 from ..scene.cage import take_cage_out
 from ..scene.enclosed import EVERYTHING, show_content_only
 from ..scene.eye import find_eye
@@ -180,7 +180,7 @@ def bake_and_keep(
     """Bake as `bake_steps` does, without its checks; the baked mesh stays, for the caller to remove."""
     kept: list[bpy.types.ID] = []
     with (
-        tempfile.TemporaryDirectory(prefix="radtex-") as temporary,
+        temporary_folder() as temporary,
         scratch_scene(scene, view_layer, kept) as scratch,
         use_device(scratch, spec.device) as device,  # before the unwrap, which may take long
     ):
@@ -196,7 +196,7 @@ def bake_and_keep(
         if spec.lights:
             light_only(scratch, spec.lights)
         bake = _baker(spec)
-        steps = bake(scratch, spec, files, prepared, Path(temporary), keeper, thumbnail)
+        steps = bake(scratch, spec, files, prepared, temporary, keeper, thumbnail)
         made = yield from watch.over(steps)
     return Baked(made, prepared, device)
 

@@ -8,7 +8,6 @@ space, one vector a corner) and `radtex_sign` (one number a corner, the bitangen
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, cast
@@ -23,6 +22,7 @@ from ..formats.exr import Compression, stored_rows, write_rows
 from ..formats.packing import ENDS, WEIGHTS
 from ..formats.shared_files import layer_path, read_condensed, read_shared_sidecar
 from ..formats.shared_sidecar import SharedSidecar
+from ..formats.temporary import temporary_folder
 from ..scene.nodes import close_group, open_group, open_material
 from .condensed_group import condensed_layers
 from .node_group import build_sample_group
@@ -145,9 +145,9 @@ def _decoded(sidecar: Path, columns: int, half: bool) -> dict[str, bpy.types.Ima
     """
     atlas, facts = read_condensed(sidecar)
     images: dict[str, bpy.types.Image] = {}
-    with tempfile.TemporaryDirectory(prefix="radtex-") as folder:
+    with temporary_folder() as folder:
         for layer, values in condensed_layers(atlas, columns).items():
-            path = layer_path(Path(folder) / sidecar.name, layer)
+            path = layer_path(folder / sidecar.name, layer)
             halved = half and not layer.endswith(WEIGHTS)  # a half float counts to 2048, clusters to 65535
             rows, _ = stored_rows(path, values, halved)
             with replacing(path) as beside:

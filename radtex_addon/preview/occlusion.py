@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from math import pi
 from pathlib import Path
 from typing import Any, cast
@@ -17,6 +16,7 @@ from ..core.sampler import Filter
 from ..core.shadow import unpack_bits
 from ..formats.png import encode_png
 from ..formats.shadow_files import read_shadow_of
+from ..formats.temporary import temporary_folder
 from ..scene.nodes import open_material
 from .material import build_frame_group, load_atlas
 from .node_group import build_sample_group, check_previewable
@@ -76,8 +76,8 @@ def _spread_out(name: str, sidecar: Path) -> tuple[bpy.types.Image, AtlasLayout]
     check_previewable(layout)
     open_cells = (~unpack_bits(words, facts.bucket)).astype(np.float32)[..., None]
     picture = np.broadcast_to(layout.from_buckets(open_cells), (layout.pixel_height, layout.pixel_width, 3))
-    with tempfile.TemporaryDirectory(prefix="radtex-") as folder:
-        path = Path(folder, f"{sidecar.stem}.png")
+    with temporary_folder() as folder:
+        path = folder / f"{sidecar.stem}.png"
         path.write_bytes(encode_png(picture[::-1]))
         image = load_atlas(path, data=True)
         image.name = f"{name} shadow"

@@ -8,17 +8,16 @@ A condensed bake is condensed again, to as many bytes; and once more it is not c
 from __future__ import annotations
 
 import logging
-import tempfile
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from pathlib import Path
 
 import bpy
 
 from ..bake.spec import BakeSpec, Layout
 from ..bake.stopwatch import Stopwatch
 from ..core.errors import InputError
+from ..formats.temporary import temporary_folder
 from ..job import OutputFiles
 from ..job.run import bake_and_keep
 from ..scene.scratch import new_data_removed
@@ -117,8 +116,8 @@ def _judge_again(
     cause: Cause,
 ) -> Generator[Step, None, Variant]:
     about = _ABOUT[cause]
-    with tempfile.TemporaryDirectory(prefix="radtex-") as folder, new_data_removed():
-        files = OutputFiles.of(name, spec, Path(folder), preview=False)
+    with temporary_folder() as folder, new_data_removed():
+        files = OutputFiles.of(name, spec, folder, preview=False)
         baked = yield from steps_of(bake_and_keep(scene, name, spec, files, None, Stopwatch()), about)
         prepared = baked.prepared
         surface = BakedSurface(prepared.mesh, prepared.matrix_world, prepared.uv_layer)

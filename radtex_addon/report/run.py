@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Generator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,6 +14,7 @@ from ..core.errors import InputError
 from ..cycles.device import use_device
 from ..formats.atomic import check_writable, write_text
 from ..formats.sidecar import file_name
+from ..formats.temporary import temporary_folder
 from ..scene.objects import find_object
 from ..scene.scratch import scratch_scene
 from .causes import bake_variants, first_change
@@ -113,13 +113,11 @@ def _look(
     scene: bpy.types.Scene, bake: Finished, spec: ReportSpec
 ) -> Generator[Step, None, tuple[Found, list[View]]]:
     with (
-        tempfile.TemporaryDirectory(prefix="radtex-") as folder,
+        temporary_folder() as folder,
         scratch_scene(scene) as scratch,
         use_device(scratch, spec.device),
     ):
         original = find_object(scratch, bake.sidecar.object_name)
         found = yield from find_mesh(scratch, original, bake, bake.spec(spec.device).padding)
-        views = yield from make_views(
-            scratch, found.surface, spec.views, spec.pixels, spec.samples, Path(folder)
-        )
+        views = yield from make_views(scratch, found.surface, spec.views, spec.pixels, spec.samples, folder)
     return found, views

@@ -7,7 +7,6 @@ All is rendered in scratch scenes by Cycles; the user's scene is afterwards what
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Generator, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from ..core.errors import InputError
 from ..cycles.apparatus import render_layers
 from ..cycles.device import use_device
 from ..cycles.settings import apply_capture_settings, denoise, keep_passes
+from ..formats.temporary import temporary_folder
 from ..preview.swap import copy_of, is_on, originals_rendered, switch_all_on, switch_off
 from ..scene.scratch import scene_copied, scratch_scene
 from .eye import Eye
@@ -86,13 +86,13 @@ def compare_steps(
     for sidecar in filter(None, bakes.values()):
         check_all_lit(sidecar)
     with (
-        tempfile.TemporaryDirectory(prefix="radtex-") as folder,
+        temporary_folder() as folder,
         _shown(bakes),
         _numbered(bakes),
         scratch_scene(scene) as scratch,
         use_device(scratch, spec.device),
     ):
-        file = Path(folder) / "view.exr"
+        file = folder / "view.exr"
         yield Step(Task.REFERENCE, 0, 2)
         with originals_rendered(tuple(bakes)):
             traced, _ = _rendered(scratch, eye, spec, file)

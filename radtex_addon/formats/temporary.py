@@ -1,0 +1,68 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Folders for temporary files, which outlive no process for long: the next one removes what a kill left."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from ..core.errors import BakeError
+from .lock import HeldError, Lock, take_lock
+
+PREFIX = "radtex-temporary-"
+_LOCK = "lock"  # whose folder it is, has this file in it locked
+
+
+@contextmanager
+def temporary_folder() -> Iterator[Path]:
+    """Yield a new folder, which goes away at exit. Raises BakeError where the system refuses one."""
+    root = Path(tempfile.gettempdir())
+    _remove_left(root)
+    try:
+        folder, lock = _make(root)
+    except OSError as error:
+        raise BakeError(
+            f"{root} takes no temporary files: {error.strerror or error}; free its disk, or name another "
+            "folder by TMPDIR"
+        ) from error
+    try:
+        yield folder
+    finally:
+        lock.release()
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _make(root: Path) -> tuple[Path, Lock]:
+    while True:
+        folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=root))
+        try:
+            return folder, take_lock(folder / _LOCK)
+        except (HeldError, FileNotFoundError):  # another found it before it was locked
+            continue
+        except OSError:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+
+
+def _remove_left(root: Path) -> None:
+    """Remove the folders of processes that are no more."""
+    for folder in root.glob(f"{PREFIX}*"):
+        with suppress(OSError, HeldError):
+            if not _is_own(folder):
+                continue
+            lock = take_lock(folder / _LOCK)
+            if lock.is_sure:
+                shutil.rmtree(folder, ignore_errors=True)
+            lock.release()
+
+
+def _is_own(folder: Path) -> bool:
+    """Whether it is a folder, no link to one, and this user's: others may write to the same place."""
+    if folder.is_symlink() or not folder.is_dir():
+        return False
+    return not hasattr(os, "getuid") or folder.stat().st_uid == os.getuid()

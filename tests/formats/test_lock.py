@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Locks end with their process, and folders for temporary files soon after it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from radtex_addon.core.errors import BakeError
+from radtex_addon.formats.lock import HeldError, holder, take_lock
+from radtex_addon.formats.temporary import PREFIX, temporary_folder
+
+_ROOT = Path(__file__).parents[2]
+_HOLD = (
+    "import pathlib, sys, time; from radtex_addon.formats.lock import take_lock\n"
+    "lock = take_lock(pathlib.Path(sys.argv[1])); print('held', flush=True); time.sleep(60)"
+)
+_WORK = (
+    "import sys, tempfile, time; from radtex_addon.formats.temporary import temporary_folder\n"
+    "tempfile.tempdir = sys.argv[1]\n"
+    "with temporary_folder() as folder:\n"
+    "    (folder / 'large.exr').write_text('half'); print(folder, flush=True); time.sleep(60)"
+)
+
+
+@contextmanager
+def running(script: str, path: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """A process, and the first line that it says; killed at exit."""
+    command = [sys.executable, "-c", script, str(path)]
+    with subprocess.Popen(command, cwd=_ROOT, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        try:
+            yield process, process.stdout.readline().strip()
+        finally:
+            process.kill()
+
+
+@pytest.fixture
+def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    return tmp_path
+
+
+def test_a_lock_is_one_processs_and_ends_with_it(tmp_path: Path) -> None:
+    path = tmp_path / "lock"
+    with running(_HOLD, path) as (process, _):
+        assert (holder(path) or "").startswith(f"process {process.pid} on ")
+        with pytest.raises(HeldError, match=f"^process {process.pid} on "):
+            take_lock(path)
+    assert process.returncode == -signal.SIGKILL
+    assert path.exists()
+    assert holder(path) is None
+    lock = take_lock(path)
+    assert lock.is_sure
+    assert (holder(path) or "").startswith(f"process {os.getpid()} on ")
+    lock.release()
+    assert list(tmp_path.iterdir()) == []
+    assert holder(path) is None
+
+
+def test_a_lock_that_nobody_refers_to_is_free(tmp_path: Path) -> None:
+    take_lock(tmp_path / "lock")
+    assert list(tmp_path.iterdir()) == []
+    take_lock(tmp_path / "lock").release()
+
+
+def test_what_a_killed_process_left_goes_with_the_next_folder(temporary: Path) -> None:
+    (temporary / f"{PREFIX}mine").write_text("no folder")
+    with running(_WORK, temporary) as (_, left):
+        assert Path(left, "large.exr").exists()
+        with temporary_folder() as own:
+            assert Path(left, "large.exr").exists(), "that process lives"
+        assert not own.exists()
+    assert Path(left).exists()
+    Path(f"{left}2").mkdir()  # killed before its folder was locked
+    with temporary_folder() as own, temporary_folder() as other:
+        names = {path.name for path in temporary.iterdir()}
+        assert names == {own.name, other.name, f"{PREFIX}mine"}
+    assert [path.name for path in temporary.iterdir()] == [f"{PREFIX}mine"]
+
+
+def test_a_link_to_a_folder_is_not_followed(temporary: Path) -> None:
+    (temporary / "user").mkdir()
+    (temporary / f"{PREFIX}link").symlink_to(temporary / "user")
+    with temporary_folder():
+        pass
+    assert list((temporary / "user").iterdir()) == []
+
+
+def test_a_place_that_takes_nothing_is_named(temporary: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary / "gone"))
+    with (
+        pytest.raises(BakeError, match=r"gone takes no temporary files: No such .*TMPDIR"),
+        temporary_folder(),
+    ):
+        pass
