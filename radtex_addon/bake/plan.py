@@ -3,12 +3,15 @@
 """The covered texels, packed: no ray is spent on a texel that no island touches.
 
 All captures see one virtual image, `columns` x `rows` buckets large, that holds the covered texels in the
-atlas's row order. A tile is a band of its rows, one render call. Cycles seeds its rays by pixel, so a tile's
-bits do not depend on where the image is cut: tile heights may follow memory and clock.
+atlas's row order. It is cut into sheets of equal heights, each a picture of its own with a seed of its own:
+the specification says how large they are, so that a farm renders the very same ones. A tile is a band of a
+sheet's rows, one render call. Cycles seeds its rays by pixel, so a tile's bits do not depend on where a sheet
+is cut: tile heights may follow memory and clock.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,14 +29,23 @@ from ..core.texel_map import TexelMap
 
 MIN_IMAGE_SIDE = 4  # Blender renders no smaller picture, in pixels
 MAX_IMAGE_SIDE = 65536  # Blender's limit for a render's width and height, in pixels
+SHEET = 2048  # a sheet's side in pixels, where nothing else is asked for
+
+_SPREAD = 0x9E3779B1  # of sheets' seeds: 2^32 over the golden ratio
+_SEEDS = 1 << 31  # Cycles's seeds are below
 
 
 @dataclass(frozen=True)
 class Tile:
-    """Rows first_row … first_row + rows - 1 of the packed image."""
+    """Rows first_row … first_row + rows - 1 of the packed image, or of a sheet."""
 
     first_row: int
     rows: int
+
+    @property
+    def end(self) -> int:
+        """The row behind its last."""
+        return self.first_row + self.rows
 
 
 @dataclass(frozen=True)
@@ -43,6 +55,7 @@ class CapturePlan:
     `texel` (K,) is the flat index j * width + i of each covered texel. The five fields are (rows, columns, 3)
     float32 in world space, row-major in the order of `texel`; the last row is filled up with the last texel.
     `own_offset` (rows, columns, 1) is where rays start that do not all start equally far from the surface.
+    A sheet has about `sheet`² pixels.
     """
 
     layout: AtlasLayout
@@ -53,6 +66,34 @@ class CapturePlan:
     normal: Floats
     facet: Floats
     own_offset: Floats | None = None
+    sheet: int = SHEET
+
+    @property
+    def sheet_rows(self) -> int:
+        """Rows of every sheet; the last one's end may lie behind the plan's."""
+        n = self.layout.bucket
+        most = max(_least(n), self.sheet**2 // (self.columns * n * n))
+        return max(_least(n), -(-self.rows // -(-self.rows // most)))
+
+    @property
+    def sheets(self) -> int:
+        """How many there are."""
+        return -(-self.rows // self.sheet_rows)
+
+    def window(self, field: npt.NDArray[Any], sheet: int) -> npt.NDArray[Any]:
+        """A sheet's rows of a field (rows, columns, C): (sheet_rows, columns, C), the last one repeated."""
+        first = sheet * self.sheet_rows
+        rows = np.minimum(np.arange(first, first + self.sheet_rows), self.rows - 1)
+        return field[rows]
+
+    def in_sheets(self, tile: Tile) -> Iterator[tuple[int, Tile]]:
+        """The sheets that a tile lies in, each with the part that does, in the sheet's own rows."""
+        row, height = tile.first_row, self.sheet_rows
+        while row < tile.end:
+            sheet, first = divmod(row, height)
+            rows = min(height - first, tile.end - row)
+            yield sheet, Tile(first, rows)
+            row += rows
 
     @cached_property
     def offset(self) -> Floats:
@@ -108,7 +149,7 @@ class CapturePlan:
 def plan_of_some(plan: CapturePlan, chosen: Bools) -> CapturePlan:
     """The plan of those of its texels alone where `chosen` (K,) is True, which are some."""
     picked = np.flatnonzero(chosen)
-    rows, columns = _shape(len(picked), plan.layout.bucket)
+    rows, columns = _shape(len(picked), plan.layout.bucket, plan.sheet)
     padded = picked[np.minimum(np.arange(rows * columns), len(picked) - 1)]
 
     def pack(field: Floats) -> Floats:
@@ -124,13 +165,16 @@ def plan_of_some(plan: CapturePlan, chosen: Bools) -> CapturePlan:
         pack(plan.normal),
         pack(plan.facet),
         None if plan.own_offset is None else pack(plan.own_offset),
+        plan.sheet,
     )
 
 
-def plan_capture(texels: TexelMap, bucket: int, without: Ints | None = None) -> CapturePlan:
-    """Pack a texel map's covered texels, `without` some (flat indices).
+def plan_capture(
+    texels: TexelMap, bucket: int, without: Ints | None = None, sheet: int = SHEET
+) -> CapturePlan:
+    """Pack a texel map's covered texels, `without` some (flat indices), for sheets of about `sheet`² pixels.
 
-    Raises InputError if there are none, or too many for one image.
+    Raises InputError if there are none.
     """
     height, width = texels.triangle.shape
     texel = np.flatnonzero(texels.triangle >= 0)
@@ -138,7 +182,7 @@ def plan_capture(texels: TexelMap, bucket: int, without: Ints | None = None) -> 
         texel = np.setdiff1d(texel, without, assume_unique=True)
     if not len(texel):
         raise InputError("the UV layer covers no texel: give the bake more texels, or unwrap the mesh again")
-    rows, columns = _shape(len(texel), bucket)
+    rows, columns = _shape(len(texel), bucket, sheet)
     padded = texel[np.minimum(np.arange(rows * columns), len(texel) - 1)]
 
     def pack(field: Floats) -> Floats:
@@ -157,24 +201,31 @@ def plan_capture(texels: TexelMap, bucket: int, without: Ints | None = None) -> 
         normal,
         pack(texels.facet),
         None if texels.offset is None else pack(texels.offset[..., None]),
+        sheet,
     )
 
 
-def _shape(count: int, bucket: int) -> tuple[int, int]:
+def sheet_seed(seed: int, sheet: int) -> int:
+    """The seed that Cycles gets for a sheet; the first one's is the bake's own."""
+    return (seed + sheet * _SPREAD) % _SEEDS
+
+
+def _least(bucket: int) -> int:
+    """Buckets along the side of the smallest picture that Blender renders."""
+    return -(-MIN_IMAGE_SIDE // bucket)
+
+
+def _shape(count: int, bucket: int, sheet: int) -> tuple[int, int]:
     """Rows and columns of the packed image of `count` texels."""
-    least = -(-MIN_IMAGE_SIDE // bucket)
-    columns = _columns(count, least, MAX_IMAGE_SIDE // bucket)
+    least = _least(bucket)
+    columns = _columns(count, least, max(least, min(sheet, MAX_IMAGE_SIDE) // bucket))
     return max(least, -(-count // columns)), columns
 
 
 def _columns(count: int, least: int, most: int) -> int:
-    """Width of a near-square grid for `count` texels that leaves the fewest places empty."""
-    if count > most * most:
-        raise InputError(
-            f"{count} covered texels do not fit one render of {MAX_IMAGE_SIDE} pixels: use fewer texels"
-        )
-    square = int(np.ceil(np.sqrt(count)))
-    candidates = np.arange(max(least, square // 2, -(-count // most)), max(least, min(most, 2 * square)) + 1)
+    """Width of a near-square grid for `count` texels that leaves the fewest places empty, `most` at most."""
+    square = min(int(np.ceil(np.sqrt(count))), most)
+    candidates = np.arange(max(least, square // 2), max(least, min(most, 2 * square)) + 1)
     waste, rows = -count % candidates, -(-count // candidates)
     stretched = np.maximum(rows, candidates) > 5 * np.minimum(rows, candidates)
     return int(candidates[np.lexsort((np.abs(candidates - square), waste, stretched))[0]])

@@ -13,11 +13,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 from pathlib import Path
+from typing import Any, cast
 
 import bpy
 import numpy as np
 
-from ..bake.plan import MIN_IMAGE_SIDE, CapturePlan, Tile
+from ..bake.plan import MIN_IMAGE_SIDE, CapturePlan, Tile, sheet_seed
 from ..bake.spec import Kind
 from ..core.arrays import Floats
 from ..core.errors import BakeError
@@ -60,6 +61,8 @@ class Aim:
         return offset.reshape(plan.rows, plan.columns, 3)
 
 
+FIRST_ROW = "RadTex first row"  # the node's label: half a row above the first that the images show
+_FRAME = ("position", "tangent", "bitangent", "normal", "facet")
 _LIGHT = (Kind.INCIDENT, Kind.REFLECTION)  # what arrives, from lamps too
 _OCCLUSION = (Kind.SHADOW, Kind.AO)  # what is in the way
 _GAP = 0.01  # between camera and plane: in a world volume, light must not be lost on the way
@@ -87,13 +90,13 @@ class PortalCapture:
 
         `first` is the number of the first of `samples`, where others were taken before.
         """
-        self._scene, self._plan = scene, plan
+        self._scene, self._plan, self._seed, self._sheet = scene, plan, seed, 0
         self._file = folder / "tile.exr"
         apply_capture_settings(scene, samples, seed, first)
         if aim is not None:
             look_at_centres(scene)
             keep_passes(scene, aim.passes)
-        size = (plan.columns * plan.layout.bucket, plan.rows * plan.layout.bucket)
+        size = (plan.columns * plan.layout.bucket, plan.sheet_rows * plan.layout.bucket)
         scene.render.resolution_x, scene.render.resolution_y = size
         scene.render.filepath = str(self._file)
         scene.render.use_border = scene.render.use_crop_to_border = True
@@ -102,7 +105,8 @@ class PortalCapture:
         gap = max(_GAP, 1e-5 * height)
         light = kind in _LIGHT and (aim is None or not aim.passes)
         allow_more_bounces(scene, transparent=1, glossy=int(light))
-        material = _portal_material(plan, kind, extent, 4 * gap, aim)
+        self._fields = _Fields(plan, aim)
+        material = _portal_material(plan, kind, extent, 4 * gap, self._fields)
         if light:
             scene.render.film_transparent = False
             plane(scene, "RadTex mirror", extent, height, mirror_material(), visible="camera")
@@ -117,28 +121,70 @@ class PortalCapture:
 
     def render_passes(self, tile: Tile) -> dict[str, Floats]:
         """Every pass that is kept, by its name, the combined one first: each (k, n, n, C), [texel, q, p]."""
-        plan, n = self._plan, self._plan.layout.bucket
+        parts = [self._render_part(sheet, part) for sheet, part in self._plan.in_sheets(tile)]
+        if len(parts) == 1:
+            return parts[0]
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+    def _render_part(self, sheet: int, tile: Tile) -> dict[str, Floats]:
+        """The same of a tile that lies in one sheet."""
+        plan, n, height = self._plan, self._plan.layout.bucket, self._plan.sheet_rows
+        self._show(sheet)
         rows = max(tile.rows, -(-MIN_IMAGE_SIDE // n))  # a lower picture is not to be had
-        first = min(tile.first_row, plan.rows - rows)
+        first = min(tile.first_row, height - rows)
         render = self._scene.render
         # The packed image's row 0 is its bottom one; a quarter of a pixel keeps rounding honest.
-        total = plan.rows * n
+        total = height * n
         render.border_min_x, render.border_max_x = 0.0, 1.0
         render.border_min_y = (first * n + 0.25) / total if first else 0.0
         render.border_max_y = min(1.0, ((first + rows) * n + 0.25) / total)
         expected = (rows * n, plan.columns * n)
+        texels = plan.texels_of(Tile(sheet * height + tile.first_row, tile.rows))
         passes = {}
         for name, image in render_layers(self._scene, self._file).items():
             if image.shape[:2] != expected:
                 raise BakeError(f"Cycles returned a tile of {image.shape[:2]}, expected {expected}")
             cells = image.reshape(rows, n, plan.columns, n, -1).transpose(0, 2, 1, 3, 4)
-            texels = cells[tile.first_row - first :].reshape(-1, n, n, image.shape[2])
-            passes[name] = texels[: len(plan.texels_of(tile))]
+            passes[name] = cells[tile.first_row - first :].reshape(-1, n, n, image.shape[2])[: len(texels)]
         return passes
+
+    def _show(self, sheet: int) -> None:
+        """Let the next render be of another sheet."""
+        if sheet == self._sheet:
+            return
+        self._sheet = sheet
+        cast(Any, self._scene).cycles.seed = sheet_seed(self._seed, sheet)
+        self._fields.show(sheet)
+
+
+class _Fields:
+    """The float images that say where the rays of one sheet start, and how their buckets are turned."""
+
+    def __init__(self, plan: CapturePlan, aim: Aim | None) -> None:
+        self._plan = plan
+        self._of = {name: getattr(plan, name) for name in _FRAME}
+        if aim is not None:
+            self._of["shift"] = aim.offset(plan)
+        if plan.own_offset is not None:
+            self._of["offset"] = np.repeat(plan.own_offset, 3, axis=2)
+        self.images = self._images(0)
+
+    def show(self, sheet: int) -> None:
+        """Let other images stand in these ones' places: Cycles would keep what it has of the same ones."""
+        before, self.images = self.images, self._images(sheet)
+        for name, image in before.items():
+            image.user_remap(self.images[name])
+            bpy.data.images.remove(image)
+
+    def _images(self, sheet: int) -> dict[str, bpy.types.Image]:
+        return {
+            name: float_image(f"RadTex {name}", self._plan.window(field, sheet))
+            for name, field in self._of.items()
+        }
 
 
 def _portal_material(
-    plan: CapturePlan, kind: Kind, extent: Extent, reach: float, aim: Aim | None
+    plan: CapturePlan, kind: Kind, extent: Extent, reach: float, fields: _Fields
 ) -> bpy.types.Material:
     """Ray Portals that start rays of `kind` for rays from within `reach`; clear to the scene's own."""
     material, build = open_material("RadTex portals")
@@ -148,15 +194,11 @@ def _portal_material(
         (1 / extent.width, 1 / extent.height, 0.0),
         (0.5, 0.5, 0.0),
     )
-    fields = ("position", "tangent", "bitangent", "normal", "facet")
-    position, tangent, bitangent, normal, facet = (
-        build.image(float_image(f"RadTex {name}", getattr(plan, name)), uv)[0] for name in fields
-    )
-    bucket = build.vector("FRACTION", build.vector("MULTIPLY", uv, (plan.columns, plan.rows, 0.0)))
-    if aim is not None:
-        bucket = build.vector(
-            "ADD", bucket, build.image(float_image("RadTex shift", aim.offset(plan)), uv)[0]
-        )
+    bucket, lookup = _texel_and_cell(build, plan, uv)
+    images = {name: build.image(image, lookup)[0] for name, image in fields.images.items()}
+    position, tangent, bitangent, normal, facet = (images[name] for name in _FRAME)
+    if "shift" in images:
+        bucket = build.vector("ADD", bucket, images["shift"])
     x, y, i_z = _local_direction(build, bucket, kind)
     direction = build.vector("SCALE", tangent, x)
     direction = build.vector("ADD", direction, build.vector("SCALE", bitangent, y))
@@ -164,7 +206,8 @@ def _portal_material(
     height = build.vector("DOT_PRODUCT", direction, facet)
     direction = _above_facet(build, direction, facet, height, GRAZING if kind is Kind.RADIANCE else 0.0)
     lift = direction if kind is Kind.RADIANCE else facet
-    start = build.vector("MULTIPLY_ADD", lift, _offset(build, plan, uv), position)
+    offset = images.get("offset", (float(ray_offset(plan.position)),) * 3)
+    start = build.vector("MULTIPLY_ADD", lift, offset, position)
     way = build.vector("SCALE", direction, -1.0) if kind is Kind.RADIANCE else direction
     portal = build.node("ShaderNodeBsdfRayPortal")
     build.feed(portal.inputs["Position"], start)
@@ -182,14 +225,19 @@ def _portal_material(
     return material
 
 
-def _offset(
-    build: NodeBuilder, plan: CapturePlan, uv: bpy.types.NodeSocket
-) -> bpy.types.NodeSocket | tuple[float, float, float]:
-    """How far from the surface rays start, thrice."""
-    if plan.own_offset is None:
-        return (float(ray_offset(plan.position)),) * 3
-    spread = np.repeat(plan.own_offset, 3, axis=2)
-    return build.image(float_image("RadTex offset", spread), uv)[0]
+def _texel_and_cell(build: NodeBuilder, plan: CapturePlan, uv: Socket) -> tuple[Socket, Socket]:
+    """The place in the bucket, 0 to 1 along both sides, and where images have the texel's middle.
+
+    Both come of the same whole number, so that a ray on a texel's edge has one texel's frame and place.
+    """
+    size = (float(plan.columns), float(plan.sheet_rows), 1.0)
+    place = build.vector("MULTIPLY", uv, size)
+    texel = build.vector("FLOOR", place)
+    texel = build.vector("MAXIMUM", texel, (0.0, 0.0, 0.0))
+    texel = build.vector("MINIMUM", texel, (size[0] - 1, size[1] - 1, 0.0))
+    bucket = build.vector("SUBTRACT", place, texel)
+    middle = build.vector("ADD", texel, build.combine(0.5, build.value(0.5, FIRST_ROW)))
+    return bucket, build.vector("DIVIDE", middle, size)
 
 
 def _local_direction(build: NodeBuilder, bucket: Socket, kind: Kind) -> tuple[Socket, Socket, Socket]:

@@ -59,6 +59,12 @@ class NodeBuilder:
             self.feed(socket, operand)
         return node.outputs["Value" if operation in _SCALARS else "Vector"]
 
+    def value(self, number: float, label: str = "") -> Socket:
+        """A number that somebody may change, or animate, later."""
+        found = self.node("ShaderNodeValue", label=label).outputs[0]
+        found.default_value = number  # type: ignore[attr-defined]  # this node's has one
+        return found
+
     def combine(self, x: Operand, y: Operand, z: Operand = 0.0) -> Socket:
         """Three numbers to a vector."""
         return self.node("ShaderNodeCombineXYZ", x, y, z).outputs[0]

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from radtex_addon.bake import plan as module
-from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
+from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture, sheet_seed
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.texel_map import TexelMap
@@ -129,20 +129,50 @@ def test_a_layer_that_covers_nothing_is_refused() -> None:
         plan_capture(texel_map(np.zeros((4, 4), dtype=bool)), 4)
 
 
-def test_more_texels_than_blender_can_render_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "MAX_IMAGE_SIDE", 16)
-    texels = texel_map(np.ones((5, 4), dtype=bool))
-    assert plan_capture(texels, 3).columns * 3 <= 16  # 5 x 4 of 3 cells just fit
-    with pytest.raises(InputError, match=r"20 covered texels .* 16 pixels: use fewer texels"):
-        plan_capture(texels, 4)
+def test_sheets_are_as_large_as_was_asked() -> None:
+    texels = texel_map(np.ones((40, 50), dtype=bool))
+    plan = plan_capture(texels, 4, sheet=64)  # 16 x 16 buckets
+    assert plan.columns * 4 <= 64
+    assert plan.columns * plan.sheet_rows <= 16 * 16
+    assert plan.sheets == -(-plan.rows // plan.sheet_rows) == 8
+    assert plan_capture(texels, 4).sheets == 1
+
+
+def test_a_tile_lies_in_the_sheets_that_it_crosses() -> None:
+    plan = plan_capture(texel_map(np.ones((40, 50), dtype=bool)), 4, sheet=64)
+    height = plan.sheet_rows
+    found = list(plan.in_sheets(Tile(height - 2, height + 3)))
+    assert found == [(0, Tile(height - 2, 2)), (1, Tile(0, height)), (2, Tile(0, 1))]
+
+
+def test_a_sheets_window_repeats_the_plans_last_row() -> None:
+    plan = plan_capture(texel_map(np.ones((40, 50), dtype=bool)), 4, sheet=64)
+    windows = np.concatenate([plan.window(plan.position, sheet) for sheet in range(plan.sheets)])
+    np.testing.assert_array_equal(windows[: plan.rows], plan.position)
+    behind = windows[plan.rows :]
+    np.testing.assert_array_equal(behind, np.broadcast_to(plan.position[-1], behind.shape))
+
+
+def test_sheets_have_seeds_of_their_own() -> None:
+    assert sheet_seed(7, 0) == 7
+    seeds = {sheet_seed(seed, sheet) for seed in range(10) for sheet in range(1000)}
+    assert len(seeds) == 10_000
+    assert min(seeds) >= 0
+    assert max(seeds) < 2**31
+
+
+@given(count=st.integers(1, 20_000), bucket=st.integers(2, 256), sheet=st.integers(4, 4096))
+def test_the_packed_image_wastes_little(count: int, bucket: int, sheet: int) -> None:
+    rows, columns = module._shape(count, bucket, sheet)
+    least = -(-module.MIN_IMAGE_SIDE // bucket)
+    assert columns <= max(least, sheet // bucket)
+    assert rows * columns >= count
+    assert rows == least or (rows - 1) * columns < count
 
 
 @given(count=st.integers(1, 20_000), bucket=st.integers(2, 256))
-def test_the_packed_image_is_near_square_and_wastes_little(count: int, bucket: int) -> None:
-    most = module.MAX_IMAGE_SIDE // bucket
-    columns = module._columns(count, 1, most)
-    rows = -(-count // columns)
-    assert columns <= most
-    assert rows <= most
-    assert max(rows, columns) <= 5 * min(rows, columns)
-    assert rows * columns - count <= 0.02 * count + 2
+def test_a_single_sheet_is_near_square(count: int, bucket: int) -> None:
+    rows, columns = module._shape(count, bucket, module.MAX_IMAGE_SIDE)
+    least = -(-module.MIN_IMAGE_SIDE // bucket)
+    assert max(rows, columns) <= 5 * max(least, min(rows, columns))
+    assert rows * columns - count <= 0.02 * count + 2 or rows == least
