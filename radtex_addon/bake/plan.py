@@ -32,7 +32,7 @@ MAX_IMAGE_SIDE = 65536  # Blender's limit for a render's width and height, in pi
 SHEET = 2048  # a sheet's side in pixels, where nothing else is asked for
 
 _SPREAD = 0x9E3779B1  # of sheets' seeds: 2^32 over the golden ratio
-_SEEDS = 1 << 31  # Cycles's seeds are below
+_SEEDS = 1 << 24  # a farm's frames are told theirs by keyframes, which are single floats
 
 
 @dataclass(frozen=True)
@@ -207,7 +207,7 @@ def plan_capture(
 
 def sheet_seed(seed: int, sheet: int) -> int:
     """The seed that Cycles gets for a sheet; the first one's is the bake's own."""
-    return (seed + sheet * _SPREAD) % _SEEDS
+    return (seed + sheet * _SPREAD) % _SEEDS if sheet else seed
 
 
 def _least(bucket: int) -> int:

@@ -124,6 +124,11 @@ def render_layers(scene: bpy.types.Scene, file: Path) -> dict[str, Floats]:
             "Cycles returned no picture, as where memory runs out: bake fewer texels, or on the CPU "
             "(--verbose tells more)"
         )
+    return read_layers(file)
+
+
+def read_layers(file: Path) -> dict[str, Floats]:
+    """What `render_layers` gives, of a picture that was rendered before. Raises FormatError for none."""
     passes = {name.rpartition(".")[2]: image for name, image in read_render(file).items()}
     light = passes.pop(f"Combined_{GROUP}", None)
     if light is not None:

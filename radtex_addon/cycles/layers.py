@@ -31,10 +31,11 @@ class LayeredCapture:
         samples: int,
         seed: int,
         folder: Path,
+        whole: bool = False,
     ) -> None:
         """As for the portal; `layers` are those that the bake shall have."""
         self._layers = captured(layers)
-        self._portal = PortalCapture(scene, plan, kind, samples, seed, folder)
+        self._portal = PortalCapture(scene, plan, kind, samples, seed, folder, whole=whole)
         keep_passes(scene, tuple(name for layer in self._layers for name in attributes_of(layer)))
 
     def render(self, tile: Tile) -> Floats:

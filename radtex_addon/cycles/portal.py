@@ -85,10 +85,12 @@ class PortalCapture:
         folder: Path,
         aim: Aim | None = None,
         first: int = 0,
+        whole: bool = False,
     ) -> None:
         """`scene` is a scratch scene, written freely; `folder` takes the files that tiles pass through.
 
-        `first` is the number of the first of `samples`, where others were taken before.
+        `first` is the number of the first of `samples`, where others were taken before. With `whole` images
+        the scene can render any sheet, by its seed and the node FIRST_ROW; tiles it is then not asked for.
         """
         self._scene, self._plan, self._seed, self._sheet = scene, plan, seed, 0
         self._file = folder / "tile.exr"
@@ -105,7 +107,7 @@ class PortalCapture:
         gap = max(_GAP, 1e-5 * height)
         light = kind in _LIGHT and (aim is None or not aim.passes)
         allow_more_bounces(scene, transparent=1, glossy=int(light))
-        self._fields = _Fields(plan, aim)
+        self._fields = _Fields(plan, aim, whole)
         material = _portal_material(plan, kind, extent, 4 * gap, self._fields)
         if light:
             scene.render.film_transparent = False
@@ -158,10 +160,10 @@ class PortalCapture:
 
 
 class _Fields:
-    """The float images that say where the rays of one sheet start, and how their buckets are turned."""
+    """The float images that say where rays start, and how their buckets are turned: of one sheet, or all."""
 
-    def __init__(self, plan: CapturePlan, aim: Aim | None) -> None:
-        self._plan = plan
+    def __init__(self, plan: CapturePlan, aim: Aim | None, whole: bool) -> None:
+        self._plan, self._whole = plan, whole
         self._of = {name: getattr(plan, name) for name in _FRAME}
         if aim is not None:
             self._of["shift"] = aim.offset(plan)
@@ -176,9 +178,14 @@ class _Fields:
             image.user_remap(self.images[name])
             bpy.data.images.remove(image)
 
+    @property
+    def rows(self) -> int:
+        """Of the images."""
+        return self._plan.rows if self._whole else self._plan.sheet_rows
+
     def _images(self, sheet: int) -> dict[str, bpy.types.Image]:
         return {
-            name: float_image(f"RadTex {name}", self._plan.window(field, sheet))
+            name: float_image(f"RadTex {name}", field if self._whole else self._plan.window(field, sheet))
             for name, field in self._of.items()
         }
 
@@ -194,7 +201,7 @@ def _portal_material(
         (1 / extent.width, 1 / extent.height, 0.0),
         (0.5, 0.5, 0.0),
     )
-    bucket, lookup = _texel_and_cell(build, plan, uv)
+    bucket, lookup = _texel_and_cell(build, plan, uv, fields.rows)
     images = {name: build.image(image, lookup)[0] for name, image in fields.images.items()}
     position, tangent, bitangent, normal, facet = (images[name] for name in _FRAME)
     if "shift" in images:
@@ -225,8 +232,8 @@ def _portal_material(
     return material
 
 
-def _texel_and_cell(build: NodeBuilder, plan: CapturePlan, uv: Socket) -> tuple[Socket, Socket]:
-    """The place in the bucket, 0 to 1 along both sides, and where images have the texel's middle.
+def _texel_and_cell(build: NodeBuilder, plan: CapturePlan, uv: Socket, rows: int) -> tuple[Socket, Socket]:
+    """The place in the bucket, 0 to 1 along both sides, and where images with so many `rows` have the texel.
 
     Both come of the same whole number, so that a ray on a texel's edge has one texel's frame and place.
     """
@@ -237,7 +244,7 @@ def _texel_and_cell(build: NodeBuilder, plan: CapturePlan, uv: Socket) -> tuple[
     texel = build.vector("MINIMUM", texel, (size[0] - 1, size[1] - 1, 0.0))
     bucket = build.vector("SUBTRACT", place, texel)
     middle = build.vector("ADD", texel, build.combine(0.5, build.value(0.5, FIRST_ROW)))
-    return bucket, build.vector("DIVIDE", middle, size)
+    return bucket, build.vector("DIVIDE", middle, (size[0], float(rows), 1.0))
 
 
 def _local_direction(build: NodeBuilder, bucket: Socket, kind: Kind) -> tuple[Socket, Socket, Socket]:
