@@ -4,7 +4,8 @@
 
 A piece is some arrays under a name. It is written beside and renamed; its file ends with a digest of all that
 stands before, so that one that was half written, or damaged later, is noticed and made again. The key says
-what the pieces belong to: a bake that differs in any fact of it may not use them.
+what the pieces belong to: a bake that differs in any fact of it may not use them. Whoever works on them has
+a lock.
 """
 
 from __future__ import annotations
@@ -13,24 +14,23 @@ import hashlib
 import json
 import logging
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
+from math import prod
 from pathlib import Path
-from typing import Any, BinaryIO, TypeAlias, cast
+from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from ..core.errors import BakeError, InputError
-from ..formats.atomic import remove_unfinished, replacing, write_text
+from ..formats.atomic import refusal, remove_unfinished, replacing
+from ..formats.lock import HeldError, Lock, take_lock
+from .key import KEY, LOCK, Facts, Key, in_use, is_unfinished, read_key, workers, write_key
 
 log = logging.getLogger(__name__)
 
 Arrays: TypeAlias = dict[str, npt.NDArray[Any]]
-Facts: TypeAlias = Mapping[str, str]
 
-VERSION = 1
-KEY = "key.json"
-DIGEST = "sha256:"  # begins a fact that nobody can read
 _PIECE = ".piece"
 _DIGEST_BYTES = 32
 _CHUNK = 1 << 22  # bytes
@@ -90,7 +90,10 @@ class Drawer(Keeper):
 
 
 class Checkpoint(Keeper):
-    """Keeps pieces in `folder`, which appears with the first of them."""
+    """Keeps pieces in `folder`, which appears with the first of them, and is this bake's until it is closed.
+
+    The first piece that is kept or found raises InputError where another process works on them.
+    """
 
     def __init__(self, folder: Path, resume: bool, replaces: Iterable[Path] = ()) -> None:
         """Go on with what `folder` holds if `resume`, else begin anew, and drop that at the first piece.
@@ -100,18 +103,31 @@ class Checkpoint(Keeper):
         """
         self._folder = folder
         self._facts: dict[str, str] = {}
-        self._known = _read_key(folder) if resume and is_unfinished(folder) else None
+        self._known = read_key(folder) if resume and is_unfinished(folder) else None
         self._replaces = sorted({path.name for path in replaces})
-        self._begun = False
+        self._workers: list[int] = []
+        self._lock: Lock | None = None
+
+    def __enter__(self) -> Checkpoint:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let others go on with what is kept."""
+        if self._lock is not None:
+            self._lock.release()
+
+    @property
+    def _begun(self) -> bool:
+        return self._lock is not None
 
     def expect(self, facts: Facts) -> None:
         self._facts.update(facts)
         if self._known is None:
             return
-        known = self._known["facts"]
-        differing = [_difference(name, known.get(name), value) for name, value in facts.items()]
-        said = ", ".join(words for words in differing if words)
-        if said:
+        if said := self._known.differences(facts):
             raise InputError(
                 f"{self._folder} is of a bake that differs in {said}: bake as before, "
                 "or begin anew (--overwrite, without --resume)"
@@ -130,7 +146,7 @@ class Checkpoint(Keeper):
             piece = _read_piece(path, self._mark(name))
         except FileNotFoundError:
             return None
-        except (OSError, ValueError) as error:
+        except Exception as error:  # noqa: BLE001  # numpy's parser of headers raises whatever it meets
             log.warning("%s is damaged and is made again (%s)", path, error)
             return None
         if not self._begun:
@@ -141,7 +157,7 @@ class Checkpoint(Keeper):
         if not self._begun:
             self._begin()
         elif not is_unfinished(self._folder):
-            raise BakeError(f"{self._folder} has gone while the bake ran: bring its disk back, or bake again")
+            raise self._gone()
         with replacing(self._folder / f"{name}{_PIECE}") as beside:
             _write_piece(beside, self._mark(name), arrays)
 
@@ -150,30 +166,56 @@ class Checkpoint(Keeper):
 
         Raises BakeError where the system refuses.
         """
-        for pid in self._known["processes"] if self._known else ():
+        for pid in self._workers:
             remove_unfinished(self._folder.parent, pid)
-        _clear(self._folder)
+        self._drop()
 
     def drop_own(self) -> None:
         """Drop what this bake has kept, unless it went on with another's."""
         if self._begun and self._known is None:
-            _clear(self._folder)
+            self._drop()
+
+    def _drop(self) -> None:
+        """The lock goes before the folder, which is then empty."""
+        _clear(self._folder)
+        self.close()
+        remove_empty(self._folder)
 
     def _begin(self) -> None:
-        """Write the key; it lists the processes that worked on the bake."""
-        processes = [os.getpid()]
+        """Take the lock, and write the key."""
+        lock = self._taken_lock()
+        try:
+            self._enter()
+        except BaseException:
+            lock.release()
+            if self._known is None:
+                remove_empty(self._folder)
+            raise
+        self._lock = lock
+
+    def _taken_lock(self) -> Lock:
+        try:
+            if self._known is None:
+                self._folder.mkdir(parents=True, exist_ok=True)
+            return take_lock(self._folder / LOCK)
+        except HeldError as held:
+            raise InputError(in_use(self._folder, str(held))) from held
+        except FileNotFoundError as error:
+            raise self._gone() from error
+        except OSError as error:
+            raise BakeError(refusal(self._folder, error)) from error
+
+    def _enter(self) -> None:
+        self._workers = workers(self._folder)
         if self._known is None:
             _clear(self._folder)
-        else:
-            processes = [*self._known["processes"], *processes]
-        key = {
-            "version": VERSION,
-            "facts": self._facts if self._known is None else self._known["facts"],
-            "replaces": self._replaces,
-            "processes": processes,
-        }
-        write_text(self._folder / KEY, json.dumps(key, indent=2) + "\n")
-        self._begun = True
+        elif not is_unfinished(self._folder):  # whoever had the lock has finished the bake
+            raise self._gone()
+        facts = self._facts if self._known is None else self._known.facts
+        write_key(self._folder, Key(facts, self._replaces, [*self._workers, os.getpid()]))
+
+    def _gone(self) -> BakeError:
+        return BakeError(f"{self._folder} has gone while the bake ran: bring its disk back, or bake again")
 
     def _mark(self, name: str) -> dict[str, str]:
         """What a piece's file says of itself: one of another bake, or under another's name, is no use."""
@@ -181,60 +223,27 @@ class Checkpoint(Keeper):
         return {"piece": name, "of": hashlib.sha256(facts.encode()).hexdigest()}
 
 
-def is_unfinished(folder: Path) -> bool:
-    """Whether the folder holds pieces of a bake that was not finished."""
-    return (folder / KEY).is_file()
-
-
-def replaced_by(folder: Path) -> frozenset[str]:
-    """The names of the files that the unfinished bake in `folder` may replace: it may have written them."""
-    return frozenset(_read_key(folder)["replaces"]) if is_unfinished(folder) else frozenset()
-
-
-def _read_key(folder: Path) -> dict[str, Any]:
-    path = folder / KEY
-    anew = "begin anew (--overwrite, without --resume)"
+def remove_empty(folder: Path) -> None:
+    """Remove the folder if nothing is in it. Raises BakeError."""
     try:
-        key = json.loads(path.read_text(encoding="utf-8"))
+        if folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()
     except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}; or {anew}") from error
-    except ValueError as error:
-        raise InputError(f"{path} is damaged: {anew}") from error
-    if not isinstance(key, dict) or key.get("version") != VERSION or not _is_key(key):
-        raise InputError(f"{path} is damaged, or of another RadTex: {anew}")
-    return cast("dict[str, Any]", key)
-
-
-def _is_key(key: dict[str, Any]) -> bool:
-    facts, replaces, processes = (key.get(name) for name in ("facts", "replaces", "processes"))
-    return (
-        isinstance(facts, dict)
-        and all(isinstance(value, str) for value in facts.values())
-        and isinstance(replaces, list)
-        and all(isinstance(value, str) for value in replaces)
-        and isinstance(processes, list)
-        and all(isinstance(value, int) for value in processes)
-    )
-
-
-def _difference(name: str, before: str | None, now: str) -> str:
-    if before == now:
-        return ""
-    if before is None or now.startswith(DIGEST):
-        return name
-    return f"{name} ({before}, now {now})"
+        raise BakeError(_stays(folder, error)) from error
 
 
 def _clear(folder: Path) -> None:
-    """Remove what we wrote, the key last: killed before that, it can be resumed; then the empty folder."""
+    """Remove what we wrote, the key last: killed before that, it can be resumed."""
     try:
         for pattern in (f"*{_PIECE}", ".radtex-*", KEY):
             for path in folder.glob(pattern):
                 path.unlink(missing_ok=True)
-        if folder.is_dir() and not any(folder.iterdir()):
-            folder.rmdir()
     except OSError as error:
-        raise BakeError(f"{folder} could not be removed: {error.strerror or error}; remove it") from error
+        raise BakeError(_stays(folder, error)) from error
+
+
+def _stays(folder: Path, error: OSError) -> str:
+    return f"{folder} could not be removed: {error.strerror or error}; remove it"
 
 
 def _write_piece(path: Path, mark: dict[str, str], arrays: Arrays) -> None:
@@ -247,9 +256,9 @@ def _write_piece(path: Path, mark: dict[str, str], arrays: Arrays) -> None:
 
 
 def _read_piece(path: Path, mark: dict[str, str]) -> Arrays:
-    """Raises OSError, FileNotFoundError among them, and ValueError for what is not this piece, whole."""
+    """Raises OSError, FileNotFoundError among them, and anything else for what is not this piece, whole."""
     with path.open("rb") as stream:
-        left = path.stat().st_size - _DIGEST_BYTES
+        end = left = path.stat().st_size - _DIGEST_BYTES
         found = hashlib.sha256()
         while left > 0 and (chunk := stream.read(min(_CHUNK, left))):
             found.update(chunk)
@@ -261,7 +270,20 @@ def _read_piece(path: Path, mark: dict[str, str]) -> Arrays:
         names = says.pop("arrays")
         if says != mark:
             raise ValueError("it is of another bake")
-        return {name: _FORMAT.read_array(stream, allow_pickle=False) for name in names}
+        return {name: _read_array(stream, end) for name in names}
+
+
+def _read_array(stream: BinaryIO, end: int) -> npt.NDArray[Any]:
+    """An array that lies before `end`: its header is not believed before memory is taken."""
+    place = stream.tell()
+    version = _FORMAT.read_magic(stream)
+    shape, _, dtype = _FORMAT.read_array_header_1_0(stream)
+    size = prod(shape) * dtype.itemsize
+    if version != (1, 0) or min(shape, default=0) < 0 or size > end - stream.tell():
+        raise ValueError("an array in it is not of its size")
+    stream.seek(place)
+    array: npt.NDArray[Any] = _FORMAT.read_array(stream, allow_pickle=False)
+    return array
 
 
 class _Hashing:

@@ -46,7 +46,7 @@ class Thumbnail:
     def _write(self, light: Floats) -> None:
         picture = encode_png(np.clip(_smaller(light)[::-1], 0, 1) ** (1 / _GAMMA))
         try:
-            with replacing(self._path) as beside:
+            with replacing(self._path, lasting=False) as beside:
                 beside.write_bytes(picture)
         except BakeError as error:  # a bake is worth more than its picture
             log.warning(str(error))

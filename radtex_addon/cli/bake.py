@@ -10,7 +10,7 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.checkpoint import is_unfinished
+from ..bake.key import is_unfinished
 from ..bake.spec import BakeSpec, Layout
 from ..bake.thumbnail import Thumbnail
 from ..core.errors import InputError, RadTexError

@@ -1,12 +1,16 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files appear whole or not at all: written beside their place, then renamed."""
+"""Files appear whole or not at all: written beside their place, then renamed.
+
+The disk has a file before its name changes, and the name before we go on: a power cut leaves it whole, too.
+"""
 
 from __future__ import annotations
 
 import os
 import secrets
 import shutil
+import sys
 import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -16,22 +20,26 @@ from ..core.errors import BakeError, InputError, RadTexError
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def replacing(path: Path, lasting: bool = True) -> Iterator[Path]:
     """Yield a new name in `path`'s folder; what is written under it takes the name `path` when all went well.
 
     After any error or interruption nothing is left and `path` is what it was. Makes the folder if need be.
-    Raises BakeError where the system refuses.
+    What is not `lasting` need not outlive a power cut. Raises BakeError where the system refuses.
     """
     beside = path.with_name(f"{mark_of(os.getpid())}{secrets.token_hex(8)}{path.suffix}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             yield beside
+            if lasting:
+                _settle(beside)
             beside.replace(path)
+            if lasting:
+                _settle_names(path.parent)
         finally:
             beside.unlink(missing_ok=True)
     except OSError as error:
-        raise BakeError(_refused(path, error).replace(str(beside), str(path))) from error
+        raise BakeError(refusal(path, error).replace(str(beside), str(path))) from error
 
 
 @contextmanager
@@ -48,18 +56,21 @@ def replacing_together(path: Path) -> Iterator[Path]:
         with tempfile.TemporaryDirectory(prefix=mark_of(os.getpid()), dir=path.parent) as folder:
             place, inside = folder, Path(folder, path.name)
             yield inside
+            for file in Path(folder).iterdir():
+                _settle(file)
             for file in sorted(Path(folder).iterdir(), key=lambda file: (file == inside, file.name)):
                 target = path.with_name(file.name)
                 try:
                     file.replace(target)
                 except OSError as error:
-                    raise BakeError(_refused(target, error)) from error
+                    raise BakeError(refusal(target, error)) from error
+            _settle_names(path.parent)
     except RadTexError as error:
         if place is None or place not in str(error):
             raise
         raise type(error)(str(error).replace(place, str(path.parent))) from error
     except OSError as error:
-        raise BakeError(_refused(path, error)) from error
+        raise BakeError(refusal(path, error)) from error
 
 
 def write_text(path: Path, text: str) -> None:
@@ -109,5 +120,24 @@ def check_absent(paths: Iterable[Path], overwrite: bool) -> None:
             raise InputError(f"{path} is already there: overwrite it (--overwrite), or choose another folder")
 
 
-def _refused(path: Path, error: OSError) -> str:
+def _settle(file: Path) -> None:
+    """Wait until the disk has what is in the file; some systems say only now that it is full."""
+    with file.open("r+b") as stream:  # Windows settles nothing that is open for reading alone
+        os.fsync(stream.fileno())
+
+
+def _settle_names(folder: Path) -> None:
+    """Wait until the disk has the names in the folder, where the system can be asked for that."""
+    if sys.platform == "win32":
+        return
+    with suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+
+
+def refusal(path: Path, error: OSError) -> str:
+    """What to say where the system does not let us write `path`."""
     return f"{path} could not be written: {error.strerror or error}; free its disk, or choose another"

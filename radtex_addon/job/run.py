@@ -8,6 +8,7 @@ import logging
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 import bpy
 
@@ -43,6 +44,8 @@ from .unfinished import open_checkpoint
 from .unwrapping import Unwraps
 
 log = logging.getLogger(__name__)
+
+Baker: TypeAlias = Callable[..., Generator[Progress, None, Made]]
 
 
 @dataclass(frozen=True)
@@ -128,19 +131,19 @@ def bake_steps(
     for warning in warnings:
         log.warning(warning)
     watch = Stopwatch()
-    checkpoint = open_checkpoint(name, spec, files, resume)
-    try:
-        with at_frame(scene, spec.frame), new_data_removed():
-            baked = yield from bake_and_keep(
-                scene, name, spec, files, view_layer, watch, checkpoint, thumbnail, unwraps
-            )
-            if preview is not None:
-                yield watch.start(Stage.PREVIEW)
-                save_preview_of(scene, spec, baked.made.files, baked.prepared, preview, view_layer)
-    except InputError:  # there is nothing to go on with: another try asks for something else
-        checkpoint.drop_own()
-        raise
-    checkpoint.remove()
+    with open_checkpoint(name, spec, files, resume) as checkpoint:
+        try:
+            with at_frame(scene, spec.frame), new_data_removed():
+                baked = yield from bake_and_keep(
+                    scene, name, spec, files, view_layer, watch, checkpoint, thumbnail, unwraps
+                )
+                if preview is not None:
+                    yield watch.start(Stage.PREVIEW)
+                    save_preview_of(scene, spec, baked.made.files, baked.prepared, preview, view_layer)
+        except InputError:  # there is nothing to go on with: another try asks for something else
+            checkpoint.drop_own()
+            raise
+        checkpoint.remove()
     watch.stop()
     made = baked.made
     return BakeResult(
@@ -176,8 +179,12 @@ def bake_and_keep(
     keeper: Keeper = KEEPS_NOTHING,
     thumbnail: Thumbnail | None = None,
     unwraps: Unwraps | None = None,
+    baker: Baker | None = None,
 ) -> Generator[Progress, None, Baked]:
-    """Bake as `bake_steps` does, without its checks; the baked mesh stays, for the caller to remove."""
+    """Bake as `bake_steps` does, without its checks; the baked mesh stays, for the caller to remove.
+
+    Another `baker` than that of the specification may make something else of what was prepared.
+    """
     kept: list[bpy.types.ID] = []
     with (
         temporary_folder() as temporary,
@@ -195,13 +202,13 @@ def bake_and_keep(
             take_cage_out(scratch, spec.cage)
         if spec.lights:
             light_only(scratch, spec.lights)
-        bake = _baker(spec)
+        bake = baker or _baker(spec)
         steps = bake(scratch, spec, files, prepared, temporary, keeper, thumbnail)
         made = yield from watch.over(steps)
     return Baked(made, prepared, device)
 
 
-def _baker(spec: BakeSpec) -> Callable[..., Generator[Progress, None, Made]]:
+def _baker(spec: BakeSpec) -> Baker:
     if spec.kind is Kind.TRANSFER:
         return bake_transfer
     if spec.kind in OCCLUSION:

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.checkpoint import DIGEST, Checkpoint, is_unfinished, replaced_by
+from ..bake.checkpoint import Checkpoint, remove_empty
+from ..bake.key import DIGEST, check_free, is_unfinished, replaced_by
 from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError
 from ..formats.atomic import check_absent
@@ -52,6 +53,8 @@ def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, 
         done = "accumulate onto" if spec.accumulate else "refresh"
         raise InputError(f"{files.sidecar} is not there to {done}: bake it first, without that")
     if not is_unfinished(files.unfinished):
+        if resume:
+            remove_empty(files.unfinished)  # the bake was killed at its very end
         if resume and not overwrite and files.sidecar.exists():
             raise InputError(
                 f"{files.sidecar} is already there, and nothing of object '{name}' is unfinished: "
@@ -60,6 +63,7 @@ def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, 
         check_absent(files.own, overwrite or earlier)
         _check_common(name, spec, files, overwrite)
         return
+    check_free(files.unfinished)
     if not resume and not overwrite:
         raise InputError(
             f"{files.unfinished} holds an unfinished bake: go on with it (--resume), "

@@ -9,7 +9,7 @@ from math import ceil, isqrt, sqrt
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from ..bake.checkpoint import is_unfinished
+from ..bake.key import is_unfinished
 from ..bake.plan import MAX_IMAGE_SIDE
 from ..bake.spec import BakeSpec, Kind
 from ..core.errors import FormatError, InputError

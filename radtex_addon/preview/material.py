@@ -150,7 +150,7 @@ def _decoded(sidecar: Path, columns: int, half: bool) -> dict[str, bpy.types.Ima
             path = layer_path(folder / sidecar.name, layer)
             halved = half and not layer.endswith(WEIGHTS)  # a half float counts to 2048, clusters to 65535
             rows, _ = stored_rows(path, values, halved)
-            with replacing(path) as beside:
+            with replacing(path, lasting=False) as beside:
                 write_rows(beside, rows, facts.to_json(), Compression.ZIP)
             images[layer] = load_atlas(path, halved, data=_is_data(layer))
             images[layer].pack()

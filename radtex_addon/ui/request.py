@@ -158,7 +158,7 @@ class BakeRequest:
 
     def forgets(self, scene: bpy.types.Scene, names: Sequence[str], patience: float) -> bool:
         """Whether it would throw away an unfinished bake that one could go on with."""
-        from ..bake.checkpoint import is_unfinished
+        from ..bake.key import is_unfinished
         from ..job.files import OutputFiles
 
         if self.resume or not self.overwrite:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,8 @@ import numpy.typing as npt
 import pytest
 
 from radtex_addon.bake.analytic import AnalyticCapture
-from radtex_addon.bake.checkpoint import KEY, Checkpoint, is_unfinished, replaced_by
+from radtex_addon.bake.checkpoint import Checkpoint
+from radtex_addon.bake.key import KEY, LOCK, check_free, is_unfinished, replaced_by
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
 from radtex_addon.bake.progress import Progress, Stage, finished
 from radtex_addon.bake.session import fill_atlas
@@ -122,7 +124,7 @@ def test_without_resume_all_is_begun_anew_at_the_first_piece(folder: Path) -> No
     assert anew.found("first") is None
     assert (folder / "first.piece").exists()
     anew.keep("second", some())
-    assert sorted(path.name for path in folder.iterdir()) == [KEY, "second.piece"]
+    assert sorted(path.name for path in folder.iterdir()) == [KEY, LOCK, "second.piece"]
     assert begun(folder, resume=True, samples="64").names() == ["second"]
 
 
@@ -157,6 +159,47 @@ def test_a_key_without_sense_is_an_error_that_says_how_to_go_on(folder: Path) ->
             begun(folder, resume=True)
 
 
+def test_one_at_a_time_works_on_a_bake(folder: Path) -> None:
+    check_free(folder)
+    with begun(folder) as first:
+        first.keep("first", some())
+        who = f"is in use, process {os.getpid()} on .* bakes into it: wait for its end, or end it$"
+        with pytest.raises(InputError, match=who):
+            check_free(folder)
+        for resume in (True, False):
+            other = begun(folder, resume=resume)
+            with pytest.raises(InputError, match=who):
+                other.keep("second", some())
+            other.drop_own()
+        first.keep("third", some())
+    check_free(folder)
+    with begun(folder, resume=True) as second:
+        assert second.found("first") is not None
+        assert second.found("third") is not None
+        late = begun(folder, resume=True)
+        second.remove()
+        with pytest.raises(BakeError, match="has gone"):
+            late.keep("first", some())
+    assert list(folder.parent.iterdir()) == []
+
+
+def test_what_killed_processes_were_writing_goes_with_the_end(folder: Path) -> None:
+    """Whether the bake was gone on with, or begun anew."""
+    begun(folder).keep("first", some())
+    for pid, resume in ((2**30, True), (2**30 + 1, False)):
+        key = json.loads((folder / KEY).read_text())
+        key["processes"].append(pid)
+        (folder / KEY).write_text(json.dumps(key))
+        (folder.parent / f".radtex-{pid}-aa.exr").touch()
+        (folder / f".radtex-{pid}-bb.piece").touch()
+        begun(folder, resume=resume).keep("second", some())
+    begun(folder, resume=True).keep("third", some())
+    with begun(folder, resume=True) as last:
+        assert last.found("third") is not None
+        last.remove()
+    assert list(folder.parent.iterdir()) == []
+
+
 def test_a_folder_that_goes_away_ends_the_bake(folder: Path) -> None:
     checkpoint = begun(folder)
     checkpoint.keep("first", some())
@@ -180,6 +223,7 @@ def test_a_refusing_system_is_one_line(folder: Path, monkeypatch: pytest.MonkeyP
         checkpoint.keep("second", some())
     monkeypatch.undo()
     assert begun(folder, resume=True).names() == ["first"]
+    checkpoint.close()
     assert sorted(path.name for path in folder.iterdir()) == ["first.piece", KEY]
 
 

@@ -19,7 +19,7 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.checkpoint import KEY
+from radtex_addon.bake.key import KEY
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.bake.thumbnail import Thumbnail

@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 import os
+import stat
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -46,6 +48,25 @@ def test_after_any_interruption_the_folder_is_what_it_was(tmp_path: Path, error:
         interrupted()
     assert target.read_text() == "old"
     assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows settles no names")
+@pytest.mark.parametrize("writing", [replacing, replacing_together])
+def test_the_disk_has_a_file_before_its_name_changes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, writing: Any
+) -> None:
+    target, seen = tmp_path / "a.json", []
+    settle = os.fsync
+
+    def noted(descriptor: int) -> None:
+        is_folder = stat.S_ISDIR(os.fstat(descriptor).st_mode)
+        seen.append((is_folder, os.fstat(descriptor).st_size if not is_folder else 0, target.exists()))
+        settle(descriptor)
+
+    monkeypatch.setattr(os, "fsync", noted)
+    with writing(target) as beside:
+        beside.write_text("whole")
+    assert seen == [(False, 5, False), (True, 0, True)]
 
 
 def contents(folder: Path) -> dict[str, str]:

@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The key of an unfinished bake: what its pieces belong to, what it may replace, who worked on it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from ..core.errors import InputError
+from ..formats.atomic import write_text
+from ..formats.lock import holder
+
+Facts: TypeAlias = Mapping[str, str]
+
+VERSION = 1
+KEY = "key.json"
+LOCK = "lock"
+DIGEST = "sha256:"  # begins a fact that nobody can read
+
+
+@dataclass(frozen=True)
+class Key:
+    """The `facts` of a bake, the names of the files that it `replaces`, the `processes` that worked on it."""
+
+    facts: Facts
+    replaces: list[str]
+    processes: list[int]
+
+    def differences(self, facts: Facts) -> str:
+        """Which facts are others now, in words; empty if none is."""
+        said = [_difference(name, self.facts.get(name), value) for name, value in facts.items()]
+        return ", ".join(words for words in said if words)
+
+
+def is_unfinished(folder: Path) -> bool:
+    """Whether the folder holds pieces of a bake that was not finished."""
+    return (folder / KEY).is_file()
+
+
+def check_free(folder: Path) -> None:
+    """Raises InputError where a process works on the bake in `folder`."""
+    if who := holder(folder / LOCK):
+        raise InputError(in_use(folder, who))
+
+
+def in_use(folder: Path, who: str) -> str:
+    """What to tell whoever wants it, too."""
+    return f"{folder} is in use, {who} bakes into it: wait for its end, or end it"
+
+
+def replaced_by(folder: Path) -> frozenset[str]:
+    """The names of the files that the unfinished bake in `folder` may replace: it may have written them."""
+    return frozenset(read_key(folder).replaces) if is_unfinished(folder) else frozenset()
+
+
+def workers(folder: Path) -> list[int]:
+    """The processes that have worked on the bake in `folder`, as far as its key tells."""
+    with suppress(InputError):
+        return read_key(folder).processes if is_unfinished(folder) else []
+    return []
+
+
+def write_key(folder: Path, key: Key) -> None:
+    """Put the key into the folder. Raises BakeError where the system refuses."""
+    write_text(folder / KEY, json.dumps({"version": VERSION, **asdict(key)}, indent=2) + "\n")
+
+
+def read_key(folder: Path) -> Key:
+    """The folder's key. Raises InputError, which says how to go on without one."""
+    path = folder / KEY
+    anew = "begin anew (--overwrite, without --resume)"
+    try:
+        key = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror or error}; or {anew}") from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path} is damaged: {anew}") from error
+    if not isinstance(key, dict) or key.pop("version", None) != VERSION or not _is_key(key):
+        raise InputError(f"{path} is damaged, or of another RadTex: {anew}")
+    return Key(key["facts"], key["replaces"], key["processes"])
+
+
+def _is_key(key: dict[str, Any]) -> bool:
+    facts, replaces, processes = (key.get(name) for name in ("facts", "replaces", "processes"))
+    return (
+        isinstance(facts, dict)
+        and all(isinstance(value, str) for value in facts.values())
+        and isinstance(replaces, list)
+        and all(isinstance(value, str) for value in replaces)
+        and isinstance(processes, list)
+        and all(isinstance(value, int) for value in processes)
+    )
+
+
+def _difference(name: str, before: str | None, now: str) -> str:
+    if before == now:
+        return ""
+    if before is None or now.startswith(DIGEST):
+        return name
+    return f"{name} ({before}, now {now})"
