@@ -4,11 +4,27 @@
 
 from __future__ import annotations
 
+import unicodedata
+
+_UNSEEN = {"Cc", "Cs", "Zl", "Zp"}  # control characters, lone surrogates, ends of lines and paragraphs
+
 
 class RadTexError(Exception):
-    """Root of our errors; `exit_code` is what the batch leaves with."""
+    """Root of our errors; `exit_code` is what the batch leaves with.
+
+    Whatever names the message quotes, it is one line: what would end it, or drive a terminal, is escaped.
+    """
 
     exit_code = 2
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__("".join(map(_seen, message)))
+
+
+def _seen(character: str) -> str:
+    if character.isprintable() or unicodedata.category(character) not in _UNSEEN:
+        return character
+    return character.encode("unicode_escape").decode()
 
 
 class InputError(RadTexError):

@@ -16,7 +16,7 @@ from typing import Any
 
 from ..core.errors import FormatError
 from ..formats.atomic import write_text
-from ..formats.facts import Facts, json_text
+from ..formats.facts import Facts, json_text, shown
 from ..formats.packing import layer_names
 from ..formats.shared_sidecar import LAYOUT as SHARED
 from ..formats.shared_sidecar import SharedSidecar
@@ -165,8 +165,8 @@ class Manifest:
         if bake.text("layout") == BUCKETS:
             layers += tuple(layer for layer in bake.texts("layers") if layer in textures.values)
         if set(textures.values) != set(layers):
-            found = ", ".join(textures.values) or "none"
-            raise FormatError(f"{source} has the textures {found}, expected {', '.join(layers)}")
+            found, expected = (shown(", ".join(names), 200) or "none" for names in (textures.values, layers))
+            raise FormatError(f"{source} has the textures {found}, expected {expected}")
         return cls(
             tool=facts.text("tool"),
             name=facts.text("name"),
@@ -193,7 +193,7 @@ def file_of(facts: Facts, key: str) -> str:
     name = facts.text(key)
     if not name or name.startswith(".") or any(mark in name for mark in "/\\:\0"):
         raise FormatError(
-            f'{facts.source}: "{key}" is {json.dumps(name)}, expected a file of the same folder'
+            f'{facts.source}: "{key}" is {shown(json.dumps(name))}, expected a file of the same folder'
         )
     return name
 

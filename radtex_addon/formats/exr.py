@@ -7,10 +7,11 @@ An EXR's first row is the top one, ours is the bottom one (v = 0): rows are flip
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
@@ -23,14 +24,14 @@ import OpenEXR
 from ..core.arrays import Floats
 from ..core.errors import BakeError, FormatError, ShapeError
 from .atomic import replacing
-from .memory import check_memory
+from .exr_size import check_size
 from .sidecar import Sidecar, read_sidecar
 
 HALF_MOST = 65504.0  # the largest finite half float
 ATTRIBUTE = "radtex"  # the header attribute that holds the sidecar's JSON
 REC_709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)  # x, y of red, green, blue, white
 
-_CHANNELS = {4: "RGBA", 3: "RGB", 1: "Y"}
+CHANNELS = {4: "RGBA", 3: "RGB", 1: "Y"}  # names, by their number
 _MAGIC = bytes((0x76, 0x2F, 0x31, 0x01))
 _ORDER = "RGBXYZWUVA"  # of a group's channels
 _FLAT = (OpenEXR.scanlineimage, OpenEXR.tiledimage)  # not deep
@@ -67,7 +68,7 @@ def write_atlas(
     where the system refuses.
     """
     expected = (sidecar.height * sidecar.bucket, sidecar.width * sidecar.bucket)
-    if pixels.ndim != 3 or pixels.shape[:2] != expected or pixels.shape[2] not in _CHANNELS:
+    if pixels.ndim != 3 or pixels.shape[:2] != expected or pixels.shape[2] not in CHANNELS:
         raise ShapeError(f"atlas pixels: expected shape {(*expected, '1, 3 or 4')}, got {pixels.shape}")
     rows, clamped = stored_rows(path, pixels, half)
     sidecar = replace(sidecar, clamped=clamped)
@@ -100,31 +101,31 @@ def read_buckets(path: Path) -> tuple[Floats, Sidecar]:
 
 def header_text(path: Path) -> str:
     """The JSON in the header of an image of ours. Raises FormatError as `read_atlas` does."""
-    header = _headers(path)[0]
+    header = headers_of(path)[0]
     if ATTRIBUTE not in header:
         raise FormatError(f'{path} has no header attribute "{ATTRIBUTE}": it is no RadTex atlas')
-    return str(header[ATTRIBUTE])
+    try:
+        return str(header[ATTRIBUTE])
+    except UnicodeDecodeError as error:
+        raise FormatError(f'{path} is damaged: its attribute "{ATTRIBUTE}" is not text') from error
 
 
 def stored_compression(path: Path) -> Compression | None:
     """How an image is packed, None if by none of ours. Raises FormatError as `read_atlas` does."""
-    packed = _headers(path)[0].get("compression")
+    packed = headers_of(path)[0].get("compression")
     return next((ours for ours, theirs in _COMPRESSIONS.items() if theirs == packed), None)
 
 
-def read_pixels(path: Path, width: int, height: int, channels: Iterable[int] = _CHANNELS) -> Floats:
+def read_pixels(path: Path, width: int, height: int, channels: Iterable[int] = CHANNELS) -> Floats:
     """Pixels (height, width, C) of an image of ours, float16 or float32 as they are stored.
 
     Row 0 is at the bottom. `channels` are the numbers of them that it may have. Raises FormatError as
     `read_atlas` does.
     """
-    headers = _headers(path)
-    named = sorted(channel.name for header in headers for channel in header["channels"])
-    allowed = [_CHANNELS[count] for count in channels]
-    if named not in (sorted(names) for names in allowed):
-        raise FormatError(f"{path} has the channels {', '.join(named)}, expected {' or '.join(allowed)}")
+    headers = headers_of(path)
+    count = check_channels(path, headers, channels)
     pixels = _layers(path, len(headers))[""]
-    if pixels.shape[:2] != (height, width) or pixels.dtype not in (np.float16, np.float32):
+    if pixels.shape != (height, width, count) or pixels.dtype not in (np.float16, np.float32):
         found = f"{pixels.shape[1]} x {pixels.shape[0]} pixels of {pixels.dtype}"
         raise FormatError(f"{path} has {found}, its header says {width} x {height} floats")
     return pixels[::-1]
@@ -136,8 +137,19 @@ def read_render(path: Path) -> dict[str, Floats]:
     Channels are joined by what stands before their last dot, such as "ViewLayer.Combined", in the order RGBA,
     XYZW or UV; an image without layers is called "". Raises FormatError as `read_atlas` does.
     """
-    layers = _layers(path, len(_headers(path)))
+    layers = _layers(path, len(headers_of(path)))
     return {name: pixels[::-1].astype(np.float32, copy=False) for name, pixels in layers.items()}
+
+
+def read_stamps(path: Path) -> dict[str, str]:
+    """The words in the header of an image that Blender wrote, by their names: "Note", "Frame", "Software".
+
+    Raises FormatError as `read_atlas` does.
+    """
+    try:
+        return {name: word for name, word in headers_of(path)[0].items() if isinstance(word, str)}
+    except UnicodeDecodeError as error:
+        raise FormatError(f"{path} is damaged: its header holds what is not text") from error
 
 
 def read_whole(path: Path) -> tuple[npt.NDArray[Any], list[str]]:
@@ -145,8 +157,8 @@ def read_whole(path: Path) -> tuple[npt.NDArray[Any], list[str]]:
 
     Row 0 is at the bottom; loose channels come in that order. Raises FormatError as `read_atlas` does.
     """
-    headers = _headers(path)
-    names = sorted(channel.name for header in headers for channel in header["channels"])
+    headers = headers_of(path)
+    names = _channel_names(headers)
     layers = _layers(path, len(headers))
     if len(layers) != 1:
         raise FormatError(f"{path} has several layers, expected one: bake it again")
@@ -183,16 +195,35 @@ def write_rows(path: Path, rows: Floats, text: str, compression: Compression) ->
         ATTRIBUTE: text,
         "type": OpenEXR.scanlineimage,
     }
-    channels = _CHANNELS[rows.shape[2]]
+    channels = CHANNELS[rows.shape[2]]
     image = np.ascontiguousarray(rows[..., 0] if channels == "Y" else rows)  # the module reads bare memory
     try:
         OpenEXR.File(header, {channels: image}).write(str(path))
     except RuntimeError as error:
-        raise OSError(_one_line(error)) from error
+        raise OSError(one_line(error)) from error
 
 
-def _headers(path: Path) -> list[dict[str, Any]]:
-    """The parts' headers, once the file is known to be an EXR whose pixels fit into memory."""
+def listed(names: list[str]) -> str:
+    """Names of channels for a message, the first and the last of many."""
+    return ", ".join(names) if len(names) < 5 else f"{names[0]} … {names[-1]}"
+
+
+def check_channels(path: Path, headers: Iterable[dict[str, Any]], counts: Iterable[int]) -> int:
+    """How many channels an image has: one of the `counts`, and by our names. Raises FormatError if not."""
+    named = _channel_names(headers)
+    allowed = [CHANNELS[count] for count in counts]
+    if named not in (sorted(names) for names in allowed):
+        raise FormatError(f"{path} has the channels {listed(named)}, expected {' or '.join(allowed)}")
+    return len(named)
+
+
+def _channel_names(headers: Iterable[dict[str, Any]]) -> list[str]:
+    """Those of all parts, sorted. Raises UnicodeDecodeError."""
+    return sorted(channel.name for header in headers for channel in header["channels"])
+
+
+def headers_of(path: Path) -> list[dict[str, Any]]:
+    """The parts' headers, once the file is known to be an EXR whose pixels fit into it and into memory."""
     try:
         with path.open("rb") as file:
             magic = file.read(len(_MAGIC))
@@ -201,22 +232,18 @@ def _headers(path: Path) -> list[dict[str, Any]]:
     if magic != _MAGIC:
         raise FormatError(f"{path} is not an OpenEXR file")
     try:
-        with _hushed():
+        with hushed():
             parts = OpenEXR.File(str(path), header_only=True).parts
         headers: list[dict[str, Any]] = [part.header for part in parts]
+        _channel_names(headers)
     except (RuntimeError, ValueError) as error:
-        raise FormatError(f"{path} is damaged: {_one_line(error)}") from error
+        raise FormatError(f"{path} is damaged: {one_line(error)}") from error
     if not headers:
         raise FormatError(f"{path} is damaged: it has no image in it")
     if any(header["type"] not in _FLAT for header in headers):
         raise FormatError(f"{path} is a deep image: flat ones can be read")
-    check_memory(str(path), sum(_pixel_bytes(header) for header in headers))
+    check_size(path, headers)
     return headers
-
-
-def _pixel_bytes(header: dict[str, Any]) -> int:
-    (x0, y0), (x1, y1) = header["dataWindow"]
-    return (int(x1) - int(x0) + 1) * (int(y1) - int(y0) + 1) * len(header["channels"]) * 4
 
 
 def _layers(path: Path, count: int) -> dict[str, Floats]:
@@ -225,10 +252,10 @@ def _layers(path: Path, count: int) -> dict[str, Floats]:
     The module joins R, G, B and A itself; the other channels come one by one.
     """
     try:
-        with _hushed():
+        with hushed():
             parts: list[Any] = OpenEXR.File(str(path)).parts
     except (RuntimeError, ValueError) as error:
-        raise FormatError(f"{path} is damaged: {_one_line(error)}") from error
+        raise FormatError(f"{path} is damaged: {one_line(error)}") from error
     if len(parts) != count:  # how the module tells that it could not read a part's pixels
         raise FormatError(f"{path} is damaged: its pixels cannot be read; it may be cut short")
     layers: dict[str, Floats] = {}
@@ -248,8 +275,14 @@ def _layers(path: Path, count: int) -> dict[str, Floats]:
 
 
 @contextmanager
-def _hushed() -> Iterator[None]:
-    """Keep standard error free of what OpenEXR's C code says there of damaged files: we say it ourselves."""
+def hushed() -> Iterator[None]:
+    """Keep OpenEXR from talking of damaged files, as its module and its C code do: we say it ourselves."""
+    with redirect_stdout(io.StringIO()), _hushed_errors():
+        yield
+
+
+@contextmanager
+def _hushed_errors() -> Iterator[None]:
     try:
         before = os.dup(2)
     except OSError:  # a program without standard error
@@ -266,5 +299,6 @@ def _hushed() -> Iterator[None]:
         os.close(before)
 
 
-def _one_line(error: Exception) -> str:
+def one_line(error: Exception) -> str:
+    """What an error of the module says, in one line."""
     return " ".join(str(error).split()).rstrip(".") or type(error).__name__

@@ -11,6 +11,13 @@ from typing import Any
 
 from ..core.errors import FormatError
 
+_MOST = 2**64 - 1  # of whole numbers, of which ours are far smaller
+
+
+def shown(text: str, most: int = 40) -> str:
+    """Text of a file for a message, its first `most` characters if it is longer."""
+    return text if len(text) <= most else text[:most] + "…"
+
 
 def json_text(facts: dict[str, Any]) -> str:
     """The contract's JSON, in ASCII and with a newline at its end."""
@@ -45,10 +52,10 @@ class Facts:
             raise self._mistyped(key, "an object")
         return Facts(value, f'{self.source}, in "{key}",', self.what)
 
-    def whole_number(self, key: str, least: int, most: float = math.inf) -> int:
+    def whole_number(self, key: str, least: int, most: int = _MOST) -> int:
         value = self._of(key)
         if type(value) is not int or not least <= value <= most:
-            bound = f"of at least {least}" if most == math.inf else f"from {least} to {most}"
+            bound = f"of at least {least}" if most == _MOST else f"from {least} to {most}"
             raise self._mistyped(key, f"a whole number {bound}")
         return value
 
@@ -88,11 +95,11 @@ class Facts:
             raise self._mistyped(key, f"a list of {' or '.join(among)}, each at most once")
         return tuple(value)
 
-    def size(self, key: str, most: float = math.inf) -> tuple[int, int]:
+    def size(self, key: str, most: int = _MOST) -> tuple[int, int]:
         value = self._of(key)
         pair = isinstance(value, list) and len(value) == 2
         if not pair or any(type(n) is not int or not 1 <= n <= most for n in value):
-            bound = "of at least 1" if most == math.inf else f"from 1 to {most}"
+            bound = "of at least 1" if most == _MOST else f"from 1 to {most}"
             raise self._mistyped(key, f"two whole numbers {bound}")
         return value[0], value[1]
 
@@ -119,9 +126,8 @@ class Facts:
         return self.values[key]
 
     def _mistyped(self, key: str, expected: str) -> FormatError:
-        value = json.dumps(self.values[key])
-        shown = value if len(value) <= 40 else value[:40] + "…"
-        return FormatError(f'{self.source}: "{key}" is {shown}, expected {expected}')
+        found = shown(json.dumps(self.values[key]))
+        return FormatError(f'{self.source}: "{key}" is {found}, expected {expected}')
 
 
 def _is_number(value: object) -> bool:

@@ -53,7 +53,13 @@ class Glb:
             length, kind = struct.unpack_from("<I4s", data, place)
             chunks.setdefault(kind, data[place + 8 : place + 8 + length])
             place += 8 + length
-        return cls(json.loads(chunks[_JSON]), bytearray(chunks.get(_BINARY, b"")))
+        try:
+            document = json.loads(chunks.get(_JSON, b""))
+        except (ValueError, RecursionError) as error:
+            raise FormatError(f"{path} is damaged, its JSON cannot be read: {error}") from error
+        if not isinstance(document, dict):
+            raise FormatError(f"{path} is damaged: its JSON is no object")
+        return cls(document, bytearray(chunks.get(_BINARY, b"")))
 
     def write(self, path: Path) -> None:
         """Write the file, straight to `path`. Raises OSError where the system refuses."""

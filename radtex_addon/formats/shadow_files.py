@@ -19,10 +19,11 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError, ShapeError
 from ..core.shadow import unpack_bits, word_count
 from .atomic import replacing
-from .exr import ATTRIBUTE, Compression, header_text, read_whole
+from .exr import ATTRIBUTE, Compression, header_text, listed, read_whole
 from .sidecar import Sidecar, read_sidecar
 
 KIND = "shadow"
+_MOST_CELLS = 512  # along a bucket's side: 8192 channels
 
 _LOSSLESS = {
     Compression.ZIP: OpenEXR.ZIP_COMPRESSION,
@@ -76,12 +77,12 @@ def read_shadow(path: Path) -> tuple[Words, Sidecar]:
     sidecar = Sidecar.from_json(header_text(path), f"the header of {path}")
     if sidecar.kind != KIND:
         raise FormatError(f"{path} is of kind {sidecar.kind}, not {KIND}: name a bake of shadows")
+    if sidecar.bucket > _MOST_CELLS:
+        raise FormatError(f"{path} has buckets of {sidecar.bucket} cells a side, {_MOST_CELLS} are the most")
     names = channel_names(sidecar.bucket)
     pixels, found = read_whole(path)
     if found != names:
-        raise FormatError(
-            f"{path} has the channels {_listed(found)}, expected {_listed(names)}: bake it again"
-        )
+        raise FormatError(f"{path} has the channels {listed(found)}, expected {listed(names)}: bake it again")
     expected = (sidecar.height, sidecar.width)
     if pixels.shape[:2] != expected or pixels.dtype != np.uint32:
         size = f"{pixels.shape[1]} x {pixels.shape[0]} pixels of {pixels.dtype}"
@@ -106,7 +107,3 @@ def read_shadow_of(path: Path) -> tuple[Words, Sidecar]:
             f"{image} is of another bake than {path}: put one bake's files together, or bake again"
         )
     return words, sidecar
-
-
-def _listed(names: list[str]) -> str:
-    return ", ".join(names) if len(names) < 4 else f"{names[0]} … {names[-1]}"

@@ -127,11 +127,16 @@ def read_shared(path: Path) -> tuple[SharedAtlas, SharedSidecar]:
     memory.
     """
     sidecar = read_shared_sidecar(path)
+    with np.errstate(over="ignore", invalid="ignore"):  # of a damaged file's values
+        return _read_atlas(path, sidecar), sidecar
+
+
+def _read_atlas(path: Path, sidecar: SharedSidecar) -> SharedAtlas:
     if sidecar.condensed is not None:
         check_memory(f"the bake of {path}", _expanded_bytes(sidecar))
-        return read_condensed(path)[0].expanded(), sidecar
+        return read_condensed(path)[0].expanded()
     images = {layer: read_layer(path, sidecar, layer) for layer in sidecar.shapes}
-    atlas = SharedAtlas(
+    return SharedAtlas(
         colour=images[COLOUR].astype(np.float32),
         irradiance=images[IRRADIANCE].astype(np.float32),
         falloff=np.array(sidecar.falloff, dtype=np.float32),
@@ -141,7 +146,6 @@ def read_shared(path: Path) -> tuple[SharedAtlas, SharedSidecar]:
             unpack_lobe(images, axis, sidecar.bake.bucket, sidecar.sharpest) for axis in sidecar.lobes
         ),
     )
-    return atlas, sidecar
 
 
 def read_condensed(path: Path) -> tuple[CondensedAtlas, SharedSidecar]:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import struct
 from pathlib import Path
 
@@ -182,8 +183,38 @@ def test_a_header_that_asks_for_more_than_the_memory_is_refused(tmp_path: Path) 
     window = struct.pack("<4i", 0, 0, 191, 79)
     path.write_bytes(data.replace(window, struct.pack("<4i", 0, 0, 999_999, 999_999)))
     for read in (read_atlas, read_render):
+        with pytest.raises(FormatError, match=rf"a\.exr is damaged: {len(data)} bytes cannot hold 1000000 x"):
+            read(path)
+    os.truncate(path, 1 << 40)  # the disk holds no more of it than before
+    for read in (read_atlas, read_render):
         with pytest.raises(FormatError, match=r"a\.exr needs 14901\.2 GiB of memory"):
             read(path)
+
+
+def test_a_damaged_image_is_told_of_once(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "a.exr"
+    write_atlas(path, light(), SIDECAR)
+    path.write_bytes(path.read_bytes()[:-9])
+    with pytest.raises(FormatError, match="its pixels cannot be read"):
+        read_atlas(path)
+    assert capfd.readouterr() == ("", "")
+    data = path.read_bytes()
+    for before, after in ((b'"tool"', b'"\xff\xfe\xfdl"'), (b"R\0\1\0\0\0", b"\xff\0\1\0\0\0")):
+        assert before in data
+        path.write_bytes(data.replace(before, after))
+        with pytest.raises(FormatError, match=r"a\.exr is damaged: .*(codec|not text)"):
+            read_atlas(path)
+
+
+@pytest.mark.parametrize("packed", [name for name in dir(OpenEXR) if name.endswith("_COMPRESSION")])
+@pytest.mark.parametrize("value", [0, 1.5])
+def test_what_packs_best_is_not_taken_for_damaged(tmp_path: Path, packed: str, value: float) -> None:
+    """A picture of one colour comes nearest to the bounds of what a file of its size can hold."""
+    path, pixels = tmp_path / "a.exr", np.full((1024, 512, 4), value, dtype=np.float32)
+    for channels in (pixels, pixels.astype(np.float16)):
+        header = {"compression": getattr(OpenEXR, packed), "type": OpenEXR.scanlineimage}
+        OpenEXR.File(header, {"RGBA": channels}).write(str(path))
+        np.testing.assert_allclose(read_render(path)[""], pixels, rtol=1e-3)
 
 
 def test_a_plain_float_image_is_a_render_of_one_layer(tmp_path: Path) -> None:

@@ -75,7 +75,7 @@ def test_version_1_says_exactly_this() -> None:
     }
 
 
-@given(names, names, st.lists(names, max_size=3), st.integers(1), st.integers(0))
+@given(names, names, st.lists(names, max_size=3), st.integers(1, 2**64 - 1), st.integers(0, 2**64 - 1))
 def test_what_is_written_is_read(name: str, uv: str, layers: list[str], width: int, clamped: int) -> None:
     sidecar = replace(
         SIDECAR, object_name=name, uv_map=uv, layers=tuple(layers), width=width, clamped=clamped
