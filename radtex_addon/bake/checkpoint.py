@@ -24,7 +24,7 @@ import numpy.typing as npt
 
 from ..core.errors import BakeError, InputError
 from ..formats.atomic import refusal, remove_unfinished, replacing
-from ..formats.lock import HeldError, Lock, take_lock
+from ..formats.lock import HeldError, Lock, holder, take_lock
 from .key import KEY, LOCK, Facts, Key, in_use, is_unfinished, read_key, workers, write_key
 
 log = logging.getLogger(__name__)
@@ -224,9 +224,11 @@ class Checkpoint(Keeper):
 
 
 def remove_empty(folder: Path) -> None:
-    """Remove the folder if nothing is in it. Raises BakeError."""
+    """Remove the folder if nothing is in it but a lock that nobody has. Raises BakeError."""
+    lock = folder / LOCK
     try:
-        if folder.is_dir() and not any(folder.iterdir()):
+        if folder.is_dir() and set(folder.iterdir()) <= {lock} and holder(lock) is None:
+            lock.unlink(missing_ok=True)
             folder.rmdir()
     except OSError as error:
         raise BakeError(_stays(folder, error)) from error
