@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 
 from ..core.errors import InputError
 from ..formats.atomic import write_text
+from ..formats.facts import shown
 from ..formats.lock import holder
 
 Facts: TypeAlias = Mapping[str, str]
@@ -102,4 +103,4 @@ def _difference(name: str, before: str | None, now: str) -> str:
         return ""
     if before is None or now.startswith(DIGEST):
         return name
-    return f"{name} ({before}, now {now})"
+    return f"{name} ({shown(before, 200)}, now {now})"
