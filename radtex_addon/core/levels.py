@@ -17,6 +17,7 @@ from .arrays import Floats
 from .atlas import AtlasLayout
 from .errors import ShapeError
 from .hemisphere import direction_to_square
+from .row_chain import Halving
 from .sampler import Filter, blend_buckets, checked_lookups
 
 PADDING = 0.25  # of the pixels: what padding for a further level may add
@@ -85,6 +86,19 @@ def halved(image: Floats, layout: AtlasLayout) -> Floats:
     buckets = layout.to_buckets(image)
     mean = (buckets[0::2, 0::2] + buckets[0::2, 1::2] + buckets[1::2, 0::2] + buckets[1::2, 1::2]) / 4
     return half.from_buckets(mean)
+
+
+def bucket_halving(layout: AtlasLayout) -> Halving:
+    """What a level of `layout` gives to the next one of `level_chain`, for a `RowChain`."""
+
+    def some(_first: int, rows: Floats) -> tuple[Floats, int]:
+        texels = len(rows) // layout.bucket // 2 * 2
+        used = texels * layout.bucket
+        if not texels:
+            return rows[:0], 0
+        return halved(rows[:used], AtlasLayout(layout.width, texels, layout.bucket)), used
+
+    return some
 
 
 def sample_level(

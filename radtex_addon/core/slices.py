@@ -16,6 +16,7 @@ from .arrays import Floats
 from .atlas import AtlasLayout
 from .errors import ShapeError
 from .hemisphere import direction_to_square
+from .row_chain import Halving
 from .sampler import Filter, blend_buckets, checked_lookups
 
 LAYERS = 2048  # that desktop GPUs have in an array texture; WebGL 2 and WebGPU promise 256
@@ -27,12 +28,16 @@ def to_slices(image: Floats, layout: AtlasLayout) -> Floats:
     Raises ShapeError for an image that does not fit, and for more cells a bucket than a texture has layers.
     """
     n = layout.bucket
-    if n * n > LAYERS:
-        raise ShapeError(
-            f"slices: {n} x {n} cells need {n * n} layers, textures have {LAYERS}; export the matrix"
-        )
+    check_slices(n)
     cells = layout.to_buckets(image).transpose(2, 3, 0, 1, 4)
     return cells.reshape(n * n, layout.height, layout.width, image.shape[2])
+
+
+def check_slices(bucket: int) -> None:
+    """Raise ShapeError for more cells a bucket than a texture has layers."""
+    if bucket * bucket > LAYERS:
+        cells = f"{bucket} x {bucket} cells need {bucket * bucket} layers"
+        raise ShapeError(f"slices: {cells}, textures have {LAYERS}; export the matrix")
 
 
 def from_slices(slices: Floats) -> Floats:
@@ -53,6 +58,19 @@ def mip_chain(slices: Floats) -> list[Floats]:
     while max(chain[-1].shape[1:3]) > 1:
         chain.append(_halved(_halved(chain[-1], axis=1), axis=2))
     return chain
+
+
+def image_halving(height: int) -> Halving:
+    """What a level of `height` rows gives to the next one of `mip_chain`, for a `RowChain`."""
+
+    def halved(first: int, rows: Floats) -> tuple[Floats, int]:
+        if height == 1:
+            return _halved(rows, axis=-2), 1
+        count = (rows.shape[-3] - height % 2) // 2
+        used = rows[..., : 2 * count + height % 2, :, :]
+        return _halved(_halved(used, -3, height, first // 2), axis=-2), 2 * count
+
+    return halved
 
 
 def sample_slices(chain: Sequence[Floats], uv: Floats, incidence: Floats, level: Floats) -> Floats:
@@ -93,16 +111,19 @@ def _to_buckets(slices: Floats) -> Floats:
     return slices.reshape(n, n, *slices.shape[1:]).transpose(2, 3, 0, 1, 4)
 
 
-def _halved(values: Floats, axis: int) -> Floats:
-    """The box filter along one axis: floor(size / 2) means, each over its own share of the axis."""
+def _halved(values: Floats, axis: int, size: int | None = None, begin: int = 0) -> Floats:
+    """The box filter along one axis: floor(size / 2) means, each over its own share of the axis.
+
+    Of an axis that has `size` places `values` may be those from the one before the mean `begin`'s share on.
+    """
     along = np.moveaxis(values, axis, -1)
-    size = along.shape[-1]
-    half = size // 2
+    size = size or along.shape[-1]
+    half, count = size // 2, along.shape[-1] // 2
     if half == 0:
         return values
     if size % 2 == 0:
         mean = (along[..., 0::2] + along[..., 1::2]) / 2
     else:  # pixel k covers [k, k + 1] * size / half: parts of the pixels 2k and 2k + 2, and 2k + 1 wholly
-        k = np.arange(half, dtype=values.dtype)
+        k = np.arange(begin, begin + count, dtype=values.dtype)
         mean = ((half - k) * along[..., 0:-1:2] + half * along[..., 1::2] + (k + 1) * along[..., 2::2]) / size
     return np.moveaxis(mean, -1, axis)

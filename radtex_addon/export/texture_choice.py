@@ -4,16 +4,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..formats.texture import PixelFormat, most_levels
 from .manifest import Container
+from .pouring import Light
 from .spec import Arrangement, ExportSpec, Target, TextureFormat
 
 _STORED = {
@@ -28,23 +27,23 @@ _BLOCK = PixelFormat.BC6H.side
 
 
 def choice(
-    source: Path, image: Floats, spec: ExportSpec, container: Container, straddled: str | None
+    source: Path, light: Callable[[], Light], spec: ExportSpec, container: Container, straddled: str | None
 ) -> PixelFormat:
-    """How the light (H, W, C) of the file `source` is stored; `straddled` says why BC6H does not suit it.
+    """How the `light` of the file `source` is stored; `straddled` says why BC6H does not suit it.
 
     By itself that is RGB9E5, or BC6H for what loads DDS, where alpha is 1 and nothing negative; else RGBA16F.
     Raises InputError for a format that `spec` asks for and the light cannot have.
     """
-    opaque = image.shape[2] < 4 or bool((image[..., 3].astype(np.float16) == 1).all())
     if spec.format is not TextureFormat.AUTO:
         kind = _STORED[spec.format][1]
         lossless = f"choose --format {container}-rgba16f"
-        if kind is not PixelFormat.RGBA16F and not opaque:
+        if kind is not PixelFormat.RGBA16F and not light().opaque:
             raise InputError(f"{source} has an alpha that is not 1, which {kind} cannot hold: {lossless}")
         if kind is PixelFormat.BC6H and straddled:
             raise InputError(f"{source} cannot be BC6H: {straddled}, or {lossless}")
         return kind
-    if not opaque or image[..., :3].min() < 0:
+    found = light()
+    if not found.opaque or found.least < 0:
         return PixelFormat.RGBA16F
     if container is Container.KTX2:
         return PixelFormat.RGB9E5

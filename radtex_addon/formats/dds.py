@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import struct
 from enum import IntEnum
+from itertools import product
 from math import prod
 from pathlib import Path
 from typing import NamedTuple
@@ -20,7 +21,7 @@ from ..core.errors import FormatError, InputError, ShapeError
 from .atomic import replacing
 from .bc7 import Blocks, described
 from .memory import check_memory
-from .texture import MOST_PIXELS, PixelFormat, Texture, blocks_shape, size_misfit
+from .texture import MOST_PIXELS, Encoded, Form, PixelFormat, Texture, blocks_shape, size_misfit
 
 
 class DdsFormat(IntEnum):
@@ -117,24 +118,24 @@ def write_dds(path: Path, blocks: Blocks, texture_format: DdsFormat) -> None:
     write_texture(path, Texture(kind.pixel_format, width, height, (blocks[None],)))
 
 
-def write_texture(path: Path, texture: Texture) -> None:
+def write_texture(path: Path, texture: Encoded) -> None:
     """Write a texture, with its layers and mip levels, rows as they are stored.
 
     On failure `path` is what it was. Raises InputError for a format that DDS does not know, or for blocks
     that reach beyond the edge, which Direct3D refuses; BakeError where the system refuses.
     """
-    kind = _DDS_FORMATS.get(texture.format)
+    form = texture.form
+    kind = _DDS_FORMATS.get(form.format)
     if kind is None:
-        raise InputError(f"{path}: {texture.format} is not written to DDS; choose {', '.join(_DDS_FORMATS)}")
-    if texture.width % kind.side or texture.height % kind.side:
-        found = f"{texture.width} x {texture.height} pixels are no whole blocks of 4 x 4"
+        raise InputError(f"{path}: {form.format} is not written to DDS; choose {', '.join(_DDS_FORMATS)}")
+    if form.width % kind.side or form.height % kind.side:
+        found = f"{form.width} x {form.height} pixels are no whole blocks of 4 x 4"
         raise InputError(f"{path}: {found}, which Direct3D needs; choose {PixelFormat.RGBA16F}, or KTX2")
-    header = _header(kind, texture)
+    header = _header(kind, form)
     with replacing(path) as beside, beside.open("wb") as file:
         file.write(_LAYOUT.pack(*header))
-        for layer in range(texture.layers):
-            for blocks in texture.levels:
-                file.write(np.ascontiguousarray(blocks[layer]).data)
+        for layer, level in product(range(form.layers), range(form.levels)):
+            file.writelines(texture.parts(level, layer))
 
 
 def read_dds(path: Path) -> tuple[DdsFormat, Blocks, int, int]:
@@ -172,18 +173,18 @@ def _read(path: Path, alone: bool) -> tuple[DdsFormat, Texture]:
     return kind, Texture(kind.pixel_format, header.width, header.height, levels, header.layers > 1)
 
 
-def _header(kind: DdsFormat, texture: Texture) -> _Header:
-    packed, mipmapped = kind.side > 1, len(texture.levels) > 1
-    pitch = texture.levels[0][0].nbytes if packed else texture.width * kind.block_bytes
+def _header(kind: DdsFormat, form: Form) -> _Header:
+    packed, mipmapped = kind.side > 1, form.levels > 1
+    pitch = form.nbytes(0) // form.layers if packed else form.width * kind.block_bytes
     return _Header(
         magic=_MAGIC,
         size=_SIZE,
         flags=_FLAGS | (_LINEAR_SIZE if packed else _PITCH) | (_MIPMAPPED if mipmapped else 0),
-        height=texture.height,
-        width=texture.width,
+        height=form.height,
+        width=form.width,
         pitch=pitch,
         depth=0,
-        mipmaps=len(texture.levels),
+        mipmaps=form.levels,
         pixel_size=_PIXEL_SIZE,
         pixel_flags=_FOUR_CC,
         four_cc=_DX10,
@@ -193,7 +194,7 @@ def _header(kind: DdsFormat, texture: Texture) -> _Header:
         dxgi=int(kind),
         dimension=_TEXTURE_2D,
         misc=0,
-        layers=texture.layers,
+        layers=form.layers,
         misc2=0,  # what alpha means is unknown: old readers refuse anything else
     )
 

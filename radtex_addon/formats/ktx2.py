@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
@@ -23,7 +23,7 @@ from .atomic import replacing
 from .bc7 import Blocks
 from .ktx2_descriptor import descriptor
 from .memory import check_memory
-from .texture import PixelFormat, Texture, blocks_shape, size_misfit
+from .texture import Encoded, PixelFormat, Texture, blocks_shape, size_misfit
 
 VK_FORMATS = {  # VkFormat
     PixelFormat.RGBA16F: 97,
@@ -43,6 +43,7 @@ _TYPE_SIZES = {
 _MAGIC = b"\xabKTX 20\xbb\r\n\x1a\n"
 _NONE, _ZSTD = 0, 2  # supercompression schemes
 _EFFORT = 9  # Zstandard's level
+_AT_ONCE = 1 << 25  # bytes of a level that are packed in one piece
 _MOST_IN_A_BYTE = 1 << 15  # Zstandard's blocks have at least 4 bytes and hold at most 128 KiB
 _MOST_KEYS = 1 << 16  # bytes of key/value data that are read
 _ORIENTATION, _UPWARDS = b"KTXorientation", b"ru"
@@ -81,31 +82,29 @@ _LAYOUT = struct.Struct("<12s13I2Q")
 _LEVEL_LAYOUT = struct.Struct("<3Q")
 
 
-def write_ktx2(path: Path, texture: Texture, zstd: bool = True, premultiplied: bool = True) -> None:
+def write_ktx2(path: Path, texture: Encoded, zstd: bool = True, premultiplied: bool = True) -> None:
     """Write a texture of one of VK_FORMATS, its rows as they are; ours begin with the bottom one.
 
     `zstd` packs it without loss; `premultiplied` says that RGBA16F has associated alpha. On failure `path`
     is what it was. Raises InputError for another format, BakeError where the system refuses.
     """
-    kind = texture.format
+    form = texture.form
+    kind = form.format
     if kind not in VK_FORMATS:
         raise InputError(f"{path}: {kind} is not written to KTX2; choose {', '.join(VK_FORMATS)}")
-    data = [np.ascontiguousarray(blocks).data for blocks in texture.levels]
-    packer = zstandard.ZstdCompressor(level=_EFFORT, write_checksum=True, write_content_size=True)
-    stored: list[bytes | memoryview] = [packer.compress(level) if zstd else level for level in data]
     dfd = descriptor(kind, premultiplied and kind is PixelFormat.RGBA16F)
     kvd = _key_values({_ORIENTATION: _UPWARDS, b"KTXwriter": f"RadTex {VERSION}".encode()})
-    dfd_offset = _LAYOUT.size + len(data) * _LEVEL_LAYOUT.size
+    dfd_offset = _LAYOUT.size + form.levels * _LEVEL_LAYOUT.size
     header = _Header(
         magic=_MAGIC,
         vk_format=VK_FORMATS[kind],
         type_size=_TYPE_SIZES[kind],
-        width=texture.width,
-        height=texture.height,
+        width=form.width,
+        height=form.height,
         depth=0,
-        layers=texture.layers if texture.is_array else 0,
+        layers=form.layers if form.is_array else 0,
         faces=1,
-        levels=len(data),
+        levels=form.levels,
         scheme=_ZSTD if zstd else _NONE,
         dfd_offset=dfd_offset,
         dfd_length=len(dfd),
@@ -116,18 +115,30 @@ def write_ktx2(path: Path, texture: Texture, zstd: bool = True, premultiplied: b
     )
     alignment = 1 if zstd else max(kind.block_bytes, 4)  # the least common multiple: both are powers of 2
     index: list[_Level] = []
-    end = dfd_offset + len(dfd) + len(kvd)
-    for packed, level in zip(reversed(stored), reversed(data), strict=True):  # the smallest lies first
-        begin = -(-end // alignment) * alignment
-        end = begin + memoryview(packed).nbytes
-        index.insert(0, _Level(begin, end - begin, level.nbytes))
     with replacing(path) as beside, beside.open("wb") as file:
+        file.seek(dfd_offset)
+        file.write(dfd + kvd)
+        for level in reversed(range(form.levels)):  # the smallest lies first
+            file.write(bytes(-file.tell() % alignment))
+            begin, size = file.tell(), form.nbytes(level)
+            parts = (part for layer in range(form.layers) for part in texture.parts(level, layer))
+            file.writelines(_packed(parts, size) if zstd else parts)
+            index.insert(0, _Level(begin, file.tell() - begin, size))
+        file.seek(0)
         file.write(_LAYOUT.pack(*header))
         file.writelines(_LEVEL_LAYOUT.pack(*level) for level in index)
-        file.write(dfd + kvd)
-        for place, packed in zip(reversed(index), reversed(stored), strict=True):
-            file.write(bytes(place.offset - file.tell()))
-            file.write(packed)
+
+
+def _packed(parts: Iterable[memoryview], size: int) -> Iterator[bytes]:
+    """What Zstandard makes of `size` bytes; of few at once, which packs them a little better."""
+    packer = zstandard.ZstdCompressor(level=_EFFORT, write_checksum=True, write_content_size=True)
+    if size <= _AT_ONCE:
+        yield packer.compress(b"".join(parts))
+        return
+    stream = packer.compressobj(size=size)
+    for part in parts:
+        yield stream.compress(part)
+    yield stream.flush()
 
 
 def read_ktx2(path: Path) -> Texture:

@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from math import prod
+from typing import Protocol
 
 import numpy as np
 
@@ -55,13 +57,53 @@ class PixelFormat(StrEnum):
 ENCODED = (PixelFormat.RGBA16F, PixelFormat.RGB9E5, PixelFormat.BC6H)  # what holds light
 
 
+@dataclass(frozen=True)
+class Form:
+    """A texture but for what is in it: `layers` x `levels` images, the largest of width x height pixels.
+
+    Level L has max(1, width >> L) x max(1, height >> L) pixels. Raises ShapeError for what GPUs do not take.
+    """
+
+    format: PixelFormat
+    width: int
+    height: int
+    layers: int = 1
+    levels: int = 1
+    is_array: bool = False
+
+    def __post_init__(self) -> None:
+        if misfit := size_misfit(self.width, self.height, self.layers, self.levels):
+            raise ShapeError(f"texture: {misfit}")
+        if self.layers > 1 and not self.is_array:
+            raise ShapeError(f"texture: {self.layers} layers make an array")
+
+    def shape(self, level: int) -> tuple[int, int, int, int]:
+        """Of a level's blocks: layers, rows, columns, bytes of a block."""
+        return blocks_shape(self.format, self.width, self.height, self.layers, level)
+
+    def nbytes(self, level: int) -> int:
+        """Bytes of a level, with all its layers."""
+        return prod(self.shape(level))
+
+
+class Encoded(Protocol):
+    """A texture whose blocks can be had piece by piece."""
+
+    @property
+    def form(self) -> Form:
+        """What it is."""
+
+    def parts(self, level: int, layer: int) -> Iterator[memoryview]:
+        """The bytes of a layer of a level, from its first row on."""
+
+
 @dataclass(frozen=True, eq=False)
 class Texture:
     """A 2D texture, or an array of such, of `width` x `height` pixels.
 
-    `levels` are the mip levels, the largest first, each (layers, rows, columns, bytes of a block) uint8;
-    level L has max(1, width >> L) x max(1, height >> L) pixels. Rows are as they are stored: ours begin with
-    the bottom one. Raises ShapeError for levels that are no such texture or that GPUs do not take.
+    `levels` are the mip levels, the largest first, each (layers, rows, columns, bytes of a block) uint8. Rows
+    are as they are stored: ours begin with the bottom one. Raises ShapeError for levels that are no such
+    texture or that GPUs do not take.
     """
 
     format: PixelFormat
@@ -71,14 +113,17 @@ class Texture:
     is_array: bool = False
 
     def __post_init__(self) -> None:
-        if misfit := size_misfit(self.width, self.height, self.layers, len(self.levels)):
-            raise ShapeError(f"texture: {misfit}")
-        if self.layers > 1 and not self.is_array:
-            raise ShapeError(f"texture: {self.layers} layers make an array")
+        form = self.form
         for level, blocks in enumerate(self.levels):
-            expected = blocks_shape(self.format, self.width, self.height, self.layers, level)
+            expected = form.shape(level)
             if blocks.shape != expected or blocks.dtype != np.uint8:
                 raise ShapeError(f"level {level}: expected {expected} of uint8, got {described(blocks)}")
+
+    @property
+    def form(self) -> Form:
+        """What it is, but for what is in it."""
+        count = len(self.levels)
+        return Form(self.format, self.width, self.height, self.layers, count, self.is_array)
 
     @property
     def layers(self) -> int:
@@ -89,6 +134,10 @@ class Texture:
     def nbytes(self) -> int:
         """Bytes on a GPU."""
         return sum(blocks.nbytes for blocks in self.levels)
+
+    def parts(self, level: int, layer: int) -> Iterator[memoryview]:
+        """The bytes of a layer of a level."""
+        yield np.ascontiguousarray(self.levels[level][layer]).data
 
 
 def most_levels(width: int, height: int) -> int:
@@ -130,7 +179,7 @@ def encode_texture(images: Sequence[Floats], pixel_format: PixelFormat, is_array
         if image.ndim != 4 or image.shape[3] not in (3, 4) or not image.size:
             raise ShapeError(f"image: expected shape (layers, H, W, 3 or 4), got {image.shape}")
     height, width = images[0].shape[1:3]
-    levels = tuple(np.stack([_encoded(layer, pixel_format) for layer in image]) for image in images)
+    levels = tuple(np.stack([encode_rows(layer, pixel_format) for layer in image]) for image in images)
     return Texture(pixel_format, width, height, levels, is_array)
 
 
@@ -148,8 +197,8 @@ def decode_texture(texture: Texture) -> list[Floats]:
     return images
 
 
-def _encoded(image: Floats, pixel_format: PixelFormat) -> Blocks:
-    """The blocks of an image (H, W, 3 or 4)."""
+def encode_rows(image: Floats, pixel_format: PixelFormat) -> Blocks:
+    """The blocks of an image (H, W, 3 or 4), or of some rows of one, as `encode_texture` makes them."""
     if pixel_format is PixelFormat.RGB9E5:
         return encode_rgb9e5(image[..., :3])
     if pixel_format is PixelFormat.BC6H:

@@ -19,6 +19,7 @@ from ..core.transfer import with_views
 from .atomic import replacing
 from .exr import Compression, header_text, read_pixels, stored_rows, write_rows
 from .facts import Facts, json_text
+from .image_rows import ImageRows, open_rows
 from .sidecar import Sidecar, read_text
 
 LAYOUT = "sphere"
@@ -106,6 +107,12 @@ def read_transfer(path: Path) -> tuple[Floats, TransferSidecar]:
     Raises FormatError, with the path, for a sidecar or an image that is missing, damaged, not ours, of a
     newer version, of another bake, or not of the size that the sidecar says.
     """
+    image, sidecar = open_transfer(path)
+    return read_pixels(image.path, image.width, image.height, [4]), sidecar
+
+
+def open_transfer(path: Path) -> tuple[ImageRows, TransferSidecar]:
+    """What `read_transfer` reads, to be read a band of rows at a time. Raises as that does."""
     sidecar, image = read_transfer_sidecar(path), path.with_suffix(".exr")
     inner = TransferSidecar.from_facts(Facts.parse(header_text(image), f"the header of {image}"))
     if inner != sidecar:
@@ -113,7 +120,7 @@ def read_transfer(path: Path) -> tuple[Floats, TransferSidecar]:
             f"{image} is of another bake than {path}: put one bake's files together, or bake again"
         )
     layout = sidecar.stored
-    return read_pixels(image, layout.pixel_width, layout.pixel_height, [4]), sidecar
+    return open_rows(image, layout.pixel_width, layout.pixel_height, [4]), sidecar
 
 
 def read_transfer_sidecar(path: Path) -> TransferSidecar:
