@@ -59,11 +59,12 @@ class TextureFile:
 
 @contextmanager
 def texture_file(form: Form, folder: Path) -> Iterator[TextureFile]:
-    """An empty texture on the disk of `folder`, where nothing is left of it.
+    """An empty texture on the disk of `folder`, made if need be, where nothing is left of it.
 
     Raises BakeError where the system refuses.
     """
     try:
+        folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder, prefix=".radtex-") as file:
             yield TextureFile(form, file)
     except OSError as error:
