@@ -24,7 +24,7 @@ import OpenEXR
 from ..core.arrays import Floats
 from ..core.errors import BakeError, FormatError, ShapeError
 from .atomic import replacing
-from .exr_size import check_size
+from .exr_size import check_memory_for, check_size
 from .sidecar import Sidecar, read_sidecar
 
 HALF_MOST = 65504.0  # the largest finite half float
@@ -124,7 +124,7 @@ def read_pixels(path: Path, width: int, height: int, channels: Iterable[int] = C
     """
     headers = headers_of(path)
     count = check_channels(path, headers, channels)
-    pixels = _layers(path, len(headers))[""]
+    pixels = _layers(path, headers)[""]
     if pixels.shape != (height, width, count) or pixels.dtype not in (np.float16, np.float32):
         found = f"{pixels.shape[1]} x {pixels.shape[0]} pixels of {pixels.dtype}"
         raise FormatError(f"{path} has {found}, its header says {width} x {height} floats")
@@ -137,7 +137,7 @@ def read_render(path: Path) -> dict[str, Floats]:
     Channels are joined by what stands before their last dot, such as "ViewLayer.Combined", in the order RGBA,
     XYZW or UV; an image without layers is called "". Raises FormatError as `read_atlas` does.
     """
-    layers = _layers(path, len(headers_of(path)))
+    layers = _layers(path, headers_of(path))
     return {name: pixels[::-1].astype(np.float32, copy=False) for name, pixels in layers.items()}
 
 
@@ -159,7 +159,7 @@ def read_whole(path: Path) -> tuple[npt.NDArray[Any], list[str]]:
     """
     headers = headers_of(path)
     names = _channel_names(headers)
-    layers = _layers(path, len(headers))
+    layers = _layers(path, headers)
     if len(layers) != 1:
         raise FormatError(f"{path} has several layers, expected one: bake it again")
     return next(iter(layers.values()))[::-1], names
@@ -223,7 +223,7 @@ def _channel_names(headers: Iterable[dict[str, Any]]) -> list[str]:
 
 
 def headers_of(path: Path) -> list[dict[str, Any]]:
-    """The parts' headers, once the file is known to be an EXR whose pixels fit into it and into memory."""
+    """The parts' headers, once the file is known to be an EXR whose pixels fit into it."""
     try:
         with path.open("rb") as file:
             magic = file.read(len(_MAGIC))
@@ -246,17 +246,18 @@ def headers_of(path: Path) -> list[dict[str, Any]]:
     return headers
 
 
-def _layers(path: Path, count: int) -> dict[str, Floats]:
-    """Images of all `count` parts, name -> (H, W, C), as stored and with the top row first.
+def _layers(path: Path, headers: list[dict[str, Any]]) -> dict[str, Floats]:
+    """Images of all parts, name -> (H, W, C), as stored and with the top row first.
 
     The module joins R, G, B and A itself; the other channels come one by one.
     """
+    check_memory_for(path, headers)
     try:
         with hushed():
             parts: list[Any] = OpenEXR.File(str(path)).parts
     except (RuntimeError, ValueError) as error:
         raise FormatError(f"{path} is damaged: {one_line(error)}") from error
-    if len(parts) != count:  # how the module tells that it could not read a part's pixels
+    if len(parts) != len(headers):  # how the module tells that it could not read a part's pixels
         raise FormatError(f"{path} is damaged: its pixels cannot be read; it may be cut short")
     layers: dict[str, Floats] = {}
     loose: dict[str, dict[str, Floats]] = {}

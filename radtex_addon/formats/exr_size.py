@@ -37,7 +37,7 @@ _OTHERS = (256, None)  # newer ones
 
 
 def check_size(path: Path, headers: Iterable[Mapping[str, Any]]) -> None:
-    """Make sure that the file `path` can hold the parts with these headers, and memory their pixels.
+    """Make sure that the file `path` can hold the parts with these headers.
 
     Raises FormatError, with the path, if not, or if the file cannot be read.
     """
@@ -45,7 +45,7 @@ def check_size(path: Path, headers: Iterable[Mapping[str, Any]]) -> None:
         size = path.stat().st_size
     except OSError as error:
         raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
-    least = most = 0
+    least = 0
     for header in headers:
         width, height = _extent(header)
         values = width * height * len(header["channels"])
@@ -54,10 +54,14 @@ def check_size(path: Path, headers: Iterable[Mapping[str, Any]]) -> None:
         if ratio is not None and not _is_subsampled(header):
             needed = max(needed, values * _LEAST // ratio)
         least += needed
-        most += values * _MOST
         if least > size:
             raise FormatError(f"{path} is damaged: {size} bytes cannot hold {width} x {height} pixels")
-    check_memory(str(path), most)
+
+
+def check_memory_for(path: Path, headers: Iterable[Mapping[str, Any]]) -> None:
+    """Make sure that memory can hold all pixels of the file `path` at once. Raises FormatError if not."""
+    sizes = ((_extent(header), len(header["channels"])) for header in headers)
+    check_memory(str(path), sum(width * height * count * _MOST for (width, height), count in sizes))
 
 
 def _extent(header: Mapping[str, Any]) -> tuple[int, int]:

@@ -16,6 +16,7 @@ import OpenEXR
 from ..core.arrays import Floats
 from ..core.errors import FormatError
 from .exr import CHANNELS, check_channels, headers_of, hushed, one_line
+from .memory import check_memory
 
 _BAND_BYTES = 1 << 24  # of a band as float32
 _CHUNK = 32  # rows that most compressions pack together: bands of as many are unpacked once
@@ -36,7 +37,9 @@ class ImageRows:
 
         A band is whole texels of `cells` rows. Raises FormatError, with the path, for a damaged file.
         """
-        step, names = _step(self.width * self.channels * 4, cells), list(CHANNELS[self.channels])
+        row_bytes, names = self.width * self.channels * 4, list(CHANNELS[self.channels])
+        step = _step(row_bytes, cells)
+        check_memory(str(self.path), step * row_bytes)
         with _opened(self.path) as file:
             with _named(self.path):
                 kind, top = _stored(file.header())
