@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -14,9 +15,12 @@ from ..bake.key import is_unfinished
 from ..bake.spec import BakeSpec, Layout
 from ..bake.thumbnail import Thumbnail
 from ..core.errors import InputError, RadTexError
+from ..export.folder import check_out
 from ..formats.atomic import check_writable
 from ..formats.memory import readable_size
+from ..formats.places import check_unicode
 from ..job import BakeResult, OutputFiles, bake_steps, check_request, part_specs
+from ..job.apart import check_files_apart
 from ..job.unwrapping import Unwraps
 from ..job.variants import left_to_do, passed_over
 from ..preview.picture import render_picture
@@ -28,6 +32,8 @@ from .interruption import INTERRUPTED, Interruption
 from .opening import open_scene
 from .reporting import Report
 from .variants import titled, variants
+
+_NAME = 255  # bytes of a file's name that systems take
 
 
 def run_bake(request: Request, report: Report, interruption: Interruption) -> None:
@@ -56,6 +62,8 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
             request.overwrite,
             resume=request.resume,
         )
+        _check_exports(name, spec, request)
+    check_files_apart(wanted, request.out, request.preview is not None)
     _check_thumbnail(request.thumbnail)
     unwraps: Unwraps = {}
     for number, (name, spec) in enumerate(wanted):
@@ -67,9 +75,20 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
         report.event("done", object=name, summary=_summary(title, spec, result), **facts)
 
 
+def _check_exports(name: str, spec: BakeSpec, request: Request) -> None:
+    """Raises InputError where an export would find no place, which the bake would be for nothing then."""
+    sidecar = OutputFiles.of(name, spec, request.out, preview=False).sidecar
+    for target in request.exports:
+        place = sidecar.with_name(f"{sidecar.name.removesuffix(f'.{spec.kind}.json')}.{target}")
+        check_out(place, request.out, request.overwrite)
+
+
 def _check_thumbnail(path: Path | None) -> None:
     if path is None:
         return
+    check_unicode(path)
+    if len(os.fsencode(path.name)) > _NAME:
+        raise InputError(f"--thumbnail {path}: this name is longer than {_NAME} bytes: give a shorter one")
     if path.suffix.lower() != ".png":
         raise InputError(f"--thumbnail {path}: give the name of a PNG, such as {path.with_suffix('.png')}")
     if path.is_dir():

@@ -11,6 +11,7 @@ from typing import cast
 import bpy
 
 from ..core.errors import InputError
+from ..formats.places import check_for_blender
 from ..scene.demo import build_demo_scene
 
 log = logging.getLogger(__name__)
@@ -45,6 +46,7 @@ def _named(name: str) -> bpy.types.Scene:
 
 def _open(path: Path) -> None:
     """Open a .blend; scripts inside it are never run."""
+    check_for_blender(path)
     try:
         if path.is_dir():
             raise InputError(f"{path} is a folder: name a .blend file in it")

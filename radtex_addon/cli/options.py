@@ -7,7 +7,7 @@ from __future__ import annotations
 import argparse
 import re
 from enum import StrEnum
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError
@@ -22,6 +22,8 @@ COMPARE = "compare"
 MIB = 2**20
 _DIGITS = 12  # no machine has as much
 
+_PLACES = ("scene", "bake", "out", "thumbnail", "unsaved_images")  # options that name a file or a folder
+
 
 class ProgressStyle(StrEnum):
     """How a run says where it is."""
@@ -32,7 +34,14 @@ class ProgressStyle(StrEnum):
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, as every other error."""
+    """Says what is wrong in one line, as every other error; no place has an empty name."""
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        found = super().parse_args(args, namespace)
+        for action in self._actions:
+            if action.dest in _PLACES and getattr(found, action.dest, None) == "":
+                raise InputError(f"{'/'.join(action.option_strings) or action.metavar} is empty: give a name")
+        return found
 
     def error(self, message: str) -> NoReturn:
         raise InputError(f"{message} (--help lists everything)")

@@ -17,6 +17,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..core.errors import BakeError, InputError, RadTexError
+from .places import nearest_folder
 
 
 @contextmanager
@@ -99,15 +100,12 @@ def check_writable(folder: Path) -> None:
 
     Raises InputError if not.
     """
-    existing = folder.absolute()
+    existing = nearest_folder(folder)
     try:
-        while not existing.exists() and existing != existing.parent:
-            existing = existing.parent
         with tempfile.TemporaryFile(dir=existing, prefix=".radtex-"):
             pass
     except OSError as error:
-        is_file = isinstance(error, NotADirectoryError)
-        reason = f"{existing} is a file" if is_file else error.strerror or error
+        reason = error.strerror or error
         raise InputError(f"{folder} cannot be written: {reason}; choose another folder") from error
 
 
@@ -116,7 +114,7 @@ def check_absent(paths: Iterable[Path], overwrite: bool) -> None:
     for path in paths:
         if path.is_dir():
             raise InputError(f"{path} is a folder where a file must go: move it, or choose another folder")
-        if path.exists() and not overwrite:
+        if os.path.lexists(path) and not overwrite:  # a link that leads nowhere is there, too
             raise InputError(f"{path} is already there: overwrite it (--overwrite), or choose another folder")
 
 

@@ -17,6 +17,7 @@ from ..core.errors import InputError
 from ..core.shared import LEAST_LEVEL, Axis
 from ..core.transfer import with_views
 from ..formats.atomic import check_writable
+from ..formats.places import check_saveable
 from ..formats.shared_sidecar import SharedSidecar
 from ..preview.node_group import check_previewable
 from ..preview.shared_group import check_shared_previewable
@@ -63,6 +64,8 @@ def check_request(
         check_xatlas()
     files = OutputFiles.of(name, spec, folder, preview)
     check_writable(folder)
+    if files.preview is not None:
+        check_saveable(files.preview)
     if files.preview is not None and _is_open(files.preview):
         raise InputError(
             f"{files.preview} is the open file, which a bake never changes: choose another folder"

@@ -48,6 +48,7 @@ def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, 
 
     Raises InputError, which says what to do, also where it is to `resume` one that differs.
     """
+    _check_folder(files.unfinished)
     earlier = spec.accumulate or spec.refresh
     if earlier and not files.sidecar.exists():
         done = "accumulate onto" if spec.accumulate else "refresh"
@@ -76,6 +77,14 @@ def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, 
     may = replaced_by(files.unfinished) if resume else frozenset()
     check_absent([path for path in files.own if path.name not in may], overwrite or earlier)
     check_absent([path for path in files.own if path.name in may], overwrite=True)
+
+
+def _check_folder(unfinished: Path) -> None:
+    """Raises InputError for a link, behind which pieces would be removed and written."""
+    if unfinished.is_symlink() or (unfinished.exists() and not unfinished.is_dir()):
+        raise InputError(
+            f"{unfinished} is a file, or a link, where a folder must go: move it, or choose another folder"
+        )
 
 
 def _check_common(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool) -> None:

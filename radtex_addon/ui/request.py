@@ -67,6 +67,7 @@ class BakeRequest:
 
     def foreseen(self, scene: bpy.types.Scene, names: Iterable[str], patience: float) -> Foresight:
         """What can be said of baking these objects beforehand; `patience` is in seconds."""
+        from ..job.apart import check_files_apart
         from ..job.foresight import Foresight, foresee
 
         errors: dict[str, None] = {}
@@ -74,6 +75,7 @@ class BakeRequest:
         since = monotonic()
         try:
             bakes = self.bakes(scene, tuple(names), guess=True)
+            check_files_apart(bakes, self.folder, self.preview)
         except InputError as error:
             return Foresight((str(error),))
         for spec, group in groupby(bakes, key=itemgetter(1)):

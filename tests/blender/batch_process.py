@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +18,9 @@ class Outcome(NamedTuple):
     code: int
     out: str
     err: str
+
+
+Batch = Callable[..., Outcome]  # the fixture `batch`: the batch in this process
 
 
 def process(*arguments: object, start: Sequence[str] = (BAKE,), **options: Any) -> Outcome:

@@ -11,6 +11,9 @@ from pathlib import Path
 import bpy
 import pytest
 
+from radtex_addon.cli import main as batch_module
+from tests.blender.batch_process import Batch, Outcome
+
 
 class PlannedError(Exception):
     """What a test lets fail."""
@@ -36,3 +39,15 @@ def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]
 def out(tmp_path: Path) -> Path:
     """Where a bake writes to; not there yet."""
     return tmp_path / "out"
+
+
+@pytest.fixture
+def batch(capfd: pytest.CaptureFixture[str]) -> Batch:
+    """Run the batch in this process."""
+
+    def run(*arguments: object, inside_blender: bool = False) -> Outcome:
+        capfd.readouterr()
+        code = batch_module.main([str(argument) for argument in arguments], inside_blender)
+        return Outcome(code, *capfd.readouterr())
+
+    return run

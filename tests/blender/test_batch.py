@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,6 @@ from radtex_addon.bake import spec_checks
 from radtex_addon.bake.plan import Tile
 from radtex_addon.bake.progress import Stage
 from radtex_addon.cli import bake as baking
-from radtex_addon.cli import main as batch_module
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError
 from radtex_addon.cycles.portal import PortalCapture
@@ -34,7 +33,7 @@ from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import buckets
 from radtex_addon.preview.picture import render_picture
 from tests.blender import stage
-from tests.blender.batch_process import BAKE, Outcome, process, refusal
+from tests.blender.batch_process import BAKE, Batch, process, refusal
 from tests.blender.unfinished import take_pieces
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -92,21 +91,6 @@ def cellar(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in ("Card", "Second"):
         mesh_object(name, [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
     return saved(tmp_path_factory.mktemp("cellar") / "cellar.blend")
-
-
-Batch = Callable[..., Outcome]
-
-
-@pytest.fixture
-def batch(capfd: pytest.CaptureFixture[str]) -> Batch:
-    """Run the batch in this process."""
-
-    def run(*arguments: object, inside_blender: bool = False) -> Outcome:
-        capfd.readouterr()
-        code = batch_module.main([str(argument) for argument in arguments], inside_blender)
-        return Outcome(code, *capfd.readouterr())
-
-    return run
 
 
 # success
