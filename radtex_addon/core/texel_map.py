@@ -66,6 +66,22 @@ def rasterise(
     the texel itself, 1 is all that a bilinear lookup reads. `chunk` bounds the memory, and changes no bit.
     Raises ShapeError for arrays that do not fit together or a size below 1 x 1.
     """
+    triangle = _nearest_triangle(surface, width, height, reach, chunk)
+    texels = _empty_map(width, height)
+    texels.triangle.ravel()[:] = triangle
+    covered = np.flatnonzero(triangle >= 0)
+    for start in range(0, len(covered), chunk):
+        _fill(texels, surface, covered[start : start + chunk])
+    return texels
+
+
+def covered_texels(surface: SurfaceMesh, width: int, height: int) -> Bools:
+    """True where an island touches the texel (H, W): what `rasterise` calls covered, in less memory."""
+    return (_nearest_triangle(surface, width, height, 0.5, _CHUNK) >= 0).reshape(height, width)
+
+
+def _nearest_triangle(surface: SurfaceMesh, width: int, height: int, reach: float, chunk: int) -> Ints:
+    """Of every texel (H * W,) the triangle that it belongs to, -1 of none; as `rasterise` says."""
     _check(surface, width, height)
     distance = np.full(width * height, np.inf)
     triangle = np.full(width * height, -1, dtype=np.int32)
@@ -73,12 +89,7 @@ def rasterise(
         edges, owner = _edges_in_texels(surface.uv[first : first + chunk], width, height)
         for local, i, j in _touched(edges, width, height, reach, chunk):
             _keep_nearest(distance, triangle, j * width + i, edges.take(local), owner[local] + first, i, j)
-    texels = _empty_map(width, height)
-    texels.triangle.ravel()[:] = triangle
-    covered = np.flatnonzero(triangle >= 0)
-    for start in range(0, len(covered), chunk):
-        _fill(texels, surface, covered[start : start + chunk])
-    return texels
+    return triangle
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ..bake.choices import LEAVING
-from ..core.arrays import Floats
+from ..core.arrays import Bools, Floats
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError
 from ..core.gutter import LEAST_AGREEMENT, dilate, gutter_agreement, nearest_covered
@@ -21,15 +21,17 @@ from ..core.hemisphere import equisolid_inverse
 from ..core.shared import SharedAtlas, sample_shared
 from ..core.solid_angle import cell_solid_angles_sr
 from ..core.surface import SurfaceMesh
-from ..core.texel_map import TexelMap, rasterise
+from ..core.texel_map import TexelMap, covered_texels, rasterise
 from ..core.transfer import mean_over_lights
-from ..formats.exr import read_buckets, stored_compression
+from ..formats.bucket_rows import open_buckets
+from ..formats.exr import stored_compression
+from ..formats.image_rows import ImageRows
 from ..formats.own_texels import loss_of, own_texels
 from ..formats.png import encode_png
 from ..formats.shadow_files import KIND as SHADOW
 from ..formats.shadow_files import visible_buckets
 from ..formats.shared_files import read_shared
-from ..formats.sidecar import read_sidecar
+from ..formats.sidecar import Sidecar, read_sidecar
 from ..formats.transfer_files import read_transfer
 from .progress import Step, Task
 
@@ -52,23 +54,37 @@ def flat_buckets(sidecar: Path, surface: SurfaceMesh) -> Floats:
 
     Raises FormatError for files that cannot be read, and a surface that the atlas is not of.
     """
-    pixels, facts = (
-        visible_buckets(sidecar) if read_sidecar(sidecar).kind == SHADOW else read_buckets(sidecar)
-    )
-    if facts.kind == _AMBIENT:
-        pixels = pixels[..., 3:]
-    clear = facts.kind in LEAVING and pixels.shape[2] == _RGBA and bool((pixels[..., 3] < _OPAQUE).any())
-    layout = AtlasLayout(facts.width, facts.height, facts.bucket)
-    light = mean_of_buckets(pixels if clear else pixels[..., :3], layout)
-    _check_means(sidecar, rasterise(surface, facts.width, facts.height), light)
+    if read_sidecar(sidecar).kind == SHADOW:
+        pixels, facts = visible_buckets(sidecar)
+        light = mean_of_buckets(pixels, AtlasLayout(facts.width, facts.height, facts.bucket))
+    else:
+        image, facts = open_buckets(sidecar)
+        light = _means(image, facts)
+    _check_means(sidecar, covered_texels(surface, facts.width, facts.height), light)
     return light
+
+
+def _means(image: ImageRows, facts: Sidecar) -> Floats:
+    """The means of an image's buckets, of what is opaque all over without alpha."""
+    used = slice(3, None) if facts.kind == _AMBIENT else slice(3)
+    if facts.kind in LEAVING and image.channels == _RGBA and _is_clear(image):
+        used = slice(_RGBA)
+    means = []
+    for _, band in image.bands(facts.bucket):
+        some = AtlasLayout(facts.width, len(band) // facts.bucket, facts.bucket)
+        means.append(mean_of_buckets(band[..., used], some))
+    return np.concatenate(means)
+
+
+def _is_clear(image: ImageRows) -> bool:
+    return any((rows[..., 3] < _OPAQUE).any() for _, rows in image.bands())
 
 
 def flat_sphere(sidecar: Path, surface: SurfaceMesh) -> Floats:
     """What the texels of a bake of kind `transfer` show under white surroundings: as `flat_buckets`."""
     pixels, facts = read_transfer(sidecar)
     light = mean_over_lights(pixels, facts.layout, facts.views)[..., :3]
-    _check_means(sidecar, rasterise(surface, facts.layout.width, facts.layout.height), light)
+    _check_means(sidecar, covered_texels(surface, facts.layout.width, facts.layout.height), light)
     return light
 
 
@@ -91,19 +107,19 @@ def flat_shared(sidecar: Path, surface: SurfaceMesh) -> Generator[Step, None, Fl
     """
     atlas, facts = read_shared(sidecar)
     texels = rasterise(surface, facts.bake.width, facts.bake.height)
-    _check_surface(sidecar, texels, *own_texels(sidecar, atlas, facts))
+    _check_surface(sidecar, texels.covered, *own_texels(sidecar, atlas, facts))
     return (yield from mean_of_shared(atlas, texels))
 
 
-def _check_means(sidecar: Path, texels: TexelMap, means: Floats) -> None:
+def _check_means(sidecar: Path, covered: Bools, means: Floats) -> None:
     """`_check_surface` by the means of buckets."""
     loss = max(loss_of(stored_compression(sidecar.with_suffix(".exr"))), _ROUNDED)
-    _check_surface(sidecar, texels, means, loss)
+    _check_surface(sidecar, covered, means, loss)
 
 
-def _check_surface(sidecar: Path, texels: TexelMap, stored: Floats, loss: float) -> None:
+def _check_surface(sidecar: Path, covered: Bools, stored: Floats, loss: float) -> None:
     """Raise FormatError where an atlas's gutter is not that of a surface."""
-    if gutter_agreement(texels.covered, stored, loss) < LEAST_AGREEMENT:
+    if gutter_agreement(covered, stored, loss) < LEAST_AGREEMENT:
         raise FormatError(
             f"the preview beside {sidecar} is of another bake: bake it again with --save-preview"
         )

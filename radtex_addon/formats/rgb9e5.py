@@ -17,7 +17,7 @@ from ..core.errors import FormatError, InputError, ShapeError
 MOST = 65408.0  # 511/512 of 2^16
 
 _BITS, _BIAS, _LAST = 9, 15, 511  # of a mantissa, of the exponent, and a mantissa's greatest value
-_ROWS = 256  # encoded at once
+_AT_ONCE = 1 << 16  # pixels: what is at work stays in the processor's cache
 
 
 def encode_rgb9e5(image: Floats) -> npt.NDArray[np.uint8]:
@@ -29,11 +29,12 @@ def encode_rgb9e5(image: Floats) -> npt.NDArray[np.uint8]:
     if image.ndim != 3 or image.shape[2] != 3 or image.dtype.kind != "f":
         raise ShapeError(f"image: expected shape (H, W, 3) of floats, got {image.shape} of {image.dtype}")
     words = np.empty(image.shape[:2], "<u4")
-    for first in range(0, len(image), _ROWS):
-        some = image[first : first + _ROWS].astype(np.float32)
+    rows = max(1, _AT_ONCE // max(1, image.shape[1]))
+    for first in range(0, len(image), rows):
+        some = image[first : first + rows].astype(np.float32)
         if wrong := np.count_nonzero(np.isnan(some)):
             raise InputError(f"image: {wrong} of its values are not numbers; bake it again")
-        words[first : first + _ROWS] = _words(np.clip(some, 0, np.float32(MOST)))
+        words[first : first + rows] = _words(np.clip(some, 0, np.float32(MOST)))
     return words.view(np.uint8).reshape(*image.shape[:2], 4)
 
 
@@ -49,12 +50,18 @@ def decode_rgb9e5(pixels: npt.NDArray[np.uint8]) -> Floats:
 
 def _words(light: Floats) -> npt.NDArray[np.uint32]:
     """Words (H, W) of light (H, W, 3) within 0..MOST, float32."""
-    greatest = light.max(axis=2)
-    exponent = np.where(greatest > 0, np.frexp(greatest)[1], -_BIAS)  # greatest < 2^exponent
+    red, green, blue = (np.ascontiguousarray(light[..., channel]) for channel in range(3))
+    greatest = np.maximum(np.maximum(red, green), blue) + np.float32(0)  # no -0
+    exponent = (greatest.view(np.uint32) >> np.uint32(23)).astype(np.int32) - 126  # greatest < 2^exponent
     exponent = np.maximum(exponent, -_BIAS)
-    exponent += np.rint(np.ldexp(greatest, _BITS - exponent)) > _LAST  # where rounding reaches 2^exponent
-    mantissas = np.rint(np.ldexp(light, (_BITS - exponent)[..., None])).astype(np.uint32)
-    shifted: npt.NDArray[np.uint32] = mantissas << np.array([0, _BITS, 2 * _BITS], np.uint32)
-    biased = (exponent + _BIAS).astype(np.uint32) << np.uint32(3 * _BITS)
-    words: npt.NDArray[np.uint32] = np.bitwise_or.reduce(shifted, axis=2) | biased
+    exponent += np.rint(greatest * _scale(exponent)) > _LAST  # where rounding reaches 2^exponent
+    scale = _scale(exponent)
+    words = (exponent + _BIAS).astype(np.uint32) << np.uint32(3 * _BITS)
+    for place, values in enumerate((red, green, blue)):
+        words |= np.rint(values * scale).astype(np.uint32) << np.uint32(place * _BITS)
     return words
+
+
+def _scale(exponent: npt.NDArray[np.int32]) -> Floats:
+    """By what mantissas are multiplied: 2^(9 - exponent), a float32 without a fraction of its own."""
+    return ((_BITS + 127 - exponent) << np.int32(23)).view(np.float32)
