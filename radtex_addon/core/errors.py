@@ -6,18 +6,22 @@ from __future__ import annotations
 
 import unicodedata
 
+_HEAD, _TAIL = 4500, 500  # characters of a message that quotes something endless
 _UNSEEN = {"Cc", "Cs", "Zl", "Zp"}  # control characters, lone surrogates, ends of lines and paragraphs
 
 
 class RadTexError(Exception):
     """Root of our errors; `exit_code` is what the batch leaves with.
 
-    Whatever names the message quotes, it is one line: what would end it, or drive a terminal, is escaped.
+    Whatever names the message quotes, it is one line: what would end it, or drive a terminal, is escaped. Of
+    one that is longer than any path the middle is left out.
     """
 
     exit_code = 2
 
     def __init__(self, message: str = "") -> None:
+        if len(message) > _HEAD + _TAIL:
+            message = f"{message[:_HEAD]}…{message[-_TAIL:]}"
         super().__init__("".join(map(_seen, message)))
 
 

@@ -18,6 +18,7 @@ from .memory import check_memory
 
 _CHUNK = 16  # bytes that one takes at least: its place in the table, its row and its length
 _LEAST, _MOST = 2, 4  # bytes of a value
+_TILE = 1024  # pixels along a side, to which tiles may reach beyond the image
 _DEFLATE = 1032  # the most bytes that one byte of it can hold
 
 # Rows of a chunk, and how many bytes one byte of it can hold at most.
@@ -48,6 +49,7 @@ def check_size(path: Path, headers: Iterable[Mapping[str, Any]]) -> None:
     least = 0
     for header in headers:
         width, height = _extent(header)
+        _check_tiles(path, header, width, height)
         values = width * height * len(header["channels"])
         needed = _CHUNK * _chunks(header, width, height)
         _, ratio = _PACKED.get(header["compression"], _OTHERS)
@@ -56,6 +58,14 @@ def check_size(path: Path, headers: Iterable[Mapping[str, Any]]) -> None:
         least += needed
         if least > size:
             raise FormatError(f"{path} is damaged: {size} bytes cannot hold {width} x {height} pixels")
+
+
+def _check_tiles(path: Path, header: Mapping[str, Any], width: int, height: int) -> None:
+    """OpenEXR takes memory for whole tiles, however little of them lies in the image."""
+    if "tiles" in header:
+        x, y = int(header["tiles"].xSize), int(header["tiles"].ySize)
+        if x > max(width, _TILE) or y > max(height, _TILE):
+            raise FormatError(f"{path} is damaged: tiles of {x} x {y} pixels for {width} x {height}")
 
 
 def check_memory_for(path: Path, headers: Iterable[Mapping[str, Any]]) -> None:

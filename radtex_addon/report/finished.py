@@ -106,9 +106,13 @@ def find_bakes(
     place: Path, object_name: str | None, purpose: str, kinds: Collection[str] = (Kind.RADIANCE,)
 ) -> list[Path]:
     """What `find_bake` finds, or where an object is split the sidecars of all parts that are there."""
-    if not place.exists():
+    try:
+        found_there, is_folder = place.exists(), place.is_dir()
+    except (OSError, ValueError):  # no name that a file can have
+        found_there = is_folder = False
+    if not found_there:
         raise InputError(f"there is no {place}: name the folder of a bake, or its sidecar, a .json file")
-    if not place.is_dir():
+    if not is_folder:
         _check(place, _identity(place), object_name, purpose, kinds)
         return [place]
     found = {path: identity for path in _json_files(place) if (identity := _identity_if_ours(path))}
