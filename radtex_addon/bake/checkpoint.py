@@ -24,6 +24,7 @@ import numpy.typing as npt
 
 from ..core.errors import BakeError, InputError
 from ..formats.atomic import refusal, remove_unfinished, replacing
+from ..formats.facts import shown
 from ..formats.lock import HeldError, Lock, holder, take_lock
 from .key import KEY, LOCK, Facts, Key, in_use, is_unfinished, read_key, workers, write_key
 
@@ -57,6 +58,15 @@ class Keeper:
     def keep(self, _name: str, _arrays: Arrays) -> None:
         """Keep a piece. Raises BakeError where the system refuses."""
 
+    @property
+    def keeps(self) -> bool:
+        """Whether pieces that were kept can be found."""
+        return False
+
+    def rows(self, name: str, _array: str, _first: int, _count: int) -> npt.NDArray[Any]:
+        """Some rows of an array of a piece that is kept. Raises BakeError where they cannot be read."""
+        raise BakeError(f"'{name}' was not kept")
+
     def once(self, name: str, make: Callable[[], Arrays]) -> Arrays:
         """The piece, kept before or made now."""
         kept = self.found(name)
@@ -69,6 +79,29 @@ class Keeper:
 KEEPS_NOTHING = Keeper()
 
 
+class Pile(Keeper):
+    """Keeps pieces in memory, for as long as it lives."""
+
+    def __init__(self) -> None:
+        self._pieces: dict[str, Arrays] = {}
+
+    @property
+    def keeps(self) -> bool:
+        return True
+
+    def names(self) -> list[str]:
+        return sorted(self._pieces)
+
+    def found(self, name: str) -> Arrays | None:
+        return self._pieces.get(name)
+
+    def keep(self, name: str, arrays: Arrays) -> None:
+        self._pieces[name] = arrays
+
+    def rows(self, name: str, array: str, first: int, count: int) -> npt.NDArray[Any]:
+        return self._pieces[name][array][first : first + count]
+
+
 class Drawer(Keeper):
     """The pieces of another keeper whose names begin with a `label`, without it."""
 
@@ -77,6 +110,13 @@ class Drawer(Keeper):
 
     def expect(self, facts: Facts) -> None:
         self._keeper.expect(facts)
+
+    @property
+    def keeps(self) -> bool:
+        return self._keeper.keeps
+
+    def rows(self, name: str, array: str, first: int, count: int) -> npt.NDArray[Any]:
+        return self._keeper.rows(self._label + name, array, first, count)
 
     def names(self) -> list[str]:
         label = self._label
@@ -147,7 +187,9 @@ class Checkpoint(Keeper):
         except FileNotFoundError:
             return None
         except Exception as error:  # noqa: BLE001  # numpy's parser of headers raises whatever it meets
-            log.warning("%s is damaged and is made again (%s)", path, error)
+            log.warning(
+                "%s is damaged and is made again (%s)", path, shown(" ".join(str(error).split()), 200)
+            )
             return None
         if not self._begun:
             self._begin()
@@ -160,6 +202,17 @@ class Checkpoint(Keeper):
             raise self._gone()
         with replacing(self._folder / f"{name}{_PIECE}") as beside:
             _write_piece(beside, self._mark(name), arrays)
+
+    @property
+    def keeps(self) -> bool:
+        return True
+
+    def rows(self, name: str, array: str, first: int, count: int) -> npt.NDArray[Any]:
+        path = self._folder / f"{name}{_PIECE}"
+        try:
+            return _read_rows(path, array, first, count)
+        except OSError as error:
+            raise BakeError(f"{path} can no longer be read: {error.strerror or error}; bake again") from error
 
     def remove(self) -> None:
         """Drop all pieces, and what killed processes were writing: the bake is done.
@@ -286,6 +339,27 @@ def _read_array(stream: BinaryIO, end: int) -> npt.NDArray[Any]:
     stream.seek(place)
     array: npt.NDArray[Any] = _FORMAT.read_array(stream, allow_pickle=False)
     return array
+
+
+def _read_rows(path: Path, array: str, first: int, count: int) -> npt.NDArray[Any]:
+    """Rows of an array of a piece that is known to be whole. Raises OSError."""
+    with path.open("rb") as stream:
+        before = json.loads(stream.readline())["arrays"].index(array)
+        shape, dtype = _array_header(stream)
+        for _ in range(before):
+            stream.seek(prod(shape) * dtype.itemsize, os.SEEK_CUR)
+            shape, dtype = _array_header(stream)
+        stream.seek(first * prod(shape[1:]) * dtype.itemsize, os.SEEK_CUR)
+        found: npt.NDArray[Any] = np.fromfile(stream, dtype, count * prod(shape[1:]))
+        if found.size != count * prod(shape[1:]):
+            raise OSError("it has become shorter")
+        return found.reshape(count, *shape[1:])
+
+
+def _array_header(stream: BinaryIO) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    _FORMAT.read_magic(stream)
+    shape, _, dtype = _FORMAT.read_array_header_1_0(stream)
+    return shape, dtype
 
 
 class _Hashing:

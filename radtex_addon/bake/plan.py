@@ -12,7 +12,7 @@ is cut: tile heights may follow memory and clock.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -66,7 +66,7 @@ class CapturePlan:
     normal: Floats
     facet: Floats
     own_offset: Floats | None = None
-    sheet: int = SHEET
+    sheet: int = field(default=SHEET, kw_only=True)
 
     @property
     def sheet_rows(self) -> int:
@@ -80,11 +80,11 @@ class CapturePlan:
         """How many there are."""
         return -(-self.rows // self.sheet_rows)
 
-    def window(self, field: npt.NDArray[Any], sheet: int) -> npt.NDArray[Any]:
-        """A sheet's rows of a field (rows, columns, C): (sheet_rows, columns, C), the last one repeated."""
+    def window(self, values: npt.NDArray[Any], sheet: int) -> npt.NDArray[Any]:
+        """A sheet's rows of values (rows, columns, C): (sheet_rows, columns, C), the last one repeated."""
         first = sheet * self.sheet_rows
         rows = np.minimum(np.arange(first, first + self.sheet_rows), self.rows - 1)
-        return field[rows]
+        return values[rows]
 
     def in_sheets(self, tile: Tile) -> Iterator[tuple[int, Tile]]:
         """The sheets that a tile lies in, each with the part that does, in the sheet's own rows."""
@@ -152,8 +152,8 @@ def plan_of_some(plan: CapturePlan, chosen: Bools) -> CapturePlan:
     rows, columns = _shape(len(picked), plan.layout.bucket, plan.sheet)
     padded = picked[np.minimum(np.arange(rows * columns), len(picked) - 1)]
 
-    def pack(field: Floats) -> Floats:
-        packed: Floats = field.reshape(plan.rows * plan.columns, -1)[padded].reshape(rows, columns, -1)
+    def pack(values: Floats) -> Floats:
+        packed: Floats = values.reshape(plan.rows * plan.columns, -1)[padded].reshape(rows, columns, -1)
         return packed
 
     return CapturePlan(
@@ -165,7 +165,7 @@ def plan_of_some(plan: CapturePlan, chosen: Bools) -> CapturePlan:
         pack(plan.normal),
         pack(plan.facet),
         None if plan.own_offset is None else pack(plan.own_offset),
-        plan.sheet,
+        sheet=plan.sheet,
     )
 
 
@@ -185,8 +185,8 @@ def plan_capture(
     rows, columns = _shape(len(texel), bucket, sheet)
     padded = texel[np.minimum(np.arange(rows * columns), len(texel) - 1)]
 
-    def pack(field: Floats) -> Floats:
-        packed: Floats = field.reshape(height * width, -1)[padded].astype(np.float32)
+    def pack(values: Floats) -> Floats:
+        packed: Floats = values.reshape(height * width, -1)[padded].astype(np.float32)
         return packed.reshape(rows, columns, -1)
 
     normal, tangent, sign = pack(texels.normal), pack(texels.tangent), pack(texels.sign[..., None])[..., 0]
@@ -201,7 +201,7 @@ def plan_capture(
         normal,
         pack(texels.facet),
         None if texels.offset is None else pack(texels.offset[..., None]),
-        sheet,
+        sheet=sheet,
     )
 
 

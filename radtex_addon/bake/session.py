@@ -1,20 +1,21 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The session: asks a capture for tile after tile, and puts the cells where they belong."""
+"""The session: asks a capture for tile after tile, and gives each to a keeper."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Generator
 from time import perf_counter
 
 import numpy as np
 
-from ..core.arrays import Bools, Floats
+from ..core.arrays import Floats, Ints
 from ..core.errors import BakeError
+from .bands import Bands, find_bands
 from .capture import Capture
-from .checkpoint import KEEPS_NOTHING, Keeper
-from .filling import fill_missing
+from .cells import Cells
+from .checkpoint import KEEPS_NOTHING, Keeper, Pile
+from .hidden import HiddenCells
 from .layers import WHOLE
 from .plan import CapturePlan, Tile
 from .progress import Progress, Stage
@@ -28,95 +29,66 @@ def fill_atlas(
     plan: CapturePlan,
     capture: Capture,
     memory_mb: int,
-    hidden: Bools | None = None,
+    hidden: HiddenCells | None = None,
     keeper: Keeper = KEEPS_NOTHING,
     thumbnail: Thumbnail | None = None,
     channels: int = WHOLE,
+    uncut: bool = False,
 ) -> Generator[Progress, None, Floats]:
-    """Capture the plan's texels, fill gutters and `hidden` cells, and yield progress in texels.
+    """What `capture_bands` makes, as one image (H*n, W*n, `channels`) float32, row 0 at the bottom."""
+    steps = capture_bands(plan, capture, memory_mb, hidden, keeper, thumbnail, channels, uncut)
+    bands = yield from steps
+    layout, n = plan.layout, plan.layout.bucket
+    image = np.empty((layout.height, n, layout.width, n, channels), dtype=np.float32)
+    for band in bands.downwards():
+        image[band.first : band.end] = band.buckets.transpose(0, 2, 1, 3, 4)
+    return image.reshape(layout.pixel_height, layout.pixel_width, channels)
 
-    `hidden` (K, n, n) marks cells, in the order of `plan.texel`, whose captured value is not to be used. The
-    `keeper` is given each tile; rows that it has kept are not captured again. The `thumbnail` is shown all.
-    Returns the atlas image (H*n, W*n, `channels`) float32, row 0 at the bottom. Tiles stay below `memory_mb`
-    and near SECONDS_PER_TILE; their heights do not change the bits. Raises BakeError for cells that are not
-    numbers, and where a tile cannot be kept.
+
+def capture_bands(
+    plan: CapturePlan,
+    capture: Capture,
+    memory_mb: int,
+    hidden: HiddenCells | None = None,
+    keeper: Keeper = KEEPS_NOTHING,
+    thumbnail: Thumbnail | None = None,
+    channels: int = WHOLE,
+    uncut: bool = False,
+) -> Generator[Progress, None, Bands]:
+    """Capture the plan's texels, find what fills gutters and `hidden` cells, and yield progress in texels.
+
+    Of `hidden` cells of the plan's texels the captured value is not used. The `keeper` is given each tile;
+    rows that it has kept are not captured again. The `thumbnail` is shown all. Tiles stay below `memory_mb`
+    and near SECONDS_PER_TILE, for their heights do not change the bits; where they would, they are to be
+    `uncut`, whole sheets. Raises BakeError for cells that are not numbers, and where a tile cannot be kept.
     """
-    filling = _Filling(plan, thumbnail, channels)
-    filling.restore(keeper)
+    keeper = keeper if keeper.keeps else Pile()
+    cells = Cells(plan, keeper, channels)
+    for restored, kept in cells.restore():
+        _show(thumbnail, plan, plan.texels_of(restored), kept)
     count, of_pixel = len(plan.texel), BYTES_PER_PIXEL * channels // WHOLE
     most = max(1, memory_mb * 2**20 // (plan.columns * plan.layout.bucket**2 * of_pixel))
-    yield Progress(Stage.CAPTURE, filling.texels, count)
-    height = 1  # the first tile also loads the scene, and tells the pace
-    while (tile := filling.missing(height)) is not None:
+    yield Progress(Stage.CAPTURE, cells.texels, count)
+    height = plan.sheet_rows if uncut else 1  # the first tile also loads the scene, and tells the pace
+    while (tile := cells.missing(height)) is not None:
         started = perf_counter()
-        cells = capture.render(tile)
+        found = _captured(capture, plan, tile, channels)
         seconds = perf_counter() - started
-        filling.put(tile, cells)
-        keeper.keep(_name(tile), {"cells": cells})
-        yield Progress(Stage.CAPTURE, filling.texels, count)
-        height = max(1, min(most, 4 * height, int(tile.rows * SECONDS_PER_TILE / max(seconds, 1e-3))))
+        cells.put(tile, found)
+        _show(thumbnail, plan, plan.texels_of(tile), found)
+        yield Progress(Stage.CAPTURE, cells.texels, count)
+        if not uncut:
+            height = max(1, min(most, 4 * height, int(tile.rows * SECONDS_PER_TILE / max(seconds, 1e-3))))
     yield Progress(Stage.FILL, 0, 1)
-    layout, n = plan.layout, plan.layout.bucket
-    buckets = filling.cells.reshape(layout.height, layout.width, n, n, channels)
-    marks = plan.placed(hidden) if hidden is not None and hidden.any() else None
-    yield from fill_missing(buckets, plan.covered, marks)
+    bands = yield from find_bands(plan, cells, keeper, hidden)
     yield Progress(Stage.FILL, 1, 1)
-    return layout.from_buckets(buckets)
+    return bands
 
 
-class _Filling:
-    """The atlas as it fills: `cells` (H*W, n, n, C) of all texels, and the plan's rows that are there."""
-
-    def __init__(self, plan: CapturePlan, thumbnail: Thumbnail | None, channels: int) -> None:
-        layout, n = plan.layout, plan.layout.bucket
-        self.cells = np.zeros((layout.height * layout.width, n, n, channels), dtype=np.float32)
-        self._plan, self._thumbnail = plan, thumbnail
-        self._there = np.zeros(plan.rows, dtype=bool)
-
-    @property
-    def texels(self) -> int:
-        """How many are there."""
-        return min(int(self._there.sum()) * self._plan.columns, len(self._plan.texel))
-
-    def restore(self, keeper: Keeper) -> None:
-        """Put what was kept of an earlier session."""
-        for name in keeper.names():
-            tile = _tile(name)
-            if tile is None or tile.first_row + tile.rows > len(self._there):
-                continue
-            kept = keeper.found(name)
-            if kept is not None:
-                self.put(tile, kept["cells"])
-
-    def put(self, tile: Tile, cells: Floats) -> None:
-        """Put a tile's cells in their places. Raises BakeError for what cannot be."""
-        texel, n = self._plan.texels_of(tile), self._plan.layout.bucket
-        self.cells[texel] = _checked(cells, (len(texel), n, n, self.cells.shape[3]))
-        self._there[tile.first_row : tile.first_row + tile.rows] = True
-        if self._thumbnail is not None:
-            self._thumbnail.add(self._plan.layout, texel, cells[..., :3].mean(axis=(1, 2)))
-
-    def missing(self, most: int) -> Tile | None:
-        """The first rows that are not there, `most` at most; None where all are."""
-        if self._there.all():
-            return None
-        first = int(np.argmin(self._there))
-        after = self._there[first:]
-        free = int(np.argmax(after)) if after.any() else len(after)
-        return Tile(first, min(most, free))
-
-
-def _name(tile: Tile) -> str:
-    return f"tile-{tile.first_row:06d}-{tile.rows}"
-
-
-def _tile(name: str) -> Tile | None:
-    """The tile that is kept under `name`, if it is one's."""
-    found = re.fullmatch(r"tile-(\d+)-(\d+)", name)
-    return Tile(int(found[1]), int(found[2])) if found else None
-
-
-def _checked(cells: Floats, shape: tuple[int, ...]) -> Floats:
+def _captured(capture: Capture, plan: CapturePlan, tile: Tile, channels: int) -> Floats:
+    """A tile's cells. Raises BakeError for what cannot be."""
+    cells, n = capture.render(tile), plan.layout.bucket
+    shape = (len(plan.texels_of(tile)), n, n, channels)
     if cells.shape != shape:
         raise BakeError(f"the capture returned cells of shape {cells.shape}, expected {shape}")
     wrong = int(np.count_nonzero(np.isnan(cells)))
@@ -125,3 +97,8 @@ def _checked(cells: Floats, shape: tuple[int, ...]) -> Floats:
             f"Cycles returned {wrong} values that are not numbers: look for a material that divides by 0"
         )
     return cells
+
+
+def _show(thumbnail: Thumbnail | None, plan: CapturePlan, texel: Ints, cells: Floats) -> None:
+    if thumbnail is not None:
+        thumbnail.add(plan.layout, texel, cells[..., :3].mean(axis=(1, 2)))

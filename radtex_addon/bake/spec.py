@@ -29,6 +29,7 @@ from .choices import (
 )
 from .layers import OF_LAYER, WHOLE, Layer, captured
 from .parts import Split
+from .plan import SHEET
 from .rays import Rays
 from .spec_checks import check
 from .transfer_views import views_along
@@ -94,6 +95,7 @@ class BakeSpec:
     With `objects`, which are at least two, the atlas is of them all, and not of the one that it is called
     after. With a `split` it is of a `part` of the surface alone: a material's, by that one's name, or a UDIM
     tile's, by its number; without the part, what is meant is one atlas for each.
+    Cells of the plain layout are rendered in sheets of about `sheet`² pixels, each with a seed of its own.
     Raises InputError for what cannot be baked.
     """
 
@@ -129,6 +131,7 @@ class BakeSpec:
     part: str | None = None
     ao_distance: float | None = None
     where: str | None = None
+    sheet: int = SHEET
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layout", parse_layout(self.layout))

@@ -27,6 +27,7 @@ _LIMITS = {
     "samples": (1, 2**24),
     "seed": (0, 2**31 - 1),
     "padding": (0, 256),
+    "sheet": (16, MAX_IMAGE_SIDE),
     "memory_mb": (16, 2**24),
     "budget": (1, 2**40),
     "frame": (0, 1048574),

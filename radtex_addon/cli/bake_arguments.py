@@ -246,12 +246,20 @@ def add_how(group: argparse._ArgumentGroup) -> None:
         "not for radiance",
     )
     _number(group, "--seed", "seed", "N", "seed of the light paths; the same seed gives the same atlas")
+    _number(
+        group,
+        "--sheet",
+        "sheet",
+        "N",
+        "side, in pixels, of the pictures that Cycles renders of an atlas: a frame of a farm is one, and "
+        "pictures of another size have other noise",
+    )
     add_device(group)
     add_memory(group, "memory that one render may take, beside the scene and the atlas", _DEFAULT.memory_mb)
 
 
-def add_output(group: argparse._ArgumentGroup) -> None:
-    """Add where files go, and which."""
+def add_files(group: argparse._ArgumentGroup) -> None:
+    """Add where files go, and what is in them."""
     group.add_argument(
         "--out",
         metavar="DIR",
@@ -259,6 +267,33 @@ def add_output(group: argparse._ArgumentGroup) -> None:
         help="folder for the files, made if need be (default: %(default)s)",
     )
     group.add_argument("--overwrite", action="store_true", help="replace files that are already there")
+    group.add_argument(
+        "--save-preview",
+        action="store_true",
+        help="also write DIR/NAME.preview.blend: the scene with the baked object in it",
+    )
+    add_choice(
+        group,
+        "--filter",
+        Filter,
+        Filter.QUADRILINEAR,
+        "how the preview blends cells and texels of layout buckets",
+    )
+    group.add_argument(
+        "--float", dest="half", action="store_false", help="store 32-bit floats (default: half floats)"
+    )
+    add_choice(
+        group,
+        "--compression",
+        Compression,
+        _DEFAULT.compression,
+        "how the atlas is packed; dwaa is small and loses a little",
+    )
+    add_progress(group)
+
+
+def add_course(group: argparse._ArgumentGroup) -> None:
+    """Add what of an atlas is baked, and what is made beside it and after it."""
     group.add_argument(
         "--accumulate",
         action="store_true",
@@ -283,28 +318,6 @@ def add_output(group: argparse._ArgumentGroup) -> None:
         help="go on with a bake that was interrupted, killed or failed, from what is kept of it in "
         "DIR/NAME.KIND.radtex-unfinished; the atlas is what it would have been, bit by bit",
     )
-    group.add_argument(
-        "--save-preview",
-        action="store_true",
-        help="also write DIR/NAME.preview.blend: the scene with the baked object in it",
-    )
-    add_choice(
-        group,
-        "--filter",
-        Filter,
-        Filter.QUADRILINEAR,
-        "how the preview blends cells and texels of layout buckets",
-    )
-    group.add_argument(
-        "--float", dest="half", action="store_false", help="store 32-bit floats (default: half floats)"
-    )
-    add_choice(
-        group,
-        "--compression",
-        Compression,
-        _DEFAULT.compression,
-        "how the atlas is packed; dwaa is small and loses a little",
-    )
     add_choice(
         group,
         "--export",
@@ -320,7 +333,6 @@ def add_output(group: argparse._ArgumentGroup) -> None:
         metavar="FILE",
         help="a small PNG of what is baked so far, written anew every second",
     )
-    add_progress(group)
 
 
 def _number(

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from ..core.arrays import Floats
-from ..core.errors import BakeError
+from ..core.errors import BakeError, FormatError
 from ..formats.exr import read_render
 from ..scene.lamps import GROUP
 from ..scene.nodes import NodeBuilder, open_material
@@ -124,7 +124,13 @@ def render_layers(scene: bpy.types.Scene, file: Path) -> dict[str, Floats]:
             "Cycles returned no picture, as where memory runs out: bake fewer texels, or on the CPU "
             "(--verbose tells more)"
         )
-    return read_layers(file)
+    try:
+        return read_layers(file)
+    except FormatError as error:
+        raise BakeError(
+            f"Cycles's picture in {file.parent} is not whole, as where a disk is full: make room there, or "
+            "name another folder for temporary files by TMPDIR"
+        ) from error
 
 
 def read_layers(file: Path) -> dict[str, Floats]:

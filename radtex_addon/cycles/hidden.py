@@ -9,25 +9,29 @@ such a viewer meets the mesh from behind: a few rays for every cell, by the port
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import cast
 
 import bpy
 import numpy as np
+import numpy.typing as npt
 from mathutils import Matrix
 
-from ..bake.checkpoint import KEEPS_NOTHING, Keeper
+from ..bake.checkpoint import KEEPS_NOTHING, Drawer, Keeper
+from ..bake.hidden import HiddenCells
 from ..bake.plan import CapturePlan, Tile, plan_of_some
 from ..bake.progress import Progress, Stage
 from ..bake.rays import PROBES
 from ..bake.spec import Kind
-from ..core.arrays import Bools, Floats, Ints
+from ..core.arrays import Floats, Ints
 from ..scene.nodes import open_material, open_world
 from ..scene.scratch import remove_scene
 from .portal import PortalCapture
 
 _TILE_PIXELS = 1 << 20
-_HIDDEN = "hidden"  # a piece's name
+_BITS = "bits"  # the array's name in a tile's piece
 
 
 def find_hidden(
@@ -36,42 +40,57 @@ def find_hidden(
     folder: Path,
     keeper: Keeper = KEEPS_NOTHING,
     owner: Ints | None = None,
-) -> Generator[Progress, None, Bools]:
-    """Which cells look out of their own mesh's inside: (K, n, n), indexed [texel, q, p].
+) -> Generator[Progress, None, HiddenCells]:
+    """Which cells of the plan's texels look out of their own mesh's inside.
 
     `meshes` are baked copies and their objects' matrices (4, 4); of several, `owner` (K,) numbers the one
     that each texel lies on, for another's far side hides nothing that is before it. `folder` takes temporary
-    files, the `keeper` what is found. All False where every cell would be hidden. Yields progress in texels.
-    Raises BakeError where Cycles fails.
+    files, the `keeper` what is found, tile by tile. None is hidden where every cell would be. Yields progress
+    in texels. Raises BakeError where Cycles fails.
     """
-    kept = keeper.found(_HIDDEN)
-    if kept is None:
-        kept = {"hidden": (yield from _probe_each(meshes, plan, folder, owner))}
-        keeper.keep(_HIDDEN, kept)
-    hidden: Bools = kept["hidden"]
-    return np.zeros_like(hidden) if hidden.all() else hidden
-
-
-def _probe_each(
-    meshes: Sequence[tuple[bpy.types.Mesh, Floats]], plan: CapturePlan, folder: Path, owner: Ints | None
-) -> Generator[Progress, None, Bools]:
     if owner is None:
-        return (yield from _probe(*meshes[0], plan, folder))
-    n = plan.layout.bucket
-    hidden: Bools = np.zeros((len(plan.texel), n, n), dtype=bool)
-    for number, (mesh, matrix_world) in enumerate(meshes):
-        of_mesh = owner == number
-        if of_mesh.any():
-            hidden[of_mesh] = yield from _probe(mesh, matrix_world, plan_of_some(plan, of_mesh), folder)
-    return hidden
+        bits = yield from _probe(*meshes[0], plan, folder, Drawer(keeper, "hidden-"))
+    else:
+        n = plan.layout.bucket
+        bits = np.zeros((len(plan.texel), -(-n * n // 8)), dtype=np.uint8)
+        for number, (mesh, matrix_world) in enumerate(meshes):
+            some = owner == number
+            if some.any():
+                drawer = Drawer(keeper, f"hidden-{number}-")
+                bits[some] = yield from _probe(mesh, matrix_world, plan_of_some(plan, some), folder, drawer)
+    hidden = HiddenCells(bits, plan.layout.bucket)
+    return HiddenCells(np.zeros_like(bits), plan.layout.bucket) if hidden.buried.all() else hidden
 
 
 def _probe(
-    mesh: bpy.types.Mesh, matrix_world: Floats, plan: CapturePlan, folder: Path
-) -> Generator[Progress, None, Bools]:
+    mesh: bpy.types.Mesh, matrix_world: Floats, plan: CapturePlan, folder: Path, keeper: Keeper
+) -> Generator[Progress, None, npt.NDArray[np.uint8]]:
+    """Bits of the plan's texels, as `HiddenCells` has them; those that the keeper has are not looked for."""
+    height = max(1, _TILE_PIXELS // (plan.columns * plan.layout.bucket**2))
+    tiles = [Tile(row, min(height, plan.rows - row)) for row in range(0, plan.rows, height)]
+    kept = {tile: keeper.found(_name(tile)) for tile in tiles}
+    found = {tile: piece[_BITS] for tile, piece in kept.items() if piece is not None}
+    if len(found) < len(tiles):
+        with _probe_scene(mesh, matrix_world) as scene:
+            capture = PortalCapture(scene, plan, Kind.INCIDENT, PROBES, 0, folder)
+            for tile in (tile for tile in tiles if tile not in found):
+                yield Progress(Stage.PROBE, tile.first_row * plan.columns, len(plan.texel))
+                found[tile] = HiddenCells.of(capture.render(tile)[..., 0] > 0.99).bits
+                keeper.keep(_name(tile), {_BITS: found[tile]})
+    yield Progress(Stage.PROBE, len(plan.texel), len(plan.texel))
+    return np.concatenate([found[tile] for tile in tiles])
+
+
+def _name(tile: Tile) -> str:
+    return f"{tile.first_row:06d}-{tile.rows}"
+
+
+@contextmanager
+def _probe_scene(mesh: bpy.types.Mesh, matrix_world: Floats) -> Iterator[bpy.types.Scene]:
+    """A scene that shows a mesh alone, its far sides bright."""
     scene = bpy.data.scenes.new("RadTex probe")
     world, _ = open_world("RadTex dark")
-    copy = mesh.copy()
+    copy = cast("bpy.types.Mesh", mesh.copy())
     try:
         scene.world = world
         copy.materials.clear()
@@ -81,24 +100,11 @@ def _probe(
             copy.flip_normals()
         item = bpy.data.objects.new("RadTex probe", copy)
         scene.collection.objects.link(item)
-        return (yield from _back_faces(scene, plan, folder))
+        yield scene
     finally:
         remove_scene(scene)
         bpy.data.worlds.remove(world)
         bpy.data.meshes.remove(copy)
-
-
-def _back_faces(scene: bpy.types.Scene, plan: CapturePlan, folder: Path) -> Generator[Progress, None, Bools]:
-    capture = PortalCapture(scene, plan, Kind.INCIDENT, PROBES, 0, folder)
-    count = len(plan.texel)
-    rows = max(1, _TILE_PIXELS // (plan.columns * plan.layout.bucket**2))
-    found = []
-    for row in range(0, plan.rows, rows):
-        yield Progress(Stage.PROBE, row * plan.columns, count)
-        tile = Tile(row, min(rows, plan.rows - row))
-        found.append(capture.render(tile)[..., 0] > 0.99)
-    yield Progress(Stage.PROBE, count, count)
-    return np.concatenate(found)
 
 
 def _shows_back_faces() -> bpy.types.Material:

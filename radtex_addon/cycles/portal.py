@@ -150,12 +150,17 @@ class PortalCapture:
             passes[name] = cells[tile.first_row - first :].reshape(-1, n, n, image.shape[2])[: len(texels)]
         return passes
 
+    def reseed(self, seed: int) -> None:
+        """Let the next renders have other noise."""
+        self._seed = seed
+        cast(Any, self._scene).cycles.seed = sheet_seed(seed, self._sheet)
+
     def _show(self, sheet: int) -> None:
         """Let the next render be of another sheet."""
         if sheet == self._sheet:
             return
         self._sheet = sheet
-        cast(Any, self._scene).cycles.seed = sheet_seed(self._seed, sheet)
+        self.reseed(self._seed)
         self._fields.show(sheet)
 
 

@@ -65,7 +65,7 @@ def capture_shared(
     """
     probe = plan_capture(texels, PROBE_CELLS)
     hidden = yield from find_hidden([(mesh, matrix_world)], probe, folder, keeper)
-    buried = hidden.all(axis=(1, 2))
+    buried = hidden.buried
     without = probe.texel[buried]
 
     def plan(cells: int) -> CapturePlan:
@@ -93,7 +93,7 @@ def capture_shared(
         return Progress(step.stage, done + step.done * rays.light**2, total)
 
     with scene_copied(scratch) as scene:
-        steps = capture_samples(scene, lit, hidden[~buried], seed, folder, keeper, thumbnail)
+        steps = capture_samples(scene, lit, hidden.of_texels(~buried).cells, seed, folder, keeper, thumbnail)
         light = yield from relayed(steps, in_paths)
     with scene_copied(scratch) as scene:
         colour = capture_colour(scene, fine, seed, folder, keeper)

@@ -21,7 +21,6 @@ from mathutils import Vector
 from ..bake.checkpoint import KEEPS_NOTHING, Arrays, Keeper
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
-from ..bake.session import BYTES_PER_PIXEL
 from ..bake.spec import Kind
 from ..bake.thumbnail import Thumbnail
 from ..bake.transfer import sun_directions, sun_radius
@@ -50,7 +49,6 @@ def capture_under_suns(
     suns: int,
     samples: int,
     seed: int,
-    memory_mb: int,
     folder: Path,
     keeper: Keeper = KEEPS_NOTHING,
     thumbnail: Thumbnail | None = None,
@@ -66,13 +64,13 @@ def capture_under_suns(
     sun = _add_sun(scene, sun_radius(suns))
     count, views = len(plan.texel), plan.layout.bucket**2
     capture = PortalCapture(scene, plan, Kind.RADIANCE, samples, seed, folder, Aim(shift))
-    most = max(1, memory_mb * 2**20 // (plan.columns * views * BYTES_PER_PIXEL))
-    tiles = [Tile(row, min(most, plan.rows - row)) for row in range(0, plan.rows, most)]
+    height = plan.sheet_rows
+    tiles = [Tile(row, min(height, plan.rows - row)) for row in range(0, plan.rows, height)]
     lit = Lit(np.empty((suns, count, views, 3), dtype=np.float16), np.empty((count, views), dtype=np.float16))
     total = np.zeros((count, 3), dtype=np.float32)
     for number, direction in enumerate(sun_directions(suns)):
         _turn(sun, direction)
-        cast(Any, scene).cycles.seed = (seed + number) % 2**31  # or all suns had the same noise
+        capture.reseed((seed + number) % 2**31)  # or all suns had the same noise
         for tile in tiles:
             first = tile.first_row * plan.columns
             yield Progress(Stage.CAPTURE, number * count + first, suns * count)

@@ -4,15 +4,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from ..core.arrays import Floats
-from ..core.errors import FormatError, ShapeError
+from ..core.errors import BakeError, FormatError, ShapeError
 from .atomic import replacing
-from .exr import Compression, header_text, read_pixels, stored_rows, write_rows
+from .exr import CHANNELS, Compression, header_text, read_pixels
+from .exr_bands import BandWriter
 from .shared_files import layer_path
 from .sidecar import Sidecar, read_sidecar
 
@@ -29,32 +32,89 @@ def write_buckets(
     half: bool = True,
     compression: Compression = Compression.ZIP,
 ) -> Sidecar:
-    """Write the sidecar to `path`, the atlas (H*n, W*n, 1, 3 or 4) and its layers beside it; all, or none.
+    """Write what `write_bands` does of an atlas (H*n, W*n, 1, 3 or 4) and layers that are whole."""
+    images = {"": atlas, **layers}
+    steps = write_bands(path, lambda: iter([images]), tuple(layers), bake, half, compression)
+    while True:
+        try:
+            next(steps)
+        except StopIteration as stop:
+            written: Sidecar = stop.value
+            return written
 
-    Layers are (H*n, W*n, 3), the base (H, W, 3); row 0 is at the bottom, light is scene-linear Rec.709.
-    Values beyond the files' range, infinities included, are clamped to it. Returns `bake` with the layers'
-    names and the number of clamped values. Raises ShapeError for an image of another size, BakeError for
-    values that are not numbers and where the system refuses.
+
+def write_bands(
+    path: Path,
+    bands: Callable[[], Iterator[Mapping[str, Floats]]],
+    layers: Sequence[str],
+    bake: Sidecar,
+    half: bool = True,
+    compression: Compression = Compression.ZIP,
+) -> Generator[int, None, Sidecar]:
+    """Write the sidecar to `path`, the atlas and its layers beside it; all, or none. Yields rows of texels.
+
+    `bands` makes rows of texels from the top down, each a part of the atlas, called "", and of the `layers`:
+    (h*n, W*n, 1, 3 or 4) and (h*n, W*n, 3), of the base (h, W, 3); row 0 is the lowest, light is scene-linear
+    Rec.709. Values beyond the files' range, infinities included, are clamped to it. Returns `bake` with the
+    layers' names and the number of clamped values. Raises ShapeError for an image of another size, BakeError
+    for values that are not numbers and where the system refuses.
     """
-    named = {"": atlas, **layers}
-    stored: dict[str, Floats] = {}
-    clamped = 0
-    for name, image in named.items():
-        channels = image.shape[2:] if not name else (_COLOURS,)
-        expected = (*size_of(bake, name)[::-1], *channels)
-        if image.shape != expected:
-            raise ShapeError(f"{image_path(path, name).name}: expected shape {expected}, got {image.shape}")
-        stored[name], beyond = stored_rows(image_path(path, name), image, half)
-        clamped += beyond
-    sidecar = replace(bake, layers=tuple(layers), clamped=clamped)
-    text = sidecar.to_json()
+    sidecar = replace(bake, layers=tuple(layers))
     with ExitStack() as files:  # what is entered first is left last: the sidecar takes its place at the end
-        files.enter_context(replacing(path)).write_text(text, encoding="utf-8", newline="\n")
-        for name, rows in stored.items():
-            lossless = name in _NO_LIGHT and compression is Compression.DWAA
-            beside = files.enter_context(replacing(image_path(path, name)))
-            write_rows(beside, rows, text, Compression.ZIP if lossless else compression)
+        text = files.enter_context(replacing(path))
+        images = {name: files.enter_context(replacing(image_path(path, name))) for name in ("", *layers)}
+        clamped = yield from _fill(path, images, bands(), sidecar, half, compression)
+        if clamped:  # the headers hold their number, and come first: once more, now that it is known
+            sidecar = replace(sidecar, clamped=clamped)
+            yield from _fill(path, images, bands(), sidecar, half, compression)
+        text.write_text(sidecar.to_json(), encoding="utf-8", newline="\n")
     return sidecar
+
+
+def _fill(
+    sidecar_path: Path,
+    images: Mapping[str, Path],
+    bands: Iterator[Mapping[str, Floats]],
+    sidecar: Sidecar,
+    half: bool,
+    compression: Compression,
+) -> Generator[int, None, int]:
+    """Write all images; yields how many rows of texels are done, returns how many values were clamped."""
+    writers: dict[str, BandWriter] = {}
+    done = 0
+    for band in bands:
+        rows = len(band[""]) // sidecar.bucket
+        for name, path in images.items():
+            _check_shape(name, band[name], sidecar, rows)
+            if name not in writers:
+                lossless = name in _NO_LIGHT and compression is Compression.DWAA
+                packing = Compression.ZIP if lossless else compression
+                width, height = size_of(sidecar, name)
+                channels = band[name].shape[2]
+                text = sidecar.to_json()
+                writers[name] = BandWriter(path, width, height, channels, text, half, packing)
+            if wrong := int(np.count_nonzero(np.isnan(band[name]))):
+                image = image_path(sidecar_path, name)
+                raise BakeError(
+                    f"{image} was not written: {wrong} of its values are not numbers; bake it again"
+                )
+            writers[name].write(band[name])
+        done += rows
+        yield done
+    if done != sidecar.height:
+        raise ShapeError(f"the atlas: expected {sidecar.height} rows of texels, got {done}")
+    for writer in writers.values():
+        writer.close()
+    return sum(writer.clamped for writer in writers.values())
+
+
+def _check_shape(name: str, image: Floats, sidecar: Sidecar, rows: int) -> None:
+    cells = 1 if name == BASE else sidecar.bucket
+    allowed = CHANNELS if not name else (_COLOURS,)
+    expected = (rows * cells, sidecar.width * cells)
+    if image.ndim != 3 or image.shape[:2] != expected or image.shape[2] not in allowed:
+        what = f"layer {name}" if name else "the atlas"
+        raise ShapeError(f"{what}: expected shape {(*expected, *allowed)}, got {image.shape}")
 
 
 def read_layer(path: Path, layer: str) -> Floats:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..bake.checkpoint import Drawer, Keeper
 from ..bake.filling import fill_missing
+from ..bake.hidden import HiddenCells
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage, relayed
 from ..bake.session import fill_atlas
@@ -23,6 +24,7 @@ from ..core.arrays import Bools, Floats, Ints
 from ..core.errors import InputError
 from ..core.texel_map import TexelMap
 from ..cycles.portal import PortalCapture
+from ..scene.fog import has_volumes
 from ..scene.scratch import scene_copied
 from .earlier import Earlier
 
@@ -31,7 +33,7 @@ from .earlier import Earlier
 class Again:
     """The texels of a `plan`, as a scratch scene shows them now, and the `earlier` atlas of them.
 
-    `hidden` (K, n, n) marks cells that nobody sees. The plan's texels that count are `chosen` (K,).
+    Nobody sees the `hidden` cells. The plan's texels that count are `chosen` (K,).
     """
 
     scene: bpy.types.Scene
@@ -39,7 +41,7 @@ class Again:
     kind: Kind
     texels: TexelMap
     plan: CapturePlan
-    hidden: Bools | None
+    hidden: HiddenCells | None
     earlier: Earlier
     chosen: Bools
     folder: Path
@@ -58,7 +60,7 @@ class Again:
     def part(self, some: Bools, bucket: int) -> CapturePlan:
         """A plan of `some` (K,) of the texels alone, with buckets of so many cells a side."""
         others = np.setdiff1d(np.flatnonzero(self.texels.covered), self.plan.texel[some])
-        return plan_capture(self.texels, bucket, without=others)
+        return plan_capture(self.texels, bucket, others, self.spec.sheet)
 
     def capture(
         self, buckets: Floats, samples: Ints, first: Ints, keeper: Keeper, thumbnail: Thumbnail | None
@@ -78,7 +80,8 @@ class Again:
                     scene, part, self.kind, number, self.spec.seed, self.folder, first=start
                 )
                 drawer = Drawer(keeper, f"{start}-{number}-")
-                steps = fill_atlas(part, capture, self.spec.memory_mb, None, drawer, thumbnail)
+                memory, uncut = self.spec.memory_mb, has_volumes(scene)
+                steps = fill_atlas(part, capture, memory, None, drawer, thumbnail, uncut=uncut)
                 image = yield from relayed(steps, partial(_after, done, total))
             buckets[part.covered] = layout.to_buckets(image)[part.covered]
             done += len(part.texel)
@@ -88,7 +91,7 @@ class Again:
     def fill(self, buckets: Floats) -> Generator[Progress, None, None]:
         """Fill gutters and hidden cells from what is there, in place."""
         hidden = self.hidden
-        marks = self.plan.placed(hidden) if hidden is not None and hidden.any() else None
+        marks = None if hidden is None else self.plan.placed(hidden.cells)
         yield from fill_missing(buckets, self.plan.covered, marks)
 
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,20 +12,23 @@ import bpy
 
 from ..bake.capture import Capture
 from ..bake.checkpoint import KEEPS_NOTHING, Keeper
+from ..bake.hidden import HiddenCells
 from ..bake.layers import WHOLE, split_layers
 from ..bake.plan import CapturePlan, plan_capture
-from ..bake.progress import Progress, Stage
-from ..bake.session import fill_atlas
+from ..bake.progress import Progress, Stage, relayed
+from ..bake.session import capture_bands
 from ..bake.spec import BakeSpec, CaptureMethod, Kind
 from ..bake.thumbnail import Thumbnail
-from ..core.arrays import Bools, Floats
+from ..core.arrays import Floats
+from ..core.atlas import AtlasLayout
 from ..core.texel_map import TexelMap
 from ..cycles.layers import LayeredCapture
 from ..cycles.panoramic import PanoramicCapture
 from ..cycles.portal import PortalCapture
-from ..formats.bucket_files import write_buckets
+from ..formats.bucket_files import write_bands
 from ..formats.sidecar import Content, Sidecar
 from ..scene.enclosed import show_content_only
+from ..scene.fog import has_volumes
 from .accumulate import accumulated
 from .again import Again, chosen_texels
 from .earlier import read_earlier, with_counts
@@ -51,37 +54,64 @@ def bake_buckets(
     plan, hidden, facts = yield from plan_buckets(scratch, spec, prepared, texels, folder, keeper)
     if earlier is None:
         capture = capture_of(scratch, plan, spec, folder)
-        return (yield from join_buckets(plan, capture, hidden, spec, files, facts, keeper, thumbnail))
+        uncut = has_volumes(scratch)
+        steps = join_buckets(plan, capture, hidden, spec, files, facts, keeper, thumbnail, uncut)
+        return (yield from steps)
     chosen = chosen_texels(plan, texels, prepared.chosen, spec.where)
     again = Again(scratch, spec, _rays(spec), texels, plan, hidden, earlier, chosen, folder)
     work = refreshed if spec.refresh else accumulated
     image, paths, counts = yield from work(again, keeper, thumbnail)
-    return (yield from _write(plan, image, spec, files, with_counts(facts, counts), paths))
+    whole = [_images(image, plan.layout, spec)]
+    return (yield from _write(plan, lambda: iter(whole), spec, files, with_counts(facts, counts), paths))
 
 
 def join_buckets(
     plan: CapturePlan,
     capture: Capture,
-    hidden: Bools | None,
+    hidden: HiddenCells | None,
     spec: BakeSpec,
     files: OutputFiles,
     facts: Sidecar,
     keeper: Keeper = KEEPS_NOTHING,
     thumbnail: Thumbnail | None = None,
+    uncut: bool = True,
 ) -> Generator[Progress, None, Made]:
-    """Ask the capture for all tiles of the plan, and write the atlas with its layers."""
-    image = yield from fill_atlas(plan, capture, spec.memory_mb, hidden, keeper, thumbnail, spec.channels)
+    """Ask the capture for all tiles of the plan, and write the atlas with its layers, band by band."""
+    memory, channels = spec.memory_mb, spec.channels
+    steps = capture_bands(plan, capture, memory, hidden, keeper, thumbnail, channels, uncut)
+    bands = yield from steps
     paths = len(plan.texel) * spec.bucket**2 * spec.samples
-    return (yield from _write(plan, image, spec, files, facts, paths))
+
+    def images() -> Iterator[dict[str, Floats]]:
+        for band in bands.downwards():
+            layout = AtlasLayout(plan.layout.width, len(band.buckets), plan.layout.bucket)
+            yield _images(layout.from_buckets(band.buckets), layout, spec)
+
+    return (yield from _write(plan, images, spec, files, facts, paths))
+
+
+def _images(image: Floats, layout: AtlasLayout, spec: BakeSpec) -> dict[str, Floats]:
+    """An atlas or some of its rows, called "", and its layers by their names."""
+    return {"": image[..., :WHOLE], **split_layers(image, layout, spec.layers)}
 
 
 def _write(
-    plan: CapturePlan, image: Floats, spec: BakeSpec, files: OutputFiles, facts: Sidecar, paths: int
+    plan: CapturePlan,
+    images: Callable[[], Iterator[dict[str, Floats]]],
+    spec: BakeSpec,
+    files: OutputFiles,
+    facts: Sidecar,
+    paths: int,
 ) -> Generator[Progress, None, Made]:
-    yield Progress(Stage.WRITE, 0, 1)
-    layers = split_layers(image, plan.layout, spec.layers)
-    written = write_buckets(files.sidecar, image[..., :WHOLE], layers, facts, spec.half, spec.compression)
-    return Made(files, plan.layout, len(plan.texel), paths, written.clamped)
+    layout = plan.layout
+
+    def in_rows(done: int) -> Progress:
+        return Progress(Stage.WRITE, done, layout.height)
+
+    yield in_rows(0)
+    steps = write_bands(files.sidecar, images, spec.layers, facts, spec.half, spec.compression)
+    written = yield from relayed(steps, in_rows)
+    return Made(files, layout, len(plan.texel), paths, written.clamped)
 
 
 def plan_buckets(
@@ -91,7 +121,7 @@ def plan_buckets(
     texels: TexelMap,
     folder: Path,
     keeper: Keeper = KEEPS_NOTHING,
-) -> Generator[Progress, None, tuple[CapturePlan, Bools | None, Sidecar]]:
+) -> Generator[Progress, None, tuple[CapturePlan, HiddenCells | None, Sidecar]]:
     """What to capture in a scene that then shows nothing else, which cells nobody sees, and what that is."""
     facts = prepared.facts(spec)
     plan, hidden = yield from _plan(prepared, texels, spec, folder, keeper)
@@ -103,14 +133,16 @@ def plan_buckets(
 
 def _plan(
     prepared: Prepared, texels: TexelMap, spec: BakeSpec, folder: Path, keeper: Keeper
-) -> Generator[Progress, None, tuple[CapturePlan, Bools | None]]:
+) -> Generator[Progress, None, tuple[CapturePlan, HiddenCells | None]]:
     """What to capture, and which cells of it nobody sees; texels that nobody sees at all cost no path."""
-    plan = plan_capture(texels, spec.bucket)
+    plan = plan_capture(texels, spec.bucket, sheet=spec.sheet)
     if spec.kind is not Kind.RADIANCE:
         return plan, None
     hidden = yield from prepared.hidden(plan, folder, keeper)
-    buried = hidden.all(axis=(1, 2))
-    return plan_capture(texels, spec.bucket, without=plan.texel[buried]), hidden[~buried]
+    buried = hidden.buried
+    if buried.any():
+        plan = plan_capture(texels, spec.bucket, plan.texel[buried], spec.sheet)
+    return plan, hidden.of_texels(~buried)
 
 
 def _rays(spec: BakeSpec) -> Kind:

@@ -11,14 +11,14 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ..bake.bands import Bands
 from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage
 from ..bake.rays import PROBE_CELLS
-from ..bake.session import fill_atlas
+from ..bake.session import capture_bands
 from ..bake.spec import BakeSpec, Kind
 from ..bake.thumbnail import Thumbnail
-from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
 from ..core.occlusion import occlusion
 from ..core.shadow import pack_bits
@@ -30,8 +30,6 @@ from ..formats.sidecar import Sidecar
 from .files import OutputFiles
 from .made import Made
 from .prepare import Prepared
-
-_ROWS = 64  # of texels, worked on at once
 
 
 def bake_occlusion(
@@ -46,16 +44,16 @@ def bake_occlusion(
     """Bake what is prepared; `folder` takes temporary files, the `keeper` every finished tile."""
     plan = yield from plan_occlusion(prepared, spec.bucket, folder, keeper)
     capture = OcclusionCapture(scratch, plan, spec.kind, spec.samples, spec.seed, folder, spec.ao_distance)
-    seen = yield from fill_atlas(plan, capture, spec.memory_mb, None, keeper, thumbnail, spec.channels)
+    bands = yield from capture_bands(plan, capture, spec.memory_mb, None, keeper, thumbnail, spec.channels)
     yield Progress(Stage.WRITE, 0, 1)
     layout = plan.layout
     facts = prepared.facts(spec)
     rays = spec.bucket**2 * capture.rays
     if spec.kind is Kind.SHADOW:
-        written = _write_shadow(files, seen, layout, facts, spec)
+        written = _write_shadow(files, bands, facts, spec)
     else:
         of_texel = replace(facts, bucket=1, samples=rays, ao_distance=spec.ao_distance)
-        written = _write_ambient(files, seen, layout, of_texel, spec)
+        written = _write_ambient(files, bands, layout, of_texel, spec)
     return Made(
         files,
         AtlasLayout(layout.width, layout.height, written.bucket),
@@ -75,14 +73,13 @@ def plan_occlusion(
     texels = prepared.texels()
     probe = plan_capture(texels, PROBE_CELLS)
     hidden = yield from prepared.hidden(probe, folder, keeper)
-    return plan_capture(texels, bucket, without=probe.texel[hidden.all(axis=(1, 2))])
+    return plan_capture(texels, bucket, without=probe.texel[hidden.buried])
 
 
-def _write_shadow(
-    files: OutputFiles, seen: Floats, layout: AtlasLayout, facts: Sidecar, spec: BakeSpec
-) -> Sidecar:
+def _write_shadow(files: OutputFiles, bands: Bands, facts: Sidecar, spec: BakeSpec) -> Sidecar:
     """Write bits and their sidecar, both or neither; returns what the sidecar says."""
-    words = np.concatenate([pack_bits(row[..., 0] < 0.5) for row in _by_rows(seen, layout)])
+    rows = [pack_bits(band.buckets[..., 0] < 0.5) for band in bands.downwards()]
+    words = np.concatenate(rows[::-1])
     with replacing(files.sidecar) as beside:  # left last: it takes its place once the bits are in theirs
         beside.write_text(facts.to_json(), encoding="utf-8", newline="\n")
         write_shadow(files.atlas, words, facts, spec.compression)
@@ -90,21 +87,12 @@ def _write_shadow(
 
 
 def _write_ambient(
-    files: OutputFiles, seen: Floats, layout: AtlasLayout, facts: Sidecar, spec: BakeSpec
+    files: OutputFiles, bands: Bands, layout: AtlasLayout, facts: Sidecar, spec: BakeSpec
 ) -> Sidecar:
     """Write one value a texel, which is a bucket of one cell with all the rays; returns the sidecar."""
     pixels = np.empty((layout.height, layout.width, 4), dtype=np.float32)
-    first = 0
-    for row in _by_rows(seen, layout):
-        bent, ambient = occlusion(row[..., 0])
-        pixels[first : first + len(row), :, :3] = bent
-        pixels[first : first + len(row), :, 3] = ambient
-        first += len(row)
+    for band in bands.downwards():
+        bent, ambient = occlusion(band.buckets[..., 0])
+        pixels[band.first : band.end, :, :3] = bent
+        pixels[band.first : band.end, :, 3] = ambient
     return write_buckets(files.sidecar, pixels, {}, facts, spec.half, spec.compression)
-
-
-def _by_rows(seen: Floats, layout: AtlasLayout) -> Generator[Floats, None, None]:
-    """The buckets (r, W, n, n, 1), some rows of texels at a time."""
-    buckets = layout.to_buckets(seen)
-    for first in range(0, layout.height, _ROWS):
-        yield buckets[first : first + _ROWS]

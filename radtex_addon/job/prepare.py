@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 from ..bake.checkpoint import KEEPS_NOTHING, Keeper
+from ..bake.hidden import HiddenCells
 from ..bake.plan import CapturePlan
 from ..bake.progress import Progress, Stage
 from ..bake.spec import BakeSpec
@@ -123,8 +124,8 @@ class Prepared:
 
     def hidden(
         self, plan: CapturePlan, folder: Path, keeper: Keeper = KEEPS_NOTHING
-    ) -> Generator[Progress, None, Bools]:
-        """Which of a plan's cells nobody sees, (K, n, n): see `find_hidden`."""
+    ) -> Generator[Progress, None, HiddenCells]:
+        """Which of a plan's cells nobody sees: see `find_hidden`."""
         owner = None
         if len(self.pieces) > 1:
             triangle = self.texels().triangle.ravel()[plan.texel]

@@ -45,7 +45,7 @@ def bake_transfer(
     suns, shift = spec.bucket**2, view_shift(plan, eye)
     with scene_copied(scratch) as scene:
         lit = yield from capture_under_suns(
-            scene, plan, shift, suns, spec.samples, spec.seed, spec.memory_mb, folder, keeper, thumbnail
+            scene, plan, shift, suns, spec.samples, spec.seed, folder, keeper, thumbnail
         )
     atlas = yield from _atlas(plan, lit, spec.bucket)
     yield Progress(Stage.WRITE, 0, 1)
@@ -66,7 +66,7 @@ def _plan(
     texels = prepared.texels()
     probe = plan_capture(texels, PROBE_CELLS)
     hidden = yield from prepared.hidden(probe, folder, keeper)
-    return plan_capture(texels, views, without=probe.texel[hidden.all(axis=(1, 2))])
+    return plan_capture(texels, views, without=probe.texel[hidden.buried])
 
 
 def _atlas(plan: CapturePlan, lit: Lit, n: int) -> Generator[Progress, None, Floats]:

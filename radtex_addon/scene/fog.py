@@ -9,6 +9,8 @@ import numpy as np
 
 from ..core.arrays import Floats
 
+_OUTPUTS = ("OUTPUT_MATERIAL", "OUTPUT_WORLD")
+
 
 def volumes_around(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> list[str]:
     """Names of the rendered volume domains whose bounding boxes meet that of `item`, itself left out.
@@ -27,6 +29,18 @@ def volumes_around(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> list[s
     return found
 
 
+def has_volumes(scene: bpy.types.Scene) -> bool:
+    """Whether any ray may meet a volume, as far as the file knows.
+
+    Where one does, Blender 5's Cycles learns from neighbouring pixels how to sample it: a picture's bits then
+    depend on where it is cut.
+    """
+    trees = [material.node_tree for material in bpy.data.materials]
+    if scene.world is not None:
+        trees.append(scene.world.node_tree)
+    return len(bpy.data.volumes) > 0 or any(_puts_volume_out(tree) for tree in trees)
+
+
 def _bounds(item: bpy.types.Object) -> tuple[Floats, Floats]:
     matrix = np.array(item.matrix_world)
     corners = np.array(item.bound_box) @ matrix[:3, :3].T + matrix[:3, 3]
@@ -36,6 +50,9 @@ def _bounds(item: bpy.types.Object) -> tuple[Floats, Floats]:
 def _holds_volume(item: bpy.types.Object) -> bool:
     if item.type == "VOLUME":
         return True
-    trees = [slot.material.node_tree for slot in item.material_slots if slot.material]
-    nodes = [node for tree in trees if tree for node in tree.nodes]
-    return any(node.type == "OUTPUT_MATERIAL" and node.inputs["Volume"].is_linked for node in nodes)
+    return any(_puts_volume_out(slot.material.node_tree) for slot in item.material_slots if slot.material)
+
+
+def _puts_volume_out(tree: bpy.types.NodeTree | None) -> bool:
+    outputs = [node for node in tree.nodes if node.type in _OUTPUTS] if tree else []
+    return any(node.inputs["Volume"].is_linked for node in outputs)

@@ -12,6 +12,7 @@ import pytest
 from radtex_addon.bake import session
 from radtex_addon.bake.analytic import AnalyticCapture
 from radtex_addon.bake.capture import Capture
+from radtex_addon.bake.hidden import HiddenCells
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
 from radtex_addon.bake.progress import Progress, Stage
 from radtex_addon.bake.session import BYTES_PER_PIXEL, fill_atlas
@@ -59,7 +60,8 @@ def bake(
     plan: CapturePlan, capture: Capture, memory_mb: int = 64, hidden: Bools | None = None
 ) -> tuple[Floats, list[Progress]]:
     """The atlas image and every step on its way."""
-    steps = fill_atlas(plan, capture, memory_mb, hidden)
+    marks = None if hidden is None else HiddenCells.of(hidden)
+    steps = fill_atlas(plan, capture, memory_mb, marks)
     seen = []
     while True:
         try:

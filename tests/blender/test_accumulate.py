@@ -137,7 +137,7 @@ def test_what_fails_leaves_the_atlas_and_is_resumed(out: Path, monkeypatch: pyte
         raise PlannedError
 
     with monkeypatch.context() as patch:
-        patch.setattr(buckets, "write_buckets", fail)
+        patch.setattr(buckets, "write_bands", fail)
         with pytest.raises(PlannedError):
             bake(out, MORE)
     assert contents(out) == before

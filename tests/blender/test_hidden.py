@@ -35,12 +35,12 @@ def test_a_sheared_convex_mesh_hides_nothing(tmp_path: Path, mirrored: bool) -> 
     point, normal = point[::40], normal[::40] @ turn
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     plan = stage.plan_of(point @ matrix[:3, :3].T, normal, 4)
-    assert not finished(find_hidden([(mesh, matrix)], plan, tmp_path)).any()
+    assert not finished(find_hidden([(mesh, matrix)], plan, tmp_path)).cells.any()
 
 
 def test_the_inside_of_another_part_is_hidden(tmp_path: Path) -> None:
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1)
     plan = stage.plan_of(np.array([[0, 0, 0], [0, 0, 2.0]]), np.array([[0, 0, 1.0], [0, 0, 1.0]]), 4)
-    hidden = finished(find_hidden([(active_mesh(), np.eye(4))], plan, tmp_path))
+    hidden = finished(find_hidden([(active_mesh(), np.eye(4))], plan, tmp_path)).cells
     assert hidden[0].all()
     assert not hidden[1].any()

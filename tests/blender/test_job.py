@@ -24,7 +24,7 @@ from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.cycles import portal
 from radtex_addon.cycles.portal import PortalCapture
-from radtex_addon.formats import bucket_files
+from radtex_addon.formats import exr_bands
 from radtex_addon.formats.exr import read_atlas, read_render
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import (
@@ -447,7 +447,7 @@ def test_the_users_file_is_what_it_was_whatever_fails(out: Path) -> None:
         "unwrap_steps": unwrapping,
         "rasterise": prepare,
         "find_hidden": prepare,
-        "write_buckets": buckets,
+        "write_bands": buckets,
         "save_preview_of": run,
     }
     for part, module in parts.items():
@@ -519,7 +519,7 @@ def test_an_atlas_never_lies_beside_another_ones_sidecar(out: Path, monkeypatch:
     def full(*_: object) -> None:
         raise OSError("the disk is full")
 
-    monkeypatch.setattr(bucket_files, "write_rows", full)
+    monkeypatch.setattr(exr_bands.BandWriter, "write", full)
     with pytest.raises(BakeError, match="full"):
         bake("Card", BakeSpec(texels=4, bucket=2, samples=1), out, overwrite=True)
     assert take_pieces(out)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, cast
 
 import bpy
 import numpy as np
@@ -37,7 +38,7 @@ def plan() -> CapturePlan:
         padded = field.reshape(-1, 3)[np.minimum(np.arange(SIDE * SIDE), len(normal) - 1)]
         return padded.reshape(SIDE, SIDE, 3)
 
-    fields = {name: folded(getattr(row, name)) for name in _FIELDS}
+    fields: Any = {name: folded(getattr(row, name)) for name in _FIELDS}
     return replace(row, sheet=24, **fields)
 
 
@@ -49,7 +50,7 @@ def test_a_sheet_has_the_same_bits_whichever_came_before(
     plan: CapturePlan, kind: Kind, tmp_path: Path
 ) -> None:
     assert (plan.sheet_rows, plan.sheets) == (3, 4)
-    scene = bpy.context.scene
+    scene = cast(bpy.types.Scene, bpy.context.scene)
     layer = scene.view_layers[0].name
     with scratch_scene(scene, layer) as scratch:
         capture = PortalCapture(scratch, plan, kind, 2, 5, tmp_path)
@@ -64,8 +65,9 @@ def test_a_sheet_has_the_same_bits_whichever_came_before(
 def test_sheets_have_noise_of_their_own(plan: CapturePlan, tmp_path: Path) -> None:
     """Two sheets of the same point differ; with one seed for all they would repeat it."""
     still = {name: np.broadcast_to(getattr(plan, name)[:1, :1], (SIDE, SIDE, 3)) for name in _FIELDS}
-    same = replace(plan, **{name: np.ascontiguousarray(field) for name, field in still.items()})
-    scene = bpy.context.scene
+    alike: Any = {name: np.ascontiguousarray(field) for name, field in still.items()}
+    same = replace(plan, **alike)
+    scene = cast(bpy.types.Scene, bpy.context.scene)
     with scratch_scene(scene, scene.view_layers[0].name) as scratch:
         capture = PortalCapture(scratch, same, Kind.RADIANCE, 2, 5, tmp_path)
         first, second = (capture.render(Tile(row, 3)) for row in (0, 3))

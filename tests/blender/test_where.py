@@ -139,7 +139,7 @@ def test_what_fails_is_resumed(out: Path, monkeypatch: pytest.MonkeyPatch) -> No
         raise PlannedError
 
     with monkeypatch.context() as patch:
-        patch.setattr(buckets, "write_buckets", fail)
+        patch.setattr(buckets, "write_bands", fail)
         with pytest.raises(PlannedError):
             bake(out, MORE)
     assert (out / SIDECAR).read_bytes() == before

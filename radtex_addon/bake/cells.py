@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What was captured of a plan's texels: it lies with a keeper, tile by tile, and is read when needed."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..core.arrays import Floats, Ints
+from .checkpoint import Keeper
+from .plan import CapturePlan, Tile
+
+_CELLS = "cells"  # the array's name in a tile's piece
+_GAP = 16  # texels that are rather read in vain than asked for apart
+
+
+class Cells:
+    """Cells (K, n, n, C) float32 of a plan's texels, in its order; rows of the plan come as tiles."""
+
+    def __init__(self, plan: CapturePlan, keeper: Keeper, channels: int) -> None:
+        self.channels = channels
+        self._plan, self._keeper = plan, keeper
+        self._there = np.zeros(plan.rows, dtype=bool)
+        self._starts: list[int] = []  # the tiles' first texels, in ascending order, and their pieces' names
+        self._names: list[str] = []
+
+    @property
+    def texels(self) -> int:
+        """How many are there."""
+        return min(int(self._there.sum()) * self._plan.columns, len(self._plan.texel))
+
+    def restore(self) -> Iterator[tuple[Tile, Floats]]:
+        """Take what the keeper has of an earlier session; yields each tile with its cells (k, n, n, C)."""
+        shape = (self._plan.layout.bucket, self._plan.layout.bucket, self.channels)
+        for name in self._keeper.names():
+            tile = _tile(name)
+            if tile is None or tile.end > len(self._there) or self._there[tile.first_row : tile.end].any():
+                continue
+            kept = self._keeper.found(name)
+            count = len(self._plan.texels_of(tile))
+            if kept is not None and kept[_CELLS].shape == (count, *shape):
+                self._add(tile, name)
+                yield tile, kept[_CELLS]
+
+    def put(self, tile: Tile, cells: Floats) -> None:
+        """Keep a tile's cells (k, n, n, C). Raises BakeError where that is refused."""
+        name = f"tile-{tile.first_row:06d}-{tile.rows}"
+        self._keeper.keep(name, {_CELLS: np.ascontiguousarray(cells, dtype=np.float32)})
+        self._add(tile, name)
+
+    def missing(self, most: int) -> Tile | None:
+        """The first rows that are not there, `most` at most and of one sheet; None where all are."""
+        if self._there.all():
+            return None
+        first = int(np.argmin(self._there))
+        after = self._there[first:]
+        free = int(np.argmax(after)) if after.any() else len(after)
+        height = self._plan.sheet_rows
+        return Tile(first, min(most, free, height - first % height))
+
+    def take(self, index: Ints) -> Floats:
+        """Cells (k, n, n, C) of the texels with these places in the plan, (k,), which ascend.
+
+        Raises BakeError where they can no longer be read.
+        """
+        n = self._plan.layout.bucket
+        found: Floats = np.empty((len(index), n, n, self.channels), dtype=np.float32)
+        done = 0
+        while done < len(index):
+            place = bisect_right(self._starts, index[done]) - 1
+            start = self._starts[place]
+            end = self._starts[place + 1] if place + 1 < len(self._starts) else len(self._plan.texel)
+            of_tile = index[done : done + int(np.searchsorted(index[done:], end))]
+            breaks = np.flatnonzero(np.diff(of_tile) > _GAP) + 1
+            for run in np.split(of_tile, breaks):
+                first = int(run[0])
+                rows = self._keeper.rows(self._names[place], _CELLS, first - start, int(run[-1]) - first + 1)
+                found[done : done + len(run)] = rows[run - first]
+                done += len(run)
+        return found
+
+    def _add(self, tile: Tile, name: str) -> None:
+        start = tile.first_row * self._plan.columns
+        place = bisect_right(self._starts, start)
+        self._starts.insert(place, start)
+        self._names.insert(place, name)
+        self._there[tile.first_row : tile.end] = True
+
+
+def _tile(name: str) -> Tile | None:
+    """The tile that is kept under `name`, if it is one's."""
+    found = re.fullmatch(r"tile-(\d+)-(\d+)", name)
+    return Tile(int(found[1]), int(found[2])) if found else None

@@ -1,0 +1,62 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which cells nobody sees, a bit each: a large atlas has more cells than memory has bytes to spare."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ..core.arrays import Bools
+
+
+@dataclass(frozen=True, eq=False)
+class HiddenCells:
+    """Of K texels' buckets: `bits` (K, ceil(n * n / 8)) have their cells [q, p] row by row."""
+
+    bits: npt.NDArray[np.uint8]
+    bucket: int
+
+    @classmethod
+    def of(cls, cells: Bools) -> HiddenCells:
+        """From marks (K, n, n)."""
+        return cls(np.packbits(cells.reshape(len(cells), -1), axis=1), cells.shape[1])
+
+    def __len__(self) -> int:
+        return len(self.bits)
+
+    @property
+    def cells(self) -> Bools:
+        """A mark for every cell: (K, n, n)."""
+        n = self.bucket
+        marks = np.unpackbits(self.bits, axis=1, count=n * n)
+        return marks.view(bool).reshape(-1, n, n)
+
+    @property
+    def buried(self) -> Bools:
+        """The texels all of whose cells are hidden: (K,)."""
+        full = np.packbits(np.ones(self.bucket**2, dtype=bool))
+        found: Bools = (self.bits == full).all(axis=1)
+        return found
+
+    def of_texels(self, chosen: Bools) -> HiddenCells:
+        """Those of the `chosen` (K,) texels."""
+        return HiddenCells(self.bits[chosen], self.bucket)
+
+    def directions(self) -> Iterator[tuple[int, int]]:
+        """The cells [q, p] that are hidden of some texel, but not of all."""
+        n = self.bucket
+        some = np.unpackbits(np.bitwise_or.reduce(self.bits, axis=0), count=n * n).astype(bool)
+        every = np.unpackbits(np.bitwise_and.reduce(self.bits, axis=0), count=n * n).astype(bool)
+        for cell in np.flatnonzero(some & ~every).tolist():
+            q, p = divmod(cell, n)
+            yield q, p
+
+    def of_direction(self, q: int, p: int) -> Bools:
+        """The texels whose cell [q, p] is hidden: (K,)."""
+        byte, bit = divmod(q * self.bucket + p, 8)
+        found: Bools = (self.bits[:, byte] & (0x80 >> bit)).astype(bool)
+        return found
