@@ -8,6 +8,8 @@ python bake.py demo
 python bake.py report DIR --scene scene.blend
 python bake.py export DIR --to web
 python bake.py compare scene.blend --object NAME --bake DIR
+python bake.py prepare scene.blend --object NAME --out DIR
+python bake.py assemble DIR/NAME.radiance.radtex-farm
 """
 
 from __future__ import annotations

@@ -15,11 +15,13 @@ from ..core.sampler import Filter
 from ..export.kinds import check_target
 from ..export.spec import Target
 from ..scene.demo import OBJECT
-from .bake_arguments import add_how, add_output, add_quality, add_what
+from .bake_arguments import add_course, add_files, add_how, add_quality, add_what
 from .options import (
+    ASSEMBLE,
     COMPARE,
     DEMO,
     EXPORT,
+    PREPARE,
     REPORT,
     Parser,
     ProgressStyle,
@@ -44,6 +46,8 @@ examples:
   python bake.py report radtex --scene demo
   python bake.py export radtex --to web
   python bake.py compare room.blend --object Vase --bake baked
+  python bake.py prepare room.blend --object Vase --out baked
+  python bake.py assemble baked/Vase.radiance.radtex-farm
 
 exit codes:
   0  done
@@ -88,7 +92,11 @@ class Request:
 
 def parse(arguments: list[str], inside_blender: bool) -> Request:
     """Read a command line. Raises InputError; `--help` and `--version` print and raise SystemExit(0)."""
-    found = _parser(inside_blender).parse_args(arguments)
+    return read_request(_parser(inside_blender).parse_args(arguments), inside_blender)
+
+
+def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
+    """What was asked for by what a parser with all of a bake's options found. Raises InputError."""
     demo = found.scene == DEMO
     if not inside_blender and found.scene is None:
         raise InputError(f"which file? give a .blend, or the word {DEMO} (--help lists everything)")
@@ -153,7 +161,8 @@ def _parser(inside_blender: bool) -> Parser:
         prog=program,
         usage=f"{program} {scene}--object NAME [options]\n       {program} {DEMO} [options]\n       "
         f"{program} {REPORT} DIR [options]\n       {program} {EXPORT} DIR --to TARGET [options]\n       "
-        f"{program} {COMPARE} {scene}--object NAME [options]",
+        f"{program} {COMPARE} {scene}--object NAME [options]\n       "
+        f"{program} {PREPARE} {scene}--object NAME [options]\n       {program} {ASSEMBLE} DIR [options]",
         description=_DESCRIPTION,
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -163,7 +172,9 @@ def _parser(inside_blender: bool) -> Parser:
     add_what(parser.add_argument_group("what is baked"), inside_blender)
     add_quality(parser.add_argument_group("quality"))
     add_how(parser.add_argument_group("how"))
-    add_output(parser.add_argument_group("output"))
+    output = parser.add_argument_group("output")
+    add_files(output)
+    add_course(output)
     add_parent(parser.add_argument_group("for a program that runs this one"), of_scene=True)
     add_help(parser.add_argument_group("help"))
     return parser

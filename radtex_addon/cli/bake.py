@@ -71,8 +71,8 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
         result = _bake(scene, name, title, spec, request, unwraps, report, interruption)
         others = _pictures(request, result)
         others += export_baked(result.files.sidecar, request.exports, request.overwrite, interruption)
-        facts = _facts(spec, result, others)
-        report.event("done", object=name, summary=_summary(title, spec, result), **facts)
+        facts = facts_of(spec, result, others)
+        report.event("done", object=name, summary=summary_of(title, spec, result), **facts)
 
 
 def _check_exports(name: str, spec: BakeSpec, request: Request) -> None:
@@ -146,7 +146,8 @@ def _pictures(request: Request, result: BakeResult) -> list[Path]:
     return [picture]
 
 
-def _summary(title: str, spec: BakeSpec, result: BakeResult) -> str:
+def summary_of(title: str, spec: BakeSpec, result: BakeResult) -> str:
+    """A line about a bake that is done."""
     layout = result.layout
     seconds = sum(result.seconds.values())
     size = readable_size(sum(path.stat().st_size for path in result.files.images))
@@ -171,7 +172,8 @@ def _condensed(result: BakeResult) -> str:
     )
 
 
-def _facts(spec: BakeSpec, result: BakeResult, others: list[Path]) -> dict[str, object]:
+def facts_of(spec: BakeSpec, result: BakeResult, others: list[Path]) -> dict[str, object]:
+    """The same for programs; `others` are files beside the bake's own."""
     return {
         "files": [str(path) for path in (*result.files.all, *others)],
         "layout": str(spec.layout),

@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 
 from ..core.errors import RadTexError
 from .arguments import parse
+from .assemble import run_assemble
+from .assemble_arguments import parse_assemble
 from .bake import run_bake
 from .compare import run_compare
 from .compare_arguments import parse_compare
@@ -19,7 +21,9 @@ from .export import run_export
 from .export_arguments import parse_export
 from .failure import as_ours
 from .interruption import Interruption, interruptible
-from .options import COMPARE, EXPORT, REPORT
+from .options import ASSEMBLE, COMPARE, EXPORT, PREPARE, REPORT
+from .prepare import run_prepare
+from .prepare_arguments import parse_prepare
 from .report import run_report
 from .report_arguments import parse_report
 from .reporting import Report, reporting
@@ -36,6 +40,8 @@ _COMMANDS = {
     REPORT: _Command(parse_report, run_report),
     EXPORT: _Command(parse_export, run_export),
     COMPARE: _Command(parse_compare, run_compare),
+    PREPARE: _Command(parse_prepare, run_prepare),
+    ASSEMBLE: _Command(parse_assemble, run_assemble),
 }
 _BAKE = _Command(parse, run_bake)
 

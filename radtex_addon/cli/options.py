@@ -18,6 +18,8 @@ DEMO = "demo"
 REPORT = "report"
 EXPORT = "export"
 COMPARE = "compare"
+PREPARE = "prepare"
+ASSEMBLE = "assemble"
 
 MIB = 2**20
 _DIGITS = 12  # no machine has as much

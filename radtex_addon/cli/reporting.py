@@ -18,6 +18,7 @@ from typing import Protocol, TextIO
 from ..bake.progress import Stage
 from ..core.errors import Cancelled
 from ..export.progress import Task as ExportTask
+from ..farm.progress import Task as FarmTask
 from ..report.progress import Task
 from .options import ProgressStyle
 
@@ -42,6 +43,8 @@ _SAYS: dict[StrEnum, str] = {
     ExportTask.FLAT: "averaging its light",
     ExportTask.MESH: "writing the mesh",
     ExportTask.PACK: "packing",
+    FarmTask.HOLD: "holding it still",
+    FarmTask.CHECK: "checking frames",
 }
 
 

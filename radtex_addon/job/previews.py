@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Protocol
 
 import bpy
 import numpy as np
@@ -28,14 +29,33 @@ from ..scene.copy import copy_object
 from ..scene.enclosed import EVERYTHING, find_content
 from ..scene.scratch import find_view_layer
 from .files import OutputFiles
-from .prepare import Prepared
+from .prepare import Piece
+
+
+class Shown(Protocol):
+    """What a preview needs to know of a bake: see `Prepared`."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def pieces(self) -> tuple[Piece, ...]: ...
+
+    @property
+    def uv_layer(self) -> str: ...
+
+    @property
+    def digest(self) -> str: ...
+
+    @property
+    def parts(self) -> tuple[str, ...]: ...
 
 
 def save_preview_of(
     scene: bpy.types.Scene,
     spec: BakeSpec,
     files: OutputFiles,
-    prepared: Prepared,
+    prepared: Shown,
     preview: Filter,
     view_layer: str | None,
 ) -> None:
@@ -65,9 +85,7 @@ def save_preview_of(
     save_preview(scene, stand_ins, files.preview.absolute(), hidden)
 
 
-def _baked(
-    spec: BakeSpec, files: OutputFiles, prepared: Prepared
-) -> dict[int | None, tuple[str, OutputFiles]]:
+def _baked(spec: BakeSpec, files: OutputFiles, prepared: Shown) -> dict[int | None, tuple[str, OutputFiles]]:
     """Each part's number, its material's name and its files, of all that are baked; None for all at once."""
     title = f"{TITLE}{prepared.name}"
     if spec.split is None:
@@ -81,7 +99,7 @@ def _baked(
     return found
 
 
-def _is_of(sidecar: Path, prepared: Prepared, reading: tuple[str, int]) -> bool:
+def _is_of(sidecar: Path, prepared: Shown, reading: tuple[str, int]) -> bool:
     """Whether the file is the sidecar of a bake of the same mesh, which one reads in the same way."""
     try:
         facts = read_facts(sidecar)
@@ -118,7 +136,7 @@ def _material(
     title: str,
     spec: BakeSpec,
     files: OutputFiles,
-    prepared: Prepared,
+    prepared: Shown,
     preview: Filter,
     scene: bpy.types.Scene,
 ) -> bpy.types.Material:

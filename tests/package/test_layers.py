@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Imports point one way.
 
-core <- formats <- bake <- scene <- cycles <- preview, export <- job <- report <- worker <- ui, cli.
+core <- formats <- bake <- scene <- cycles <- preview, export <- job <- report, farm <- worker <- ui, cli.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ ORDER = [
     {"cycles"},
     {"preview", "export"},
     {"job"},
-    {"report"},
+    {"report", "farm"},
     {"worker"},
     {"ui", "cli"},
 ]
@@ -51,7 +51,7 @@ ALLOWED: dict[str, set[str]] = {
     "bake": {"numpy"},
     "scene": {"numpy"} | BLENDER,
 } | dict.fromkeys(
-    ("cycles", "preview", "export", "job", "report", "worker", "ui", "cli"), {"numpy"} | BLENDER
+    ("cycles", "preview", "export", "job", "report", "farm", "worker", "ui", "cli"), {"numpy"} | BLENDER
 )
 
 # A script that runs in a process without Blender and without the rest of the package.

@@ -1,0 +1,34 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A run of `bake.py assemble`."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from ..core.errors import InputError
+from ..export.kinds import check_target
+from ..farm.assemble import assemble_steps
+from ..farm.manifest import FarmFiles, read_manifest
+from .assemble_arguments import AssembleRequest
+from .bake import facts_of, summary_of
+from .export import export_baked
+from .interruption import Interruption
+from .reporting import Report
+
+
+def run_assemble(request: AssembleRequest, report: Report, interruption: Interruption) -> None:
+    """Check and join the frames, and say what was made. Raises RadTexError."""
+    if request.parent_pipe:
+        interruption.ask_when_input_ends()
+    manifest = read_manifest(FarmFiles(request.farm))
+    for target in request.exports:
+        check_target("the farm", manifest.spec.kind, target)
+        if manifest.copies is None:
+            raise InputError("--export is made from the preview: prepare the farm with --save-preview")
+    steps = assemble_steps(request.farm, request.out, overwrite=request.overwrite)
+    made = interruption.between(steps, partial(report.progress, manifest.name))
+    sidecar = made.result.files.sidecar
+    others = export_baked(sidecar, request.exports, request.overwrite, interruption)
+    facts = facts_of(made.spec, made.result, others)
+    report.event("done", object=made.name, summary=summary_of(made.name, made.spec, made.result), **facts)

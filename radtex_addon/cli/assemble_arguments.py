@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What `bake.py assemble` understands."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..export.spec import Target
+from .options import ASSEMBLE, Parser, ProgressStyle, add_choice, add_help, add_parent, add_progress
+
+_DESCRIPTION = """\
+Join the frames that a farm has rendered of what bake.py prepare wrote. Every
+frame is checked first: missing, damaged and foreign ones are named, with the
+command that renders just those, and nothing is written then. Nothing is
+rendered here."""
+
+_EPILOG = """\
+examples:
+  python bake.py assemble baked/Vase.radiance.radtex-farm
+  python bake.py assemble baked/Vase.radiance.radtex-farm --out final --export web
+
+exit codes: as of a bake; 1 where frames are not as they should be"""
+
+
+@dataclass(frozen=True)
+class AssembleRequest:
+    """The `farm`'s folder, and where its atlas goes; without `out` beside the folder."""
+
+    farm: Path
+    out: Path | None
+    overwrite: bool
+    exports: tuple[Target, ...]
+    progress: ProgressStyle
+    verbose: bool
+    parent_pipe: bool = False
+
+
+def parse_assemble(arguments: list[str], inside_blender: bool) -> AssembleRequest:
+    """Read what follows the word. Raises InputError; `--help` prints and raises SystemExit(0)."""
+    found = _parser(inside_blender).parse_args(arguments)
+    return AssembleRequest(
+        farm=Path(found.farm),
+        out=None if found.out is None else Path(found.out),
+        overwrite=found.overwrite,
+        exports=tuple(dict.fromkeys(found.exports or ())),
+        progress=found.progress,
+        verbose=found.verbose,
+        parent_pipe=found.parent_pipe,
+    )
+
+
+def _parser(inside_blender: bool) -> Parser:
+    program = f"blender -b -P bake.py -- {ASSEMBLE}" if inside_blender else f"bake.py {ASSEMBLE}"
+    parser = Parser(
+        prog=program,
+        usage=f"{program} DIR [options]",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+        add_help=False,
+    )
+    what = parser.add_argument_group("what is joined")
+    what.add_argument("farm", metavar="DIR", help="the folder that bake.py prepare wrote")
+    output = parser.add_argument_group("output")
+    output.add_argument(
+        "--out", metavar="DIR", help="folder for the files, made if need be (default: where the farm's lies)"
+    )
+    output.add_argument("--overwrite", action="store_true", help="replace files that are already there")
+    add_choice(
+        output,
+        "--export",
+        Target,
+        None,
+        "also make DIR/NAME.TARGET, as bake.py export --to TARGET does; may be given several times; needs "
+        "--save-preview where the farm was prepared",
+        dest="exports",
+        action="append",
+    )
+    add_progress(output)
+    add_parent(parser.add_argument_group("for a program that runs this one"), of_scene=False)
+    add_help(parser.add_argument_group("help"))
+    return parser

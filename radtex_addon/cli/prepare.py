@@ -1,0 +1,68 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A run of `bake.py prepare`."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from ..core.errors import InputError
+from ..farm.frame_list import commands
+from ..farm.prepare import Farm, prepare_steps
+from ..job import part_specs
+from ..worker.images import load_unsaved
+from .arguments import Request
+from .interruption import Interruption
+from .opening import open_scene
+from .options import ASSEMBLE
+from .reporting import Report
+from .variants import variants
+
+
+def run_prepare(request: Request, report: Report, interruption: Interruption) -> None:
+    """Write the farm's folder and say how it is rendered. Raises RadTexError."""
+    if request.parent_pipe:
+        interruption.ask_when_input_ends()
+    scene = open_scene(request.scene, request.demo, request.in_scene)
+    if request.unsaved_images is not None:
+        load_unsaved(request.unsaved_images)
+    (name,) = request.names
+    specs = [
+        each
+        for spec in variants(request.specs, request.lights, scene)
+        for each in part_specs(scene, name, spec)
+    ]
+    if len(specs) > 1:
+        raise InputError(
+            f"a farm makes one atlas, and these are {len(specs)}: prepare them one by one (--lights, --part)"
+        )
+    steps = prepare_steps(
+        scene, name, specs[0], request.out, preview=request.preview, overwrite=request.overwrite
+    )
+    farm = interruption.between(steps, partial(report.progress, name))
+    report.event("done", object=name, summary=_summary(name, farm), **_facts(farm))
+
+
+def _summary(name: str, farm: Farm) -> str:
+    manifest = farm.manifest
+    height, width = manifest.pixels
+    blender, _ = commands(farm.files, range(1, manifest.sheets + 1))
+    beside = f", with {len(farm.beside)} files beside the .blend" if farm.beside else ""
+    return (
+        f"{name}: {manifest.sheets} frames of {width} x {height} pixels at {manifest.spec.samples} spp, "
+        f"{farm.texels} texels covered, for {manifest.device}{beside}\n"
+        f"render them: {blender}\n"
+        f"then join them: python bake.py {ASSEMBLE} {farm.files.folder}"
+    )
+
+
+def _facts(farm: Farm) -> dict[str, object]:
+    manifest = farm.manifest
+    return {
+        "files": [str(farm.files.folder)],
+        "job": manifest.job,
+        "blend": str(farm.files.blend),
+        "frames": [1, manifest.sheets],
+        "beside": list(farm.beside),
+        "device": manifest.device,
+    }

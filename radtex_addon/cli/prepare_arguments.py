@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What `bake.py prepare` understands: a bake's options, but for those of what happens while it renders."""
+
+from __future__ import annotations
+
+import argparse
+
+from ..core.errors import InputError
+from .arguments import Request, read_request
+from .bake_arguments import add_files, add_how, add_quality, add_what
+from .options import PREPARE, Parser, add_help, add_parent
+
+_DESCRIPTION = """\
+Prepare a bake for a render farm: do all of it up to the first ray, and write
+the folder DIR/NAME.KIND.radtex-farm. Frame 1, 2, ... of the farm.blend in it
+render one sheet of the atlas each, by any Blender of the same version,
+without RadTex, into frames/. Beside it lie templates for OpenJD and Flamenco,
+and a runner for the bpy module. The .blend file is never changed."""
+
+_EPILOG = """\
+examples:
+  python bake.py prepare room.blend --object Vase --out baked
+  blender -b baked/Vase.radiance.radtex-farm/farm.blend -a
+  python bake.py assemble baked/Vase.radiance.radtex-farm
+
+exit codes: as of a bake"""
+_ELSEWHERE = {"accumulate": False, "refresh": False, "resume": False, "where": None, "exports": None}
+
+
+def parse_prepare(arguments: list[str], inside_blender: bool) -> Request:
+    """Read what follows the word. Raises InputError; `--help` prints and raises SystemExit(0)."""
+    request = read_request(_parser(inside_blender).parse_args(arguments), inside_blender)
+    for count, what in ((len(request.names), "object"), (len(request.specs), "frame")):
+        if count > 1:
+            raise InputError(f"a farm makes one atlas: prepare {count} of them, one for each {what}")
+    return request
+
+
+def _parser(inside_blender: bool) -> Parser:
+    program = f"blender -b SCENE -P bake.py -- {PREPARE}" if inside_blender else f"bake.py {PREPARE}"
+    scene = "" if inside_blender else "SCENE "
+    parser = Parser(
+        prog=program,
+        usage=f"{program} {scene}--object NAME [options]",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+        add_help=False,
+    )
+    add_what(parser.add_argument_group("what is baked"), inside_blender)
+    add_quality(parser.add_argument_group("quality"))
+    add_how(parser.add_argument_group("how"))
+    add_files(parser.add_argument_group("output"))
+    add_parent(parser.add_argument_group("for a program that runs this one"), of_scene=True)
+    add_help(parser.add_argument_group("help"))
+    parser.set_defaults(thumbnail=None, **_ELSEWHERE)
+    return parser

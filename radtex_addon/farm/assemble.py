@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A farm's frames, joined to the atlas that a local bake would have made."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..bake.progress import Stage
+from ..bake.spec import BakeSpec
+from ..bake.stopwatch import Stopwatch
+from ..core.errors import FormatError
+from ..formats.atomic import check_writable
+from ..job.buckets import join_buckets
+from ..job.files import OutputFiles
+from ..job.prepare import Piece
+from ..job.previews import save_preview_of
+from ..job.run import BakeResult
+from ..job.unfinished import check_files as check_outputs
+from ..scene.copy import MATRIX
+from .frames import FarmCapture, check_frames
+from .manifest import Copies, FarmFiles, Manifest, check_files, read_manifest, read_plan
+from .progress import AnyStep
+
+
+@dataclass(frozen=True)
+class Assembled:
+    """What a farm's frames became, and of which specification."""
+
+    name: str
+    spec: BakeSpec
+    result: BakeResult
+
+
+def assemble_steps(
+    folder: Path, out: Path | None = None, *, overwrite: bool = False
+) -> Generator[AnyStep, None, Assembled]:
+    """Check the frames of the farm in `folder`, and write what a local bake would.
+
+    That goes into `out`, or without it beside the farm's folder. Nothing is evaluated or rendered. Where a
+    preview was asked for, **another .blend is open afterwards**. Yields progress. Raises FormatError for a
+    folder that holds no whole farm, InputError for files that would be lost, BakeError for frames that are
+    not there or not as they should be, which it names; then nothing is written.
+    """
+    files = FarmFiles(folder)
+    manifest = read_manifest(files)
+    check_files(files, manifest)
+    spec, copies = manifest.spec, manifest.copies
+    out = folder.absolute().parent if out is None else out
+    outputs = OutputFiles.of(manifest.name, spec, out, copies is not None)
+    check_writable(out)
+    check_outputs(manifest.name, spec, outputs, overwrite, resume=False)
+    yield from check_frames(files, manifest)
+    watch = Stopwatch()
+    plan, hidden = read_plan(files, manifest)
+    capture = FarmCapture(files, manifest, plan)
+    steps = join_buckets(plan, capture, hidden, spec, outputs, manifest.facts)
+    made = yield from watch.over(steps)
+    if copies is not None:
+        yield watch.start(Stage.PREVIEW)
+        _save_preview(files, manifest, copies, outputs)
+    watch.stop()
+    result = BakeResult(
+        files=made.files,
+        layout=made.layout,
+        covered_texels=made.covered_texels,
+        islands=manifest.islands,
+        paths=made.paths,
+        device=manifest.device,
+        clamped=made.clamped,
+        fireflies=made.fireflies,
+        condensed=None,
+        seconds=watch.seconds,
+    )
+    return Assembled(manifest.name, spec, result)
+
+
+@dataclass(frozen=True, eq=False)
+class _Copied:
+    """What a preview needs to know of a bake whose copies were saved."""
+
+    name: str
+    pieces: tuple[Piece, ...]
+    uv_layer: str
+    digest: str
+    parts: tuple[str, ...]
+
+
+def _save_preview(files: FarmFiles, manifest: Manifest, copies: Copies, outputs: OutputFiles) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(files.preview.absolute()), load_ui=False, use_scripts=False)
+    scene: Any = bpy.data.scenes.get(copies.scene)
+    if scene is None:
+        raise FormatError(f"{files.preview} holds no scene '{copies.scene}': prepare the farm anew")
+    pieces = []
+    for number, (name, mesh_name) in enumerate(zip(copies.objects, copies.meshes, strict=True)):
+        mesh: Any = bpy.data.meshes[mesh_name]
+        mesh.use_fake_user = False
+        matrix = np.array(mesh[MATRIX], dtype=np.float64).reshape(4, 4)
+        part = _part(files, number) if manifest.spec.split is not None else None
+        pieces.append(Piece(scene.objects[name], mesh, matrix, part))
+    facts = manifest.facts
+    copied = _Copied(manifest.name, tuple(pieces), facts.uv_map, facts.mesh, copies.parts)
+    save_preview_of(scene, manifest.spec, outputs, copied, copies.filter, copies.view_layer)
+
+
+def _part(files: FarmFiles, number: int) -> Any:
+    with np.load(files.parts, allow_pickle=False) as found:
+        return found[f"arr_{number}"]

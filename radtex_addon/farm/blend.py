@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The farm's .blend: a scene that is set up for a capture, saved by itself, held still and made whole."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ..core.errors import BakeError, InputError
+from ..preview.save import images_of
+from .looks import Looks, looks_of
+from .manifest import FarmFiles, Manifest
+from .self_contained import make_local, pack_files
+from .sheets import animate_sheets, portal_tree, without_extras
+from .still import Held, hold_still, read_cached
+
+_SCENE = "RadTex farm"
+
+
+def check_images_saved() -> None:
+    """Raises InputError for an image with unsaved changes: Blender would not write them."""
+    for image in bpy.data.images:
+        if image.is_dirty and not image.packed_files and image.type not in {"RENDER_RESULT", "COMPOSITING"}:
+            raise InputError(f"image '{image.name}' has unsaved changes: save it, or pack it")
+
+
+def save_draft(scratch: bpy.types.Scene, path: Path) -> tuple[Looks, Held]:
+    """Write a scratch scene with all that it uses to a .blend; what it looks like, and what is to be held.
+
+    Raises BakeError where Blender cannot write.
+    """
+    for image in images_of(portal_tree(scratch)):
+        image.pack()
+    looks, cached = looks_of(scratch), read_cached(scratch)
+    meshes = {bpy.data.meshes[name] for name in cached.meshes.values()}
+    try:
+        bpy.data.libraries.write(str(path), {scratch, *meshes}, path_remap="ABSOLUTE")
+    except RuntimeError as error:
+        raise BakeError(f"{path}: Blender cannot write it ({error}); choose another folder") from error
+    return looks, cached
+
+
+def finish_blend(
+    draft: Path, scene_name: str, files: FarmFiles, manifest: Manifest, looks: Looks, cached: Held
+) -> tuple[str, ...]:
+    """Open a draft, and save what farms render of it; the session is then empty.
+
+    Returns the names of files that lie beside the .blend. Raises InputError for what is no farm's.
+    """
+    bpy.ops.wm.open_mainfile(filepath=str(draft), load_ui=False, use_scripts=False)
+    try:
+        scene: Any = bpy.data.scenes[scene_name]
+        without_extras(scene)
+        make_local()
+        hold_still(scene, looks, cached, manifest.sheets)
+        scene.name = _SCENE
+        animate_sheets(scene, manifest)
+        beside = pack_files(files.folder)
+        bpy.ops.wm.save_as_mainfile(filepath=str(files.blend), compress=True, relative_remap=False)
+    except RuntimeError as error:
+        raise BakeError(f"{files.blend}: Blender cannot make it ({' '.join(str(error).split())})") from error
+    finally:
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    return beside

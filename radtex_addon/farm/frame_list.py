@@ -1,0 +1,30 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames as Blender's command line names them, and the commands that render them."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable
+
+from .manifest import FarmFiles
+
+
+def frame_list(frames: Iterable[int]) -> str:
+    """As for `blender -f`: 3,7..9."""
+    runs: list[list[int]] = []
+    for frame in sorted(set(frames)):
+        if runs and frame == runs[-1][1] + 1:
+            runs[-1][1] = frame
+        else:
+            runs.append([frame, frame])
+    return ",".join(f"{first}" if first == last else f"{first}..{last}" for first, last in runs)
+
+
+def commands(files: FarmFiles, frames: Iterable[int]) -> tuple[str, str]:
+    """What renders the frames, by Blender, and by a Python that has the bpy module alone."""
+    listed, folder = frame_list(frames), files.folder.absolute()
+    return (
+        shlex.join(["blender", "-b", str(folder / files.blend.name), "-f", listed]),
+        shlex.join(["python", str(folder / files.runner.name), "-f", listed]),
+    )

@@ -1,0 +1,176 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The frames that a farm has rendered: each is what it says it is, or is named with what is wrong with it."""
+
+from __future__ import annotations
+
+import logging
+import re
+from collections.abc import Generator, Iterable
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+
+from ..bake.layers import captured
+from ..bake.plan import CapturePlan, Tile
+from ..core.arrays import Floats
+from ..core.errors import BakeError, FormatError
+from ..cycles.apparatus import read_layers
+from ..cycles.passes import light_of
+from ..formats.exr import read_stamps
+from .frame_list import commands, frame_list
+from .manifest import FarmFiles, Manifest
+from .progress import Step, Task
+
+log = logging.getLogger(__name__)
+
+
+class Fault(StrEnum):
+    """What is wrong with a frame."""
+
+    MISSING = "missing"
+    FOREIGN = "of another job"
+    SWAPPED = "another frame's picture"
+    DAMAGED = "damaged"
+    NOT_NUMBERS = "not numbers (look for a material that divides by 0)"
+
+
+def check_frames(files: FarmFiles, manifest: Manifest) -> Generator[Step, None, None]:
+    """Look at every frame, whole.
+
+    Raises BakeError that names all that are not as they should be, with the commands that render just those.
+    """
+    bad: dict[int, tuple[Fault, str]] = {}
+    versions: set[str] = set()
+    for number in range(1, manifest.sheets + 1):
+        yield Step(Task.CHECK, number - 1, manifest.sheets)
+        try:
+            versions.add(_check(files, manifest, number))
+        except _BadFrame as error:
+            bad[number] = error.fault, error.detail
+    yield Step(Task.CHECK, manifest.sheets, manifest.sheets)
+    strays = list(_strays(files, manifest))
+    if bad or strays:
+        raise BakeError(_complaint(files, manifest, bad, strays))
+    _warn_of_versions(versions, manifest)
+
+
+def read_frame(path: Path, manifest: Manifest) -> Floats:
+    """A frame's picture (H, W, C), row 0 at the bottom: RGBA, then each layer's three channels.
+
+    Raises FormatError for a file that is damaged, of another size, or lacks a layer.
+    """
+    passes = read_layers(path)
+    whole = next(iter(passes.values()))
+    try:
+        lights = [light_of(passes, layer) for layer in captured(manifest.spec.layers)]
+    except StopIteration:
+        raise FormatError(f"{path} lacks a layer") from None
+    pixels = np.concatenate([whole, *lights], axis=-1)
+    expected = (*manifest.pixels, manifest.spec.channels)
+    if pixels.shape != expected:
+        raise FormatError(f"{path} has {pixels.shape} pixels, expected {expected}")
+    return pixels
+
+
+class FarmCapture:
+    """A capture whose tiles were rendered before, as frames of a farm."""
+
+    def __init__(self, files: FarmFiles, manifest: Manifest, plan: CapturePlan) -> None:
+        self._files, self._manifest, self._plan = files, manifest, plan
+        self._sheet, self._pixels = -1, np.zeros((0, 0, 0), dtype=np.float32)
+
+    def render(self, tile: Tile) -> Floats:
+        """Cells of the tile's texels: see `Capture.render`."""
+        plan, n = self._plan, self._plan.layout.bucket
+        parts = []
+        for sheet, part in plan.in_sheets(tile):
+            rows = self._picture(sheet)[part.first_row * n : part.end * n]
+            cells = rows.reshape(part.rows, n, plan.columns, n, -1).transpose(0, 2, 1, 3, 4)
+            parts.append(cells.reshape(-1, n, n, rows.shape[2]))
+        return np.concatenate(parts)[: len(plan.texels_of(tile))]
+
+    def _picture(self, sheet: int) -> Floats:
+        if sheet != self._sheet:
+            self._pixels = read_frame(self._files.frame(sheet + 1), self._manifest)
+            self._sheet = sheet
+        return self._pixels
+
+
+class _BadFrame(Exception):
+    def __init__(self, fault: Fault, detail: str = "") -> None:
+        super().__init__(fault)
+        self.fault, self.detail = fault, detail
+
+
+def _check(files: FarmFiles, manifest: Manifest, number: int) -> str:
+    """The version of Blender that rendered a frame, "" where it does not say. Raises _BadFrame."""
+    path = files.frame(number)
+    if not path.is_file():
+        raise _BadFrame(Fault.MISSING)
+    try:
+        stamps = read_stamps(path)
+        if stamps.get("Note") != manifest.note:
+            raise _BadFrame(Fault.FOREIGN)
+        if (frame := _number(stamps)) != number:
+            raise _BadFrame(Fault.SWAPPED, f"{number} is {frame}")
+        pixels = read_frame(path, manifest)
+    except FormatError as error:
+        raise _BadFrame(Fault.DAMAGED) from error
+    if np.isnan(pixels).any():
+        raise _BadFrame(Fault.NOT_NUMBERS)
+    return stamps.get("Software", "")
+
+
+def _number(stamps: dict[str, str]) -> int:
+    word = stamps.get("Frame", "")
+    return int(word) if word.isdecimal() else 0
+
+
+def _strays(files: FarmFiles, manifest: Manifest) -> Iterable[str]:
+    """What else claims to be a frame: a copy under another name, or a picture of nobody knows what."""
+    known = {files.frame(number).name for number in range(1, manifest.sheets + 1)}
+    for path in sorted(files.frames.glob("*.exr")):
+        if path.name in known:
+            continue
+        try:
+            stamps = read_stamps(path)
+        except FormatError:
+            stamps = {}
+        ours = stamps.get("Note") == manifest.note
+        yield f"{path.name} ({f'a duplicate of {_number(stamps)}' if ours else Fault.FOREIGN})"
+
+
+def _complaint(
+    files: FarmFiles, manifest: Manifest, bad: dict[int, tuple[Fault, str]], strays: list[str]
+) -> str:
+    said = []
+    for fault in Fault:
+        frames = [number for number, (found, _) in bad.items() if found is fault]
+        details = ", ".join(detail for found, detail in bad.values() if found is fault and detail)
+        if frames:
+            said.append(f"{frame_list(frames)} {fault}{f' ({details})' if details else ''}")
+    parts = []
+    if bad:
+        blender, python = commands(files, bad)
+        parts.append(
+            f"{len(bad)} of {manifest.sheets} frames cannot be used: {'; '.join(said)}; "
+            f"render just those: {blender}   or, with the bpy module: {python}"
+        )
+    if strays:
+        parts.append(f"remove from {files.frames} what is no frame of this job: {', '.join(strays)}")
+    return "; ".join(parts)
+
+
+def _warn_of_versions(versions: set[str], manifest: Manifest) -> None:
+    """Other versions of Blender render other noise; 4.5's frames do not say by which they were rendered."""
+    own = re.match(r"\d+\.\d+\.\d+", manifest.facts.blender)
+    for version in sorted(versions):
+        if own is not None and version and own[0] not in version:
+            log.warning(
+                "frames were rendered by %s, and prepared by Blender %s: the atlas is not bit by bit what "
+                "one machine would bake",
+                version,
+                manifest.facts.blender,
+            )

@@ -1,0 +1,255 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The farm's folder: what lies in it, and the manifest that says what its frames are and are to become."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, fields
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..bake.hidden import HiddenCells
+from ..bake.plan import CapturePlan
+from ..bake.spec import BakeSpec, CaptureMethod, Kind, Layout
+from ..core.atlas import AtlasLayout
+from ..core.errors import FormatError, InputError, RadTexError
+from ..core.sampler import Filter
+from ..formats.condensed_files import digest
+from ..formats.facts import Facts, json_text
+from ..formats.sidecar import Sidecar, read_text
+
+VERSION = 1
+_WHAT = "farm's manifest"
+_KINDS = (Kind.RADIANCE, Kind.INCIDENT, Kind.REFLECTION, Kind.PROXY)
+_SUFFIX = ".radtex-farm"
+
+
+@dataclass(frozen=True)
+class FarmFiles:
+    """What lies in a farm's `folder`."""
+
+    folder: Path
+
+    @classmethod
+    def of(cls, sidecar: Path) -> FarmFiles:
+        """Of the farm beside the sidecar that its bake will have: `<name>.<kind>.radtex-farm`."""
+        return cls(sidecar.with_suffix(_SUFFIX))
+
+    @property
+    def blend(self) -> Path:
+        """Renders one sheet a frame."""
+        return self.folder / "farm.blend"
+
+    @property
+    def manifest(self) -> Path:
+        return self.folder / "farm.json"
+
+    @property
+    def plan(self) -> Path:
+        """Which texels the sheets hold, and which cells of them nobody sees."""
+        return self.folder / "plan.npz"
+
+    @property
+    def preview(self) -> Path:
+        """The scene with the baked copies in it, where a preview is wanted."""
+        return self.folder / "preview.blend"
+
+    @property
+    def parts(self) -> Path:
+        """Which part each of the copies' triangles belongs to, where they are split."""
+        return self.folder / "parts.npz"
+
+    @property
+    def frames(self) -> Path:
+        return self.folder / "frames"
+
+    @property
+    def runner(self) -> Path:
+        """Renders frames where there is the bpy module and no Blender."""
+        return self.folder / "render_frames.py"
+
+    def frame(self, number: int) -> Path:
+        """Where Blender puts a frame."""
+        return self.frames / f"{number:04d}.exr"
+
+
+@dataclass(frozen=True)
+class Copies:
+    """The baked copies in the preview's file: names of objects and of meshes; all `parts` there are."""
+
+    objects: tuple[str, ...]
+    meshes: tuple[str, ...]
+    scene: str
+    view_layer: str | None
+    parts: tuple[str, ...]
+    filter: Filter
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """One farm: frames 1 to `sheets` of the `job` are sheets of `columns` x `sheet_rows` buckets.
+
+    The plan has `rows` of them; sheets have about `sheet_side`² pixels. `facts` are the atlas's, `clamped`
+    and `layers` aside. `digests` are of files in the folder that joining the frames reads.
+    """
+
+    job: str
+    name: str
+    spec: BakeSpec
+    facts: Sidecar
+    sheets: int
+    columns: int
+    rows: int
+    sheet_rows: int
+    sheet_side: int
+    device: str
+    islands: int | None
+    digests: dict[str, str]
+    copies: Copies | None = None
+
+    @property
+    def note(self) -> str:
+        """What every frame has in its header."""
+        return f"RadTex job {self.job}"
+
+    @property
+    def bucket(self) -> int:
+        return self.spec.bucket
+
+    @property
+    def pixels(self) -> tuple[int, int]:
+        """A frame's height and width."""
+        return self.sheet_rows * self.bucket, self.columns * self.bucket
+
+    def to_json(self) -> str:
+        """The manifest's text."""
+        copies = self.copies
+        return json_text(
+            {
+                "version": VERSION,
+                "job": self.job,
+                "name": self.name,
+                "frames": [1, self.sheets],
+                "sheet": [self.columns, self.sheet_rows],
+                "rows": self.rows,
+                "sheet_side": self.sheet_side,
+                "device": self.device,
+                "islands": self.islands,
+                "spec": {field.name: _plain(getattr(self.spec, field.name)) for field in fields(BakeSpec)},
+                "sidecar": self.facts.facts(),
+                "digests": self.digests,
+                "preview": None
+                if copies is None
+                else {field.name: _plain(getattr(copies, field.name)) for field in fields(Copies)},
+            }
+        )
+
+
+def read_manifest(files: FarmFiles) -> Manifest:
+    """Read a farm's manifest. Raises FormatError for what is none, or not of this version."""
+    facts = Facts.parse(read_text(files.manifest), str(files.manifest), _WHAT)
+    version = facts.whole_number("version", 1)
+    if version != VERSION:
+        raise FormatError(
+            f"{files.manifest} is of version {version}, this RadTex reads {VERSION}: assemble with "
+            "the RadTex that prepared it"
+        )
+    columns, sheet_rows = facts.size("sheet")
+    _, sheets = facts.size("frames")
+    preview = None if facts.values.get("preview") is None else facts.inner("preview")
+    return Manifest(
+        job=facts.text("job"),
+        name=facts.text("name"),
+        spec=_spec(facts.inner("spec")),
+        facts=Sidecar.from_facts(facts.inner("sidecar")),
+        sheets=sheets,
+        columns=columns,
+        rows=facts.whole_number("rows", 1),
+        sheet_rows=sheet_rows,
+        sheet_side=facts.whole_number("sheet_side", 1),
+        device=facts.text("device"),
+        islands=None if facts.values.get("islands") is None else facts.whole_number("islands", 0),
+        digests={key: facts.inner("digests").text(key) for key in facts.inner("digests").values},
+        copies=None if preview is None else _copies(preview),
+    )
+
+
+def check_files(files: FarmFiles, manifest: Manifest) -> None:
+    """Raises FormatError where a file that joining needs is missing, or not what it was."""
+    for name, known in manifest.digests.items():
+        path = files.folder / name
+        if not path.is_file() or digest(path) != known:
+            lost = "is missing" if not path.is_file() else "is damaged"
+            raise FormatError(f"{path} {lost}: copy it from where the farm was prepared, or prepare it anew")
+
+
+def write_plan(path: Path, plan: CapturePlan, hidden: HiddenCells | None) -> None:
+    """Write what joining needs of a plan, and its `hidden` cells."""
+    bits = np.zeros((0, 0), dtype=np.uint8) if hidden is None else hidden.bits
+    np.savez_compressed(path, texel=plan.texel, hidden=bits)
+
+
+def read_plan(files: FarmFiles, manifest: Manifest) -> tuple[CapturePlan, HiddenCells | None]:
+    """The plan of a farm, all of whose rays start nowhere, for they were sent; and its hidden cells."""
+    n = manifest.bucket
+    with np.load(files.plan, allow_pickle=False) as found:
+        texel, bits = found["texel"], found["hidden"]
+    nowhere = np.broadcast_to(np.float32(0), (manifest.rows, manifest.columns, 3))
+    layout = AtlasLayout(manifest.facts.width, manifest.facts.height, n)
+    plan = CapturePlan(layout, texel, *(nowhere,) * 5, sheet=manifest.sheet_side)
+    if (plan.sheets, plan.sheet_rows) != (manifest.sheets, manifest.sheet_rows):
+        raise FormatError(f"{files.manifest} tells of other sheets than this RadTex makes: prepare it anew")
+    return plan, HiddenCells(bits, n) if len(bits) else None
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, StrEnum):
+        return str(value)
+    return [_plain(each) for each in value] if isinstance(value, tuple) else value
+
+
+def _spec(facts: Facts) -> BakeSpec:
+    known = {field.name for field in fields(BakeSpec)}
+    if unknown := sorted(facts.values.keys() - known):
+        raise FormatError(
+            f'{facts.source} has "{unknown[0]}", which this RadTex does not know: update RadTex'
+        )
+    values: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in facts.values.items()
+    }
+    try:
+        return BakeSpec(**values)
+    except (RadTexError, TypeError, ValueError) as error:
+        raise FormatError(
+            f"{facts.source} no bake can have ({json.dumps(str(error))}): prepare it anew"
+        ) from error
+
+
+def _copies(facts: Facts) -> Copies:
+    layer = facts.values.get("view_layer")
+    return Copies(
+        objects=facts.texts("objects"),
+        meshes=facts.texts("meshes"),
+        scene=facts.text("scene"),
+        view_layer=None if layer is None else facts.text("view_layer"),
+        parts=facts.texts("parts"),
+        filter=Filter(facts.choice("filter", tuple(Filter))),
+    )
+
+
+def check_farmable(spec: BakeSpec) -> None:
+    """Raises InputError for what a farm cannot bake, with what to do instead."""
+    if spec.kind not in _KINDS:
+        raise InputError(f"a farm bakes {', '.join(_KINDS)}, not {spec.kind}: bake that without a farm")
+    if spec.layout is not Layout.BUCKETS:
+        raise InputError(
+            f"a farm bakes the layout {Layout.BUCKETS}, not {spec.layout}: bake that without a farm"
+        )
+    if spec.accumulate or spec.refresh:
+        raise InputError("a farm bakes anew: leave --accumulate and --refresh out, or bake without a farm")
+    if spec.capture is not CaptureMethod.PORTAL:
+        raise InputError("a farm's frames are taken by the portal: leave --capture out")

@@ -1,0 +1,213 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake up to its first ray, left in a folder whose frames any farm can render."""
+
+from __future__ import annotations
+
+import logging
+import os
+import secrets
+import shutil
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..bake.checkpoint import Keeper
+from ..bake.plan import CapturePlan
+from ..bake.progress import Progress
+from ..bake.spec import BakeSpec
+from ..bake.stopwatch import Stopwatch
+from ..bake.thumbnail import Thumbnail
+from ..core.errors import BakeError, InputError
+from ..core.sampler import Filter
+from ..formats.atomic import mark_of
+from ..formats.condensed_files import digest
+from ..formats.sidecar import Sidecar
+from ..job.buckets import capture_of, plan_buckets
+from ..job.checks import check_request
+from ..job.files import OutputFiles
+from ..job.made import Made
+from ..job.parts import check_part
+from ..job.prepare import Prepared
+from ..job.run import Baked, bake_and_keep
+from ..scene.frames import at_frame
+from ..scene.scratch import new_data_removed
+from .blend import check_images_saved, finish_blend, save_draft
+from .looks import Looks
+from .manifest import Copies, FarmFiles, Manifest, check_farmable, write_plan
+from .progress import AnyStep, Step, Task
+from .sheets import check_seed
+from .still import Held
+from .templates import write_templates
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Farm:
+    """What was prepared, and what it will take: `beside` are files that its .blend does not hold."""
+
+    files: FarmFiles
+    manifest: Manifest
+    texels: int
+    beside: tuple[str, ...]
+
+
+@dataclass(eq=False)
+class _Draft:
+    """What a bake would capture, once it is known."""
+
+    path: Path
+    plan_path: Path
+    found: list[tuple[CapturePlan, Sidecar, Looks, Held, str]] = field(default_factory=list)
+
+    def bake(
+        self,
+        scratch: bpy.types.Scene,
+        spec: BakeSpec,
+        files: OutputFiles,
+        prepared: Prepared,
+        folder: Path,
+        keeper: Keeper,
+        _thumbnail: Thumbnail | None,
+    ) -> Generator[Progress, None, Made]:
+        """Set the capture up as a bake does, and save it in the place of rendering."""
+        texels = prepared.texels()
+        plan, hidden, facts = yield from plan_buckets(scratch, spec, prepared, texels, folder, keeper)
+        check_seed(spec.seed, plan.sheets)
+        capture_of(scratch, plan, spec, folder, whole=True)
+        looks, cached = save_draft(scratch, self.path)
+        write_plan(self.plan_path, plan, hidden)
+        self.found.append((plan, facts, looks, cached, scratch.name))
+        count = len(plan.texel)
+        return Made(files, plan.layout, count, count * spec.bucket**2 * spec.samples, 0)
+
+
+def prepare_steps(
+    scene: bpy.types.Scene,
+    name: str,
+    spec: BakeSpec,
+    folder: Path,
+    *,
+    view_layer: str | None = None,
+    preview: Filter | None = None,
+    overwrite: bool = False,
+) -> Generator[AnyStep, None, Farm]:
+    """Write `<name>.<kind>.radtex-farm` into `folder`, of what `bake_steps` would bake.
+
+    Yields progress. No file of the user's changes, but **the session is empty afterwards**: Blender had to
+    open the farm's. On failure nothing is left in the folder. Raises InputError for what cannot be baked, or
+    not by a farm, BakeError for what fails meanwhile.
+    """
+    check_part(name, spec)
+    check_farmable(spec)
+    files = OutputFiles.of(name, spec, folder, preview is not None)
+    for warning in check_request(scene, name, spec, folder, preview is not None, overwrite, view_layer):
+        log.warning(warning)
+    check_images_saved()
+    farm = FarmFiles.of(files.sidecar)
+    with _replacing_folder(farm, overwrite) as place:
+        inside = FarmFiles(place)
+        inside.frames.mkdir()
+        draft = _Draft(place / "draft.blend", inside.plan)
+        with at_frame(scene, spec.frame), new_data_removed():
+            baked = yield from bake_and_keep(
+                scene, name, spec, files, view_layer, Stopwatch(), baker=draft.bake
+            )
+            copies = (
+                None if preview is None else _save_copies(scene, spec, baked, inside, preview, view_layer)
+            )
+        yield Step(Task.HOLD, 0, 1)
+        plan, facts, looks, cached, scene_name = draft.found[0]
+        manifest = _manifest(name, spec, plan, facts, baked, copies, inside)
+        beside = finish_blend(draft.path, scene_name, inside, manifest, looks, cached)
+        draft.path.unlink()
+        write_templates(inside, manifest)
+        inside.manifest.write_text(manifest.to_json(), encoding="utf-8", newline="\n")
+    return Farm(farm, manifest, baked.made.covered_texels, beside)
+
+
+def _manifest(
+    name: str,
+    spec: BakeSpec,
+    plan: CapturePlan,
+    facts: Sidecar,
+    baked: Baked,
+    copies: Copies | None,
+    files: FarmFiles,
+) -> Manifest:
+    needed = [files.plan, *(path for path in (files.preview, files.parts) if path.exists())]
+    return Manifest(
+        job=secrets.token_hex(16),
+        name=name,
+        spec=spec,
+        facts=facts,
+        sheets=plan.sheets,
+        columns=plan.columns,
+        rows=plan.rows,
+        sheet_rows=plan.sheet_rows,
+        sheet_side=plan.sheet,
+        device=baked.device,
+        islands=baked.prepared.islands,
+        digests={path.name: digest(path) for path in needed},
+        copies=copies,
+    )
+
+
+def _save_copies(
+    scene: bpy.types.Scene,
+    spec: BakeSpec,
+    baked: Baked,
+    files: FarmFiles,
+    preview: Filter,
+    view_layer: str | None,
+) -> Copies:
+    """Save the user's scene with the baked copies' meshes in it, for a preview to be made of both."""
+    prepared = baked.prepared
+    meshes: list[Any] = [piece.mesh for piece in prepared.pieces]
+    for mesh in meshes:
+        mesh.use_fake_user = True
+    try:
+        bpy.ops.wm.save_as_mainfile(
+            filepath=str(files.preview), copy=True, relative_remap=True, compress=True
+        )
+    except RuntimeError as error:
+        raise BakeError(
+            f"{files.preview}: Blender cannot write it ({error}); choose another folder"
+        ) from error
+    if spec.split is not None:
+        np.savez_compressed(files.parts, *(piece.part for piece in prepared.pieces if piece.part is not None))
+    return Copies(
+        objects=spec.objects or (prepared.name,),
+        meshes=tuple(mesh.name for mesh in meshes),
+        scene=scene.name,
+        view_layer=view_layer,
+        parts=prepared.parts,
+        filter=preview,
+    )
+
+
+@contextmanager
+def _replacing_folder(files: FarmFiles, overwrite: bool) -> Iterator[Path]:
+    """Yield a new folder that takes the farm's name when all went well; else nothing is left of it."""
+    folder = files.folder
+    if folder.exists() and not (overwrite and files.manifest.is_file()):
+        raise InputError(f"{folder} is already there: overwrite it (--overwrite), or choose another folder")
+    place = folder.with_name(f"{mark_of(os.getpid())}{secrets.token_hex(8)}")
+    try:
+        place.mkdir(parents=True)
+        yield place.absolute()
+        if folder.exists():
+            shutil.rmtree(folder)
+        place.rename(folder)
+    except OSError as error:
+        raise BakeError(
+            f"{folder} could not be written: {error.strerror or error}; choose another folder"
+        ) from error
+    finally:
+        shutil.rmtree(place, ignore_errors=True)

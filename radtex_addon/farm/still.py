@@ -1,0 +1,180 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An open file that looks the same at every frame: a frame of a farm is none of the user's animation.
+
+Animated properties keep the values that they have. Objects that simulations, caches or time itself move are
+found by looking: their evaluated meshes and matrices are given to them for good. What still moves then is
+refused by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+from mathutils import Matrix
+
+from ..core.errors import InputError
+from ..scene.evaluated import render_with
+from .animation import Values, animated_values, hold
+from .images import hold_images
+from .looks import Looks, differing, looks_of
+
+_CACHED = {  # modifiers whose results depend on frames before, or on files
+    "CLOTH",
+    "DYNAMIC_PAINT",
+    "FLUID",
+    "MESH_CACHE",
+    "MESH_SEQUENCE_CACHE",
+    "SOFT_BODY",
+}
+_TRACKED = {"CAMERA_SOLVER", "FOLLOW_TRACK", "OBJECT_SOLVER", "TRANSFORM_CACHE"}  # constraints by the frame
+_REMEDY = "apply what moves it (Object > Convert > Mesh, or Make Instances Real), or bake without a farm"
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """What objects are, by their names: matrices, and names of the meshes that they show."""
+
+    matrices: dict[str, Matrix]
+    meshes: dict[str, str]
+
+
+def read_cached(scene: bpy.types.Scene) -> Held:
+    """Of all objects that frames before, or other files, have shaped; makes the meshes."""
+    return _read(scene, {item.name for item in scene.objects if _is_cached(item)})
+
+
+def hold_still(scene: bpy.types.Scene, expected: Looks, cached: Held, last: int) -> None:
+    """Make the open file's `scene` look as it does now at the frames 1 to `last`: as is `expected`.
+
+    Raises InputError for objects and images that change with time, or are not as expected.
+    """
+    _refuse(scene)
+    hold(_values(scene))
+    hold_images(scene)
+    _pin(scene, cached)
+    if changed := differing(looks_of(scene), expected):
+        raise InputError(
+            f"object '{changed[0]}' looks otherwise in a copy of the file, as by a simulation "
+            f"that is not baked: {_REMEDY}"
+        )
+    now = scene.frame_current, scene.frame_subframe
+    if moving := _moving(scene, expected, last):
+        scene.frame_set(now[0], subframe=now[1])
+        _pin(scene, _read(scene, moving))
+        if still := _moving(scene, expected, last):
+            raise InputError(
+                f"object '{min(still)}' changes with time, and cannot be held still for a farm: {_REMEDY}"
+            )
+    scene.frame_set(1)
+
+
+def _moving(scene: bpy.types.Scene, expected: Looks, last: int) -> set[str]:
+    """Objects that do not look as expected at some frame."""
+    found: set[str] = set()
+    for frame in sorted({1, min(2, last), (1 + last) // 2, last}):
+        scene.frame_set(frame)
+        found.update(differing(looks_of(scene), expected))
+    return found
+
+
+def _is_cached(item: Any) -> bool:
+    return (
+        item.rigid_body is not None
+        or any(modifier.type in _CACHED and modifier.show_render for modifier in item.modifiers)
+        or any(constraint.type in _TRACKED for constraint in item.constraints)
+    )
+
+
+def _values(scene: bpy.types.Scene) -> list[Values]:
+    found: list[Values] = []
+    render_with(scene, lambda depsgraph: found.extend(animated_values(depsgraph)))
+    return found
+
+
+def _read(scene: bpy.types.Scene, names: Collection[str]) -> Held:
+    held = Held({}, {})
+
+    def read(depsgraph: Any) -> None:
+        for evaluated in _evaluated(depsgraph, names):
+            name = evaluated.original.name
+            held.matrices[name] = evaluated.matrix_world.copy()
+            if evaluated.original.type == "MESH" and not evaluated.original.particle_systems:
+                mesh = bpy.data.meshes.new_from_object(
+                    evaluated, preserve_all_data_layers=True, depsgraph=depsgraph
+                )
+                held.meshes[name] = mesh.name
+
+    if names:
+        render_with(scene, read)
+    return held
+
+
+def _evaluated(depsgraph: Any, names: Collection[str]) -> Iterator[Any]:
+    for block in depsgraph.ids:
+        if isinstance(block, bpy.types.Object) and block.original.name in names:
+            yield block.original.evaluated_get(depsgraph)
+
+
+def _pin(scene: Any, held: Held) -> None:
+    """Give objects the meshes and matrices that were read, bit by bit, and nothing that could change them."""
+    if not held.matrices:
+        return
+    if scene.rigidbody_world is not None:
+        scene.rigidbody_world.collection = None
+    anchor = bpy.data.objects.new("RadTex anchor", None)
+    scene.collection.objects.link(anchor)
+    for name, matrix in held.matrices.items():
+        item: Any = scene.objects[name]
+        if name in held.meshes:
+            item.data = bpy.data.meshes[held.meshes[name]]
+            item.modifiers.clear()
+        item.constraints.clear()
+        item.parent, item.parent_type = anchor, "OBJECT"
+        _place(item, matrix)
+
+
+def _place(item: Any, matrix: Matrix) -> None:
+    """Let the inverse of the parent be all of an object's matrix: location and the like would round it."""
+    item.matrix_parent_inverse = matrix
+    item.matrix_basis = Matrix.Identity(4)
+    item.delta_location = item.delta_rotation_euler = (0, 0, 0)
+    item.delta_rotation_quaternion = (1, 0, 0, 0)
+    item.delta_scale = (1, 1, 1)
+
+
+def _refuse(scene: bpy.types.Scene) -> None:
+    """Raise InputError for what changes with time and leaves no mesh behind."""
+    for item in _rendered(scene):
+        for modifier in item.modifiers:
+            if not modifier.show_render:
+                continue
+            if modifier.type == "PARTICLE_SYSTEM":
+                _refuse_particles(item, modifier.particle_system)
+            elif _is_smoke(modifier):
+                raise InputError(f"object '{item.name}' holds smoke, and no .blend its cache: {_REMEDY}")
+        if isinstance(item.data, bpy.types.Volume) and item.data.is_sequence:
+            raise InputError(
+                f"volume '{item.data.name}' is a sequence: show one file of it (its Sequence option), "
+                "or bake without a farm"
+            )
+
+
+def _is_smoke(modifier: Any) -> bool:
+    if modifier.type != "FLUID" or modifier.fluid_type != "DOMAIN":
+        return False
+    return bool(modifier.domain_settings.domain_type == "GAS")
+
+
+def _refuse_particles(item: Any, system: Any) -> None:
+    if system.settings.type == "EMITTER":
+        raise InputError(f"object '{item.name}' emits particles ('{system.name}'): {_REMEDY}")
+    if system.use_hair_dynamics:
+        raise InputError(f"object '{item.name}': the hair '{system.name}' is simulated: {_REMEDY}")
+
+
+def _rendered(scene: bpy.types.Scene) -> Iterable[Any]:
+    return (item for item in scene.objects if not item.hide_render)

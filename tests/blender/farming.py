@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A small scene that moves in every way, and farms of it, rendered by nodes that know nothing of RadTex."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+
+from radtex_addon.bake.progress import finished
+from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.core.sampler import Filter
+from radtex_addon.farm.assemble import Assembled, assemble_steps
+from radtex_addon.farm.prepare import Farm, prepare_steps
+from tests.blender import stage
+
+BOX = "Box"
+FRAME = 7  # the scene's
+
+
+def build_moving_scene(folder: Path) -> bpy.types.Scene:
+    """A box to bake among things that keyframes, a driver, a wave, cloth and an image sequence change."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    stage.world((0.3, 0.4, 0.5))
+    bpy.ops.object.light_add(type="AREA", location=(1, 0.5, 2), rotation=(0.2, 0.4, 0))
+    lamp = bpy.context.object.data
+    lamp.driver_add("energy").driver.expression = "frame * 10"
+    _wall(folder)
+    bpy.ops.mesh.primitive_cube_add(size=1, location=(1.2, 0, 0))
+    mover = bpy.context.object
+    mover.name = "Mover"
+    glossy = stage.material("glossy", "ShaderNodeBsdfAnisotropic", Roughness=0.1)
+    mover.data.materials.append(glossy)
+    rough = next(node for node in glossy.node_tree.nodes if "Roughness" in node.inputs).inputs["Roughness"]
+    for frame, place, value in ((1, 1.0, 0.1), (20, 2.0, 0.6)):
+        mover.location.x, rough.default_value = place, value
+        mover.keyframe_insert("location", frame=frame)
+        rough.keyframe_insert("default_value", frame=frame)
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8, size=1, location=(-1, 0, 1))
+    bpy.context.object.name = "Cloth"
+    bpy.context.object.modifiers.new("cloth", "CLOTH")
+    bpy.ops.mesh.primitive_cube_add(size=1.2)
+    box = bpy.context.object
+    box.name = BOX
+    box.modifiers.new("wave", "WAVE").height = 0.1
+    box.data.materials.append(stage.material("box", "ShaderNodeBsdfAnisotropic", Roughness=0.3))
+    scene: Any = bpy.context.scene
+    scene.frame_set(FRAME)
+    return cast(bpy.types.Scene, scene)
+
+
+def _wall(folder: Path) -> None:
+    """A plane that shows another picture at every frame."""
+    for number in range(1, 10):
+        picture: Any = bpy.data.images.new("picture", 2, 2)
+        picture.pixels = [0.1 * number, 0.5, 1 - 0.1 * number, 1] * 4
+        picture.filepath_raw, picture.file_format = str(folder / f"wall{number:02d}.png"), "PNG"
+        picture.save()
+        bpy.data.images.remove(picture)
+    bpy.ops.mesh.primitive_plane_add(size=9, location=(0, 0, -1))
+    wall = stage.material("wall", "ShaderNodeBsdfDiffuse")
+    bpy.context.object.data.materials.append(wall)
+    shown = wall.node_tree.nodes.new("ShaderNodeTexImage")
+    shown.image = bpy.data.images.load(str(folder / "wall01.png"))
+    shown.image.source = "SEQUENCE"
+    shown.image_user.frame_duration, shown.image_user.use_auto_refresh = 9, True
+    diffuse = next(node for node in wall.node_tree.nodes if node.type == "BSDF_DIFFUSE")
+    wall.node_tree.links.new(shown.outputs["Color"], diffuse.inputs["Color"])
+
+
+def prepared(scene: bpy.types.Scene, spec: BakeSpec, out: Path, preview: bool = False) -> Farm:
+    """The farm of the box; the session is empty afterwards."""
+    wanted = Filter.QUADRILINEAR if preview else None
+    return finished(prepare_steps(scene, BOX, spec, out, preview=wanted))
+
+
+def render(folder: Path, frames: str) -> None:
+    """Render frames with the bpy module, which sees none of our modules and no user's settings."""
+    command = [sys.executable, "-I", str(folder / "render_frames.py"), "-f", frames]
+    subprocess.run(command, check=True, capture_output=True, timeout=120, cwd=folder)
+
+
+def assembled(folder: Path, out: Path | None = None) -> Assembled:
+    """What the frames become."""
+    return finished(assemble_steps(folder, out))

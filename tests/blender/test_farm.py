@@ -1,0 +1,226 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A farm's frames make what a local bake makes; what is wrong with them is said in one go."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import bpy
+import OpenEXR
+import pytest
+
+from radtex_addon.bake.spec import BakeSpec, Layer
+from radtex_addon.core.errors import BakeError, FormatError, InputError
+from radtex_addon.core.sampler import Filter
+from radtex_addon.farm.frame_list import frame_list
+from radtex_addon.formats.exr import read_stamps
+from radtex_addon.job import bake_object
+from tests.blender.batch_process import process, refusal
+from tests.blender.farming import BOX, assembled, build_moving_scene, prepared, render
+
+SPEC = BakeSpec(texels=16, bucket=4, samples=1, seed=3, sheet=20, layers=(Layer.DIFFUSE,))
+FRAMES = 4
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """A farm all of whose frames are there, and the folder of the same bake, made here."""
+
+    farm: Path
+    local: Path
+
+
+@pytest.fixture(scope="module")
+def rendered(tmp_path_factory: pytest.TempPathFactory) -> Rendered:
+    """Prepared, rendered far from here, and baked here."""
+    folder = tmp_path_factory.mktemp("farm")
+    scene = build_moving_scene(folder)
+    bake_object(scene, BOX, SPEC, folder / "local", preview=Filter.QUADRILINEAR)
+    farm = prepared(scene, SPEC, folder / "far", preview=True).files.folder
+    assert json.loads((farm / "farm.json").read_text())["frames"] == [1, FRAMES]
+    away = folder / "node"
+    away.mkdir()
+    for name in ("farm.blend", "render_frames.py"):  # a node needs no more
+        shutil.copy(farm / name, away)
+    render(away, f"1..{FRAMES}")
+    shutil.rmtree(farm / "frames")
+    shutil.move(away / "frames", farm / "frames")
+    return Rendered(farm, folder / "local")
+
+
+@pytest.fixture
+def farm(rendered: Rendered, tmp_path: Path) -> Path:
+    """A copy to do harm to."""
+    return Path(shutil.copytree(rendered.farm, tmp_path / rendered.farm.name))
+
+
+def test_frames_become_what_a_local_bake_makes(rendered: Rendered, out: Path) -> None:
+    result = assembled(rendered.farm, out).result
+    names = {path.name for path in result.files.all}
+    assert names == {path.name for path in out.iterdir()}
+    assert names == {path.name for path in rendered.local.iterdir()}
+    for name in names - {f"{BOX}.preview.blend"}:
+        assert (out / name).read_bytes() == (rendered.local / name).read_bytes(), name
+
+
+def test_the_preview_shows_the_copy_with_the_atlas(rendered: Rendered, out: Path) -> None:
+    preview = assembled(rendered.farm, out).result.files.preview
+    bpy.ops.wm.open_mainfile(filepath=str(preview))
+    box = bpy.data.objects[BOX]
+    assert "radtex_tangent" in box.data.attributes
+    paths = {bpy.path.abspath(image.filepath) for image in bpy.data.images if image.filepath}
+    assert str(out / f"{BOX}.radiance.exr") in paths
+    assert "Cloth" in bpy.data.objects
+
+
+def test_the_file_needs_no_other_and_holds_nobodys_animation(rendered: Rendered) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(rendered.farm / "farm.blend"))
+    scene = bpy.context.scene
+    assert bpy.utils.blend_paths(absolute=True, packed=False) == []
+    assert (scene.frame_start, scene.frame_end, scene.render.filepath) == (1, FRAMES, "//frames/####")
+    moving = [item.name for item in bpy.data.objects if item.animation_data]
+    assert moving == []
+    lamp: Any = bpy.data.lights[0]
+    assert lamp.animation_data is None
+    assert lamp.energy == 70
+    assert bpy.data.texts[:] == []
+
+
+def test_every_frame_bears_its_job_and_number(rendered: Rendered) -> None:
+    job = json.loads((rendered.farm / "farm.json").read_text())["job"]
+    for number in range(1, FRAMES + 1):
+        stamps = read_stamps(rendered.farm / "frames" / f"{number:04d}.exr")
+        assert (stamps["Note"], stamps["Frame"]) == (f"RadTex job {job}", str(number))
+
+
+def test_all_bad_frames_are_named_at_once_and_what_renders_them(farm: Path, out: Path) -> None:
+    frames = farm / "frames"
+    (frames / "0001.exr").unlink()
+    cut = (frames / "0002.exr").read_bytes()
+    (frames / "0002.exr").write_bytes(cut[: len(cut) // 2])
+    shutil.copy(frames / "0004.exr", frames / "0003.exr")
+    shutil.copy(frames / "0004.exr", frames / "copy.exr")
+    with pytest.raises(BakeError) as caught:
+        assembled(farm, out)
+    said = str(caught.value)
+    assert "3 of 4 frames cannot be used: 1 missing; 3 another frame's picture (3 is 4); 2 damaged" in said
+    assert "copy.exr (a duplicate of 4)" in said
+    assert f"{farm / 'farm.blend'} -f 1..3 " in said
+    assert not out.exists()
+    runner = re.search(r"python (\S+/render_frames.py -f \S+?);", said)
+    assert runner is not None
+    script, _, listed = shlex.split(runner[1])
+    (frames / "copy.exr").unlink()
+    render(Path(script).parent, listed)
+    assembled(farm, out)
+
+
+def _foreign(frame: Path) -> None:
+    _with_header(frame, Note="RadTex job of somebody else")
+
+
+def _unstamped(frame: Path) -> None:
+    _with_header(frame, Note="", Frame="")
+
+
+def _scratched(frame: Path) -> None:
+    spoilt = bytearray(frame.read_bytes())
+    middle = len(spoilt) // 2
+    spoilt[middle : middle + 64] = bytes(64)
+    frame.write_bytes(bytes(spoilt))
+
+
+def _small(frame: Path) -> None:
+    _with_header(frame, rows=4)
+
+
+def _nan(frame: Path) -> None:
+    _with_header(frame, value=float("nan"))
+
+
+def _text(frame: Path) -> None:
+    frame.write_text("no picture")
+
+
+def _with_header(frame: Path, rows: int | None = None, value: float | None = None, **words: str) -> None:
+    """Write a frame again, in one part, with some of it changed."""
+    parts = OpenEXR.File(str(frame), separate_channels=True).parts
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    header |= {name: parts[0].header.get(name, "") for name in ("Note", "Frame")} | words
+    channels = {}
+    for name, channel in ((name, channel) for part in parts for name, channel in part.channels.items()):
+        pixels = channel.pixels[:rows].copy()
+        pixels[0, 0] = pixels[0, 0] if value is None else value
+        channels[name] = pixels
+    OpenEXR.File(header, channels).write(str(frame))
+
+
+@pytest.mark.parametrize(
+    ("harm", "fault"),
+    [
+        (_foreign, "of another job"),
+        (_unstamped, "of another job"),
+        (_scratched, "damaged"),
+        (_small, "damaged"),
+        (_nan, "not numbers"),
+        (_text, "damaged"),
+    ],
+)
+def test_a_bad_frame_is_told_from_others(
+    harm: Callable[[Path], None], fault: str, farm: Path, out: Path
+) -> None:
+    harm(farm / "frames" / "0002.exr")
+    with pytest.raises(BakeError, match=rf"1 of 4 frames cannot be used: 2 {fault}.*-f 2 "):
+        assembled(farm, out)
+    assert not out.exists()
+
+
+def test_frames_of_another_farm_are_foreign(rendered: Rendered, tmp_path: Path) -> None:
+    other = prepared(build_moving_scene(tmp_path), SPEC, tmp_path / "again").files.folder
+    shutil.copytree(rendered.farm / "frames", other / "frames", dirs_exist_ok=True)
+    with pytest.raises(BakeError, match=r"4 of 4 frames cannot be used: 1\.\.4 of another job"):
+        assembled(other)
+
+
+@pytest.mark.parametrize("name", ["plan.npz", "preview.blend", "farm.json"])
+def test_a_damaged_farm_is_named(name: str, farm: Path, out: Path) -> None:
+    (farm / name).write_bytes(b"{}")
+    with pytest.raises(FormatError, match=re.escape(name)):
+        assembled(farm, out)
+
+
+def test_nothing_is_overwritten_unasked(rendered: Rendered, out: Path) -> None:
+    assembled(rendered.farm, out)
+    with pytest.raises(InputError, match="--overwrite"):
+        assembled(rendered.farm, out)
+
+
+def test_the_batch_prepares_and_names_what_is_missing(tmp_path: Path) -> None:
+    build_moving_scene(tmp_path)
+    blend = tmp_path / "a scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    options = ("--object", BOX, "--texels", 16, "--bucket", 4, "--samples", 1, "--sheet", 16)
+    done = process("prepare", blend, *options, "--out", tmp_path / "out", "--progress", "json")
+    assert done.code == 0, done.err
+    event = json.loads(done.out.splitlines()[-1])
+    farm = Path(event["files"][0])
+    assert farm.name == f"{BOX}.radiance.radtex-farm"
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [farm.name]
+    said = refusal(process("assemble", farm, "--progress", "none"), code=1)
+    count = event["frames"][1]
+    assert f"{count} of {count} frames cannot be used: 1..{count} missing" in said
+    assert "blender -b" in said
+    assert [path.name for path in farm.parent.iterdir()] == [farm.name]
+
+
+def test_lists_of_frames_are_as_blender_reads_them() -> None:
+    assert frame_list([9, 3, 7, 8, 8]) == "3,7..9"
+    assert frame_list([1, 2]) == "1..2"
