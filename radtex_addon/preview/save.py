@@ -62,7 +62,10 @@ def save_preview(
         try:
             bpy.ops.wm.save_as_mainfile(filepath=str(beside), copy=True, relative_remap=True)
         except RuntimeError as error:
-            raise BakeError(f"{path}: Blender cannot write it ({error}); choose another folder") from error
+            reason = " ".join(str(error).removeprefix("Error:").split()).replace(str(beside), str(path))
+            raise BakeError(
+                f"{path} could not be written: {reason}; free its disk, or choose another"
+            ) from error
 
 
 @contextmanager

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Digests of what a bake depends on, to notice that a scene is not what it was when the bake began.
 
-The baked mesh is digested to the last bit; of everything else what is cheap to read. Not noticed: other
-objects' vertices that move within the same bounds, pixels of an image whose size and file's size stay, and
-what files beside the .blend hold (caches, volumes, fonts).
+The baked mesh is digested to the last bit, and so is other geometry. Not noticed: of image and volume files
+beyond 64 MB what lies between the slices that are read, frames of image sequences, and caches of simulations
+of gas.
 """
 
 from __future__ import annotations
@@ -18,10 +18,11 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
+from ..bake.key import DIGEST
 from ..core.arrays import Floats
-from .evaluated import EvaluatedMesh
+from .contents import Geometry, file_digest, image_contents
+from .evaluated import EvaluatedMesh, render_with
 
-_PREFIX = "sha256:"
 _DEPTH = 4  # of settings within settings: a curve's points
 # How light travels; samples and seeds are the bake's own.
 _CYCLES = (
@@ -105,14 +106,14 @@ def mesh_digest(mesh: EvaluatedMesh) -> str:
         state.update(repr((attribute.name, attribute.domain, attribute.data_type)).encode())
         _feed(state, attribute.values)
     state.update(repr((mesh.flat, mesh.active_uv, mesh.active_color, mesh.render_color)).encode())
-    return _PREFIX + state.hexdigest()
+    return DIGEST + state.hexdigest()
 
 
 def array_digest(array: Floats) -> str:
     """Of an array's values."""
     state = hashlib.sha256()
     _feed(state, array)
-    return _PREFIX + state.hexdigest()
+    return DIGEST + state.hexdigest()
 
 
 def matrix_digest(mesh: EvaluatedMesh) -> str:
@@ -121,13 +122,33 @@ def matrix_digest(mesh: EvaluatedMesh) -> str:
 
 
 def scene_digests(scratch: bpy.types.Scene) -> dict[str, str]:
-    """Of what else the scratch scene's enabled view layer shows, by what a user calls it."""
-    layer = next(layer for layer in scratch.view_layers if layer.use)
-    layer.update()
-    depsgraph = layer.depsgraph
+    """Of what else renders of the scratch scene show, by what a user calls it."""
+    found: dict[str, str] = {}
+
+    def read(depsgraph: bpy.types.Depsgraph) -> None:
+        found.update(_of_instances(depsgraph))
+
+    render_with(scratch, read)
+    frame = scratch.frame_current + scratch.frame_subframe
+    cycles, render = cast(Any, scratch).cycles, scratch.render
+    return {
+        **found,
+        "world": _digest(_walk(scratch.world, set())),
+        "light paths": _digest(
+            f"{name} {getattr(of, name, None)!r}"
+            for of, names in ((cycles, _CYCLES), (render, _RENDER))
+            for name in names
+        ),
+        "frame": f"{frame:g}",
+    }
+
+
+def _of_instances(depsgraph: bpy.types.Depsgraph) -> dict[str, str]:
+    """Of objects, with their geometry, of lights and of materials."""
     objects: list[str] = []
     lights: list[str] = []
     materials: dict[str, bpy.types.Material] = {}
+    geometry = Geometry()
     for instance in depsgraph.object_instances:
         item = instance.object
         assert item is not None  # there is one in every instance
@@ -138,33 +159,22 @@ def scene_digests(scratch: bpy.types.Scene) -> dict[str, str]:
         if item.type == "LIGHT":
             lights.append(" ".join((said, *_walk(item.data, set()))))
             continue
-        objects.append(said)
+        objects.append(f"{said} {geometry.of(item)}")
         for material in _materials(item):
             materials[material.name_full] = material
-    frame = scratch.frame_current + scratch.frame_subframe
-    cycles, render = cast(Any, scratch).cycles, scratch.render
     return {
         "objects": _digest(sorted(objects)),
         "lights": _digest(sorted(lights)),
-        "world": _digest(_walk(scratch.world, set())),
         "materials": _digest(
             text for name in sorted(materials) for text in (name, *_walk(materials[name], set()))
         ),
-        "light paths": _digest(
-            f"{name} {getattr(of, name, None)!r}"
-            for of, names in ((cycles, _CYCLES), (render, _RENDER))
-            for name in names
-        ),
-        "frame": f"{frame:g}",
     }
 
 
 def _of_object(item: bpy.types.Object) -> str:
     rays = [getattr(item, f"visible_{ray}") for ray in _RAYS]
     settings = [repr(_value(getattr(item, name))) for name in _OBJECT]
-    bounds = np.array(item.bound_box, dtype=np.float32).tobytes().hex()
-    size = len(item.data.vertices) if isinstance(item.data, bpy.types.Mesh) else 0
-    return f"{rays} {settings} {bounds} {size}"
+    return f"{rays} {settings}"
 
 
 def _materials(item: bpy.types.Object) -> Iterator[bpy.types.Material]:
@@ -208,6 +218,8 @@ def _walk_property(prop: Any, value: Any, seen: set[str], depth: int) -> Iterato
     elif prop.type == "POINTER":
         if isinstance(value, bpy.types.NodeTree | bpy.types.Image):
             yield from _walk(value, seen)
+        elif isinstance(value, bpy.types.Text):
+            yield value.as_string()
         elif isinstance(value, bpy.types.ID):
             yield f"{prop.identifier} {value.name_full}"
         elif depth:
@@ -220,6 +232,8 @@ def _walk_tree(tree: bpy.types.NodeTree, seen: set[str]) -> Iterator[str]:
     for node in tree.nodes:
         yield node.bl_idname
         yield from _walk(node, seen)
+        if path := getattr(node, "filepath", ""):  # of a script, or of a lamp's measured shape
+            yield file_digest(Path(bpy.path.abspath(path, library=tree.library)))
         for socket in (*node.inputs, *node.outputs):
             default = getattr(socket, "default_value", None)
             value = default.name_full if isinstance(default, bpy.types.ID) else _value(default)
@@ -230,17 +244,10 @@ def _walk_tree(tree: bpy.types.NodeTree, seen: set[str]) -> Iterator[str]:
 
 
 def _of_image(image: bpy.types.Image) -> str:
-    """Neither path nor date: a copy of the scene has others. Its file's size is read where it can be."""
-    packed = [file.packed_file.size for file in image.packed_files if file.packed_file]
+    """Neither path nor date: a copy of the scene has others."""
     settings = (image.source, image.colorspace_settings.name, image.alpha_mode, _value(image.size))
-    return f"{settings} {packed or _file_size(image)} {image.generated_type} {_value(image.generated_color)}"
-
-
-def _file_size(image: bpy.types.Image) -> int:
-    try:
-        return Path(bpy.path.abspath(image.filepath, library=image.library)).stat().st_size
-    except OSError:
-        return 0
+    generated = f"{image.generated_type} {_value(image.generated_color)}"
+    return f"{settings} {image_contents(image)} {generated}"
 
 
 def _value(value: Any) -> Any:
@@ -265,4 +272,4 @@ def _digest(texts: Iterable[str]) -> str:
     for text in texts:
         state.update(text.encode("utf-8", "surrogateescape"))
         state.update(b"\0")
-    return _PREFIX + state.hexdigest()
+    return DIGEST + state.hexdigest()

@@ -93,7 +93,6 @@ class Torture:
         number, name = signal.SIGKILL, "SIGKILL"
         if tally.survived >= 5 * (tally.polite + 1):
             number = _POLITE[tally.polite % len(_POLITE)]
-            tally.polite += 1
             name = number.name
         if number is signal.SIGKILL and tally.survived % 5 == 4:
             ended = self._aimed(running)
@@ -102,6 +101,7 @@ class Torture:
         if ended.code:
             tally.hits[ended.stage, name] += 1
             tally.survived += killed(ended.code)
+            tally.polite += not killed(ended.code)
         return ended
 
     def _aimed(self, running: Running) -> Ended:
@@ -145,6 +145,7 @@ def main() -> None:
     parser.add_argument("--layout", choices=list(ARGUMENTS), default="buckets")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job is deaf to it
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
         command = Command(save_room(root / "room.blend", 4), root / "temporary", ARGUMENTS[options.layout])

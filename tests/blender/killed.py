@@ -25,17 +25,18 @@ NAME = "Ball"
 
 @dataclass(frozen=True)
 class Command:
-    """A bake of the room's ball; `temporary` is where the system's temporary files go."""
+    """A bake of the room's ball; `temporary` is where temporary files go, `through` what runs the program."""
 
     blend: Path
     temporary: Path
     arguments: tuple[str, ...]
+    through: tuple[str, ...] = ()
 
     def start(self, out: Path, *more: str) -> Running:
         self.temporary.mkdir(exist_ok=True, parents=True)
         command = [sys.executable, BAKE, str(self.blend), "--object", NAME, "--out", str(out)]
         environment = {**os.environ, "TMPDIR": str(self.temporary)}
-        return Running([*command, *self.arguments, *more, "--progress", "json"], environment)
+        return Running([*self.through, *command, *self.arguments, *more, "--progress", "json"], environment)
 
 
 @dataclass

@@ -224,6 +224,6 @@ def test_a_file_that_cannot_be_written_leaves_the_session_as_it_was(
     copy = baked_copy(pane, 1)
     before = state(pane, copy)
     path = tmp_path / "out" / "pane.preview.blend"
-    with pytest.raises(BakeError, match=r"pane\.preview\.blend: Blender cannot write it"):
+    with pytest.raises(BakeError, match=r"pane\.preview\.blend could not be written: "):
         save_preview(current_scene(), [StandIn(pane, copy, (material,))], path)
     assert state(pane, copy) == before
