@@ -110,6 +110,12 @@ def header_text(path: Path) -> str:
         raise FormatError(f'{path} is damaged: its attribute "{ATTRIBUTE}" is not text') from error
 
 
+def stored_size(path: Path) -> tuple[int, int]:
+    """Width and height of an image in pixels. Raises FormatError as `read_atlas` does."""
+    (x0, y0), (x1, y1) = headers_of(path)[0]["dataWindow"]
+    return int(x1) - int(x0) + 1, int(y1) - int(y0) + 1
+
+
 def stored_compression(path: Path) -> Compression | None:
     """How an image is packed, None if by none of ours. Raises FormatError as `read_atlas` does."""
     packed = headers_of(path)[0].get("compression")

@@ -16,6 +16,7 @@ from ..formats.sidecar import part_in, preview_path, read_facts
 from ..scene.preview_file import appended
 from .save import TITLE, images_of
 from .sun import forget_sun
+from .taps import image_size
 
 OURS = "radtex_preview"  # of every data-block that came with a preview
 
@@ -97,5 +98,5 @@ def _check_images(material: bpy.types.Material, preview: Path) -> None:
         path = Path(bpy.path.abspath(image.filepath))
         if not path.is_file():
             raise InputError(f"{path} is missing, which {preview.name} shows: put it back, or bake again")
-        if 0 in tuple(cast(Any, image).size):
+        if 0 in image_size(image):
             raise FormatError(f"{path}: Blender reads no image in it; bake again")

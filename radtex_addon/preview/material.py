@@ -8,7 +8,6 @@ space, one vector a corner) and `radtex_sign` (one number a corner, the bitangen
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, cast
 
@@ -27,6 +26,7 @@ from ..scene.nodes import close_group, open_group, open_material
 from .condensed_group import condensed_layers
 from .node_group import build_sample_group
 from .shared_group import build_shared_group, check_shared_previewable
+from .taps import image_size
 
 
 def load_atlas(path: Path, half: bool = True, data: bool = False) -> bpy.types.Image:
@@ -46,7 +46,7 @@ def load_atlas(path: Path, half: bool = True, data: bool = False) -> bpy.types.I
     image.alpha_mode = "CHANNEL_PACKED"
     image.use_half_precision = half
     image.reload()
-    if 0 in tuple(cast(Sequence[int], image.size)):
+    if 0 in image_size(image):
         bpy.data.images.remove(image)
         raise FormatError(f"{path}: Blender reads no image in it; bake it again")
     return image

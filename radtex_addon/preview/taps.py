@@ -8,10 +8,13 @@ Images are read by `Closest` and blended here: Blender's `Linear` would mip, and
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import cast
 
 import bpy
 
+from ..core.errors import FormatError
+from ..formats.exr import stored_size
 from ..scene.nodes import NodeBuilder, Operand, Socket
 
 _TRIFLE = 1e-30
@@ -78,7 +81,16 @@ def pixel_centre(build: NodeBuilder, pixel: Operand, size: tuple[int, int]) -> S
 
 
 def image_size(image: bpy.types.Image) -> tuple[int, int]:
-    """An image's width and height."""
+    """An image's width and height, 0 where there is no image; of an EXR by its header alone.
+
+    To tell them Blender reads all pixels, as 16 bytes each, and keeps them.
+    """
+    path = Path(bpy.path.abspath(image.filepath, library=image.library))
+    if path.suffix == ".exr" and not image.packed_file and not image.has_data:
+        try:
+            return stored_size(path)
+        except FormatError:
+            return 0, 0
     width, height = cast(Sequence[int], image.size)
     return width, height
 

@@ -59,6 +59,15 @@ def test_an_atlas_beyond_the_gpu_is_refused_with_the_size_that_fits(tmp_path: Pa
         build_sample_group(image, LAYOUT, Filter.NEAREST, max_pixels=70)
 
 
+def test_a_preview_is_made_without_reading_the_atlas(tmp_path: Path) -> None:
+    """Blender would take 16 bytes for each pixel: 4 GiB where the side has 16384."""
+    image = load_atlas(write_exr(tmp_path / "random.exr", random_atlas()))
+    build_sample_group(image, LAYOUT, Filter.QUADRILINEAR)
+    assert not image.has_data
+    assert tuple(cast(Any, image).size) == (LAYOUT.pixel_width, LAYOUT.pixel_height)
+    assert image.has_data
+
+
 def test_a_missing_or_broken_atlas_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"none\.exr: no atlas"):
         load_atlas(tmp_path / "none.exr")
