@@ -18,6 +18,7 @@ from ..bake.spec import OCCLUSION, BakeSpec, Kind, Layout, View
 from ..bake.stopwatch import Stopwatch
 from ..bake.thumbnail import Thumbnail
 from ..core.atlas import AtlasLayout
+from ..core.blas import one_blas_thread
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..cycles.device import use_device
@@ -187,6 +188,7 @@ def bake_and_keep(
     """
     kept: list[bpy.types.ID] = []
     with (
+        one_blas_thread(),
         temporary_folder() as temporary,
         scratch_scene(scene, view_layer, kept) as scratch,
         use_device(scratch, spec.device) as device,  # before the unwrap, which may take long
