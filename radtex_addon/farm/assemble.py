@@ -23,6 +23,7 @@ from ..job.prepare import Piece
 from ..job.previews import save_preview_of
 from ..job.run import BakeResult
 from ..job.unfinished import check_files as check_outputs
+from ..job.unfinished import open_checkpoint
 from ..scene.copy import MATRIX
 from .frames import FarmCapture, check_frames
 from .manifest import Copies, FarmFiles, Manifest, check_files, read_manifest, read_plan
@@ -60,11 +61,16 @@ def assemble_steps(
     watch = Stopwatch()
     plan, hidden = read_plan(files, manifest)
     capture = FarmCapture(files, manifest, plan)
-    steps = join_buckets(plan, capture, hidden, spec, outputs, manifest.facts)
-    made = yield from watch.over(steps)
-    if copies is not None:
-        yield watch.start(Stage.PREVIEW)
-        _save_preview(files, manifest, copies, outputs)
+    with open_checkpoint(manifest.name, spec, outputs, resume=False) as cells:  # more than memory may hold
+        try:
+            made = yield from watch.over(
+                join_buckets(plan, capture, hidden, spec, outputs, manifest.facts, cells)
+            )
+            if copies is not None:
+                yield watch.start(Stage.PREVIEW)
+                _save_preview(files, manifest, copies, outputs)
+        finally:  # nothing was rendered: to begin anew is as good as to go on
+            cells.drop_own()
     watch.stop()
     result = BakeResult(
         files=made.files,

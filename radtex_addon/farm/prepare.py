@@ -42,7 +42,7 @@ from .looks import Looks
 from .manifest import Copies, FarmFiles, Manifest, check_farmable, write_plan
 from .progress import AnyStep, Step, Task
 from .sheets import check_seed
-from .still import Held
+from .still import Held, check_holdable
 from .templates import write_templates
 
 log = logging.getLogger(__name__)
@@ -110,6 +110,7 @@ def prepare_steps(
     for warning in check_request(scene, name, spec, folder, preview is not None, overwrite, view_layer):
         log.warning(warning)
     check_images_saved()
+    check_holdable(scene)
     farm = FarmFiles.of(files.sidecar)
     with _replacing_folder(farm, overwrite) as place:
         inside = FarmFiles(place)

@@ -52,7 +52,6 @@ def hold_still(scene: bpy.types.Scene, expected: Looks, cached: Held, last: int)
 
     Raises InputError for objects and images that change with time, or are not as expected.
     """
-    _refuse(scene)
     hold(_values(scene))
     hold_images(scene)
     _pin(scene, cached)
@@ -146,8 +145,8 @@ def _place(item: Any, matrix: Matrix) -> None:
     item.delta_scale = (1, 1, 1)
 
 
-def _refuse(scene: bpy.types.Scene) -> None:
-    """Raise InputError for what changes with time and leaves no mesh behind."""
+def check_holdable(scene: bpy.types.Scene) -> None:
+    """Raises InputError for objects that change with time and leave no mesh behind."""
     for item in _rendered(scene):
         for modifier in item.modifiers:
             if not modifier.show_render:
