@@ -17,6 +17,7 @@ from ..core.errors import ShapeError
 from ..core.frame import DEGENERATE, fallback_tangent, normalised
 from ..core.surface import SurfaceMesh
 from .evaluated import ATTRIBUTE_LAYOUT, EvaluatedMesh, MeshAttribute
+from .tangents import calc_tangents
 
 UV_LAYER = "RadTex"
 NORMAL, TANGENT, SIGN = "radtex_normal", "radtex_tangent", "radtex_sign"  # on corners, in object space
@@ -46,7 +47,7 @@ def baked_mesh(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> b
         mesh.materials.append(material)
     _write(mesh, MeshAttribute(layer, "CORNER", "FLOAT2", uv))
     _choose_active(mesh, evaluated, layer)
-    _write_frame(mesh, evaluated, layer)
+    _write_frame(mesh, evaluated, uv)
     cast(Any, mesh)[MATRIX] = evaluated.matrix_world.ravel().tolist()
     return mesh
 
@@ -117,17 +118,14 @@ def _choose_active(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh, layer: str) -
         colours.default_color_name = evaluated.render_color
 
 
-def _write_frame(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh, layer: str) -> None:
-    """Give the mesh its normals, and the frame of the layer as attributes."""
+def _write_frame(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh, uv: Floats) -> None:
+    """Give the mesh its normals, and the frame of `uv` (F, 3, 2) as attributes."""
     normal = evaluated.normal.reshape(-1, 3)
     _write(mesh, MeshAttribute("custom_normal", "CORNER", "FLOAT_VECTOR", normal))
     mesh.update()
-    mesh.calc_tangents(uvmap=layer)
-    tangent = np.empty_like(normal)
-    sign = np.empty(len(normal), dtype=np.float32)
-    mesh.loops.foreach_get("tangent", tangent.ravel())
-    mesh.loops.foreach_get("bitangent_sign", sign)
-    mesh.free_tangents()
+    corners = evaluated.normal.reshape(-1, 3, 3)
+    found = calc_tangents(evaluated.position, evaluated.triangles, corners, uv)
+    tangent, sign = found[0].reshape(-1, 3), found[1].ravel()
     flat = tangent - normal * np.sum(normal * tangent, axis=-1, keepdims=True)
     degenerate = np.sum(flat * flat, axis=-1) < DEGENERATE
     tangent[degenerate] = fallback_tangent(normal[degenerate])
