@@ -264,6 +264,8 @@ def read_text(path: Path) -> str:
         raise FormatError(f"{path} is not text: it is no RadTex sidecar") from error
     except OSError as error:
         raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
+    except ValueError as error:  # a zero byte in its name
+        raise FormatError(f"{path} cannot be read: {error}") from error
 
 
 def file_name(

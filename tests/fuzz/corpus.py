@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small valid files of every kind that RadTex reads, written by its own writers: what fuzzing begins with."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+
+from radtex_addon.bake.checkpoint import Checkpoint
+from radtex_addon.core.arrays import Floats
+from radtex_addon.export.manifest import Arranged, Container, Manifest, TextureEntry, write_manifest
+from radtex_addon.formats.bucket_files import write_buckets
+from radtex_addon.formats.dds import DdsFormat, write_dds, write_texture
+from radtex_addon.formats.exr import Compression, write_atlas
+from radtex_addon.formats.glb import Glb
+from radtex_addon.formats.ktx2 import write_ktx2
+from radtex_addon.formats.shadow_files import write_shadow
+from radtex_addon.formats.shared_files import write_condensed, write_shared
+from radtex_addon.formats.sidecar import Content, Part, Sidecar, Source, write_sidecar
+from radtex_addon.formats.texture import ENCODED, PixelFormat, encode_texture
+from radtex_addon.formats.transfer_files import TransferSidecar, write_transfer
+from tests.shared_atlases import facts_about, random_condensed_atlas, random_shared_atlas
+
+FACTS = {"scene": "a digest", "spec": "texels 8"}  # of the checkpoint's key
+_BAKE = Sidecar("Vase", "radiance", 3, 2, 4, "UVMap", 16, 0, "portal", "RadTex 1", "5.2.0")
+_RICH = replace(
+    _BAKE,
+    mesh="a digest",
+    source=Source("Détail", 0.5, 2, "Cage"),
+    frame=7,
+    lights=("Key", "Fill"),
+    objects=("Vase", "Lamp"),
+    part=Part("material", "Gold", 1),
+    ao_distance=2.5,
+    texel_samples="16x4 24x2",
+    content=Content("Inside", ("Ball",)),
+)
+_OTHERS = ("ZIPS", "RLE", "PXR24", "B44", "B44A", "DWAB", "NO")  # compressions that we read and do not write
+
+
+def make_corpus(folder: Path) -> None:
+    """Write all files into `folder`: the sets that readers need whole, and seeds in folders `*.seeds`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    _write_sets(folder)
+    _write_images(folder / "exr.seeds")
+    _write_textures(folder)
+    _write_rest(folder)
+
+
+def _pixels(height: int, width: int, channels: int, seed: int = 1) -> Floats:
+    return np.random.default_rng(seed).random((height, width, channels)).astype(np.float32)
+
+
+def _write_sets(folder: Path) -> None:
+    layers = {"base": _pixels(2, 3, 3), "rest": _pixels(8, 12, 3)}
+    write_buckets(folder / "Vase.radiance.json", _pixels(8, 12, 4), layers, _BAKE)
+    write_sidecar(folder / "Rich.radiance.json", _RICH)
+    shared = random_shared_atlas(3, 2, bucket=2, surroundings=8, levels=2)
+    write_shared(folder / "Coat.radiance.json", shared, facts_about(shared))
+    condensed = random_condensed_atlas(3, 2, clusters=2, bucket=2, surroundings=8, levels=2)
+    write_condensed(folder / "Gold.radiance.json", condensed, facts_about(condensed))
+    sphere = TransferSidecar(replace(_BAKE, object_name="Wax", kind="transfer"), suns=16)
+    write_transfer(folder / "Wax.transfer.json", _pixels(8, 12, 4), sphere)
+    seen = replace(sphere, view="camera", eye=(1.0, 2.0, 3.0, 1.0))
+    write_transfer(folder / "Seen.transfer.json", _pixels(8, 12, 4), seen)
+    shade = replace(_BAKE, object_name="Shade", kind="shadow", bucket=8)
+    words = np.random.default_rng(2).integers(0, 2**32, (2, 3, 2), dtype=np.uint32)
+    write_shadow(folder / "Shade.shadow.exr", words, shade)
+    write_sidecar(folder / "Shade.shadow.json", shade)
+
+
+def _write_images(folder: Path) -> None:
+    for channels, half in ((4, True), (3, False), (1, True)):
+        for compression in Compression:
+            name = f"{compression}{channels}.exr"
+            write_atlas(folder / name, _pixels(8, 12, channels), _BAKE, half, compression)
+    for name in _OTHERS:
+        header = {"compression": getattr(OpenEXR, f"{name}_COMPRESSION"), "type": OpenEXR.scanlineimage}
+        _save(folder / f"{name}.exr", [(header, {"RGB": _pixels(9, 11, 3).astype(np.float16)}, "")])
+    tiles = {"type": OpenEXR.tiledimage, "tiles": OpenEXR.TileDescription()}
+    _save(folder / "tiles.exr", [(tiles, {"RGBA": _pixels(9, 11, 4)}, "")])
+    flat = {"type": OpenEXR.scanlineimage}
+    combined = {f"ViewLayer.Combined.{name}": _pixels(6, 5, 1)[..., 0] for name in "RGBA"}
+    _save(folder / "parts.exr", [(flat, combined, "a"), (flat, {"Depth.Z": _pixels(6, 5, 1)[..., 0]}, "b")])
+
+
+def _save(path: Path, parts: list[tuple[dict[str, object], dict[str, Floats], str]]) -> None:
+    if len(parts) == 1:
+        header, channels, _ = parts[0]
+        OpenEXR.File(header, channels).write(str(path))
+    else:  # the module writes names into the headers
+        OpenEXR.File([OpenEXR.Part(dict(header), *rest) for header, *rest in parts]).write(str(path))
+
+
+def _write_textures(folder: Path) -> None:
+    levels = [_pixels(32, 8, 4).reshape(2, 16, 8, 4), _pixels(16, 4, 4).reshape(2, 8, 4, 4)]
+    for kind in ENCODED:
+        texture = encode_texture(levels, kind, is_array=True)
+        for zstd in (True, False):
+            write_ktx2(folder / "ktx2.seeds" / f"{kind}{int(zstd)}.ktx2", texture, zstd)
+        if kind is not PixelFormat.RGB9E5:
+            write_texture(folder / "dds.seeds" / f"{kind}.dds", texture)
+    for number in DdsFormat:
+        blocks = np.random.default_rng(3).integers(0, 256, (2, 3, number.block_bytes), dtype=np.uint8)
+        write_dds(folder / "dds.seeds" / f"{number.name}.dds", blocks, number)
+
+
+def _write_rest(folder: Path) -> None:
+    for number, (facts, entry) in enumerate(_exports(folder)):
+        bake = json.loads(facts.read_text())
+        textures = dict.fromkeys(bake["layers"] or [bake["kind"]], entry)
+        manifest = Manifest("RadTex 1", "Vase", "Vase.glb", "Vase.flat.png", bake, textures, 0.25)
+        write_manifest(folder / "manifest.seeds" / f"{number}.json", manifest)
+    glb = Glb({"asset": {"version": "2.0"}}, bytearray())
+    attributes = {"POSITION": glb.add_vertices(_pixels(4, 3, 1)[..., 0], bounds=True)}
+    indices = glb.add_view(np.arange(6, dtype="<u2").tobytes())
+    glb.document["accessors"].append(
+        {"bufferView": indices, "componentType": 5123, "count": 6, "type": "SCALAR"}
+    )
+    glb.document["meshes"] = [{"primitives": [{"attributes": attributes, "indices": 1}]}]
+    glb.write(folder / "mesh.glb")
+    kept = Checkpoint(folder / "bake.radtex-unfinished", resume=False, replaces=[folder / "a.exr"])
+    kept.expect(FACTS)
+    kept.keep("tile-0000", {"cells": _pixels(4, 4, 4), "rows": np.arange(3), "some": np.array([True])})
+
+
+def _exports(folder: Path) -> Iterator[tuple[Path, TextureEntry]]:
+    entry = TextureEntry(
+        file="Vase.radiance.ktx2",
+        container=Container.KTX2,
+        format=PixelFormat.RGB9E5,
+        zstd=True,
+        arrangement=Arranged.MATRIX,
+        size=(12, 8),
+        layers=1,
+        texels=(3, 2),
+        stored=(3, 2),
+        levels=1,
+        pages=(1, 1),
+        page_texels=(3, 2),
+    )
+    for name in ("Rich.radiance", "Coat.radiance", "Gold.radiance", "Wax.transfer"):
+        yield folder / f"{name}.json", entry

@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Damage that knows where formats keep their sizes: KTX2, DDS, GLB and the pieces of a checkpoint."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import struct
+from functools import lru_cache
+from random import Random
+
+import zstandard
+
+from .mutate import damage, set_field
+from .mutate_json import mutate_json
+
+_NPY_WORDS = (
+    (b"'<f4'", b"'|O'"),
+    (b"'<f4'", b"[('a', '<f4'), ('b', '|O')]"),
+    (b"'<f4'", b"'<f8'"),
+    (b"'<f4'", b"'|V0'"),
+    (b"'<f4'", b"'<U1000000000'"),
+    (b"(4, 4, 4)", b"(9999999999999, 4)"),
+    (b"(4, 4, 4)", b"(-1, 4)"),
+    (b"(4, 4, 4)", b"(" + b"1," * 70 + b")"),
+    (b"(4, 4, 4)", b"(0, 9223372036854775807, 9)"),
+    (b"(4, 4, 4)", b"(4.0,)"),
+    (b"(4, 4, 4)", b"()"),
+    (b"False", b"True"),
+    (b"'shape'", b"'shop'"),
+    (b"{", b"{" + b"(" * 300),
+)
+
+
+def mutate_ktx2(data: bytearray, random: Random) -> None:
+    """Change a field of the header or the level index, or pack a level so that it lies about its size."""
+    levels = struct.unpack_from("<I", data, 40)[0]
+    if random.random() < 0.35:
+        set_field(data, random, 12 + 4 * random.randrange(13), 4)
+    elif random.random() < 0.5:
+        set_field(data, random, 80 + 8 * random.randrange(3 * min(levels, 20)), 8)
+    else:
+        _lie(data, random, 80 + 24 * random.randrange(min(levels, 20)))
+
+
+def _lie(data: bytearray, random: Random, place: int) -> None:
+    """Replace a level's data by a frame of Zstandard of another size than it should be, or says."""
+    unpacked = struct.unpack_from("<Q", data, place + 16)[0]
+    real = random.choice((0, 1, unpacked, unpacked + 1, unpacked * 2, 1 << 20, 1 << 27))
+    frame = bytearray(_zeros(min(real, 1 << 27), random.random() < 0.7))
+    if random.random() < 0.5:
+        set_field(frame, random, random.choice((4, 5, 6)), random.choice((1, 2, 4)))
+    if random.random() < 0.3:
+        frame += bytes(frame)
+    said = random.choice((unpacked, real))
+    struct.pack_into("<3Q", data, place, len(data), len(frame), said)
+    data += frame
+    data[44:48] = struct.pack("<I", 2)
+
+
+@lru_cache(64)
+def _zeros(size: int, told: bool) -> bytes:
+    """A frame of that many zeros, which tells their number or not."""
+    return zstandard.ZstdCompressor(write_content_size=told).compress(bytes(size))
+
+
+def mutate_dds(data: bytearray, random: Random) -> None:
+    """Change a field of the header."""
+    set_field(data, random, 4 * random.choice((1, 2, 3, 4, 5, 6, 7, 19, 20, 21, 27, 28, 32, 33, 34, 35)), 4)
+
+
+def mutate_glb(data: bytearray, random: Random) -> None:
+    """Change a field of the header or a chunk, or the JSON with its sizes made right again."""
+    if random.random() < 0.2:
+        set_field(data, random, random.choice((4, 8, 12, 16)), 4)
+        return
+    (length,) = struct.unpack_from("<I", data, 12)
+    text, rest = bytearray(data[20 : 20 + length]), bytes(data[20 + length :])
+    mutate_json(text, random)
+    body = struct.pack("<I4s", len(text), b"JSON") + text + rest
+    data[:] = struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
+
+
+def mutate_piece(data: bytearray, random: Random) -> None:
+    """Change what a piece says of itself or an array's header; the digest at its end is made right again."""
+    body = bytearray(data[:-32])
+    deed = random.randrange(4)
+    line_end = body.index(b"\n")
+    if deed == 0:
+        text = bytearray(body[:line_end])
+        mutate_json(text, random)
+        body[:line_end] = text.replace(b"\n", b" ")
+    elif deed == 1:
+        says = json.loads(body[:line_end])
+        says["arrays"] = random.choice(
+            ([], says["arrays"] * 2, ["a"] * 100, "rows", {"a": 1}, [["a"]], [None])
+        )
+        body[:line_end] = json.dumps(says).encode()
+    elif deed == 2:
+        before, after = random.choice(_NPY_WORDS)
+        body[:] = body.replace(before, after, 1)
+    else:
+        inner = body[line_end:]
+        damage(inner, random)
+        body[line_end:] = inner
+    data[:] = body + hashlib.sha256(body).digest()

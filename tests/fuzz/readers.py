@@ -1,0 +1,252 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What reads files in RadTex, and how each reader is given a damaged one."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import struct
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+from radtex_addon.bake.checkpoint import Checkpoint
+from radtex_addon.bake.key import KEY, replaced_by
+from radtex_addon.core.errors import FormatError, InputError, RadTexError
+from radtex_addon.export.manifest import read_manifest
+from radtex_addon.formats.bucket_files import read_layer
+from radtex_addon.formats.bucket_rows import open_buckets
+from radtex_addon.formats.condensed_files import digest
+from radtex_addon.formats.counts import read_counts
+from radtex_addon.formats.dds import read_dds
+from radtex_addon.formats.dds import read_texture as read_dds_texture
+from radtex_addon.formats.exr import (
+    ATTRIBUTE,
+    read_atlas,
+    read_buckets,
+    read_render,
+    read_whole,
+    stored_compression,
+)
+from radtex_addon.formats.glb import Glb
+from radtex_addon.formats.ktx2 import read_ktx2
+from radtex_addon.formats.own_texels import own_texels
+from radtex_addon.formats.shadow_files import read_shadow, visible_buckets
+from radtex_addon.formats.shared_files import read_shared, read_shared_sidecar
+from radtex_addon.formats.sidecar import preview_path, read_facts, read_sidecar
+from radtex_addon.formats.texture import ENCODED, Texture, decode_texture
+from radtex_addon.formats.transfer_files import read_transfer, read_transfer_sidecar
+
+from .corpus import FACTS
+from .mutate import Mutator
+from .mutate_binary import mutate_dds, mutate_glb, mutate_ktx2, mutate_piece
+from .mutate_exr import mutate_exr, put_text
+from .mutate_json import mutate_json
+
+
+@dataclass(frozen=True)
+class Reader:
+    """A way to read the file `target` of the corpus, which is damaged before.
+
+    It begins with what `seeds` match. `ways` know the format. `follow` gives the target's companions what
+    they must say so that the damage is not noticed by them alone. `raises` is what `read` may raise. `weight`
+    is its part of all executions.
+    """
+
+    target: str
+    seeds: str
+    ways: tuple[Mutator, ...]
+    read: Callable[[Path], object]
+    weight: int = 1
+    follow: Callable[[Path], None] | None = None
+    raises: type[RadTexError] = FormatError
+
+
+def _facts(path: Path) -> None:
+    """Whatever asks a sidecar of any layout."""
+    facts = read_facts(path)
+    for read in (read_sidecar, read_shared_sidecar, read_transfer_sidecar):
+        try:
+            read(path)
+        except FormatError as error:
+            named(error, path)
+    sidecar = read_sidecar(path)
+    preview_path(path, facts.text("kind"), sidecar.part)
+    if sidecar.texel_samples and sidecar.width * sidecar.height < 1 << 20:
+        read_counts(sidecar.texel_samples, sidecar.width, sidecar.height, str(path))
+
+
+def _rows(path: Path) -> None:
+    """All bands of rows, if they are not too many."""
+    image, _ = open_buckets(path.with_suffix(".json"))
+    for _ in islice(image.bands(), 20):
+        pass
+
+
+def _shared(path: Path) -> None:
+    sidecar = path.with_name(f"{path.name.split('.')[0]}.radiance.json")
+    atlas, facts = read_shared(sidecar)
+    own_texels(sidecar, atlas, facts)
+
+
+def _ktx2(path: Path) -> None:
+    _decode(read_ktx2(path))
+
+
+def _dds(path: Path) -> None:
+    _decode(read_dds_texture(path))
+    read_dds(path)
+
+
+def _decode(texture: Texture) -> None:
+    """Make images of the blocks, which may be of a mode that RadTex does not write."""
+    if texture.format in ENCODED:
+        with suppress(FormatError):
+            decode_texture(texture)
+
+
+def _piece(path: Path) -> None:
+    """Never raises: a damaged piece is made again."""
+    kept = Checkpoint(path.parent, resume=True)
+    kept.expect(FACTS)
+    kept.found(path.stem)
+
+
+def _key(path: Path) -> None:
+    kept = Checkpoint(path.parent, resume=True)
+    replaced_by(path.parent)
+    kept.expect(FACTS)
+    kept.names()
+
+
+LONGEST = 5010  # characters of a message
+UNSEEN = re.compile("[\0-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")  # what ends a line or drives a terminal
+
+
+def named(error: RadTexError, path: Path) -> None:
+    """An error is one line of moderate length that names a file, beside `path`. Raises AssertionError."""
+    said = str(error)
+    assert not UNSEEN.search(said), f"not one line: {said!r}"
+    assert str(path.parent) in said, f"names no file: {said!r}"
+    assert "alloc" not in said, f"memory was asked for in vain: {said!r}"
+    assert len(said) <= LONGEST, f"of {len(said)} characters: {said!r}"
+
+
+def _sidecar_as_header(path: Path) -> None:
+    """Let the sidecar say what the damaged image's header says."""
+    data = path.read_bytes()
+    place = data.find(ATTRIBUTE.encode() + b"\0string\0")
+    if place >= 0:
+        begin = place + len(ATTRIBUTE) + 8
+        (size,) = struct.unpack_from("<I", data[begin : begin + 4].ljust(4, b"\0"))
+        path.with_suffix(".json").write_bytes(data[begin + 4 :][:size])
+
+
+def _headers_as_sidecar(path: Path) -> None:
+    """Let the images' headers say what the damaged sidecar says."""
+    text = path.read_bytes()
+    for image in path.parent.glob(f"{path.stem}.*.exr"):
+        data = bytearray(image.read_bytes())
+        put_text(data, text)
+        image.write_bytes(data)
+
+
+def _sidecar_with_digest(path: Path) -> None:
+    """Let the sidecar name the damaged texture's digest."""
+    sidecar = path.with_name("Gold.radiance.json")
+    facts = json.loads(sidecar.read_text())
+    facts["shared"]["condensed"]["digests"][path.stem.rpartition(".")[2]] = digest(path)
+    sidecar.write_text(json.dumps(facts))
+
+
+def _texture(layer: str) -> Reader:
+    name = f"Gold.radiance.{layer}.dds"
+    return Reader(name, name, (mutate_dds,), _shared, follow=_sidecar_with_digest)
+
+
+_EXR, _KTX2, _DDS = "exr.seeds/zip4.exr", "ktx2.seeds/BC6H1.ktx2", "dds.seeds/BC6H.dds"
+_PIECE = "bake.radtex-unfinished/tile-0000.piece"
+
+READERS = {
+    "atlas": Reader(_EXR, "exr.seeds/*.exr", (mutate_exr,), read_atlas, 8),
+    "render": Reader(_EXR, "exr.seeds/*.exr", (mutate_exr,), read_render, 8),
+    "whole": Reader(_EXR, "exr.seeds/*.exr", (mutate_exr,), read_whole, 3),
+    "compression": Reader(_EXR, "exr.seeds/*.exr", (mutate_exr,), stored_compression),
+    "shadow": Reader("Shade.shadow.exr", "Shade.shadow.exr", (mutate_exr,), read_shadow, 3),
+    "visible": Reader(
+        "Shade.shadow.exr",
+        "Shade.shadow.exr",
+        (mutate_exr,),
+        lambda path: visible_buckets(path.with_suffix(".json")),
+        follow=_sidecar_as_header,
+    ),
+    "buckets": Reader(
+        "Vase.radiance.exr",
+        "Vase.radiance.exr",
+        (mutate_exr,),
+        lambda path: read_buckets(path.with_suffix(".json")),
+        3,
+        follow=_sidecar_as_header,
+    ),
+    "rows": Reader(
+        "Vase.radiance.exr",
+        "Vase.radiance.exr",
+        (mutate_exr,),
+        _rows,
+        4,
+        follow=_sidecar_as_header,
+    ),
+    "layer": Reader(
+        "Vase.radiance.base.exr",
+        "Vase.radiance.base.exr",
+        (mutate_exr,),
+        lambda path: read_layer(path.with_name("Vase.radiance.json"), "base"),
+    ),
+    "transfer": Reader(
+        "Wax.transfer.exr",
+        "Wax.transfer.exr",
+        (mutate_exr,),
+        lambda path: read_transfer(path.with_suffix(".json")),
+        2,
+        follow=_sidecar_as_header,
+    ),
+    "shared-ends": Reader(
+        "Coat.radiance.mirror_ends.exr", "Coat.radiance.mirror_ends.exr", (mutate_exr,), _shared
+    ),
+    "shared-sidecar": Reader(
+        "Coat.radiance.json",
+        "Coat.radiance.json",
+        (mutate_json,),
+        _shared,
+        2,
+        follow=_headers_as_sidecar,
+    ),
+    "condensed-sidecar": Reader("Gold.radiance.json", "Gold.radiance.json", (mutate_json,), _shared, 3),
+    "condensed-colour": _texture("colour"),
+    "condensed-weights": _texture("mirror_weights"),
+    "condensed-ends": _texture("mirror_ends_xy"),
+    "condensed-gain": _texture("through_gain"),
+    "sidecar": Reader("Rich.radiance.json", "*.json", (mutate_json,), _facts, 8),
+    "manifest": Reader("manifest.seeds/0.json", "manifest.seeds/*.json", (mutate_json,), read_manifest, 6),
+    "ktx2": Reader(_KTX2, "ktx2.seeds/*.ktx2", (mutate_ktx2,), _ktx2, 8),
+    "dds": Reader(_DDS, "dds.seeds/*.dds", (mutate_dds,), _dds, 5),
+    "glb": Reader("mesh.glb", "mesh.glb", (mutate_glb,), Glb.read, 4),
+    "piece": Reader(_PIECE, _PIECE, (mutate_piece,), _piece, 5),
+    "key": Reader(
+        f"bake.radtex-unfinished/{KEY}",
+        f"bake.radtex-unfinished/{KEY}",
+        (mutate_json,),
+        _key,
+        2,
+        raises=InputError,
+    ),
+}
+
+
+def fingerprint(data: bytes) -> str:
+    """What a kept input is called."""
+    return hashlib.sha256(data).hexdigest()[:12]
