@@ -17,6 +17,7 @@ from .options import (
     ProgressStyle,
     add_choice,
     add_help,
+    add_memory,
     add_number,
     add_parent,
     add_progress,
@@ -83,6 +84,11 @@ def _parser(inside_blender: bool) -> Parser:
     )
     _add_what(parser.add_argument_group("what is exported"))
     _add_textures(parser.add_argument_group("textures"))
+    add_memory(
+        parser.add_argument_group("how"),
+        "memory that the export may take beside Blender: one that needs more is refused",
+        None,
+    )
     _add_output(parser.add_argument_group("output"))
     add_parent(parser.add_argument_group("for a program that runs this one"), of_scene=False)
     add_help(parser.add_argument_group("help"))

@@ -12,6 +12,7 @@ from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
 from ..core.surface import SurfaceMesh
 from ..formats.facts import Facts
+from ..formats.memory import check_allowed
 from ..formats.shared_files import read_shared_sidecar
 from ..formats.shared_sidecar import LAYOUT as SHARED
 from ..formats.sidecar import LAYOUT as BUCKETS
@@ -27,6 +28,7 @@ from .gltf import write_gltf
 from .godot import write_godot
 from .kinds import check_target
 from .manifest import EXTENSION, Manifest, write_manifest
+from .needs import needed_bytes
 from .pack import Pack
 from .progress import Step, Task
 from .spec import ExportSpec, Target
@@ -105,6 +107,7 @@ def check_export(sidecar: Path, spec: ExportSpec, out: Path, *, overwrite: bool 
     bake = _Bake.of(sidecar)
     check_target(sidecar, bake.bake.kind, spec.target)
     _check_layers(bake, spec)
+    check_allowed(f"an export of {sidecar}", needed_bytes(sidecar, bake.facts), spec.memory_mb)
     check_preview(bake.preview)
     if spec.target is Target.WEB:
         check_page()

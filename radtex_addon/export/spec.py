@@ -66,6 +66,7 @@ class ExportSpec:
 
     `levels` is the number of mip levels, None for as many as fit; `limit` the most pixels along a texture's
     side, None for what the target's devices take. `layers` of the bake lie beside the whole, each once.
+    What would take more than `memory_mb`, beside Blender, is refused.
     """
 
     target: Target
@@ -75,6 +76,7 @@ class ExportSpec:
     levels: int | None = None
     limit: int | None = None
     layers: tuple[Layer, ...] = ()
+    memory_mb: int | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(dict.fromkeys(map(parse_layer, self.layers or ()))))

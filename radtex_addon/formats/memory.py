@@ -8,7 +8,7 @@ import ctypes
 import os
 import sys
 
-from ..core.errors import FormatError
+from ..core.errors import FormatError, InputError
 
 
 def physical_memory() -> int | None:
@@ -36,6 +36,17 @@ def check_memory(what: str, needed: int) -> None:
     if memory is not None and needed > memory:
         needs, has = readable_size(needed), readable_size(memory)
         raise FormatError(f"{what} needs {needs} of memory, this machine has {has}")
+
+
+def check_allowed(what: str, needed: int, allowed_mb: int | None) -> None:
+    """Make sure that `needed` bytes for `what` are no more than the user allows, in MiB, or the machine has.
+
+    Raises InputError where the user does not, FormatError where the machine has less.
+    """
+    if allowed_mb is not None and needed > allowed_mb * 2**20:
+        needs, allowed = readable_size(needed), readable_size(allowed_mb * 2**20)
+        raise InputError(f"{what} takes about {needs} of memory, --memory allows {allowed}: allow more")
+    check_memory(what, needed)
 
 
 def _windows_memory() -> int | None:

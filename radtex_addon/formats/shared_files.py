@@ -133,7 +133,7 @@ def read_shared(path: Path) -> tuple[SharedAtlas, SharedSidecar]:
 
 def _read_atlas(path: Path, sidecar: SharedSidecar) -> SharedAtlas:
     if sidecar.condensed is not None:
-        check_memory(f"the bake of {path}", _expanded_bytes(sidecar))
+        check_memory(f"the bake of {path}", expanded_bytes(sidecar))
         return read_condensed(path)[0].expanded()
     images = {layer: read_layer(path, sidecar, layer) for layer in sidecar.shapes}
     return SharedAtlas(
@@ -176,7 +176,7 @@ def read_layer(path: Path, sidecar: SharedSidecar, layer: str) -> Floats:
     return read_pixels(image, width, height, [channels])
 
 
-def _expanded_bytes(sidecar: SharedSidecar) -> int:
+def expanded_bytes(sidecar: SharedSidecar) -> int:
     """The memory that all texels' buckets take."""
     values = sidecar.bake.width * sidecar.bake.height * sidecar.bake.bucket**2 * sum(LOBE_CHANNELS.values())
     return 4 * values * len(sidecar.lobes)

@@ -4,7 +4,8 @@
 
 A plane is baked for its preview; its atlas is then replaced by a synthetic one of smooth light with 5 % of
 noise, in half floats and buckets of 8 x 8 cells. Each export runs in a process of its own; its peak is that
-of the resident memory beyond what it had before the export began, with Blender loaded.
+of the resident memory beyond what it had before the export began, with Blender loaded. Seconds are the
+processor's, on one core.
 
 Goal: 1 GiB at most, whatever the side and the target.
 """
@@ -20,10 +21,11 @@ import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 
+from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.export.spec import ExportSpec, Target, TextureFormat
 from radtex_addon.formats.exr import Compression
@@ -87,16 +89,11 @@ def measure(sidecar: Path, target: Target, form: TextureFormat) -> None:
     """Export once, in this process, and print what it took."""
     from radtex_addon.export.run import export_steps  # noqa: PLC0415  # it loads Blender
 
-    before, began = peak(), perf_counter()
+    before, began = peak(), process_time()
     with tempfile.TemporaryDirectory(dir=sidecar.parent) as folder:
         steps = export_steps(sidecar, ExportSpec(target, form), Path(folder, "out"))
-        while True:
-            try:
-                next(steps)
-            except StopIteration as stop:
-                size = stop.value.bytes
-                break
-    facts = {"peak": peak() - before, "seconds": perf_counter() - began, "bytes": size}
+        size = finished(steps).bytes
+    facts = {"peak": peak() - before, "seconds": process_time() - began, "bytes": size}
     print(json.dumps(facts))
 
 
@@ -126,7 +123,9 @@ def main() -> None:
         work.mkdir(parents=True, exist_ok=True)
         small = work / f"{NAME}.radiance.json"
         small = small if small.exists() else bake_plane(work)
-        print("| pixels a side | target | format | peak, MB | seconds | files |\n|---|---|---|---|---|---|")
+        print(
+            "| pixels a side | target | format | peak, MB | CPU seconds | files |\n|---|---|---|---|---|---|"
+        )
         for side in found.sides:
             sidecar = enlarge(small, side, work / str(side))
             for target in found.targets:

@@ -205,3 +205,13 @@ def test_a_signal_while_blender_starts_is_one_line(number: signal.Signals, bake:
         watchdog.cancel()
     assert "interrupted" in refusal(Outcome(running.returncode, out, err), code=130)
     assert set(bake.rglob("*")) == before
+
+
+def test_an_export_that_takes_more_memory_than_allowed_is_refused_before_it_begins(bake: Path) -> None:
+    sidecar = bake / "Ball.radiance.json"
+    refused = process("export", sidecar, "--to", "raw", "--memory", "64MB", *QUIET)
+    said = refusal(refused)
+    assert f"an export of {sidecar} takes about 192 MiB of memory, --memory allows 61 MiB: allow more" in said
+    assert not (bake / "Ball.raw").exists()
+    request = parse_export([str(sidecar), "--to", "raw", "--memory", "2GB"], inside_blender=False)
+    assert request.spec.memory_mb == 1907
