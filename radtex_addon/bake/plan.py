@@ -32,7 +32,7 @@ MAX_IMAGE_SIDE = 65536  # Blender's limit for a render's width and height, in pi
 SHEET = 2048  # a sheet's side in pixels, where nothing else is asked for
 
 _SPREAD = 0x9E3779B1  # of sheets' seeds: 2^32 over the golden ratio
-_SEEDS = 1 << 24  # a farm's frames are told theirs by keyframes, which are single floats
+_SEEDS = 1 << 23  # a farm's frames are told theirs by keyframes: single floats, and Blender adds 0.5 to them
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ..bake.plan import sheet_seed
-from ..core.errors import InputError
+from ..core.errors import BakeError, InputError
 from ..cycles.portal import FIRST_ROW
 from .animation import curves_of
 from .manifest import Manifest
@@ -20,9 +20,9 @@ OUTPUT = "//frames/####"
 
 
 def check_seed(seed: int, sheets: int) -> None:
-    """Raises InputError for a seed that keyframes, which are single floats, cannot hold."""
-    if sheets > 1 and int(np.float32(seed)) != seed:
-        raise InputError(f"--seed {seed}: a farm's frames hold no such number, give one below {2**24}")
+    """Raises InputError for a seed that keyframes cannot hold: single floats, which Blender rounds."""
+    if sheets > 1 and np.floor(np.float32(seed) + np.float32(0.5)) != seed:
+        raise InputError(f"--seed {seed}: a farm's frames hold no such number, give one below {2**23}")
 
 
 def animate_sheets(scene: bpy.types.Scene, manifest: Manifest) -> None:
@@ -60,8 +60,11 @@ def _key(owner: Any, path: str, values: Sequence[float]) -> None:
     curve = next(curve for curve in curves_of(owner) if curve.data_path == path)
     for point in curve.keyframe_points:
         point.interpolation = "CONSTANT"
-    found = [point.co[1] for point in curve.keyframe_points]
-    assert found == list(values), (path, found)
+    found = [curve.evaluate(frame) for frame in range(1, len(values) + 1)]
+    if found != list(values):
+        raise BakeError(
+            f"Blender keeps no keyframes of {path}: it makes {found} of {list(values)}; report this"
+        )
 
 
 def _stamp(render: Any, note: str) -> None:

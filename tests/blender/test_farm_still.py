@@ -123,7 +123,7 @@ def test_what_cannot_be_held_is_named(
         ({"layout": "shared"}, "not shared: bake that without a farm"),
         ({"kind": "incident", "capture": "panoramic"}, "leave --capture out"),
         ({"accumulate": True}, "leave --accumulate and --refresh out"),
-        ({"seed": 2**24 + 1}, "give one below 16777216"),
+        ({"seed": 2**23 + 1}, "give one below 8388608"),
     ],
 )
 def test_what_no_farm_bakes_is_refused(
