@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
+import errno
 import traceback
 
-from ..core.errors import BakeError, Cancelled, RadTexError
+from ..core.errors import BakeError, Cancelled, InputError, RadTexError
 from .interruption import INTERRUPTED
 
 
@@ -18,6 +19,8 @@ def as_ours(raised: BaseException) -> RadTexError:
         return Cancelled(INTERRUPTED)
     if isinstance(raised, MemoryError):
         return BakeError("out of memory: use fewer texels or cells, or a smaller --memory")
+    if isinstance(raised, OSError) and raised.errno == errno.ENAMETOOLONG:
+        return InputError(f"{raised.filename}: the system takes no name that long: choose another")
     if isinstance(raised, OSError):
         return BakeError(f"the system refuses: {raised}; make room, or choose another folder")
     traceback.print_exception(raised)

@@ -7,11 +7,13 @@ from __future__ import annotations
 import argparse
 import re
 from enum import StrEnum
+from pathlib import Path
 from typing import Any, NoReturn
 
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError
 from ..cycles.device import GPU_TYPES
+from ..formats.places import check_unicode
 from ..version import VERSION
 
 DEMO = "demo"
@@ -36,9 +38,11 @@ class ProgressStyle(StrEnum):
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, as every other error; no place has an empty name."""
+    """Says what is wrong in one line, as every other error; no name is one that nothing can have."""
 
     def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        for word in args or ():
+            check_unicode(Path(word))
         found = super().parse_args(args, namespace)
         for action in self._actions:
             if action.dest in _PLACES and getattr(found, action.dest, None) == "":

@@ -18,7 +18,10 @@ from ..scene.scratch import find_view_layer
 
 def parse_lights(words: str) -> tuple[str, ...]:
     """Names that commas part; one with a comma stands in double quotes. Raises InputError for none."""
-    names = tuple(name.strip() for name in next(csv.reader([words], skipinitialspace=True), []))
+    try:
+        names = tuple(name.strip() for name in next(csv.reader([words], skipinitialspace=True), []))
+    except csv.Error:  # a line's end in it, or a name without one
+        names = ()
     if not names or not all(names):
         raise InputError(f"--lights {words}: give names of lamps or of collections, such as Key,Fill")
     if len(names) > 1 and {ALL, EACH}.intersection(names):
