@@ -21,6 +21,7 @@ from radtex_addon.formats.atomic import (
     replacing_together,
     write_text,
 )
+from tests.blender.disk import small_disk, unavailable
 
 
 def test_a_file_appears_only_when_it_is_whole(tmp_path: Path) -> None:
@@ -67,6 +68,21 @@ def test_the_disk_has_a_file_before_its_name_changes(
     with writing(target) as beside:
         beside.write_text("whole")
     assert seen == [(False, 5, False), (True, 0, True)]
+
+
+@pytest.mark.skipif(bool(unavailable()), reason=unavailable())
+def test_a_power_cut_leaves_a_whole_file(tmp_path: Path) -> None:
+    with small_disk(tmp_path) as disk:
+        for name in ("new", "old", "passing"):
+            if name != "new":
+                write_text(disk.folder / name, "old")
+            with replacing(disk.folder / name, lasting=name != "passing") as beside:
+                beside.write_bytes(bytes(300_000))
+        disk.cut_power()
+        disk.restart()
+        sizes = {path.name: path.stat().st_size for path in disk.folder.iterdir() if path.is_file()}
+    assert sizes.pop("passing") in (3, 300_000)  # as the system was quick to write
+    assert sizes == {"new": 300_000, "old": 300_000}
 
 
 def contents(folder: Path) -> dict[str, str]:
