@@ -18,6 +18,7 @@ from .options import (
     ProgressStyle,
     add_device,
     add_help,
+    add_memory,
     add_number,
     add_parent,
     add_progress,
@@ -80,7 +81,7 @@ def parse_compare(arguments: list[str], inside_blender: bool) -> CompareRequest:
         objects=tuple(dict.fromkeys(found.object or ())),
         bake=Path(found.bake),
         eye=_eye(found.view, found.window),
-        spec=ComparisonSpec(found.pixels, found.samples, found.device),
+        spec=ComparisonSpec(found.pixels, found.samples, found.device, found.memory_mb),
         out=Path(found.out),
         progress=found.progress,
         verbose=found.verbose,
@@ -167,6 +168,7 @@ def _add_how(group: argparse._ArgumentGroup) -> None:
         known = getattr(_DEFAULT, field)
         add_number(group, f"--{field}", field, "N", f"{text} (default: {known})", known)
     add_device(group)
+    add_memory(group, "memory that bakes may take to be shown: those that need more are refused", None)
 
 
 def _add_output(group: argparse._ArgumentGroup) -> None:

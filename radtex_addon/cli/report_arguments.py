@@ -10,7 +10,17 @@ from pathlib import Path
 
 from ..core.errors import InputError
 from ..report.run import ReportSpec
-from .options import DEMO, REPORT, Parser, ProgressStyle, add_device, add_help, add_number, add_progress
+from .options import (
+    DEMO,
+    REPORT,
+    Parser,
+    ProgressStyle,
+    add_device,
+    add_help,
+    add_memory,
+    add_number,
+    add_progress,
+)
 
 _DEFAULT = ReportSpec()
 
@@ -118,6 +128,7 @@ def _add_how(group: argparse._ArgumentGroup) -> None:
         "for a condensed one three times that",
     )
     add_device(group)
+    add_memory(group, "memory that the bake may take to be read: one that needs more is refused", None)
 
 
 def _add_output(group: argparse._ArgumentGroup) -> None:

@@ -254,7 +254,7 @@ def _read_buckets(path: Path) -> Finished:
         layout=Layout.BUCKETS,
         sidecar=sidecar,
         images=(image,),
-        radiance=_looked_up(partial(_sample_buckets, pixels.astype(np.float32), atlas)),
+        radiance=_looked_up(partial(_sample_buckets, pixels, atlas)),
         texels=atlas.to_buckets(pixels)[..., :3].reshape(sidecar.height, sidecar.width, -1),
         compression=compression,
         loss=loss_of(compression),

@@ -21,6 +21,7 @@ from .causes import bake_variants, first_change
 from .finished import Finished, check_all_lit, check_whole, object_of, read_bake
 from .judging import judge, mean_energy, mean_flip, mean_psnr, noise_floor
 from .mesh import Found, find_mesh
+from .needs import check_judged
 from .page import Contents, page
 from .progress import Step, Task
 from .sizes import gpu_bytes, sizes_of
@@ -34,7 +35,8 @@ class ReportSpec:
     """How a bake is judged: `views` pictures of `pixels` a side, path traced at `samples` and denoised.
 
     With `variants` the object is also baked with half of each setting, and a condensed bake's object not
-    condensed. Raises InputError for what cannot be.
+    condensed. A bake that takes more than `memory_mb` to read is refused. Raises InputError for what cannot
+    be.
     """
 
     views: int = 3
@@ -42,6 +44,7 @@ class ReportSpec:
     samples: int = 128
     variants: bool = False
     device: str = "auto"
+    memory_mb: int | None = None
 
     def __post_init__(self) -> None:
         for name, (least, most) in _LIMITS.items():
@@ -83,6 +86,7 @@ def report_steps(
     check_writable(out.parent)
     check_all_lit(sidecar)
     check_whole(sidecar)
+    check_judged(sidecar, spec.memory_mb)
     bake = read_bake(sidecar)
     found, views = yield from _look(scene, bake, spec)
     yield Step(Task.COMPARE, 0, 1)

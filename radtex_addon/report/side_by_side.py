@@ -26,6 +26,7 @@ from .eye import Eye
 from .finished import check_all_lit
 from .gbuffer import eroded
 from .metrics import Figures, Mask, Picture, compare, display
+from .needs import check_shown
 from .progress import Step, Task
 
 GAIN = 4  # of the difference
@@ -36,11 +37,15 @@ _LIMITS = {"pixels": (16, 8192), "samples": (1, 2**24)}
 
 @dataclass(frozen=True)
 class ComparisonSpec:
-    """Pictures whose longer side has `pixels`, of `samples` each, denoised. Raises InputError."""
+    """Pictures whose longer side has `pixels`, of `samples` each, denoised. Raises InputError.
+
+    Bakes that take more than `memory_mb` to show are refused.
+    """
 
     pixels: int = 512
     samples: int = 64
     device: str = "auto"
+    memory_mb: int | None = None
 
     def __post_init__(self) -> None:
         for name, (least, most) in _LIMITS.items():
@@ -85,6 +90,7 @@ def compare_steps(
         raise InputError("no object to compare: name one that was baked")
     for sidecar in filter(None, bakes.values()):
         check_all_lit(sidecar)
+    check_shown(filter(None, bakes.values()), spec.memory_mb)
     with (
         temporary_folder() as folder,
         _shown(bakes),

@@ -11,6 +11,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError, ShapeError
 from radtex_addon.core.levels import level_chain, pad
 from radtex_addon.core.pages import Pages, fitting_pages, join_pages, page_chain, split_pages
+from radtex_addon.formats.texture import Form, PixelFormat
 from tests.lookups import LAYOUT, random_atlas
 
 ATLAS = random_atlas()
@@ -32,6 +33,19 @@ def test_pages_are_few_and_fit(size: tuple[int, int], limit: int, levels: int, p
     assert max(pages.width, pages.height) * 6 <= limit
     assert pages.stored(6).width >= size[0]
     assert pages.stored(6).height >= size[1]
+
+
+@pytest.mark.parametrize(("limit", "levels", "side", "texels"), [(16384, 11, 2, 1024), (8192, 10, 4, 512)])
+def test_an_atlas_of_32768_pixels_is_split_to_what_gpus_take(
+    limit: int, levels: int, side: int, texels: int
+) -> None:
+    """2048 texels of 16 cells: 4 GiB as RGB9E5, of which no file's and no header's field is too narrow."""
+    pages = fitting_pages(AtlasLayout(2048, 2048, 16), limit, levels)
+    assert pages == Pages(side, side, texels, texels)
+    form = Form(PixelFormat.RGB9E5, limit, limit, pages.layers, levels, is_array=True)
+    assert form.nbytes(0) == 2**32
+    assert form.shape(levels - 1) == (side * side, 16, 16, 4)  # one texel a page
+    assert pages.at_level(levels - 1) == Pages(side, side, 1, 1)
 
 
 def test_a_texel_lies_where_the_contract_says() -> None:
