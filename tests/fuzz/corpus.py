@@ -13,8 +13,12 @@ import numpy as np
 import OpenEXR
 
 from radtex_addon.bake.checkpoint import Checkpoint
+from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.sampler import Filter
 from radtex_addon.export.manifest import Arranged, Container, Manifest, TextureEntry, write_manifest
+from radtex_addon.farm.manifest import Copies, FarmFiles
+from radtex_addon.farm.manifest import Manifest as FarmManifest
 from radtex_addon.formats.bucket_files import write_buckets
 from radtex_addon.formats.dds import DdsFormat, write_dds, write_texture
 from radtex_addon.formats.exr import Compression, write_atlas
@@ -51,6 +55,7 @@ def make_corpus(folder: Path) -> None:
     _write_images(folder / "exr.seeds")
     _write_textures(folder)
     _write_rest(folder)
+    _write_farm(folder / "Vase.radiance.radtex-farm")
 
 
 def _pixels(height: int, width: int, channels: int, seed: int = 1) -> Floats:
@@ -128,6 +133,28 @@ def _write_rest(folder: Path) -> None:
     kept = Checkpoint(folder / "bake.radtex-unfinished", resume=False, replaces=[folder / "a.exr"])
     kept.expect(FACTS)
     kept.keep("tile-0000", {"cells": _pixels(4, 4, 4), "rows": np.arange(3), "some": np.array([True])})
+
+
+def _write_farm(folder: Path) -> None:
+    files = FarmFiles(folder)
+    copies = Copies(("Vase",), ("Mesh",), "Scene", None, (), Filter.QUADRILINEAR)
+    farm = FarmManifest(
+        job="a job",
+        name="Vase",
+        spec=BakeSpec(texels=3, bucket=4, uv_layer="UVMap", lights=("Key", "Fill")),
+        facts=_BAKE,
+        sheets=2,
+        columns=2,
+        rows=3,
+        sheet_rows=2,
+        sheet_side=8,
+        device="CPU",
+        islands=1,
+        digests={"plan.npz": "a digest"},
+        copies=copies,
+    )
+    folder.mkdir(exist_ok=True)
+    files.manifest.write_text(farm.to_json(), encoding="utf-8")
 
 
 def _exports(folder: Path) -> Iterator[tuple[Path, TextureEntry]]:

@@ -18,6 +18,8 @@ from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.key import KEY, replaced_by
 from radtex_addon.core.errors import FormatError, InputError, RadTexError
 from radtex_addon.export.manifest import read_manifest
+from radtex_addon.farm.manifest import FarmFiles
+from radtex_addon.farm.manifest import read_manifest as read_farm_manifest
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.bucket_rows import open_buckets
 from radtex_addon.formats.condensed_files import digest
@@ -29,6 +31,7 @@ from radtex_addon.formats.exr import (
     read_atlas,
     read_buckets,
     read_render,
+    read_stamps,
     read_whole,
     stored_compression,
 )
@@ -169,6 +172,7 @@ def _texture(layer: str) -> Reader:
 
 
 _EXR, _KTX2, _DDS = "exr.seeds/zip4.exr", "ktx2.seeds/BC6H1.ktx2", "dds.seeds/BC6H.dds"
+_FARM = "Vase.radiance.radtex-farm/farm.json"
 _PIECE = "bake.radtex-unfinished/tile-0000.piece"
 
 READERS = {
@@ -232,6 +236,8 @@ READERS = {
     "condensed-gain": _texture("through_gain"),
     "sidecar": Reader("Rich.radiance.json", "*.json", (mutate_json,), _facts, 8),
     "manifest": Reader("manifest.seeds/0.json", "manifest.seeds/*.json", (mutate_json,), read_manifest, 6),
+    "farm": Reader(_FARM, _FARM, (mutate_json,), lambda path: read_farm_manifest(FarmFiles(path.parent)), 3),
+    "stamps": Reader(_EXR, "exr.seeds/*.exr", (mutate_exr,), read_stamps, 1),
     "ktx2": Reader(_KTX2, "ktx2.seeds/*.ktx2", (mutate_ktx2,), _ktx2, 8),
     "dds": Reader(_DDS, "dds.seeds/*.dds", (mutate_dds,), _dds, 5),
     "glb": Reader("mesh.glb", "mesh.glb", (mutate_glb,), Glb.read, 4),
