@@ -9,7 +9,8 @@ from functools import partial
 from ..core.errors import InputError
 from ..export.kinds import check_target
 from ..farm.assemble import assemble_steps
-from ..farm.manifest import FarmFiles, read_manifest
+from ..farm.files import FarmFiles
+from ..farm.manifest import read_manifest
 from .assemble_arguments import AssembleRequest
 from .bake import facts_of, summary_of
 from .export import export_baked

@@ -25,8 +25,9 @@ from ..job.run import BakeResult
 from ..job.unfinished import check_files as check_outputs
 from ..job.unfinished import open_checkpoint
 from ..scene.copy import MATRIX
+from .files import FarmFiles
 from .frames import FarmCapture, check_frames
-from .manifest import Copies, FarmFiles, Manifest, check_files, read_manifest, read_plan
+from .manifest import Copies, Manifest, check_files, read_manifest, read_plan
 from .progress import AnyStep
 
 

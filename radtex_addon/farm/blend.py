@@ -11,8 +11,9 @@ import bpy
 
 from ..core.errors import BakeError, InputError
 from ..preview.save import images_of
+from .files import FarmFiles
 from .looks import Looks, looks_of
-from .manifest import FarmFiles, Manifest
+from .manifest import Manifest
 from .self_contained import make_local, pack_files
 from .sheets import animate_sheets, portal_tree, without_extras
 from .still import Held, hold_still, read_cached

@@ -7,7 +7,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterable
 
-from .manifest import FarmFiles
+from .files import FarmFiles
 
 
 def frame_list(frames: Iterable[int]) -> str:

@@ -19,8 +19,9 @@ from ..core.errors import BakeError, FormatError
 from ..cycles.apparatus import read_layers
 from ..cycles.passes import light_of
 from ..formats.exr import read_stamps
+from .files import FarmFiles
 from .frame_list import commands, frame_list
-from .manifest import FarmFiles, Manifest
+from .manifest import Manifest
 from .progress import Step, Task
 
 log = logging.getLogger(__name__)

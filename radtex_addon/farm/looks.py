@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import hashlib
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import bpy
@@ -52,7 +53,7 @@ def _shape(item: Any) -> bytes:
     state = hashlib.sha256()
     data = item.data
     if isinstance(data, bpy.types.Volume):
-        state.update(f"{data.filepath} {data.grids.frame}".encode())
+        state.update(f"{Path(data.filepath).name} {data.grids.frame}".encode())
     elif hasattr(data, "attributes"):
         for attribute in sorted(data.attributes, key=lambda attribute: attribute.name):
             _feed_attribute(state, attribute)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The farm's folder: what lies in it, and the manifest that says what its frames are and are to become."""
+"""The manifest of a farm: what its frames are, and are to become."""
 
 from __future__ import annotations
 
@@ -21,60 +21,11 @@ from ..core.sampler import Filter
 from ..formats.condensed_files import digest
 from ..formats.facts import Facts, json_text
 from ..formats.sidecar import Sidecar, read_text
+from .files import FarmFiles
 
 VERSION = 1
 _WHAT = "farm's manifest"
 _KINDS = (Kind.RADIANCE, Kind.INCIDENT, Kind.REFLECTION, Kind.PROXY)
-_SUFFIX = ".radtex-farm"
-
-
-@dataclass(frozen=True)
-class FarmFiles:
-    """What lies in a farm's `folder`."""
-
-    folder: Path
-
-    @classmethod
-    def of(cls, sidecar: Path) -> FarmFiles:
-        """Of the farm beside the sidecar that its bake will have: `<name>.<kind>.radtex-farm`."""
-        return cls(sidecar.with_suffix(_SUFFIX))
-
-    @property
-    def blend(self) -> Path:
-        """Renders one sheet a frame."""
-        return self.folder / "farm.blend"
-
-    @property
-    def manifest(self) -> Path:
-        return self.folder / "farm.json"
-
-    @property
-    def plan(self) -> Path:
-        """Which texels the sheets hold, and which cells of them nobody sees."""
-        return self.folder / "plan.npz"
-
-    @property
-    def preview(self) -> Path:
-        """The scene with the baked copies in it, where a preview is wanted."""
-        return self.folder / "preview.blend"
-
-    @property
-    def parts(self) -> Path:
-        """Which part each of the copies' triangles belongs to, where they are split."""
-        return self.folder / "parts.npz"
-
-    @property
-    def frames(self) -> Path:
-        return self.folder / "frames"
-
-    @property
-    def runner(self) -> Path:
-        """Renders frames where there is the bpy module and no Blender."""
-        return self.folder / "render_frames.py"
-
-    def frame(self, number: int) -> Path:
-        """Where Blender puts a frame."""
-        return self.frames / f"{number:04d}.exr"
 
 
 @dataclass(frozen=True)
@@ -161,7 +112,7 @@ def read_manifest(files: FarmFiles) -> Manifest:
     columns, sheet_rows = facts.size("sheet")
     _, sheets = facts.size("frames")
     preview = None if facts.values.get("preview") is None else facts.inner("preview")
-    return Manifest(
+    made = Manifest(
         job=facts.text("job"),
         name=facts.text("name"),
         spec=_spec(facts.inner("spec")),
@@ -176,6 +127,16 @@ def read_manifest(files: FarmFiles) -> Manifest:
         digests={key: facts.inner("digests").text(key) for key in facts.inner("digests").values},
         copies=None if preview is None else _copies(preview),
     )
+    if not _is_possible(made):
+        raise FormatError(f"{files.manifest} tells of sheets that no bake has: prepare the farm anew")
+    return made
+
+
+def _is_possible(made: Manifest) -> bool:
+    facts, texels = made.facts, made.spec.texels
+    fits = max(facts.width, facts.height) <= texels and facts.bucket == made.spec.bucket
+    filled = (made.rows - 1) * made.columns < facts.width * facts.height
+    return fits and filled and made.sheets == -(-made.rows // made.sheet_rows)
 
 
 def check_files(files: FarmFiles, manifest: Manifest) -> None:

@@ -38,8 +38,9 @@ from ..job.run import Baked, bake_and_keep
 from ..scene.frames import at_frame
 from ..scene.scratch import new_data_removed
 from .blend import check_images_saved, finish_blend, save_draft
+from .files import FarmFiles
 from .looks import Looks
-from .manifest import Copies, FarmFiles, Manifest, check_farmable, write_plan
+from .manifest import Copies, Manifest, check_farmable, write_plan
 from .progress import AnyStep, Step, Task
 from .sheets import check_seed
 from .still import Held, check_holdable

@@ -40,7 +40,7 @@ def pack_files(folder: Path) -> tuple[str, ...]:
     Returns the names of the files beside it, relative to the folder. Raises InputError, by name, for what
     needs a file that can be neither.
     """
-    bpy.data.orphans_purge(do_local_ids=True, do_linked_ids=True, do_recursive=True)
+    cast(Any, bpy.data).orphans_purge(do_local_ids=True, do_linked_ids=True, do_recursive=True)
     _pack_images()
     for font in bpy.data.fonts:
         if font.packed_file is None and not font.filepath.startswith("<"):

@@ -7,7 +7,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from .manifest import FarmFiles, Manifest
+from .files import FarmFiles
+from .manifest import Manifest
 
 _FOLDER = Path(__file__).parent / "templates"
 OPENJD, FLAMENCO = "openjd.yaml", "radtex_farm.js"

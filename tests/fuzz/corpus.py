@@ -17,7 +17,8 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.manifest import Arranged, Container, Manifest, TextureEntry, write_manifest
-from radtex_addon.farm.manifest import Copies, FarmFiles
+from radtex_addon.farm.files import FarmFiles
+from radtex_addon.farm.manifest import Copies
 from radtex_addon.farm.manifest import Manifest as FarmManifest
 from radtex_addon.formats.bucket_files import write_buckets
 from radtex_addon.formats.dds import DdsFormat, write_dds, write_texture

@@ -18,7 +18,7 @@ from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.key import KEY, replaced_by
 from radtex_addon.core.errors import FormatError, InputError, RadTexError
 from radtex_addon.export.manifest import read_manifest
-from radtex_addon.farm.manifest import FarmFiles
+from radtex_addon.farm.files import FarmFiles
 from radtex_addon.farm.manifest import read_manifest as read_farm_manifest
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.bucket_rows import open_buckets
