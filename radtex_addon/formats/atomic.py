@@ -7,7 +7,9 @@ The disk has a file before its name changes, and the name before we go on: a pow
 
 from __future__ import annotations
 
+import errno
 import os
+import re
 import secrets
 import shutil
 import sys
@@ -18,6 +20,9 @@ from pathlib import Path
 
 from ..core.errors import BakeError, InputError, RadTexError
 from .places import nearest_folder
+
+_BESIDE = re.compile(r"\.radtex-\d+-[0-9a-f]{16}")  # names that `replacing` yields
+_REASONS = [os.strerror(code) for code in (errno.ENOSPC, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO)]
 
 
 @contextmanager
@@ -40,6 +45,8 @@ def replacing(path: Path, lasting: bool = True) -> Iterator[Path]:
         finally:
             beside.unlink(missing_ok=True)
     except OSError as error:
+        if beside.name not in str(error) and _BESIDE.search(str(error)):
+            raise  # it is of another file, whose turn comes
         raise BakeError(refusal(path, error).replace(str(beside), str(path))) from error
 
 
@@ -137,5 +144,7 @@ def _settle_names(folder: Path) -> None:
 
 
 def refusal(path: Path, error: OSError) -> str:
-    """What to say where the system does not let us write `path`."""
-    return f"{path} could not be written: {error.strerror or error}; free its disk, or choose another"
+    """What to say where the system does not let us write `path`; libraries wrap its reason in words."""
+    said = str(error)
+    reason = error.strerror or next((known for known in _REASONS if known in said), said)
+    return f"{path} could not be written: {reason}; free its disk, or choose another"

@@ -18,7 +18,7 @@ from typing import cast
 import bpy
 
 from ..core.errors import BakeError
-from ..formats.atomic import replacing
+from ..formats.atomic import refusal, replacing
 
 TITLE = "RadTex "  # how names of materials that show a bake begin
 
@@ -62,10 +62,7 @@ def save_preview(
         try:
             bpy.ops.wm.save_as_mainfile(filepath=str(beside), copy=True, relative_remap=True)
         except RuntimeError as error:
-            reason = " ".join(str(error).removeprefix("Error:").split()).replace(str(beside), str(path))
-            raise BakeError(
-                f"{path} could not be written: {reason}; free its disk, or choose another"
-            ) from error
+            raise BakeError(refusal(path, OSError(" ".join(str(error).split())))) from error
 
 
 @contextmanager

@@ -85,6 +85,19 @@ def test_a_power_cut_leaves_a_whole_file(tmp_path: Path) -> None:
     assert sizes == {"new": 300_000, "old": 300_000}
 
 
+def test_an_error_names_the_file_that_it_is_of(tmp_path: Path) -> None:
+    """Also where several are written at once, and by a library that tells of it in its own words."""
+
+    def full() -> None:
+        with replacing(tmp_path / "a.exr") as one, replacing(tmp_path / "b.exr") as other:
+            other.touch()
+            raise OSError(f'Failed to write pixel data to image file "{one}". No space left on device.')
+
+    with pytest.raises(BakeError, match=r"/a\.exr could not be written: No space left on device; free its"):
+        full()
+    assert list(tmp_path.iterdir()) == []
+
+
 def contents(folder: Path) -> dict[str, str]:
     return {path.name: path.read_text() for path in folder.iterdir()}
 
