@@ -28,6 +28,7 @@ ARGUMENTS = (
     *("--layer", "diffuse", "--save-preview"),
 )
 _KB = 1 << 10
+_TEMPORARY = "temporary files find no room"
 _MODEST = ("setpriv", "--bounding-set=-dac_override,-dac_read_search,-fowner")  # root that modes bind
 _BLEND = (b"\x28\xb5\x2f\xfd", b"BLEN")  # how a .blend begins, packed or not
 
@@ -57,9 +58,8 @@ class Bench:
         self.images = sum(path.stat().st_size for path in (root / "uninterrupted").glob("*.exr"))
         self.problems: list[str] = []
 
-    def row(self, way: Way, command: Command | None = None) -> None:
+    def row(self, way: Way, command: Command) -> None:
         """Break the disk while a bake runs, mend it, and go on; print what came of it."""
-        command = command or self.command
         with small_disk(self.root) as disk:
             out = disk.folder / "out"
             way.before(disk)
@@ -184,37 +184,39 @@ def rights_way() -> Way:
 
 def temporary_row(bench: Bench) -> None:
     """No room for what Cycles renders into."""
-    with tempfile.TemporaryDirectory() as folder, small_disk(Path(folder), 8) as other:
+    root = bench.root / "other"
+    root.mkdir()
+    with small_disk(root, 8) as other:
         small = replace(bench.command, temporary=other.folder / "temporary")
         way = Way(
-            "temporary files find no room",
+            _TEMPORARY,
             before=lambda _: other.fill(100 * _KB),
             mend=lambda *_: other.empty(),
         )
         bench.row(way, small)
 
 
-def power_ways(bench: Bench, cuts: int, chance: random.Random) -> list[Way]:
-    """The power goes, at moments between the first piece and the end."""
+def power_ways(cuts: int, chance: random.Random) -> list[Way]:
+    """The power goes: while tiles are rendered, and at the end, in turn."""
 
-    def cut(moment: float) -> Callable[[Disk, Path, Running], None]:
-        def breaks(disk: Disk, _out: Path, running: Running) -> None:
-            time.sleep(moment)
+    def later(stage: str, pieces: int, seconds: float) -> Callable[[Disk, Path, Running], None]:
+        def breaks(disk: Disk, out: Path, running: Running) -> None:
+            at(stage, lambda *_: time.sleep(seconds), pieces)(disk, out, running)
             disk.cut_power()
             running.process.kill()
 
         return breaks
 
-    moments = sorted(chance.uniform(bench.stages["capture"], bench.life) for _ in range(cuts))
+    stages = ("capture", "write", "capture", "preview", "capture", "fill")
     return [
         Way(
-            f"power cut at {moment:.1f} s",
-            cut(moment),
+            f"power cut at {stage}",
+            later(stage, chance.randint(1, 5) if stage == "capture" else 0, chance.uniform(0, 0.4)),
             lambda disk, _: disk.restart(),
             says=False,
             damages=True,
         )
-        for moment in moments
+        for stage in (stages[number % len(stages)] for number in range(cuts))
     ]
 
 
@@ -240,6 +242,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=keep_lines)
     parser.add_argument("--cuts", type=int, default=10, help="of the power")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", default="", help="of rows whose titles begin so")
     options = parser.parse_args()
     if why := unavailable():
         sys.exit(f"skipped: {why}")
@@ -249,12 +252,15 @@ def main() -> None:
         bench = Bench(Command(save_room(root / "room.blend", 4), root / "temporary", ARGUMENTS), root)
         print(f"uninterrupted: {bench.life:.1f} s\n")
         print("| the disk | hit in | exit code | says | resumed |\n|---|---|---|---|---|")
-        for way in (*full_ways(bench.images), *refusing_ways()):
-            bench.row(way)
-        bench.row(rights_way(), replace(bench.command, through=_MODEST))
-        temporary_row(bench)
-        for way in (*power_ways(bench, options.cuts, chance), damage_way(chance)):
-            bench.row(way)
+        modest = replace(bench.command, through=_MODEST)
+        ways = [(way, bench.command) for way in (*full_ways(bench.images), *refusing_ways())]
+        ways += [(rights_way(), modest)]
+        ways += [(way, bench.command) for way in (*power_ways(options.cuts, chance), damage_way(chance))]
+        for way, command in ways:
+            if way.title.startswith(options.only):
+                bench.row(way, command)
+        if _TEMPORARY.startswith(options.only):
+            temporary_row(bench)
     sys.exit("\n".join(bench.problems) or None)
 
 
