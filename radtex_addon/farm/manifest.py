@@ -101,7 +101,12 @@ class Manifest:
 
 
 def read_manifest(files: FarmFiles) -> Manifest:
-    """Read a farm's manifest. Raises FormatError for what is none, or not of this version."""
+    """Read a farm's manifest.
+
+    Raises InputError where there is none, FormatError for what is none of ours, or not of this version.
+    """
+    if not files.manifest.is_file():
+        raise InputError(f"{files.folder} holds no farm: name the folder that bake.py prepare wrote")
     facts = Facts.parse(read_text(files.manifest), str(files.manifest), _WHAT)
     version = facts.whole_number("version", 1)
     if version != VERSION:

@@ -25,7 +25,8 @@ FRAME = 7  # the scene's
 def build_moving_scene(folder: Path) -> bpy.types.Scene:
     """A box to bake among things that keyframes, a driver, a wave, cloth and an image sequence change."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    stage.world((0.3, 0.4, 0.5))
+    sky = next(node for node in stage.world((0.3, 0.4, 0.5)).node_tree.nodes if node.type == "BACKGROUND")
+    sky.inputs["Strength"].driver_add("default_value").driver.expression = "frame / 5"
     bpy.ops.object.light_add(type="AREA", location=(1, 0.5, 2), rotation=(0.2, 0.4, 0))
     lamp = bpy.context.object.data
     lamp.driver_add("energy").driver.expression = "frame * 10"
@@ -40,6 +41,9 @@ def build_moving_scene(folder: Path) -> bpy.types.Scene:
         mover.location.x, rough.default_value = place, value
         mover.keyframe_insert("location", frame=frame)
         rough.keyframe_insert("default_value", frame=frame)
+    track = mover.animation_data.nla_tracks.new()
+    track.strips.new("moves", 1, mover.animation_data.action)
+    mover.animation_data.action = None
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8, size=1, location=(-1, 0, 1))
     bpy.context.object.name = "Cloth"
     bpy.context.object.modifiers.new("cloth", "CLOTH")

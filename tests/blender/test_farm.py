@@ -197,6 +197,11 @@ def test_a_damaged_farm_is_named(name: str, farm: Path, out: Path) -> None:
         assembled(farm, out)
 
 
+def test_a_folder_without_a_farm_is_named(out: Path) -> None:
+    with pytest.raises(InputError, match="holds no farm"):
+        assembled(out)
+
+
 def test_nothing_is_overwritten_unasked(rendered: Rendered, out: Path) -> None:
     assembled(rendered.farm, out)
     with pytest.raises(InputError, match="--overwrite"):
