@@ -21,6 +21,7 @@ from .export import run_export
 from .export_arguments import parse_export
 from .failure import as_ours
 from .interruption import Interruption, interruptible
+from .opening import scripts_off
 from .options import ASSEMBLE, COMPARE, EXPORT, PREPARE, REPORT
 from .prepare import run_prepare
 from .prepare_arguments import parse_prepare
@@ -56,7 +57,7 @@ def main(arguments: list[str], inside_blender: bool) -> int:
         return _complain(error)
     with reporting(request.progress, request.verbose) as report:
         try:
-            with _warnings_to(report), interruptible() as interruption:
+            with scripts_off(inside_blender), _warnings_to(report), interruptible() as interruption:
                 command.run(request, report, interruption)
         except (Exception, KeyboardInterrupt) as raised:  # noqa: BLE001  # or Blender went on, and left with 0
             failure = as_ours(raised)

@@ -5,16 +5,37 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import bpy
 
 from ..core.errors import InputError
 from ..formats.places import check_for_blender
 from ..scene.demo import build_demo_scene
+from ..scene.lacking import lacking
 
 log = logging.getLogger(__name__)
+
+
+@contextmanager
+def scripts_off(inside_blender: bool) -> Iterator[None]:
+    """Run no script and no driver's Python of any .blend, whatever the preferences say.
+
+    Inside Blender that is the choice of who started it: `--enable-autoexec`, or not.
+    """
+    if inside_blender:
+        yield
+        return
+    context: Any = bpy.context  # to the stubs, there may be no preferences
+    before = context.preferences.filepaths.use_scripts_auto_execute
+    context.preferences.filepaths.use_scripts_auto_execute = False  # of this process: nobody saves them
+    try:
+        yield
+    finally:
+        context.preferences.filepaths.use_scripts_auto_execute = before
 
 
 def open_scene(path: Path | None, demo: bool, name: str | None = None) -> bpy.types.Scene:
@@ -26,6 +47,8 @@ def open_scene(path: Path | None, demo: bool, name: str | None = None) -> bpy.ty
         return build_demo_scene()
     if path is not None:
         _open(path)
+        for complaint in lacking():
+            log.warning(complaint)
     if name is not None:
         return _named(name)
     scene = bpy.context.scene

@@ -26,6 +26,7 @@ from ..scene.copy import UV_LAYER
 from ..scene.enclosed import find_content
 from ..scene.eye import find_eye
 from ..scene.fog import volumes_around
+from ..scene.lacking import lacking
 from ..scene.lamps import find_lamps
 from ..scene.light import is_dark
 from ..scene.objects import find_object
@@ -84,7 +85,7 @@ def _warnings(
     spec: BakeSpec,
 ) -> list[str]:
     """What bakes, but hardly as it is meant."""
-    warnings = []
+    warnings = lacking()
     if spec.kind not in (*OCCLUSION, Kind.TRANSFER) and not spec.lights and is_dark(scene, layer):
         warnings.append(f"scene '{scene.name}' has no light: no lamp, a black world, nothing that emits")
     if spec.capture is CaptureMethod.PORTAL:

@@ -8,6 +8,7 @@ it renders nothing and reads the mesh.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -20,7 +21,11 @@ import numpy.typing as npt
 from ..core.arrays import Bools, Floats, Ints
 from ..core.errors import BakeError, InputError
 from ..core.frame import normalised
+from .extent import check_extent
+from .lacking import failed_drivers
 from .refusals import refuse_adaptive_subdivision, refuse_displacement
+
+log = logging.getLogger(__name__)
 
 # How attributes are read and written in bulk: property, values per element, dtype.
 ATTRIBUTE_LAYOUT: dict[str, tuple[str, int, type[np.generic]]] = {
@@ -110,7 +115,8 @@ def evaluate(scratch: bpy.types.Scene, original: bpy.types.Object) -> EvaluatedM
     """Read the mesh of `original` as a render of the scratch scene's enabled view layer shows it.
 
     Raises InputError where there is nothing to bake (no faces, not rendered, coordinates that are not finite,
-    no extent along an axis) or Cycles would move the surface (displacement, adaptive subdivision).
+    no extent along an axis, too small, too large or too far away) or Cycles would move the surface
+    (displacement, adaptive subdivision).
     """
     found: list[EvaluatedMesh] = []
 
@@ -119,6 +125,8 @@ def evaluate(scratch: bpy.types.Scene, original: bpy.types.Object) -> EvaluatedM
         if rendered is None:
             raise InputError(f"object '{original.name}' is hidden from render: nothing shows it there")
         refuse_adaptive_subdivision(rendered, depsgraph.scene)
+        for complaint in failed_drivers(depsgraph.ids):
+            log.warning(complaint)
         found.append(_read_object(original.name, rendered, instances))
 
     render_with(scratch, read)
@@ -126,6 +134,7 @@ def evaluate(scratch: bpy.types.Scene, original: bpy.types.Object) -> EvaluatedM
     shown = [mesh.materials[index] for index in np.unique(mesh.material_index) if mesh.materials]
     refuse_displacement(mesh.name, shown)
     _check_transform(mesh)
+    check_extent(mesh.name, mesh.world_position)
     return mesh
 
 
@@ -286,7 +295,7 @@ def _check_positions(name: str, positions: Floats) -> None:
 
 
 def _check_transform(mesh: EvaluatedMesh) -> None:
-    if not np.isfinite(mesh.normal).all():
+    if not (np.abs(mesh.normal) < _FARTHEST).all():
         raise InputError(f"object '{mesh.name}' has normals that are not finite: clear its custom normals")
     if not np.isfinite(mesh.matrix_world).all():
         raise InputError(f"object '{mesh.name}' has a transform that is not finite: reset it")

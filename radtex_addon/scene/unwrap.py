@@ -8,6 +8,7 @@ Two ways to flatten the surface, xatlas and Blender's Smart UV Project; one way 
 from __future__ import annotations
 
 import logging
+import math
 import time
 
 import numpy as np
@@ -26,6 +27,7 @@ from .xatlas_process import Steps, XatlasProcess
 log = logging.getLogger(__name__)
 
 _LONG = 10.0  # seconds above which an unwrap is announced, and its quick alternative named
+_THREAD = 2e3  # of the area's root: xatlas packs islands of that length for seconds, longer ones for hours
 _TOLERATED_OVERLAP = 1e-3  # share of the covered area: less is a few slivers
 
 
@@ -87,9 +89,16 @@ def _announce(evaluated: EvaluatedMesh, options: UnwrapOptions) -> None:
 
 
 def _check_area(evaluated: EvaluatedMesh) -> None:
-    area = surface_areas(evaluated.world_position[evaluated.triangles]).sum()
+    corners = evaluated.world_position[evaluated.triangles]
+    area = float(surface_areas(corners).sum())
     if not (np.isfinite(area) and area > 0):
         raise InputError(f"object '{evaluated.name}' has faces, but no area to unwrap: give it a size")
+    longest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).max())
+    if longest > _THREAD * math.sqrt(area):
+        raise InputError(
+            f"object '{evaluated.name}' is as thin as a thread, with an edge of {longest:.3g} scene units "
+            f"and an area of {area:.3g}: give it a width, or bake it on a UV layer of its own (--uv)"
+        )
 
 
 def _best(

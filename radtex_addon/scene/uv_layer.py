@@ -46,7 +46,9 @@ def _check_area(evaluated: EvaluatedMesh, uv: Floats, where: str) -> None:
     if lost.all():
         raise InputError(f"{where} is empty (no triangle has area): unwrap it, or leave --uv out")
     surface = surface_areas(evaluated.world_position[evaluated.triangles])
-    share = float(surface[lost].sum() / max(float(surface.sum()), 1e-300))
+    if not surface.any():
+        raise InputError(f"object '{evaluated.name}' has faces, but no area to bake: give it a size")
+    share = float(surface[lost].sum() / surface.sum())
     if share > _TOLERATED:
         raise InputError(
             f"{where} gives no area to {np.count_nonzero(lost)} of {len(lost)} triangles,"
