@@ -59,6 +59,9 @@ __all__ = [
 ]
 
 _BYTES_PER_CHANNEL = 8  # float32, twice: cells by texel are joined to an image (measured: RGBA 33 to 35)
+_BYTES_PER_TEXEL = 256  # points and frames, once as a map and once packed (measured: 180 to 240)
+_BYTES_OF_BANDS = 160 << 20  # cells in hand while an atlas is written, and what writes it (measured)
+_TILE_MB = 1024  # what one render may take at most
 _BYTES_PER_SHARED_PIXEL = 240  # both lobes' ten channels in float32, three times: fitted, as images, stored
 _BYTES_PER_RAY = 48  # single paths in float16, their directions, and what the fit makes of them
 
@@ -74,16 +77,16 @@ class BakeSpec:
     about 64 paths for each of `samples`, however many cells there are (`Rays.of`). Without `bucket` it has
     `layout.cells`. `uv_layer` names a layer of the object to bake on; without one, `unwrap` makes a layer,
     with `padding` texels between islands. `device` is a wish that Cycles answers. `half` and `compression`
-    shape the files; `memory_mb` bounds a tile, not the atlas. `layers` are parts of a radiance that become
-    atlases beside it. `content` is what a proxy shows: a collection's name, "*" for everything, or what lies
-    inside it. To `accumulate` is to fold the samples into the atlas that is there, to `refresh` is to bake
-    again only what has changed of it, with the samples that it has; `where` names a vertex group, a boolean
-    attribute of faces or a material whose faces alone that is done to. Enums may be given as text. With a
-    `budget`, the bytes that its textures may take on a GPU, or a `target`, how near they are to come to what
-    was fitted, in dB, a bake in the shared layout is condensed (`core.condensed`). With a `source` the atlas
-    holds what that object shows, found along the normals of this one, which is not seen itself, within an
-    `extrusion` in scene units, or where that is None within a few per cent of its size; with a `cage`, an
-    object with the same vertices and faces further out, from there on and as far inwards.
+    shape the files; `memory_mb` bounds what the bake takes beside the scene. `layers` are parts of a radiance
+    that become atlases beside it. `content` is what a proxy shows: a collection's name, "*" for everything,
+    or what lies inside it. To `accumulate` is to fold the samples into the atlas that is there, to `refresh`
+    is to bake again only what has changed of it, with the samples that it has; `where` names a vertex group,
+    a boolean attribute of faces or a material whose faces alone that is done to. Enums may be given as text.
+    With a `budget`, the bytes that its textures may take on a GPU, or a `target`, how near they are to come
+    to what was fitted, in dB, a bake in the shared layout is condensed (`core.condensed`). With a `source`
+    the atlas holds what that object shows, found along the normals of this one, which is not seen itself,
+    within an `extrusion` in scene units, or where that is None within a few per cent of its size; with a
+    `cage`, an object with the same vertices and faces further out, from there on and as far inwards.
     Of kind `transfer`, buckets are octahedral maps of directions to the light, and each of the bucket² suns
     that it is captured under costs `samples` paths a texel from each `view`; without `bucket` there are 9 x 9
     cells.
@@ -111,7 +114,7 @@ class BakeSpec:
     compression: Compression = Compression.ZIP
     unwrap: Unwrap = Unwrap.XATLAS
     padding: int = 2
-    memory_mb: int = 1024
+    memory_mb: int | None = None
     layout: Layout = Layout.BUCKETS
     budget: int | None = None
     target: float | None = None
@@ -192,8 +195,24 @@ class BakeSpec:
         return self.pixel_count * self.samples
 
     @property
+    def streams(self) -> bool:
+        """Whether cells lie on the disk while it bakes, and only bands of the atlas are in memory."""
+        whole = self.kind is Kind.TRANSFER or self.accumulate or self.refresh
+        return self.layout is Layout.BUCKETS and not whole
+
+    @property
+    def tile_mb(self) -> int:
+        """What one render may take: of the memory that is allowed, what the atlas leaves."""
+        if self.memory_mb is None:
+            return _TILE_MB
+        return max(1, min(_TILE_MB, self.memory_mb - self.atlas_bytes // 2**20))
+
+    @property
     def atlas_bytes(self) -> int:
         """Most memory that the atlas can take while it is baked."""
+        if self.streams:
+            of_bands = min(_BYTES_OF_BANDS, 2 * _BYTES_PER_CHANNEL * self.pixel_count * self.channels)
+            return self.texels**2 * (_BYTES_PER_TEXEL + self.bucket**2 // 8) + of_bands
         if self.layout is Layout.SHARED:
             of_rays = self.texels**2 * self.rays.of_texel * _BYTES_PER_RAY
             return self.pixel_count * _BYTES_PER_SHARED_PIXEL + of_rays

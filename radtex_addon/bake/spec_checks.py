@@ -33,7 +33,8 @@ _LIMITS = {
     "frame": (0, 1048574),
     "unwrap_at": (0, 1048574),
 }
-_OPTIONAL = ("budget", "frame", "unwrap_at")
+_OPTIONAL = ("budget", "frame", "unwrap_at", "memory_mb")
+_LEAST_TILE = 32 << 20  # bytes that a render takes at least
 
 
 def check(spec: BakeSpec) -> None:
@@ -234,10 +235,17 @@ def _check_size(spec: BakeSpec) -> None:
     if spec.pixels_a_side > MAX_IMAGE_SIDE:
         side = spec.pixels_a_side
         raise InputError(f"{asked} makes {side} pixels a side, {MAX_IMAGE_SIDE} is the most: lower one")
-    memory = physical_memory()
+    memory, needed = physical_memory(), readable_size(spec.atlas_bytes + _LEAST_TILE)
     if memory is not None and spec.atlas_bytes > memory:
-        needed, present = readable_size(spec.atlas_bytes), readable_size(memory)
-        raise InputError(f"{asked} needs {needed} of memory, this machine has {present}: lower one")
+        raise InputError(
+            f"{asked} needs {needed} of memory, this machine has {readable_size(memory)}: lower one"
+        )
+    if spec.memory_mb is not None and spec.atlas_bytes + _LEAST_TILE > spec.memory_mb << 20:
+        allowed = readable_size(spec.memory_mb << 20)
+        raise InputError(
+            f"{asked} needs {needed} of memory beside the scene, {allowed} are allowed (--memory): "
+            "allow more, or lower one"
+        )
 
 
 def _check_whole_number(name: str, value: object, least: int, most: int) -> None:

@@ -255,7 +255,7 @@ def add_how(group: argparse._ArgumentGroup) -> None:
         "pictures of another size have other noise",
     )
     add_device(group)
-    add_memory(group, "memory that one render may take, beside the scene and the atlas", _DEFAULT.memory_mb)
+    add_memory(group, "memory that the bake may take beside the scene: one that needs more is refused", None)
 
 
 def add_files(group: argparse._ArgumentGroup) -> None:

@@ -80,7 +80,7 @@ class Again:
                     scene, part, self.kind, number, self.spec.seed, self.folder, first=start
                 )
                 drawer = Drawer(keeper, f"{start}-{number}-")
-                memory, uncut = self.spec.memory_mb, has_volumes(scene)
+                memory, uncut = self.spec.tile_mb, has_volumes(scene)
                 steps = fill_atlas(part, capture, memory, None, drawer, thumbnail, uncut=uncut)
                 image = yield from relayed(steps, partial(_after, done, total))
             buckets[part.covered] = layout.to_buckets(image)[part.covered]

@@ -16,16 +16,18 @@ from ..bake.hidden import HiddenCells
 from ..bake.layers import WHOLE, split_layers
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage, relayed
-from ..bake.session import capture_bands
+from ..bake.session import BYTES_PER_PIXEL, capture_bands
 from ..bake.spec import BakeSpec, CaptureMethod, Kind
 from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
+from ..core.errors import InputError
 from ..core.texel_map import TexelMap
 from ..cycles.layers import LayeredCapture
 from ..cycles.panoramic import PanoramicCapture
 from ..cycles.portal import PortalCapture
 from ..formats.bucket_files import write_bands
+from ..formats.memory import readable_size
 from ..formats.sidecar import Content, Sidecar
 from ..scene.enclosed import show_content_only
 from ..scene.fog import has_volumes
@@ -55,6 +57,8 @@ def bake_buckets(
     if earlier is None:
         capture = capture_of(scratch, plan, spec, folder)
         uncut = has_volumes(scratch)
+        if uncut:
+            _check_sheet(spec)
         steps = join_buckets(plan, capture, hidden, spec, files, facts, keeper, thumbnail, uncut)
         return (yield from steps)
     chosen = chosen_texels(plan, texels, prepared.chosen, spec.where)
@@ -77,7 +81,7 @@ def join_buckets(
     uncut: bool = True,
 ) -> Generator[Progress, None, Made]:
     """Ask the capture for all tiles of the plan, and write the atlas with its layers, band by band."""
-    memory, channels = spec.memory_mb, spec.channels
+    memory, channels = spec.tile_mb, spec.channels
     steps = capture_bands(plan, capture, memory, hidden, keeper, thumbnail, channels, uncut)
     bands = yield from steps
     paths = len(plan.texel) * spec.bucket**2 * spec.samples
@@ -88,6 +92,16 @@ def join_buckets(
             yield _images(layout.from_buckets(band.buckets), layout, spec)
 
     return (yield from _write(plan, images, spec, files, facts, paths))
+
+
+def _check_sheet(spec: BakeSpec) -> None:
+    """Raises InputError where a sheet that cannot be cut takes more memory than is allowed."""
+    needed = spec.sheet**2 * BYTES_PER_PIXEL * spec.channels // WHOLE
+    if spec.memory_mb is not None and needed > spec.tile_mb << 20:
+        raise InputError(
+            f"pictures of a scene with volumes are not cut, and one of {spec.sheet} x {spec.sheet} pixels "
+            f"needs {readable_size(needed)} of memory: allow more (--memory), or take smaller ones (--sheet)"
+        )
 
 
 def _images(image: Floats, layout: AtlasLayout, spec: BakeSpec) -> dict[str, Floats]:

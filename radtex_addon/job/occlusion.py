@@ -44,7 +44,7 @@ def bake_occlusion(
     """Bake what is prepared; `folder` takes temporary files, the `keeper` every finished tile."""
     plan = yield from plan_occlusion(prepared, spec.bucket, folder, keeper)
     capture = OcclusionCapture(scratch, plan, spec.kind, spec.samples, spec.seed, folder, spec.ao_distance)
-    bands = yield from capture_bands(plan, capture, spec.memory_mb, None, keeper, thumbnail, spec.channels)
+    bands = yield from capture_bands(plan, capture, spec.tile_mb, None, keeper, thumbnail, spec.channels)
     yield Progress(Stage.WRITE, 0, 1)
     layout = plan.layout
     facts = prepared.facts(spec)

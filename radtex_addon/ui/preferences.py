@@ -21,12 +21,12 @@ ADDON = __package__.rpartition(".radtex_addon")[0] or "radtex_addon"
 
 @dataclass(frozen=True)
 class Preferred:
-    """The preferences; a folder is None where nobody chose one, a preset is an empty word."""
+    """The preferences; a folder or a limit is None where nobody chose one, a preset is an empty word."""
 
     device: str = "auto"
     output: Path | None = None
     cache: Path | None = None
-    memory_mb: int = 1024
+    memory_mb: int | None = None
     preset: str = ""
 
 
@@ -60,11 +60,11 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
             subtype="DIR_PATH",
         )
         memory_mb: IntProperty(
-            name="Memory for a Tile (MB)",
-            description="What one render call may take, beside the scene and the atlas: less renders smaller "
-            "tiles, of the same picture",
-            default=1024,
-            min=16,
+            name="Memory (MB)",
+            description="What a bake may take beside the scene: one that needs more is refused, less renders "
+            "smaller tiles of the same picture. 0 is as much as the machine has",
+            default=0,
+            min=0,
             max=2**24,
             soft_max=16384,
         )
@@ -96,7 +96,7 @@ def preferred() -> Preferred:
         device=found.device,
         output=_folder(found.output_folder),
         cache=_folder(found.cache_folder),
-        memory_mb=found.memory_mb,
+        memory_mb=found.memory_mb or None,
         preset="" if found.default_preset == "none" else found.default_preset,
     )
 

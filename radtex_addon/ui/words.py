@@ -38,6 +38,7 @@ LABELS = {
     "levels": "Mip Levels",
     "lights": "Variants",
     "limit": "Limit",
+    "memory": "Memory (MB), in RadTex's preferences",
     "object": "Object",
     "out": "Folder",
     "overwrite": "Overwrite",

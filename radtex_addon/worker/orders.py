@@ -69,6 +69,7 @@ _FLAGS = {
     "frame": "--frames",
     "unwrap_at": "--unwrap-at",
     "where": "--where",
+    "sheet": "--sheet",
 }
 
 

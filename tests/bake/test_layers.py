@@ -47,7 +47,6 @@ def test_a_base_is_the_mean_over_the_hemisphere_and_not_over_cells() -> None:
 def test_a_bake_with_layers_costs_more() -> None:
     plain, layered = BakeSpec(texels=8), BakeSpec(texels=8, layers=(Layer.BASE, Layer.GLOSSY))
     assert layered.channels == 10
-    assert layered.atlas_bytes > 2 * plain.atlas_bytes
     assert cost_of(layered).disk == cost_of(plain).disk + 2 * 3 * (64 * 64 + 8 * 8)
 
 

@@ -43,7 +43,7 @@ def test_the_defaults_are_the_designs() -> None:
     assert default.pixels_a_side == 1024
     assert default.pixel_count == 1024**2
     assert default.path_count == 16 * 1024**2
-    assert default.atlas_bytes == 32 * 1024**2
+    assert default.atlas_bytes < 80 * 1024**2
     with pytest.raises(FrozenInstanceError):
         default.texels = 2  # type: ignore[misc]
 
@@ -79,10 +79,32 @@ def test_an_image_beyond_blenders_limit_is_refused(monkeypatch: pytest.MonkeyPat
 
 
 def test_an_atlas_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(spec_checks, "physical_memory", lambda: 2**31)
-    expected = "texels 1025 with bucket 8 needs 2.0 GiB of memory, this machine has 2.0 GiB: lower one"
-    assert refusal(texels=1025, bucket=8) == expected
-    assert BakeSpec(texels=1024, bucket=8).atlas_bytes == 2**31
+    monkeypatch.setattr(spec_checks, "physical_memory", lambda: 2**30)
+    expected = "texels 4096 with bucket 8 needs 4.3 GiB of memory, this machine has 1.0 GiB: lower one"
+    assert refusal(texels=4096, bucket=8) == expected
+    assert BakeSpec(texels=1024, bucket=8).atlas_bytes < 2**30
+
+
+@pytest.mark.parametrize("other", [{}, {"layout": "shared"}, {"kind": "transfer"}, {"accumulate": True}])
+def test_a_bake_beyond_the_memory_that_is_allowed_is_refused(
+    other: dict[str, object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(spec_checks, "physical_memory", lambda: None)
+    said = refusal(texels=512, memory_mb=64, **other)
+    assert "of memory beside the scene, 64 MiB are allowed (--memory): allow more, or lower one" in said
+
+
+def test_only_what_is_not_held_whole_is_large_at_little_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(spec_checks, "physical_memory", lambda: None)
+    assert BakeSpec(texels=2048, bucket=16, memory_mb=2048).streams
+    assert "needs 32.0 GiB" in refusal(texels=2048, bucket=16, memory_mb=2048, accumulate=True)
+
+
+def test_tiles_take_what_the_atlas_leaves() -> None:
+    assert BakeSpec().tile_mb == 1024
+    spec = BakeSpec(texels=1024, memory_mb=600)
+    assert 32 <= spec.tile_mb == 600 - spec.atlas_bytes // 2**20 < 400
+    assert BakeSpec(texels=1024, memory_mb=8000).tile_mb == 1024
 
 
 def test_a_panorama_cannot_look_inwards() -> None:

@@ -55,11 +55,10 @@ def main() -> None:
         stages = ", ".join(
             f"{stage} {seconds:.0f}" for stage, seconds in found["stages"].items() if seconds > 1
         )
-        print(
-            f"| {side} x {side} | {cells / 1e6:.1f} | {(found['peak'] - least['peak']) / 1e6:.0f} | {cpu:.0f} "
-            f"| {cost:.0f} | {cost / first:.3f} | {sum(found['stages'].values()):.0f} | {stages} |",
-            flush=True,
-        )
+        above = (found["peak"] - least["peak"]) / 1e6
+        row = [f"{side} x {side}", f"{cells / 1e6:.1f}", f"{above:.0f}", f"{cpu:.0f}", f"{cost:.0f}"]
+        row += [f"{cost / first:.3f}", f"{sum(found['stages'].values()):.0f}", stages]
+        print(f"| {' | '.join(row)} |", flush=True)
 
 
 def _measured(side: int, options: argparse.Namespace) -> dict[str, Any]:

@@ -247,7 +247,7 @@ def test_figures_are_for_people() -> None:
         ("Largest image", "1024 × 1024"),
         ("On disk", "8.39 MB"),
         ("On the GPU", "8.39 MB"),
-        ("In memory", "33.6 MB"),
+        ("In memory", "71.4 MB"),
         ("Paths", "16.8 million"),
     ]
 

@@ -202,7 +202,7 @@ def test_settings_become_the_spec_that_they_say() -> None:
     chosen.atlas_layout, chosen.limit, chosen.budget = "shared", "budget", 0.8
     chosen.texels, chosen.bucket, chosen.samples, chosen.seed = 64, 10, 4, 7
     chosen.uv_layer = "UVMap"
-    preferences().device, preferences().memory_mb = "cpu", 512
+    preferences().device, preferences().memory_mb = "cpu", 4096
     expected = BakeSpec(
         layout=Layout.SHARED,
         budget=800_000,
@@ -212,7 +212,7 @@ def test_settings_become_the_spec_that_they_say() -> None:
         seed=7,
         uv_layer="UVMap",
         device="cpu",
-        memory_mb=512,
+        memory_mb=4096,
     )
     assert spec_of(values_of(chosen)) == expected
 

@@ -45,7 +45,8 @@ CHOSEN: dict[str, Any] = {
     "compression": "piz",
     "unwrap": "blender",
     "padding": 4,
-    "memory_mb": 77,
+    "memory_mb": 777,
+    "sheet": 512,
 }
 SPECS = {
     "every choice": BakeSpec(**CHOSEN),
