@@ -59,7 +59,7 @@ def image_contents(image: Any) -> str:
     if image.is_dirty and image.source in {"FILE", "GENERATED"} and image.size[0]:
         pixels = np.empty(image.size[0] * image.size[1] * image.channels, dtype=np.float32)
         image.pixels.foreach_get(pixels)
-        return DIGEST + hashlib.sha256(pixels).hexdigest()
+        return DIGEST + hashlib.sha256(pixels.tobytes()).hexdigest()
     packed = [file.packed_file.data for file in image.packed_files if file.packed_file]
     if packed:
         return " ".join(hashlib.sha256(data).hexdigest() for data in packed)
