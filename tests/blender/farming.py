@@ -41,9 +41,9 @@ def build_moving_scene(folder: Path) -> bpy.types.Scene:
         mover.location.x, rough.default_value = place, value
         mover.keyframe_insert("location", frame=frame)
         rough.keyframe_insert("default_value", frame=frame)
-    track = mover.animation_data.nla_tracks.new()
-    track.strips.new("moves", 1, mover.animation_data.action)
-    mover.animation_data.action = None
+    moves: Any = mover.animation_data
+    moves.nla_tracks.new().strips.new("moves", 1, moves.action)
+    moves.action = None
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8, size=1, location=(-1, 0, 1))
     bpy.context.object.name = "Cloth"
     bpy.context.object.modifiers.new("cloth", "CLOTH")
