@@ -162,6 +162,7 @@ def _guided(judge: Judge, executions: int, seed: int, say: Callable[[], None]) -
             f"-runs={2 * executions}",
             f"-seed={seed + 1}",
             f"-max_len={_MOST_BYTES}",
+            "-mutate_depth=1",  # ours changes enough at once
             "-rss_limit_mb=0",
         ]
         options += ["-verbosity=0", f"-artifact_prefix={corpus}/"]
