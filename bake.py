@@ -14,7 +14,9 @@ python bake.py assemble DIR/NAME.radiance.radtex-farm
 
 from __future__ import annotations
 
+import atexit
 import os
+import shutil
 import signal
 import sys
 from pathlib import Path
@@ -70,7 +72,27 @@ def _keep_stdout_clean() -> None:
     sys.stdout = os.fdopen(ours, "w", encoding=sys.stdout.encoding, errors="backslashreplace")
 
 
+def _leave_without_destructors(ended: list[int]) -> None:
+    """End with the code that is in `ended`: 4.5's C++ destructors, which would follow, may wait for ever.
+
+    Blender's temporary folder would go after them.
+    """
+    if not ended:
+        return
+    blender = sys.modules.get("bpy")
+    folder = Path(blender.app.tempdir) if blender is not None else None
+    if folder is not None and folder.name.startswith("blender_"):
+        shutil.rmtree(folder, ignore_errors=True)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(ended[0])
+
+
 if __name__ == "__main__":
     _leave_when_interrupted()
     _keep_stdout_clean()
-    sys.exit(run())
+    ended: list[int] = []
+    if "bpy" not in sys.modules:  # the module, not Blender itself
+        atexit.register(_leave_without_destructors, ended)
+    ended.append(run())
+    sys.exit(ended[0])
