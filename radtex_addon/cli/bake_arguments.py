@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import argparse
 import re
+from functools import partial
 
 from ..bake.frames import parse_frames
 from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layer, Layout, Split, Unwrap, View
@@ -85,7 +86,7 @@ def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
     )
     group.add_argument(
         "--ao-distance",
-        type=_ao_distance,
+        type=partial(_distance, flag="--ao-distance", such_as="0.5"),
         metavar="D",
         default=_DEFAULT.ao_distance,
         help="of ao, what is farther than D, in scene units, counts as open (default: nothing does)",
@@ -100,7 +101,7 @@ def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
     )
     group.add_argument(
         "--extrusion",
-        type=_distance,
+        type=partial(_distance, flag="--extrusion", such_as="0.05"),
         metavar="D",
         default=_DEFAULT.extrusion,
         help="how far from --object, outwards and inwards, --from is looked for, in scene units "
@@ -214,18 +215,11 @@ def _frame(word: str) -> int:
     return int(word)
 
 
-def _distance(word: str) -> float:
+def _distance(word: str, flag: str, such_as: str) -> float:
     try:
         return float(word)
     except ValueError:
-        raise InputError(f"--extrusion {word}: give a distance in scene units, such as 0.05") from None
-
-
-def _ao_distance(word: str) -> float:
-    try:
-        return float(word)
-    except ValueError:
-        raise InputError(f"--ao-distance {word}: give a distance in scene units, such as 0.5") from None
+        raise InputError(f"{flag} {word}: give a distance in scene units, such as {such_as}") from None
 
 
 def _decibels(word: str) -> float:
