@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..core.arrays import Bools, Floats
+from ..core.arrays import Bools
 from ..core.surface import SurfaceMesh
 from .evaluated import EvaluatedMesh
 
@@ -37,17 +37,12 @@ def side_by_side(meshes: Sequence[EvaluatedMesh], name: str) -> EvaluatedMesh:
         name=name,
         position=np.concatenate(positions),
         triangles=np.concatenate(triangles).astype(np.int32),
-        normal=np.concatenate([_turned(mesh) for mesh in meshes]),
+        normal=np.concatenate([mesh.world_normal for mesh in meshes], dtype=np.float32),
         material_index=np.zeros(sum(len(mesh.triangles) for mesh in meshes), dtype=np.int32),
         materials=(),
         attributes=(),
         matrix_world=np.eye(4),
     )
-
-
-def _turned(mesh: EvaluatedMesh) -> Floats:
-    normal: Floats = mesh.world_normal.astype(np.float32)
-    return normal
 
 
 def joined_surface(surfaces: Sequence[SurfaceMesh], faces: Sequence[Bools]) -> SurfaceMesh:
