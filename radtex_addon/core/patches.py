@@ -46,5 +46,5 @@ def _along_a_curve(place: Floats) -> Ints:
     number: Ints = np.zeros(len(place), dtype=np.int64)
     for bit in range(_BITS):
         for axis in range(3):
-            number += ((cell[:, axis] >> bit) & 1) << (3 * bit + axis)
+            number = number | (((cell[:, axis] >> bit) & 1) << (3 * bit + axis))
     return number
