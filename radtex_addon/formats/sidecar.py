@@ -252,7 +252,7 @@ def preview_path(path: Path, kind: str, part: Part | None = None) -> Path:
     """
     stem = path.name.removesuffix(f".{kind}.json")
     if part is not None:
-        stem = f"{stem.removesuffix(f'.{safe_name(part.name)}')}.{part.by}"
+        stem = f"{stem.removesuffix(f'.{safe_name(part.name)}')}.{safe_name(part.by)}"
     return path.with_name(f"{stem}.preview.blend")
 
 
