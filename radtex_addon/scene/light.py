@@ -23,6 +23,7 @@ def is_dark(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> bool:
 
     A guess by what is plainly set: a linked socket counts as light. For a warning, not for a decision.
     """
+    layer.update()  # or it lists objects that a script has just removed
     shown = [item for item in layer.objects if not item.hide_render]
     if any(item.type == "LIGHT" and item.data.energy > 0 for item in shown):
         return False

@@ -148,3 +148,9 @@ def test_before_blender_5_nodes_may_be_off() -> None:
     assert dark()
     world.color = (0, 0.2, 0)
     assert not dark()
+
+
+def test_an_object_that_was_just_removed_is_no_light() -> None:
+    lamp(100.0)
+    bpy.data.objects.remove(context.object)
+    assert dark()

@@ -24,7 +24,7 @@ from tests.blender.ui_stage import context, properties_of, registered
 PACKAGE = Path(words.__file__).parents[1]
 OPTION = re.compile(r"--([a-z][a-z-]+)")
 # Not shown in the window: the batch itself, and the report's page.
-ELSEWHERE = {"cli", "report/page.py", "report/causes.py"}
+ELSEWHERE = {"cli", "report/page.py", "report/causes.py", "farm"}
 SHIPPED = "export/web/"  # a page's sources
 
 

@@ -47,7 +47,7 @@ BLENDER = {
 ALLOWED: dict[str, set[str]] = {
     "version": set(),
     "core": {"numpy"},
-    "formats": {"numpy", "OpenEXR", "zstandard"},
+    "formats": {"numpy", "Imath", "OpenEXR", "zstandard"},
     "bake": {"numpy"},
     "scene": {"numpy"} | BLENDER,
 } | dict.fromkeys(
