@@ -14,7 +14,7 @@ from radtex_addon.bake.analytic import AnalyticCapture
 from radtex_addon.bake.capture import Capture
 from radtex_addon.bake.hidden import HiddenCells
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
-from radtex_addon.bake.progress import Progress, Stage
+from radtex_addon.bake.progress import Progress, Stage, finished
 from radtex_addon.bake.session import BYTES_PER_PIXEL, fill_atlas
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.errors import BakeError
@@ -176,6 +176,24 @@ def test_tiles_stay_below_the_memory_they_may_take(monkeypatch: pytest.MonkeyPat
     largest = max(tile.rows for tile in capture.tiles)
     bytes_a_row = plan.columns * 8 * 8 * BYTES_PER_PIXEL
     assert largest * bytes_a_row <= memory_mb * 2**20 < (largest + 1) * bytes_a_row
+
+
+def test_what_may_not_be_cut_comes_in_whole_sheets(monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = plan_capture(card(width=40, height=40), 4, sheet=64)
+    recorder = Recorder(AnalyticCapture(plan, telltale(plan)), 100.0, monkeypatch)
+    finished(fill_atlas(plan, recorder, 1, uncut=True))
+    height = plan.sheet_rows
+    assert plan.sheets > 2
+    assert recorder.tiles == [Tile(row, min(height, plan.rows - row)) for row in range(0, plan.rows, height)]
+
+
+def test_no_tile_crosses_a_sheets_edge(monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = plan_capture(card(width=40, height=40), 4, sheet=64)
+    recorder = Recorder(AnalyticCapture(plan, telltale(plan)), 0.0, monkeypatch)
+    finished(fill_atlas(plan, recorder, 1000))
+    assert len(recorder.tiles) > plan.sheets
+    for tile in recorder.tiles:
+        assert tile.first_row // plan.sheet_rows == (tile.end - 1) // plan.sheet_rows
 
 
 def test_a_row_that_is_larger_than_the_memory_is_still_rendered(monkeypatch: pytest.MonkeyPatch) -> None:

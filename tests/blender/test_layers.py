@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 import pytest
 
+from radtex_addon.bake import session
 from radtex_addon.bake.layers import LIGHT, Layer
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
@@ -90,6 +91,19 @@ def test_light_passes_add_up_to_the_whole_and_base_and_rest_do(out: Path) -> Non
     length = np.linalg.norm(found[Layer.NORMAL], axis=-1)
     assert length.max() < 1.001
     assert length.mean() > 0.5
+
+
+@pytest.mark.parametrize("seconds", [1e-4, 100.0])
+def test_the_clock_changes_nothing_of_what_stands_in_a_volume(
+    out: Path, seconds: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Tiles of any height would, in Blender 5: Cycles learns volumes from neighbouring pixels."""
+    busy_object()
+    spec = BakeSpec(texels=16, bucket=4, samples=2, seed=3)
+    first = read_buckets(bake_object(context.scene, "Ball", spec, out / "first").files.sidecar)[0]
+    monkeypatch.setattr(session, "SECONDS_PER_TILE", seconds)
+    second = read_buckets(bake_object(context.scene, "Ball", spec, out / "second").files.sidecar)[0]
+    assert np.array_equal(first, second)
 
 
 def test_layers_change_nothing_of_the_whole(out: Path) -> None:
