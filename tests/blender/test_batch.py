@@ -245,7 +245,7 @@ BAD = {
     ),
     "beyond the memory": (
         ["--object", "Card", "--texels", "8000"],
-        ["texels 8000 with bucket 2 needs 7.6 GiB", "has 4.0 GiB", "lower one"],
+        ["texels 8000 with bucket 2 needs 15.4 GiB", "has 4.0 GiB", "lower one"],
     ),
     "an unknown kind": (
         ["--object", "Card", "--kind", "shadows"],
