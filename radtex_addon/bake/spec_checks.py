@@ -34,7 +34,8 @@ _LIMITS = {
     "unwrap_at": (0, 1048574),
 }
 _OPTIONAL = ("budget", "frame", "unwrap_at", "memory_mb")
-_LEAST_TILE = 32 << 20  # bytes that a render takes at least
+_LEAST_TILE = 32 << 20  # bytes that a render takes at least, where there is so much to render
+_OF_PIXEL = 112  # of a render (`session.BYTES_PER_PIXEL`)
 
 
 def check(spec: BakeSpec) -> None:
@@ -235,12 +236,13 @@ def _check_size(spec: BakeSpec) -> None:
     if spec.pixels_a_side > MAX_IMAGE_SIDE:
         side = spec.pixels_a_side
         raise InputError(f"{asked} makes {side} pixels a side, {MAX_IMAGE_SIDE} is the most: lower one")
-    memory, needed = physical_memory(), readable_size(spec.atlas_bytes + _LEAST_TILE)
+    memory, most = physical_memory(), spec.atlas_bytes + min(_LEAST_TILE, spec.pixel_count * _OF_PIXEL)
+    needed = readable_size(most)
     if memory is not None and spec.atlas_bytes > memory:
         raise InputError(
             f"{asked} needs {needed} of memory, this machine has {readable_size(memory)}: lower one"
         )
-    if spec.memory_mb is not None and spec.atlas_bytes + _LEAST_TILE > spec.memory_mb << 20:
+    if spec.memory_mb is not None and most > spec.memory_mb << 20:
         allowed = readable_size(spec.memory_mb << 20)
         raise InputError(
             f"{asked} needs {needed} of memory beside the scene, {allowed} are allowed (--memory): "
