@@ -174,10 +174,11 @@ def prepare(
         for mesh in evaluated:
             of = f" of '{mesh.name}'" if len(evaluated) > 1 else ""
             keeper.expect({f"mesh{of}": mesh_digest(mesh), f"object's place{of}": matrix_digest(mesh)})
-        keeper.expect(scene_digests(scratch))
     chosen = None if spec.where is None else chosen_triangles(scratch, originals, spec.where)
     source = None if spec.source is None else _evaluate_source(scratch, originals[0], spec.source, keeper)
     cage = None if spec.cage is None else _read_cage(scratch, originals[0], spec, keeper)
+    if keeper is not KEEPS_NOTHING:
+        keeper.expect(scene_digests(scratch))
     yield Progress(Stage.UNWRAP, 0, 1)
     shapes = evaluated
     if spec.unwrap_at is not None and spec.unwrap_at != spec.frame:
