@@ -19,12 +19,13 @@ import numpy.typing as npt
 from ..core.arrays import Bools, Floats, Ints
 from ..core.gutter import nearest_covered
 from .cells import Cells
-from .checkpoint import Keeper
+from .checkpoint import Keeper, Pile
 from .hidden import HiddenCells
 from .plan import CapturePlan
 from .progress import Progress, Stage
 
 _BAND_BYTES = 1 << 25  # of a band's cells
+_HELD_BYTES = 1 << 25  # of texels that fill others: less is quicker found again than kept
 _PAIRS = "pairs"  # the array's name in a direction's piece
 
 
@@ -102,7 +103,7 @@ def find_bands(
 ) -> Generator[Progress, None, Bands]:
     """Find what fills gutters, and the cells that are `hidden`; yields progress in directions.
 
-    A cell that is hidden everywhere keeps what it holds. The `keeper` is given what is found.
+    A cell that is hidden everywhere keeps what it holds. The `keeper` is given what is found, if it is much.
     """
     layout = plan.layout
     place = np.zeros(layout.height * layout.width, dtype=np.int32)
@@ -110,6 +111,8 @@ def find_bands(
     nearest = place[_flat_nearest(plan.covered)]
     instead: dict[tuple[int, int], Ints] = {}
     directions = [] if hidden is None else list(hidden.directions())
+    if len(nearest) * len(directions) * 8 <= _HELD_BYTES:
+        keeper = Pile()
     for done, (q, p) in enumerate(directions):
         yield Progress(Stage.FILL, done, len(directions))
         assert hidden is not None  # or there were no directions

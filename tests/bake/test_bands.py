@@ -66,6 +66,7 @@ def test_bands_are_the_atlas_that_is_filled_whole(
     keeper: Keeper, hides: bool, bytes_: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "_BAND_BYTES", bytes_)
+    monkeypatch.setattr(module, "_HELD_BYTES", 0)
     plan = some_plan()
     cells, whole = some_cells(plan, keeper)
     marks = some_hidden(plan) if hides else None
@@ -82,6 +83,14 @@ def test_bands_are_the_atlas_that_is_filled_whole(
     assert rows == 0
     assert len(bands) == {1: HEIGHT, 5000: HEIGHT, 1 << 30: 1}[bytes_]
     np.testing.assert_array_equal(found, expected)
+
+
+def test_little_is_not_kept(keeper: Keeper) -> None:
+    plan = some_plan()
+    cells, _ = some_cells(plan, keeper)
+    before = keeper.names()
+    finished(find_bands(plan, cells, keeper, HiddenCells.of(some_hidden(plan))))
+    assert keeper.names() == before
 
 
 def test_cells_are_read_wherever_their_tiles_lie(keeper: Keeper) -> None:
