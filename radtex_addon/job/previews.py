@@ -17,9 +17,10 @@ from ..core.arrays import Ints
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError
 from ..core.sampler import Filter
+from ..formats.facts import Facts
 from ..formats.sidecar import read_facts
 from ..formats.transfer_files import LAYOUT as TRANSFER
-from ..formats.transfer_files import read_transfer_sidecar
+from ..formats.transfer_files import TransferSidecar
 from ..preview.material import preview_material, preview_shared_material
 from ..preview.occlusion import preview_ambient_material, preview_shadow_material
 from ..preview.save import TITLE, StandIn, save_preview
@@ -91,7 +92,7 @@ def _baked(spec: BakeSpec, files: OutputFiles, prepared: Shown) -> dict[int | No
     if spec.split is None:
         return {None: (title, files)}
     found: dict[int | None, tuple[str, OutputFiles]] = {}
-    own = _reading(files.sidecar)
+    own = _reading(read_facts(files.sidecar))
     for number, part in enumerate(prepared.parts):
         there = OutputFiles.of(prepared.name, replace(spec, part=part), files.sidecar.parent, preview=True)
         if part == spec.part or _is_of(there.sidecar, prepared, own):
@@ -103,16 +104,15 @@ def _is_of(sidecar: Path, prepared: Shown, reading: tuple[str, int]) -> bool:
     """Whether the file is the sidecar of a bake of the same mesh, which one reads in the same way."""
     try:
         facts = read_facts(sidecar)
-        return facts.values.get("mesh") == prepared.digest and _reading(sidecar) == reading
+        return facts.values.get("mesh") == prepared.digest and _reading(facts) == reading
     except FormatError:
         return False
 
 
-def _reading(sidecar: Path) -> tuple[str, int]:
+def _reading(facts: Facts) -> tuple[str, int]:
     """How a bake is read: its layout, and the views along a bucket's side. Raises FormatError."""
-    facts = read_facts(sidecar)
     layout = facts.text("layout")
-    return layout, read_transfer_sidecar(sidecar).views if layout == TRANSFER else 1
+    return layout, TransferSidecar.from_facts(facts).views if layout == TRANSFER else 1
 
 
 def _slots(mesh: bpy.types.Mesh, part: Ints) -> list[tuple[int, bpy.types.Material | None]]:
