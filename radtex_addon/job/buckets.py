@@ -152,7 +152,7 @@ def _plan(
     plan = plan_capture(texels, spec.bucket, sheet=spec.sheet)
     if spec.kind is not Kind.RADIANCE:
         return plan, None
-    hidden = yield from prepared.hidden(plan, folder, keeper)
+    hidden = yield from prepared.hidden(plan, texels, folder, keeper)
     buried = hidden.buried
     if buried.any():
         plan = plan_capture(texels, spec.bucket, plan.texel[buried], spec.sheet)

@@ -13,9 +13,7 @@ import numpy as np
 
 from ..bake.bands import Bands
 from ..bake.checkpoint import KEEPS_NOTHING, Keeper
-from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage
-from ..bake.rays import PROBE_CELLS
 from ..bake.session import capture_bands
 from ..bake.spec import BakeSpec, Kind
 from ..bake.thumbnail import Thumbnail
@@ -42,7 +40,7 @@ def bake_occlusion(
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Made]:
     """Bake what is prepared; `folder` takes temporary files, the `keeper` every finished tile."""
-    plan = yield from plan_occlusion(prepared, spec.bucket, folder, keeper)
+    plan = yield from prepared.plan_of_seen(spec.bucket, folder, keeper)
     capture = OcclusionCapture(scratch, plan, spec.kind, spec.samples, spec.seed, folder, spec.ao_distance)
     bands = yield from capture_bands(plan, capture, spec.tile_mb, None, keeper, thumbnail, spec.channels)
     yield Progress(Stage.WRITE, 0, 1)
@@ -61,19 +59,6 @@ def bake_occlusion(
         len(plan.texel) * rays,
         0,
     )
-
-
-def plan_occlusion(
-    prepared: Prepared, bucket: int, folder: Path, keeper: Keeper = KEEPS_NOTHING
-) -> Generator[Progress, None, CapturePlan]:
-    """Where rays start, but for texels that nobody sees, where a part of the mesh is stuck into another.
-
-    These would blend their dark into their neighbours; now what fills gutters fills them.
-    """
-    texels = prepared.texels()
-    probe = plan_capture(texels, PROBE_CELLS)
-    hidden = yield from prepared.hidden(probe, folder, keeper)
-    return plan_capture(texels, bucket, without=probe.texel[hidden.buried])
 
 
 def _write_shadow(files: OutputFiles, bands: Bands, facts: Sidecar, spec: BakeSpec) -> Sidecar:

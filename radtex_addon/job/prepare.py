@@ -15,8 +15,9 @@ import numpy as np
 
 from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.hidden import HiddenCells
-from ..bake.plan import CapturePlan
+from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage
+from ..bake.rays import PROBE_CELLS
 from ..bake.spec import BakeSpec
 from ..core.arrays import Bools, Floats, Ints
 from ..core.inset import inset
@@ -122,13 +123,25 @@ class Prepared:
             part=self.part,
         )
 
+    def plan_of_seen(
+        self, bucket: int, folder: Path, keeper: Keeper = KEEPS_NOTHING
+    ) -> Generator[Progress, None, CapturePlan]:
+        """Where rays start, but for texels that nobody sees, where a part of the mesh is stuck into another.
+
+        These would blend their dark into their neighbours; now what fills gutters fills them.
+        """
+        texels = self.texels()
+        probe = plan_capture(texels, PROBE_CELLS)
+        hidden = yield from self.hidden(probe, texels, folder, keeper)
+        return plan_capture(texels, bucket, without=probe.texel[hidden.buried])
+
     def hidden(
-        self, plan: CapturePlan, folder: Path, keeper: Keeper = KEEPS_NOTHING
+        self, plan: CapturePlan, texels: TexelMap, folder: Path, keeper: Keeper = KEEPS_NOTHING
     ) -> Generator[Progress, None, HiddenCells]:
-        """Which of a plan's cells nobody sees: see `find_hidden`."""
+        """Which cells of a plan of the `texels` nobody sees: see `find_hidden`."""
         owner = None
         if len(self.pieces) > 1:
-            triangle = self.texels().triangle.ravel()[plan.texel]
+            triangle = texels.triangle.ravel()[plan.texel]
             owner = np.repeat(np.arange(len(self.pieces)), self.counts)[triangle]
         return (yield from find_hidden(self.seen, plan, folder, keeper, owner))
 

@@ -11,9 +11,8 @@ import bpy
 import numpy as np
 
 from ..bake.checkpoint import KEEPS_NOTHING, Keeper
-from ..bake.plan import CapturePlan, plan_capture
+from ..bake.plan import CapturePlan
 from ..bake.progress import Progress, Stage
-from ..bake.rays import PROBE_CELLS
 from ..bake.spec import BakeSpec, View
 from ..bake.thumbnail import Thumbnail
 from ..bake.transfer import fit_buckets
@@ -41,7 +40,7 @@ def bake_transfer(
     """Bake what is prepared; `folder` takes temporary files, the `keeper` every finished render."""
     eye = find_eye(scratch) if spec.view is View.CAMERA else None
     views = views_along(spec.view)
-    plan = yield from _plan(prepared, views, folder, keeper)
+    plan = yield from prepared.plan_of_seen(views, folder, keeper)
     suns, shift = spec.bucket**2, view_shift(plan, eye)
     with scene_copied(scratch) as scene:
         lit = yield from capture_under_suns(
@@ -57,16 +56,6 @@ def bake_transfer(
     count = len(plan.texel)
     paths = count * views**2 * suns * spec.samples
     return Made(files, layout, count, paths, written.bake.clamped)
-
-
-def _plan(
-    prepared: Prepared, views: int, folder: Path, keeper: Keeper
-) -> Generator[Progress, None, CapturePlan]:
-    """A ray from each view of each texel, but for those that nobody sees."""
-    texels = prepared.texels()
-    probe = plan_capture(texels, PROBE_CELLS)
-    hidden = yield from prepared.hidden(probe, folder, keeper)
-    return plan_capture(texels, views, without=probe.texel[hidden.buried])
 
 
 def _atlas(plan: CapturePlan, lit: Lit, n: int) -> Generator[Progress, None, Floats]:

@@ -17,7 +17,6 @@ from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Bools, Floats, Ints
-from radtex_addon.job.occlusion import plan_occlusion
 from radtex_addon.job.prepare import prepare
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
@@ -29,7 +28,7 @@ def plan_of_bake(name: str, spec: BakeSpec) -> CapturePlan:
     with scratch_scene(cast(bpy.types.Scene, bpy.context.scene), None, kept) as scratch:
         prepared = finished(prepare(scratch, [find_object(scratch, name)], spec, kept))
         with tempfile.TemporaryDirectory() as folder:
-            plan = finished(plan_occlusion(prepared, spec.bucket, Path(folder)))
+            plan = finished(prepared.plan_of_seen(spec.bucket, Path(folder)))
     bpy.data.batch_remove(kept)
     return plan
 
