@@ -7,7 +7,7 @@ from __future__ import annotations
 from math import inf
 from typing import TYPE_CHECKING
 
-from ..core.errors import InputError
+from ..core.errors import InputError, MemoryLimitError
 from ..formats.exr import Compression
 from ..formats.memory import physical_memory, readable_size
 from .choices import ARRIVING, LEAVING, OCCLUSION, SOURCED, CaptureMethod, Kind, Layout, View
@@ -39,7 +39,10 @@ _OF_PIXEL = 112  # of a render (`session.BYTES_PER_PIXEL`)
 
 
 def check(spec: BakeSpec) -> None:
-    """Raises InputError for what cannot be baked; enums and the number of cells are settled before."""
+    """Raises InputError for what cannot be baked; enums and the number of cells are settled before.
+
+    Where all is well but for the memory, that is a MemoryLimitError.
+    """
     for name, (least, most) in _LIMITS.items():
         if name not in _OPTIONAL or getattr(spec, name) is not None:
             _check_whole_number(name, getattr(spec, name), least, most)
@@ -53,6 +56,7 @@ def check(spec: BakeSpec) -> None:
     if spec.condensed:
         _check_condensed(spec)
     _check_size(spec)
+    _check_memory(spec)  # the last: that one alone depends on the machine
 
 
 def _check_kind(spec: BakeSpec) -> None:
@@ -232,22 +236,31 @@ def _check_condensed(spec: BakeSpec) -> None:
 
 
 def _check_size(spec: BakeSpec) -> None:
-    asked = f"texels {spec.texels} with bucket {spec.bucket}"
-    if spec.pixels_a_side > MAX_IMAGE_SIDE:
-        side = spec.pixels_a_side
-        raise InputError(f"{asked} makes {side} pixels a side, {MAX_IMAGE_SIDE} is the most: lower one")
+    side = spec.pixels_a_side
+    if side > MAX_IMAGE_SIDE:
+        raise InputError(
+            f"{_size_of(spec)} makes {side} pixels a side, {MAX_IMAGE_SIDE} is the most: lower one"
+        )
+
+
+def _check_memory(spec: BakeSpec) -> None:
+    asked = _size_of(spec)
     memory, most = physical_memory(), spec.atlas_bytes + min(_LEAST_TILE, spec.pixel_count * _OF_PIXEL)
     needed = readable_size(most)
     if memory is not None and spec.atlas_bytes > memory:
-        raise InputError(
+        raise MemoryLimitError(
             f"{asked} needs {needed} of memory, this machine has {readable_size(memory)}: lower one"
         )
     if spec.memory_mb is not None and most > spec.memory_mb << 20:
         allowed = readable_size(spec.memory_mb << 20)
-        raise InputError(
+        raise MemoryLimitError(
             f"{asked} needs {needed} of memory beside the scene, {allowed} are allowed (--memory): "
             "allow more, or lower one"
         )
+
+
+def _size_of(spec: BakeSpec) -> str:
+    return f"texels {spec.texels} with bucket {spec.bucket}"
 
 
 def _check_whole_number(name: str, value: object, least: int, most: int) -> None:

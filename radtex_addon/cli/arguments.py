@@ -9,11 +9,12 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from ..bake.frames import of_frames
-from ..bake.spec import BakeSpec
+from ..bake.spec import BakeSpec, Layout
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..export.kinds import check_target
 from ..export.spec import Target
+from ..job import OpenLayout
 from ..scene.demo import OBJECT
 from .bake_arguments import add_course, add_files, add_how, add_quality, add_what
 from .options import (
@@ -34,9 +35,10 @@ _DESCRIPTION = """\
 Bake radiance textures with Cycles: every texel of an object gets a bucket, a
 small picture of the light that leaves it, with a cell for each direction.
 
-For each object, writes DIR/NAME.KIND.exr, the atlas of all buckets, and
-DIR/NAME.KIND.json, which describes it; in the shared layout several images,
-DIR/NAME.KIND.LAYER.exr. The .blend file is never changed."""
+Radiance is kept in the shared layout, in textures of 2 MB, where that goes:
+DIR/NAME.KIND.LAYER.dds, or .exr without a budget. Layout buckets writes
+DIR/NAME.KIND.exr, the atlas of all buckets. DIR/NAME.KIND.json describes
+either. The .blend file is never changed."""
 
 _EPILOG = """\
 examples:
@@ -58,7 +60,10 @@ exit codes:
 
 @dataclass(frozen=True)
 class Request:
-    """One run of the batch. `scene` is the .blend to open; None bakes the file that Blender has open."""
+    """One run of the batch. `scene` is the .blend to open; None bakes the file that Blender has open.
+
+    Where the line left the layout open, `spec` has layout buckets until `job.choose_layout` settles it.
+    """
 
     scene: Path | None
     demo: bool
@@ -78,6 +83,7 @@ class Request:
     frames: tuple[int, ...] = ()
     lights: tuple[tuple[str, ...], ...] = ()
     together: str | None = None
+    open_layout: OpenLayout | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -110,6 +116,9 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
     chosen = {
         field.name: getattr(found, field.name) for field in fields(BakeSpec) if hasattr(found, field.name)
     }
+    sized = found.budget is not None or found.target is not None
+    open_layout = OpenLayout(found.bucket) if found.layout is None and not sized else None
+    chosen["layout"] = found.layout or (Layout.SHARED if sized else Layout.BUCKETS)
     chosen["layers"] = tuple(found.layers or ())
     if found.frames:
         chosen["frame"] = found.frames[0]
@@ -140,6 +149,7 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
         frames=found.frames,
         lights=lights,
         together=found.together,
+        open_layout=open_layout,
     )
 
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -19,10 +20,10 @@ from ..export.folder import check_out
 from ..formats.atomic import check_writable
 from ..formats.memory import readable_size
 from ..formats.places import check_unicode
-from ..job import BakeResult, OutputFiles, bake_steps, check_request, part_specs
+from ..job import BakeResult, Choice, OutputFiles, bake_steps, check_request, choose_layout, part_specs
 from ..job.apart import check_files_apart
 from ..job.unwrapping import Unwraps
-from ..job.variants import left_to_do, passed_over
+from ..job.variants import Bake, left_to_do, passed_over
 from ..preview.picture import render_picture
 from ..worker.images import load_unsaved
 from .arguments import Request
@@ -52,6 +53,8 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
     wanted = left_to_do(asked, request.out) if goes_on else asked
     if remark := passed_over(asked, wanted):
         report.event("warning", message=remark)
+    choices = _choices(scene, request, wanted, asked)
+    wanted = [(name, choice.spec) for (name, _), choice in zip(wanted, choices, strict=True)]
     for name, spec in wanted:  # all of them, before the first bake
         check_request(
             scene,
@@ -65,6 +68,9 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
         _check_exports(name, spec, request)
     check_files_apart(wanted, request.out, request.preview is not None)
     _check_thumbnail(request.thumbnail)
+    for (name, _), choice in zip(wanted, choices, strict=True):
+        if choice.reason:
+            report.event("note", message=choice.told(name))
     unwraps: Unwraps = {}
     for number, (name, spec) in enumerate(wanted):
         title = titled(name, spec, number, len(wanted))
@@ -73,6 +79,24 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
         others += export_baked(result.files.sidecar, request.exports, request.overwrite, interruption)
         facts = facts_of(spec, result, others)
         report.event("done", object=name, summary=summary_of(title, spec, result), **facts)
+
+
+def _choices(
+    scene: bpy.types.Scene, request: Request, wanted: Sequence[Bake], asked: Sequence[Bake]
+) -> list[Choice]:
+    """Each of the `wanted` bakes with its layout. Raises InputError as `choose_layout` does."""
+    return [
+        choose_layout(
+            scene,
+            bake,
+            request.open_layout,
+            request.out,
+            resume=request.resume,
+            overwrite=request.overwrite,
+            others=asked,
+        )
+        for bake in wanted
+    ]
 
 
 def _check_exports(name: str, spec: BakeSpec, request: Request) -> None:

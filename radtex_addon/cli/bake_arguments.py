@@ -13,6 +13,7 @@ from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layer, Layou
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..export.spec import Target
+from ..job.layout_choice import SHARED_CELLS
 from .options import DEMO, add_choice, add_device, add_memory, add_number, add_progress, parse_size
 
 _DEFAULT = BakeSpec()
@@ -154,9 +155,12 @@ def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         group,
         "--layout",
         Layout,
-        _DEFAULT.layout,
+        None,
         "buckets: every texel keeps a picture of its own; shared: what all texels see in common is kept "
-        "once and sharp, fitted to single paths, which suits glossy things; radiance by the portal only",
+        "once and sharp, fitted to single paths, which suits glossy things; radiance by the portal only "
+        "(default: shared with --budget 2MB; buckets for other kinds, for an object that can be seen "
+        "through or has hair or a volume, and for what shared within 2 MB refuses: a line says why; what is "
+        "resumed, accumulated or refreshed keeps its layout)",
     )
     group.add_argument(
         "--uv",
@@ -178,7 +182,8 @@ def add_quality(group: argparse._ArgumentGroup) -> None:
         "bucket",
         "N",
         "cells along a bucket's side: each texel tells N x N directions apart",
-        f"{Layout.BUCKETS.cells}; {Layout.SHARED.cells} in the shared layout",
+        f"{SHARED_CELLS} in layout shared with a budget or a target, {Layout.SHARED.cells} without; "
+        f"{Layout.BUCKETS.cells} in layout buckets",
     )
     _number(
         group,
@@ -194,7 +199,7 @@ def add_quality(group: argparse._ArgumentGroup) -> None:
         type=_bytes,
         metavar="SIZE",
         help="what the shared layout's textures may take on a GPU, such as 800KB or 8MB: texels that are "
-        "alike then share buckets (default: every texel keeps its own)",
+        "alike then share buckets (default: 2MB; with --layout shared every texel keeps its own)",
     )
     group.add_argument(
         "--target",

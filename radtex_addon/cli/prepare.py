@@ -9,7 +9,7 @@ from functools import partial
 from ..core.errors import InputError
 from ..farm.frame_list import commands
 from ..farm.prepare import Farm, prepare_steps
-from ..job import part_specs
+from ..job import Choice, part_specs
 from ..worker.images import load_unsaved
 from .arguments import Request
 from .interruption import Interruption
@@ -40,6 +40,8 @@ def run_prepare(request: Request, report: Report, interruption: Interruption) ->
         scene, name, specs[0], request.out, preview=request.preview, overwrite=request.overwrite
     )
     farm = interruption.between(steps, partial(report.progress, name))
+    if request.open_layout is not None:
+        report.event("note", message=Choice(specs[0], "a farm renders no other").told(name))
     report.event("done", object=name, summary=_summary(name, farm), **_facts(farm))
 
 

@@ -69,7 +69,7 @@ class Report(Protocol):
         ...
 
     def event(self, kind: str, **facts: object) -> None:
-        """Something that happened once: `done`, `warning`, `error`, `picture`."""
+        """Something that happened once: `done`, `warning`, `note`, `error`, `picture`."""
         ...
 
     def close(self) -> None:

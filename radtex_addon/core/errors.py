@@ -35,6 +35,10 @@ class InputError(RadTexError):
     """What the user asked for cannot be done; nothing was started."""
 
 
+class MemoryLimitError(InputError):
+    """What was asked for needs more memory than the machine has, or than is allowed."""
+
+
 class FormatError(RadTexError):
     """A file is not what it should be."""
 

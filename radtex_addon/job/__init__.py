@@ -8,7 +8,18 @@ map, captures, atlas, files.
 
 from .checks import check_request
 from .files import OutputFiles
+from .layout_choice import Choice, OpenLayout, choose_layout
 from .parts import part_specs
 from .run import BakeResult, bake_object, bake_steps
 
-__all__ = ["BakeResult", "OutputFiles", "bake_object", "bake_steps", "check_request", "part_specs"]
+__all__ = [
+    "BakeResult",
+    "Choice",
+    "OpenLayout",
+    "OutputFiles",
+    "bake_object",
+    "bake_steps",
+    "check_request",
+    "choose_layout",
+    "part_specs",
+]

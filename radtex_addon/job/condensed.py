@@ -55,22 +55,26 @@ _Steps: TypeAlias = Generator[_Step, None, tuple[SharedSidecar, Condensed]]
 
 def check_budget(spec: BakeSpec, width: int, height: int) -> None:
     """Raise InputError for a budget too small for `width` x `height` texels, if all had one colour."""
-    if spec.budget is None:
-        return
+    if spec.budget is not None:
+        check_bytes(spec.budget, spec.bucket, width, height)
+
+
+def check_bytes(budget: int, bucket: int, width: int, height: int) -> None:
+    """The same for a `budget` of bytes and `bucket` cells along a bucket's side."""
     side = _LEAST_SURROUNDINGS
     least = CondensedSizes(
         width=width,
         height=height,
-        bucket=spec.bucket,
+        bucket=bucket,
         colour=(4, 4),
         surroundings=side,
         levels=level_count(side),
         clusters={Axis.MIRROR: _FEWEST},
     )
     needed = condensed_bytes(least)
-    if needed > spec.budget:
+    if needed > budget:
         raise InputError(
-            f"budget {readable_size(spec.budget)}: {width} x {height} texels take "
+            f"budget {readable_size(budget)}: {width} x {height} texels take "
             f"{readable_size(needed)} at least; give more, or fewer texels"
         )
 

@@ -88,6 +88,17 @@ LAYOUTS = (
     ),
 )
 
+AUTOMATIC = (
+    "auto",
+    "Automatic",
+    "Shared within 2 MB where that goes, or else Buckets; which, and why, is said below",
+)
+# Saved files hold the numbers.
+LAYOUTS_OR_AUTOMATIC = (
+    (*AUTOMATIC, "NONE", 2),
+    *((*layout, "NONE", number) for number, layout in enumerate(LAYOUTS)),
+)
+
 SPLITS = (
     ("none", "None", "The whole surface has one atlas"),
     ("material", "Material", "Each material has an atlas, as in engines that draw material by material"),

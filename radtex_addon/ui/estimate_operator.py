@@ -33,6 +33,7 @@ class RADTEX_OT_estimate(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ..core.errors import InputError, RadTexError
+        from .layouts import chosen_layouts
         from .request import spec_of, values_of
         from .surfaces import have_own_atlases
 
@@ -46,14 +47,15 @@ class RADTEX_OT_estimate(bpy.types.Operator):
                     "only the time of whole objects with atlases of their own is estimated: "
                     "switch One Atlas off, and choose no Split"
                 )
+            bakes = [(name, choice.spec) for name, choice in chosen_layouts(scene, names, values, spec)]
             if not bpy.app.background:
-                estimates.ask(scene, names, spec)
+                estimates.ask(scene, bakes)
                 return {"FINISHED"}
-            estimates.probe_now(scene, names, spec)
+            estimates.probe_now(scene, bakes)
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
-        seconds = estimates.seconds_known(scene, names, spec)
+        seconds = estimates.seconds_known(scene, bakes)
         assert seconds is not None  # just found out
         self.report({"INFO"}, f"About {duration(seconds)}")
         return {"FINISHED"}

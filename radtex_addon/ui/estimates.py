@@ -17,6 +17,7 @@ from . import outlook
 if TYPE_CHECKING:
     from ..bake.estimate import Probe
     from ..bake.spec import BakeSpec
+    from ..job.variants import Bake
     from ..worker.job import Job
     from ..worker.queue import Queue
 
@@ -45,27 +46,29 @@ class _Session:
 _session = _Session()
 
 
-def seconds_known(scene: bpy.types.Scene, names: Iterable[str], spec: BakeSpec) -> float | None:
-    """How long baking all the objects takes; None unless each was probed."""
-    from ..bake.estimate import probe_specs, seconds_needed
+def seconds_known(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> float | None:
+    """How long all these bakes of objects take; None unless each was probed."""
+    from ..bake.estimate import seconds_needed
 
-    small = probe_specs(spec)
-    probes = [_session.probes.get((scene.session_uid, name, small)) for name in names]
-    if not probes or None in probes:
-        return None
-    return sum(seconds_needed(spec, *found) for found in probes if found is not None)
+    total = None
+    for name, spec in bakes:
+        probes = _session.probes.get(_key(scene, name, spec))
+        if probes is None:
+            return None
+        total = (total or 0.0) + seconds_needed(spec, *probes)
+    return total
 
 
-def probe_now(scene: bpy.types.Scene, names: Iterable[str], spec: BakeSpec) -> None:
+def probe_now(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> None:
     """Make the small bakes, and wait for them; errors as of a bake."""
     from ..job.estimate import probe_object
 
-    for name in names:
+    for name, spec in bakes:
         _session.probes[_key(scene, name, spec)] = probe_object(scene, name, spec)
     outlook.mark_stale()
 
 
-def ask(scene: bpy.types.Scene, names: Iterable[str], spec: BakeSpec) -> None:
+def ask(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> None:
     """Let a worker make them. Raises BakeError where the scene cannot be handed over."""
     from ..bake.estimate import probe_specs
     from ..worker.handover import hand_over, this_program
@@ -77,7 +80,7 @@ def ask(scene: bpy.types.Scene, names: Iterable[str], spec: BakeSpec) -> None:
     _session.folder = tempfile.TemporaryDirectory(prefix="radtex-probes-", ignore_cleanup_errors=True)
     queue = _session.queue = Queue(this_program())
     _session.message = ""
-    for name in names:
+    for name, spec in bakes:
         numbers = tuple(
             queue.add(order_bake(handover, name, small, Path(_session.folder.name, str(small.samples))))
             for small in probe_specs(spec)

@@ -61,6 +61,8 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             request = BakeRequest.of(values_with(scene.radtex, self, given))  # type: ignore[attr-defined]  # ours
             if told := request.left_out(scene, names):
                 self.report({"INFO"}, remark(told))
+            for line in request.layouts_told(scene, names):
+                self.report({"INFO"}, remark(line))
             if bpy.app.background or self.wait:
                 self._bake(scene, names, request)
             else:

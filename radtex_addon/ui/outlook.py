@@ -35,7 +35,8 @@ class Outlook:
     estimated them, or they have no atlases of their own; `folder` where there is none. `remedies` are names
     of settings that, switched, would settle errors; `baked` is true where nothing is wrong but that there are
     bakes already, `forgets` where an unfinished one would be thrown away that one could go on with. `shown`
-    are those of the objects whose bakes are shown in their places.
+    are those of the objects whose bakes are shown in their places. `layout` says what an automatic one came
+    to, and why; empty where one was chosen.
     """
 
     objects: tuple[str, ...]
@@ -49,6 +50,7 @@ class Outlook:
     baked: bool = False
     forgets: bool = False
     shown: tuple[str, ...] = ()
+    layout: str = ""
 
 
 @dataclass
@@ -142,6 +144,7 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
     from ..core.errors import InputError
     from ..preview.swap import is_on
     from . import estimates
+    from .layouts import chosen_layouts, told_layouts
     from .request import BakeRequest, has_folder, spec_of, values_of
     from .surfaces import have_own_atlases
 
@@ -149,17 +152,20 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
     settings: BakeSettings = scene.radtex  # type: ignore[attr-defined]  # ours, not Blender's
     values = values_of(settings)
     try:
-        spec = spec_of(values)
+        asked = spec_of(values)
+        chosen = chosen_layouts(scene, names, values, asked, _PATIENCE)
     except InputError as error:
         return Outlook(names, (str(error),), ())
-    cost, seconds = cost_of(spec), None
-    if have_own_atlases(values, spec, len(names)):
-        seconds = estimates.seconds_known(scene, names, spec)
+    costs = {choice.spec: cost_of(choice.spec) for _, choice in chosen}
+    spec = max(costs, key=lambda one: costs[one].gpu)
+    cost, seconds, layout = costs[spec], None, told_layouts(values, chosen)
+    if have_own_atlases(values, asked, len(names)):
+        seconds = estimates.seconds_known(scene, [(name, choice.spec) for name, choice in chosen if name])
     try:
         request = BakeRequest.of(values)
     except InputError as error:
         wanting = () if has_folder(values) else ("directory",)
-        return Outlook(names, (str(error),), (), spec, cost, seconds, remedies=wanting)
+        return Outlook(names, (str(error),), (), spec, cost, seconds, remedies=wanting, layout=layout)
     seen = request.foreseen(scene, names, _PATIENCE)
     if seconds is not None and not seen.errors:
         seconds *= len(request.specs(scene))
@@ -177,4 +183,5 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
         baked=remedies == {"overwrite": 0},
         forgets=forgets,
         shown=tuple(name for name in names if is_on(scene.objects[name])),
+        layout=layout,
     )

@@ -10,7 +10,7 @@ import bpy
 
 from . import jobs
 from .choices import ACCUMULATED, BUCKETS_ONLY, LAYERED, SOURCED
-from .messages import draw_remarks
+from .messages import draw_remarks, draw_text
 from .outlook import Outlook, outlook_of
 from .presets import RADTEX_PT_presets
 from .settings import BakeSettings
@@ -39,6 +39,8 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         layout, settings, found = drawn(self, context)
         _draw_objects(layout, found)
         _draw_kind(layout.column(), settings)
+        if found is not None and found.layout:
+            draw_text(layout.box(), found.layout, "INFO")
         draw_surfaces(
             layout.column(), settings, found is not None and len(found.objects) > 1, is_plain(settings)
         )

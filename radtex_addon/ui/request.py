@@ -15,26 +15,29 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ..bake.frames import of_frames, parse_frames
-from ..bake.spec import BakeSpec, Compression, Layer, Layout, View, parse_kind, parse_layout
+from ..bake.spec import BakeSpec
 from ..core.errors import InputError
 from ..export.spec import Target
-from ..scene.enclosed import EVERYTHING
 from ..scene.lamps import each_light
 from ..scene.scratch import find_view_layer
-from .choices import ACCUMULATED, BUCKETS_ONLY, LAYERED, SOURCED
 from .preferences import preferred
-from .settings import NAMES, BakeSettings
 from .surfaces import bakes_of, may_lack_parts, shared_name
+from .values import open_layout_of, spec_of, values_of, values_with
 
 if TYPE_CHECKING:
+    from ..job import Choice, OpenLayout
     from ..job.foresight import Foresight
+    from ..job.variants import Bake
 
-_MEGABYTE = 1e6
+__all__ = ["BakeRequest", "has_folder", "output_folder", "spec_of", "values_of", "values_with"]
 
 
 @dataclass(frozen=True)
 class BakeRequest:
-    """A bake as it was asked for: what, how, and where to. Objects may have a `shared` atlas of that name."""
+    """A bake as it was asked for: what, how, and where to. Objects may have a `shared` atlas of that name.
+
+    With an `open_layout` the specification has layout buckets until the layout is settled for each object.
+    """
 
     spec: BakeSpec
     folder: Path
@@ -45,6 +48,7 @@ class BakeRequest:
     shared: str | None = None
     frames: tuple[int, ...] = ()
     each_lamp: bool = False
+    open_layout: OpenLayout | None = None
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> BakeRequest:
@@ -63,6 +67,7 @@ class BakeRequest:
             shared=shared_name(values, spec),
             frames=parse_frames(values["frames"]) if values["variants"] == "frames" else (),
             each_lamp=values["variants"] == "lamps",
+            open_layout=open_layout_of(values),
         )
 
     def foreseen(self, scene: bpy.types.Scene, names: Iterable[str], patience: float) -> Foresight:
@@ -99,17 +104,42 @@ class BakeRequest:
     def bakes(
         self, scene: bpy.types.Scene, names: Sequence[str], *, guess: bool = False
     ) -> tuple[tuple[str, BakeSpec], ...]:
-        """What is baked of these objects, by the names of the atlases; `surfaces.bakes_of` says how.
+        """What is baked of these objects, by the names of the atlases; errors as in `choices`."""
+        return tuple((name, choice.spec) for name, choice in self.choices(scene, names, guess=guess))
+
+    def choices(
+        self, scene: bpy.types.Scene, names: Sequence[str], *, guess: bool = False
+    ) -> tuple[tuple[str, Choice], ...]:
+        """What is baked, each with its layout; `surfaces.bakes_of` says how, `job.choose_layout` in which.
 
         Where it goes on with several variants or parts, those that are not finished. Raises InputError where
         all are, unless parts are a `guess` that may lack some; where lamps have no atlases of their own, and
         where there are none.
         """
-        from ..job.variants import left_to_do
+        from ..job import choose_layout
 
         asked = self._asked(scene, names, guess)
-        if not self._goes_on(scene):
-            return asked
+        wanted = self._left(scene, names, asked, guess) if self._goes_on(scene) else asked
+
+        def chosen(bake: Bake) -> Choice:
+            return choose_layout(
+                scene,
+                bake,
+                self.open_layout,
+                self.folder,
+                resume=self.resume,
+                overwrite=self.overwrite,
+                others=asked,
+            )
+
+        return tuple((bake[0], chosen(bake)) for bake in wanted)
+
+    def _left(
+        self, scene: bpy.types.Scene, names: Sequence[str], asked: tuple[Bake, ...], guess: bool
+    ) -> tuple[Bake, ...]:
+        """Those of several variants or parts that are not finished; errors as in `choices`."""
+        from ..job.variants import left_to_do
+
         unsure = guess and may_lack_parts(scene, names, self.spec)
         try:
             found = left_to_do(asked, self.folder)
@@ -127,7 +157,13 @@ class BakeRequest:
 
         if not (self._goes_on(scene) and (self.spec.accumulate or self.spec.refresh)):
             return ""  # without looking for parts
-        return passed_over(self._asked(scene, names, guess=False), self.bakes(scene, names))
+        asked = self._asked(scene, names, guess=False)
+        return passed_over(asked, self._left(scene, names, asked, guess=False))
+
+    def layouts_told(self, scene: bpy.types.Scene, names: Sequence[str]) -> tuple[str, ...]:
+        """A line for each object that gets layout buckets though nobody asked for them. Raises InputError."""
+        choices = self.choices(scene, names, guess=True)
+        return tuple(dict.fromkeys(choice.told(name) for name, choice in choices if choice.reason))
 
     def _goes_on(self, scene: bpy.types.Scene) -> bool:
         """Whether it goes on with those of several variants or parts that are left to do."""
@@ -181,29 +217,6 @@ class BakeRequest:
         return len(replace(self, **values).foreseen(scene, names, patience).errors)
 
 
-def values_of(settings: BakeSettings) -> dict[str, Any]:
-    """A scene's settings by name."""
-    return {name: getattr(settings, name) for name in NAMES}
-
-
-def values_with(settings: BakeSettings, arguments: BakeSettings, given: Iterable[str]) -> dict[str, Any]:
-    """A scene's settings, but for the `arguments` that were `given`; a layout brings its cells."""
-    named = set(given)
-    values = values_of(settings) | {name: getattr(arguments, name) for name in NAMES if name in named}
-    if "bucket" not in named and named & {"kind", "atlas_layout", "limit"}:
-        values["bucket"] = suited_bucket(values["kind"], values["atlas_layout"], values["limit"])
-    return values
-
-
-def suited_bucket(kind: str, layout: str, limit: str) -> int:
-    """Cells along a bucket's side where nobody says."""
-    if kind in BUCKETS_ONLY:
-        return BakeSpec(texels=1, kind=parse_kind(kind)).bucket
-    chosen = parse_layout(layout)
-    condensed = chosen is Layout.SHARED and limit != "none"
-    return BakeSpec(texels=1, layout=chosen, target=40.0 if condensed else None).bucket
-
-
 def output_folder(directory: str, instead: Path | None) -> Path:
     """The folder that `directory` names; `instead` is for files that were never saved.
 
@@ -225,54 +238,3 @@ def has_folder(values: Mapping[str, Any]) -> bool:
     except InputError:
         return False
     return True
-
-
-def spec_of(values: Mapping[str, Any]) -> BakeSpec:
-    """What to bake, without where to. Raises InputError for what cannot be."""
-    wishes = preferred()
-    layout = Layout.BUCKETS if values["kind"] in BUCKETS_ONLY else parse_layout(values["atlas_layout"])
-    plain = layout is Layout.BUCKETS
-    lasting = plain and values["kind"] in ACCUMULATED
-    layered = plain and values["kind"] in LAYERED
-    sourced = layout is Layout.BUCKETS and values["kind"] in SOURCED and values["source"]
-    limit = values["limit"] if layout is Layout.SHARED else "none"
-    return BakeSpec(
-        kind=values["kind"],
-        layout=layout,
-        texels=values["texels"],
-        bucket=values["bucket"],
-        samples=values["samples"],
-        seed=values["seed"],
-        uv_layer=values["uv_layer"] or None,
-        unwrap=values["unwrap"],
-        padding=values["padding"],
-        device=wishes.device,
-        memory_mb=wishes.memory_mb,
-        budget=round(values["budget"] * _MEGABYTE) if limit == "budget" else None,
-        target=values["target"] if limit == "target" else None,
-        half=limit != "none" or values["kind"] == "shadow" or not values["full_floats"],
-        compression=Compression.ZIP if limit != "none" else values["compression"],
-        layers=tuple(layer for layer in Layer if layer.value in values["layers"]) if layered else (),
-        split=None if values["split"] == "none" else values["split"],
-        part=values["part"] or None if values["split"] != "none" else None,
-        accumulate=values["accumulate"] and lasting,
-        refresh=values["refresh"] and lasting,
-        view=View(values["view"] if values["kind"] == "transfer" else "normal"),
-        where=values["where"] or None if lasting and (values["accumulate"] or values["refresh"]) else None,
-        ao_distance=values["ao_distance"] or None if values["kind"] == "ao" else None,
-        content=_content_of(values) if values["kind"] == "proxy" else None,
-        source=values["source"] if sourced else None,
-        extrusion=values["extrusion"] or None if sourced and not values["cage"] else None,
-        cage=values["cage"] or None if sourced else None,
-    )
-
-
-def _content_of(values: Mapping[str, Any]) -> str | None:
-    if values["content"] == "all":
-        return EVERYTHING
-    if values["content"] == "inside":
-        return None
-    if not values["content_collection"]:
-        raise InputError("which collection does the hull show? choose it below Content")
-    name: str = values["content_collection"]
-    return name

@@ -14,7 +14,7 @@ from .choices import (
     BUCKETS_ONLY,
     CONTENTS,
     KINDS,
-    LAYOUTS,
+    LAYOUTS_OR_AUTOMATIC,
     LIMITS,
     UNWRAPS,
     VARIANTS,
@@ -60,7 +60,7 @@ def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
     Keyword arguments mean what they say.
     """
     if isinstance(settings, bpy.types.PropertyGroup):
-        from .request import suited_bucket
+        from .values import suited_bucket
 
         own = cast(Any, settings).get(_OWN_CELLS, {}).get(_sort_of_cells(settings))
         settings.bucket = own or suited_bucket(settings.kind, settings.atlas_layout, settings.limit)
@@ -81,6 +81,8 @@ def _sort_of_cells(settings: BakeSettings) -> str:
         return settings.kind
     if settings.kind in BUCKETS_ONLY or settings.atlas_layout == "buckets":
         return "buckets"
+    if settings.atlas_layout == "auto":
+        return "auto" if settings.kind == "radiance" else "buckets"
     return "shared" if settings.limit == "none" else "condensed"
 
 
@@ -151,8 +153,8 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
         atlas_layout: EnumProperty(
             name="Layout",
             description="How the light is kept",
-            items=LAYOUTS,
-            default="buckets",
+            items=LAYOUTS_OR_AUTOMATIC,
+            default="auto",
             update=_suit_bucket,
             options={"SKIP_SAVE"},
         )
@@ -229,8 +231,9 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
         bucket: IntProperty(
             name="Cells",
             description="Cells along each side of a texel's bucket: more keep sharper reflections and "
-            "highlights. In the Buckets layout, twice as many cost four times as much",
-            default=8,
+            "highlights. In the Buckets layout, twice as many cost four times as much. Automatic takes other "
+            "numbers than 6, 10, 14 and 18 for Buckets",
+            default=14,  # which suit the layout that is chosen for itself (`job.layout_choice`)
             min=2,
             max=256,
             soft_max=32,

@@ -47,7 +47,19 @@ def bake_plane(folder: Path) -> Path:
     bpy.ops.mesh.primitive_plane_add()
     scene = folder / "plane.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(scene))
-    options = ["--uv", "UVMap", "--texels", "16", "--bucket", str(BUCKET), "--samples", "1", "--save-preview"]
+    options = [
+        "--layout",
+        "buckets",
+        "--uv",
+        "UVMap",
+        "--texels",
+        "16",
+        "--bucket",
+        str(BUCKET),
+        "--samples",
+        "1",
+        "--save-preview",
+    ]
     command = [sys.executable, str(ROOT / "bake.py"), str(scene), "--object", NAME, *options]
     subprocess.run([*command, "--out", str(folder)], check=True, capture_output=True)
     return folder / f"{NAME}.radiance.json"

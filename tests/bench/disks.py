@@ -24,7 +24,20 @@ from tests.blender.killed import Command, Ended, Running, digests, left_behind
 from tests.blender.room import save_room
 
 ARGUMENTS = (
-    *("--uv", "UVMap", "--texels", "96", "--bucket", "8", "--samples", "4", "--sheet", "256"),
+    *(
+        "--layout",
+        "buckets",
+        "--uv",
+        "UVMap",
+        "--texels",
+        "96",
+        "--bucket",
+        "8",
+        "--samples",
+        "4",
+        "--sheet",
+        "256",
+    ),
     *("--layer", "diffuse", "--save-preview"),
 )
 _KB = 1 << 10

@@ -25,7 +25,20 @@ from tests.blender.room import save_room
 
 ARGUMENTS = {
     "buckets": (
-        *("--uv", "UVMap", "--texels", "128", "--bucket", "8", "--samples", "2", "--sheet", "256"),
+        *(
+            "--layout",
+            "buckets",
+            "--uv",
+            "UVMap",
+            "--texels",
+            "128",
+            "--bucket",
+            "8",
+            "--samples",
+            "2",
+            "--sheet",
+            "256",
+        ),
         *("--layer", "diffuse", "--save-preview"),
     ),
     "shared": ("--layout", "shared", "--texels", "48", "--bucket", "6", "--samples", "2", "--save-preview"),

@@ -76,7 +76,18 @@ def main() -> None:
             )
         surface = ["--unwrap", asked.unwrap] if asked.unwrap else ["--uv", "UVMap"]
         bake = ["bake.py", scene, "--object", "Grid", "--out", str(Path(folder, "out")), *surface]
-        size = ["--texels", "32", "--bucket", "2", "--samples", "1", "--progress", "json"]
+        size = [
+            "--layout",
+            "buckets",
+            "--texels",
+            "32",
+            "--bucket",
+            "2",
+            "--samples",
+            "1",
+            "--progress",
+            "json",
+        ]
         seconds, memory, code, text = measured([sys.executable, *bake, *size])
         done: list[dict[str, Any]] = [json.loads(line) for line in text.splitlines()[-1:]]
         stages = done[0].get("seconds", {}) if done else {}

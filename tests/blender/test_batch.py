@@ -38,7 +38,7 @@ from tests.blender.unfinished import take_pieces
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
-TINY = ("--texels", "8", "--bucket", "2", "--samples", "1")
+TINY = ("--texels", "8", "--bucket", "2", "--samples", "1", "--layout", "buckets")
 QUIET = ("--progress", "none")
 
 
@@ -149,7 +149,7 @@ def test_standard_output_is_ours_again_afterwards(room: Path, out: Path, batch: 
 
 
 def test_every_option_reaches_the_file(room: Path, out: Path, batch: Batch) -> None:
-    options = "--kind incident --texels 6 --bucket 3 --samples 2 --seed 5 --float --uv UVMap"
+    options = "--kind incident --layout buckets --texels 6 --bucket 3 --samples 2 --seed 5 --float --uv UVMap"
     options += " --capture panoramic --compression piz --device cpu --memory 64"
     assert batch(room, "--object", "Card", *options.split(), "--out", out, *QUIET).code == 0
     pixels, header = read_atlas(out / "Card.incident.exr")
@@ -175,7 +175,7 @@ def test_the_shared_layout_names_all_its_files(room: Path, out: Path, batch: Bat
 
 
 def test_json_tells_the_layout(room: Path, out: Path, batch: Batch) -> None:
-    ended = batch(room, "--object", "Card", "--layout", "shared", *TINY, "--out", out, "--progress", "json")
+    ended = batch(room, "--object", "Card", *TINY, "--layout", "shared", "--out", out, "--progress", "json")
     events = [json.loads(line) for line in ended.out.splitlines()]
     stages = [event["stage"] for event in events if event["event"] == "progress"]
     others = (Stage.FILL, Stage.CONDENSE, Stage.PREVIEW)
@@ -212,6 +212,7 @@ def test_scripts_in_the_file_never_run(out: Path, tmp_path: Path, batch: Batch) 
 def test_the_demo_bakes_and_shows_itself(out: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(baking, "render_picture", partial(render_picture, pixels=32, samples=2))
     small = ("--texels", 64, "--bucket", 2, "--samples", 1, "--unwrap", "blender", "--filter", "nearest")
+    small += ("--layout", "buckets")
     out.mkdir()
     (out / "Suzanne.radiance.exr").write_text("of an earlier demo")
     ended = batch("demo", *small, *QUIET, "--out", out)
@@ -483,7 +484,8 @@ def test_ctrl_c_amid_a_render_ends_with_130_and_leaves_what_is_finished(
 ) -> None:
     temporary = tmp_path / "temporary"
     temporary.mkdir()
-    arguments = ["--object", "Card", "--texels", "64", "--samples", "200", "--progress", "json"]
+    arguments = ["--object", "Card", "--layout", "buckets", "--texels", "64", "--samples", "200"]
+    arguments += ["--progress", "json"]
     command = [sys.executable, "-c", HEARING, BAKE, str(room), *arguments, "--out", str(out)]
     environment = os.environ | {"TMPDIR": str(temporary)}
     with subprocess.Popen(

@@ -27,6 +27,7 @@ from radtex_addon.cli.options import ProgressStyle
 from radtex_addon.core.errors import Cancelled, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.spec import Target
+from radtex_addon.job import OpenLayout
 from radtex_addon.version import VERSION
 from tests.blender.batch_process import BAKE, process, refusal
 
@@ -51,10 +52,11 @@ def test_help_shows_every_option_with_its_default() -> None:
     assert [flag for flag in flags if flag not in ended.out] == []
     told = " ".join(ended.out.split())
     default = BakeSpec()
-    names = ("kind", "layout", "unwrap", "texels", "samples", "capture", "seed", "device", "compression")
+    names = ("kind", "unwrap", "texels", "samples", "capture", "seed", "device", "compression")
     for name in names:
         assert f"(default: {getattr(default, name)})" in told
-    assert "(default: 8; 16 in the shared layout)" in told
+    assert "(default: 14 in layout shared with a budget or a target, 16 without; 8 in layout buckets)" in told
+    assert "(default: shared with --budget 2MB; buckets for other kinds, for an object that can be" in told
     for word in ("(default: radtex)", "(default: quadrilinear)", "(default: bar)"):
         assert word in told
     assert "exit codes:" in ended.out
@@ -80,8 +82,9 @@ def test_the_version_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out == f"RadTex {VERSION}\n"
 
 
-def test_what_is_not_said_is_the_specs_default() -> None:
+def test_what_is_not_said_is_the_specs_default_and_the_layout_stays_open() -> None:
     request = parse(["a.blend", "--object", "A"], inside_blender=False)
+    assert request.open_layout == OpenLayout()
     assert request.spec == BakeSpec()
     assert (request.scene, request.objects, request.out) == (Path("a.blend"), ("A",), Path("radtex"))
     assert (request.preview, request.overwrite, request.progress) == (None, False, ProgressStyle.BAR)

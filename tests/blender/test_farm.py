@@ -212,7 +212,20 @@ def test_the_batch_prepares_and_names_what_is_missing(tmp_path: Path) -> None:
     build_moving_scene(tmp_path)
     blend = tmp_path / "a scene.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
-    options = ("--object", BOX, "--texels", 16, "--bucket", 4, "--samples", 1, "--sheet", 16)
+    options = (
+        "--object",
+        BOX,
+        "--layout",
+        "buckets",
+        "--texels",
+        16,
+        "--bucket",
+        4,
+        "--samples",
+        1,
+        "--sheet",
+        16,
+    )
     done = process("prepare", blend, *options, "--out", tmp_path / "out", "--progress", "json")
     assert done.code == 0, done.err
     event = json.loads(done.out.splitlines()[-1])

@@ -119,7 +119,15 @@ def test_the_batch_bakes_frames_and_goes_on_with_those_that_lack(tmp_path: Path)
     blend = tmp_path / "ball.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     out = tmp_path / "out"
-    options = ["--object=Ball", "--texels=24", "--bucket=4", "--samples=1", "--padding=1", f"--out={out}"]
+    options = [
+        "--object=Ball",
+        "--layout=buckets",
+        "--texels=24",
+        "--bucket=4",
+        "--samples=1",
+        "--padding=1",
+        f"--out={out}",
+    ]
     asked = [str(blend), *options, "--frames=2,4-5", "--progress=json"]
     done = process(*asked)
     assert done.code == 0, done.err

@@ -31,7 +31,10 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no si
 PLAIN = BakeSpec(uv_layer="UVMap", texels=24, bucket=16, samples=1, sheet=128)
 SHARED = BakeSpec(layout=Layout.SHARED, texels=20, bucket=4, samples=1)
 ARGUMENTS = {
-    PLAIN: ("--uv", "UVMap", "--texels", "24", "--bucket", "16", "--samples", "1", "--sheet", "128"),
+    PLAIN: (
+        *("--layout", "buckets", "--uv", "UVMap", "--texels", "24", "--bucket", "16"),
+        *("--samples", "1", "--sheet", "128"),
+    ),
     SHARED: ("--layout", "shared", "--texels", "20", "--bucket", "4", "--samples", "1"),
 }
 

@@ -232,7 +232,15 @@ def test_the_batch_bakes_each_lamp_and_goes_on_with_those_that_lack(tmp_path: Pa
     blend = tmp_path / "floor.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     out = tmp_path / "out"
-    options = ["--object=Floor", "--texels=4", "--bucket=4", "--samples=1", "--padding=0", f"--out={out}"]
+    options = [
+        "--object=Floor",
+        "--layout=buckets",
+        "--texels=4",
+        "--bucket=4",
+        "--samples=1",
+        "--padding=0",
+        f"--out={out}",
+    ]
     asked = [
         str(blend),
         *options,

@@ -21,7 +21,20 @@ from radtex_addon.formats.sidecar import read_sidecar
 from tests.blender import stage
 from tests.blender.batch_process import BAKE, Batch, refusal
 
-QUICK = ("--uv", "UVMap", "--texels", "4", "--bucket", "2", "--samples", "1", "--progress", "none")
+QUICK = (
+    "--layout",
+    "buckets",
+    "--uv",
+    "UVMap",
+    "--texels",
+    "4",
+    "--bucket",
+    "2",
+    "--samples",
+    "1",
+    "--progress",
+    "none",
+)
 # Each is the name of an object in the scene; the last two are one name, composed in two ways.
 NAMES = (
     "../../x",

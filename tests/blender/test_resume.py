@@ -27,7 +27,7 @@ from tests.blender.room import fill_room, save_room
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
-PLAIN = ("--uv", "UVMap", "--texels", "24", "--bucket", "16", "--samples", "1")
+PLAIN = ("--layout", "buckets", "--uv", "UVMap", "--texels", "24", "--bucket", "16", "--samples", "1")
 QUICK = BakeSpec(texels=16, bucket=4, samples=1)
 FOLDER = "Ball.radiance.radtex-unfinished"
 

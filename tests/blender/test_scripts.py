@@ -19,7 +19,20 @@ from tests.blender import stage
 from tests.blender.batch_process import Batch, process
 
 context: Any = bpy.context
-QUICK = ("--uv", "UVMap", "--texels", "4", "--bucket", "2", "--samples", "1", "--progress", "none")
+QUICK = (
+    "--layout",
+    "buckets",
+    "--uv",
+    "UVMap",
+    "--texels",
+    "4",
+    "--bucket",
+    "2",
+    "--samples",
+    "1",
+    "--progress",
+    "none",
+)
 SAID = "the driver of location of object 'Card' is without a value"
 
 

@@ -224,7 +224,7 @@ def test_the_batch_bakes_together_and_in_parts(tmp_path: Path) -> None:
     two_coloured()
     scene = tmp_path / "scene.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(scene))
-    quick = ["--texels=32", "--bucket=2", "--samples=1", f"--out={tmp_path / 'out'}"]
+    quick = ["--layout=buckets", "--texels=32", "--bucket=2", "--samples=1", f"--out={tmp_path / 'out'}"]
     several = [*(f"--object={name}" for name in ROOM), "--together=Room", *quick]
     assert process(str(scene), *several).code == 0
     parts = ["--object=Cube", "--split=material", "--save-preview", *quick]

@@ -169,7 +169,14 @@ def test_the_panel_asks_for_one_atlas_or_one_for_each_part(out: Path) -> None:
 @pytest.mark.usefixtures("registered")
 def test_the_operator_bakes_parts_and_shows_them(out: Path) -> None:
     two_coloured()
-    options = {"split": "material", "texels": 24, "bucket": 2, "samples": 1, "directory": str(out)}
+    options = {
+        "split": "material",
+        "atlas_layout": "buckets",
+        "texels": 24,
+        "bucket": 2,
+        "samples": 1,
+        "directory": str(out),
+    }
     assert ops.radtex.bake(object="Cube", **options) == {"FINISHED"}
     assert ops.radtex.preview_toggle(object="Cube", bake=str(out)) == {"FINISHED"}
     assert is_on(context.scene.objects["Cube"])

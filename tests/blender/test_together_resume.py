@@ -40,6 +40,7 @@ BY_TILE = replace(QUICK, split=Split.UDIM, uv_layer="UVMap")
 def panel(out: Path) -> Iterator[Any]:
     with registered():
         settings().directory = str(out)
+        settings().atlas_layout = "buckets"
         for name in ("texels", "bucket", "samples", "padding"):
             setattr(settings(), name, getattr(QUICK, name))
         yield settings()

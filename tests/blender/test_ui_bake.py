@@ -22,7 +22,7 @@ from radtex_addon.worker.job import State
 from tests.blender import stage
 from tests.blender.ui_stage import context, ops, preferences, registered, settings
 
-TINY = {"texels": 4, "bucket": 2, "samples": 1, "preview": False}
+TINY = {"atlas_layout": "buckets", "texels": 4, "bucket": 2, "samples": 1, "preview": False}
 PATIENCE = 120.0
 
 
@@ -31,6 +31,7 @@ def _registered(empty_file: None, out: Path, tmp_path: Path) -> Iterator[None]:
     with registered():
         stage.world()
         settings().directory = str(out)
+        settings().atlas_layout = "buckets"
         preferences().cache_folder = str(tmp_path / "cache")
         yield
 
@@ -197,7 +198,7 @@ def test_a_worker_finds_out_how_long_a_bake_will_take() -> None:
     plane()
     settings().texels, settings().bucket, settings().samples = 64, 4, 2
     spec = spec_of(values_of(settings()))
-    estimates.ask(context.scene, ("Card",), spec)
+    estimates.ask(context.scene, [("Card", spec)])
     assert estimates.asking()
     assert not ops.radtex.estimate.poll()
     until = time.monotonic() + PATIENCE
@@ -206,4 +207,4 @@ def test_a_worker_finds_out_how_long_a_bake_will_take() -> None:
         time.sleep(0.05)
     assert estimates.message() == ""
     assert not estimates.asking()
-    assert estimates.seconds_known(context.scene, ("Card",), spec) is not None
+    assert estimates.seconds_known(context.scene, [("Card", spec)]) is not None

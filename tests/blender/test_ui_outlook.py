@@ -29,6 +29,7 @@ def _registered(empty_file: None, tmp_path: Path) -> Iterator[None]:
     with registered():
         stage.world()
         settings().directory = str(tmp_path / "out")
+        settings().atlas_layout = "buckets"
         yield
 
 
@@ -256,12 +257,12 @@ def test_an_estimate_is_made_of_two_small_bakes_and_kept() -> None:
     plane()
     settings().texels, settings().bucket, settings().samples = 256, 4, 8
     spec = spec_of(values_of(settings()))
-    assert estimates.seconds_known(context.scene, ("Card",), spec) is None
+    assert estimates.seconds_known(context.scene, [("Card", spec)]) is None
     assert ops.radtex.estimate() == {"FINISHED"}
-    seconds = estimates.seconds_known(context.scene, ("Card",), spec)
+    seconds = estimates.seconds_known(context.scene, [("Card", spec)])
     assert seconds is not None
     assert seconds > 0
     finer = BakeSpec(texels=512, bucket=4, samples=8)
-    more = estimates.seconds_known(context.scene, ("Card",), finer)
+    more = estimates.seconds_known(context.scene, [("Card", finer)])
     assert more is not None
     assert more >= seconds

@@ -83,6 +83,6 @@ def test_new_files_start_from_the_default_preset_and_saved_ones_do_not(tmp_path:
     bpy.ops.wm.save_as_mainfile(filepath=path)
     preferences().default_preset = "diffuse_like"
     bpy.ops.wm.open_mainfile(filepath=path)
-    assert settings().bucket == 8
+    assert settings().bucket == 14
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     assert settings().bucket == 4

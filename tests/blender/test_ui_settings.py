@@ -7,7 +7,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import bpy
 import pytest
@@ -16,11 +17,13 @@ from radtex_addon.bake.spec import SOURCED, BakeSpec, Compression, Kind, Layer, 
 from radtex_addon.core.errors import InputError
 from radtex_addon.cycles.device import GPU_TYPES
 from radtex_addon.export.spec import Target
+from radtex_addon.job.layout_choice import SHARED_CELLS, OpenLayout
 from radtex_addon.ui import choices, registration
 from radtex_addon.ui.output_settings import places
 from radtex_addon.ui.presets import STOCK, RADTEX_OT_preset_add
-from radtex_addon.ui.request import BakeRequest, spec_of, values_of
+from radtex_addon.ui.request import BakeRequest, spec_of, values_of, values_with
 from radtex_addon.ui.settings import NAMES
+from radtex_addon.ui.values import open_layout_of
 from tests.blender.ui_stage import context, ops, preferences, properties_of, registered, settings
 
 # Of the panel's own making: keys and menus call them.
@@ -43,6 +46,7 @@ def test_the_panels_page_tells_of_every_setting_preset_and_operator() -> None:
     told = {one.name.removesuffix(" (MB)") for one in shown}
     told |= {name for _, name, _ in STOCK}
     told |= {name for items in (choices.KINDS, choices.LAYOUTS, choices.LIMITS) for _, name, _ in items}
+    told.add(choices.AUTOMATIC[1])
     told |= {cls.bl_idname for cls in registration.CLASSES if issubclass(cls, bpy.types.Operator)}
     missing = {name for name in told - _UNTOLD if name not in page}
     assert not missing
@@ -92,7 +96,7 @@ def test_settings_can_be_neither_more_nor_less_than_the_names() -> None:
     [("buckets", "none", 5), ("buckets", "budget", 5), ("shared", "none", 16), ("shared", "target", 14)],
 )
 def test_a_layout_brings_the_cells_that_suit_it(layout: str, limit: str, cells: int) -> None:
-    settings().bucket = 5
+    settings().atlas_layout, settings().bucket = "buckets", 5
     settings().limit, settings().atlas_layout = limit, layout
     assert settings().bucket == cells
     assert spec_of(values_of(settings())).bucket == cells
@@ -108,7 +112,7 @@ def test_a_kind_brings_the_cells_that_suit_it(kind: str) -> None:
 
 
 def test_cells_that_were_chosen_come_back() -> None:
-    settings().bucket = 12
+    settings().atlas_layout, settings().bucket = "buckets", 12
     settings().kind = "incident"  # whose cells are of the same sort
     assert settings().bucket == 12
     settings().kind = "transfer"
@@ -126,6 +130,47 @@ def test_cells_that_were_chosen_come_back() -> None:
     assert settings().bucket == 14
     settings().limit, settings().atlas_layout = "none", "buckets"
     assert settings().bucket == 12
+
+
+def test_an_automatic_layout_has_cells_of_its_own_until_they_are_chosen() -> None:
+    assert (settings().atlas_layout, settings().bucket) == ("auto", SHARED_CELLS)
+    assert open_layout_of(values_of(settings())) == OpenLayout()
+    settings().bucket = 10
+    assert open_layout_of(values_of(settings())) == OpenLayout(10)
+    settings().kind = "incident"  # which has buckets
+    assert (settings().bucket, open_layout_of(values_of(settings()))) == (8, OpenLayout())
+    settings().kind = "shadow"  # which has nothing else
+    assert open_layout_of(values_of(settings())) is None
+    settings().kind = "radiance"
+    assert settings().bucket == 10
+    settings().atlas_layout = "buckets"
+    assert (settings().bucket, open_layout_of(values_of(settings()))) == (8, None)
+    settings().atlas_layout = "auto"
+    assert settings().bucket == 10
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted"),
+    [
+        ({}, BakeSpec()),
+        ({"budget": 1.0}, BakeSpec(layout=Layout.SHARED, budget=1_000_000)),
+        ({"target": 30.0}, BakeSpec(layout=Layout.SHARED, target=30.0)),
+        ({"limit": "budget"}, BakeSpec(layout=Layout.SHARED, budget=1_000_000)),
+        ({"limit": "none", "budget": 1.0}, BakeSpec()),
+        ({"atlas_layout": "buckets", "budget": 1.0}, BakeSpec()),
+        ({"atlas_layout": "shared"}, BakeSpec(layout=Layout.SHARED)),
+    ],
+)
+def test_a_size_without_a_layout_is_the_shared_ones(given: dict[str, Any], wanted: BakeSpec) -> None:
+    arguments = SimpleNamespace(**values_of(settings()) | given)
+    values = values_with(settings(), cast(Any, arguments), given)
+    assert spec_of(values) == wanted
+
+
+def test_cells_that_are_named_are_meant_also_where_they_suit() -> None:
+    arguments: Any = SimpleNamespace(**values_of(settings()))
+    assert open_layout_of(values_with(settings(), arguments, ["bucket"])) == OpenLayout(SHARED_CELLS)
+    assert open_layout_of(values_with(settings(), arguments, ["texels"])) == OpenLayout()
 
 
 def test_places_are_for_what_is_accumulated_or_refreshed() -> None:

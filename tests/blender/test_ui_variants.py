@@ -25,7 +25,7 @@ from tests.blender.ui_stage import ops, preferences, registered, settings
 pytestmark = pytest.mark.usefixtures("temporary")
 context: Any = bpy.context  # to the stubs, every pointer may be None
 PATIENCE = 120.0  # seconds for a worker
-TINY: dict[str, Any] = {"texels": 4, "bucket": 2, "samples": 1, "padding": 0}
+TINY: dict[str, Any] = {"atlas_layout": "buckets", "texels": 4, "bucket": 2, "samples": 1, "padding": 0}
 
 
 @pytest.fixture(autouse=True)

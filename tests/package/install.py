@@ -58,7 +58,7 @@ def bake(folder: Path) -> None:
     """Bake a plane, small, by the operator, as a user's script would."""
     bpy.ops.mesh.primitive_plane_add()
     bpy.ops.radtex.bake(  # type: ignore[attr-defined]  # the stubs know Blender's own
-        texels=2, bucket=2, samples=1, directory=str(folder)
+        atlas_layout="buckets", texels=2, bucket=2, samples=1, directory=str(folder)
     )
 
 

@@ -15,8 +15,13 @@ from tests.real.window import Window, opened, wait_until
 
 WORKER = "--background"
 CROSS = 54  # pixels from the sidebar's right edge to the buttons that cancel a job
-LONG = {"texels": 128, "bucket": 8, "samples": 16}  # half a minute or more on two cores
-SHORT = {"texels": 64, "bucket": 4, "samples": 4}
+LONG = {
+    "atlas_layout": "buckets",
+    "texels": 128,
+    "bucket": 8,
+    "samples": 16,
+}  # half a minute or more on two cores
+SHORT = {"atlas_layout": "buckets", "texels": 64, "bucket": 4, "samples": 4}
 _PATIENCE = 240.0  # seconds for a bake on a busy machine; after 300 a test counts as hung
 _FORGET = """
 import sys

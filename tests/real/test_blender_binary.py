@@ -30,7 +30,7 @@ BLENDER = shlex.split(os.environ.get("RADTEX_BLENDER", ""))
 WHEELS = os.environ.get("RADTEX_WHEELS")
 pytestmark = pytest.mark.skipif(not BLENDER, reason="RADTEX_BLENDER names no Blender program")
 
-SMALL = ("--texels", "64", "--bucket", "4", "--samples", "2")
+SMALL = ("--layout", "buckets", "--texels", "64", "--bucket", "4", "--samples", "2")
 MAKE_SCENE = """
 import bpy
 bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -254,7 +254,7 @@ def test_the_demo(installed: Installed, tmp_path: Path) -> None:
 def test_an_interrupted_bake_leaves_nothing(
     installed: Installed, asked: signal.Signals, tmp_path: Path
 ) -> None:
-    long = ("--texels", "256", "--bucket", "8", "--samples", "8")
+    long = ("--layout", "buckets", "--texels", "256", "--bucket", "8", "--samples", "8")
     command = installed.command(
         *(str(installed.scene), "-P", str(installed.script), "--", "--object", "Suzanne"),
         *("--out", str(tmp_path), *long),

@@ -11,7 +11,7 @@ import numpy as np
 from tests.real.panel import Told, bake, jobs, latest, wait_for_end
 from tests.real.window import Window, wait_until
 
-SHARP = {"texels": 64, "bucket": 12, "samples": 8}
+SHARP = {"atlas_layout": "buckets", "texels": 64, "bucket": 12, "samples": 8}
 IMAGES = "sorted(image.name for image in bpy.data.images if image.packed_file)"
 THREE = ["RadTex Baked", "RadTex Difference", "RadTex Path Traced"]
 WINDOWS = "len(bpy.context.window_manager.windows)"

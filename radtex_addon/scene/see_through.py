@@ -1,0 +1,184 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects that a camera sees through, in places or everywhere: by their materials, hair or visibility.
+
+Materials are judged by what feeds their output, as camera rays meet it: a node that is not linked, or that a
+Mix Shader leaves out for camera rays, does not count. Materials are those of the object's slots, and those
+that its geometry nodes set.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, TypeAlias, cast
+
+import bpy
+
+_CLEAR = frozenset({"BSDF_TRANSPARENT", "HOLDOUT", "BSDF_RAY_PORTAL", "SCRIPT"})
+_GLASS = frozenset({"BSDF_GLASS", "BSDF_REFRACTION"})
+_ARITHMETIC: dict[str, Callable[[float, float], float]] = {
+    "ADD": lambda a, b: a + b,
+    "SUBTRACT": lambda a, b: a - b,
+    "MULTIPLY": lambda a, b: a * b,
+    "MAXIMUM": max,
+    "MINIMUM": min,
+}
+
+_Groups: TypeAlias = tuple[Any, ...]  # the group nodes that a socket lies in, outermost first
+
+
+def why_see_through(scene: bpy.types.Scene, item: bpy.types.Object) -> str:
+    """Why a camera may see through the mesh object `item`, as the end of a sentence about it; empty if not.
+
+    Hair and volumes count too: they have no surface.
+    """
+    for told, clear in (
+        ("it is a holdout", item.is_holdout),
+        ("it is a shadow catcher", item.is_shadow_catcher),
+        ("cameras do not see it", not item.visible_camera),
+    ):
+        if clear:
+            return told
+    glass = scene.render.film_transparent and cast(Any, scene).cycles.film_transparent_glass
+    for material in materials_of(item):
+        if fills_volume(material):
+            return f"its material '{material.name}' has a volume"
+        if is_see_through(material, glass):
+            return f"its material '{material.name}' lets through what is behind it"
+    hair = next(_hair(scene, item), None)
+    return "" if hair is None else f"it has hair, '{hair}'"
+
+
+def materials_of(item: bpy.types.Object) -> list[bpy.types.Material]:
+    """The materials of the object's slots and of its geometry nodes, each once."""
+    found = [slot.material for slot in item.material_slots]
+    for modifier in cast("list[Any]", item.modifiers):
+        if modifier.type == "NODES" and modifier.node_group is not None and modifier.show_render:
+            found += _given_to(modifier)
+            found += _set_by(modifier.node_group, set())
+    return list(dict.fromkeys(one for one in found if isinstance(one, bpy.types.Material)))
+
+
+def is_see_through(material: bpy.types.Material, glass: bool = False) -> bool:
+    """Whether camera rays may go on behind the material; `glass` counts where it is clear to the film."""
+    output = _output(material)
+    return output is not None and _is_clear(output.inputs["Surface"], (), glass)
+
+
+def fills_volume(material: bpy.types.Material) -> bool:
+    """Whether the material has a volume."""
+    output = _output(material)
+    return output is not None and _source(output.inputs["Volume"], ()) is not None
+
+
+def _output(material: bpy.types.Material) -> Any:
+    return None if material.node_tree is None else material.node_tree.get_output_node("CYCLES")
+
+
+def _is_clear(socket: Any, groups: _Groups, glass: bool) -> bool:
+    """Whether the shader that feeds the input `socket` may be clear."""
+    found = _source(socket, groups)
+    if found is None:
+        return False
+    node, _, groups = found
+    if node.type == "MIX_SHADER":
+        share = _value(node.inputs[0], groups)
+        mixed = [node.inputs[1 + index] for index in (0, 1) if share != 1 - index]
+        return any(_is_clear(one, groups, glass) for one in mixed)
+    if node.type == "ADD_SHADER":
+        return any(_is_clear(one, groups, glass) for one in node.inputs)
+    if node.type == "BSDF_PRINCIPLED":
+        alpha, through = (_value(node.inputs[name], groups) for name in ("Alpha", "Transmission Weight"))
+        return alpha is None or alpha < 1 or (glass and through != 0)
+    return node.type in _CLEAR or (glass and node.type in _GLASS)
+
+
+def _value(socket: Any, groups: _Groups) -> float | None:
+    """The number at an input `socket`, as a camera ray meets it; None for one that nodes work out."""
+    found = _source(socket, groups)
+    if found is None:
+        return float(socket.default_value) if not socket.is_linked else None
+    node, output, groups = found
+    if node.type in ("VALUE", "GROUP"):  # a group's own input that nothing feeds
+        return float(output.default_value)
+    if node.type == "LIGHT_PATH" and output.name.startswith("Is "):
+        return 1.0 if output.name == "Is Camera Ray" else 0.0
+    if node.type == "MATH" and node.operation in _ARITHMETIC:
+        first, second = (_value(one, groups) for one in list(node.inputs)[:2])
+        if first is None or second is None:
+            return None
+        result = _ARITHMETIC[node.operation](first, second)
+        return min(max(result, 0.0), 1.0) if node.use_clamp else result
+    return None
+
+
+def _source(socket: Any, groups: _Groups) -> tuple[Any, Any, _Groups] | None:
+    """The node and its socket that feed an input, behind reroutes, muted nodes and groups; None for none.
+
+    For the input of a group node that nothing feeds: that node and input.
+    """
+    while True:
+        link = next((one for one in socket.links if one.is_valid and not one.is_muted), None)
+        if link is None:
+            return None
+        node, output = link.from_node, link.from_socket
+        if node.type == "GROUP_INPUT" and groups:
+            inside, groups = groups[-1], groups[:-1]
+            socket = next(one for one in inside.inputs if one.identifier == output.identifier)
+            if not socket.is_linked:
+                return inside, socket, groups
+            continue
+        following = _behind(node, output)
+        if following is None:
+            return node, output, groups
+        socket = following
+        if node.type == "GROUP" and not node.mute:
+            groups = (*groups, node)
+
+
+def _behind(node: Any, output: Any) -> Any:
+    """The input that a reroute, a muted node or a group passes on to `output`; None for other nodes."""
+    if node.mute:
+        return next((one.from_socket for one in node.internal_links if one.to_socket == output), None)
+    if node.type == "REROUTE":
+        return node.inputs[0]
+    if node.type == "GROUP" and node.node_tree is not None:
+        ends = [one for one in node.node_tree.nodes if one.type == "GROUP_OUTPUT" and one.is_active_output]
+        inputs = [one for end in ends for one in end.inputs if one.identifier == output.identifier]
+        return inputs[0] if inputs else None
+    return None
+
+
+def _given_to(modifier: Any) -> Iterator[Any]:
+    """Values of the inputs of a geometry nodes modifier."""
+    names = [one.identifier for one in modifier.node_group.interface.items_tree if one.item_type == "SOCKET"]
+    given = getattr(modifier, "properties", None)
+    if given is None:  # Blender 4.5
+        yield from (modifier[name] for name in names if name in modifier)
+    else:
+        yield from (getattr(getattr(given.inputs, name, None), "value", None) for name in names)
+
+
+def _set_by(tree: Any, known: set[Any]) -> Iterator[Any]:
+    """Values of a geometry node tree's material inputs, with those of groups in it."""
+    if tree is None or tree in known:
+        return
+    known.add(tree)
+    for node in tree.nodes:
+        yield from (one.default_value for one in node.inputs if one.type == "MATERIAL")
+        yield getattr(node, "material", None)
+        if node.type == "GROUP":
+            yield from _set_by(node.node_tree, known)
+
+
+def _hair(scene: bpy.types.Scene, item: bpy.types.Object) -> Iterator[str]:
+    """Names of what renders as hair on the object."""
+    for modifier in cast("list[Any]", item.modifiers):
+        if modifier.type == "PARTICLE_SYSTEM" and modifier.show_render:
+            system = modifier.particle_system
+            if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
+                yield system.name
+    grown = [curves for curves in bpy.data.hair_curves if curves.surface == item]
+    if grown:
+        shown = (one for one in scene.objects if one.data in grown and not one.hide_render)
+        yield from (one.name for one in shown)

@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which layout the chosen objects get where that is automatic, and the line that says so."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import inf
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+import bpy
+
+from ..scene.lamps import WORLD
+from .choices import LAYOUTS
+from .words import iface_, remark, size
+
+if TYPE_CHECKING:
+    from ..bake.spec import BakeSpec
+    from ..job import Choice
+
+    Chosen = tuple[tuple[str, Choice], ...]
+
+
+def chosen_layouts(
+    scene: bpy.types.Scene,
+    names: Sequence[str],
+    values: Mapping[str, Any],
+    spec: BakeSpec,
+    patience: float = inf,
+) -> Chosen:
+    """The bake of each atlas of the objects `names` with its layout, by the atlas's name; parts are not told.
+
+    Without an object it is what one without anything odd gets, called "". After `patience` seconds no further
+    object is looked at. Raises InputError as `job.choose_layout` does.
+    """
+    from ..job import choose_layout
+    from .preferences import preferred
+    from .request import has_folder, output_folder
+    from .surfaces import shared_name
+    from .values import open_layout_of
+
+    folder = output_folder(values["directory"], preferred().output) if has_folder(values) else None
+    wish = open_layout_of(values)
+    if wish is not None and values["variants"] == "lamps":
+        spec = replace(spec, lights=(WORLD,))
+    shared = shared_name(values, spec)
+    bakes = [(name, spec) for name in names or ("",)]
+    if shared is not None and len(names) > 1:
+        bakes = [(shared, replace(spec, objects=tuple(names)))]
+    since, found = monotonic(), []
+    resume, overwrite = values["resume"], values["overwrite"]
+    for bake in bakes:
+        choice = choose_layout(scene, bake, wish, folder, resume=resume, overwrite=overwrite)
+        found.append((bake[0], choice))
+        if monotonic() - since > patience:
+            break
+    return tuple(found)
+
+
+def told_layouts(values: Mapping[str, Any], chosen: Chosen) -> str:
+    """What an automatic layout came to, in one line; empty where the layout was chosen."""
+    from .values import open_layout_of
+
+    if open_layout_of(values) is None:
+        return ""
+    others = [(name, choice) for name, choice in chosen if choice.spec.layout != chosen[0][1].spec.layout]
+    if others:
+        name, choice = next(one for one in chosen if one[1].reason)
+        plain = sum(choice.spec.layout == "buckets" for _, choice in chosen)
+        told = iface_("Buckets for {} of {} objects, Shared for the others. {}")
+        return told.format(plain, len(chosen), remark(choice.told(name)))
+    choice = chosen[0][1]
+    named = next(label for identifier, label, _ in LAYOUTS if identifier == choice.spec.layout)
+    told = iface_("{}, {} cells").format(iface_(named), choice.spec.bucket)
+    if choice.spec.budget is not None:
+        told += iface_(", {} on the GPU").format(size(choice.spec.budget))
+    return f"{told}. {remark(choice.reason)}" if choice.reason else told

@@ -1,0 +1,242 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which layout a bake gets where none was named: what was asked for and the object decide, not the machine."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import bpy
+import pytest
+
+from radtex_addon.bake import spec_checks
+from radtex_addon.bake.key import Key, write_key
+from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout
+from radtex_addon.cli.arguments import parse
+from radtex_addon.core.errors import InputError
+from radtex_addon.formats.sidecar import file_name
+from radtex_addon.job import Choice, choose_layout
+from tests.blender import stage
+
+context: Any = bpy.context  # to the stubs, every pointer may be None
+DEFAULT = BakeSpec(layout=Layout.SHARED, bucket=14, budget=2_000_000)
+PLAIN = BakeSpec()
+NOWHERE = Path("/nowhere")
+
+
+@pytest.fixture(autouse=True)
+def card(empty_file: None) -> Any:
+    bpy.ops.mesh.primitive_plane_add(size=2)
+    context.object.name = "Card"
+    context.object.data.materials.append(stage.material("Paper", "ShaderNodeBsdfDiffuse"))
+    return context.object
+
+
+def asked(line: str, folder: Path = NOWHERE) -> Choice:
+    """What a command line comes to."""
+    request = parse(["a.blend", "--object", "Card", *line.split()], inside_blender=False)
+    (name,), (spec,) = request.names, request.specs
+    return choose_layout(
+        context.scene,
+        (name, spec),
+        request.open_layout,
+        folder,
+        resume=request.resume,
+        overwrite=request.overwrite,
+    )
+
+
+def test_without_a_word_radiance_is_shared_within_a_budget() -> None:
+    assert asked("") == Choice(DEFAULT)
+    assert (DEFAULT.texels, DEFAULT.samples) == (128, 16)
+
+
+@pytest.mark.parametrize(
+    ("line", "spec"),
+    [
+        ("--bucket 10", BakeSpec(layout=Layout.SHARED, bucket=10, budget=2_000_000)),
+        ("--texels 64 --samples 4", BakeSpec(layout=Layout.SHARED, texels=64, samples=4, budget=2_000_000)),
+        ("--budget 1MB", BakeSpec(layout=Layout.SHARED, bucket=14, budget=1_000_000)),
+        ("--target 30dB", BakeSpec(layout=Layout.SHARED, bucket=14, target=30.0)),
+        ("--layout shared", BakeSpec(layout=Layout.SHARED, bucket=16)),
+        ("--layout shared --budget 1MB", BakeSpec(layout=Layout.SHARED, bucket=14, budget=1_000_000)),
+        ("--layout buckets", PLAIN),
+        ("--split material", BakeSpec(layout=Layout.SHARED, budget=2_000_000, split="material")),  # type: ignore[arg-type]
+        ("--frames 3", BakeSpec(layout=Layout.SHARED, budget=2_000_000, frame=3)),
+    ],
+)
+def test_what_goes_with_the_shared_layout_is_shared(line: str, spec: BakeSpec) -> None:
+    assert asked(line) == Choice(spec)
+
+
+# Everything that layout buckets takes and the shared one does not, and what is said of it.
+REFUSED = {
+    "--kind incident": (BakeSpec(kind=Kind.INCIDENT), "the shared layout knows kind radiance only"),
+    "--kind shadow": (BakeSpec(kind=Kind.SHADOW), "the shared layout holds light, not shadow"),
+    "--kind transfer": (BakeSpec(kind=Kind.TRANSFER), "kind transfer knows no shared layout"),
+    "--kind incident --capture panoramic": (None, "the shared layout knows kind radiance only"),
+    "--from High": (BakeSpec(source="High"), "the shared layout is not baked from another object"),
+    "--lights Key": (BakeSpec(lights=("Key",)), "the shared layout cannot be baked for some lamps alone"),
+    "--layer base": (BakeSpec(layers=(Layer.BASE,)), "the shared layout has no layers"),
+    "--accumulate": (BakeSpec(accumulate=True), "the shared layout cannot be accumulated"),
+    "--refresh": (BakeSpec(refresh=True), "the shared layout cannot be refreshed"),
+    "--together All --object Box": (
+        BakeSpec(objects=("Card", "Box")),
+        "the shared layout is not baked for several objects in one atlas",
+    ),
+    "--float": (BakeSpec(half=False), "a budget makes textures of one format"),
+    "--compression piz": (BakeSpec(compression=Compression.PIZ), "a budget makes textures of one format"),
+    "--bucket 8": (BakeSpec(bucket=8), "bucket 8 with a budget: give 6, 10, 14 or 18 cells"),
+    "--bucket 12": (BakeSpec(bucket=12), "bucket 12 with a budget"),
+    "--texels 1024": (BakeSpec(texels=1024), "1024 x 1024 texels take"),
+    "--texels 5000": (BakeSpec(texels=5000), "makes 80000 pixels a side"),
+    "--samples 5000": (BakeSpec(samples=5000), "samples in the shared layout 5000"),
+}
+
+
+@pytest.mark.parametrize("line", REFUSED)
+def test_what_the_shared_layout_refuses_gets_buckets_and_a_line_says_why(line: str) -> None:
+    spec, words = REFUSED[line]
+    found = asked(line)
+    assert found.spec.layout is Layout.BUCKETS
+    assert spec is None or found.spec == spec
+    assert found.reason.startswith(words) or words in found.reason
+    assert "layout buckets" not in found.reason, "that is no remedy now"
+    assert found.told("Card") == f"'Card' is baked in layout buckets, not shared: {found.reason}"
+    assert "\n" not in found.told("Card")
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "--layout shared --kind incident",
+        "--layout shared --layer base",
+        "--layout shared --lights Key",
+        "--layout shared --from High",
+        "--layout shared --accumulate",
+        "--layout shared --budget 2MB --bucket 8",
+        "--budget 2MB --float",
+        "--budget 2MB --kind incident",
+    ],
+)
+def test_a_shared_layout_that_was_named_is_refused_and_never_replaced(line: str) -> None:
+    with pytest.raises(InputError):
+        asked(line)
+
+
+def see_through(card: Any) -> None:
+    card.data.materials[0] = stage.material("Veil", "ShaderNodeBsdfTransparent")
+
+
+def test_an_object_that_is_seen_through_gets_buckets(card: Any) -> None:
+    see_through(card)
+    veiled = "its material 'Veil' lets through what is behind it"
+    assert asked("") == Choice(PLAIN, veiled)
+    assert asked("--bucket 14") == Choice(BakeSpec(bucket=14), veiled)
+    assert asked("--layout shared") == Choice(BakeSpec(layout=Layout.SHARED))
+    assert asked("--layout buckets") == Choice(PLAIN)
+
+
+def test_an_object_that_is_not_there_is_left_to_who_refuses_it() -> None:
+    context.object.name = "Other"
+    assert asked("") == Choice(DEFAULT)
+
+
+LINES = ("", "--texels 64", "--texels 384", "--texels 1024", "--bucket 8", "--layer base", "--layout buckets")
+
+
+def test_the_machine_has_no_say(card: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One with little memory refuses what it cannot, and says which way there is; it chooses nothing else."""
+    answers = {}
+    for memory in (2**32, 2**36, None):
+        monkeypatch.setattr(spec_checks, "physical_memory", lambda memory=memory: memory)
+        for line in LINES:
+            if (memory, line) == (2**32, "--texels 384"):
+                with pytest.raises(InputError, match=r"has 4\.0 GiB: lower one, or choose layout buckets"):
+                    asked(line)
+            else:
+                answers[memory, line] = asked(line)
+        see_through(card)
+        assert asked("--texels 384").spec == BakeSpec(texels=384)
+        card.data.materials[0] = stage.material("Paper", "ShaderNodeBsdfDiffuse")
+    assert all(answers[memory, line] == answers[None, line] for memory, line in answers)
+    assert len(answers) == 3 * len(LINES) - 1
+
+
+def begin(folder: Path, spec: BakeSpec) -> None:
+    """Leave what an interrupted bake does."""
+    facts = {name: str(getattr(spec, name)) for name in ("layout", "bucket", "budget", "target")}
+    place = folder / file_name("Card", spec.kind, "radtex-unfinished")
+    place.mkdir(parents=True)
+    write_key(place, Key(facts, [], []))
+
+
+BEGUN = {
+    "the default": DEFAULT,
+    "shared": BakeSpec(layout=Layout.SHARED),
+    "a target": BakeSpec(layout=Layout.SHARED, target=32.5),
+    "a budget": BakeSpec(layout=Layout.SHARED, bucket=10, budget=700_000),
+    "buckets": PLAIN,
+    "buckets of other cells": BakeSpec(bucket=6),
+}
+
+
+@pytest.mark.parametrize("case", BEGUN)
+def test_to_resume_goes_on_in_the_layout_that_was_begun(case: str, card: Any, out: Path) -> None:
+    begin(out, BEGUN[case])
+    assert asked("--resume", out) == Choice(BEGUN[case])
+    assert asked("--resume --overwrite", out) == Choice(BEGUN[case])
+    assert asked("--overwrite", out) == Choice(DEFAULT), "begun anew"
+    see_through(card)  # which its own key refuses, by name, if it was not so before
+    assert asked("--resume", out) == Choice(BEGUN[case])
+
+
+def test_to_resume_with_a_layout_or_cells_keeps_to_them(out: Path) -> None:
+    begin(out, DEFAULT)
+    assert asked("--resume --layout buckets", out).spec == PLAIN
+    assert asked("--resume --bucket 10", out).spec.bucket == 10
+    assert asked("--resume --layout shared", out).spec == BakeSpec(layout=Layout.SHARED)
+
+
+def test_a_key_that_says_nothing_of_layouts_is_no_hindrance(out: Path) -> None:
+    begin(out, DEFAULT)
+    write_key(out / "Card.radiance.radtex-unfinished", Key({"layout": "spirals"}, [], []))
+    assert asked("--resume", out) == Choice(DEFAULT)
+
+
+def finish(folder: Path, frame: int | None = None, **facts: object) -> None:
+    folder.mkdir(exist_ok=True)
+    name = "Card" if frame is None else f"Card-{frame:04d}"
+    (folder / f"{name}.radiance.json").write_text(json.dumps({"object": "Card", **facts}))
+
+
+@pytest.mark.parametrize("way", ["--accumulate", "--refresh"])
+def test_what_is_folded_in_has_the_cells_of_what_is_there(way: str, out: Path) -> None:
+    finish(out, bucket=6)
+    found = asked(way, out)
+    assert (found.spec.layout, found.spec.bucket, found.reason) == (Layout.BUCKETS, 6, "")
+    assert asked(f"{way} --bucket 8", out).spec.bucket == 8
+    finish(out, bucket=14, shared={"condensed": {}})
+    words = r"Card\.radiance\.json is in the shared layout, which cannot be (accumulated|refreshed): bake it "
+    with pytest.raises(InputError, match=words + r"anew in layout buckets \(--layout buckets --overwrite\)"):
+        asked(way, out)
+
+
+def test_other_frames_of_a_run_that_goes_on_are_alike(out: Path) -> None:
+    line = "--frames 1,2 --resume"
+    request = parse(["a.blend", "--object", "Card", *line.split()], inside_blender=False)
+    bakes = [("Card", spec) for spec in request.specs]
+
+    def second(**options: bool) -> BakeSpec:
+        wish = request.open_layout
+        return choose_layout(context.scene, bakes[1], wish, out, others=bakes, **options).spec  # type: ignore[arg-type]
+
+    assert second(resume=True).layout is Layout.SHARED
+    finish(out, 1, bucket=6)
+    assert (second(resume=True).layout, second(resume=True).bucket) == (Layout.BUCKETS, 6)
+    assert second().layout is Layout.SHARED
+    assert second(resume=True, overwrite=True).layout is Layout.SHARED
+    finish(out, 1, bucket=16, shared={})
+    assert (second(resume=True).bucket, second(resume=True).budget) == (16, None)
