@@ -211,7 +211,18 @@ def test_scripts_in_the_file_never_run(out: Path, tmp_path: Path, batch: Batch) 
 
 def test_the_demo_bakes_and_shows_itself(out: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(baking, "render_picture", partial(render_picture, pixels=32, samples=2))
-    small = ("--texels", 64, "--bucket", 2, "--samples", 1, "--unwrap", "blender", "--filter", "nearest")
+    small: tuple[object, ...] = (
+        "--texels",
+        64,
+        "--bucket",
+        2,
+        "--samples",
+        1,
+        "--unwrap",
+        "blender",
+        "--filter",
+        "nearest",
+    )
     small += ("--layout", "buckets")
     out.mkdir()
     (out / "Suzanne.radiance.exr").write_text("of an earlier demo")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which layout a bake gets where none was named: what was asked for and the object decide, not the machine."""
+"""The layout of a bake that names none: what was asked for and the object decide it, never the machine."""
 
 from __future__ import annotations
 
@@ -231,7 +231,7 @@ def test_other_frames_of_a_run_that_goes_on_are_alike(out: Path) -> None:
 
     def second(**options: bool) -> BakeSpec:
         wish = request.open_layout
-        return choose_layout(context.scene, bakes[1], wish, out, others=bakes, **options).spec  # type: ignore[arg-type]
+        return choose_layout(context.scene, bakes[1], wish, out, others=bakes, **options).spec
 
     assert second(resume=True).layout is Layout.SHARED
     finish(out, 1, bucket=6)

@@ -1,0 +1,276 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the batch and the button bake where nobody names a layout: small bakes, from end to end."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.bake.progress import Stage
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.cli import bake as baking
+from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.shared_files import read_shared
+from radtex_addon.job import bake_object, bake_steps
+from radtex_addon.job.layout_choice import DEFAULT_BUDGET
+from radtex_addon.preview.picture import render_picture
+from radtex_addon.ui import outlook
+from tests.blender import stage
+from tests.blender.batch_process import Batch, refusal
+from tests.blender.ui_stage import ops, registered, settings
+
+context: Any = bpy.context  # to the stubs, every pointer may be None
+QUICK = ("--uv", "UVMap", "--texels", "16", "--samples", "1", "--progress", "none")
+WHY = "radtex: note: 'Card' is baked in layout buckets, not shared: "
+SIDE = 64  # pixels of the leaf's image
+
+
+@pytest.fixture(autouse=True)
+def card(empty_file: None) -> Any:
+    bpy.ops.mesh.primitive_plane_add(size=2)
+    context.object.name = "Card"
+    context.object.data.materials.append(stage.material("Gloss", "ShaderNodeBsdfGlossy", Roughness=0.2))
+    stage.world()
+    return context.object
+
+
+def saved(folder: Path) -> Path:
+    path = folder / "scene.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+    return path
+
+
+def leaf() -> Any:
+    """Green where an image says leaf, a disc, and clear around it."""
+    image: Any = bpy.data.images.new("Leaf", SIDE, SIDE, alpha=True)
+    across = (np.indices((SIDE, SIDE)) + 0.5) / SIDE * 2 - 1
+    pixels = np.ones((SIDE, SIDE, 4), dtype=np.float32)
+    pixels[..., 3] = np.hypot(*across) < 0.7
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    made: Any = stage.material("Leaves", "ShaderNodeMixShader")
+    tree = made.node_tree
+    mix = next(node for node in tree.nodes if node.type == "MIX_SHADER")
+    matt, texture = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeTexImage")
+    matt.inputs["Color"].default_value = (0.1, 0.6, 0.1, 1)
+    texture.image, texture.interpolation = image, "Closest"
+    tree.links.new(texture.outputs["Alpha"], mix.inputs[0])
+    tree.links.new(tree.nodes.new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[1])
+    tree.links.new(matt.outputs[0], mix.inputs[2])
+    return made
+
+
+def curtain() -> Any:
+    """Red cloth, a quarter of which is holes everywhere."""
+    return stage.material("Cloth", "ShaderNodeBsdfPrincipled", Base_Color=(0.7, 0.1, 0.1, 1), Alpha=0.75)
+
+
+def alpha_of(out: Path) -> Any:
+    """Mean alpha of each texel's cells, the first row at the top."""
+    pixels, facts = read_buckets(out / "Card.radiance.json")
+    cells = pixels[..., 3].reshape(facts.height, facts.bucket, facts.width, facts.bucket)
+    return cells.astype(float).mean(axis=(1, 3))
+
+
+def test_an_object_without_anything_odd_is_shared(tmp_path: Path, out: Path, batch: Batch) -> None:
+    ended = batch(saved(tmp_path), "--object", "Card", *QUICK, "--out", out)
+    assert (ended.code, ended.err) == (0, "")
+    _, sidecar = read_shared(out / "Card.radiance.json")
+    assert sidecar.condensed is not None
+    assert (sidecar.bake.bucket, sidecar.bake.samples) == (14, 1)
+    assert "texels of 14 x 14 cells, shared, at 1 spp" in ended.out
+
+
+def test_textures_take_what_the_default_says(tmp_path: Path, out: Path, batch: Batch) -> None:
+    """As many texels as would take six times as much with buckets of their own."""
+    bpy.ops.mesh.primitive_uv_sphere_add(location=(0, 0, 3))
+    context.object.data.materials.append(bpy.data.materials["Gloss"])
+    stage.hdri(context.scene.world)
+    options = ("--uv", "UVMap", "--texels", "56", "--samples", "1", "--progress", "json")
+    ended = batch(saved(tmp_path), "--object", "Card", *options, "--out", out, "--save-preview")
+    done = json.loads(ended.out.splitlines()[-1])
+    size = sum(path.stat().st_size for path in out.glob("*.dds"))
+    assert 0.5 * DEFAULT_BUDGET < done["condensed"]["bytes"] <= DEFAULT_BUDGET
+    assert 0.5 * DEFAULT_BUDGET < size <= 1.1 * DEFAULT_BUDGET
+
+
+def test_leaves_keep_their_outline(card: Any, tmp_path: Path, out: Path, batch: Batch) -> None:
+    card.data.materials[0] = leaf()
+    context.scene.render.film_transparent = True
+    ended = batch(saved(tmp_path), "--object", "Card", *QUICK, "--out", out, "--save-preview")
+    assert ended.code == 0
+    assert ended.err == f"{WHY}its material 'Leaves' lets through what is behind it\n"
+    assert read_buckets(out / "Card.radiance.json")[1].bucket == 8
+    alpha = alpha_of(out)
+    middle = np.hypot(*((np.indices(alpha.shape) + 0.5) / len(alpha) * 2 - 1))
+    assert alpha[middle < 0.55].min() > 0.95
+    assert alpha[middle > 0.85].max() < 0.05
+
+
+def test_a_curtain_lets_a_quarter_through(card: Any, tmp_path: Path, out: Path, batch: Batch) -> None:
+    card.data.materials[0] = curtain()
+    context.scene.render.film_transparent = True
+    ended = batch(saved(tmp_path), "--object", "Card", *QUICK, "--samples", "16", "--out", out)
+    assert (ended.code, ended.err) == (0, f"{WHY}its material 'Cloth' lets through what is behind it\n")
+    assert alpha_of(out) == pytest.approx(0.75, abs=0.06)
+    assert alpha_of(out).mean() == pytest.approx(0.75, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("--layer base", "the shared layout has no layers"),
+        ("--bucket 4", "bucket 4 with a budget: give 6, 10, 14 or 18 cells"),
+        ("--float", "a budget makes textures of one format"),
+    ],
+)
+def test_a_line_says_why_and_json_too(line: str, words: str, tmp_path: Path, out: Path, batch: Batch) -> None:
+    blend = saved(tmp_path)
+    ended = batch(blend, "--object", "Card", *QUICK, *line.split(), "--out", out)
+    assert ended.code == 0
+    assert ended.err.startswith(WHY + words)
+    assert ended.err.count("\n") == 1
+    again = (*QUICK, *line.split(), "--progress", "json", "--overwrite")
+    events = [
+        json.loads(line) for line in batch(blend, "--object", "Card", *again, "--out", out).out.splitlines()
+    ]
+    assert [f"radtex: note: {event['message']}\n" for event in events if event["event"] == "note"] == [
+        ended.err
+    ]
+    assert events[-1]["layout"] == "buckets"
+
+
+def test_a_shared_layout_that_was_named_is_refused(tmp_path: Path, out: Path, batch: Batch) -> None:
+    blend = saved(tmp_path)
+    for line in ("--layout shared --layer base", "--budget 2MB --float"):
+        refusal(batch(blend, "--object", "Card", *QUICK, *line.split(), "--out", out))
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        BakeSpec(layout=Layout.SHARED, budget=DEFAULT_BUDGET, uv_layer="UVMap", texels=16, samples=1),
+        BakeSpec(layout=Layout.SHARED, uv_layer="UVMap", texels=16, samples=1),
+        BakeSpec(uv_layer="UVMap", texels=16, samples=1),
+    ],
+    ids=["default", "shared", "buckets"],
+)
+def test_what_was_begun_is_resumed_without_its_layout(
+    spec: BakeSpec, tmp_path: Path, out: Path, batch: Batch
+) -> None:
+    blend = saved(tmp_path)
+    steps = bake_steps(context.scene, "Card", spec, out)
+    next(step for step in steps if step.stage is Stage.CAPTURE and step.done)
+    steps.close()
+    ended = batch(blend, "--object", "Card", *QUICK, "--resume", "--out", out)
+    assert (ended.code, ended.err) == (0, "")
+    whole = out.parent / "whole"
+    bake_object(context.scene, "Card", spec, whole)
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == {
+        path.name: path.read_bytes() for path in whole.iterdir()
+    }
+
+
+def test_what_is_there_is_accumulated_in_its_layout(tmp_path: Path, out: Path, batch: Batch) -> None:
+    blend = saved(tmp_path)
+    named = ("--layout", "buckets", "--bucket", "4")
+    assert batch(blend, "--object", "Card", *QUICK, *named, "--out", out).code == 0
+    for way in ("--accumulate", "--refresh"):
+        ended = batch(blend, "--object", "Card", *QUICK, way, "--out", out)
+        assert (ended.code, ended.err) == (0, "")
+    facts = read_buckets(out / "Card.radiance.json")[1]
+    assert (facts.bucket, facts.samples) == (4, 2)
+    assert batch(blend, "--object", "Card", *QUICK, "--overwrite", "--out", out).code == 0
+    line = refusal(batch(blend, "--object", "Card", *QUICK, "--accumulate", "--out", out))
+    assert "is in the shared layout, which cannot be accumulated: bake it anew in layout buckets" in line
+    anew = (*QUICK, "--layout", "buckets", "--overwrite")
+    assert batch(blend, "--object", "Card", *anew, "--out", out).code == 0, "the advice works"
+
+
+def test_a_farm_gets_buckets_and_says_why(tmp_path: Path, out: Path, batch: Batch) -> None:
+    prepare = ("prepare", saved(tmp_path), "--object", "Card", *QUICK, "--out", out)
+    ended = batch(*prepare)
+    assert (ended.code, ended.err) == (0, f"{WHY}a farm renders no other\n")
+    ended = batch(*prepare, "--layout", "buckets", "--overwrite")
+    assert (ended.code, ended.err) == (0, "")
+
+
+def test_the_demo_is_shared(out: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(baking, "render_picture", partial(render_picture, pixels=32, samples=2))
+    small = ("--texels", 64, "--samples", 1, "--unwrap", "blender", "--progress", "none")
+    ended = batch("demo", *small, "--out", out)
+    assert (ended.code, ended.err) == (0, "")
+    assert len(list(out.glob("Suzanne.radiance.*.dds"))) >= 4
+    others = {path.name for path in out.iterdir() if path.suffix != ".dds"}
+    assert others == {f"Suzanne.{end}" for end in ("radiance.json", "preview.blend", "preview.png")}
+
+
+@pytest.fixture
+def panel(out: Path) -> Iterator[Any]:
+    with registered():
+        settings().directory = str(out)
+        yield settings()
+
+
+def told() -> str:
+    return outlook.refresh(context.scene, context.view_layer).layout
+
+
+def test_the_panel_says_what_an_automatic_layout_comes_to(panel: Any, card: Any, out: Path) -> None:
+    assert told() == "Shared, 14 cells, 2 MB on the GPU"
+    panel.bucket = 8
+    assert told().startswith("Buckets, 8 cells. Cells 8 with a budget: give 6, 10, 14 or 18 cells")
+    panel.bucket = 14
+    panel.layers = {"base"}
+    assert told() == "Buckets, 8 cells. The shared layout has no layers"
+    panel.layers = set()
+    panel.variants = "lamps"
+    assert told().startswith("Buckets, 8 cells. The shared layout cannot be baked for some lamps alone")
+    panel.variants = "none"
+    card.data.materials[0] = curtain()
+    assert told() == "Buckets, 8 cells. Its material 'Cloth' lets through what is behind it"
+    bpy.ops.mesh.primitive_plane_add()
+    bpy.ops.object.select_all(action="SELECT")
+    assert told() == (
+        "Buckets for 1 of 2 objects, Shared for the others. 'Card' is baked in layout buckets, not shared: "
+        "its material 'Cloth' lets through what is behind it"
+    )
+    panel.atlas_layout = "buckets"
+    assert told() == ""
+
+
+def test_the_panel_goes_on_in_the_layout_that_was_begun(panel: Any, out: Path) -> None:
+    panel.uv_layer, panel.texels, panel.samples, panel.preview = "UVMap", 16, 1, False
+    spec = BakeSpec(uv_layer="UVMap", texels=16, samples=1)
+    steps = bake_steps(context.scene, "Card", spec, out)
+    next(step for step in steps if step.stage is Stage.CAPTURE and step.done)
+    steps.close()
+    found = outlook.refresh(context.scene, context.view_layer)
+    assert found.remedies == ("overwrite", "resume")
+    assert ops.radtex.bake(resume=True) == {"FINISHED"}
+    assert (out / "Card.radiance.exr").is_file()
+
+
+def test_the_button_bakes_each_object_in_its_layout(
+    panel: Any, card: Any, out: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    panel.uv_layer, panel.texels, panel.samples, panel.preview = "UVMap", 16, 1, False
+    card.data.materials[0] = curtain()
+    bpy.ops.mesh.primitive_plane_add(location=(0, 0, 3))
+    context.object.name = "Plain"
+    bpy.ops.object.select_all(action="SELECT")
+    capfd.readouterr()
+    assert ops.radtex.bake() == {"FINISHED"}
+    assert (out / "Card.radiance.exr").is_file()
+    assert (out / "Plain.radiance.colour.dds").is_file()
+    said = capfd.readouterr().out
+    assert said.count("not shared: its material 'Cloth' lets through what is behind it") == 1
