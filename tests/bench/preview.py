@@ -5,6 +5,7 @@
     python -m tests.bench.preview demo        the scene of `bake.py demo`
     python -m tests.bench.preview gold        the same on a plain grey floor
     python -m tests.bench.preview obj:DIR     an OBJ file with a texture beside it, made to scatter light
+    python -m tests.bench.preview demo --layout buckets        the paper's layout, by every filter
 
 Bakes the object, renders it path traced, renders its saved preview, and prints PSNR (of display values:
 clipped to 0..1, gamma 2.2; inside the object, its mask eroded by a pixel). With --figures DIR it leaves
@@ -24,10 +25,11 @@ import numpy as np
 from mathutils import Vector
 from PIL import Image
 
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.exr import read_render
 from radtex_addon.job import BakeResult, bake_object
+from radtex_addon.job.layout_choice import DEFAULT_BUDGET
 from radtex_addon.report.gbuffer import eroded
 from radtex_addon.report.metrics import Mask, Picture, display, psnr
 from radtex_addon.scene.demo import OBJECT, add_camera, build_demo_scene
@@ -43,7 +45,8 @@ def main() -> None:
     )
     parser.add_argument("scene", help="demo, gold, or obj:DIR")
     parser.add_argument("--texels", type=int, default=128)
-    parser.add_argument("--bucket", type=int, default=8)
+    parser.add_argument("--layout", choices=list(Layout), help="(default: shared within a budget, as bakes)")
+    parser.add_argument("--bucket", type=int, help="(default: the layout's)")
     parser.add_argument("--samples", type=int, default=16)
     parser.add_argument("--pixels", type=int, default=192, help="of a picture's side")
     parser.add_argument("--reference-samples", type=int, default=256)
@@ -51,7 +54,15 @@ def main() -> None:
     parser.add_argument("--no-eevee", action="store_true")
     options = parser.parse_args()
     name, build = _scene(options.scene)
-    spec = BakeSpec(texels=options.texels, bucket=options.bucket, samples=options.samples)
+    layout = Layout.SHARED if options.layout is None else Layout(options.layout)
+    spec = BakeSpec(
+        layout=layout,
+        texels=options.texels,
+        bucket=options.bucket,
+        samples=options.samples,
+        budget=DEFAULT_BUDGET if options.layout is None else None,
+    )
+    filters = tuple(Filter) if layout is Layout.BUCKETS else (Filter.QUADRILINEAR,)  # shared has but one
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         scene = build()
@@ -59,7 +70,7 @@ def main() -> None:
         masks = [eroded(mask) for mask in seen]
         shown: dict[str, list[Picture]] = {}
         results: list[BakeResult] = []
-        for kind in Filter:
+        for kind in filters:
             scene = build()
             result = bake_object(scene, OBJECT, spec, folder, preview=kind, overwrite=True)
             results.append(result)
@@ -68,7 +79,7 @@ def main() -> None:
             if not options.no_eevee:
                 shown[f"Eevee, {kind}"] = _preview(result.files.preview, EEVEE, options.pixels, folder)
         print(f"\n{name}: {spec.texels} texels, {spec.bucket} cells, {spec.samples} spp, ", end="")
-        print(f"{results[-1].paths / 1e6:.1f} M paths, {results[-1].islands} islands")
+        print(f"{layout}, {results[-1].paths / 1e6:.1f} M paths, {results[-1].islands} islands")
         _print_table(shown, references, masks)
         if options.figures:
             _save_figures(options.figures, name, shown, references, seen)
