@@ -67,7 +67,8 @@ def choose_layout(
 
     Without a `wish` it was named, and stays. To `resume`, to accumulate and to refresh go on in the layout of
     what is there, of this bake or else of the `others` that are baked with it, unless there is no folder yet.
-    An object that is not there has no say. Raises InputError for a shared atlas that is to be accumulated or
+    Where some of them are of single lamps, all are alike, for they add up. An object that is not there has no
+    say. Raises InputError for a shared atlas that is to be accumulated or
     refreshed, and as `BakeSpec` does.
     """
     name, spec = bake
@@ -78,7 +79,8 @@ def choose_layout(
         begun = _begun([bake, *(one for one in others if one[0] == name)], folder, overwrite and not again)
         if begun is not None:
             return Choice(_as_begun(bake, begun, wish, folder))
-    reason = _why_not_shared(spec, wish.cells) or _why_not_objects(scene, name, spec)
+    lit = next((one for _, one in others if one.lights), spec)
+    reason = _why_not_shared(lit, wish.cells) or _why_not_objects(scene, name, spec)
     if reason:
         return Choice(spec, reason)
     try:

@@ -17,7 +17,7 @@ from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout
 from radtex_addon.cli.arguments import parse
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.sidecar import file_name
-from radtex_addon.job import Choice, choose_layout
+from radtex_addon.job import Choice, OpenLayout, choose_layout
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -222,6 +222,13 @@ def test_what_is_folded_in_has_the_cells_of_what_is_there(way: str, out: Path) -
     words = r"Card\.radiance\.json is in the shared layout, which cannot be (accumulated|refreshed): bake it "
     with pytest.raises(InputError, match=words + r"anew in layout buckets \(--layout buckets --overwrite\)"):
         asked(way, out)
+
+
+def test_the_whole_light_is_kept_as_that_of_single_lamps_is() -> None:
+    whole, lamp = ("Card", PLAIN), ("Card", BakeSpec(lights=("Key",)))
+    found = choose_layout(context.scene, whole, OpenLayout(), NOWHERE, others=[whole, lamp])
+    assert found.spec == PLAIN
+    assert "for some lamps alone" in found.reason
 
 
 def test_other_frames_of_a_run_that_goes_on_are_alike(out: Path) -> None:
