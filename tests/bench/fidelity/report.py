@@ -65,16 +65,17 @@ def scene_table(name: str, results: Sequence[Result], floor: Figures) -> str:
 
 
 def summary_table(scenes: Mapping[str, Sequence[Result]]) -> str:
-    """Every scene's decibels on its untuned views and their mean, by method, in Markdown."""
+    """Every scene's decibels and FLIP on its untuned views and their mean, by method, in Markdown."""
     rows = [["method", *scenes, "mean"], ["---"] * (len(scenes) + 2)]
     for index, first in enumerate(next(iter(scenes.values()))):
-        eroded, whole = (
-            [results[index].mean(figure, True) for results in scenes.values()]
-            for figure in ("psnr", "psnr_uneroded")
-        )
-        pairs = zip([*eroded, float(np.mean(eroded))], [*whole, float(np.mean(whole))], strict=True)
-        rows.append([first.method, *(f"{inner:.2f} / {outer:.2f}" for inner, outer in pairs)])
-    return f"PSNR of the untuned views, eroded / uneroded\n\n{markdown(rows)}\n"
+        columns = [
+            [results[index].mean(figure, True) for figure in ("psnr", "psnr_uneroded", "flip")]
+            for results in scenes.values()
+        ]
+        means = [float(np.mean(figures)) for figures in zip(*columns, strict=True)]
+        cells = (f"{inner:.2f} / {outer:.2f} / {flip:.3f}" for inner, outer, flip in [*columns, means])
+        rows.append([first.method, *cells])
+    return f"Untuned views: PSNR eroded / uneroded / FLIP\n\n{markdown(rows)}\n"
 
 
 def save_sheet(path: Path, results: Sequence[Result]) -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shared layout, as `bake.py --layout shared` bakes it, read back from its files."""
+"""The shared layout as `bake.py --layout shared` bakes it: every texel keeps buckets of its own."""
 
 from __future__ import annotations
 
@@ -15,8 +15,10 @@ import numpy as np
 from radtex_addon.bake.progress import Progress, Stage, finished, relayed
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.shared import SharedAtlas, sample_shared
+from radtex_addon.formats.condensed_sizes import texture_bytes
 from radtex_addon.formats.packing import pack
 from radtex_addon.formats.shared_files import read_shared
+from radtex_addon.formats.shared_sidecar import SharedSidecar
 from radtex_addon.job.files import OutputFiles
 from radtex_addon.job.prepare import prepare
 from radtex_addon.job.shared import bake_shared
@@ -40,12 +42,11 @@ def look(atlas: SharedAtlas, buffer: GBuffer) -> Array:
 
 
 class Shared:
-    """Bakes and writes; paths, seconds and bytes count all of it. No compression yet."""
+    """Bakes, writes and reads back; paths, seconds and bytes count all of it."""
 
-    name = "shared"
-
-    def __init__(self, texels: int, samples: int) -> None:
-        self.spec = BakeSpec(layout=Layout.SHARED, texels=texels, samples=samples)
+    def __init__(self, name: str, spec: BakeSpec) -> None:
+        self.name = name
+        self.spec = spec
 
     def bake(self, stage: Scene, folder: Path) -> Baked:
         scene = cast(bpy.types.Scene, bpy.context.scene)
@@ -69,12 +70,19 @@ class Shared:
         return Baked(
             paths=made.paths,
             seconds=ended - started,
-            bytes=_PIXEL * sum(image.shape[0] * image.shape[1] for image in pack(atlas).values()),
+            bytes=_bytes(atlas, sidecar),
             radiance=lambda buffer: look(atlas, buffer),
             mesh=prepared.mesh,
             matrix_world=np.array(stage.subject.matrix_world),
             uv_layer=sidecar.bake.uv_map,
         )
+
+
+def _bytes(atlas: SharedAtlas, sidecar: SharedSidecar) -> int:
+    """What a GPU holds: the textures of a condensed atlas, or images of half floats."""
+    if sidecar.condensed is not None:
+        return texture_bytes(sidecar.shapes)
+    return _PIXEL * sum(image.shape[0] * image.shape[1] for image in pack(atlas).values())
 
 
 def _finish(steps: Generator[Progress, None, _Result], reached: dict[Stage, float]) -> _Result:
@@ -84,4 +92,4 @@ def _finish(steps: Generator[Progress, None, _Result], reached: dict[Stage, floa
 
 def make(texels: int, samples: int) -> Shared:
     """The shared layout with about as many paths as the plain one spends with 8 x 8 cells."""
-    return Shared(texels, samples)
+    return Shared("shared", BakeSpec(layout=Layout.SHARED, texels=texels, samples=samples))
