@@ -15,8 +15,10 @@ import numpy as np
 from ..core.arrays import Floats
 from ..core.errors import BakeError, FormatError
 from ..formats.exr import read_render
+from ..formats.working_space import render_matrix
 from ..scene.lamps import GROUP
 from ..scene.nodes import NodeBuilder, open_material
+from .passes import Passes
 
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
 
@@ -103,13 +105,13 @@ def camera_above(scene: bpy.types.Scene, extent: Extent, height: float, gap: flo
 def render_image(scene: bpy.types.Scene, file: Path) -> Floats:
     """Render `scene`, which writes to `file`, and read that: (H, W, 4) float32, row 0 at the bottom.
 
-    Raises BakeError where Cycles fails.
+    Its colours are in Rec.709. Raises BakeError where Cycles fails.
     """
-    return next(iter(render_layers(scene, file).values()))
+    return render_layers(scene, file).whole
 
 
-def render_layers(scene: bpy.types.Scene, file: Path) -> dict[str, Floats]:
-    """The same with every pass that is kept, the combined one first, by the name that Blender gives it.
+def render_layers(scene: bpy.types.Scene, file: Path) -> Passes:
+    """The same with every pass that is kept, each (H, W, C).
 
     Where some lamps alone are lit (`scene.lamps`), the combined one has their light, and the alpha of all.
     """
@@ -133,13 +135,14 @@ def render_layers(scene: bpy.types.Scene, file: Path) -> dict[str, Floats]:
         ) from error
 
 
-def read_layers(file: Path) -> dict[str, Floats]:
+def read_layers(file: Path) -> Passes:
     """What `render_layers` gives, of a picture that was rendered before. Raises FormatError for none."""
     passes = {name.rpartition(".")[2]: image for name, image in read_render(file).items()}
     light = passes.pop(f"Combined_{GROUP}", None)
     if light is not None:
         passes["Combined"] = np.concatenate([light[..., :3], passes["Combined"][..., 3:]], axis=-1)
-    return dict(sorted(passes.items(), key=lambda named: named[0] not in ("", "Combined")))
+    ordered = sorted(passes.items(), key=lambda named: named[0] not in ("", "Combined"))
+    return Passes(dict(ordered), render_matrix(file))
 
 
 def mirror_material() -> bpy.types.Material:

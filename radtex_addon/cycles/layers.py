@@ -41,5 +41,4 @@ class LayeredCapture:
     def render(self, tile: Tile) -> Floats:
         """Cells of the tile's texels as `Capture.render` has them, each layer's three channels after RGBA."""
         passes = self._portal.render_passes(tile)
-        whole = next(iter(passes.values()))
-        return np.concatenate([whole, *(light_of(passes, layer) for layer in self._layers)], axis=-1)
+        return np.concatenate([passes.whole, *(light_of(passes, layer) for layer in self._layers)], axis=-1)

@@ -89,8 +89,8 @@ class OcclusionCapture:
         for first in range(tile.first_row, end, rows):
             part = Tile(first, min(rows, end - first))
             passes = self._capture.render_passes(part)
-            stopped = self._stopped_within(distance, part, passes["Position"][..., :3])
-            alpha = np.clip(next(iter(passes.values()))[..., 3], 0, 1) * stopped
+            stopped = self._stopped_within(distance, part, passes.raw["Position"][..., :3])
+            alpha = np.clip(passes.raw_whole[..., 3], 0, 1) * stopped
             n = side // self._finer
             cells = alpha.reshape(len(alpha), n, self._finer, n, self._finer).mean(axis=(2, 4))
             found.append((1 - cells[..., None]).astype(np.float32))

@@ -1,14 +1,20 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles's light passes: how a view layer is asked for them, and what a render calls them."""
+"""Cycles's light passes: how a view layer is asked for them, and what a render calls them.
+
+Here, and nowhere else, the colours of renders become Rec.709: Blender writes pictures of several layers in
+the colour space that the .blend works in.
+"""
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from ..core.arrays import Floats
-
-Passes: TypeAlias = dict[str, Floats]  # by the name that Blender gives them
+from ..formats.working_space import converted
 
 # Blender 5's names, and 4.5's
 _LOBES = {
@@ -23,6 +29,39 @@ _SINGLE = {
     "environment": ("use_pass_environment", ("Environment", "Env")),
     "normal": ("use_pass_normal", ("Normal",)),
 }
+_VECTORS = frozenset({"normal"})  # no colours, to be left as they are
+
+
+@dataclass(frozen=True, eq=False)
+class Passes:
+    """A render's passes as Blender wrote them, `raw`: (..., C) by the names that it gives them.
+
+    The combined one comes first. `to_rec709` (3, 3) takes their colours to Rec.709, None where they are that.
+    """
+
+    raw: dict[str, Floats]
+    to_rec709: Floats | None = None
+
+    @property
+    def raw_whole(self) -> Floats:
+        """The combined pass in the space that the .blend works in: for what is coded in colours."""
+        return next(iter(self.raw.values()))
+
+    @property
+    def whole(self) -> Floats:
+        """The combined pass in Rec.709: (..., 4) with its alpha, or (..., 3)."""
+        raw = self.raw_whole
+        if self.to_rec709 is None:
+            return raw
+        return np.concatenate([self.in_rec709(raw[..., :3]), raw[..., 3:]], axis=-1)
+
+    def in_rec709(self, colours: Floats) -> Floats:
+        """Colours (..., 3) of these passes, or of products of them, in Rec.709."""
+        return converted(colours, self.to_rec709)
+
+    def mapped(self, change: Callable[[Floats], Floats]) -> Passes:
+        """The same with each pass changed."""
+        return replace(self, raw={name: change(pixels) for name, pixels in self.raw.items()})
 
 
 def attributes_of(name: str) -> tuple[str, ...]:
@@ -35,21 +74,32 @@ def attributes_of(name: str) -> tuple[str, ...]:
 
 
 def light_of(passes: Passes, name: str) -> Floats:
-    """The light of a lobe, of emission or of the environment, or the normal: (..., 3) of a render's passes.
+    """The light of a lobe, of emission or of the environment, in Rec.709, or the normal: (..., 3)."""
+    light = raw_light_of(passes, name)
+    return light if name in _VECTORS else passes.in_rec709(light)
 
-    Cycles divides its lobes' passes by their colour.
+
+def raw_light_of(passes: Passes, name: str) -> Floats:
+    """What `light_of` gives, in the space that the .blend works in.
+
+    Cycles divides its lobes' passes by their colour, channel by channel in that space.
     """
     if name in _SINGLE:
         return _found(passes, _SINGLE[name][1])
-    light = part_of(passes, name, "direct") + part_of(passes, name, "indirect")
-    return light if name == "volume" else light * part_of(passes, name, "color")
+    light = _part_of(passes, name, "direct") + _part_of(passes, name, "indirect")
+    return light if name == "volume" else light * _part_of(passes, name, "color")
 
 
-def part_of(passes: Passes, lobe: str, part: str) -> Floats:
+def colour_of(passes: Passes, lobe: str) -> Floats:
+    """A lobe's colour pass in Rec.709: (..., 3)."""
+    return passes.in_rec709(_part_of(passes, lobe, "color"))
+
+
+def _part_of(passes: Passes, lobe: str, part: str) -> Floats:
     """One of a lobe's passes, `part` being direct, indirect or color: (..., 3)."""
     pairs = zip(_LOBES[lobe], _PARTS[part], strict=True)
     return _found(passes, tuple(first + last for first, last in pairs))
 
 
 def _found(passes: Passes, names: tuple[str, ...]) -> Floats:
-    return next(passes[name][..., :3] for name in names if name in passes)
+    return next(passes.raw[name][..., :3] for name in names if name in passes.raw)

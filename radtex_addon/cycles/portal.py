@@ -10,7 +10,7 @@ rays.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 from pathlib import Path
 from typing import Any, cast
@@ -34,6 +34,7 @@ from .apparatus import (
     plane,
     render_layers,
 )
+from .passes import Passes
 from .settings import allow_more_bounces, apply_capture_settings, keep_passes, look_at_centres
 
 
@@ -119,16 +120,17 @@ class PortalCapture:
 
     def render(self, tile: Tile) -> Floats:
         """Cells of the tile's texels: see `Capture.render`."""
-        return next(iter(self.render_passes(tile).values()))
+        return self.render_passes(tile).whole
 
-    def render_passes(self, tile: Tile) -> dict[str, Floats]:
-        """Every pass that is kept, by its name, the combined one first: each (k, n, n, C), [texel, q, p]."""
+    def render_passes(self, tile: Tile) -> Passes:
+        """Every pass that is kept: each (k, n, n, C), [texel, q, p]."""
         parts = [self._render_part(sheet, part) for sheet, part in self._plan.in_sheets(tile)]
         if len(parts) == 1:
             return parts[0]
-        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        joined = {name: np.concatenate([part.raw[name] for part in parts]) for name in parts[0].raw}
+        return replace(parts[0], raw=joined)
 
-    def _render_part(self, sheet: int, tile: Tile) -> dict[str, Floats]:
+    def _render_part(self, sheet: int, tile: Tile) -> Passes:
         """The same of a tile that lies in one sheet."""
         plan, n, height = self._plan, self._plan.layout.bucket, self._plan.sheet_rows
         self._show(sheet)
@@ -142,13 +144,14 @@ class PortalCapture:
         render.border_max_y = min(1.0, ((first + rows) * n + 0.25) / total)
         expected = (rows * n, plan.columns * n)
         texels = plan.texels_of(Tile(sheet * height + tile.first_row, tile.rows))
-        passes = {}
-        for name, image in render_layers(self._scene, self._file).items():
+
+        def cells_of(image: Floats) -> Floats:
             if image.shape[:2] != expected:
                 raise BakeError(f"Cycles returned a tile of {image.shape[:2]}, expected {expected}")
             cells = image.reshape(rows, n, plan.columns, n, -1).transpose(0, 2, 1, 3, 4)
-            passes[name] = cells[tile.first_row - first :].reshape(-1, n, n, image.shape[2])[: len(texels)]
-        return passes
+            return cells[tile.first_row - first :].reshape(-1, n, n, image.shape[2])[: len(texels)]
+
+        return render_layers(self._scene, self._file).mapped(cells_of)
 
     def reseed(self, seed: int) -> None:
         """Let the next renders have other noise."""

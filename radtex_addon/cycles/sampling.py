@@ -30,7 +30,7 @@ from ..bake.progress import Progress, Stage
 from ..bake.spec import Kind
 from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Bools, Floats
-from .passes import Passes, attributes_of, light_of, part_of
+from .passes import Passes, attributes_of, colour_of, light_of, raw_light_of
 from .path_ends import TURNS, PathEnds, any_dark, from_directions
 from .portal import Aim, PortalCapture
 from .settings import first_hit_only
@@ -78,10 +78,10 @@ def capture_samples(
 def _trace_light(capture: PortalCapture, tile: Tile, cells: int) -> Arrays:
     passes = capture.render_passes(tile)
     diffuse, through = _light(passes, "diffuse"), _light(passes, "through")
-    mirrored = passes["Combined"][..., :3] - diffuse - through
+    mirrored = passes.whole[..., :3] - diffuse - through
     lobes = {"diffuse": diffuse, "mirrored": mirrored, "through": through}
     found: Arrays = {name: _half(light).reshape(-1, cells, 3) for name, light in lobes.items()}
-    found["colour"] = part_of(passes, "diffuse", "color").reshape(-1, cells, 3).mean(axis=1)
+    found["colour"] = colour_of(passes, "diffuse").reshape(-1, cells, 3).mean(axis=1)
     return found
 
 
@@ -107,7 +107,7 @@ def capture_ends(
 def _trace_ends(ends: PathEnds, capture: PortalCapture, tile: Tile) -> Arrays:
     ends.emit_white()
     white = capture.render_passes(tile)
-    weights = {lobe: _light(white, lobe) for lobe in ("mirrored", "through")}
+    weights = {lobe: raw_light_of(white, _LOBES[lobe]) for lobe in ("mirrored", "through")}
     deep = any(any_dark(weight) for weight in weights.values())  # colours that lack a channel altogether
     emitted = []
     for turn in range(TURNS if deep else 1):
@@ -115,8 +115,9 @@ def _trace_ends(ends: PathEnds, capture: PortalCapture, tile: Tile) -> Arrays:
         emitted.append(capture.render_passes(tile))
     found: Arrays = {}
     for lobe, weight in weights.items():
-        end = from_directions([_light(passes, lobe) for passes in emitted], weight)
-        found[f"{lobe}_weight"] = weight.astype(np.float16)
+        coded = [raw_light_of(passes, _LOBES[lobe]) for passes in emitted]  # directions, and no colours
+        end = from_directions(coded, weight)
+        found[f"{lobe}_weight"] = np.maximum(white.in_rec709(weight), 0).astype(np.float16)
         found[f"{lobe}_end"] = end.astype(np.float16)
     return found
 
@@ -141,11 +142,13 @@ def capture_surroundings(
     shift = _straight(count) if plan.layout.bucket == 1 else spread_shifts(count, seed + 1)
     aim = Aim(shift)
 
-    def trace(shown: bpy.types.Scene, what: str) -> Floats:
+    def trace(shown: bpy.types.Scene, what: str, coded: bool = False) -> Floats:
         capture = PortalCapture(shown, plan, Kind.REFLECTION, 1, seed, folder, aim)
         return np.concatenate(
             [
-                keeper.once(_name(f"{name}-{what}", tile), partial(_trace_around, capture, tile))["rgb"]
+                keeper.once(_name(f"{name}-{what}", tile), partial(_trace_around, capture, tile, coded))[
+                    "rgb"
+                ]
                 for tile in _tiles(plan)
             ]
         )
@@ -153,7 +156,7 @@ def capture_surroundings(
     light = trace(scene, "light")
     ends.emit_directions(0)
     ends.blacken_object()
-    coded = trace(ends.scene, "ends")
+    coded = trace(ends.scene, "ends", coded=True)
     met = coded.sum(axis=1) > _ITSELF
     direction = coded[met] * 2 - 1
     away = mirrored(plan, aim.square(plan.layout.bucket)).reshape(-1, 3)[met]
@@ -163,8 +166,10 @@ def capture_surroundings(
     )
 
 
-def _trace_around(capture: PortalCapture, tile: Tile) -> Arrays:
-    return {"rgb": capture.render(tile)[..., :3].reshape(-1, 3)}
+def _trace_around(capture: PortalCapture, tile: Tile, coded: bool) -> Arrays:
+    passes = capture.render_passes(tile)
+    seen = passes.raw_whole if coded else passes.whole
+    return {"rgb": seen[..., :3].reshape(-1, 3)}
 
 
 def capture_colour(
@@ -182,7 +187,7 @@ def capture_colour(
 
 
 def _trace_colour(capture: PortalCapture, tile: Tile) -> Arrays:
-    return {"colour": part_of(capture.render_passes(tile), "diffuse", "color").reshape(-1, 3)}
+    return {"colour": colour_of(capture.render_passes(tile), "diffuse").reshape(-1, 3)}
 
 
 def _name(what: str, tile: Tile) -> str:

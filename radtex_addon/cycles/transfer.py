@@ -103,7 +103,7 @@ def _turn(sun: bpy.types.Object, direction: Floats) -> None:
 
 def _trace(capture: PortalCapture, tile: Tile) -> Arrays:
     passes = capture.render_passes(tile)
-    light, alpha = passes[_PASS][..., :3], passes["Combined"][..., 3]
+    light, alpha = passes.in_rec709(passes.raw[_PASS][..., :3]), passes.raw["Combined"][..., 3]
     wrong = int(np.count_nonzero(np.isnan(light)))
     if wrong:
         raise BakeError(

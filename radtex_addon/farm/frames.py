@@ -63,12 +63,11 @@ def read_frame(path: Path, manifest: Manifest) -> Floats:
     Raises FormatError for a file that is damaged, of another size, or lacks a layer.
     """
     passes = read_layers(path)
-    whole = next(iter(passes.values()))
     try:
         lights = [light_of(passes, layer) for layer in captured(manifest.spec.layers)]
     except StopIteration:
         raise FormatError(f"{path} lacks a layer") from None
-    pixels = np.concatenate([whole, *lights], axis=-1)
+    pixels = np.concatenate([passes.whole, *lights], axis=-1)
     expected = (*manifest.pixels, manifest.spec.channels)
     if pixels.shape != expected:
         raise FormatError(f"{path} has {pixels.shape} pixels, expected {expected}")

@@ -18,7 +18,7 @@ from ..core.errors import FormatError, InputError
 from ..core.sampler import Filter
 from ..formats.atomic import replacing
 from ..formats.exr import Compression, stored_rows, write_rows
-from ..formats.packing import ENDS, WEIGHTS
+from ..formats.packing import WEIGHTS
 from ..formats.shared_files import layer_path, read_condensed, read_shared_sidecar
 from ..formats.shared_sidecar import SharedSidecar
 from ..formats.temporary import temporary_folder
@@ -56,16 +56,15 @@ def load_layers(sidecar: Path, half: bool = True) -> tuple[dict[str, bpy.types.I
     """The images of a bake in the shared layout, by layer, and what the file `sidecar` says of them.
 
     Of a condensed bake, whose textures Blender's nodes cannot look up, they are decoded and belong to the
-    .blend. `half` is as in `load_atlas`. Raises FormatError for files of no such bake, InputError where an
-    image is missing or larger than a GPU takes.
+    .blend. No image is converted to the space that the scene works in: the nodes multiply colours in Rec.709,
+    as the bake did. `half` is as in `load_atlas`. Raises FormatError for files of no such bake, InputError
+    where an image is missing or larger than a GPU takes.
     """
     facts = read_shared_sidecar(sidecar)
     check_shared_previewable(facts)
     if facts.condensed is not None:
         return _decoded(sidecar, facts.condensed.columns, half), facts
-    images = {
-        layer: load_atlas(layer_path(sidecar, layer), half, data=_is_data(layer)) for layer in facts.shapes
-    }
+    images = {layer: load_atlas(layer_path(sidecar, layer), half, data=True) for layer in facts.shapes}
     return images, facts
 
 
@@ -139,10 +138,7 @@ def build_frame_group() -> bpy.types.ShaderNodeTree:
 
 
 def _decoded(sidecar: Path, columns: int, half: bool) -> dict[str, bpy.types.Image]:
-    """What `condensed_layers` has of the bake, in images that are packed into the .blend.
-
-    They pass through files, so that a scene that works in another space converts them like any other image.
-    """
+    """What `condensed_layers` has of the bake, in images that are packed into the .blend; by way of files."""
     atlas, facts = read_condensed(sidecar)
     images: dict[str, bpy.types.Image] = {}
     with temporary_folder() as folder:
@@ -152,11 +148,7 @@ def _decoded(sidecar: Path, columns: int, half: bool) -> dict[str, bpy.types.Ima
             rows, _ = stored_rows(path, values, halved)
             with replacing(path, lasting=False) as beside:
                 write_rows(beside, rows, facts.to_json(), Compression.ZIP)
-            images[layer] = load_atlas(path, halved, data=_is_data(layer))
+            images[layer] = load_atlas(path, halved, data=True)
             images[layer].pack()
             images[layer].filepath_raw = ""  # soon there is no such file
     return images
-
-
-def _is_data(layer: str) -> bool:
-    return layer.endswith((ENDS, WEIGHTS))

@@ -24,6 +24,7 @@ from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..core.shared import Axis
 from ..formats.shared_files import read_shared_sidecar
+from ..scene.working_space import REC_709, working_space
 
 _SHADERS = Path(__file__).parents[2] / "shaders"
 SOURCE = _SHADERS / "radtex.osl"
@@ -42,8 +43,8 @@ def add_osl_node(
 
     Inputs: UV, Normal (unlinked: the shading normal), Tangent (the fallback), Sign (+1), Incoming (the
     viewer); outputs: Color and Alpha. The scene must render with Open Shading Language
-    (`scene.cycles.shading_system`) on the CPU, working in Rec.709. Raises InputError where this Blender
-    cannot compile the shader.
+    (`scene.cycles.shading_system`) on the CPU. Raises InputError where this Blender cannot compile the
+    shader, or the file works in another space than Rec.709.
     """
     constants = {
         "Atlas": str(atlas),
@@ -103,6 +104,8 @@ def add_transfer_osl_node(
 
 def _script_node(tree: bpy.types.NodeTree, source: Path, constants: Mapping[str, Any]) -> bpy.types.Node:
     """A node of the shader in the file `source`, whose sockets have the values `constants`."""
+    if working_space() != REC_709:
+        raise InputError(f"OSL shows Rec.709, and the file works in {working_space()}: use the node group")
     node = cast(Any, tree.nodes.new("ShaderNodeScript"))
     text = cast(Any, bpy.data.texts.new(source.name))
     text.from_string(source.read_text(encoding="utf-8"))

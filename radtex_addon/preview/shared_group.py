@@ -29,6 +29,7 @@ from ..formats.packing import (
 )
 from ..formats.shared_sidecar import SharedSidecar
 from ..scene.nodes import NodeBuilder, Socket, close_group, open_group
+from ..scene.working_space import rec709_primaries
 from .condensed_group import image_layer, mixture_group
 from .node_group import MAX_PIXELS
 from .taps import bilinear, image_size, pair, pixel_centre
@@ -44,8 +45,9 @@ def build_shared_group(images: _Images, sidecar: SharedSidecar) -> bpy.types.Sha
     """A node group that samples the sidecar's `images`, by layer, as `core.shared.sample_shared` does.
 
     Inputs: UV (0..1, v up); Normal and Incoming, world space, of any length (Incoming points to the viewer;
-    left at zero it is the shaded point's own). Output: Color. `images` and sidecar come from `load_layers`.
-    Raises InputError where an image is not of the sidecar's size, or is larger than a GPU takes.
+    left at zero it is the shaded point's own). Output: Color, in the space that the file works in. `images`
+    and sidecar come from `load_layers`. Raises InputError where an image is not of the sidecar's size, or is
+    larger than a GPU takes.
     """
     check_shared_previewable(sidecar)
     _check_sizes(images, sidecar)
@@ -69,7 +71,8 @@ def build_shared_group(images: _Images, sidecar: SharedSidecar) -> bpy.types.Sha
     for axis in sidecar.lobes:
         (lobe,) = build.group(_lobe_group(axis, images, sidecar, octahedron, around), uv, axes[axis])
         light = build.vector("ADD", light, lobe)
-    return close_group(build, Color=build.mix(1.0, light, (0.0, 0.0, 0.0, 1.0), "RGBA", "LIGHTEN"))
+    shown = build.mix(1.0, light, (0.0, 0.0, 0.0, 1.0), "RGBA", "LIGHTEN")
+    return close_group(build, Color=_in_working_space(build, shown))
 
 
 def check_shared_previewable(sidecar: SharedSidecar, max_pixels: int = MAX_PIXELS) -> None:
@@ -185,6 +188,19 @@ def _falloff_group(falloff: Sequence[_Triple]) -> bpy.types.ShaderNodeTree:
         for point in range(len(falloff) - 1)
     ]
     return close_group(build, Falloff=_climb(build, falloff, passed))
+
+
+def _in_working_space(build: NodeBuilder, colour: Socket) -> Socket:
+    """A colour of Rec.709 in the space that the file works in.
+
+    Rec.709's primaries are written as colours, so that Blender converts them where the file comes to work in
+    another space, or the nodes are appended to a file that does.
+    """
+    shown: Socket | tuple[float, ...] = (0.0, 0.0, 0.0, 1.0)
+    for share, primary in zip(build.separate(colour), rec709_primaries(), strict=True):
+        shown = build.mix(share, shown, (*primary, 1.0), "RGBA", "ADD")
+    assert isinstance(shown, bpy.types.NodeSocket)  # there are three primaries
+    return shown
 
 
 def _map_group(name: str, image: bpy.types.Image) -> bpy.types.ShaderNodeTree:

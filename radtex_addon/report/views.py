@@ -11,7 +11,6 @@ from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from math import cos, pi, radians, sin, sqrt
 from pathlib import Path
-from typing import Any
 
 import bpy
 import numpy as np
@@ -19,6 +18,7 @@ from mathutils import Matrix, Vector
 
 from ..core.errors import InputError
 from ..cycles.apparatus import render_layers
+from ..cycles.passes import Passes
 from ..cycles.settings import apply_capture_settings, denoise, first_hit_only, keep_passes, look_at_centres
 from ..scene.scratch import scene_copied
 from .gbuffer import Array, BakedSurface, GBuffer, Rays
@@ -152,7 +152,7 @@ def _distances(scratch: bpy.types.Scene, camera: _Camera, rays: Rays, folder: Pa
         look_at_centres(scene)
         keep_passes(scene, ("use_pass_z",))
         first_hit_only(scene)
-        depth = _render(scene, camera, count, folder)["Depth"][::-1, :, 0].astype(np.float64)
+        depth = _render(scene, camera, count, folder).raw["Depth"][::-1, :, 0].astype(np.float64)
     split = depth.reshape(rays.pixels, rays.subsamples, rays.pixels, rays.subsamples)
     along = rays.away @ -np.array(camera.matrix.to_3x3())[:, 2]
     distance: Array = split.swapaxes(1, 2).reshape(-1) / along
@@ -165,12 +165,12 @@ def _picture(
     with scene_copied(scratch) as scene:
         apply_capture_settings(scene, samples, seed)
         denoise(scene)
-        combined = next(iter(_render(scene, camera, pixels, folder).values()))
+        combined = _render(scene, camera, pixels, folder).whole
     picture: Picture = combined[::-1, :, :3].astype(np.float64)
     return picture
 
 
-def _render(scene: bpy.types.Scene, camera: _Camera, pixels: int, folder: Path) -> dict[str, Any]:
+def _render(scene: bpy.types.Scene, camera: _Camera, pixels: int, folder: Path) -> Passes:
     scene.camera = _camera_object(scene, camera)
     scene.render.resolution_x = scene.render.resolution_y = pixels
     file = folder / "view.exr"

@@ -22,6 +22,7 @@ from ..bake.key import DIGEST
 from ..core.arrays import Floats
 from .contents import Geometry, file_digest, image_contents
 from .evaluated import EvaluatedMesh, render_with
+from .working_space import working_space
 
 _DEPTH = 4  # of settings within settings: a curve's points
 # How light travels; samples and seeds are the bake's own.
@@ -139,6 +140,7 @@ def scene_digests(scratch: bpy.types.Scene) -> dict[str, str]:
             for of, names in ((cycles, _CYCLES), (render, _RENDER))
             for name in names
         ),
+        "working colour space": working_space(),
         "frame": f"{frame:g}",
     }
 

@@ -17,6 +17,7 @@ import bpy
 
 from ..core.errors import InputError
 from .refusals import refuse_unbaked_rigid_bodies
+from .working_space import check_working_space
 
 log = logging.getLogger(__name__)
 
@@ -45,9 +46,11 @@ def scratch_scene(
     At exit, also after an exception, every data-block made meanwhile is removed with the copy, but for
     those in `keep` (a list that may grow inside) and what they use. Handlers of other add-ons sleep
     meanwhile: they must neither change the bake nor be surprised by the copy. Raises InputError for an
-    unknown view layer, or for rigid bodies that a copy would put back to their start.
+    unknown view layer, a working colour space that is not known, or rigid bodies that a copy would put back
+    to their start.
     """
     layer = find_view_layer(scene, view_layer).name
+    check_working_space()
     refuse_unbaked_rigid_bodies(scene)
     with new_data_removed(keep), _sleeping_handlers():
         scratch = cast("bpy.types.Scene", scene.copy())

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import bpy
 import numpy as np
 
+from ..scene.working_space import REC_709
 from .words import iface_
 
 if TYPE_CHECKING:
@@ -119,6 +120,8 @@ def _image(name: str, picture: Picture, data: bool) -> bpy.types.Image:
     height, width = picture.shape[:2]
     before = _ours(name)
     image: Any = bpy.data.images.new(name, width, height, float_buffer=True, is_data=data)
+    if not data:
+        image.colorspace_settings.name = REC_709  # or it would be of the space that the file works in
     pixels = np.ones((height, width, 4), dtype=np.float32)
     pixels[..., :3] = picture
     image.pixels.foreach_set(pixels.ravel())

@@ -14,11 +14,10 @@ import numpy as np
 
 from radtex_addon.bake.layers import Layer
 from radtex_addon.bake.spec import BakeSpec
-from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.cycles.apparatus import render_layers
-from radtex_addon.cycles.passes import attributes_of, light_of
+from radtex_addon.cycles.passes import Passes, attributes_of, light_of
 from radtex_addon.cycles.settings import keep_passes
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.sidecar import read_sidecar
@@ -65,7 +64,7 @@ def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
             ours = {str(layer): _looked(bake, layer, seen) for layer in spec.layers}
             ours["base plus rest"] = ours.pop("base") + ours.pop("rest")
             theirs = {str(layer): light_of(truth, layer) for layer in PASSES}
-            theirs["base plus rest"] = truth["Combined"][..., :3]
+            theirs["base plus rest"] = truth.whole[..., :3]
             for layer, light in ours.items():
                 reference = theirs[layer][::-1].astype(np.float64)
                 yield Row(f"Layers, {layer}, {name}", reference, seen.resolve(light), seen.eroded, bake.words)
@@ -80,7 +79,7 @@ def _looked(bake: Baked, layer: Layer, seen: GBuffer) -> Array:
     return seen.spread(sample(pixels, layout, uv, incidence, Filter.QUADRILINEAR))
 
 
-def _passes(camera: Camera) -> dict[str, Floats]:
+def _passes(camera: Camera) -> Passes:
     """The passes that Cycles makes of the open scene, (PIXELS, PIXELS, C) from the bottom row on."""
     scene: Any = bpy.context.scene
     data: Any = bpy.data.cameras.new("Camera")
