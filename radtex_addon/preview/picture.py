@@ -5,11 +5,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import bpy
 
 from ..core.errors import BakeError
 from ..formats.atomic import replacing
+from ..scene.render_settings import reset_render_settings
 
 
 def render_picture(preview: Path, picture: Path, pixels: int = 512, samples: int = 32) -> None:
@@ -18,12 +20,12 @@ def render_picture(preview: Path, picture: Path, pixels: int = 512, samples: int
     Raises BakeError where nothing comes out.
     """
     bpy.ops.wm.open_mainfile(filepath=str(preview), load_ui=False, use_scripts=False)
-    scene = bpy.context.scene
+    scene: Any = bpy.context.scene
+    reset_render_settings(scene, graded=True)
     render = scene.render
     render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_denoising = samples, False
     render.resolution_x = render.resolution_y = pixels
-    render.resolution_percentage = 100
     if hasattr(render.image_settings, "media_type"):  # Blender 5: to be set before the format
         render.image_settings.media_type = "IMAGE"
     render.image_settings.file_format = "PNG"

@@ -22,40 +22,13 @@ from ..bake.key import DIGEST
 from ..core.arrays import Floats
 from .contents import Geometry, file_digest, image_contents
 from .evaluated import EvaluatedMesh, render_with
+from .render_settings import KEPT_OF_RENDER, LIGHT_PATHS
 from .working_space import working_space
 
 _DEPTH = 4  # of settings within settings: a curve's points
-# How light travels; samples and seeds are the bake's own.
-_CYCLES = (
-    "max_bounces",
-    "diffuse_bounces",
-    "glossy_bounces",
-    "transmission_bounces",
-    "volume_bounces",
-    "transparent_max_bounces",
-    "min_light_bounces",
-    "min_transparent_bounces",
-    "sample_clamp_direct",
-    "sample_clamp_indirect",
-    "blur_glossy",
-    "caustics_reflective",
-    "caustics_refractive",
-    "use_light_tree",
-    "use_guiding",
-    "light_sampling_threshold",
-    "direct_light_sampling_type",
-    "sampling_pattern",
-    "volume_step_rate",
-    "volume_max_steps",
-    "volume_biased",
-    "film_transparent_glass",
-    "film_transparent_roughness",
-    "use_fast_gi",
-    "fast_gi_method",
-    "ao_bounces_render",
-    "feature_set",
-)
-_RENDER = ("film_transparent", "use_simplify", "simplify_subdivision_render", "hair_type")
+_SHOWN = sorted(KEPT_OF_RENDER - {"engine", "threads", "threads_mode"})
+_LIGHT = sorted(LIGHT_PATHS | {"dicing_rate", "feature_set", "max_subdivisions", "shading_system"})
+_CURVES = ("shape", "subdivisions")
 _OBJECT = ("is_holdout", "is_shadow_catcher", "pass_index", "color", "instance_type", "hide_render")
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
 # Of no consequence to a picture.
@@ -131,13 +104,13 @@ def scene_digests(scratch: bpy.types.Scene) -> dict[str, str]:
 
     render_with(scratch, read)
     frame = scratch.frame_current + scratch.frame_subframe
-    cycles, render = cast(Any, scratch).cycles, scratch.render
+    cycles, render, curves = cast(Any, scratch).cycles, scratch.render, cast(Any, scratch).cycles_curves
     return {
         **found,
         "world": _digest(_walk(scratch.world, set())),
         "light paths": _digest(
             f"{name} {getattr(of, name, None)!r}"
-            for of, names in ((cycles, _CYCLES), (render, _RENDER))
+            for of, names in ((cycles, _LIGHT), (render, _SHOWN), (curves, _CURVES))
             for name in names
         ),
         "working colour space": working_space(),

@@ -42,6 +42,13 @@ ATTRIBUTE_LAYOUT: dict[str, tuple[str, int, type[np.generic]]] = {
     "QUATERNION": ("value", 4, np.float32),
 }
 _ENGINE = "RADTEX_EVALUATE"
+_TINY = {  # of a render that nobody sees
+    "engine": _ENGINE,
+    "resolution_x": 4,
+    "resolution_y": 4,
+    "resolution_percentage": 100,
+    "use_border": False,
+}
 _FARTHEST = 1e18  # coordinates beyond have no finite squares in float32
 _OWN = frozenset({"position", "custom_normal"})  # these have a place of their own in EvaluatedMesh
 
@@ -187,16 +194,18 @@ def _registered(engine: type[bpy.types.RenderEngine]) -> Iterator[None]:
 def _tiny(scratch: bpy.types.Scene) -> Iterator[None]:
     """Make a render of the scratch scene go to our engine, and cheap; then give it back as it was."""
     render, camera = cast("Any", scratch.render), scratch.camera
-    before = render.engine, render.resolution_x, render.resolution_y
+    before = {name: getattr(render, name) for name in _TINY}
     lens = bpy.data.cameras.new("RadTex camera")
     stand_in = bpy.data.objects.new("RadTex camera", lens)
     try:
         scratch.collection.objects.link(stand_in)
         scratch.camera = stand_in  # Blender renders nothing without one
-        render.engine, render.resolution_x, render.resolution_y = _ENGINE, 4, 4
+        for name, value in _TINY.items():
+            setattr(render, name, value)
         yield
     finally:
-        render.engine, render.resolution_x, render.resolution_y = before
+        for name, value in before.items():
+            setattr(render, name, value)
         scratch.camera = camera
         bpy.data.cameras.remove(lens)  # and the object with it
 

@@ -27,7 +27,8 @@ def is_dark(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> bool:
     shown = [item for item in layer.objects if not item.hide_render]
     if any(item.type == "LIGHT" and item.data.energy > 0 for item in shown):
         return False
-    if scene.world is not None and _world_shines(scene.world):
+    world = cast(Any, layer).world_override or scene.world
+    if world is not None and _world_shines(world):
         return False
     materials = {slot.material for item in shown for slot in item.material_slots if slot.material}
     if any(_has_nodes(material) and _shines(material.node_tree) for material in materials):

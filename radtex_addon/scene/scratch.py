@@ -8,7 +8,6 @@ and markers are its own. Nothing is restored by hand, for nothing of the user's 
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, cast
@@ -17,9 +16,8 @@ import bpy
 
 from ..core.errors import InputError
 from .refusals import refuse_unbaked_rigid_bodies
+from .render_settings import reset_render_settings, take_overrides
 from .working_space import check_working_space
-
-log = logging.getLogger(__name__)
 
 # Blender fills these by itself (assets, the window), or they are no data of the user's.
 _NOT_DATA = frozenset(
@@ -115,21 +113,10 @@ def _calm(scene: bpy.types.Scene, view_layer: str) -> None:
     """Take out of a scene copy all that would alter single renders of one view layer behind our back."""
     scene.animation_data_clear()  # animated render settings would override those of the captures
     scene.timeline_markers.clear()  # so would a marker's camera override ours
-    render = scene.render
-    render.use_compositing = render.use_sequencer = render.use_freestyle = False
-    render.use_motion_blur = render.use_multiview = render.use_stamp = False
-    render.use_border = render.use_crop_to_border = False
+    reset_render_settings(scene)
     for layer in scene.view_layers:
         layer.use = layer.name == view_layer
-    layer = scene.view_layers[view_layer]
-    layer.samples = 0  # or they would override the scene's
-    if layer.material_override is not None:
-        log.warning(
-            "view layer '%s' overrides all materials with '%s': the bake shows the objects' own",
-            view_layer,
-            layer.material_override.name,
-        )
-        layer.material_override = None
+    take_overrides(scene, scene.view_layers[view_layer])
 
 
 @contextmanager

@@ -27,6 +27,7 @@ from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
 from tests.blender import farming, stage
+from tests.shared_lookups import random_fragments, shared_answers
 
 REC_709, WIDE = "Linear Rec.709", ("ACEScg", "Linear Rec.2020")
 WORLD = (0.3, 0.5, 2.0)
@@ -102,12 +103,13 @@ def shared(spec: BakeSpec, out: Path) -> Images:
 
 
 def shared_parts(sidecar: Path) -> Images:
-    """The same of a sidecar."""
+    """The same of a sidecar, and what they show together."""
     atlas, _ = read_shared(sidecar)
     found: Images = {"colour": atlas.colour, "irradiance": atlas.irradiance}
     found["surroundings"] = np.concatenate([level.ravel() for level in atlas.surroundings])
     for lobe in atlas.lobes:
         found |= {f"{lobe.axis} {part}": getattr(lobe, part) for part in ("gain", "rest")}
+    found["shown"] = shared_answers(atlas, random_fragments(8, 8))
     return {name: np.asarray(image, dtype=np.float32) for name, image in found.items()}
 
 

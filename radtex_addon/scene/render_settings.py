@@ -1,0 +1,177 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Render settings of a scene copy: all are reset to a new scene's, but for those that a bake means to keep.
+
+So no setting reaches a bake unless it is named here. Captures then set what they need (`cycles.settings`).
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from typing import Any, cast
+
+import bpy
+
+log = logging.getLogger(__name__)
+
+# What renders show, and when: simplification limits subdivisions and hair, remapping says what time it is.
+KEPT_OF_RENDER = frozenset(
+    (
+        "engine",
+        "film_transparent",
+        "fps",
+        "fps_base",
+        "frame_map_new",
+        "frame_map_old",
+        "hair_subdiv",
+        "hair_type",
+        "simplify_child_particles",
+        "simplify_child_particles_render",
+        "simplify_subdivision",
+        "simplify_subdivision_render",
+        "simplify_volumes",
+        "threads",
+        "threads_mode",
+        "use_simplify",
+        "use_simplify_normals",
+    )
+)
+# How light travels.
+LIGHT_PATHS = frozenset(
+    (
+        "ao_bounces",
+        "ao_bounces_render",
+        "blur_glossy",
+        "caustics_reflective",
+        "caustics_refractive",
+        "diffuse_bounces",
+        "direct_light_sampling_type",
+        "fast_gi_method",
+        "film_transparent_glass",
+        "film_transparent_roughness",
+        "glossy_bounces",
+        "guiding_directional_sampling_type",
+        "guiding_distribution_type",
+        "guiding_roughness_threshold",
+        "guiding_training_samples",
+        "light_sampling_threshold",
+        "max_bounces",
+        "min_light_bounces",
+        "min_transparent_bounces",
+        "sample_clamp_direct",
+        "sample_clamp_indirect",
+        "sampling_pattern",
+        "surface_guiding_probability",
+        "transmission_bounces",
+        "transparent_max_bounces",
+        "use_deterministic_guiding",
+        "use_fast_gi",
+        "use_guiding",
+        "use_guiding_direct_light",
+        "use_guiding_mis_weights",
+        "use_light_tree",
+        "use_surface_guiding",
+        "use_volume_guiding",
+        "volume_biased",
+        "volume_bounces",
+        "volume_guiding_probability",
+        "volume_max_steps",
+        "volume_step_rate",
+    )
+)
+# What surfaces Cycles sees and by which shaders; and on what machine, which `debug_…` tunes for, too.
+KEPT_OF_CYCLES = LIGHT_PATHS | frozenset(
+    (
+        "device",
+        "dicing_rate",
+        "feature_set",
+        "max_subdivisions",
+        "offscreen_dicing_scale",
+        "shading_system",
+    )
+)
+_TUNING = "debug_"
+# What kinds of things a view layer renders. Its name and use are its own.
+KEPT_OF_LAYER = frozenset(
+    ("name", "use", "use_ao", "use_grease_pencil", "use_sky", "use_solid", "use_strand", "use_volumes")
+)
+_GROUPS = {  # by their paths from the scene
+    "render": KEPT_OF_RENDER,
+    "render.image_settings": frozenset[str](),
+    "render.image_settings.display_settings": frozenset[str](),
+    "render.image_settings.view_settings": frozenset[str](),
+    "cycles": KEPT_OF_CYCLES,
+    "view_settings": frozenset[str](),
+    "display_settings": frozenset[str](),
+}
+_DERIVED = frozenset(("white_balance_whitepoint", "filepath"))  # of other settings; or empty in a new scene
+
+
+def reset_render_settings(scene: bpy.types.Scene, graded: bool = False) -> None:
+    """Give a scene the render settings of a new one, but for what renders show and how light travels.
+
+    Its view layers keep what kinds of things they render, and none adds passes. With `graded` colours are
+    shown as the scene has it.
+    """
+    fresh = cast(bpy.types.Scene, bpy.data.scenes.new("RadTex fresh"))
+    try:
+        for path, kept in _GROUPS.items():
+            if not (graded and path in {"view_settings", "display_settings"}):
+                _copy(fresh.path_resolve(path), scene.path_resolve(path), kept)
+        for layer in scene.view_layers:
+            _reset_layer(fresh.view_layers[0], layer)
+    finally:
+        bpy.data.scenes.remove(fresh)
+    _switch_off(scene.render)
+
+
+def _switch_off(render: Any) -> None:
+    """Leave out what a new scene has on, and single renders do without."""
+    render.use_compositing = render.use_sequencer = render.use_freestyle = False
+    if hasattr(render, "use_texture_cache"):  # Blender 5.2: textures as coarse as the camera's rays are wide
+        render.use_texture_cache = False
+
+
+def take_overrides(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> None:
+    """Make a view layer's world the scene's own, and let its objects show their own materials."""
+    anything = cast(Any, layer)
+    if anything.world_override is not None:
+        scene.world, anything.world_override = anything.world_override, None
+    if layer.material_override is not None:
+        log.warning(
+            "view layer '%s' overrides all materials with '%s': the bake shows the objects' own",
+            layer.name,
+            layer.material_override.name,
+        )
+        layer.material_override = None
+
+
+def _reset_layer(fresh: Any, layer: Any) -> None:
+    _copy(fresh, layer, KEPT_OF_LAYER)
+    _copy(fresh.cycles, layer.cycles, frozenset())
+    for group in list(layer.lightgroups):
+        layer.lightgroups.remove(group)
+    for output in list(layer.aovs):
+        layer.aovs.remove(output)
+
+
+def _copy(fresh: Any, settings: Any, kept: frozenset[str]) -> None:
+    """Copy the settings that can be written and are not kept."""
+    for name in settings_of(settings):
+        if name in kept or name in _DERIVED or name.startswith(_TUNING):
+            continue
+        wanted = getattr(fresh, name)
+        if _plain(getattr(settings, name)) != _plain(wanted):
+            setattr(settings, name, wanted)
+
+
+def settings_of(group: Any) -> Iterator[str]:
+    """Names of a group's settings that hold a value of their own and can be written, in Blender's order."""
+    for prop in group.bl_rna.properties:
+        if not prop.is_readonly and prop.type not in {"POINTER", "COLLECTION"}:
+            yield prop.identifier
+
+
+def _plain(value: Any) -> Any:
+    return list(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
