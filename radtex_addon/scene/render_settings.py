@@ -80,7 +80,7 @@ LIGHT_PATHS = frozenset(
         "volume_step_rate",
     )
 )
-# What surfaces Cycles sees and by which shaders; and on what machine, which `debug_…` tunes for, too.
+# What surfaces Cycles sees and by which shaders, and on what machine.
 KEPT_OF_CYCLES = LIGHT_PATHS | frozenset(
     (
         "device",
@@ -91,7 +91,7 @@ KEPT_OF_CYCLES = LIGHT_PATHS | frozenset(
         "shading_system",
     )
 )
-_TUNING = "debug_"
+_OF_NO_RENDER = ("debug_", "preview_")  # the machine's, and the viewport's
 # What kinds of things a view layer renders. Its name and use are its own.
 KEPT_OF_LAYER = frozenset(
     ("name", "use", "use_ao", "use_grease_pencil", "use_sky", "use_solid", "use_strand", "use_volumes")
@@ -159,7 +159,7 @@ def _reset_layer(fresh: Any, layer: Any) -> None:
 def _copy(fresh: Any, settings: Any, kept: frozenset[str]) -> None:
     """Copy the settings that can be written and are not kept."""
     for name in settings_of(settings):
-        if name in kept or name in _DERIVED or name.startswith(_TUNING):
+        if name in kept or name in _DERIVED or name.startswith(_OF_NO_RENDER):
             continue
         wanted = getattr(fresh, name)
         if _plain(getattr(settings, name)) != _plain(wanted):
