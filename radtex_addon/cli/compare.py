@@ -13,9 +13,10 @@ from ..preview.swap import original_of
 from ..report.comparison_files import ComparisonFiles, write_comparison
 from ..report.eye import Eye
 from ..report.metrics import Figures
-from ..report.shown import bakes_of
+from ..report.shown import bakes_of, frame_of
 from ..report.side_by_side import compare_steps
 from ..scene.demo import OBJECT
+from ..scene.frames import at_frame
 from ..scene.objects import find_object
 from ..scene.scratch import find_view_layer
 from ..worker.images import load_unsaved
@@ -34,9 +35,11 @@ def run_compare(request: CompareRequest, report: Report, interruption: Interrupt
     if request.unsaved_images is not None:
         load_unsaved(request.unsaved_images)
     items = [_object(scene, name) for name in request.objects or (OBJECT,)]
-    eye = request.eye or Eye.of_camera(scene, find_view_layer(scene, None))
+    bakes = bakes_of(items, request.bake)
+    with at_frame(scene, frame_of(scene, bakes)):
+        eye = request.eye or Eye.of_camera(scene, find_view_layer(scene, None))
     name = ", ".join(item.name for item in items)
-    steps = compare_steps(scene, bakes_of(items, request.bake), eye, request.spec)
+    steps = compare_steps(scene, bakes, eye, request.spec)
     found = interruption.between(steps, partial(report.progress, name))
     files = ComparisonFiles.of(request.out, [item.name for item in items])
     write_comparison(found, files)

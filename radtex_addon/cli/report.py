@@ -18,7 +18,7 @@ def run_report(request: ReportRequest, report: Report, interruption: Interruptio
     sidecar = find_bake(request.bake, request.object)
     name = object_of(sidecar)
     out = request.out or report_path(sidecar)
-    scene = open_scene(request.scene, request.demo)
+    scene = open_scene(request.scene, request.demo, request.in_scene)
     steps = report_steps(scene, sidecar.absolute(), request.spec, out)
 
     def tell(step: Step) -> None:

@@ -53,6 +53,7 @@ class ReportRequest:
     out: Path | None
     progress: ProgressStyle
     verbose: bool
+    in_scene: str | None = None
 
 
 def parse_report(arguments: list[str], inside_blender: bool) -> ReportRequest:
@@ -83,6 +84,7 @@ def parse_report(arguments: list[str], inside_blender: bool) -> ReportRequest:
         out=out,
         progress=found.progress,
         verbose=found.verbose,
+        in_scene=found.in_scene,
     )
 
 
@@ -110,6 +112,9 @@ def _add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
     group.add_argument("--object", metavar="NAME", help="whose bake, if there are several in the folder")
     file = "left out: the file that Blender has open is" if inside_blender else "the .blend that was baked"
     group.add_argument("--scene", metavar="SCENE", help=f"{file}; or the word {DEMO}, for the demo's")
+    group.add_argument(
+        "--in-scene", metavar="NAME", help="the scene of the file (default: the one that it opens with)"
+    )
 
 
 def _add_how(group: argparse._ArgumentGroup) -> None:

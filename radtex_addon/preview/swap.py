@@ -24,6 +24,7 @@ from .layers import check_layer, wear_layer
 from .load import load_baked_meshes, remove_unused
 from .source import find_shown, hidden_by, hide_shown, show_again
 from .sun import follow_sun
+from .variant import keep_variant
 
 ORIGINAL = "radtex_original"  # of a copy: the object, and how that was hidden
 _FLAGS = ("hide_render", "hide_viewport")
@@ -104,6 +105,7 @@ def _show(original: bpy.types.Object, mesh: bpy.types.Mesh, sidecar: Path) -> Pr
     for collection in _homes(original):
         collection.objects.link(copy)
     _hide(original, copy)
+    keep_variant(copy, sidecar)
     hide_shown((original, copy), find_shown(sidecar, original.users_scene[0]), _others(copy))
     _take(copy, stances)
     _join_local_views(original, copy)

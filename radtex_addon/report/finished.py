@@ -68,7 +68,7 @@ class Finished:
 
     def spec(self, device: str) -> BakeSpec:
         """The specification of the same bake again, as far as its files tell; condensed to as many bytes."""
-        bake = self.sidecar
+        bake, source = self.sidecar, self.sidecar.source
         return BakeSpec(
             kind=parse_kind(bake.kind),
             layout=self.layout,
@@ -81,6 +81,11 @@ class Finished:
             compression=self.compression or Compression.ZIP,
             device=device,
             budget=self.budget,
+            source=None if source is None else source.object_name,
+            extrusion=None if source is None or source.cage is not None else source.extrusion,
+            cage=None if source is None else source.cage,
+            frame=bake.frame,
+            lights=bake.lights,
         )
 
 
@@ -136,17 +141,6 @@ def find_bakes(
     if not fitting:
         _check(*next(iter(wanted.items())), object_name, purpose, kinds)
     return fitting
-
-
-def check_all_lit(path: Path) -> None:
-    """Refuse a bake of some lamps alone where it would be compared with a scene that has all its light.
-
-    Raises InputError, or FormatError for a file that is no sidecar.
-    """
-    facts = read_facts(path)
-    if "lights" in facts.values:
-        lit = ", ".join(f"'{name}'" for name in facts.texts("lights"))
-        raise InputError(f"{path} has the light of {lit} alone: compare a bake of the whole scene's light")
 
 
 def check_whole(path: Path) -> None:

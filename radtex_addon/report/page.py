@@ -15,6 +15,7 @@ import numpy as np
 from ..bake.spec import Layout
 from ..formats.memory import readable_size
 from ..formats.png import encode_png
+from ..job.variants import variant_of
 from .causes import Variant, first_change
 from .finished import Finished
 from .judging import Judged, mean_energy, mean_flip, mean_psnr, verdict
@@ -88,8 +89,10 @@ def _facts(bake: Finished) -> str:
     facts = bake.sidecar
     shared = "shared layout, " if bake.layout is Layout.SHARED else ""
     condensed = "" if bake.budget is None else "condensed, "
+    shows = [] if facts.source is None else [f"from {facts.source.object_name}"]
+    shows += [word for word in (variant_of(bake.spec("auto")),) if word]
     return (
-        f"{bake.path.name}: {shared}{condensed}{facts.width} × {facts.height} texels of "
+        f"{', '.join([bake.path.name, *shows])}: {shared}{condensed}{facts.width} × {facts.height} texels of "
         f"{facts.bucket} × {facts.bucket} cells, --samples {facts.samples}, {facts.tool}, "
         f"Blender {facts.blender}"
     )

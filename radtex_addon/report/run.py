@@ -13,17 +13,19 @@ import bpy
 from ..core.errors import InputError
 from ..cycles.device import use_device
 from ..formats.atomic import check_writable, write_text
-from ..formats.sidecar import file_name
+from ..formats.sidecar import file_name, read_facts
 from ..formats.temporary import temporary_folder
+from ..scene.frames import at_frame
 from ..scene.objects import find_object
 from ..scene.scratch import scratch_scene
 from .causes import bake_variants, first_change
-from .finished import Finished, check_all_lit, check_whole, object_of, read_bake
+from .finished import Finished, check_whole, object_of, read_bake
 from .judging import judge, mean_energy, mean_flip, mean_psnr, noise_floor
 from .mesh import Found, find_mesh
 from .needs import check_judged
 from .page import Contents, page
 from .progress import Step, Task
+from .reference import reference_of
 from .sizes import gpu_bytes, sizes_of
 from .views import MOST_PIXELS, View, make_views
 
@@ -70,8 +72,14 @@ class ReportResult:
 
 
 def report_path(sidecar: Path) -> Path:
-    """Where the report on a bake goes, if nobody says. Raises FormatError for what is no sidecar."""
-    return sidecar.with_name(file_name(object_of(sidecar), "report", "html"))
+    """Where the report on a bake goes, if nobody says: each of several frames has one of its own.
+
+    Raises FormatError for what is no sidecar.
+    """
+    stem = sidecar.name.removesuffix(f".{read_facts(sidecar).text('kind')}.json")
+    if stem == sidecar.name:  # somebody renamed it
+        return sidecar.with_name(file_name(object_of(sidecar), "report", "html"))
+    return sidecar.with_name(f"{stem}.report.html")
 
 
 def report_steps(
@@ -79,22 +87,25 @@ def report_steps(
 ) -> Generator[Step, None, ReportResult]:
     """Judge the bake whose sidecar is given by views of its object in `scene`, and write a page to `out`.
 
-    Yields progress; returns what was found. The scene is what it was afterwards, also after an error or when
-    the generator is closed; the page is written whole or not at all. Raises InputError for an object that is
-    not there or does not fit, FormatError for files that cannot be read, BakeError for what fails meanwhile.
+    It is judged as it was baked: at its frame, in the light of its lamps, beside the object that its light is
+    from. Yields progress; returns what was found. The scene is what it was afterwards, also after an error or
+    when the generator is closed; the page is written whole or not at all. Raises InputError for an object, a
+    source or a lamp that is not there or does not fit, FormatError for files that cannot be read, BakeError
+    for what fails meanwhile.
     """
     check_writable(out.parent)
-    check_all_lit(sidecar)
     check_whole(sidecar)
     check_judged(sidecar, spec.memory_mb)
     bake = read_bake(sidecar)
-    found, views = yield from _look(scene, bake, spec)
-    yield Step(Task.COMPARE, 0, 1)
-    judged = judge(bake, found.surface, views)
-    variants = None
-    if spec.variants:
-        again = replace(bake.spec(spec.device), uv_layer=found.uv_layer, unwrap=found.unwrap)
-        variants = yield from bake_variants(scene, again, bake.sidecar.object_name, views, mean_psnr(judged))
+    with at_frame(scene, bake.sidecar.frame):
+        found, views = yield from _look(scene, bake, spec)
+        yield Step(Task.COMPARE, 0, 1)
+        judged = judge(bake, found.surface, views)
+        variants = None
+        if spec.variants:
+            again = replace(bake.spec(spec.device), uv_layer=found.uv_layer, unwrap=found.unwrap)
+            name, whole = bake.sidecar.object_name, mean_psnr(judged)
+            variants = yield from bake_variants(scene, again, name, views, whole)
     yield Step(Task.PAGE, 0, 1)
     sizes = sizes_of(bake)
     contents = Contents(bake, judged, noise_floor(judged), sizes, variants, spec.samples)
@@ -123,5 +134,6 @@ def _look(
     ):
         original = find_object(scratch, bake.sidecar.object_name)
         found = yield from find_mesh(scratch, original, bake, bake.spec(spec.device).padding)
-        views = yield from make_views(scratch, found.surface, spec.views, spec.pixels, spec.samples, folder)
+        with reference_of(scratch, original, bake.sidecar) as shown:
+            views = yield from make_views(shown, found.surface, spec.views, spec.pixels, spec.samples, folder)
     return found, views

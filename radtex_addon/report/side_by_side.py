@@ -21,13 +21,14 @@ from ..cycles.device import use_device
 from ..cycles.settings import apply_capture_settings, denoise, keep_passes
 from ..formats.temporary import temporary_folder
 from ..preview.swap import copy_of, is_on, originals_rendered, switch_all_on, switch_off
+from ..scene.frames import at_frame
 from ..scene.scratch import scene_copied, scratch_scene
 from .eye import Eye
-from .finished import check_all_lit
 from .gbuffer import eroded
 from .metrics import Figures, Mask, Picture, compare, display
 from .needs import check_shown
 from .progress import Step, Task
+from .shown import frame_of
 
 GAIN = 4  # of the difference
 _NUMBER = 32767  # the pass index of previews, as long as they are rendered
@@ -83,16 +84,17 @@ def compare_steps(
 ) -> Generator[Step, None, Comparison]:
     """Look at objects of `scene` and their bakes by the sidecars in `bakes`, None for previews that are on.
 
-    Yields progress. Raises InputError where no object is seen or a preview cannot be shown, FormatError for
-    files that cannot be read, BakeError where Cycles fails.
+    Bakes of a frame are looked at there. Yields progress. Raises InputError where no object is seen, a
+    preview cannot be shown, or as `frame_of` does; FormatError for files that cannot be read, BakeError where
+    Cycles fails.
     """
     if not bakes:
         raise InputError("no object to compare: name one that was baked")
-    for sidecar in filter(None, bakes.values()):
-        check_all_lit(sidecar)
+    frame = frame_of(scene, bakes)
     check_shown(filter(None, bakes.values()), spec.memory_mb)
     with (
         temporary_folder() as folder,
+        at_frame(scene, frame),
         _shown(bakes),
         _numbered(bakes),
         scratch_scene(scene) as scratch,

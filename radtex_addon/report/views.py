@@ -24,6 +24,7 @@ from ..scene.scratch import scene_copied
 from .gbuffer import Array, BakedSurface, GBuffer, Rays
 from .metrics import Picture
 from .progress import Step, Task
+from .reference import Reference
 
 MOST_PIXELS = 2048  # along a picture's side
 _SUBSAMPLES = 4  # along a pixel's side, where the pixels are not too many for that
@@ -69,24 +70,24 @@ class _Camera:
 
 
 def make_views(
-    scratch: bpy.types.Scene, surface: BakedSurface, count: int, pixels: int, samples: int, folder: Path
+    shown: Reference, surface: BakedSurface, count: int, pixels: int, samples: int, folder: Path
 ) -> Generator[Step, None, list[View]]:
-    """Render `count` views of the surface, square, denoised; the first one twice.
+    """Render `count` views of what is `shown` where the surface is, square, denoised; the first one twice.
 
     `folder` takes temporary files. Raises InputError where nothing but the object's surroundings is seen from
     around it, BakeError where Cycles fails.
     """
-    cameras = yield from _clear_cameras(scratch, surface, count, folder)
+    cameras = yield from _clear_cameras(shown.before, surface, count, folder)
     views: list[View] = []
     for index, camera in enumerate(cameras):
         yield Step(Task.REFERENCE, len(views) + bool(views), len(cameras) + 1)
         rays = camera.rays(pixels, min(_SUBSAMPLES, MOST_PIXELS // pixels))
-        blocked = _distances(scratch, camera, rays, folder)
-        reference = _picture(scratch, camera, pixels, samples, _SEEDS[0], folder)
+        blocked = _distances(shown.before, camera, rays, folder)
+        reference = _picture(shown.pictured, camera, pixels, samples, _SEEDS[0], folder)
         again = None
         if index == 0:
             yield Step(Task.REFERENCE, 1, len(cameras) + 1)
-            again = _picture(scratch, camera, pixels, samples, _SEEDS[1], folder)
+            again = _picture(shown.pictured, camera, pixels, samples, _SEEDS[1], folder)
         views.append(View(f"View {index + 1}", reference, again, rays, blocked))
     yield Step(Task.REFERENCE, len(cameras) + 1, len(cameras) + 1)
     return views

@@ -80,9 +80,14 @@ def take_cage_out(scratch: bpy.types.Scene, name: str) -> None:
     """Leave the cage out of a scratch scene whose collections are its own."""
     for item in list(scratch.objects):
         if item.name == name:
-            for collection in (scratch.collection, *scratch.collection.children_recursive):
-                if name in collection.objects:
-                    collection.objects.unlink(item)
+            take_out(scratch, item)
+
+
+def take_out(scratch: bpy.types.Scene, item: bpy.types.Object) -> None:
+    """Leave an object out of a scratch scene whose collections are its own."""
+    for collection in (scratch.collection, *scratch.collection.children_recursive):
+        if item in collection.objects.values():
+            collection.objects.unlink(item)
 
 
 class _Faces:

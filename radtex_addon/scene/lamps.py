@@ -14,7 +14,7 @@ from typing import Any, cast
 import bpy
 
 from ..core.errors import InputError
-from .light import dark_world
+from .light import dark_world, may_glow
 from .objects import rendered_homes
 from .unlit import take_lamps_away
 
@@ -55,22 +55,26 @@ def find_lamps(layer: bpy.types.ViewLayer, names: Sequence[str]) -> tuple[bpy.ty
     return tuple(found[name] for name in sorted(found))
 
 
-def light_only(scratch: bpy.types.Scene, names: Sequence[str]) -> None:
+def light_only(scratch: bpy.types.Scene, names: Sequence[str], *, denoised: bool = False) -> None:
     """Leave in a scratch scene the lamps that `names` call, and, unless WORLD is among them, no other light.
 
     What materials emit, and lamps that something instances, are of WORLD; where it is not called they still
-    render, and only the pass of the light group GROUP is without them. Raises InputError as `find_lamps`.
+    render, and only the pass of the light group GROUP is without them. Where pictures are to be `denoised`,
+    which Cycles does to the whole light alone, there is no such group unless something glows. Raises
+    InputError as `find_lamps`.
     """
     layer = next(layer for layer in scratch.view_layers if layer.use)
     lit = find_lamps(layer, names)
     take_lamps_away(scratch)
     with_world = WORLD in names
+    apart = not with_world and (not denoised or may_glow(layer))
     if not with_world:
         scratch.world = dark_world(scratch.world)
+    if apart:
         cast(Any, layer).lightgroups.add(name=GROUP)
     for lamp in lit:
         copy = cast(bpy.types.Object, lamp.copy())
-        cast(Any, copy).lightgroup = "" if with_world else GROUP
+        cast(Any, copy).lightgroup = GROUP if apart else ""
         scratch.collection.objects.link(copy)
     layer.update()
 

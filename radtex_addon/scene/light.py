@@ -36,6 +36,23 @@ def is_dark(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> bool:
     return not any(item.instance_type != "NONE" for item in shown)
 
 
+def may_glow(layer: bpy.types.ViewLayer) -> bool:
+    """Whether anything but a view layer's own lamps and the world might emit light. If in doubt, it does."""
+    if any(_has_nodes(material) and _shines(material.node_tree) for material in _used_materials()):
+        return True
+    instancing = (item.instance_type != "NONE" or _has_geometry_nodes(item) for item in layer.objects)
+    return any(instancing)  # perhaps lamps
+
+
+def _used_materials() -> list[bpy.types.Material]:
+    """Those of slots, and those that nodes set."""
+    return [material for material in bpy.data.materials if material.users]
+
+
+def _has_geometry_nodes(item: bpy.types.Object) -> bool:
+    return any(modifier.type == "NODES" for modifier in item.modifiers)
+
+
 def put_out(material: bpy.types.Material) -> bpy.types.Material:
     """A copy of the material that emits no light; the material itself if it emits none."""
     if not (_has_nodes(material) and _shines(material.node_tree)):

@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What light a bake shows: kind, frame, lamps; kept on a preview too, whose sidecar may be gone by then."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..formats.facts import Facts
+from ..formats.sidecar import read_facts
+
+_KEPT = "radtex_variant"  # of a copy: JSON, as in a sidecar
+
+
+@dataclass(frozen=True)
+class Variant:
+    """Its `kind`, the `frame` that was asked for, None for none, and the only `lights`, () for all light."""
+
+    kind: str = "radiance"
+    frame: int | None = None
+    lights: tuple[str, ...] = ()
+
+
+def read_variant(sidecar: Path) -> Variant:
+    """That of the bake whose sidecar is the file `sidecar`. Raises FormatError."""
+    return _variant_in(read_facts(sidecar))
+
+
+def keep_variant(copy: Any, sidecar: Path) -> None:
+    """Let a preview know what it shows. Raises FormatError."""
+    facts = read_facts(sidecar).values
+    copy[_KEPT] = json.dumps({key: facts[key] for key in ("kind", "frame", "lights") if key in facts})
+
+
+def kept_variant(copy: Any) -> Variant:
+    """What a preview shows; all radiance if it does not say."""
+    kept = copy.get(_KEPT)
+    return Variant() if not isinstance(kept, str) else _variant_in(Facts.parse(kept, f"'{copy.name}'"))
+
+
+def _variant_in(facts: Facts) -> Variant:
+    return Variant(
+        facts.text("kind"),
+        facts.whole_number("frame", 0) if "frame" in facts.values else None,
+        facts.texts("lights") if "lights" in facts.values else (),
+    )
