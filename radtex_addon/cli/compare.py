@@ -17,7 +17,7 @@ from ..report.shown import bakes_of, frame_of
 from ..report.side_by_side import compare_steps
 from ..scene.demo import OBJECT
 from ..scene.frames import at_frame
-from ..scene.objects import find_object
+from ..scene.objects import check_only_one, find_object
 from ..scene.scratch import find_view_layer
 from ..worker.images import load_unsaved
 from .compare_arguments import CompareRequest
@@ -59,6 +59,7 @@ def _object(scene: bpy.types.Scene, name: str) -> bpy.types.Object:
     item = scene.objects.get(name)
     if item is None:
         return find_object(scene, name)  # which says what there is instead
+    check_only_one(scene.objects, name)
     return original_of(item) or item
 
 

@@ -19,6 +19,7 @@ from ..core.transfer import with_views
 from ..formats.atomic import check_writable
 from ..formats.places import check_saveable
 from ..formats.shared_sidecar import SharedSidecar
+from ..preview.linked import check_replaceable
 from ..preview.node_group import check_previewable
 from ..preview.shared_group import check_shared_previewable
 from ..scene.cage import find_cage
@@ -74,6 +75,7 @@ def check_request(
     check_files(name, spec, files, overwrite, resume)
     if preview:
         _check_previewable(name, spec)
+        check_replaceable(items)
     _check_names(scene, layer, items, spec)
     return _warnings(scene, layer, items, spec)
 

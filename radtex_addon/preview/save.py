@@ -19,6 +19,7 @@ import bpy
 
 from ..core.errors import BakeError
 from ..formats.atomic import refusal, replacing
+from .linked import linked_homes_copied
 
 TITLE = "RadTex "  # how names of materials that show a bake begin
 
@@ -54,6 +55,7 @@ def save_preview(
         if image.is_dirty and not image.packed_file:
             _log.warning("image '%s' has unsaved changes, which %s will not show", image.name, path.name)
     with replacing(path) as beside, ExitStack() as session:
+        session.enter_context(linked_homes_copied([stand_in.original for stand_in in stand_ins]))
         for stand_in in stand_ins:
             session.enter_context(_standing_in(stand_in))
         session.enter_context(_relative_images(stand_ins))
@@ -73,6 +75,7 @@ def _standing_in(pair: StandIn) -> Iterator[None]:
     mesh = cast(bpy.types.Mesh, copy.data)
     bare = not mesh.materials
     standin = cast(bpy.types.Object, copy.copy())
+    bearers = [item for item in bpy.data.objects if item.library is None and item.name == name]
     try:
         for collection in standin.users_collection:  # Blender 5 adds a rigid body's copy to its world
             collection.objects.unlink(standin)
@@ -81,16 +84,16 @@ def _standing_in(pair: StandIn) -> Iterator[None]:
         for index, slot in enumerate(standin.material_slots):
             slot.link = "OBJECT"  # the mesh keeps its own
             slot.material = pair.materials[index if len(pair.materials) > 1 else 0]
-        if original.library is None:
-            original.name = f"{name} (original)"
+        for item in bearers:  # the original, unless that is linked; then perhaps its copy, or a stranger
+            item.name = f"{name} (original)"
         standin.name = name
         original.user_remap(standin)
         yield
     finally:
         standin.user_remap(original)
         bpy.data.objects.remove(standin)
-        if original.library is None:
-            original.name = name
+        for item in bearers:
+            item.name = name
         if bare:
             mesh.materials.clear()
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import bpy
 
+from ..core.errors import InputError
 from ..formats.sidecar import content_in, read_facts
 
 _RECORD = "radtex_source"
@@ -28,13 +29,27 @@ def find_shown(sidecar: Path, scene: bpy.types.Scene) -> list[bpy.types.Object]:
     What is no longer there, or linked from a library, where nothing can be hidden, is left out. Raises
     FormatError for a sidecar that cannot be read.
     """
+    return [item for item in _named(sidecar, scene) if item.library is None]
+
+
+def _named(sidecar: Path, scene: bpy.types.Scene) -> list[Any]:
     facts = read_facts(sidecar)
     content = content_in(facts)
     names = () if content is None else content.objects
     if "source" in facts.values:
         names = (facts.inner("source").text("object"),)
     named: Iterator[Any] = (scene.objects.get(name) for name in names)
-    return [item for item in named if item is not None and item.library is None]
+    return [item for item in named if item is not None]
+
+
+def check_hideable(sidecar: Path, scene: bpy.types.Scene) -> None:
+    """Raises InputError where what a bake shows instead is linked: both would be seen, one in the other."""
+    for item in _named(sidecar, scene):
+        if item.library is not None:
+            raise InputError(
+                f"object '{item.name}' is linked from {item.library.name}, where nothing can be hidden: "
+                "make a library override of it (Object > Library Override > Make), or make it local"
+            )
 
 
 def hide_shown(pair: Iterable[Any], shown: Iterable[Any], others: Iterable[Any]) -> None:

@@ -20,6 +20,7 @@ from ..cycles.apparatus import render_layers
 from ..cycles.device import use_device
 from ..cycles.settings import apply_capture_settings, denoise, keep_passes
 from ..formats.temporary import temporary_folder
+from ..preview.source import check_hideable
 from ..preview.swap import copy_of, is_on, originals_rendered, switch_all_on, switch_off
 from ..scene.frames import at_frame
 from ..scene.scratch import scene_copied, scratch_scene
@@ -91,6 +92,8 @@ def compare_steps(
     if not bakes:
         raise InputError("no object to compare: name one that was baked")
     frame = frame_of(scene, bakes)
+    for sidecar in filter(None, bakes.values()):
+        check_hideable(sidecar, scene)
     check_shown(filter(None, bakes.values()), spec.memory_mb)
     with (
         temporary_folder() as folder,

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, cast
 
 import bpy
@@ -20,18 +20,30 @@ _VISIBILITY = frozenset(("hide_render", "hide_viewport"))
 def find_object(scene: bpy.types.Scene, name: str, view_layer: str | None = None) -> bpy.types.Object:
     """The mesh object called `name` that renders in `view_layer` of `scene` (the first, if None).
 
-    Raises InputError for a name that is not there, an object of another type, or one hidden from render.
+    Raises InputError for a name that is not there or that several bear, an object of another type, or one
+    hidden from render.
     """
     layer = find_view_layer(scene, view_layer)
     found = scene.objects.get(name)
     if found is None:
         raise InputError(_not_there(scene, name))
+    check_only_one(scene.objects, name)
     if found.type != "MESH":
         raise InputError(_not_a_mesh(found))
     reason = _why_hidden(found, layer)
     if reason is not None:
         raise InputError(f"object '{name}' is hidden from render: {reason}")
     return found
+
+
+def check_only_one(items: Iterable[bpy.types.Object], name: str) -> None:
+    """Raises InputError where several of the objects are called `name`, as libraries may have it."""
+    found = [item for item in items if item.name == name]
+    if len(found) > 1:
+        homes = " and ".join(item.library.name if item.library else "this file" for item in found)
+        raise InputError(
+            f"several objects are called '{name}', of {homes}: rename one, a linked one in its own file"
+        )
 
 
 def _not_there(scene: bpy.types.Scene, name: str) -> str:

@@ -21,12 +21,14 @@ def originals(
     """The object called `name`; without one the selected meshes, or else the active one.
 
     With the `scene`, a name may also be that of a `bake` which several objects share. A preview counts for
-    what it stands in for, unless that was deleted. Raises InputError for none.
+    what it stands in for, unless that was deleted. Raises InputError for none, and a name that several bear.
     """
     from ..core.errors import InputError
     from ..preview.swap import original_of
+    from ..scene.objects import check_only_one
 
     if name:
+        check_only_one(layer.objects, name)
         chosen = [item for item in layer.objects if item.name == name]
         if not chosen and scene is not None:
             shared = sharing(layer, name, scene, bake)
