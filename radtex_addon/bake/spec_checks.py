@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 _MOST_SHARED_SAMPLES = 2**12  # 177 thousand paths a texel
 _TARGETS = (10.0, 60.0)  # dB; textures of 8 bits come no nearer
 
+LEAST_MEMORY, MOST_MEMORY = 16, 2**24  # MiB that a bake may be allowed
+
 # What a whole number may be; Cycles's own bounds for samples and seed.
 _LIMITS = {
     "texels": (1, MAX_IMAGE_SIDE),
@@ -28,7 +30,7 @@ _LIMITS = {
     "seed": (0, 2**31 - 1),
     "padding": (0, 256),
     "sheet": (16, MAX_IMAGE_SIDE),
-    "memory_mb": (16, 2**24),
+    "memory_mb": (LEAST_MEMORY, MOST_MEMORY),
     "budget": (1, 2**40),
     "frame": (0, 1048574),
     "unwrap_at": (0, 1048574),

@@ -10,6 +10,7 @@ from functools import partial
 
 from ..bake.frames import parse_frames
 from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layer, Layout, Split, Unwrap, View
+from ..bake.spec_checks import LEAST_MEMORY
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..export.spec import Target
@@ -254,7 +255,8 @@ def add_how(group: argparse._ArgumentGroup) -> None:
         "pictures of another size have other noise",
     )
     add_device(group)
-    add_memory(group, "memory that the bake may take beside the scene: one that needs more is refused", None)
+    beside = "memory that the bake may take beside the scene: one that needs more is refused"
+    add_memory(group, beside, None, LEAST_MEMORY)
 
 
 def add_files(group: argparse._ArgumentGroup) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ..bake.spec import BakeSpec
+from ..bake.spec_checks import MOST_MEMORY
 from ..core.errors import InputError
 from ..cycles.device import GPU_TYPES
 from ..formats.places import check_unicode
@@ -134,13 +135,22 @@ def add_choice(
     )
 
 
-def add_memory(group: argparse._ArgumentGroup, text: str, known: int | None) -> None:
-    """How much memory may be taken, in whole MiB, which is `known` without the option."""
+def add_memory(group: argparse._ArgumentGroup, text: str, known: int | None, least: int = 1) -> None:
+    """How much memory may be taken, in whole MiB, `least` or more, which is `known` without the option."""
+
+    def memory(word: str) -> int:
+        found = _memory(word)
+        if not least <= found <= MOST_MEMORY:
+            raise InputError(
+                f"--memory {word}: give {least}MiB at least, and {MOST_MEMORY // MIB}TiB at most"
+            )
+        return found
+
     default = "" if known is None else f" (default: {known})"
     group.add_argument(
         "--memory",
         dest="memory_mb",
-        type=_memory,
+        type=memory,
         metavar="SIZE",
         default=known,
         help=f"{text}, such as 2GB or 1.5GiB; a number alone counts MiB{default}",

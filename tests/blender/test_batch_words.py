@@ -9,7 +9,7 @@ import io
 import json
 import signal
 import sys
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +22,11 @@ from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.cli import main as batch_module
 from radtex_addon.cli import reporting
 from radtex_addon.cli.arguments import parse
+from radtex_addon.cli.compare_arguments import parse_compare
+from radtex_addon.cli.export_arguments import parse_export
 from radtex_addon.cli.interruption import Interruption
 from radtex_addon.cli.options import ProgressStyle
+from radtex_addon.cli.report_arguments import parse_report
 from radtex_addon.core.errors import Cancelled, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.spec import Target
@@ -135,6 +138,27 @@ def test_memory_that_is_no_size_is_refused_with_examples(word: str) -> None:
     line = ["a.blend", "--object", "A", f"--memory={word}"]
     with pytest.raises(InputError, match=r"^--memory .*: give a size, such as 2GB or 800MB$"):
         parse(line, inside_blender=False)
+
+
+@pytest.mark.parametrize("word", ["1MB", "1", "0", "15", "16MB", "17TiB", "9" * 12])
+def test_memory_that_no_bake_can_have_is_refused_by_the_option_s_name(word: str) -> None:
+    line = ["a.blend", "--object", "A", f"--memory={word}"]
+    with pytest.raises(InputError, match=rf"^--memory {word}: give 16MiB at least, and 16TiB at most$"):
+        parse(line, inside_blender=False)
+
+
+@pytest.mark.parametrize(
+    ("read", "words"),
+    [
+        (parse_report, ["baked", "--scene=demo"]),
+        (parse_compare, ["demo"]),
+        (parse_export, ["baked", "--to=raw"]),
+    ],
+)
+def test_no_memory_is_refused_everywhere(read: Callable[[list[str], bool], Any], words: list[str]) -> None:
+    assert read([*words, "--memory=1MiB"], False).spec.memory_mb == 1
+    with pytest.raises(InputError, match=r"^--memory 1MB: give 1MiB at least, and 16TiB at most$"):
+        read([*words, "--memory=1MB"], False)
 
 
 def test_the_shared_layout_has_cells_of_its_own() -> None:
