@@ -135,8 +135,17 @@ class Checkpoint(Keeper):
     The first piece that is kept or found raises InputError where another process works on them.
     """
 
-    def __init__(self, folder: Path, resume: bool, replaces: Iterable[Path] = ()) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        resume: bool,
+        replaces: Iterable[Path] = (),
+        check: Callable[[], None] = lambda: None,
+    ) -> None:
         """Go on with what `folder` holds if `resume`, else begin anew, and drop that at the first piece.
+
+        Before it is dropped, and once nobody else can write there, `check` may raise InputError for what has
+        come meanwhile.
 
         `replaces` are the files that the bake may put in the place of others. Raises InputError for a key
         that cannot be read.
@@ -147,6 +156,7 @@ class Checkpoint(Keeper):
         self._replaces = sorted({path.name for path in replaces})
         self._workers: list[int] = []
         self._lock: Lock | None = None
+        self._check = check
 
     def __enter__(self) -> Checkpoint:
         return self
@@ -261,6 +271,7 @@ class Checkpoint(Keeper):
     def _enter(self) -> None:
         self._workers = workers(self._folder)
         if self._known is None:
+            self._check()
             _clear(self._folder)
         elif not is_unfinished(self._folder):  # whoever had the lock has finished the bake
             raise self._gone()

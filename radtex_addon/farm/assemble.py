@@ -62,7 +62,9 @@ def assemble_steps(
     watch = Stopwatch()
     plan, hidden = read_plan(files, manifest)
     capture = FarmCapture(files, manifest, plan)
-    with open_checkpoint(manifest.name, spec, outputs, resume=False) as cells:  # more than memory may hold
+    with open_checkpoint(
+        manifest.name, spec, outputs, False, overwrite
+    ) as cells:  # more than memory may hold
         try:
             made = yield from watch.over(
                 join_buckets(plan, capture, hidden, spec, outputs, manifest.facts, cells)

@@ -31,6 +31,7 @@ from ..scene.lacking import lacking
 from ..scene.lamps import find_lamps
 from ..scene.light import is_dark
 from ..scene.objects import find_object
+from ..scene.refusals import refuse_unseen
 from ..scene.scratch import find_view_layer
 from ..scene.source import find_source
 from ..scene.where import check_where
@@ -108,6 +109,8 @@ def _check_names(
 ) -> None:
     """Find all that a bake names, or takes for granted, beside its objects."""
     item = items[0]
+    if spec.frame is None:  # else it may be another then
+        check_seen(scene, layer, items, spec)
     if spec.view is View.CAMERA:
         find_eye(scene)
     if spec.kind is Kind.PROXY:
@@ -120,6 +123,22 @@ def _check_names(
         check_where(items, spec.where)
     if spec.lights:
         find_lamps(layer, spec.lights)
+
+
+def check_seen(
+    scene: bpy.types.Scene,
+    layer: bpy.types.ViewLayer,
+    items: Sequence[bpy.types.Object],
+    spec: BakeSpec,
+) -> None:
+    """Make sure that cameras see whose light is baked: the objects, or the source of it.
+
+    Light that arrives, occlusion and hulls do not ask cameras. Raises InputError.
+    """
+    if spec.kind not in (Kind.RADIANCE, Kind.TRANSFER):
+        return
+    for item in items if spec.source is None else [find_source(scene, items[0], spec.source, layer.name)]:
+        refuse_unseen(layer, item)
 
 
 def _is_open(path: Path) -> bool:

@@ -29,9 +29,9 @@ from ..scene.eye import find_eye
 from ..scene.frames import at_frame
 from ..scene.lamps import light_only
 from ..scene.objects import find_object
-from ..scene.scratch import new_data_removed, scratch_scene
+from ..scene.scratch import find_view_layer, new_data_removed, scratch_scene
 from .buckets import bake_buckets
-from .checks import check_request
+from .checks import check_request, check_seen
 from .condensed import Condensed
 from .files import OutputFiles
 from .made import Made
@@ -132,7 +132,7 @@ def bake_steps(
     for warning in warnings:
         log.warning(warning)
     watch = Stopwatch()
-    with open_checkpoint(name, spec, files, resume) as checkpoint:
+    with open_checkpoint(name, spec, files, resume, overwrite) as checkpoint:
         try:
             with at_frame(scene, spec.frame), new_data_removed():
                 baked = yield from bake_and_keep(
@@ -194,6 +194,8 @@ def bake_and_keep(
         use_device(scratch, spec.device) as device,  # before the unwrap, which may take long
     ):
         originals = [find_object(scratch, each) for each in spec.objects or (name,)]
+        if spec.frame is not None:
+            check_seen(scratch, find_view_layer(scratch, None), originals, spec)
         keeper.expect({"device": device})
         if spec.view is View.CAMERA:
             keeper.expect({"camera's place": str(find_eye(scratch))})

@@ -25,12 +25,20 @@ _MAY_DIFFER = ("memory_mb", "device", "frame")
 _CALLED = {"objects": "objects that share the atlas", "lights": "lamps that are lit"}
 
 
-def open_checkpoint(name: str, spec: BakeSpec, files: OutputFiles, resume: bool) -> Checkpoint:
+def open_checkpoint(
+    name: str, spec: BakeSpec, files: OutputFiles, resume: bool, overwrite: bool = False
+) -> Checkpoint:
     """Where the pieces of a bake of the object `name` are kept.
 
-    Raises InputError where it is to `resume` one that differs.
+    It looks once more, at its first piece, whether it would replace what may not be. Raises InputError where
+    it is to `resume` one that differs.
     """
-    checkpoint = Checkpoint(files.unfinished, resume, files.own)
+    earlier = digest(files.atlas) if (spec.accumulate or spec.refresh) and files.atlas.is_file() else None
+
+    def check() -> None:
+        _check_meanwhile(name, spec, files, overwrite, earlier)
+
+    checkpoint = Checkpoint(files.unfinished, resume, files.own, check)
     chosen = {
         _CALLED.get(field.name, field.name.replace("_", " ")): str(getattr(spec, field.name))
         for field in fields(spec)
@@ -38,8 +46,8 @@ def open_checkpoint(name: str, spec: BakeSpec, files: OutputFiles, resume: bool)
     }
     versions = {"RadTex's version": VERSION, "Blender's version": bpy.app.version_string}
     checkpoint.expect({"object": name, **versions, **chosen})
-    if (spec.accumulate or spec.refresh) and files.atlas.is_file():
-        checkpoint.expect({"the atlas that is there": DIGEST + digest(files.atlas)})
+    if earlier is not None:
+        checkpoint.expect({"the atlas that is there": DIGEST + earlier})
     return checkpoint
 
 
@@ -66,10 +74,7 @@ def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, 
         return
     check_free(files.unfinished)
     if not resume and not overwrite:
-        raise InputError(
-            f"{files.unfinished} holds an unfinished bake: go on with it (--resume), "
-            "or begin anew (--overwrite)"
-        )
+        raise _unfinished(files)
     if resume:
         open_checkpoint(name, spec, files, resume)
     else:
@@ -77,6 +82,27 @@ def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, 
     may = replaced_by(files.unfinished) if resume else frozenset()
     check_absent([path for path in files.own if path.name not in may], overwrite or earlier)
     check_absent([path for path in files.own if path.name in may], overwrite=True)
+
+
+def _check_meanwhile(
+    name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, earlier: str | None
+) -> None:
+    """Make sure, where nobody else can write any more, that nobody has since `check_files` looked.
+
+    `earlier` is the digest of the atlas that there was to go on from. Raises InputError.
+    """
+    if is_unfinished(files.unfinished) and not overwrite:
+        raise _unfinished(files)
+    if earlier is not None and digest(files.atlas) != earlier:
+        raise InputError(f"{files.atlas} has changed since this bake began: start it again")
+    check_absent(files.own, overwrite or earlier is not None)
+    _check_common(name, spec, files, overwrite)
+
+
+def _unfinished(files: OutputFiles) -> InputError:
+    return InputError(
+        f"{files.unfinished} holds an unfinished bake: go on with it (--resume), or begin anew (--overwrite)"
+    )
 
 
 def _check_folder(unfinished: Path) -> None:

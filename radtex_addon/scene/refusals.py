@@ -46,6 +46,39 @@ def refuse_unbaked_rigid_bodies(scene: bpy.types.Scene) -> None:
         )
 
 
+def refuse_unseen(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> None:
+    """Raise InputError if cameras see through an object in renders of a view layer, as a bake would, too."""
+    remedy = _why_unseen(layer, item)
+    if remedy is not None:
+        raise InputError(f"a bake of object '{item.name}' would be see-through: {remedy}")
+
+
+def _why_unseen(layer: bpy.types.ViewLayer, item: Any) -> str | None:
+    panel = "(Object Properties > Visibility)"
+    if not item.visible_camera:
+        return f"cameras do not see it; enable Ray Visibility > Camera {panel}"
+    if item.is_shadow_catcher:
+        return f"it is a shadow catcher; disable that {panel}"
+    if item.is_holdout:
+        return f"it is a holdout; disable that {panel}"
+    for is_so, flag, name in (
+        (item.holdout_get, "holdout", "Holdout"),
+        (item.indirect_only_get, "indirect_only", "Indirect Only"),
+    ):
+        if is_so(view_layer=layer):
+            home = _flagged_home(layer.layer_collection, item, flag)
+            of = "" if home is None else f" of its collection '{home}'"
+            return f"in view layer '{layer.name}' {name}{of} is on; disable that (in the Outliner)"
+    return None
+
+
+def _flagged_home(shown: Any, item: bpy.types.Object, flag: str) -> str | None:
+    """The name of the first collection that holds the object itself and has the flag in a view layer."""
+    if getattr(shown, flag, False) and item in shown.collection.objects.values():
+        return str(shown.name)
+    return next((name for child in shown.children if (name := _flagged_home(child, item, flag))), None)
+
+
 def _displaces(material: bpy.types.Material) -> bool:
     if material.displacement_method == "BUMP" or material.node_tree is None:
         return False
