@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What light a bake shows: kind, frame, lamps; kept on a preview too, whose sidecar may be gone by then."""
+"""What light a bake shows: kind, frame, lamps, layers; also of a preview whose sidecar may be gone."""
 
 from __future__ import annotations
 
@@ -10,18 +10,23 @@ from pathlib import Path
 from typing import Any
 
 from ..formats.facts import Facts
-from ..formats.sidecar import read_facts
+from ..formats.sidecar import LAYOUT, read_facts
 
 _KEPT = "radtex_variant"  # of a copy: JSON, as in a sidecar
+_KEYS = ("kind", "layout", "frame", "lights", "layers")
 
 
 @dataclass(frozen=True)
 class Variant:
-    """Its `kind`, the `frame` that was asked for, None for none, and the only `lights`, () for all light."""
+    """Its `kind`, the `frame` that was asked for, None for none, and the only `lights`, () for all light.
+
+    `layers` are those that can be shown alone.
+    """
 
     kind: str = "radiance"
     frame: int | None = None
     lights: tuple[str, ...] = ()
+    layers: tuple[str, ...] = ()
 
 
 def read_variant(sidecar: Path) -> Variant:
@@ -32,7 +37,7 @@ def read_variant(sidecar: Path) -> Variant:
 def keep_variant(copy: Any, sidecar: Path) -> None:
     """Let a preview know what it shows. Raises FormatError."""
     facts = read_facts(sidecar).values
-    copy[_KEPT] = json.dumps({key: facts[key] for key in ("kind", "frame", "lights") if key in facts})
+    copy[_KEPT] = json.dumps({key: facts[key] for key in _KEYS if key in facts})
 
 
 def kept_variant(copy: Any) -> Variant:
@@ -46,4 +51,5 @@ def _variant_in(facts: Facts) -> Variant:
         facts.text("kind"),
         facts.whole_number("frame", 0) if "frame" in facts.values else None,
         facts.texts("lights") if "lights" in facts.values else (),
+        facts.texts("layers") if facts.text("layout") == LAYOUT else (),
     )

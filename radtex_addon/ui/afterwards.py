@@ -12,7 +12,7 @@ from .compare_operator import RADTEX_OT_compare, RADTEX_OT_show_comparison
 from .export_operator import RADTEX_OT_export
 from .panel import Sidebar
 from .preview_operator import RADTEX_OT_preview_toggle
-from .switch import draw_switch
+from .switch import draw_layers, draw_switch
 
 
 class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
@@ -23,7 +23,9 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout: Any = self.layout
-        draw_switch(layout, context.active_object if context is not None else None)
+        item = context.active_object if context is not None else None
+        draw_switch(layout, item)
+        draw_layers(layout, item)
         column = layout.column()
         column.operator("radtex.compare", icon="IMAGE_REFERENCE")
         column.operator("radtex.export", text="Export…", icon="EXPORT")

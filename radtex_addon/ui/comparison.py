@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -13,6 +12,7 @@ import bpy
 import numpy as np
 
 from ..scene.working_space import REC_709
+from .undo import in_a_window, push_step
 from .words import iface_
 
 if TYPE_CHECKING:
@@ -34,8 +34,7 @@ def make_images(traced: Picture, baked: Picture, source: str = "") -> list[bpy.t
     images: list[Any] = [_image(name, picture, name == DIFFERENCE) for name, picture in pictures.items()]
     for image in images:
         image[_SOURCE] = source
-    with _in_a_window():
-        bpy.ops.ed.undo_push(message="Compare with Cycles")
+    push_step("Compare with Cycles")
     return images
 
 
@@ -74,7 +73,7 @@ def show_images(images: Sequence[bpy.types.Image]) -> bool:
 def open_window(images: Sequence[bpy.types.Image]) -> None:
     """Show them side by side in a window of their own."""
     context: Any = bpy.context  # as above
-    with _in_a_window():
+    with in_a_window():
         bpy.ops.wm.window_new()
     window = context.window_manager.windows[-1]
     window.screen.areas[0].ui_type = "IMAGE_EDITOR"
@@ -84,18 +83,6 @@ def open_window(images: Sequence[bpy.types.Image]) -> None:
     last, *others = window.screen.areas  # each split made one on the left; their x is set when they are drawn
     for area, image in zip([*others, last], images, strict=True):
         area.spaces.active.image = image
-
-
-@contextmanager
-def _in_a_window() -> Iterator[None]:
-    """A context for operators that want a window, which timers have none of."""
-    context: Any = bpy.context  # to the stubs, an override is no context manager
-    windows = context.window_manager.windows
-    if context.window is not None or not windows:
-        yield
-        return
-    with context.temp_override(window=windows[0]):
-        yield
 
 
 def _editors() -> list[Any]:

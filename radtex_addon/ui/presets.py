@@ -16,6 +16,7 @@ from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 
 from ..core.errors import InputError
+from .undo import push_step
 from .words import remark
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ class RADTEX_OT_preset_apply(bpy.types.Operator):
 
     bl_idname = "radtex.preset_apply"
     bl_label = "Apply RadTex Preset"
-    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+    bl_options = {"REGISTER", "INTERNAL"}  # it pushes its own step to undo, also where a script calls it
 
     if TYPE_CHECKING:
         name: str
@@ -114,6 +115,7 @@ class RADTEX_OT_preset_apply(bpy.types.Operator):
         except InputError as error:
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
+        push_step(self.bl_label)
         return {"FINISHED"}
 
 

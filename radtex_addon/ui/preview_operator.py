@@ -13,6 +13,7 @@ from .choices import LAYERS
 from .finding import bake_called, originals, sidecars_of
 from .of_bake import OfBake
 from .operator import shown
+from .undo import push_step
 from .words import remark
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
 
     bl_idname = "radtex.preview_toggle"
     bl_label = "Preview Bake"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER"}  # it pushes its own step to undo, also where a script calls it
 
     if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
         action: str
@@ -66,6 +67,7 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
             return {"CANCELLED"}
         for item in items if off else ():
             switch_off(item)
+        push_step(self.bl_label)
         return {"FINISHED"}
 
     def _switch_on(self, scene: bpy.types.Scene, items: list[bpy.types.Object], bake: str) -> None:

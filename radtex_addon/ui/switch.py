@@ -25,6 +25,16 @@ def draw_switch(layout: Any, item: bpy.types.Object | None) -> Any:
     return row.operator("radtex.preview_toggle", icon="HIDE_OFF" if pressed else "HIDE_ON", depress=pressed)
 
 
+def draw_layers(layout: Any, item: bpy.types.Object | None) -> None:
+    """A menu of layers to show alone, where the bake of `item` is shown and has some."""
+    from ..preview.swap import copy_of
+    from ..preview.variant import kept_variant
+
+    copy = None if item is None else copy_of(item)
+    if copy is not None and kept_variant(copy).layers:
+        layout.operator_menu_enum("radtex.preview_toggle", "layer", text="Layer").action = "ON"
+
+
 def draw_show(layout: Any) -> Any:
     """The button that shows one of several bakes of an object; returns its operator's properties."""
     switch = layout.operator("radtex.preview_toggle", icon="HIDE_OFF")

@@ -126,6 +126,21 @@ def test_each_press_is_one_step_to_undo(bake: str) -> None:
         assert differences(state, digest()) == {}
 
 
+def test_each_call_of_a_script_is_one_step_to_undo_too(bake: str) -> None:
+    scene_with_balls()
+    bpy.ops.ed.undo_push(message="before")
+    states = [digest()]
+    for _ in range(2):
+        radtex.preview_toggle(bake=bake)
+        states.append(digest())
+    for state in (states[1], states[0]):
+        bpy.ops.ed.undo()
+        assert differences(state, digest()) == {}
+    for state in (states[1], states[2]):
+        bpy.ops.ed.redo()
+        assert differences(state, digest()) == {}
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

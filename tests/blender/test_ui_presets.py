@@ -86,3 +86,14 @@ def test_new_files_start_from_the_default_preset_and_saved_ones_do_not(tmp_path:
     assert settings().bucket == 14
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     assert settings().bucket == 4
+
+
+def test_a_script_s_preset_is_a_step_to_undo() -> None:
+    applied("draft")
+    before = values_of(settings())
+    applied("final")
+    after = values_of(settings())
+    bpy.ops.ed.undo()
+    assert values_of(settings()) == before
+    bpy.ops.ed.redo()
+    assert values_of(settings()) == after
