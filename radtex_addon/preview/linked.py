@@ -81,8 +81,9 @@ class _Shown:
     @classmethod
     def of(cls, layer: bpy.types.ViewLayer) -> _Shown:
         tree = list(_tree(layer.layer_collection))
+        active = cast(bpy.types.LayerCollection, layer.active_layer_collection)  # there is always one
         flags = tuple({name: bool(getattr(shown, name)) for name in _FLAGS} for shown in tree)
-        return cls(layer, flags, tree.index(layer.active_layer_collection))
+        return cls(layer, flags, tree.index(active))
 
 
 def _restore(every: Sequence[_Shown]) -> None:
