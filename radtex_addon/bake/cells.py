@@ -38,13 +38,16 @@ class Cells:
         shape = (self._plan.layout.bucket, self._plan.layout.bucket, self.channels)
         for name in self._keeper.names():
             tile = _tile(name)
-            if tile is None or tile.end > len(self._there) or self._there[tile.first_row : tile.end].any():
+            if tile is None or not 0 < tile.end <= len(self._there):
+                continue
+            if not tile.rows or self._there[tile.first_row : tile.end].any():
                 continue
             kept = self._keeper.found(name)
             count = len(self._plan.texels_of(tile))
-            if kept is not None and kept[_CELLS].shape == (count, *shape):
+            cells = None if kept is None else kept.get(_CELLS)
+            if cells is not None and cells.shape == (count, *shape) and cells.dtype == np.float32:
                 self._add(tile, name)
-                yield tile, kept[_CELLS]
+                yield tile, cells
 
     def put(self, tile: Tile, cells: Floats) -> None:
         """Keep a tile's cells (k, n, n, C). Raises BakeError where that is refused."""

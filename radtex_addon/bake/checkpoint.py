@@ -25,7 +25,8 @@ import numpy.typing as npt
 from ..core.errors import BakeError, InputError
 from ..formats.atomic import refusal, remove_unfinished, replacing
 from ..formats.facts import shown
-from ..formats.lock import HeldError, Lock, holder, take_lock
+from ..formats.lock import HeldError, Lock, NoLockError, holder, take_lock
+from ..formats.regular import MOST_TEXT, open_regular
 from .key import KEY, LOCK, Facts, Key, in_use, is_unfinished, read_key, workers, write_key
 
 log = logging.getLogger(__name__)
@@ -222,7 +223,10 @@ class Checkpoint(Keeper):
         try:
             return _read_rows(path, array, first, count)
         except OSError as error:
-            raise BakeError(f"{path} can no longer be read: {error.strerror or error}; bake again") from error
+            reason = error.strerror or str(error)
+        except Exception as error:  # noqa: BLE001  # numpy's parser of headers raises whatever it meets
+            reason = f"it is damaged ({shown(' '.join(str(error).split()), 200)})"
+        raise BakeError(f"{path} can no longer be read: {reason}; bake again")
 
     def remove(self) -> None:
         """Drop all pieces, and what killed processes were writing: the bake is done.
@@ -263,6 +267,8 @@ class Checkpoint(Keeper):
             return take_lock(self._folder / LOCK)
         except HeldError as held:
             raise InputError(in_use(self._folder, str(held))) from held
+        except NoLockError as error:
+            raise InputError(str(error)) from error
         except FileNotFoundError as error:
             raise self._gone() from error
         except OSError as error:
@@ -323,8 +329,8 @@ def _write_piece(path: Path, mark: dict[str, str], arrays: Arrays) -> None:
 
 def _read_piece(path: Path, mark: dict[str, str]) -> Arrays:
     """Raises OSError, FileNotFoundError among them, and anything else for what is not this piece, whole."""
-    with path.open("rb") as stream:
-        end = left = path.stat().st_size - _DIGEST_BYTES
+    with open_regular(path) as stream:
+        end = left = os.fstat(stream.fileno()).st_size - _DIGEST_BYTES
         found = hashlib.sha256()
         while left > 0 and (chunk := stream.read(min(_CHUNK, left))):
             found.update(chunk)
@@ -332,7 +338,7 @@ def _read_piece(path: Path, mark: dict[str, str]) -> Arrays:
         if left or stream.read() != found.digest():
             raise ValueError("its digest is wrong")
         stream.seek(0)
-        says = json.loads(stream.readline())
+        says = json.loads(stream.readline(MOST_TEXT))
         names = says.pop("arrays")
         if says != mark:
             raise ValueError("it is of another bake")
@@ -342,24 +348,23 @@ def _read_piece(path: Path, mark: dict[str, str]) -> Arrays:
 def _read_array(stream: BinaryIO, end: int) -> npt.NDArray[Any]:
     """An array that lies before `end`: its header is not believed before memory is taken."""
     place = stream.tell()
-    version = _FORMAT.read_magic(stream)
-    shape, _, dtype = _FORMAT.read_array_header_1_0(stream)
-    size = prod(shape) * dtype.itemsize
-    if version != (1, 0) or min(shape, default=0) < 0 or size > end - stream.tell():
-        raise ValueError("an array in it is not of its size")
+    _array_header(stream, end)
     stream.seek(place)
     array: npt.NDArray[Any] = _FORMAT.read_array(stream, allow_pickle=False)
     return array
 
 
 def _read_rows(path: Path, array: str, first: int, count: int) -> npt.NDArray[Any]:
-    """Rows of an array of a piece that is known to be whole. Raises OSError."""
-    with path.open("rb") as stream:
-        before = json.loads(stream.readline())["arrays"].index(array)
-        shape, dtype = _array_header(stream)
+    """Rows of an array of a piece that was whole. Raises OSError, and anything else where it is no more."""
+    with open_regular(path) as stream:
+        end = os.fstat(stream.fileno()).st_size - _DIGEST_BYTES
+        before = json.loads(stream.readline(MOST_TEXT))["arrays"].index(array)
+        shape, dtype = _array_header(stream, end)
         for _ in range(before):
             stream.seek(prod(shape) * dtype.itemsize, os.SEEK_CUR)
-            shape, dtype = _array_header(stream)
+            shape, dtype = _array_header(stream, end)
+        if not 0 <= first <= first + count <= shape[0]:
+            raise ValueError("it has other rows")
         stream.seek(first * prod(shape[1:]) * dtype.itemsize, os.SEEK_CUR)
         found: npt.NDArray[Any] = np.fromfile(stream, dtype, count * prod(shape[1:]))
         if found.size != count * prod(shape[1:]):
@@ -367,9 +372,12 @@ def _read_rows(path: Path, array: str, first: int, count: int) -> npt.NDArray[An
         return found.reshape(count, *shape[1:])
 
 
-def _array_header(stream: BinaryIO) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    _FORMAT.read_magic(stream)
+def _array_header(stream: BinaryIO, end: int) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Shape and type of an array that lies before `end`. Raises ValueError for one that does not."""
+    version = _FORMAT.read_magic(stream)
     shape, _, dtype = _FORMAT.read_array_header_1_0(stream)
+    if version != (1, 0) or min(shape, default=0) < 0 or prod(shape) * dtype.itemsize > end - stream.tell():
+        raise ValueError("an array in it is not of its size")
     return shape, dtype
 
 

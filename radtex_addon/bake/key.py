@@ -14,7 +14,8 @@ from typing import Any, TypeAlias
 from ..core.errors import InputError
 from ..formats.atomic import write_text
 from ..formats.facts import shown
-from ..formats.lock import holder
+from ..formats.lock import NoLockError, holder
+from ..formats.regular import read_regular
 
 Facts: TypeAlias = Mapping[str, str]
 
@@ -44,8 +45,12 @@ def is_unfinished(folder: Path) -> bool:
 
 
 def check_free(folder: Path) -> None:
-    """Raises InputError where a process works on the bake in `folder`."""
-    if who := holder(folder / LOCK):
+    """Raises InputError where a process works on the bake in `folder`, or something has its lock's name."""
+    try:
+        who = holder(folder / LOCK)
+    except NoLockError as error:
+        raise InputError(str(error)) from error
+    if who:
         raise InputError(in_use(folder, who))
 
 
@@ -76,7 +81,7 @@ def read_key(folder: Path) -> Key:
     path = folder / KEY
     anew = "begin anew (--overwrite, without --resume)"
     try:
-        key = json.loads(path.read_text(encoding="utf-8"))
+        key = json.loads(read_regular(path))
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror or error}; or {anew}") from error
     except (ValueError, RecursionError) as error:

@@ -42,6 +42,7 @@ from .packing import (
     lobe_layer,
     unpack_surroundings,
 )
+from .regular import open_regular
 from .shared_sidecar import SharedSidecar
 
 # What values a texture holds; tiles have a range of their own within theirs.
@@ -174,7 +175,7 @@ def read_textures(path: Path, sidecar: SharedSidecar, file_of: Callable[[str], P
 def digest(path: Path) -> str:
     """A file's SHA-256 in hexadecimal digits. Raises FormatError, with the path, if it cannot be read."""
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error

@@ -21,6 +21,7 @@ from ..core.errors import FormatError, InputError, ShapeError
 from .atomic import replacing
 from .bc7 import Blocks, described
 from .memory import check_memory
+from .regular import open_regular
 from .texture import MOST_PIXELS, Encoded, Form, PixelFormat, Texture, blocks_shape, size_misfit
 
 
@@ -159,7 +160,7 @@ def read_texture(path: Path) -> Texture:
 def _read(path: Path, alone: bool) -> tuple[DdsFormat, Texture]:
     """The texture of a file; `alone` refuses layers and mip levels."""
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             size = os.fstat(file.fileno()).st_size
             header, kind = _checked(path, file.read(_LAYOUT.size), size, alone)
             shapes = _shapes(header, kind)

@@ -25,6 +25,7 @@ from ..core.arrays import Floats
 from ..core.errors import BakeError, FormatError, ShapeError
 from .atomic import replacing
 from .exr_size import check_memory_for, check_size
+from .regular import open_regular
 from .sidecar import Sidecar, read_sidecar
 
 HALF_MOST = 65504.0  # the largest finite half float
@@ -231,7 +232,7 @@ def _channel_names(headers: Iterable[dict[str, Any]]) -> list[str]:
 def headers_of(path: Path) -> list[dict[str, Any]]:
     """The parts' headers, once the file is known to be an EXR whose pixels fit into it."""
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             magic = file.read(len(_MAGIC))
     except OSError as error:
         raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error

@@ -12,6 +12,7 @@ from typing import Any
 from ..core.errors import FormatError
 
 _MOST = 2**64 - 1  # of whole numbers, of which ours are far smaller
+_MOST_VALUES = 1_000_000  # of a text: each takes up to a hundred times its own bytes
 
 
 def shown(text: str, most: int = 40) -> str:
@@ -38,6 +39,8 @@ class Facts:
     @classmethod
     def parse(cls, text: str, source: str, what: str = "RadTex sidecar") -> Facts:
         """Read what `json_text` wrote. Raises FormatError for what is no JSON object."""
+        if sum(map(text.count, ",[{")) > _MOST_VALUES:
+            raise FormatError(f"{source} has more values than any {what}: bake it again")
         try:
             values = json.loads(text)
         except (ValueError, RecursionError) as error:

@@ -5,15 +5,18 @@
 from __future__ import annotations
 
 import json
+import os
 import struct
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
 
 from ..core.errors import FormatError
+from .memory import check_memory
+from .regular import MOST_TEXT, open_regular
 
 _MAGIC, _VERSION = b"glTF", 2
 _JSON, _BINARY = b"JSON", b"BIN\0"
@@ -31,35 +34,27 @@ Values = npt.NDArray[Any]
 
 @dataclass(eq=False)
 class Glb:
-    """A glTF document, and the buffer that its buffer views lie in."""
+    """A glTF document, and the buffer that its buffer views lie in; `source` names it in errors."""
 
     document: dict[str, Any]
     buffer: bytearray
+    source: str = "the glTF"
 
     @classmethod
     def read(cls, path: Path) -> Glb:
-        """Read a .glb. Raises FormatError, with the path, for what is none."""
+        """Read a .glb. Raises FormatError, with the path, for what is none, or more than memory holds."""
         try:
-            data = path.read_bytes()
+            with open_regular(path) as file:
+                chunks = _read_chunks(path, file)
         except OSError as error:
             raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
-        if len(data) < 20 or data[:4] != _MAGIC or struct.unpack_from("<I", data, 4)[0] != _VERSION:
-            raise FormatError(f"{path} is no binary glTF 2.0")
-        if struct.unpack_from("<I", data, 8)[0] != len(data):
-            raise FormatError(f"{path} is damaged: it is not as long as it says")
-        chunks: dict[bytes, bytes] = {}
-        place = 12
-        while place + 8 <= len(data):
-            length, kind = struct.unpack_from("<I4s", data, place)
-            chunks.setdefault(kind, data[place + 8 : place + 8 + length])
-            place += 8 + length
         try:
             document = json.loads(chunks.get(_JSON, b""))
         except (ValueError, RecursionError) as error:
             raise FormatError(f"{path} is damaged, its JSON cannot be read: {error}") from error
         if not isinstance(document, dict):
             raise FormatError(f"{path} is damaged: its JSON is no object")
-        return cls(document, bytearray(chunks.get(_BINARY, b"")))
+        return cls(document, chunks.get(_BINARY, bytearray()), str(path))
 
     def write(self, path: Path) -> None:
         """Write the file, straight to `path`. Raises OSError where the system refuses."""
@@ -69,13 +64,27 @@ class Glb:
         path.write_bytes(struct.pack("<4sII", _MAGIC, _VERSION, 12 + len(chunks)) + chunks)
 
     def accessor(self, index: int) -> Values:
-        """The values of an accessor: (N,) of a scalar, else (N, components); not sparse, not interleaved."""
-        accessor = self.document["accessors"][index]
-        view = self.document["bufferViews"][accessor["bufferView"]]
-        dtype, width = _TYPES[accessor["componentType"]], _COMPONENTS[accessor["type"]]
-        first = int(view.get("byteOffset", 0) + accessor.get("byteOffset", 0))
-        values: Values = np.frombuffer(self.buffer, dtype, int(accessor["count"]) * width, first).copy()
+        """The values of an accessor: (N,) of a scalar, else (N, components); not sparse, not interleaved.
+
+        Raises FormatError, with the source, for one that the document lacks, or the buffer does not hold.
+        """
+        try:
+            accessor = self.document["accessors"][index]
+            view = self.document["bufferViews"][accessor["bufferView"]]
+            dtype, width = _TYPES[accessor["componentType"]], _COMPONENTS[accessor["type"]]
+            numbers = [view.get("byteOffset", 0), accessor.get("byteOffset", 0), accessor["count"]]
+        except (LookupError, TypeError, AttributeError) as error:
+            raise self._without(index) from error
+        if any(type(number) is not int or number < 0 for number in numbers):
+            raise self._without(index)
+        first, count = numbers[0] + numbers[1], numbers[2] * width
+        if first + count * dtype.itemsize > len(self.buffer):
+            raise self._without(index)
+        values: Values = np.frombuffer(memoryview(self.buffer)[first:], dtype, count).copy()
         return values if width == 1 else values.reshape(-1, width)
+
+    def _without(self, index: int) -> FormatError:
+        return FormatError(f"{self.source} is damaged: it holds no values of accessor {index}; export it again")
 
     def add_view(self, data: bytes, **facts: object) -> int:
         """Append bytes to the buffer, at a multiple of four; returns the index of their view."""
@@ -130,6 +139,31 @@ class Glb:
                 data = bytes(old[first : first + view.pop("byteLength")])
                 moved[index] = self.add_view(data, **{k: v for k, v in view.items() if k != "buffer"})
             owner["bufferView"] = moved[index]
+
+
+def _read_chunks(path: Path, file: BinaryIO) -> dict[bytes, bytearray]:
+    """The document and the buffer of a file. Raises FormatError for what is no .glb, OSError."""
+    size = os.fstat(file.fileno()).st_size
+    head = file.read(12)
+    if size < 20 or head[:4] != _MAGIC or struct.unpack_from("<I", head, 4)[0] != _VERSION:
+        raise FormatError(f"{path} is no binary glTF 2.0")
+    if struct.unpack_from("<I", head, 8)[0] != size:
+        raise FormatError(f"{path} is damaged: it is not as long as it says")
+    chunks: dict[bytes, bytearray] = {}
+    while len(head := file.read(8)) == 8:
+        length, kind = struct.unpack("<I4s", head)
+        if length > size - file.tell():
+            raise FormatError(f"{path} is damaged: it is cut short")
+        if kind not in (_JSON, _BINARY) or kind in chunks:
+            file.seek(length, os.SEEK_CUR)
+            continue
+        if kind == _JSON and length > MOST_TEXT:
+            raise FormatError(f"{path} is damaged: {length} bytes of it are JSON")
+        check_memory(str(path), length)
+        chunks[kind] = bytearray(length)
+        if file.readinto(memoryview(chunks[kind])) != length:  # type: ignore[attr-defined]  # a BufferedReader
+            raise FormatError(f"{path} was cut short while it was read: export it again")
+    return chunks
 
 
 def _chunk(kind: bytes, data: bytes, filler: bytes) -> bytes:

@@ -23,6 +23,7 @@ from .atomic import replacing
 from .bc7 import Blocks
 from .ktx2_descriptor import descriptor
 from .memory import check_memory
+from .regular import open_regular
 from .texture import Encoded, PixelFormat, Texture, blocks_shape, size_misfit
 
 VK_FORMATS = {  # VkFormat
@@ -148,7 +149,7 @@ def read_ktx2(path: Path) -> Texture:
     machine's memory, or holds anything else than a texture of ours.
     """
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             size = os.fstat(file.fileno()).st_size
             header, kind = _read_header(path, file)
             index = _read_index(path, file, header, kind, size)

@@ -17,6 +17,7 @@ from typing import Any
 from ..core.errors import FormatError
 from .atomic import write_text
 from .facts import Facts, json_text
+from .regular import read_regular
 
 VERSION = 1
 LAYOUT = "buckets"
@@ -257,9 +258,12 @@ def preview_path(path: Path, kind: str, part: Part | None = None) -> Path:
 
 
 def read_text(path: Path) -> str:
-    """The text of a sidecar's file. Raises FormatError, with the path, if it cannot be read."""
+    """The text of a sidecar's file, or of another of ours. Raises FormatError, with the path.
+
+    That is for a file that cannot be read, or is far larger than any of ours.
+    """
     try:
-        return path.read_text(encoding="utf-8")
+        return read_regular(path).decode("utf-8")
     except UnicodeDecodeError as error:
         raise FormatError(f"{path} is not text: it is no RadTex sidecar") from error
     except OSError as error:

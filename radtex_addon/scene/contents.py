@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -14,6 +15,7 @@ import bpy
 import numpy as np
 
 from ..bake.key import DIGEST
+from ..formats.regular import open_regular
 from .evaluated import ATTRIBUTE_LAYOUT
 
 _WHOLE = 64 << 20  # bytes: of larger files, slices all over
@@ -44,8 +46,8 @@ class Geometry:
 
 def file_digest(path: Path) -> str:
     """Of a file's size and contents, of large ones in part; of none that cannot be read."""
-    with suppress(OSError), path.open("rb") as file:
-        size = path.stat().st_size
+    with suppress(OSError), open_regular(path) as file:
+        size = os.fstat(file.fileno()).st_size
         state = hashlib.sha256(str(size).encode())
         for start, length in _slices(size):
             file.seek(start)

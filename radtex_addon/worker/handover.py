@@ -17,6 +17,7 @@ import bpy  # noqa: TID251  # of this package, handover and images know Blender
 
 from ..core.errors import BakeError
 from ..cycles.device import preferred_device
+from ..formats.regular import open_regular
 from .images import save_unsaved
 from .order import Handover, Program
 
@@ -92,7 +93,7 @@ def _compression() -> dict[str, Any]:
     """As the open file is on disk: Blender would save it by the choice made here the next time."""
     if not bpy.data.filepath:
         return {"compress": False}  # the quicker; for a first save the preferences decide
-    with suppress(OSError), Path(bpy.data.filepath).open("rb") as file:
+    with suppress(OSError), open_regular(Path(bpy.data.filepath)) as file:
         return {"compress": file.read(7) != b"BLENDER"}
     return {}
 

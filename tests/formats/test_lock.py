@@ -15,8 +15,10 @@ from pathlib import Path
 
 import pytest
 
-from radtex_addon.core.errors import BakeError
-from radtex_addon.formats.lock import HeldError, holder, take_lock
+from radtex_addon.bake.checkpoint import Checkpoint
+from radtex_addon.bake.key import LOCK, check_free
+from radtex_addon.core.errors import BakeError, InputError
+from radtex_addon.formats.lock import HeldError, NoLockError, holder, take_lock
 from radtex_addon.formats.temporary import PREFIX, temporary_folder
 
 _ROOT = Path(__file__).parents[2]
@@ -71,6 +73,60 @@ def test_a_lock_that_nobody_refers_to_is_free(tmp_path: Path) -> None:
     take_lock(tmp_path / "lock")
     assert list(tmp_path.iterdir()) == []
     take_lock(tmp_path / "lock").release()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such files")
+@pytest.mark.parametrize("kind", ["link", "dangling link", "hard link", "file", "pipe", "folder", "device"])
+def test_nothing_but_a_lock_is_written_or_removed(kind: str, tmp_path: Path) -> None:
+    theirs, path = tmp_path / "theirs", tmp_path / "lock"
+    theirs.write_text("a novel")
+    if kind == "link":
+        path.symlink_to(theirs)
+    elif kind == "dangling link":
+        path.symlink_to(tmp_path / "new")
+    elif kind == "hard link":
+        path.hardlink_to(theirs)
+    elif kind == "file":
+        path.write_text("another novel")
+    elif kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+    else:
+        path.symlink_to("/dev/null")
+    before = path.lstat()
+    with pytest.raises(NoLockError, match=r"lock is (a link|no file|somebody's file), where RadTex keeps a lock"):
+        take_lock(path)
+    if kind != "file":  # whose lock nobody has
+        with pytest.raises(NoLockError):
+            holder(path)
+    assert theirs.read_text() == "a novel"
+    assert os.path.samestat(path.lstat(), before)
+    assert path.lstat().st_size == before.st_size
+    assert {one.name for one in tmp_path.iterdir()} == {"theirs", "lock"}
+
+
+@pytest.mark.parametrize("left", [b"", b"proc", bytes(23), b"process 7 on tow\0\0\0"])
+def test_what_a_kill_or_a_power_cut_left_of_a_lock_is_taken(left: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "lock"
+    path.write_bytes(left)
+    lock = take_lock(path)
+    assert path.read_text().startswith(f"process {os.getpid()} on ")
+    lock.release()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
+def test_a_bake_with_a_link_in_the_place_of_its_lock_is_refused(tmp_path: Path) -> None:
+    theirs, folder = tmp_path / "theirs", tmp_path / "bake.radtex-unfinished"
+    theirs.write_text("a novel")
+    folder.mkdir()
+    (folder / LOCK).symlink_to(theirs)
+    with pytest.raises(InputError, match=rf"{LOCK} is a link, where RadTex keeps a lock: remove it"):
+        check_free(folder)
+    kept = Checkpoint(folder, resume=False)
+    with pytest.raises(InputError, match="is a link"):
+        kept.keep("tile", {})
+    assert theirs.read_text() == "a novel"
 
 
 def test_what_a_killed_process_left_goes_with_the_next_folder(temporary: Path) -> None:

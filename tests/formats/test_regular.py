@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Only regular files are read, and no more of them than any of ours has: nothing waits, nothing fills memory."""
+
+from __future__ import annotations
+
+import os
+import resource
+import signal
+import socket
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import FrameType
+
+import numpy as np
+import pytest
+
+from radtex_addon.bake.checkpoint import Checkpoint
+from radtex_addon.bake.key import KEY
+from radtex_addon.core.errors import BakeError, FormatError, InputError, RadTexError
+from radtex_addon.formats.regular import MOST_TEXT, open_regular, other_kind, read_regular
+from tests.fuzz.corpus import FACTS, make_corpus
+from tests.fuzz.readers import READERS
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such files")
+_HANG = 10  # seconds
+
+
+@pytest.fixture(scope="module")
+def corpus(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("corpus")
+    make_corpus(folder)
+    return folder
+
+
+@pytest.fixture(autouse=True)
+def _no_waiting() -> Iterator[None]:
+    def waits(_number: int, _frame: FrameType | None) -> None:
+        raise AssertionError("it waits")
+
+    before = signal.signal(signal.SIGALRM, waits)
+    signal.alarm(_HANG)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_no_reader_waits_for_a_pipe(name: str, corpus: Path) -> None:
+    reader = READERS[name]
+    path = corpus / reader.target
+    kept = path.read_bytes()
+    path.unlink()
+    os.mkfifo(path)
+    try:
+        reader.read(path)  # a piece that is none is made again
+    except RadTexError as error:
+        assert "pipe" in str(error) or "holds no farm" in str(error)
+    finally:
+        path.unlink()
+        path.write_bytes(kept)
+
+
+@pytest.mark.parametrize("where", ["sidecar", "glb", "ktx2", "dds", "key", "piece"])
+def test_a_sparse_file_takes_no_memory(where: str, corpus: Path) -> None:
+    reader = READERS[where]
+    path = corpus / reader.target
+    kept = path.read_bytes()
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    try:
+        os.truncate(path, 2 << 30)
+        reader.read(path)
+    except (FormatError, InputError) as error:
+        assert path.name in str(error)
+    finally:
+        path.write_bytes(kept)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 100 << 10  # KiB
+
+
+def test_a_text_of_too_many_values_is_refused(corpus: Path) -> None:
+    path = corpus / "many.json"
+    path.write_text('{"a": [' + "{}," * 2_000_000 + "{}]}")
+    with pytest.raises(FormatError, match=r"many\.json has more values"):
+        READERS["sidecar"].read(path)
+
+
+def test_what_is_no_file_is_named_by_its_kind(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to(tmp_path / "pipe")
+    (tmp_path / "file").write_bytes(b"abc")
+    (tmp_path / "to file").symlink_to(tmp_path / "file")
+    with socket.socket(socket.AF_UNIX) as bound:
+        bound.bind(str(tmp_path / "socket"))
+        kinds = {"pipe": "a pipe", "link": "a pipe", "socket": "a socket", ".": "a folder"}
+        for name, kind in kinds.items():
+            assert other_kind(tmp_path / name) == kind
+            with pytest.raises(OSError, match=f"it is {kind} and no file"):
+                open_regular(tmp_path / name)
+    assert other_kind(Path("/dev/zero")) == "a device"
+    assert other_kind(tmp_path / "nothing") is None
+    assert read_regular(tmp_path / "to file") == b"abc"
+    assert read_regular(tmp_path / "file", 3) == b"abc"
+    with pytest.raises(OSError, match="it has 3 bytes, and nothing of its kind more than 2 bytes"):
+        read_regular(tmp_path / "file", 2)
+    with pytest.raises(OSError, match="device"):
+        read_regular(Path("/dev/zero"), MOST_TEXT)
+
+
+@pytest.mark.parametrize(
+    "harm", ["cut", "header", "fewer", "other", "pipe"], ids=lambda harm: f"a piece that is {harm}"
+)
+def test_rows_of_a_piece_that_is_no_more_what_it_was_are_refused(harm: str, tmp_path: Path) -> None:
+    kept = Checkpoint(tmp_path / "bake.radtex-unfinished", resume=False)
+    kept.expect(FACTS)
+    kept.keep("tile", {"cells": np.arange(32, dtype=np.float32).reshape(8, 4)})
+    np.testing.assert_array_equal(kept.rows("tile", "cells", 2, 1), [[8, 9, 10, 11]])
+    path = tmp_path / "bake.radtex-unfinished" / "tile.piece"
+    data = path.read_bytes()
+    if harm == "cut":
+        path.write_bytes(data[:60])
+    elif harm == "header":
+        path.write_bytes(data.replace(b"'descr'", b"'decsr'"))
+    elif harm == "fewer":
+        path.write_bytes(data.replace(b"(8, 4)", b"(2, 4)"))
+    elif harm == "other":
+        path.write_bytes(data.replace(b'"cells"', b'"seeds"'))
+    else:
+        path.unlink()
+        os.mkfifo(path)
+    with pytest.raises(BakeError, match=r"tile\.piece can no longer be read: .*; bake again"):
+        kept.rows("tile", "cells", 2, 4)
+
+
+def test_a_key_that_is_a_pipe_is_named(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / KEY)
+    assert not Checkpoint(tmp_path, resume=True).names()
