@@ -17,6 +17,8 @@ from ..bake.spec import BakeSpec
 from ..bake.stopwatch import Stopwatch
 from ..core.errors import FormatError
 from ..formats.atomic import check_writable
+from ..formats.facts import shown
+from ..formats.numpy_files import read_npz
 from ..job.buckets import join_buckets
 from ..job.files import OutputFiles
 from ..job.prepare import Piece
@@ -58,9 +60,9 @@ def assemble_steps(
     outputs = OutputFiles.of(manifest.name, spec, out, copies is not None)
     check_writable(out)
     check_outputs(manifest.name, spec, outputs, overwrite, resume=False)
+    plan, hidden = read_plan(files, manifest)
     yield from check_frames(files, manifest)
     watch = Stopwatch()
-    plan, hidden = read_plan(files, manifest)
     capture = FarmCapture(files, manifest, plan)
     with open_checkpoint(
         manifest.name, spec, outputs, False, overwrite
@@ -102,22 +104,43 @@ class _Copied:
 
 
 def _save_preview(files: FarmFiles, manifest: Manifest, copies: Copies, outputs: OutputFiles) -> None:
-    bpy.ops.wm.open_mainfile(filepath=str(files.preview.absolute()), load_ui=False, use_scripts=False)
-    scene: Any = bpy.data.scenes.get(copies.scene)
-    if scene is None:
-        raise FormatError(f"{files.preview} holds no scene '{copies.scene}': prepare the farm anew")
-    pieces = []
-    for number, (name, mesh_name) in enumerate(zip(copies.objects, copies.meshes, strict=True)):
-        mesh: Any = bpy.data.meshes[mesh_name]
-        mesh.use_fake_user = False
-        matrix = np.array(mesh[MATRIX], dtype=np.float64).reshape(4, 4)
-        part = _part(files, number) if manifest.spec.split is not None else None
-        pieces.append(Piece(scene.objects[name], mesh, matrix, part))
-    facts = manifest.facts
-    copied = _Copied(manifest.name, tuple(pieces), facts.uv_map, facts.mesh, copies.parts)
-    save_preview_of(scene, manifest.spec, outputs, copied, copies.filter, copies.view_layer)
+    """Raises FormatError for a .blend that holds other things than the manifest says."""
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(files.preview.absolute()), load_ui=False, use_scripts=False)
+        scene = _named(files, bpy.data.scenes, "scene", copies.scene)
+        pieces = []
+        for number, (name, mesh_name) in enumerate(zip(copies.objects, copies.meshes, strict=True)):
+            item = _named(files, scene.objects, "object", name)
+            mesh = _named(files, bpy.data.meshes, "mesh", mesh_name)
+            mesh.use_fake_user = False
+            matrix = np.array(mesh[MATRIX], dtype=np.float64).reshape(4, 4)
+            part = _part(files, number, mesh, copies) if manifest.spec.split is not None else None
+            pieces.append(Piece(item, mesh, matrix, part))
+        facts = manifest.facts
+        copied = _Copied(manifest.name, tuple(pieces), facts.uv_map, facts.mesh, copies.parts)
+        save_preview_of(scene, manifest.spec, outputs, copied, copies.filter, copies.view_layer)
+    except (LookupError, TypeError, ValueError, AttributeError, RuntimeError) as error:
+        raise FormatError(
+            f"{files.preview} holds other things than {files.manifest} says "
+            f"({' '.join(str(error).split())}): prepare the farm anew"
+        ) from error
 
 
-def _part(files: FarmFiles, number: int) -> Any:
-    with np.load(files.parts, allow_pickle=False) as found:
-        return found[f"arr_{number}"]
+def _named(files: FarmFiles, blocks: Any, what: str, name: str) -> Any:
+    """The datablock of that name. Raises FormatError where there is none."""
+    try:
+        found = blocks.get(name)
+    except SystemError:  # Blender's answer to a name that is no Unicode
+        found = None
+    if found is None:
+        raise FormatError(f"{files.preview} holds no {what} '{shown(name)}': prepare the farm anew")
+    return found
+
+
+def _part(files: FarmFiles, number: int, mesh: Any, copies: Copies) -> Any:
+    """Which part each of a copy's triangles belongs to. Raises FormatError."""
+    key, count = f"arr_{number}", len(mesh.polygons)
+    part = read_npz(files.parts, {key: "iu"}, 8 * count)[key]
+    if part.shape != (count,) or (count and not 0 <= part.min() <= part.max() < len(copies.parts)):
+        raise FormatError(f"{files.parts} tells of parts that mesh '{mesh.name}' has not: prepare the farm anew")
+    return part

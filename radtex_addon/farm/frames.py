@@ -7,6 +7,7 @@ from __future__ import annotations
 import logging
 import re
 from collections.abc import Generator, Iterable
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
@@ -26,6 +27,8 @@ from .progress import Step, Task
 
 log = logging.getLogger(__name__)
 
+_DIGITS = 9  # of a frame's number at most; Python refuses to read thousands
+
 
 class Fault(StrEnum):
     """What is wrong with a frame."""
@@ -40,14 +43,20 @@ class Fault(StrEnum):
 def check_frames(files: FarmFiles, manifest: Manifest) -> Generator[Step, None, None]:
     """Look at every frame, whole.
 
-    Raises BakeError that names all that are not as they should be, with the commands that render just those.
+    Infinite light is taken as a bake on one machine takes it: the file's greatest value stands for it. Warns of
+    frames with some. Raises BakeError that names all that are not as they should be, with the commands that
+    render just those.
     """
     bad: dict[int, tuple[Fault, str]] = {}
     versions: set[str] = set()
+    endless: list[int] = []
     for number in range(1, manifest.sheets + 1):
         yield Step(Task.CHECK, number - 1, manifest.sheets)
         try:
-            versions.add(_check(files, manifest, number))
+            checked = _check(files, manifest, number)
+            versions.add(checked.version)
+            if checked.endless:
+                endless.append(number)
         except _BadFrame as error:
             bad[number] = error.fault, error.detail
     yield Step(Task.CHECK, manifest.sheets, manifest.sheets)
@@ -55,6 +64,12 @@ def check_frames(files: FarmFiles, manifest: Manifest) -> Generator[Step, None, 
     if bad or strays:
         raise BakeError(_complaint(files, manifest, bad, strays))
     _warn_of_versions(versions, manifest)
+    if endless:
+        log.warning(
+            "frames %s show infinite light: the greatest value that the file holds stands for it, as in a bake "
+            "on one machine",
+            frame_list(endless),
+        )
 
 
 def read_frame(path: Path, manifest: Manifest) -> Floats:
@@ -62,12 +77,13 @@ def read_frame(path: Path, manifest: Manifest) -> Floats:
 
     Raises FormatError for a file that is damaged, of another size, or lacks a layer.
     """
-    passes = read_layers(path)
     try:
-        lights = [light_of(passes, layer) for layer in captured(manifest.spec.layers)]
-    except StopIteration:
-        raise FormatError(f"{path} lacks a layer") from None
-    pixels = np.concatenate([passes.whole, *lights], axis=-1)
+        with np.errstate(all="ignore"):  # infinite light times nothing: found as no number
+            passes = read_layers(path)
+            lights = [light_of(passes, layer) for layer in captured(manifest.spec.layers)]
+            pixels = np.concatenate([passes.whole, *lights], axis=-1)
+    except (StopIteration, LookupError, ValueError):
+        raise FormatError(f"{path} lacks a layer, or has one of another size") from None
     expected = (*manifest.pixels, manifest.spec.channels)
     if pixels.shape != expected:
         raise FormatError(f"{path} has {pixels.shape} pixels, expected {expected}")
@@ -104,8 +120,16 @@ class _BadFrame(Exception):
         self.fault, self.detail = fault, detail
 
 
-def _check(files: FarmFiles, manifest: Manifest, number: int) -> str:
-    """The version of Blender that rendered a frame, "" where it does not say. Raises _BadFrame."""
+@dataclass(frozen=True)
+class _Checked:
+    """A frame that can be used: by which `version` of Blender, "" where it does not say; with infinite light?"""
+
+    version: str
+    endless: bool
+
+
+def _check(files: FarmFiles, manifest: Manifest, number: int) -> _Checked:
+    """What a frame is like that can be used. Raises _BadFrame."""
     path = files.frame(number)
     if not path.is_file():
         raise _BadFrame(Fault.MISSING)
@@ -120,12 +144,12 @@ def _check(files: FarmFiles, manifest: Manifest, number: int) -> str:
         raise _BadFrame(Fault.DAMAGED) from error
     if np.isnan(pixels).any():
         raise _BadFrame(Fault.NOT_NUMBERS)
-    return stamps.get("Software", "")
+    return _Checked(stamps.get("Software", ""), bool(np.isinf(pixels).any()))
 
 
 def _number(stamps: dict[str, str]) -> int:
     word = stamps.get("Frame", "")
-    return int(word) if word.isdecimal() else 0
+    return int(word) if word.isdecimal() and len(word) <= _DIGITS else 0
 
 
 def _strays(files: FarmFiles, manifest: Manifest) -> Iterable[str]:

@@ -7,8 +7,10 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, fields
 from enum import StrEnum
+from math import isfinite
 from pathlib import Path
-from typing import Any
+from types import UnionType
+from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -20,12 +22,15 @@ from ..core.errors import FormatError, InputError, RadTexError
 from ..core.sampler import Filter
 from ..formats.condensed_files import digest
 from ..formats.facts import Facts, json_text
+from ..formats.memory import check_memory
+from ..formats.numpy_files import read_npz
 from ..formats.sidecar import Sidecar, read_text
 from .files import FarmFiles
 
 VERSION = 1
 _WHAT = "farm's manifest"
 _KINDS = (Kind.RADIANCE, Kind.INCIDENT, Kind.REFLECTION, Kind.PROXY)
+_MOST_FRAMES = 1048574  # of an animation in Blender
 
 
 @dataclass(frozen=True)
@@ -134,6 +139,8 @@ def read_manifest(files: FarmFiles) -> Manifest:
     )
     if not _is_possible(made):
         raise FormatError(f"{files.manifest} tells of sheets that no bake has: prepare the farm anew")
+    if not _is_whole(made, files):
+        raise FormatError(f"{files.manifest} tells of a farm that no bake has: prepare it anew")
     return made
 
 
@@ -141,7 +148,21 @@ def _is_possible(made: Manifest) -> bool:
     facts, texels = made.facts, made.spec.texels
     fits = max(facts.width, facts.height) <= texels and facts.bucket == made.spec.bucket
     filled = (made.rows - 1) * made.columns < facts.width * facts.height
-    return fits and filled and made.sheets == -(-made.rows // made.sheet_rows)
+    divided = made.sheets == -(-made.rows // made.sheet_rows) and made.sheets <= _MOST_FRAMES
+    return fits and filled and divided
+
+
+def _is_whole(made: Manifest, files: FarmFiles) -> bool:
+    """Whether all that it names belongs together, and lies in the farm's folder."""
+    spec, copies = made.spec, made.copies
+    needed = {files.plan.name}
+    if copies is not None:
+        needed.add(files.preview.name)
+        if spec.split is not None:
+            needed.add(files.parts.name)
+        if copies.objects != (spec.objects or (made.name,)) or len(copies.meshes) != len(copies.objects):
+            return False
+    return set(made.digests) == needed and made.facts.kind == spec.kind
 
 
 def check_files(files: FarmFiles, manifest: Manifest) -> None:
@@ -160,10 +181,22 @@ def write_plan(path: Path, plan: CapturePlan, hidden: HiddenCells | None) -> Non
 
 
 def read_plan(files: FarmFiles, manifest: Manifest) -> tuple[CapturePlan, HiddenCells | None]:
-    """The plan of a farm, all of whose rays start nowhere, for they were sent; and its hidden cells."""
-    n = manifest.bucket
-    with np.load(files.plan, allow_pickle=False) as found:
-        texel, bits = found["texel"], found["hidden"]
+    """The plan of a farm, all of whose rays start nowhere, for they were sent; and its hidden cells.
+
+    Raises FormatError for a file that is damaged, or of another farm.
+    """
+    n, count = manifest.bucket, manifest.facts.width * manifest.facts.height
+    row = -(-n * n // 8)  # bytes of a texel's hidden cells
+    check_memory(str(files.plan), count * (row + 8))
+    found = read_npz(files.plan, {"texel": "iu", "hidden": "u"}, count * max(row, 8))
+    texel, bits = found["texel"], found["hidden"]
+    least, most = (manifest.rows - 1) * manifest.columns, manifest.rows * manifest.columns
+    ascends = texel.ndim == 1 and least < len(texel) <= most and bool((texel[1:] > texel[:-1]).all())
+    if not ascends or texel[0] < 0 or texel[-1] >= count or texel.dtype.itemsize > 8:
+        raise FormatError(f"{files.plan} tells of texels that the atlas has not: prepare the farm anew")
+    if bits.dtype != np.uint8 or bits.shape not in ((0, 0), (len(texel), row)):
+        raise FormatError(f"{files.plan} tells of hidden cells that the atlas has not: prepare the farm anew")
+    texel = texel.astype(np.int64)
     nowhere = np.broadcast_to(np.float32(0), (manifest.rows, manifest.columns, 3))
     layout = AtlasLayout(manifest.facts.width, manifest.facts.height, n)
     plan = CapturePlan(layout, texel, *(nowhere,) * 5, sheet=manifest.sheet_side)
@@ -187,12 +220,31 @@ def _spec(facts: Facts) -> BakeSpec:
     values: dict[str, Any] = {
         key: tuple(value) if isinstance(value, list) else value for key, value in facts.values.items()
     }
+    hints = get_type_hints(BakeSpec)
+    for key, value in values.items():
+        if not _fits(value, hints[key]):
+            raise FormatError(f'{facts.source} has a "{key}" of another type: prepare it anew')
     try:
-        return BakeSpec(**values)
-    except (RadTexError, TypeError, ValueError) as error:
+        spec = BakeSpec(**values)
+        check_farmable(spec)
+    except (RadTexError, TypeError, ValueError, LookupError, AttributeError, ArithmeticError) as error:
         raise FormatError(
             f"{facts.source} no bake can have ({json.dumps(str(error))}): prepare it anew"
         ) from error
+    return spec
+
+
+def _fits(value: Any, hint: Any) -> bool:
+    """Whether a value from JSON is of a field's type; words of enums are judged by who reads them."""
+    if get_origin(hint) in (Union, UnionType):
+        return any(_fits(value, each) for each in get_args(hint))
+    if get_origin(hint) is tuple:
+        return isinstance(value, tuple) and all(_fits(each, get_args(hint)[0]) for each in value)
+    if issubclass(hint, StrEnum):
+        return isinstance(value, str)
+    if hint is float:
+        return type(value) in (int, float) and isfinite(value)
+    return type(value) is hint
 
 
 def _copies(facts: Facts) -> Copies:
