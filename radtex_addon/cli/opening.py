@@ -16,6 +16,7 @@ from ..core.errors import InputError
 from ..formats.places import check_for_blender
 from ..scene.demo import build_demo_scene
 from ..scene.lacking import lacking
+from ..scene.outside import check_outside_files
 
 log = logging.getLogger(__name__)
 
@@ -47,6 +48,7 @@ def open_scene(path: Path | None, demo: bool, name: str | None = None) -> bpy.ty
         return build_demo_scene()
     if path is not None:
         _open(path)
+        check_outside_files()
         for complaint in lacking():
             log.warning(complaint)
     if name is not None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from ..preview.save import images_of
 from .files import FarmFiles
 from .looks import Looks, looks_of
 from .manifest import Manifest
-from .self_contained import make_local, pack_files
+from .self_contained import Packed, make_local, pack_files
 from .sheets import animate_sheets, portal_tree, without_extras
 from .still import Held, hold_still, read_cached
 
@@ -46,23 +47,23 @@ def save_draft(scratch: bpy.types.Scene, path: Path) -> tuple[Looks, Held]:
 
 def finish_blend(
     draft: Path, scene_name: str, files: FarmFiles, manifest: Manifest, looks: Looks, cached: Held
-) -> tuple[str, ...]:
+) -> Packed:
     """Open a draft, and save what farms render of it; the session is then empty.
 
-    Returns the names of files that lie beside the .blend. Raises InputError for what is no farm's.
+    Returns what lies beside the .blend, and what it takes along. Raises InputError for what is no farm's.
     """
     bpy.ops.wm.open_mainfile(filepath=str(draft), load_ui=False, use_scripts=False)
     try:
         scene: Any = bpy.data.scenes[scene_name]
         without_extras(scene)
-        make_local()
+        libraries = make_local()
         hold_still(scene, looks, cached, manifest.sheets)
         scene.name = _SCENE
         animate_sheets(scene, manifest)
-        beside = pack_files(files.folder)
+        packed = pack_files(files.folder)
         bpy.ops.wm.save_as_mainfile(filepath=str(files.blend), compress=True, relative_remap=False)
     except RuntimeError as error:
         raise BakeError(f"{files.blend}: Blender cannot make it ({' '.join(str(error).split())})") from error
     finally:
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    return beside
+    return replace(packed, carried=libraries + packed.carried)

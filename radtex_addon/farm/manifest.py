@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path
@@ -25,6 +25,7 @@ from ..formats.facts import Facts, json_text
 from ..formats.memory import check_memory
 from ..formats.numpy_files import read_npz
 from ..formats.sidecar import Sidecar, read_text
+from .carried import Carried
 from .files import FarmFiles
 
 VERSION = 1
@@ -50,7 +51,8 @@ class Manifest:
     """One farm: frames 1 to `sheets` of the `job` are sheets of `columns` x `sheet_rows` buckets.
 
     The plan has `rows` of them; sheets have about `sheet_side`² pixels. `facts` are the atlas's, `clamped`
-    and `layers` aside. `digests` are of files in the folder that joining the frames reads.
+    and `layers` aside. `digests` are of files in the folder that joining the frames reads. `carried` are files of
+    the machine that prepared it which travel in the folder: for people, joining does not read them.
     """
 
     job: str
@@ -66,6 +68,7 @@ class Manifest:
     islands: int | None
     digests: dict[str, str]
     copies: Copies | None = None
+    carried: tuple[Carried, ...] = ()
 
     @property
     def note(self) -> str:
@@ -101,6 +104,7 @@ class Manifest:
                 "preview": None
                 if copies is None
                 else {field.name: _plain(getattr(copies, field.name)) for field in fields(Copies)},
+                "carried": [asdict(each) for each in self.carried],
             }
         )
 

@@ -10,7 +10,7 @@ import secrets
 import shutil
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +38,7 @@ from ..job.run import Baked, bake_and_keep
 from ..scene.frames import at_frame
 from ..scene.scratch import new_data_removed
 from .blend import check_images_saved, finish_blend, save_draft
+from .carried import Carried
 from .files import FarmFiles
 from .looks import Looks
 from .manifest import Copies, Manifest, check_farmable, write_plan
@@ -51,12 +52,16 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Farm:
-    """What was prepared, and what it will take: `beside` are files that its .blend does not hold."""
+    """What was prepared, and what it will take: `beside` are files that its .blend does not hold.
+
+    `carried` are the files of this machine that are in its folder now, in the .blend or beside it.
+    """
 
     files: FarmFiles
     manifest: Manifest
     texels: int
     beside: tuple[str, ...]
+    carried: tuple[Carried, ...]
 
 
 @dataclass(eq=False)
@@ -127,11 +132,12 @@ def prepare_steps(
         yield Step(Task.HOLD, 0, 1)
         plan, facts, looks, cached, scene_name = draft.found[0]
         manifest = _manifest(name, spec, plan, facts, baked, copies, inside)
-        beside = finish_blend(draft.path, scene_name, inside, manifest, looks, cached)
+        packed = finish_blend(draft.path, scene_name, inside, manifest, looks, cached)
+        manifest = replace(manifest, carried=packed.carried)
         draft.path.unlink()
         write_templates(inside, manifest)
         inside.manifest.write_text(manifest.to_json(), encoding="utf-8", newline="\n")
-    return Farm(farm, manifest, baked.made.covered_texels, beside)
+    return Farm(farm, manifest, baked.made.covered_texels, packed.beside, packed.carried)
 
 
 def _manifest(

@@ -5,22 +5,24 @@
 from __future__ import annotations
 
 import logging
-import shutil
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
 import bpy
 
 from ..core.errors import InputError
+from ..formats.kinds_of_files import FileKind
+from .carried import Carried, Luggage
 
 log = logging.getLogger(__name__)
 
 FILES = "files"  # the folder beside the .blend for what it cannot hold
 
 
-def make_local() -> None:
-    """Take everything linked or overridden for the file's own."""
+def make_local() -> tuple[Carried, ...]:
+    """Take everything linked or overridden for the file's own; returns the files that it came from."""
     linked = list(_linked())
     while linked:
         for block in linked:
@@ -30,28 +32,54 @@ def make_local() -> None:
             break
         linked = left
     libraries: Any = bpy.data.libraries
+    found = tuple(
+        Carried(
+            f"library '{library.name}'", bpy.path.abspath(library.filepath), None, "what is linked from it"
+        )
+        for library in libraries
+        if library.packed_file is None
+    )
     for library in list(libraries):
         libraries.remove(library)
+    return found
 
 
-def pack_files(folder: Path) -> tuple[str, ...]:
+@dataclass(frozen=True)
+class Packed:
+    """The files `beside` a .blend, relative to its folder, and all files of this machine that it takes along."""
+
+    beside: tuple[str, ...]
+    carried: tuple[Carried, ...]
+
+
+def pack_files(folder: Path) -> Packed:
     """Pack what a .blend can hold, and put volumes beside it; the open file lies in `folder`.
 
-    Returns the names of the files beside it, relative to the folder. Raises InputError, by name, for what
-    needs a file that can be neither.
+    Raises InputError, by name, for what needs a file that can be neither, for files that are not what the scene
+    takes them for (a lamp's shape may be named /etc/shadow in a .blend from elsewhere), and for too large ones.
     """
     cast(Any, bpy.data).orphans_purge(do_local_ids=True, do_linked_ids=True, do_recursive=True)
-    _pack_images()
+    luggage = Luggage()
+    _pack_images(luggage)
     for font in bpy.data.fonts:
         if font.packed_file is None and not font.filepath.startswith("<"):
+            _look_at(luggage, "font", font, FileKind.FONT)
             font.pack()
-    _keep_light_shapes()
-    beside = tuple(_copy_volume(volume, folder) for volume in bpy.data.volumes)
+    _keep_light_shapes(luggage)
+    beside = tuple(
+        _copy_volume(volume, folder, luggage) for volume in bpy.data.volumes if not _is_held(volume)
+    )
     _refuse_other_files()
-    return beside
+    return Packed(beside, tuple(luggage.carried))
 
 
-def _pack_images() -> None:
+def _look_at(luggage: Luggage, what: str, block: Any, kind: FileKind, filepath: str | None = None) -> None:
+    """Take a datablock's file along. Raises InputError."""
+    path = bpy.path.abspath(block.filepath if filepath is None else filepath, library=block.library)
+    luggage.add(f"{what} '{block.name}'", Path(path), kind, "in the .blend")
+
+
+def _pack_images(luggage: Luggage) -> None:
     image: Any
     for image in bpy.data.images:
         packed = any(file.packed_file is not None for file in image.packed_files)
@@ -59,33 +87,51 @@ def _pack_images() -> None:
             continue
         if image.source == "GENERATED" and not image.is_dirty:
             continue
+        for path in _files_of(image):
+            if path.exists():
+                luggage.add(f"image '{image.name}'", path, FileKind.IMAGE, "in the .blend")
         try:
             image.pack()
         except RuntimeError:
             log.warning("image '%s': its file is missing, and the bake shows it in pink", image.name)
 
 
-def _keep_light_shapes() -> None:
+def _files_of(image: Any) -> list[Path]:
+    """The files that Blender packs of an image; none of one that was painted in Blender."""
+    if image.source not in {"FILE", "TILED", "SEQUENCE"} or not image.filepath:
+        return []
+    path = bpy.path.abspath(image.filepath, library=image.library)
+    if image.source != "TILED":
+        return [Path(path)]
+    found = []
+    for tile in image.tiles:
+        u, v = (tile.number - 1001) % 10, (tile.number - 1001) // 10
+        found.append(Path(path.replace("<UDIM>", str(tile.number)).replace("<UVTILE>", f"u{u + 1}_v{v + 1}")))
+    return found
+
+
+def _keep_light_shapes(luggage: Luggage) -> None:
     """Hold the text of IES files, which shape lamps."""
     for light in bpy.data.lights:
         tree: Any = light.node_tree
         for node in tree.nodes if tree is not None else ():
             if node.type == "TEX_IES" and node.mode == "EXTERNAL" and node.filepath:
+                _look_at(luggage, "lamp", light, FileKind.LAMP_SHAPE, node.filepath)
                 text = bpy.data.texts.load(bpy.path.abspath(node.filepath, library=light.library))
                 node.mode, node.ies = "INTERNAL", text
 
 
-def _copy_volume(volume: Any, folder: Path) -> str:
+def _is_held(volume: Any) -> bool:
+    """Whether the .blend holds the file: Blender packs volumes where users ask for it."""
+    return getattr(volume, "packed_file", None) is not None
+
+
+def _copy_volume(volume: Any, folder: Path, luggage: Luggage) -> str:
     source = Path(bpy.path.abspath(volume.filepath, library=volume.library))
     name = f"{FILES}/{volume.session_uid}-{source.name}"
     target = folder / name
     target.parent.mkdir(exist_ok=True)
-    try:
-        shutil.copyfile(source, target)
-    except OSError as error:
-        raise InputError(
-            f"volume '{volume.name}': {source} cannot be read ({error.strerror}): put it back"
-        ) from error
+    luggage.copy(f"volume '{volume.name}'", source, FileKind.VOLUME, target)
     volume.filepath = f"//{name}"
     return name
 

@@ -31,6 +31,7 @@ from ..scene.lacking import lacking
 from ..scene.lamps import find_lamps
 from ..scene.light import is_dark
 from ..scene.objects import find_object
+from ..scene.outside import check_outside_files
 from ..scene.refusals import refuse_unseen
 from ..scene.scratch import find_view_layer
 from ..scene.source import find_source
@@ -66,6 +67,7 @@ def check_request(
     if spec.uv_layer is None:
         check_xatlas()
     files = OutputFiles.of(name, spec, folder, preview)
+    check_outside_files()
     check_writable(folder)
     if files.preview is not None:
         check_saveable(files.preview)

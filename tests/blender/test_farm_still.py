@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -152,7 +153,15 @@ def test_linked_things_fonts_and_volumes_come_along(
     shown: Any = bpy.context.scene
     farm = prepared(shown, SPEC, out)
     (cloud,) = farm.beside
-    assert (farm.files.folder / cloud).read_bytes() == b"no grids"
+    assert (farm.files.folder / cloud).read_bytes().endswith(b"no grids")
+    carried = [(each.user, Path(each.path).name, each.how) for each in farm.carried]
+    assert carried[0] == ("library 'library.blend'", "library.blend", "what is linked from it")
+    assert carried[1][1:] == (carried[1][1], "in the .blend")
+    assert carried[1][0].startswith("font ")
+    assert carried[2] == ("volume 'cloud'", "cloud.vdb", "beside the .blend")
+    assert farm.carried[2].bytes == 16
+    listed = json.loads(farm.files.manifest.read_text())["carried"]
+    assert [each["path"] for each in listed] == [each.path for each in farm.carried]
     _open(farm)
     assert bpy.data.libraries[:] == []
     linked: Any = bpy.data.objects["Linked"]
@@ -181,7 +190,7 @@ def _text() -> bpy.types.Object:
 
 
 def _volume(folder: Path) -> bpy.types.Object:
-    (folder / "cloud.vdb").write_bytes(b"no grids")
+    (folder / "cloud.vdb").write_bytes(b" BDV\0\0\0\0no grids")
     cloud = bpy.data.volumes.new("cloud")
     cloud.filepath = str(folder / "cloud.vdb")
     return bpy.data.objects.new("Cloud", cloud)
