@@ -19,6 +19,7 @@ import os
 import shutil
 import signal
 import sys
+from contextlib import suppress
 from pathlib import Path
 from types import FrameType
 
@@ -54,7 +55,8 @@ def _leave_when_interrupted() -> None:
     """End at once by Ctrl-C or SIGTERM until the batch listens: Blender's start swallows exceptions."""
 
     def leave(_number: int, _frame: FrameType | None) -> None:
-        os.write(2, b"radtex: interrupted: nothing unfinished is left\n")
+        with suppress(OSError):
+            os.write(2, b"radtex: interrupted: nothing unfinished is left\n")
         os._exit(130)
 
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -62,14 +64,51 @@ def _leave_when_interrupted() -> None:
             signal.signal(number, leave)
 
 
+def _open_what_is_closed() -> None:
+    """Let no file get the number of a standard stream that was closed: Blender's words would get into it.
+
+    What takes its place can be neither written nor read, so that a lost result is noticed.
+    """
+    for number, other_way in ((0, os.O_WRONLY), (1, os.O_RDONLY), (2, os.O_RDONLY)):
+        try:
+            os.fstat(number)
+        except OSError:
+            opened = os.open(os.devnull, other_way)
+            if opened != number:
+                os.dup2(opened, number)
+                os.close(opened)
+
+
 def _keep_stdout_clean() -> None:
     """Give Python another standard output than Blender, which talks on it from its import to its exit."""
-    sys.stdout.flush()
+    if sys.stdout is not None:  # it is not where it was closed
+        sys.stdout.flush()
     ours = os.dup(1)
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     os.close(nowhere)
-    sys.stdout = os.fdopen(ours, "w", encoding=sys.stdout.encoding, errors="backslashreplace")
+    encoding = "utf-8" if sys.stdout is None else sys.stdout.encoding
+    sys.stdout = os.fdopen(ours, "w", encoding=encoding, errors="backslashreplace")
+
+
+def _code(ended: SystemExit) -> int:
+    """What `--help` and the like leave with."""
+    return ended.code if isinstance(ended.code, int) else int(ended.code is not None)
+
+
+def _said(code: int) -> int:
+    """The exit code, once all that was printed is out; 1 where that cannot be."""
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())  # what it still holds goes there
+        os.close(nowhere)
+        if code == 0 and sys.stderr is not None:
+            with suppress(OSError):
+                print(f"radtex: the standard output cannot be written ({error.strerror})", file=sys.stderr)
+        return code or 1
+    return code
 
 
 def _leave_without_destructors(ended: list[int]) -> None:
@@ -83,16 +122,22 @@ def _leave_without_destructors(ended: list[int]) -> None:
     folder = Path(blender.app.tempdir) if blender is not None else None
     if folder is not None and folder.name.startswith("blender_"):
         shutil.rmtree(folder, ignore_errors=True)
-    sys.stdout.flush()
-    sys.stderr.flush()
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError, AttributeError):  # full, closed, none
+            stream.flush()
     os._exit(ended[0])
 
 
 if __name__ == "__main__":
+    _open_what_is_closed()
     _leave_when_interrupted()
     _keep_stdout_clean()
     ended: list[int] = []
     if "bpy" not in sys.modules:  # the module, not Blender itself
         atexit.register(_leave_without_destructors, ended)
-    ended.append(run())
+    try:
+        code = run()
+    except SystemExit as asked:
+        code = _code(asked)
+    ended.append(_said(code))
     sys.exit(ended[0])

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ..bake.frames import of_frames
 from ..bake.spec import BakeSpec, Layout
+from ..core.command_lines import quoted
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..export.kinds import check_target
@@ -110,7 +111,8 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
         raise InputError("which object? name it: --object NAME (--help lists everything)")
     if inside_blender and found.scene not in (None, DEMO):
         raise InputError(
-            f"inside Blender the open file is baked: open {found.scene} by blender -b {found.scene}, "
+            f"inside Blender the open file is baked: open {found.scene} by "
+            f"{quoted(['blender', '-b', found.scene])}, "
             f"and leave it out after the --"
         )
     chosen = {

@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 import errno
-import traceback
 
 from ..core.errors import BakeError, Cancelled, InputError, RadTexError
 from .interruption import INTERRUPTED
+from .terminal import show_traceback
 
 
 def as_ours(raised: BaseException) -> RadTexError:
@@ -23,5 +23,5 @@ def as_ours(raised: BaseException) -> RadTexError:
         return InputError(f"{raised.filename}: the system takes no name that long: choose another")
     if isinstance(raised, OSError):
         return BakeError(f"the system refuses: {raised}; make room, or choose another folder")
-    traceback.print_exception(raised)
+    show_traceback(raised)
     return BakeError(f"a mistake in RadTex ({type(raised).__name__}): please report it, with the lines above")

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import logging
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, NamedTuple
@@ -28,6 +27,7 @@ from .prepare_arguments import parse_prepare
 from .report import run_report
 from .report_arguments import parse_report
 from .reporting import Report, reporting
+from .terminal import tell
 
 
 class _Command(NamedTuple):
@@ -59,6 +59,7 @@ def main(arguments: list[str], inside_blender: bool) -> int:
         try:
             with scripts_off(inside_blender), _warnings_to(report), interruptible() as interruption:
                 command.run(request, report, interruption)
+                report.check()
         except (Exception, KeyboardInterrupt) as raised:  # noqa: BLE001  # or Blender went on, and left with 0
             failure = as_ours(raised)
             report.event("error", message=str(failure), exit_code=failure.exit_code)
@@ -68,7 +69,7 @@ def main(arguments: list[str], inside_blender: bool) -> int:
 
 
 def _complain(error: RadTexError) -> int:
-    print(f"radtex: {error}", file=sys.stderr, flush=True)
+    tell(f"radtex: {error}")
     return error.exit_code
 
 

@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import argparse
 import re
+import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, NoReturn
 
 from ..bake.spec import BakeSpec
 from ..bake.spec_checks import MOST_MEMORY
-from ..core.errors import InputError
+from ..core.errors import BakeError, InputError
 from ..cycles.device import GPU_TYPES
 from ..formats.places import check_unicode
 from ..version import VERSION
@@ -49,6 +50,13 @@ class Parser(argparse.ArgumentParser):
             if action.dest in _PLACES and getattr(found, action.dest, None) == "":
                 raise InputError(f"{'/'.join(action.option_strings) or action.metavar} is empty: give a name")
         return found
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Print the help; where that cannot be, say so, as argparse does not. Raises BakeError."""
+        try:
+            print(message, end="", file=sys.stdout if file is None else file, flush=True)
+        except OSError as error:
+            raise BakeError(f"the standard output cannot be written ({error.strerror or error})") from error
 
     def error(self, message: str) -> NoReturn:
         raise InputError(f"{message} (--help lists everything)")

@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from functools import partial
 
+from ..core.command_lines import quoted
 from ..core.errors import InputError
 from ..farm.frame_list import commands
 from ..farm.prepare import Farm, prepare_steps
@@ -17,6 +19,8 @@ from .opening import open_scene
 from .options import ASSEMBLE
 from .reporting import Report
 from .variants import variants
+
+_LISTED = 20  # files that the summary names
 
 
 def run_prepare(request: Request, report: Report, interruption: Interruption) -> None:
@@ -45,17 +49,31 @@ def run_prepare(request: Request, report: Report, interruption: Interruption) ->
     report.event("done", object=name, summary=_summary(name, farm), **_facts(farm))
 
 
-def _summary(name: str, farm: Farm) -> str:
+def _summary(name: str, farm: Farm) -> tuple[str, ...]:
     manifest = farm.manifest
     height, width = manifest.pixels
     blender, _ = commands(farm.files, range(1, manifest.sheets + 1))
     beside = f", with {len(farm.beside)} files beside the .blend" if farm.beside else ""
-    return (
+    made = (
         f"{name}: {manifest.sheets} frames of {width} x {height} pixels at {manifest.spec.samples} spp, "
-        f"{farm.texels} texels covered, for {manifest.device}{beside}\n"
-        f"render them: {blender}\n"
-        f"then join them: python bake.py {ASSEMBLE} {farm.files.folder}"
+        f"{farm.texels} texels covered, for {manifest.device}{beside}"
     )
+    return (
+        made,
+        *_carried(farm),
+        f"render them: {blender}",
+        f"then join them: {quoted(['python', 'bake.py', ASSEMBLE, str(farm.files.folder)])}",
+    )
+
+
+def _carried(farm: Farm) -> list[str]:
+    """A line for each file of this machine that travels with the farm, and one before them."""
+    lines = [f"  {each}" for each in farm.carried[:_LISTED]]
+    if not lines:
+        return ["no other file of this machine goes along with its folder"]
+    if left := len(farm.carried) - len(lines):
+        lines.append(f"  … and {left} more, which {farm.files.manifest.name} lists")
+    return ["these files of this machine go along with its folder:", *lines]
 
 
 def _facts(farm: Farm) -> dict[str, object]:
@@ -66,5 +84,6 @@ def _facts(farm: Farm) -> dict[str, object]:
         "blend": str(farm.files.blend),
         "frames": [1, manifest.sheets],
         "beside": list(farm.beside),
+        "carried": [asdict(each) for each in farm.carried],
         "device": manifest.device,
     }

@@ -13,14 +13,15 @@ from contextlib import contextmanager, redirect_stdout
 from enum import StrEnum
 from pathlib import Path
 from time import monotonic
-from typing import Protocol, TextIO
+from typing import Any, Protocol
 
 from ..bake.progress import Stage
-from ..core.errors import Cancelled
+from ..core.printable import printable, printable_json
 from ..export.progress import Task as ExportTask
 from ..farm.progress import Task as FarmTask
 from ..report.progress import Task
 from .options import ProgressStyle
+from .terminal import Output, draw, tell
 
 _WIDTH = 28  # of the bar, in characters
 _SAYS: dict[StrEnum, str] = {
@@ -69,7 +70,14 @@ class Report(Protocol):
         ...
 
     def event(self, kind: str, **facts: object) -> None:
-        """Something that happened once: `done`, `warning`, `note`, `error`, `picture`."""
+        """Something that happened once: `done`, `warning`, `note`, `error`, `picture`.
+
+        What is done has a `summary`, a line or several, and a list of `files`.
+        """
+        ...
+
+    def check(self) -> None:
+        """Raise BakeError if something could not be said."""
         ...
 
     def close(self) -> None:
@@ -90,8 +98,9 @@ def reporting(style: ProgressStyle, verbose: bool) -> Iterator[Report]:
         os.fdopen(descriptor, "w", encoding="utf-8", errors="backslashreplace") as ours,
         _others_redirected(verbose),
     ):
+        output = Output(ours)
         report: Report = (
-            _Lines(ours) if style is ProgressStyle.JSON else _Bar(ours, style is ProgressStyle.BAR)
+            _Lines(output) if style is ProgressStyle.JSON else _Bar(output, style is ProgressStyle.BAR)
         )
         try:
             yield report
@@ -110,20 +119,6 @@ def _others_redirected(to_stderr: bool) -> Iterator[None]:
         finally:
             os.dup2(before, 1)
             os.close(before)
-
-
-def _send_nowhere(descriptor: int) -> None:
-    with Path(os.devnull).open("w") as nowhere:
-        os.dup2(nowhere.fileno(), descriptor)
-
-
-def _say(stream: TextIO, text: str) -> None:
-    """Print to our standard output; a reader that has gone (`| head`) ends the run."""
-    try:
-        print(text, file=stream, flush=True)
-    except BrokenPipeError:
-        _send_nowhere(stream.fileno())  # what the stream still holds must go somewhere
-        raise Cancelled("nobody reads the standard output any more: the bake was given up") from None
 
 
 class _Clock:
@@ -152,8 +147,8 @@ class _Clock:
 class _Lines:
     """One JSON object a line, on standard output."""
 
-    def __init__(self, stream: TextIO) -> None:
-        self._stream, self._clock = stream, _Clock()
+    def __init__(self, output: Output) -> None:
+        self._output, self._clock = output, _Clock()
         self._said: tuple[str, Reached] | None = None
 
     def progress(self, name: str, step: Reached) -> None:
@@ -171,7 +166,12 @@ class _Lines:
         )
 
     def event(self, kind: str, **facts: object) -> None:
-        _say(self._stream, json.dumps({"event": kind, **facts}, ensure_ascii=False))
+        if isinstance(facts.get("summary"), tuple):
+            facts["summary"] = "\n".join(_summary(facts))
+        self._output.say([printable_json(json.dumps({"event": kind, **facts}, ensure_ascii=False))])
+
+    def check(self) -> None:
+        self._output.check()
 
     def close(self) -> None:
         pass
@@ -180,9 +180,9 @@ class _Lines:
 class _Bar:
     """A bar on standard error, or a line a stage if that is no terminal; results on standard output."""
 
-    def __init__(self, stream: TextIO, shown: bool) -> None:
-        self._stream, self._shown, self._clock = stream, shown, _Clock()
-        self._terminal = sys.stderr.isatty()
+    def __init__(self, output: Output, shown: bool) -> None:
+        self._output, self._shown, self._clock = output, shown, _Clock()
+        self._terminal = sys.stderr is not None and sys.stderr.isatty()
         self._drawn, self._said = 0, ""
 
     def progress(self, name: str, step: Reached) -> None:
@@ -192,7 +192,7 @@ class _Bar:
         if not self._terminal:
             line = f"{name}: {_SAYS[step.stage]}"
             if line != self._said:
-                print(line, file=sys.stderr, flush=True)
+                tell(line)
                 self._said = line
             return
         share = step.done / step.total if step.total else 1.0
@@ -205,19 +205,24 @@ class _Bar:
             return
         self.close()
         if kind == "done":
-            _say(self._stream, _summary(facts))
+            files: Any = facts["files"]
+            lines = [*_summary(facts), *(f"  {path}" for path in files if path)]
+            self._output.say(map(printable, lines))
         elif kind != "error":  # an error's line is the batch's own
-            print(f"radtex: {kind}: {facts.get('message')}", file=sys.stderr, flush=True)
+            tell(f"radtex: {kind}: {facts.get('message')}")
+
+    def check(self) -> None:
+        self._output.check()
 
     def close(self) -> None:
         if self._drawn:
             self._draw("")
-            print("\r", end="", file=sys.stderr, flush=True)
+            draw("\r")
             self._drawn = 0
 
     def _draw(self, text: str) -> None:
-        text = text[: shutil.get_terminal_size().columns - 1]  # a line that wraps cannot be drawn over
-        print(f"\r{text:<{self._drawn}}", end="", file=sys.stderr, flush=True)
+        text = printable(text)[: shutil.get_terminal_size().columns - 1]  # what wraps cannot be drawn over
+        draw(f"\r{text:<{self._drawn}}")
         self._drawn = len(text)
 
 
@@ -226,6 +231,7 @@ def _clock_face(seconds: float) -> str:
     return f"{minutes}:{rest:02d}"
 
 
-def _summary(facts: dict[str, object]) -> str:
-    lines = [str(facts["summary"]), *(f"  {path}" for path in facts["files"] if path)]  # type: ignore[attr-defined]  # a list of paths
-    return "\n".join(lines)
+def _summary(facts: dict[str, object]) -> tuple[str, ...]:
+    """Its lines."""
+    summary = facts["summary"]
+    return tuple(map(str, summary)) if isinstance(summary, tuple) else (str(summary),)

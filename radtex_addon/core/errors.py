@@ -4,10 +4,9 @@
 
 from __future__ import annotations
 
-import unicodedata
+from .printable import printable
 
 _HEAD, _TAIL = 4500, 500  # characters of a message that quotes something endless
-_UNSEEN = {"Cc", "Cs", "Zl", "Zp"}  # control characters, lone surrogates, ends of lines and paragraphs
 
 
 class RadTexError(Exception):
@@ -22,13 +21,7 @@ class RadTexError(Exception):
     def __init__(self, message: str = "") -> None:
         if len(message) > _HEAD + _TAIL:
             message = f"{message[:_HEAD]}…{message[-_TAIL:]}"
-        super().__init__("".join(map(_seen, message)))
-
-
-def _seen(character: str) -> str:
-    if character.isprintable() or unicodedata.category(character) not in _UNSEEN:
-        return character
-    return character.encode("unicode_escape").decode()
+        super().__init__(printable(message))
 
 
 class InputError(RadTexError):

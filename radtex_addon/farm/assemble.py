@@ -142,5 +142,7 @@ def _part(files: FarmFiles, number: int, mesh: Any, copies: Copies) -> Any:
     key, count = f"arr_{number}", len(mesh.polygons)
     part = read_npz(files.parts, {key: "iu"}, 8 * count)[key]
     if part.shape != (count,) or (count and not 0 <= part.min() <= part.max() < len(copies.parts)):
-        raise FormatError(f"{files.parts} tells of parts that mesh '{mesh.name}' has not: prepare the farm anew")
+        raise FormatError(
+            f"{files.parts} tells of parts that mesh '{mesh.name}' has not: prepare the farm anew"
+        )
     return part

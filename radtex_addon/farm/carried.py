@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of this machine that a farm takes along: each is what the scene takes it for, of a bounded size, and named."""
+"""Files of this machine that a farm takes along: what the scene takes them for, of a bounded size, named."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _PUT_BACK = "put the right file there, or take it out of the scene"
 
 @dataclass(frozen=True)
 class Carried:
-    """A file of this machine that travels: `user` names what shows it, `bytes` are None where not all of it does."""
+    """A file of this machine that travels; `user` names what shows it, `bytes` is None where a part does."""
 
     user: str
     path: str

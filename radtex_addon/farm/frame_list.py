@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterable
 
+from ..core.command_lines import quoted
 from .files import FarmFiles
 
 
@@ -25,6 +25,6 @@ def commands(files: FarmFiles, frames: Iterable[int]) -> tuple[str, str]:
     """What renders the frames, by Blender, and by a Python that has the bpy module alone."""
     listed, folder = frame_list(frames), files.folder.absolute()
     return (
-        shlex.join(["blender", "-b", str(folder / files.blend.name), "-f", listed]),
-        shlex.join(["python", str(folder / files.runner.name), "-f", listed]),
+        quoted(["blender", "-b", str(folder / files.blend.name), "-f", listed]),
+        quoted(["python", str(folder / files.runner.name), "-f", listed]),
     )

@@ -43,9 +43,9 @@ class Fault(StrEnum):
 def check_frames(files: FarmFiles, manifest: Manifest) -> Generator[Step, None, None]:
     """Look at every frame, whole.
 
-    Infinite light is taken as a bake on one machine takes it: the file's greatest value stands for it. Warns of
-    frames with some. Raises BakeError that names all that are not as they should be, with the commands that
-    render just those.
+    Infinite light is taken as a bake on one machine takes it: the file's greatest value stands for it; frames
+    with some are warned of. Raises BakeError that names all that are not as they should be, with the commands
+    that render just those.
     """
     bad: dict[int, tuple[Fault, str]] = {}
     versions: set[str] = set()
@@ -66,8 +66,8 @@ def check_frames(files: FarmFiles, manifest: Manifest) -> Generator[Step, None, 
     _warn_of_versions(versions, manifest)
     if endless:
         log.warning(
-            "frames %s show infinite light: the greatest value that the file holds stands for it, as in a bake "
-            "on one machine",
+            "frames %s show infinite light: the greatest value that the file holds stands for it, as in a "
+            "bake on one machine",
             frame_list(endless),
         )
 
@@ -122,7 +122,7 @@ class _BadFrame(Exception):
 
 @dataclass(frozen=True)
 class _Checked:
-    """A frame that can be used: by which `version` of Blender, "" where it does not say; with infinite light?"""
+    """A usable frame: by which `version` of Blender ("": unknown); `endless` shows infinite light."""
 
     version: str
     endless: bool

@@ -51,8 +51,8 @@ class Manifest:
     """One farm: frames 1 to `sheets` of the `job` are sheets of `columns` x `sheet_rows` buckets.
 
     The plan has `rows` of them; sheets have about `sheet_side`² pixels. `facts` are the atlas's, `clamped`
-    and `layers` aside. `digests` are of files in the folder that joining the frames reads. `carried` are files of
-    the machine that prepared it which travel in the folder: for people, joining does not read them.
+    and `layers` aside. `digests` are of files in the folder that joining them reads. `carried` are files
+    of the machine that prepared it which travel in the folder: for people, joining does not read them.
     """
 
     job: str

@@ -46,7 +46,7 @@ def make_local() -> tuple[Carried, ...]:
 
 @dataclass(frozen=True)
 class Packed:
-    """The files `beside` a .blend, relative to its folder, and all files of this machine that it takes along."""
+    """Files `beside` a .blend, relative to its folder, and all files of this machine that it takes along."""
 
     beside: tuple[str, ...]
     carried: tuple[Carried, ...]
@@ -55,8 +55,8 @@ class Packed:
 def pack_files(folder: Path) -> Packed:
     """Pack what a .blend can hold, and put volumes beside it; the open file lies in `folder`.
 
-    Raises InputError, by name, for what needs a file that can be neither, for files that are not what the scene
-    takes them for (a lamp's shape may be named /etc/shadow in a .blend from elsewhere), and for too large ones.
+    Raises InputError, by name, for what needs a file that can be neither, for files that are not what the
+    scene takes them for (in a .blend from elsewhere a lamp's shape may be /etc/shadow), and for large ones.
     """
     cast(Any, bpy.data).orphans_purge(do_local_ids=True, do_linked_ids=True, do_recursive=True)
     luggage = Luggage()

@@ -84,7 +84,9 @@ class Glb:
         return values if width == 1 else values.reshape(-1, width)
 
     def _without(self, index: int) -> FormatError:
-        return FormatError(f"{self.source} is damaged: it holds no values of accessor {index}; export it again")
+        return FormatError(
+            f"{self.source} is damaged: it holds no values of accessor {index}; export it again"
+        )
 
     def add_view(self, data: bytes, **facts: object) -> int:
         """Append bytes to the buffer, at a multiple of four; returns the index of their view."""

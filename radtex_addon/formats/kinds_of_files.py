@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a file is what its user takes it for, by its first bytes: an image, a font, a volume, a lamp's shape.
+"""Whether a file is what it is taken for, by its first bytes: an image, a font, a volume, a lamp's shape.
 
 A .blend from elsewhere may call any file of this machine an image. Blender packs it unread.
 """
@@ -59,12 +59,14 @@ def open_of_kind(path: Path, kind: FileKind) -> BinaryIO:
     """
     file = open_regular(path)
     try:
-        if not _is(file, kind):
-            raise ValueError(f"it is no {kind}")
+        found = _is(file, kind)
         file.seek(0)
     except BaseException:
         file.close()
         raise
+    if not found:
+        file.close()
+        raise ValueError(f"it is no {kind}")
     return file
 
 
@@ -99,4 +101,4 @@ def _is_targa(head: bytes, size: int) -> bool:
         return False
     pixels = width * height * -(-depth // 8)
     least = 18 + colours * (bits // 8) * palette + (pixels // 128 if packed else pixels)
-    return size >= least
+    return bool(size >= least)

@@ -122,7 +122,7 @@ def _refuse_others(path: Path, found: os.stat_result) -> None:
 
 
 def _refuse_text(path: Path, descriptor: int) -> None:
-    """Raises NoLockError for a file that holds anything else than a lock's text, or what a kill left of it."""
+    """Raises NoLockError for a file that holds no lock's text, nor what a kill left of one."""
     text = _text(descriptor).rstrip(b"\0")
     if not text.startswith(_OWN[: len(text)]):
         raise NoLockError(f"{path} is somebody's file, where RadTex keeps a lock: move it away")

@@ -34,7 +34,7 @@ def other_kind(path: Path) -> str | None:
     None for a file, and where nothing is, or where nobody may look.
     """
     try:
-        return _kind(os.stat(path).st_mode)
+        return _kind(path.stat().st_mode)
     except (OSError, ValueError):
         return None
 
@@ -44,7 +44,7 @@ def open_regular(path: Path) -> BinaryIO:
 
     Raises OSError for what cannot be opened, and for what is none.
     """
-    _refuse(path, os.stat(path))  # to open some devices does something
+    _refuse(path, path.stat())  # to open some devices does something
     descriptor = os.open(path, _FLAGS | getattr(os, "O_NONBLOCK", 0))
     try:
         _refuse(path, os.fstat(descriptor))  # another may have come in its place

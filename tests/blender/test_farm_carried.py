@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A .blend from elsewhere may name any file of this machine: only what it is taken for travels with a farm."""
+"""A .blend from elsewhere may name any file here: only what is what it is taken for travels with a farm."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def test_a_secret_does_not_travel(name_it: Callable[[Path], None], user: str, tm
 def test_no_device_pipe_or_folder_is_read(name_it: Callable[[Path], None], path: str, tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     name_it(tmp_path / path)
-    with pytest.raises(InputError, match="cannot be read .*it is a (device|pipe|folder) and no file"):
+    with pytest.raises(InputError, match=r"cannot be read .*it is a (device|pipe|folder) and no file"):
         pack_files(tmp_path)
     if path != ".":
         with pytest.raises(InputError, match=r"names \S+, which is a (device|pipe) and no file: put a file"):

@@ -154,14 +154,16 @@ def test_a_plan_whose_digest_fits_is_looked_at_nonetheless(
     damage: Callable[[Path], None], farm: Path, out: Path
 ) -> None:
     damage(farm / "plan.npz")
-    _edit(farm, lambda facts: None)
+    _edit(farm, lambda _: None)
     with pytest.raises(FormatError, match=r"plan\.npz|farm\.json"):
         assembled(farm, out)
     assert not out.exists()
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes")
-@pytest.mark.parametrize("name", ["plan.npz", "preview.blend", "farm.json", "frames/0001.exr", "frames/x.exr"])
+@pytest.mark.parametrize(
+    "name", ["plan.npz", "preview.blend", "farm.json", "frames/0001.exr", "frames/x.exr"]
+)
 def test_a_pipe_in_a_farm_is_not_waited_for(name: str, farm: Path, out: Path) -> None:
     (farm / name).unlink(missing_ok=True)
     os.mkfifo(farm / name)

@@ -95,7 +95,9 @@ def test_nothing_but_a_lock_is_written_or_removed(kind: str, tmp_path: Path) -> 
     else:
         path.symlink_to("/dev/null")
     before = path.lstat()
-    with pytest.raises(NoLockError, match=r"lock is (a link|no file|somebody's file), where RadTex keeps a lock"):
+    with pytest.raises(
+        NoLockError, match=r"lock is (a link|no file|somebody's file), where RadTex keeps a lock"
+    ):
         take_lock(path)
     if kind != "file":  # whose lock nobody has
         with pytest.raises(NoLockError):

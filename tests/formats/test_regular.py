@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Only regular files are read, and no more of them than any of ours has: nothing waits, nothing fills memory."""
+"""Only regular files are read, and no more of them than any of ours has: nothing waits or fills memory."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ import pytest
 
 from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.key import KEY
-from radtex_addon.core.errors import BakeError, FormatError, InputError, RadTexError
+from radtex_addon.core.errors import BakeError, FormatError, RadTexError
 from radtex_addon.formats.regular import MOST_TEXT, open_regular, other_kind, read_regular
 from tests.fuzz.corpus import FACTS, make_corpus
 from tests.fuzz.readers import READERS
@@ -48,33 +48,34 @@ def _no_waiting() -> Iterator[None]:
 
 @pytest.mark.parametrize("name", READERS)
 def test_no_reader_waits_for_a_pipe(name: str, corpus: Path) -> None:
-    reader = READERS[name]
-    path = corpus / reader.target
+    path = corpus / READERS[name].target
     kept = path.read_bytes()
     path.unlink()
     os.mkfifo(path)
+    said = _said(name, path)
+    path.unlink()
+    path.write_bytes(kept)
+    assert "pipe" in said or "holds no farm" in said or name in ("piece", "key")
+
+
+def _said(name: str, path: Path) -> str:
+    """What a reader complains of; a piece that is none is made again."""
     try:
-        reader.read(path)  # a piece that is none is made again
+        READERS[name].read(path)
     except RadTexError as error:
-        assert "pipe" in str(error) or "holds no farm" in str(error)
-    finally:
-        path.unlink()
-        path.write_bytes(kept)
+        return str(error)
+    return ""
 
 
 @pytest.mark.parametrize("where", ["sidecar", "glb", "ktx2", "dds", "key", "piece"])
 def test_a_sparse_file_takes_no_memory(where: str, corpus: Path) -> None:
-    reader = READERS[where]
-    path = corpus / reader.target
+    path = corpus / READERS[where].target
     kept = path.read_bytes()
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    try:
-        os.truncate(path, 2 << 30)
-        reader.read(path)
-    except (FormatError, InputError) as error:
-        assert path.name in str(error)
-    finally:
-        path.write_bytes(kept)
+    os.truncate(path, 2 << 30)
+    said = _said(where, path)
+    path.write_bytes(kept)
+    assert path.name in said or where == "piece"
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 100 << 10  # KiB
 
 
