@@ -106,8 +106,14 @@ def run_marked(mark: str, command: list[str], environment: dict[str, str]) -> in
         errors="replace",
     ) as process:
         for line in process.stdout or ():
-            print(mark + line, end="", flush=True)
+            print(mark + shown(line.rstrip("\n")), flush=True)
     return process.returncode
+
+
+def shown(line: str) -> str:
+    """A line that drives no terminal: tests quote odd names."""
+    kept = (one if one.isprintable() or one == "\t" else ascii(one)[1:-1] for one in line)
+    return line if line.isprintable() else "".join(kept)
 
 
 def read_report(path: Path) -> Outcome:
@@ -119,7 +125,7 @@ def read_report(path: Path) -> Outcome:
         counts[words[ends[0].tag] if ends else "passed"] += 1
         for end in ends:
             if end.tag != "skipped":
-                said = "\n".join((end.text or "").splitlines()[-TAIL:])
+                said = "\n".join(map(shown, (end.text or "").splitlines()[-TAIL:]))
                 failures.append(f"{words[end.tag]}: {case.get('classname')}.{case.get('name')}\n{said}")
     return Outcome(counts, failures)
 

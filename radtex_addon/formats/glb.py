@@ -8,8 +8,9 @@ import json
 import os
 import struct
 from dataclasses import dataclass
+from io import BufferedReader
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -143,7 +144,7 @@ class Glb:
             owner["bufferView"] = moved[index]
 
 
-def _read_chunks(path: Path, file: BinaryIO) -> dict[bytes, bytearray]:
+def _read_chunks(path: Path, file: BufferedReader) -> dict[bytes, bytearray]:
     """The document and the buffer of a file. Raises FormatError for what is no .glb, OSError."""
     size = os.fstat(file.fileno()).st_size
     head = file.read(12)
@@ -163,7 +164,7 @@ def _read_chunks(path: Path, file: BinaryIO) -> dict[bytes, bytearray]:
             raise FormatError(f"{path} is damaged: {length} bytes of it are JSON")
         check_memory(str(path), length)
         chunks[kind] = bytearray(length)
-        if file.readinto(memoryview(chunks[kind])) != length:  # type: ignore[attr-defined]  # a BufferedReader
+        if file.readinto(memoryview(chunks[kind])) != length:
             raise FormatError(f"{path} was cut short while it was read: export it again")
     return chunks
 

@@ -11,15 +11,17 @@ from __future__ import annotations
 import errno
 import os
 import stat
+from io import BufferedReader
 from pathlib import Path
-from typing import BinaryIO
 
 from .memory import readable_size
 
 MOST_TEXT = 64 << 20  # bytes of a sidecar, a manifest or another text of ours; nearly all have a few thousand
 
+FOLDER = "a folder"  # as `other_kind` says it
+
 _KINDS = (
-    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISDIR, FOLDER),
     (stat.S_ISFIFO, "a pipe"),
     (stat.S_ISSOCK, "a socket"),
     (stat.S_ISCHR, "a device"),
@@ -39,7 +41,7 @@ def other_kind(path: Path) -> str | None:
         return None
 
 
-def open_regular(path: Path) -> BinaryIO:
+def open_regular(path: Path) -> BufferedReader:
     """Open a regular file for reading, and never wait for one.
 
     Raises OSError for what cannot be opened, and for what is none.

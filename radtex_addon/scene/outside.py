@@ -10,9 +10,7 @@ from typing import Any, cast
 import bpy
 
 from ..core.errors import InputError
-from ..formats.regular import other_kind
-
-_FOLDER = "a folder"  # caches are some
+from ..formats.regular import FOLDER, other_kind
 
 
 def check_outside_files() -> None:
@@ -22,7 +20,7 @@ def check_outside_files() -> None:
         for written in sorted(paths):
             path = bpy.path.abspath(written, library=owner.library)
             kind = other_kind(Path(path))
-            if kind not in (None, _FOLDER):
+            if kind not in (None, FOLDER):  # caches are folders
                 raise InputError(
                     f"{owner.bl_rna.name.lower()} '{owner.name}' names {path}, which is {kind} and no file: "
                     "put a file there, or take it out of the scene"

@@ -17,7 +17,7 @@ import bpy  # noqa: TID251  # of this package, handover and images know Blender
 
 from ..core.errors import BakeError
 from ..cycles.device import preferred_device
-from ..formats.regular import open_regular
+from ..formats.regular import FOLDER, open_regular, other_kind
 from .images import save_unsaved
 from .order import Handover, Program
 
@@ -104,7 +104,13 @@ def _copy_caches(folder: Path) -> None:
         file = Path(bpy.data.filepath)
         caches = file.with_name(f"blendcache_{file.stem}")
         if caches.is_dir():
-            shutil.copytree(caches, folder / caches.name)
+            shutil.copytree(caches, folder / caches.name, ignore=_no_files)
+
+
+def _no_files(folder: str, names: list[str]) -> set[str]:
+    """Pipes and devices, which have no end, and links to them: they are no caches."""
+    kinds = {name: other_kind(Path(folder, name)) for name in names}
+    return {name for name, kind in kinds.items() if kind not in (None, FOLDER)}
 
 
 @contextmanager

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 import logging
+import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -19,11 +20,16 @@ from typing import Any
 import bpy  # noqa: TID251  # of this package, handover and images know Blender
 import numpy as np
 
-from ..core.errors import InputError
+from ..core.errors import FormatError, InputError
+from ..formats.facts import shown
+from ..formats.numpy_files import read_npy
+from ..formats.regular import other_kind, read_regular
 
 log = logging.getLogger(__name__)
 
 _LIST = "images.json"
+_OWN = re.compile(r"\d+\.(npy|<UDIM>\.(exr|png))", re.ASCII)  # files that are written here
+_SIDE = 65536  # pixels of a side at most, Blender's limit
 
 
 @dataclass(frozen=True)
@@ -61,12 +67,27 @@ def save_unsaved(folder: Path) -> bool:
 def load_unsaved(folder: Path) -> None:
     """Give the open file's images the pixels that `save_unsaved` wrote, and pack them. Raises InputError."""
     try:
-        entries = [_Entry(**entry) for entry in json.loads((folder / _LIST).read_text(encoding="utf-8"))]
-        for entry in entries:
+        for entry in _entries(folder):
             for image in _named(entry):
                 _load(image, folder / entry.file, entry.tiled)
-    except (OSError, ValueError, TypeError, RuntimeError) as error:
-        raise InputError(f"{folder} holds no unsaved images ({error}): hand the scene over again") from error
+    except (OSError, ValueError, TypeError, RuntimeError, RecursionError, FormatError) as error:
+        reason = shown(" ".join(str(error).split()), 300)
+        raise InputError(f"{folder} holds no unsaved images ({reason}): hand the scene over again") from error
+
+
+def _entries(folder: Path) -> list[_Entry]:
+    """What the list in the folder names. Raises OSError, and ValueError for what is no list of ours."""
+    found = json.loads(read_regular(folder / _LIST))
+    if not isinstance(found, list):
+        raise TypeError(f"{_LIST} is no list")
+    entries = [_Entry(**entry) for entry in found]
+    for entry in entries:
+        texts = [entry.name, entry.file] + ([] if entry.library is None else [entry.library])
+        if not all(isinstance(text, str) for text in texts) or not isinstance(entry.tiled, bool):
+            raise ValueError(f"{_LIST} is no list of images")
+        if not _OWN.fullmatch(entry.file):
+            raise ValueError(f"{entry.file} is no file of its own")
+    return entries
 
 
 def _unsaved() -> Iterator[Any]:
@@ -104,10 +125,17 @@ def _pixels(image: Any) -> Any:
 
 def _load(image: Any, file: Path, tiled: bool) -> None:
     if tiled:
+        for tile in image.tiles:
+            if kind := other_kind(Path(str(file).replace("<UDIM>", str(tile.number)))):
+                raise ValueError(f"{file.name} is {kind} and no file")
         image.filepath_raw = str(file)
         image.reload()
     else:
-        pixels = np.load(file, allow_pickle=False)
+        pixels = read_npy(file, "fu")
+        if pixels.ndim != 3 or not 0 < min(pixels.shape) <= max(pixels.shape) <= _SIDE:
+            raise ValueError(f"{file.name} holds no image")
+        if pixels.dtype not in (np.float32, np.uint8) or pixels.shape[2] not in (1, 2, 3, 4):
+            raise ValueError(f"{file.name} holds no image's values")
         height, width, _ = pixels.shape
         image.source = "GENERATED"  # of the right size, whatever is on the disk
         image.generated_width, image.generated_height = width, height

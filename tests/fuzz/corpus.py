@@ -21,6 +21,7 @@ from radtex_addon.farm.files import FarmFiles
 from radtex_addon.farm.manifest import Copies
 from radtex_addon.farm.manifest import Manifest as FarmManifest
 from radtex_addon.formats.bucket_files import write_buckets
+from radtex_addon.formats.condensed_files import digest
 from radtex_addon.formats.dds import DdsFormat, write_dds, write_texture
 from radtex_addon.formats.exr import Compression, write_atlas
 from radtex_addon.formats.glb import Glb
@@ -32,6 +33,7 @@ from radtex_addon.formats.texture import ENCODED, PixelFormat, encode_texture
 from radtex_addon.formats.transfer_files import TransferSidecar, write_transfer
 from tests.shared_atlases import facts_about, random_condensed_atlas, random_shared_atlas
 
+PAINTED = "Painted"  # the image of the open file
 FACTS = {"scene": "a digest", "spec": "texels 8"}  # of the checkpoint's key
 _BAKE = Sidecar("Vase", "radiance", 3, 2, 4, "UVMap", 16, 0, "portal", "RadTex 1", "5.2.0")
 _RICH = replace(
@@ -134,28 +136,45 @@ def _write_rest(folder: Path) -> None:
     kept = Checkpoint(folder / "bake.radtex-unfinished", resume=False, replaces=[folder / "a.exr"])
     kept.expect(FACTS)
     kept.keep("tile-0000", {"cells": _pixels(4, 4, 4), "rows": np.arange(3), "some": np.array([True])})
+    images = folder / "images"
+    images.mkdir()
+    np.save(images / "0.npy", (255 * _pixels(4, 5, 4)).astype(np.uint8))
+    painted = {"name": PAINTED, "library": None, "file": "0.npy", "tiled": False}
+    (images / "images.json").write_text(json.dumps([painted]))
 
 
 def _write_farm(folder: Path) -> None:
     files = FarmFiles(folder)
     copies = Copies(("Vase",), ("Mesh",), "Scene", None, (), Filter.QUADRILINEAR)
+    folder.mkdir(exist_ok=True)
+    plan, hidden = np.array([0, 1, 2, 4, 5]), np.full((5, 2), 3, dtype=np.uint8)
+    np.savez_compressed(files.plan, texel=plan, hidden=hidden)
     farm = FarmManifest(
         job="a job",
         name="Vase",
-        spec=BakeSpec(texels=3, bucket=4, uv_layer="UVMap", lights=("Key", "Fill")),
+        spec=BakeSpec(texels=3, bucket=4, uv_layer="UVMap", lights=("Key", "Fill"), sheet=16),
         facts=_BAKE,
-        sheets=2,
+        sheets=1,
         columns=2,
         rows=3,
-        sheet_rows=2,
-        sheet_side=8,
+        sheet_rows=3,
+        sheet_side=16,
         device="CPU",
         islands=1,
-        digests={"plan.npz": "a digest"},
+        digests={"plan.npz": digest(files.plan), "preview.blend": "a digest"},
         copies=copies,
     )
-    folder.mkdir(exist_ok=True)
     files.manifest.write_text(farm.to_json(), encoding="utf-8")
+    alone = folder.with_name("Alone.radiance.radtex-farm")
+    alone.mkdir()
+    (alone / "plan.npz").write_bytes(files.plan.read_bytes())
+    farm = replace(farm, copies=None, digests={"plan.npz": digest(files.plan)})
+    FarmFiles(alone).manifest.write_text(farm.to_json(), encoding="utf-8")
+    FarmFiles(alone).frames.mkdir()
+    header = {"type": OpenEXR.scanlineimage, "Note": farm.note, "Frame": "1"}
+    channels = {f"ViewLayer.Combined.{name}": _pixels(12, 8, 1)[..., 0] for name in "RGBA"}
+    _save(FarmFiles(alone).frame(1), [(header, channels, "")])
+    (alone / "frame.exr").write_bytes(FarmFiles(alone).frame(1).read_bytes())
 
 
 def _exports(folder: Path) -> Iterator[tuple[Path, TextureEntry]]:

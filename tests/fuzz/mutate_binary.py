@@ -5,11 +5,16 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import json
+import re
 import struct
+import zipfile
 from functools import lru_cache
 from random import Random
+from typing import Any
 
+import numpy as np
 import zstandard
 
 from .mutate import damage, set_field
@@ -80,6 +85,74 @@ def mutate_glb(data: bytearray, random: Random) -> None:
     mutate_json(text, random)
     body = struct.pack("<I4s", len(text), b"JSON") + text + rest
     data[:] = struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
+
+
+def mutate_npy(data: bytearray, random: Random) -> None:
+    """Change an array's header, or cut it."""
+    (length,) = struct.unpack_from("<H", data, 8)
+    header = bytes(data[10 : 10 + length])
+    deed = random.randrange(4)
+    if deed == 0:
+        before = header[header.index(b"(") : header.index(b")") + 1]
+        shape = [int(word) for word in before.strip(b"()").split(b",") if word.strip()]
+        odd = (0, 1, -1, 2**31, 2**63, 10**30, 3)
+        shape[random.randrange(len(shape))] = random.choice(odd)
+        shape = random.choice((shape, shape[::-1], shape[:-1], [*shape, 1], []))
+        header = header.replace(before, f"({', '.join(map(str, shape))},)".encode() if shape else b"()")
+    elif deed == 1:
+        kind = random.choice(
+            (b"'|O'", b"'<f4'", b"'<f8'", b"'|V0'", b"'|b1'", b"'<U9'", b"'>i2'", b"'<M8[s]'")
+        )
+        header = re.sub(rb"'[<>|][a-z]\d+'", kind, header)
+    elif deed == 2:
+        header = header.replace(*random.choice(((b"False", b"True"), (b"'shape'", b"'shop'"), (b"}", b""))))
+    else:
+        damage(data, random)
+        return
+    data[8 : 10 + length] = struct.pack("<H", len(header)) + header
+
+
+def mutate_npz(data: bytearray, random: Random) -> None:
+    """Change an archive's members, or the archive."""
+    if random.random() < 0.3:
+        damage(data, random)
+        return
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            members = {name: bytearray(archive.read(name)) for name in archive.namelist()}
+    except Exception as error:  # zipfile raises whatever it meets in a damaged one
+        raise ValueError("it is no archive any more") from error
+    name = random.choice(list(members))
+    deed = random.randrange(6)
+    if deed == 0:
+        del members[name]
+    elif deed == 1:
+        members[random.choice(("../texel.npy", "texel", "other.npy"))] = members.pop(name)
+    elif deed == 2:
+        values = _values(members[name])
+        flat = values.ravel()
+        flat[random.randrange(len(flat))] = random.choice((0, 1, 255, 7))
+        changed = io.BytesIO()
+        np.save(changed, random.choice((values, values[::-1], values[:-1], values.repeat(2, 0))))
+        members[name] = bytearray(changed.getvalue())
+    elif deed == 3:
+        members[name] += bytes(random.choice((1, 1 << 10, 1 << 24)))
+    else:
+        mutate_npy(members[name], random)
+    packed = io.BytesIO()
+    method = random.choice((zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA))
+    with zipfile.ZipFile(packed, "w", method) as archive:
+        for name, member in members.items():
+            archive.writestr(name, bytes(member))
+    data[:] = packed.getvalue()
+
+
+def _values(data: bytearray) -> Any:
+    """The array of a .npy. Raises ValueError where it is none any more."""
+    try:
+        return np.load(io.BytesIO(data))
+    except Exception as error:  # numpy raises whatever it meets
+        raise ValueError("it is no array any more") from error
 
 
 def mutate_piece(data: bytearray, random: Random) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+import shutil
 import struct
 from collections.abc import Callable
 from contextlib import suppress
@@ -16,10 +17,12 @@ from pathlib import Path
 
 from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.key import KEY, replaced_by
-from radtex_addon.core.errors import FormatError, InputError, RadTexError
+from radtex_addon.bake.progress import finished
+from radtex_addon.core.errors import BakeError, FormatError, InputError, RadTexError
 from radtex_addon.export.manifest import read_manifest
 from radtex_addon.farm.files import FarmFiles
 from radtex_addon.farm.manifest import read_manifest as read_farm_manifest
+from radtex_addon.farm.manifest import read_plan
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.bucket_rows import open_buckets
 from radtex_addon.formats.condensed_files import digest
@@ -44,9 +47,9 @@ from radtex_addon.formats.sidecar import preview_path, read_facts, read_sidecar
 from radtex_addon.formats.texture import ENCODED, Texture, decode_texture
 from radtex_addon.formats.transfer_files import read_transfer, read_transfer_sidecar
 
-from .corpus import FACTS
+from .corpus import FACTS, PAINTED
 from .mutate import Mutator
-from .mutate_binary import mutate_dds, mutate_glb, mutate_ktx2, mutate_piece
+from .mutate_binary import mutate_dds, mutate_glb, mutate_ktx2, mutate_npy, mutate_npz, mutate_piece
 from .mutate_exr import mutate_exr, put_text
 from .mutate_json import mutate_json
 
@@ -119,6 +122,64 @@ def _piece(path: Path) -> None:
     kept.found(path.stem)
 
 
+def _piece_rows(path: Path) -> None:
+    """Rows of a piece that was whole when it was found, and has been damaged since."""
+    kept = Checkpoint(path.parent, resume=True)
+    kept.expect(FACTS)
+    for name in ("some", "cells", "rows"):
+        with suppress(BakeError):
+            kept.rows(path.stem, name, 0, 1)
+    kept.rows(path.stem, "cells", 1, 2)
+
+
+def _accessors(path: Path) -> None:
+    """All values of a mesh."""
+    glb = Glb.read(path)
+    accessors = glb.document.get("accessors")
+    count = len(accessors) if isinstance(accessors, list) else 1
+    for index in range(min(count, 20)):
+        glb.accessor(index)
+
+
+def _plan(path: Path) -> None:
+    files = FarmFiles(path.parent)
+    read_plan(files, read_farm_manifest(files))
+
+
+def _assembled(path: Path) -> None:
+    """All of a farm, whose plan and frames are as they were, but for the preview."""
+    from radtex_addon.farm.assemble import assemble_steps  # noqa: PLC0415  # it loads Blender
+
+    out = path.parent / "out"
+    shutil.rmtree(out, ignore_errors=True)
+    finished(assemble_steps(path.parent, out))
+
+
+def _unsaved_images(path: Path) -> None:
+    """Pixels that are handed over for an image of the open file."""
+    import bpy  # noqa: PLC0415  # here alone is it needed
+
+    from radtex_addon.worker.images import load_unsaved  # noqa: PLC0415  # it loads Blender
+
+    for image in list(bpy.data.images):
+        bpy.data.images.remove(image)
+    bpy.data.images.new(PAINTED, 2, 2)
+    load_unsaved(path.parent)
+
+
+def _as_frame(path: Path) -> None:
+    """Put the damaged picture where the farm's first frame is."""
+    shutil.copy(path, FarmFiles(path.parent).frame(1))
+
+
+def _plan_with_digest(path: Path) -> None:
+    """Let the farm's manifest name the damaged plan's digest."""
+    manifest = path.with_name("farm.json")
+    facts = json.loads(manifest.read_text())
+    facts["digests"]["plan.npz"] = digest(path)
+    manifest.write_text(json.dumps(facts))
+
+
 def _key(path: Path) -> None:
     kept = Checkpoint(path.parent, resume=True)
     replaced_by(path.parent)
@@ -173,6 +234,9 @@ def _texture(layer: str) -> Reader:
 
 _EXR, _KTX2, _DDS = "exr.seeds/zip4.exr", "ktx2.seeds/BC6H1.ktx2", "dds.seeds/BC6H.dds"
 _FARM = "Vase.radiance.radtex-farm/farm.json"
+_ALONE = "Alone.radiance.radtex-farm/farm.json"
+_FRAME = "Alone.radiance.radtex-farm/frame.exr"
+_PLAN = "Alone.radiance.radtex-farm/plan.npz"
 _PIECE = "bake.radtex-unfinished/tile-0000.piece"
 
 READERS = {
@@ -237,11 +301,24 @@ READERS = {
     "sidecar": Reader("Rich.radiance.json", "*.json", (mutate_json,), _facts, 8),
     "manifest": Reader("manifest.seeds/0.json", "manifest.seeds/*.json", (mutate_json,), read_manifest, 6),
     "farm": Reader(_FARM, _FARM, (mutate_json,), lambda path: read_farm_manifest(FarmFiles(path.parent)), 3),
+    "plan": Reader(_PLAN, _PLAN, (mutate_npz,), _plan, 3, follow=_plan_with_digest),
+    "assemble-manifest": Reader(_ALONE, _ALONE, (mutate_json,), _assembled, 2, raises=RadTexError),
+    "assemble-frame": Reader(
+        _FRAME, _FRAME, (mutate_exr,), _assembled, 2, follow=_as_frame, raises=RadTexError
+    ),
+    "images-list": Reader(
+        "images/images.json", "images/images.json", (mutate_json,), _unsaved_images, raises=InputError
+    ),
+    "images-pixels": Reader(
+        "images/0.npy", "images/0.npy", (mutate_npy,), _unsaved_images, raises=InputError
+    ),
     "stamps": Reader(_EXR, "exr.seeds/*.exr", (mutate_exr,), read_stamps, 1),
     "ktx2": Reader(_KTX2, "ktx2.seeds/*.ktx2", (mutate_ktx2,), _ktx2, 8),
     "dds": Reader(_DDS, "dds.seeds/*.dds", (mutate_dds,), _dds, 5),
     "glb": Reader("mesh.glb", "mesh.glb", (mutate_glb,), Glb.read, 4),
+    "accessors": Reader("mesh.glb", "mesh.glb", (mutate_glb,), _accessors, 4),
     "piece": Reader(_PIECE, _PIECE, (mutate_piece,), _piece, 5),
+    "piece-rows": Reader(_PIECE, _PIECE, (mutate_piece,), _piece_rows, 4, raises=BakeError),
     "key": Reader(
         f"bake.radtex-unfinished/{KEY}",
         f"bake.radtex-unfinished/{KEY}",
