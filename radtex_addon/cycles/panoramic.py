@@ -24,6 +24,7 @@ from ..bake.spec import Kind
 from ..core.arrays import Floats, Ints
 from ..core.errors import InputError
 from ..core.hemisphere import square_to_disc
+from ..formats.places import render_path
 from ..scene.nodes import open_material
 from .apparatus import box, mirror, render_image
 from .settings import allow_more_bounces, apply_capture_settings
@@ -54,7 +55,7 @@ class PanoramicCapture:
         apply_capture_settings(scene, max(1, round(per_pixel)), seed)
         scene.render.film_transparent = False
         scene.render.resolution_x = scene.render.resolution_y = self._side
-        scene.render.filepath = str(self._file)
+        scene.render.filepath = render_path(self._file)
         allow_more_bounces(scene, transparent=1, glossy=1)
         self._offset = float(plan.offset.min())
         self._camera = _camera(scene, self._offset)

@@ -24,6 +24,7 @@ from ..core.arrays import Floats
 from ..core.errors import BakeError
 from ..core.hemisphere import cell_centres
 from ..core.ray_offset import GRAZING, ray_offset
+from ..formats.places import render_path
 from ..scene.nodes import NodeBuilder, Socket, open_material
 from .apparatus import (
     Extent,
@@ -101,7 +102,7 @@ class PortalCapture:
             keep_passes(scene, aim.passes)
         size = (plan.columns * plan.layout.bucket, plan.sheet_rows * plan.layout.bucket)
         scene.render.resolution_x, scene.render.resolution_y = size
-        scene.render.filepath = str(self._file)
+        scene.render.filepath = render_path(self._file)
         scene.render.use_border = scene.render.use_crop_to_border = True
         extent = Extent.of_pixels(*size)
         height = above_everything(scene)

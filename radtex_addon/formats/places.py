@@ -69,6 +69,18 @@ def check_saveable(path: Path) -> None:
         )
 
 
+def render_path(path: Path) -> str:
+    """A file as Blender's path of a render's output, in which it would take braces for a template's."""
+    return str(path.absolute()).replace("{", "{{").replace("}", "}}")
+
+
+def check_rendered_into(folder: Path) -> None:
+    """Raises InputError for a folder into which Blender would render under another name."""
+    check_for_blender(folder, _ROOM)
+    if os.sep != "\\" and "\\" in str(folder.absolute()):
+        raise InputError(f"{folder}: Blender takes a backslash for a slash: choose another")
+
+
 def _length(path: Path) -> int:
     return len(os.fsencode(path.absolute()))
 

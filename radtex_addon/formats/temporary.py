@@ -11,8 +11,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ..core.errors import BakeError
+from ..core.errors import BakeError, InputError
 from .lock import HeldError, Lock, take_lock
+from .places import check_rendered_into
 
 PREFIX = "radtex-temporary-"
 _LOCK = "lock"  # whose folder it is, has this file in it locked
@@ -20,8 +21,15 @@ _LOCK = "lock"  # whose folder it is, has this file in it locked
 
 @contextmanager
 def temporary_folder() -> Iterator[Path]:
-    """Yield a new folder, which goes away at exit. Raises BakeError where the system refuses one."""
+    """Yield a new folder, which goes away at exit. Blender can render into it.
+
+    Raises InputError for a place whose name Blender would change, BakeError where the system refuses a folder.
+    """
     root = Path(tempfile.gettempdir())
+    try:
+        check_rendered_into(root)
+    except InputError as error:
+        raise InputError(f"the folder for temporary files, {error}, by TMPDIR") from error
     _remove_left(root)
     try:
         folder, lock = _make(root)

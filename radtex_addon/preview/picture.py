@@ -11,6 +11,7 @@ import bpy
 
 from ..core.errors import BakeError
 from ..formats.atomic import replacing
+from ..formats.places import render_path
 from ..scene.render_settings import reset_render_settings
 
 
@@ -30,7 +31,7 @@ def render_picture(preview: Path, picture: Path, pixels: int = 512, samples: int
         render.image_settings.media_type = "IMAGE"
     render.image_settings.file_format = "PNG"
     with replacing(picture) as beside:
-        render.filepath = str(beside)
+        render.filepath = render_path(beside)
         render.use_file_extension = False
         bpy.ops.render.render(write_still=True)
         if not beside.exists():

@@ -19,6 +19,7 @@ from ..core.errors import InputError
 from ..cycles.apparatus import render_layers
 from ..cycles.device import use_device
 from ..cycles.settings import apply_capture_settings, denoise, keep_passes
+from ..formats.places import render_path
 from ..formats.temporary import temporary_folder
 from ..preview.source import check_hideable
 from ..preview.swap import copy_of, is_on, originals_rendered, switch_all_on, switch_off
@@ -163,7 +164,7 @@ def _rendered(
         scene.camera = eye.camera()
         scene.collection.objects.link(scene.camera)
         scene.render.resolution_x, scene.render.resolution_y = eye.size(spec.pixels)
-        scene.render.filepath = str(file)
+        scene.render.filepath = render_path(file)
         passes = render_layers(scene, file)
     index = next(found for name, found in passes.raw.items() if name.endswith(("IndexOB", "Object Index")))
     return passes.whole[..., :3].astype(np.float64), index[..., 0].astype(np.float64)

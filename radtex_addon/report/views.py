@@ -20,6 +20,7 @@ from ..core.errors import InputError
 from ..cycles.apparatus import render_layers
 from ..cycles.passes import Passes
 from ..cycles.settings import apply_capture_settings, denoise, first_hit_only, keep_passes, look_at_centres
+from ..formats.places import render_path
 from ..scene.scratch import scene_copied
 from .gbuffer import Array, BakedSurface, GBuffer, Rays
 from .metrics import Picture
@@ -175,7 +176,7 @@ def _render(scene: bpy.types.Scene, camera: _Camera, pixels: int, folder: Path) 
     scene.camera = _camera_object(scene, camera)
     scene.render.resolution_x = scene.render.resolution_y = pixels
     file = folder / "view.exr"
-    scene.render.filepath = str(file)
+    scene.render.filepath = render_path(file)
     return render_layers(scene, file)
 
 

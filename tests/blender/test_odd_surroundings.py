@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What lies around a bake is odd: temporary folders, streams, other processes."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from tests.blender.batch_process import Batch, refusal
+from tests.blender.room import save_room
+from tests.blender.test_batch_compare import ABOVE, FLAT
+from tests.blender.test_batch_compare import QUICK as FEW_PIXELS
+
+QUICK = ("--uv", "UVMap", "--texels", "4", "--bucket", "2", "--samples", "1", "--progress", "none")
+BRACES = "{blend_name} {x} }{ {{y}}"
+posix = pytest.mark.skipif(sys.platform == "win32", reason="a POSIX system's names")
+
+
+@pytest.fixture(scope="module")
+def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return save_room(tmp_path_factory.mktemp("room") / "room.blend")
+
+
+@pytest.fixture
+def braced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Temporary files go to a folder whose name Blender would read as a template."""
+    folder = tmp_path / BRACES
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    return folder
+
+
+@pytest.mark.parametrize("more", [(), ("--kind", "incident", "--capture", "panoramic")])
+def test_braces_in_names_of_folders_are_no_templates(
+    more: tuple[str, ...], room: Path, braced: Path, batch: Batch
+) -> None:
+    out = braced.parent / "out {scene_name}"
+    picture = out / "{a}.png"
+    line = ("--object", "Ball", *QUICK, *more, "--save-preview", "--out", out)
+    ended = batch(room, *line, *(() if more else ("--thumbnail", picture)))
+    assert (ended.code, ended.err) == (0, "")
+    assert len(list(out.iterdir())) == (3 if more else 4)
+    assert list(braced.iterdir()) == []
+    assert {path.name for path in braced.parent.iterdir()} == {braced.name, out.name}
+
+
+def test_a_comparison_renders_into_such_a_folder(room: Path, braced: Path, batch: Batch) -> None:
+    out = braced.parent / "out"
+    assert batch(room, "--object", "Ball", *QUICK, "--save-preview", "--out", out).code == 0
+    view = (ABOVE, FLAT, *FEW_PIXELS)
+    ended = batch("compare", room, "--object", "Ball", "--bake", out, "--out", out, *view)
+    assert ended.code == 0, ended.err
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("a\\b", "takes a backslash"), ("deep/" * 200, "Blender handles 1023"), ("\udcff", "is not Unicode")],
+)
+@posix
+def test_temporary_folders_that_blender_would_misname_are_refused(
+    name: str, words: str, room: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, batch: Batch
+) -> None:
+    folder = tmp_path / name
+    folder.mkdir(parents=True)
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    line = refusal(batch(room, "--object", "Ball", *QUICK, "--out", tmp_path / "out"))
+    assert words in line
+    assert "by TMPDIR" in line
+    assert not (tmp_path / "out").exists()
+    assert list(folder.iterdir()) == []
