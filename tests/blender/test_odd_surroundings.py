@@ -10,13 +10,19 @@ from pathlib import Path
 
 import pytest
 
-from tests.blender.batch_process import Batch, refusal
+from tests.blender.batch_process import BAKE, Batch, process, refusal
 from tests.blender.room import save_room
 from tests.blender.test_batch_compare import ABOVE, FLAT
 from tests.blender.test_batch_compare import QUICK as FEW_PIXELS
 
 QUICK = ("--uv", "UVMap", "--texels", "4", "--bucket", "2", "--samples", "1", "--progress", "none")
 BRACES = "{blend_name} {x} }{ {{y}}"
+_CLOSED = """
+import os, sys
+os.close(0)
+os.close(2)
+os.execv(sys.executable, [sys.executable, {!r}, *sys.argv[1:]])
+"""
 posix = pytest.mark.skipif(sys.platform == "win32", reason="a POSIX system's names")
 
 
@@ -72,3 +78,31 @@ def test_temporary_folders_that_blender_would_misname_are_refused(
     assert "by TMPDIR" in line
     assert not (tmp_path / "out").exists()
     assert list(folder.iterdir()) == []
+
+
+# standard error
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is always full")
+@pytest.mark.parametrize("progress", ["bar", "json"])
+def test_a_standard_error_that_takes_nothing_loses_no_bake(
+    progress: str, room: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, batch: Batch
+) -> None:
+    out = tmp_path / "out"
+    line = ("--object", "Ball", *QUICK[:-1], progress, "--out", out)
+    for code in (0, 2):  # then the files are there, and nobody hears of it
+        with Path("/dev/full").open("w") as full:
+            monkeypatch.setattr(sys, "stderr", full)
+            assert batch(room, *line).code == code
+    assert len(list(out.iterdir())) == 2
+
+
+@posix
+def test_streams_that_are_closed_are_not_given_to_files(room: Path, tmp_path: Path) -> None:
+    """The next file that is opened would be standard error, to which Blender and libraries talk."""
+    out = tmp_path / "out"
+    line = (room, "--object", "Ball", *QUICK, "--out", out)
+    ended = process(*line, start=("-c", _CLOSED.format(BAKE)))
+    assert (ended.code, ended.err) == (0, "")
+    assert len(ended.out.splitlines()) == 3
+    assert len(list(out.iterdir())) == 2
