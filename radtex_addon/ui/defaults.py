@@ -37,4 +37,5 @@ def register() -> None:
 
 def unregister() -> None:
     """Wait no more."""
-    bpy.app.handlers.load_post.remove(apply_default)
+    if apply_default in bpy.app.handlers.load_post:  # others may have emptied the list
+        bpy.app.handlers.load_post.remove(apply_default)

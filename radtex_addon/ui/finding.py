@@ -103,7 +103,7 @@ def sidecar_of(scene: bpy.types.Scene, name: str, bake: str) -> Path:
 def place_of(scene: bpy.types.Scene, bake: str) -> Path:
     """The folder or file that `bake` names; the scene's output folder, if it is empty.
 
-    Raises InputError, also where that folder is not there yet.
+    Raises InputError, also where that folder is not there yet, or the system refuses to look.
     """
     from ..core.errors import InputError
     from .preferences import preferred
@@ -111,7 +111,11 @@ def place_of(scene: bpy.types.Scene, bake: str) -> Path:
 
     chosen: str = bake or scene.radtex.directory  # type: ignore[attr-defined]  # ours
     place = output_folder(chosen, preferred().output)
-    if not bake and not place.exists():
+    try:
+        is_there = place.exists()
+    except OSError as error:
+        raise InputError(f"{place} cannot be read: {error.strerror or error}; choose another folder") from error
+    if not bake and not is_there:
         raise InputError(f"nothing was baked into {place} yet: bake first")
     return place
 

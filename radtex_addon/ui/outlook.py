@@ -106,7 +106,8 @@ def register() -> None:
 def unregister() -> None:
     """Listen no more, and forget."""
     for handlers in _lists():
-        handlers.remove(mark_stale)
+        if mark_stale in handlers:  # others may have emptied the list
+            handlers.remove(mark_stale)
     if bpy.app.timers.is_registered(_tick):
         bpy.app.timers.unregister(_tick)
     _cache.found.clear()

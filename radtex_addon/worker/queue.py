@@ -10,7 +10,7 @@ import shutil
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from time import monotonic
+from time import time
 
 from ..core.errors import RadTexError
 from ..formats.atomic import remove_unfinished
@@ -38,7 +38,7 @@ class Queue:
         self._entries: list[_Entry] = []
         self._numbers = 0
         self._running: tuple[_Entry, Worker] | None = None
-        self._last_sign = monotonic()
+        self._last_sign = time()
         atexit.register(self.close)
 
     def add(self, order: Order) -> int:
@@ -131,8 +131,8 @@ class Queue:
 
     def _show_life(self) -> None:
         """Keep other Blenders from taking our folders for left ones; see `handover`."""
-        if monotonic() - self._last_sign > _SIGN_OF_LIFE:
-            self._last_sign = monotonic()
+        if abs(time() - self._last_sign) > _SIGN_OF_LIFE:  # the wall's clock, which goes on in sleep, and jumps
+            self._last_sign = time()
             for folder in self._folders():
                 with suppress(OSError):
                     os.utime(folder)

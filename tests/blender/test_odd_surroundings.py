@@ -4,16 +4,28 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import tempfile
+import time
 from pathlib import Path
 
+import bpy
 import pytest
+
+from radtex_addon.export.spec import ExportSpec, Target
+from radtex_addon.ui import registration
+from radtex_addon.worker import queue as queue_module
+from radtex_addon.worker.handover import work_folder
+from radtex_addon.worker.order import Program
+from radtex_addon.worker.orders import order_export
 
 from tests.blender.batch_process import BAKE, Batch, process, refusal
 from tests.blender.room import save_room
 from tests.blender.test_batch_compare import ABOVE, FLAT
 from tests.blender.test_batch_compare import QUICK as FEW_PIXELS
+from tests.blender.test_ui_registration import state
+from tests.blender.ui_stage import ops, registered, settings
 
 QUICK = ("--uv", "UVMap", "--texels", "4", "--bucket", "2", "--samples", "1", "--progress", "none")
 BRACES = "{blend_name} {x} }{ {{y}}"
@@ -106,3 +118,45 @@ def test_streams_that_are_closed_are_not_given_to_files(room: Path, tmp_path: Pa
     assert (ended.code, ended.err) == (0, "")
     assert len(ended.out.splitlines()) == 3
     assert len(list(out.iterdir())) == 2
+
+
+# Blender's window
+
+
+def test_a_folder_that_the_system_refuses_is_one_line(room: Path, tmp_path: Path) -> None:
+    """Whatever is asked of a bake there, and not a traceback."""
+    bpy.ops.wm.open_mainfile(filepath=str(room))
+    with registered():
+        settings().directory = str(tmp_path / ("x" * 300))
+        for operator in (ops.radtex.preview_toggle, ops.radtex.compare, ops.radtex.export):
+            with pytest.raises(RuntimeError, match=r"^Error: .*x cannot be read: .*; choose another folder\n$"):
+                operator(object="Ball")
+
+
+def test_disabling_works_where_others_have_emptied_the_lists_of_handlers() -> None:
+    before = state()
+    registration.register()
+    for name in ("depsgraph_update_post", "undo_post", "load_post", "save_post"):
+        getattr(bpy.app.handlers, name).clear()
+    registration.unregister()
+    assert {**state(), "handlers": None} == {**before, "handlers": None}
+
+
+def test_a_clock_that_jumps_takes_no_waiting_job_its_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As a computer's that has slept: folders of yesterday are taken for left ones."""
+    folders = [work_folder(tmp_path) for _ in range(2)]
+    queue = queue_module.Queue(Program(sys.executable, is_blender=False))
+    spec = ExportSpec(Target.RAW)
+    for folder in folders:
+        queue.add(order_export(folder, tmp_path / "none.json", "x", spec, tmp_path / "out", overwrite=False))
+    try:
+        long_ago = time.time() - 3 * 86400
+        os.utime(folders[1], (long_ago, long_ago))
+        monkeypatch.setattr(queue_module, "time", lambda: time.time() + 3 * 86400, raising=False)
+        queue.advance()
+        work_folder(tmp_path)  # another job's, which looks for those that were left
+        assert folders[1].is_dir()
+    finally:
+        queue.close()
