@@ -55,6 +55,7 @@ def save_preview(
         if image.is_dirty and not image.packed_file:
             _log.warning("image '%s' has unsaved changes, which %s will not show", image.name, path.name)
     with replacing(path) as beside, ExitStack() as session:
+        session.enter_context(_active_kept())
         session.enter_context(linked_homes_copied([stand_in.original for stand_in in stand_ins]))
         for stand_in in stand_ins:
             session.enter_context(_standing_in(stand_in))
@@ -65,6 +66,19 @@ def save_preview(
             bpy.ops.wm.save_as_mainfile(filepath=str(beside), copy=True, relative_remap=True)
         except RuntimeError as error:
             raise BakeError(refusal(path, OSError(" ".join(str(error).split())))) from error
+
+
+@contextmanager
+def _active_kept() -> Iterator[None]:
+    """Keep every view layer's active object, and with it the mode: Blender 5 forgets one that is remapped."""
+    layers = [layer for scene in bpy.data.scenes for layer in scene.view_layers]
+    before = [layer.objects.active for layer in layers]
+    try:
+        yield
+    finally:
+        for layer, active in zip(layers, before, strict=True):
+            if layer.objects.active != active:
+                layer.objects.active = active
 
 
 @contextmanager

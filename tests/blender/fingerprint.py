@@ -36,6 +36,7 @@ def fingerprint() -> dict[str, object]:
     for scene in bpy.data.scenes:
         for layer in scene.view_layers:
             layer.update()  # scenes that were never shown are not set up yet
+            found[f"scenes[{scene.name_full}].view_layers[{layer.name}].chosen"] = _chosen(layer)
     for kind in bpy.data.bl_rna.properties:
         if kind.type == "COLLECTION" and kind.identifier not in SKIPPED:
             blocks = getattr(bpy.data, kind.identifier)
@@ -49,6 +50,16 @@ def fingerprint() -> dict[str, object]:
     window = bpy.context.window_manager.windows[0] if bpy.context.window_manager.windows else None
     found["scene"] = bpy.context.scene.name, bpy.context.mode, window and window.scene.name
     return found
+
+
+def _chosen(layer: Any) -> tuple[str, list[tuple[str, bool, bool]]]:
+    """The active object's name, and of each object whether it is selected, and hidden, in a view layer."""
+    active = layer.objects.active
+    states = [
+        (item.name_full, item.select_get(view_layer=layer), item.hide_get(view_layer=layer))
+        for item in layer.objects
+    ]
+    return active.name_full if active is not None else "", states
 
 
 def differences(before: dict[str, object], after: dict[str, object]) -> dict[str, tuple[object, object]]:

@@ -13,7 +13,10 @@ from pathlib import Path
 import bpy
 import pytest
 
+from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.core.sampler import Filter
 from radtex_addon.export.spec import ExportSpec, Target
+from radtex_addon.job import bake_object
 from radtex_addon.ui import registration
 from radtex_addon.worker import queue as queue_module
 from radtex_addon.worker.handover import work_folder
@@ -25,7 +28,7 @@ from tests.blender.room import save_room
 from tests.blender.test_batch_compare import ABOVE, FLAT
 from tests.blender.test_batch_compare import QUICK as FEW_PIXELS
 from tests.blender.test_ui_registration import state
-from tests.blender.ui_stage import ops, registered, settings
+from tests.blender.ui_stage import context, ops, registered, settings
 
 QUICK = ("--uv", "UVMap", "--texels", "4", "--bucket", "2", "--samples", "1", "--progress", "none")
 BRACES = "{blend_name} {x} }{ {{y}}"
@@ -121,6 +124,20 @@ def test_streams_that_are_closed_are_not_given_to_files(room: Path, tmp_path: Pa
 
 
 # Blender's window
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT", "SCULPT"])
+def test_a_bake_with_a_preview_keeps_the_active_object_and_its_mode(
+    mode: str, room: Path, tmp_path: Path
+) -> None:
+    """A script's next operator works on it."""
+    bpy.ops.wm.open_mainfile(filepath=str(room))
+    context.view_layer.objects.active = ball = bpy.data.objects["Ball"]
+    bpy.ops.object.mode_set(mode=mode)
+    before = context.mode
+    spec = BakeSpec(texels=4, bucket=2, samples=1, uv_layer="UVMap")
+    bake_object(context.scene, "Ball", spec, tmp_path, preview=Filter.NEAREST)
+    assert (context.object, context.mode) == (ball, before)
 
 
 def test_a_folder_that_the_system_refuses_is_one_line(room: Path, tmp_path: Path) -> None:
