@@ -14,7 +14,7 @@ from ..core.errors import InputError
 from ..core.frame import DEGENERATE
 from ..core.sampler import Filter
 from ..scene.nodes import close_group, open_group
-from .taps import bilinear, clamp, image_size, pair
+from .taps import bilinear, clamp, readable_size, pair
 
 MAX_PIXELS = 16384  # the image side that every current GPU takes; Eevee shrinks a larger one, silently
 
@@ -59,9 +59,9 @@ def check_previewable(layout: AtlasLayout, max_pixels: int = MAX_PIXELS) -> None
 
 
 def check_image(image: bpy.types.Image, layout: AtlasLayout) -> None:
-    """Raise InputError where the image is not of the layout's size."""
+    """Raise InputError where the image is not of the layout's size, FormatError where it cannot be read."""
     width, height = layout.pixel_width, layout.pixel_height
-    actual = image_size(image)
+    actual = readable_size(image)
     if actual != (width, height):
         raise InputError(
             f"{image.name}: {actual[0]} x {actual[1]} pixels, but {layout.width} x {layout.height} texels of "

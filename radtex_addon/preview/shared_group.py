@@ -32,7 +32,7 @@ from ..scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..scene.working_space import rec709_primaries
 from .condensed_group import image_layer, mixture_group
 from .node_group import MAX_PIXELS
-from .taps import bilinear, image_size, pair, pixel_centre
+from .taps import bilinear, readable_size, pair, pixel_centre
 
 _LEAST_SPREAD = 1e-12  # as in core.shared.level_weights
 _TINY = 1e-30  # keeps 0/0 away, as in core.octahedron
@@ -88,7 +88,7 @@ def check_shared_previewable(sidecar: SharedSidecar, max_pixels: int = MAX_PIXEL
 def _check_sizes(images: _Images, sidecar: SharedSidecar) -> None:
     for layer, (width, height, _) in sidecar.shapes.items():
         image = images[image_layer(layer)]
-        actual = image_size(image)
+        actual = readable_size(image)
         if actual != (width, height):
             raise InputError(
                 f"{image.name}: {actual[0]} x {actual[1]} pixels, but this bake's '{layer}' has "
@@ -140,7 +140,7 @@ def _cell_group(axis: Axis, images: _Images, n: int) -> bpy.types.ShaderNodeTree
     ends, gain, rest = (images[lobe_layer(axis, part)] for part in (ENDS, GAIN, REST))
     build, (cell, texel) = open_group(f"RadTex {axis.title()} Cell", Cell="Vector", Texel="Vector")
     pixel = build.vector("MULTIPLY_ADD", texel, pair(n + 2, n + 2), build.vector("ADD", cell, pair(1, 1)))
-    centre = pixel_centre(build, pixel, image_size(ends))
+    centre = pixel_centre(build, pixel, readable_size(ends))
     shift, spread = build.image(ends, centre)
     taken, own = (build.image(image, centre)[0] for image in (gain, rest))
     return close_group(build, Shift=shift, Spread=spread, Gain=taken, Rest=own)
@@ -176,7 +176,7 @@ def _surroundings_cell_group(image: bpy.types.Image) -> bpy.types.ShaderNodeTree
     """One cell of the level whose border's corner is the pixel Corner."""
     build, (cell, corner) = open_group("RadTex Surroundings Cell", Cell="Vector", Corner="Vector")
     pixel = build.vector("ADD", build.vector("ADD", cell, corner), pair(1, 1), label="pixel")
-    return close_group(build, Light=build.image(image, pixel_centre(build, pixel, image_size(image)))[0])
+    return close_group(build, Light=build.image(image, pixel_centre(build, pixel, readable_size(image)))[0])
 
 
 def _falloff_group(falloff: Sequence[_Triple]) -> bpy.types.ShaderNodeTree:
@@ -205,7 +205,7 @@ def _in_working_space(build: NodeBuilder, colour: Socket) -> Socket:
 
 def _map_group(name: str, image: bpy.types.Image) -> bpy.types.ShaderNodeTree:
     """An image that holds one colour a texel, at UV, between four texels."""
-    width, height = image_size(image)
+    width, height = readable_size(image)
     tap, (texel,) = open_group(f"RadTex {name} Texel", Texel="Vector")
     color, _ = tap.image(image, pixel_centre(tap, texel, (width, height)))
     texels = close_group(tap, Color=color)

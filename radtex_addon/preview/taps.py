@@ -95,6 +95,14 @@ def image_size(image: bpy.types.Image) -> tuple[int, int]:
     return width, height
 
 
+def readable_size(image: bpy.types.Image) -> tuple[int, int]:
+    """An image's width and height. Raises FormatError where there is no image, or no longer."""
+    size = image_size(image)
+    if 0 in size:
+        raise FormatError(f"{image.filepath}: Blender reads no image in it; bake it again")
+    return size
+
+
 def _blend(
     build: NodeBuilder, factor: Socket, low: tuple[Socket, ...], high: tuple[Socket, ...]
 ) -> tuple[Socket, ...]:

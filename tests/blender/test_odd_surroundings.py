@@ -14,9 +14,12 @@ import bpy
 import pytest
 
 from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.errors import FormatError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.spec import ExportSpec, Target
 from radtex_addon.job import bake_object
+from radtex_addon.preview.node_group import check_image
 from radtex_addon.ui import registration
 from radtex_addon.worker import queue as queue_module
 from radtex_addon.worker.handover import work_folder
@@ -121,6 +124,19 @@ def test_streams_that_are_closed_are_not_given_to_files(room: Path, tmp_path: Pa
     assert (ended.code, ended.err) == (0, "")
     assert len(ended.out.splitlines()) == 3
     assert len(list(out.iterdir())) == 2
+
+
+# files that go away
+
+
+def test_an_atlas_that_cannot_be_read_any_more_is_no_wrong_request(tmp_path: Path) -> None:
+    """Or the bake would drop all that is finished, with advice that cannot be followed."""
+    atlas = tmp_path / "Ball.radiance.exr"
+    atlas.touch()
+    image = bpy.data.images.new("Ball", 1, 1)
+    image.source, image.filepath = "FILE", str(atlas)
+    with pytest.raises(FormatError, match=r"radiance.exr: Blender reads no image in it; bake it again$"):
+        check_image(image, AtlasLayout(4, 4, 2))
 
 
 # Blender's window
