@@ -15,6 +15,7 @@ import json
 import logging
 import os
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from math import prod
 from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias
@@ -27,7 +28,19 @@ from ..formats.atomic import refusal, remove_unfinished, replacing
 from ..formats.facts import shown
 from ..formats.lock import HeldError, Lock, NoLockError, holder, take_lock
 from ..formats.regular import MOST_TEXT, open_regular
-from .key import KEY, LOCK, Facts, Key, in_use, is_unfinished, read_key, workers, write_key
+from .key import (
+    KEY,
+    LOCK,
+    Facts,
+    Key,
+    in_use,
+    is_announced,
+    is_unfinished,
+    read_key,
+    workers,
+    write_key,
+)
+from .written import drop_waiting, move_out, waiting_place
 
 log = logging.getLogger(__name__)
 
@@ -58,6 +71,13 @@ class Keeper:
 
     def keep(self, _name: str, _arrays: Arrays) -> None:
         """Keep a piece. Raises BakeError where the system refuses."""
+
+    def place(self, path: Path) -> Path:
+        """Where to write the file that is to become `path` once all files of the bake are whole.
+
+        Raises BakeError where the system refuses.
+        """
+        return path
 
     @property
     def keeps(self) -> bool:
@@ -155,6 +175,9 @@ class Checkpoint(Keeper):
         self._facts: dict[str, str] = {}
         self._known = read_key(folder) if resume and is_unfinished(folder) else None
         self._replaces = sorted({path.name for path in replaces})
+        if self._known is not None and not self._known.facts:  # it was only announced
+            self._known = None
+        self._made = None if self._known is None else self._known.made
         self._workers: list[int] = []
         self._lock: Lock | None = None
         self._check = check
@@ -166,9 +189,18 @@ class Checkpoint(Keeper):
         self.close()
 
     def close(self) -> None:
-        """Let others go on with what is kept."""
-        if self._lock is not None:
-            self._lock.release()
+        """Let others go on with what is kept. Of files that were written nothing is, unless all were."""
+        if self._lock is None:
+            return
+        if self._made is None:
+            with suppress(OSError):
+                drop_waiting(self._folder)
+        self._lock.release()
+
+    def begin(self) -> None:
+        """Take the lock, and say so, before there is a piece. Raises as the first piece does."""
+        if not self._begun:
+            self._begin()
 
     @property
     def _begun(self) -> bool:
@@ -214,6 +246,27 @@ class Checkpoint(Keeper):
         with replacing(self._folder / f"{name}{_PIECE}") as beside:
             _write_piece(beside, self._mark(name), arrays)
 
+    def place(self, path: Path) -> Path:
+        if not self._begun:
+            self._begin()
+        return waiting_place(self._folder, path)
+
+    @property
+    def made(self) -> dict[str, Any] | None:
+        """What the bake came to, if all its files are written: these may be in their places or not."""
+        return self._made
+
+    def settle(self, made: dict[str, Any]) -> None:
+        """Give the files their places, all of which are written: the bake came to what `made` says.
+
+        From here on it is gone on with behind this. Raises BakeError where the system refuses.
+        """
+        if not self._begun:
+            self._begin()
+        self._made = made
+        self._write_key()
+        move_out(self._folder, self._replaces)
+
     @property
     def keeps(self) -> bool:
         return True
@@ -233,20 +286,24 @@ class Checkpoint(Keeper):
 
         Raises BakeError where the system refuses.
         """
-        for pid in self._workers:
-            remove_unfinished(self._folder.parent, pid)
         self._drop()
 
     def drop_own(self) -> None:
-        """Drop what this bake has kept, unless it went on with another's."""
-        if self._begun and self._known is None:
+        """Drop what this bake has kept, or that it was announced, unless it went on with another's."""
+        if self._known is None and (self._begun or is_announced(self._folder)):
             self._drop()
 
     def _drop(self) -> None:
-        """The lock goes before the folder, which is then empty."""
+        """The key goes first: killed behind that, the bake is over, and the next one removes the rest."""
+        for pid in self._workers:
+            remove_unfinished(self._folder.parent, pid)
+        try:
+            (self._folder / KEY).unlink(missing_ok=True)
+        except OSError as error:
+            raise BakeError(_stays(self._folder, error)) from error
         _clear(self._folder)
         self.close()
-        remove_empty(self._folder)
+        remove_left(self._folder)
 
     def _begin(self) -> None:
         """Take the lock, and write the key."""
@@ -256,7 +313,7 @@ class Checkpoint(Keeper):
         except BaseException:
             lock.release()
             if self._known is None:
-                remove_empty(self._folder)
+                remove_left(self._folder)
             raise
         self._lock = lock
 
@@ -281,8 +338,16 @@ class Checkpoint(Keeper):
             _clear(self._folder)
         elif not is_unfinished(self._folder):  # whoever had the lock has finished the bake
             raise self._gone()
+        else:
+            self._replaces = sorted({*self._replaces, *self._known.replaces})
+        if self._made is None:
+            with suppress(OSError):
+                drop_waiting(self._folder)
+        self._write_key()
+
+    def _write_key(self) -> None:
         facts = self._facts if self._known is None else self._known.facts
-        write_key(self._folder, Key(facts, self._replaces, [*self._workers, os.getpid()]))
+        write_key(self._folder, Key(facts, self._replaces, [*self._workers, os.getpid()], self._made))
 
     def _gone(self) -> BakeError:
         return BakeError(f"{self._folder} has gone while the bake ran: bring its disk back, or bake again")
@@ -293,11 +358,17 @@ class Checkpoint(Keeper):
         return {"piece": name, "of": hashlib.sha256(facts.encode()).hexdigest()}
 
 
-def remove_empty(folder: Path) -> None:
-    """Remove the folder if nothing is in it but a lock that nobody has. Raises BakeError."""
+def remove_left(folder: Path) -> None:
+    """Remove what a process that was killed amid its end left in `folder`; what is not ours stays.
+
+    So does a bake that is unfinished, or that somebody works on. Raises BakeError.
+    """
     lock = folder / LOCK
     try:
-        if folder.is_dir() and set(folder.iterdir()) <= {lock} and holder(lock) is None:
+        if folder.is_symlink() or not folder.is_dir() or is_unfinished(folder) or holder(lock) is not None:
+            return
+        _clear(folder)
+        if set(folder.iterdir()) <= {lock}:
             lock.unlink(missing_ok=True)
             folder.rmdir()
     except OSError as error:
@@ -307,6 +378,7 @@ def remove_empty(folder: Path) -> None:
 def _clear(folder: Path) -> None:
     """Remove what we wrote, the key last: killed before that, it can be resumed."""
     try:
+        drop_waiting(folder)
         for pattern in (f"*{_PIECE}", ".radtex-*", KEY):
             for path in folder.glob(pattern):
                 path.unlink(missing_ok=True)

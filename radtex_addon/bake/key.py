@@ -27,11 +27,15 @@ DIGEST = "sha256:"  # begins a fact that nobody can read
 
 @dataclass(frozen=True)
 class Key:
-    """The `facts` of a bake, the names of the files that it `replaces`, the `processes` that worked on it."""
+    """The `facts` of a bake, the names of the files that it `replaces`, the `processes` that worked on it.
+
+    Once all its files are written and have, or are about to have, their places, `made` says what it came to.
+    """
 
     facts: Facts
     replaces: list[str]
     processes: list[int]
+    made: dict[str, Any] | None = None
 
     def differences(self, facts: Facts) -> str:
         """Which facts are others now, in words; empty if none is."""
@@ -42,6 +46,14 @@ class Key:
 def is_unfinished(folder: Path) -> bool:
     """Whether the folder holds pieces of a bake that was not finished."""
     return (folder / KEY).is_file()
+
+
+def is_announced(folder: Path) -> bool:
+    """Whether the bake in `folder` is one that was announced, and has not started."""
+    try:
+        return is_unfinished(folder) and not read_key(folder).facts
+    except InputError:
+        return False
 
 
 def check_free(folder: Path) -> None:
@@ -88,7 +100,7 @@ def read_key(folder: Path) -> Key:
         raise InputError(f"{path} is damaged: {anew}") from error
     if not isinstance(key, dict) or key.pop("version", None) != VERSION or not _is_key(key):
         raise InputError(f"{path} is damaged, or of another RadTex: {anew}")
-    return Key(key["facts"], key["replaces"], key["processes"])
+    return Key(key["facts"], key["replaces"], key["processes"], key.get("made"))
 
 
 def _is_key(key: dict[str, Any]) -> bool:
@@ -100,6 +112,7 @@ def _is_key(key: dict[str, Any]) -> bool:
         and all(isinstance(value, str) for value in replaces)
         and isinstance(processes, list)
         and all(isinstance(value, int) for value in processes)
+        and isinstance(key.get("made"), dict | None)
     )
 
 

@@ -16,18 +16,16 @@ from ..bake.key import is_unfinished
 from ..bake.spec import BakeSpec, Layout
 from ..bake.thumbnail import Thumbnail
 from ..core.errors import InputError, RadTexError
-from ..export.folder import check_out
 from ..formats.atomic import check_writable
 from ..formats.memory import readable_size
 from ..formats.places import check_unicode
 from ..job import BakeResult, Choice, OutputFiles, bake_steps, check_request, choose_layout, part_specs
 from ..job.apart import check_files_apart
 from ..job.unwrapping import Unwraps
-from ..job.variants import Bake, left_to_do, passed_over
+from ..job.variants import Bake, announce_all, left_to_do, passed_over, tidy
 from ..preview.picture import render_picture
 from ..worker.images import load_unsaved
 from .arguments import Request
-from .export import export_baked
 from .failure import as_ours
 from .interruption import INTERRUPTED, Interruption
 from .opening import open_scene
@@ -45,47 +43,48 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
     if request.unsaved_images is not None:
         load_unsaved(request.unsaved_images)
     specs = variants(request.specs, request.lights, scene)
-    several = len(specs) > 1 or request.spec.split is not None
-    goes_on = request.resume and not request.overwrite and several
+    preview = request.preview is not None
     asked = [
         (name, part) for spec in specs for name in request.names for part in part_specs(scene, name, spec)
     ]
-    wanted = left_to_do(asked, request.out) if goes_on else asked
+    choices = _choices(scene, request, asked)
+    asked = list(choices)
+    several = max(len(specs), len(request.names)) > 1 or request.spec.split is not None
+    wanted = asked
+    if request.resume and not request.overwrite and several:
+        tidy(asked, request.out)
+        wanted = list(left_to_do(asked, request.out, preview, request.exports))
     if remark := passed_over(asked, wanted):
         report.event("warning", message=remark)
-    choices = _choices(scene, request, wanted, asked)
-    wanted = [(name, choice.spec) for (name, _), choice in zip(wanted, choices, strict=True)]
     for name, spec in wanted:  # all of them, before the first bake
         check_request(
             scene,
             name,
             spec,
             request.out,
-            request.preview is not None,
+            preview,
             request.overwrite,
             resume=request.resume,
+            exports=request.exports,
         )
-        _check_exports(name, spec, request)
-    check_files_apart(wanted, request.out, request.preview is not None)
+    check_files_apart(wanted, request.out, preview)
     _check_thumbnail(request.thumbnail)
-    for (name, _), choice in zip(wanted, choices, strict=True):
-        if choice.reason:
-            report.event("note", message=choice.told(name))
+    for line in dict.fromkeys(choices[bake].told(bake[0]) for bake in wanted):
+        if line:
+            report.event("note", message=line)
+    announce_all(wanted, request.out, preview, request.exports, request.overwrite)
     unwraps: Unwraps = {}
     for number, (name, spec) in enumerate(wanted):
         title = titled(name, spec, number, len(wanted))
         result = _bake(scene, name, title, spec, request, unwraps, report, interruption)
-        others = _pictures(request, result)
-        others += export_baked(result.files.sidecar, request.exports, request.overwrite, interruption)
+        others = [*_pictures(request, result), *result.exported]
         facts = facts_of(spec, result, others)
         report.event("done", object=name, summary=summary_of(title, spec, result), **facts)
 
 
-def _choices(
-    scene: bpy.types.Scene, request: Request, wanted: Sequence[Bake], asked: Sequence[Bake]
-) -> list[Choice]:
-    """Each of the `wanted` bakes with its layout. Raises InputError as `choose_layout` does."""
-    return [
+def _choices(scene: bpy.types.Scene, request: Request, asked: Sequence[Bake]) -> dict[Bake, Choice]:
+    """Each of the bakes that were `asked` for, with its layout. Raises InputError as `choose_layout` does."""
+    choices = (
         choose_layout(
             scene,
             bake,
@@ -95,16 +94,9 @@ def _choices(
             overwrite=request.overwrite,
             others=asked,
         )
-        for bake in wanted
-    ]
-
-
-def _check_exports(name: str, spec: BakeSpec, request: Request) -> None:
-    """Raises InputError where an export would find no place, which the bake would be for nothing then."""
-    sidecar = OutputFiles.of(name, spec, request.out, preview=False).sidecar
-    for target in request.exports:
-        place = sidecar.with_name(f"{sidecar.name.removesuffix(f'.{spec.kind}.json')}.{target}")
-        check_out(place, request.out, request.overwrite)
+        for bake in asked
+    )
+    return {(name, choice.spec): choice for (name, _), choice in zip(asked, choices, strict=True)}
 
 
 def _check_thumbnail(path: Path | None) -> None:
@@ -143,6 +135,7 @@ def _bake(
         resume=request.resume,
         thumbnail=Thumbnail(request.thumbnail, written) if request.thumbnail else None,
         unwraps=unwraps,
+        exports=request.exports,
     )
     try:
         return interruption.between(steps, partial(report.progress, title))
@@ -172,6 +165,8 @@ def _pictures(request: Request, result: BakeResult) -> list[Path]:
 
 def summary_of(title: str, spec: BakeSpec, result: BakeResult) -> str:
     """A line about a bake that is done."""
+    if result.was_there:
+        return f"{title}: was baked already, and now has all that is made of it"
     layout = result.layout
     seconds = sum(result.seconds.values())
     size = readable_size(sum(path.stat().st_size for path in result.files.images))
@@ -207,9 +202,9 @@ def facts_of(spec: BakeSpec, result: BakeResult, others: list[Path]) -> dict[str
         "lights": list(spec.lights),
         "texels": [result.layout.width, result.layout.height],
         "bucket": result.layout.bucket,
-        "covered_texels": result.covered_texels,
+        "covered_texels": None if result.was_there else result.covered_texels,
         "islands": result.islands,
-        "paths": result.paths,
+        "paths": None if result.was_there else result.paths,
         "device": result.device,
         "clamped": result.clamped,
         "fireflies": result.fireflies,

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, cast
 from urllib.parse import quote
@@ -20,7 +21,7 @@ import bpy
 import numpy as np
 
 from ..core.arrays import Floats
-from ..core.errors import BakeError
+from ..core.errors import BakeError, InputError
 from ..core.frame import normalised
 from ..formats.glb import Glb
 from ..formats.temporary import temporary_folder
@@ -126,6 +127,12 @@ def _export(scene: bpy.types.Scene, path: Path) -> None:
             raise BakeError(f"Blender's glTF exporter failed: {reason}; export by another Blender") from error
     if not path.is_file():
         raise BakeError("Blender's glTF exporter wrote nothing; export by another Blender")
+
+
+def check_exporter() -> None:
+    """Raises InputError where this Blender has no glTF exporter."""
+    if find_spec(_EXPORTER) is None:
+        raise InputError(f"this Blender has no glTF exporter (the add-on {_EXPORTER}): install it again")
 
 
 @contextmanager

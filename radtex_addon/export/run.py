@@ -24,7 +24,7 @@ from ..version import VERSION
 from .engines import write_engine
 from .flat import flat_buckets, flat_png, flat_shared, flat_sphere
 from .folder import check_out, files_in, replacing_folder
-from .gltf import write_gltf
+from .gltf import check_exporter, write_gltf
 from .godot import write_godot
 from .kinds import check_target
 from .manifest import EXTENSION, Manifest, write_manifest
@@ -101,6 +101,16 @@ def export_path(sidecar: Path, target: Target) -> Path:
     return sidecar.with_name(f"{_Bake.of(sidecar).name}.{target}")
 
 
+def check_writer(target: Target) -> None:
+    """Find out before there is a bake what no export for the `target` can do without.
+
+    Raises InputError where this Blender has no glTF exporter, or this copy of RadTex no web page.
+    """
+    check_exporter()
+    if target is Target.WEB:
+        check_page()
+
+
 def check_export(sidecar: Path, spec: ExportSpec, out: Path, *, overwrite: bool = False) -> None:
     """Find out at once what would fail at once. Raises InputError and FormatError as `export_steps` does."""
     check_out(out, sidecar.parent, overwrite)
@@ -109,8 +119,7 @@ def check_export(sidecar: Path, spec: ExportSpec, out: Path, *, overwrite: bool 
     _check_layers(bake, spec)
     check_allowed(f"an export of {sidecar}", needed_bytes(sidecar, bake.facts), spec.memory_mb)
     check_preview(bake.preview)
-    if spec.target is Target.WEB:
-        check_page()
+    check_writer(spec.target)
 
 
 def export_steps(

@@ -12,10 +12,11 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ..bake.key import is_unfinished, read_key
 from ..bake.progress import Stage
 from ..bake.spec import BakeSpec
 from ..bake.stopwatch import Stopwatch
-from ..core.errors import FormatError
+from ..core.errors import FormatError, InputError
 from ..formats.atomic import check_writable
 from ..formats.facts import shown
 from ..formats.numpy_files import read_npz
@@ -31,6 +32,8 @@ from .files import FarmFiles
 from .frames import FarmCapture, check_frames
 from .manifest import Copies, Manifest, check_files, read_manifest, read_plan
 from .progress import AnyStep
+
+_FARM = "the farm's job"  # in a key: which frames are joined
 
 
 @dataclass(frozen=True)
@@ -59,22 +62,26 @@ def assemble_steps(
     out = folder.absolute().parent if out is None else out
     outputs = OutputFiles.of(manifest.name, spec, out, copies is not None)
     check_writable(out)
-    check_outputs(manifest.name, spec, outputs, overwrite, resume=False)
+    begun = _was_begun(outputs, manifest)  # nothing was rendered: to begin anew is as good as to go on
+    check_outputs(manifest.name, spec, outputs, overwrite or begun, resume=False)
     plan, hidden = read_plan(files, manifest)
     yield from check_frames(files, manifest)
     watch = Stopwatch()
     capture = FarmCapture(files, manifest, plan)
+    replaces = overwrite or begun
     with open_checkpoint(
-        manifest.name, spec, outputs, False, overwrite
+        manifest.name, spec, outputs, resume=False, overwrite=replaces
     ) as cells:  # more than memory may hold
+        cells.expect({_FARM: manifest.job})
         try:
             made = yield from watch.over(
                 join_buckets(plan, capture, hidden, spec, outputs, manifest.facts, cells)
             )
+            cells.settle(made.told())
             if copies is not None:
                 yield watch.start(Stage.PREVIEW)
                 _save_preview(files, manifest, copies, outputs)
-        finally:  # nothing was rendered: to begin anew is as good as to go on
+        finally:
             cells.drop_own()
     watch.stop()
     result = BakeResult(
@@ -90,6 +97,16 @@ def assemble_steps(
         seconds=watch.seconds,
     )
     return Assembled(manifest.name, spec, result)
+
+
+def _was_begun(outputs: OutputFiles, manifest: Manifest) -> bool:
+    """Whether an unfinished bake is there that a killed process joined of the same frames."""
+    if not is_unfinished(outputs.unfinished):
+        return False
+    try:
+        return read_key(outputs.unfinished).facts.get(_FARM) == manifest.job
+    except InputError:  # it has no key that can be read: whose it is nobody knows
+        return False
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,9 +5,7 @@
 from __future__ import annotations
 
 import logging
-import os
 import secrets
-import shutil
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -25,8 +23,8 @@ from ..bake.stopwatch import Stopwatch
 from ..bake.thumbnail import Thumbnail
 from ..core.errors import BakeError, InputError
 from ..core.sampler import Filter
-from ..formats.atomic import mark_of
 from ..formats.condensed_files import digest
+from ..formats.hidden_folder import hidden_folder
 from ..formats.sidecar import Sidecar
 from ..job.buckets import capture_of, plan_buckets
 from ..job.checks import check_request
@@ -202,20 +200,27 @@ def _save_copies(
 
 @contextmanager
 def _replacing_folder(files: FarmFiles, overwrite: bool) -> Iterator[Path]:
-    """Yield a new folder that takes the farm's name when all went well; else nothing is left of it."""
+    """Yield a new folder that takes the farm's name when all went well; else nothing is left of it.
+
+    An earlier farm is there whole, or not at all.
+    """
     folder = files.folder
     if folder.exists() and not (overwrite and files.manifest.is_file()):
         raise InputError(f"{folder} is already there: overwrite it (--overwrite), or choose another folder")
-    place = folder.with_name(f"{mark_of(os.getpid())}{secrets.token_hex(8)}")
     try:
-        place.mkdir(parents=True)
-        yield place.absolute()
-        if folder.exists():
-            shutil.rmtree(folder)
-        place.rename(folder)
+        with hidden_folder(folder.parent) as hidden:
+            place, earlier = hidden.with_suffix(".new"), hidden / "earlier"  # paths in .blends are relative
+            place.mkdir()
+            yield place.absolute()
+            if folder.exists():
+                folder.rename(earlier)  # it goes with the hidden folder
+            try:
+                place.rename(folder)
+            except OSError:
+                if earlier.exists():
+                    earlier.rename(folder)
+                raise
     except OSError as error:
         raise BakeError(
             f"{folder} could not be written: {error.strerror or error}; choose another folder"
         ) from error
-    finally:
-        shutil.rmtree(place, ignore_errors=True)

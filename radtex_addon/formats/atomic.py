@@ -19,6 +19,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..core.errors import BakeError, InputError, RadTexError
+from .hidden_folder import LOCK, hidden_folder, mark_of
 from .places import nearest_folder
 
 _BESIDE = re.compile(r"\.radtex-\d+-[0-9a-f]{16}")  # names that `replacing` yields
@@ -41,7 +42,7 @@ def replacing(path: Path, lasting: bool = True) -> Iterator[Path]:
                 _settle(beside)
             beside.replace(path)
             if lasting:
-                _settle_names(path.parent)
+                settle_names(path.parent)
         finally:
             beside.unlink(missing_ok=True)
     except OSError as error:
@@ -60,19 +61,19 @@ def replacing_together(path: Path) -> Iterator[Path]:
     """
     place = None
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=mark_of(os.getpid()), dir=path.parent) as folder:
-            place, inside = folder, Path(folder, path.name)
+        with hidden_folder(path.parent) as folder:
+            place, inside = str(folder), folder / path.name
             yield inside
-            for file in Path(folder).iterdir():
+            files = [file for file in folder.iterdir() if file.name != LOCK]
+            for file in files:
                 _settle(file)
-            for file in sorted(Path(folder).iterdir(), key=lambda file: (file == inside, file.name)):
+            for file in sorted(files, key=lambda file: (file == inside, file.name)):
                 target = path.with_name(file.name)
                 try:
                     file.replace(target)
                 except OSError as error:
                     raise BakeError(refusal(target, error)) from error
-            _settle_names(path.parent)
+            settle_names(path.parent)
     except RadTexError as error:
         if place is None or place not in str(error):
             raise
@@ -85,11 +86,6 @@ def write_text(path: Path, text: str) -> None:
     """Write `text` to `path` in UTF-8, whole or not at all. Raises BakeError where the system refuses."""
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8", newline="\n")
-
-
-def mark_of(pid: int) -> str:
-    """How names begin of what the process `pid` has not finished."""
-    return f".radtex-{pid}-"
 
 
 def remove_unfinished(folder: Path, pid: int) -> None:
@@ -131,7 +127,7 @@ def _settle(file: Path) -> None:
         os.fsync(stream.fileno())
 
 
-def _settle_names(folder: Path) -> None:
+def settle_names(folder: Path) -> None:
     """Wait until the disk has the names in the folder, where the system can be asked for that."""
     if sys.platform == "win32":
         return

@@ -66,7 +66,8 @@ def bake_buckets(
     work = refreshed if spec.refresh else accumulated
     image, paths, counts = yield from work(again, keeper, thumbnail)
     whole = [_images(image, plan.layout, spec)]
-    return (yield from _write(plan, lambda: iter(whole), spec, files, with_counts(facts, counts), paths))
+    facts = with_counts(facts, counts)
+    return (yield from _write(plan, lambda: iter(whole), spec, files, facts, paths, keeper))
 
 
 def join_buckets(
@@ -80,7 +81,10 @@ def join_buckets(
     thumbnail: Thumbnail | None = None,
     uncut: bool = True,
 ) -> Generator[Progress, None, Made]:
-    """Ask the capture for all tiles of the plan, and write the atlas with its layers, band by band."""
+    """Ask the capture for all tiles of the plan, and write the atlas with its layers, band by band.
+
+    What is written waits at the keeper's places for the files.
+    """
     memory, channels = spec.tile_mb, spec.channels
     steps = capture_bands(plan, capture, memory, hidden, keeper, thumbnail, channels, uncut)
     bands = yield from steps
@@ -91,7 +95,7 @@ def join_buckets(
             layout = AtlasLayout(plan.layout.width, len(band.buckets), plan.layout.bucket)
             yield _images(layout.from_buckets(band.buckets), layout, spec)
 
-    return (yield from _write(plan, images, spec, files, facts, paths))
+    return (yield from _write(plan, images, spec, files, facts, paths, keeper))
 
 
 def _check_sheet(spec: BakeSpec) -> None:
@@ -116,6 +120,7 @@ def _write(
     files: OutputFiles,
     facts: Sidecar,
     paths: int,
+    keeper: Keeper,
 ) -> Generator[Progress, None, Made]:
     layout = plan.layout
 
@@ -123,7 +128,8 @@ def _write(
         return Progress(Stage.WRITE, done, layout.height)
 
     yield in_rows(0)
-    steps = write_bands(files.sidecar, images, spec.layers, facts, spec.half, spec.compression)
+    place = keeper.place(files.sidecar)
+    steps = write_bands(place, images, spec.layers, facts, spec.half, spec.compression)
     written = yield from relayed(steps, in_rows)
     return Made(files, layout, len(plan.texel), paths, written.clamped)
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import bpy
@@ -16,6 +16,7 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.shared import LEAST_LEVEL, Axis
 from ..core.transfer import with_views
+from ..export.spec import Target
 from ..formats.atomic import check_writable
 from ..formats.places import check_saveable
 from ..formats.shared_sidecar import SharedSidecar
@@ -38,6 +39,7 @@ from ..scene.source import find_source
 from ..scene.where import check_where
 from ..scene.xatlas_process import check_xatlas
 from .files import OutputFiles, facts_of
+from .finished import check_exports
 from .unfinished import check_files
 
 
@@ -50,13 +52,15 @@ def check_request(
     overwrite: bool,
     view_layer: str | None = None,
     resume: bool = False,
+    exports: Iterable[Target] = (),
 ) -> list[str]:
-    """Everything that can be known to fail before a bake starts; returns warnings.
+    """Everything that can be known to fail before a bake with its `exports` starts; returns warnings.
 
     Raises InputError for an object or a view layer that is not there, an object that cannot be baked, a
-    shared atlas that bears a stranger's name, for files that would be lost or cannot be written, and where it
-    is to `resume` a bake that differs.
+    shared atlas that bears a stranger's name, for files that would be lost or cannot be written, for targets
+    that cannot be served, and where it is to `resume` a bake that differs, or that is there whole.
     """
+    targets = tuple(exports)
     items = [find_object(scene, each) for each in spec.objects or (name,)]
     if spec.objects and name not in spec.objects and name in scene.objects:
         raise InputError(
@@ -75,7 +79,8 @@ def check_request(
         raise InputError(
             f"{files.preview} is the open file, which a bake never changes: choose another folder"
         )
-    check_files(name, spec, files, overwrite, resume)
+    check_files(name, spec, files, overwrite, resume, targets)
+    check_exports(spec, files, targets, overwrite, resume)
     if preview:
         _check_previewable(name, spec)
         check_replaceable(items)

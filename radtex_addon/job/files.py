@@ -57,6 +57,10 @@ class OutputFiles:
         """The folder where finished pieces lie while the bake is not: `<name>.<kind>.radtex-unfinished`."""
         return self.sidecar.with_suffix(".radtex-unfinished")
 
+    def export(self, target: str) -> Path:
+        """The folder of an export of this bake for `target`, if nobody names another: `<name>.<target>`."""
+        return self.sidecar.with_suffix("").with_suffix(f".{target}")
+
     @property
     def atlas(self) -> Path:
         """The plain layout's image; the shared layout's first."""

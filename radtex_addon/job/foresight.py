@@ -14,12 +14,9 @@ import bpy
 
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError
-from ..export.folder import check_out
-from ..export.kinds import check_target
 from ..export.spec import Target
 from .checks import check_request
 from .condensed import check_budget
-from .files import OutputFiles
 
 
 @dataclass(frozen=True)
@@ -54,14 +51,12 @@ def foresee(
         if number and monotonic() - since > patience:
             break
         try:
-            found = check_request(scene, name, spec, folder, preview, overwrite, view_layer, resume)
+            found = check_request(
+                scene, name, spec, folder, preview, overwrite, view_layer, resume, exports=wanted
+            )
             warnings |= dict.fromkeys(found)
             for each in spec.objects or (name,):
                 _check_uv(scene.objects[each], spec)
-            stem = OutputFiles.of(name, spec, folder, preview).sidecar.name.removesuffix(f".{spec.kind}.json")
-            for target in wanted:
-                check_target("the bake", spec.kind, target)
-                check_out(folder / f"{stem}.{target}", folder, overwrite)
         except InputError as error:
             errors[str(error)] = None
     try:

@@ -1,19 +1,26 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every layout's bake hands back."""
+"""What every layout's bake hands back, and how the key of an unfinished one tells it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 from ..core.atlas import AtlasLayout
+from ..core.errors import InputError, ShapeError
+from ..formats.sidecar import read_facts
 from .condensed import Condensed
 from .files import OutputFiles
 
 
 @dataclass(frozen=True)
 class Made:
-    """An atlas on disk: the `files` that there are, what it took, and how it was `condensed`, if it was."""
+    """An atlas on disk: the `files` that there are, what it took, and how it was `condensed`, if it was.
+
+    Who bakes does not know on which `device`, nor how many `islands` the unwrap has.
+    """
 
     files: OutputFiles
     layout: AtlasLayout
@@ -22,3 +29,64 @@ class Made:
     clamped: int
     fireflies: float = 0.0
     condensed: Condensed | None = None
+    device: str = ""
+    islands: int | None = None
+
+    def told(self) -> dict[str, Any]:
+        """All of it as JSON takes it; of the files the images' names."""
+        return {
+            "images": [path.name for path in self.files.images],
+            "layout": asdict(self.layout),
+            "covered_texels": self.covered_texels,
+            "paths": self.paths,
+            "clamped": self.clamped,
+            "fireflies": self.fireflies,
+            "condensed": None if self.condensed is None else asdict(self.condensed),
+            "device": self.device,
+            "islands": self.islands,
+        }
+
+    @classmethod
+    def of(cls, told: Mapping[str, Any], files: OutputFiles) -> Made:
+        """What was `told` of a bake that has some of these `files`.
+
+        Raises InputError for what `told` did not write.
+        """
+        try:
+            condensed, layout = told["condensed"], told["layout"]
+            return cls(
+                files=replace(files, images=tuple(files.sidecar.with_name(name) for name in told["images"])),
+                layout=AtlasLayout(int(layout["width"]), int(layout["height"]), int(layout["bucket"])),
+                covered_texels=int(told["covered_texels"]),
+                paths=int(told["paths"]),
+                clamped=int(told["clamped"]),
+                fireflies=float(told["fireflies"]),
+                condensed=None if condensed is None else _condensed(condensed),
+                device=str(told["device"]),
+                islands=None if told["islands"] is None else int(told["islands"]),
+            )
+        except (IndexError, KeyError, TypeError, ValueError, ShapeError) as error:
+            raise InputError(
+                f"{files.unfinished} is damaged: begin anew (--overwrite, without --resume)"
+            ) from error
+
+    @classmethod
+    def known(cls, files: OutputFiles) -> Made:
+        """Of a bake that was finished some time ago: its sidecar tells of no paths and covered texels.
+
+        Raises FormatError as `read_facts` does.
+        """
+        facts = read_facts(files.sidecar)
+        images = tuple(path for path in files.images if path.is_file())
+        layout = AtlasLayout(*facts.size("texels"), facts.whole_number("bucket", 1))
+        return cls(replace(files, images=images), layout, 0, 0, facts.whole_number("clamped", 0))
+
+
+def _condensed(told: Mapping[str, Any]) -> Condensed:
+    return Condensed(
+        clusters=tuple(int(count) for count in told["clusters"]),
+        colour=(int(told["colour"][0]), int(told["colour"][1])),
+        surroundings=int(told["surroundings"]),
+        bytes=int(told["bytes"]),
+        agreement=float(told["agreement"]),
+    )

@@ -47,11 +47,12 @@ def bake_occlusion(
     layout = plan.layout
     facts = prepared.facts(spec)
     rays = spec.bucket**2 * capture.rays
+    place = keeper.place(files.sidecar)
     if spec.kind is Kind.SHADOW:
-        written = _write_shadow(files, bands, facts, spec)
+        written = _write_shadow(place, bands, facts, spec)
     else:
         of_texel = replace(facts, bucket=1, samples=rays, ao_distance=spec.ao_distance)
-        written = _write_ambient(files, bands, layout, of_texel, spec)
+        written = _write_ambient(place, bands, layout, of_texel, spec)
     return Made(
         files,
         AtlasLayout(layout.width, layout.height, written.bucket),
@@ -61,23 +62,21 @@ def bake_occlusion(
     )
 
 
-def _write_shadow(files: OutputFiles, bands: Bands, facts: Sidecar, spec: BakeSpec) -> Sidecar:
-    """Write bits and their sidecar, both or neither; returns what the sidecar says."""
+def _write_shadow(path: Path, bands: Bands, facts: Sidecar, spec: BakeSpec) -> Sidecar:
+    """Write the sidecar to `path` and the bits beside it, both or neither; returns what the sidecar says."""
     rows = [pack_bits(band.buckets[..., 0] < 0.5) for band in bands.downwards()]
     words = np.concatenate(rows[::-1])
-    with replacing(files.sidecar) as beside:  # left last: it takes its place once the bits are in theirs
+    with replacing(path) as beside:  # left last: it takes its place once the bits are in theirs
         beside.write_text(facts.to_json(), encoding="utf-8", newline="\n")
-        write_shadow(files.atlas, words, facts, spec.compression)
+        write_shadow(path.with_suffix(".exr"), words, facts, spec.compression)
     return facts
 
 
-def _write_ambient(
-    files: OutputFiles, bands: Bands, layout: AtlasLayout, facts: Sidecar, spec: BakeSpec
-) -> Sidecar:
+def _write_ambient(path: Path, bands: Bands, layout: AtlasLayout, facts: Sidecar, spec: BakeSpec) -> Sidecar:
     """Write one value a texel, which is a bucket of one cell with all the rays; returns the sidecar."""
     pixels = np.empty((layout.height, layout.width, 4), dtype=np.float32)
     for band in bands.downwards():
         bent, ambient = occlusion(band.buckets[..., 0])
         pixels[band.first : band.end, :, :3] = bent
         pixels[band.first : band.end, :, 3] = ambient
-    return write_buckets(files.sidecar, pixels, {}, facts, spec.half, spec.compression)
+    return write_buckets(path, pixels, {}, facts, spec.half, spec.compression)

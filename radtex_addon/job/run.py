@@ -1,27 +1,34 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake from its first check to its preview."""
+"""A bake from its first check to its preview and exports."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Generator
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Generator, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import bpy
 
-from ..bake.checkpoint import KEEPS_NOTHING, Keeper
+from ..bake.beginning import settle_earlier
+from ..bake.checkpoint import KEEPS_NOTHING, Checkpoint, Keeper
 from ..bake.progress import Progress, Stage, finished
 from ..bake.spec import OCCLUSION, BakeSpec, Kind, Layout, View
 from ..bake.stopwatch import Stopwatch
 from ..bake.thumbnail import Thumbnail
+from ..bake.written import named_by_places
 from ..core.atlas import AtlasLayout
 from ..core.blas import one_blas_thread
-from ..core.errors import InputError
+from ..core.errors import InputError, RadTexError
 from ..core.sampler import Filter
 from ..cycles.device import use_device
+from ..export.progress import Step
+from ..export.run import export_steps
+from ..export.spec import ExportSpec, Target
+from ..formats.sidecar import read_facts
 from ..formats.temporary import temporary_folder
 from ..scene.cage import take_cage_out
 from ..scene.enclosed import EVERYTHING, show_content_only
@@ -34,6 +41,7 @@ from .buckets import bake_buckets
 from .checks import check_request, check_seen
 from .condensed import Condensed
 from .files import OutputFiles
+from .finished import is_there, misses_preview, missing_exports
 from .made import Made
 from .occlusion import bake_occlusion
 from .parts import check_part
@@ -47,6 +55,7 @@ from .unwrapping import Unwraps
 log = logging.getLogger(__name__)
 
 Baker: TypeAlias = Callable[..., Generator[Progress, None, Made]]
+BakeSteps: TypeAlias = "Generator[Progress | Step, None, BakeResult]"
 
 
 @dataclass(frozen=True)
@@ -54,7 +63,8 @@ class BakeResult:
     """What a bake made, and what it took: `paths` are camera paths, `seconds` are by stage.
 
     `fireflies` is the share of the light that a fit left out: too few paths brought it. `condensed` says what
-    was chosen for a budget or a target.
+    was chosen for a budget or a target. `exported` are the folders that were made. A bake that `was_there`
+    got what was missing beside it: of its paths and covered texels nothing is known.
     """
 
     files: OutputFiles
@@ -67,6 +77,27 @@ class BakeResult:
     fireflies: float
     condensed: Condensed | None
     seconds: dict[Stage, float]
+    exported: tuple[Path, ...] = ()
+    was_there: bool = False
+
+    @classmethod
+    def of(
+        cls, made: Made, seconds: dict[Stage, float], exported: tuple[Path, ...], was_there: bool
+    ) -> BakeResult:
+        return cls(
+            files=made.files,
+            layout=made.layout,
+            covered_texels=made.covered_texels,
+            islands=made.islands,
+            paths=made.paths,
+            device=made.device,
+            clamped=made.clamped,
+            fireflies=made.fireflies,
+            condensed=made.condensed,
+            seconds=seconds,
+            exported=exported,
+            was_there=was_there,
+        )
 
 
 def bake_object(
@@ -81,6 +112,7 @@ def bake_object(
     resume: bool = False,
     thumbnail: Thumbnail | None = None,
     unwraps: Unwraps | None = None,
+    exports: Collection[Target] = (),
 ) -> BakeResult:
     """Bake one object and write its files; see `bake_steps`."""
     return finished(
@@ -95,6 +127,7 @@ def bake_object(
             resume=resume,
             thumbnail=thumbnail,
             unwraps=unwraps,
+            exports=exports,
         )
     )
 
@@ -111,54 +144,120 @@ def bake_steps(
     resume: bool = False,
     thumbnail: Thumbnail | None = None,
     unwraps: Unwraps | None = None,
-) -> Generator[Progress, None, BakeResult]:
+    exports: Collection[Target] = (),
+) -> BakeSteps:
     """Bake the mesh object `name` as `scene`'s `view_layer` renders it (the first that does, if None).
 
     Where the specification has `objects`, these are baked, and `name` is what their atlas is called; where it
     has a split, it has a part, too.
 
     Writes `<name>.<kind>.json` and `.exr` into `folder`, or in the shared layout `<name>.<kind>.<layer>.exr`,
-    and with a `preview` filter `<name>.preview.blend`; the shared layout has but one filter. Yields progress;
-    returns the result. The scene is what it was afterwards, also after an error or when the generator is
-    closed. What is finished of a bake lies in `<name>.<kind>.radtex-unfinished` until all of it is: with
-    `resume` the bake goes on from there, without it needs `overwrite` to begin anew. The `thumbnail` is shown
-    what comes in. `unwraps` are those of earlier bakes, such as other frames', and learn of this one's. A
-    frame's files are `<name>-<frame>.…`, the frame in four digits. Raises InputError for what cannot be
-    baked, or resumed, BakeError for what fails meanwhile.
+    and with a `preview` filter `<name>.preview.blend`; the shared layout has but one filter. From these it
+    makes the `exports`, folders `<name>.<target>`. Yields progress; returns the result. The scene is what it
+    was afterwards, also after an error or when the generator is closed. What is finished of a bake lies in
+    `<name>.<kind>.radtex-unfinished` until all of it is, its exports among it: with `resume` the bake goes on
+    from there, and where it is finished but lacks its preview or exports, these are made; without it needs
+    `overwrite` to begin anew. The `thumbnail` is shown what comes in. `unwraps` are those of earlier bakes,
+    such as other frames', and learn of this one's. A frame's files are `<name>-<frame>.…`, the frame in four
+    digits. Raises InputError for what cannot be baked, or resumed, BakeError for what fails meanwhile.
     """
     check_part(name, spec)
     files = OutputFiles.of(name, spec, folder, preview is not None)
-    warnings = check_request(scene, name, spec, folder, preview is not None, overwrite, view_layer, resume)
+    warnings = check_request(
+        scene, name, spec, folder, preview is not None, overwrite, view_layer, resume, exports
+    )
     for warning in warnings:
         log.warning(warning)
+    was_there = is_there(files, overwrite, resume)
+    targets = missing_exports(files, exports) if was_there else tuple(exports)
+    shown = None if was_there and not misses_preview(files) else preview
+    if not resume:
+        settle_earlier(files.unfinished)
     watch = Stopwatch()
-    with open_checkpoint(name, spec, files, resume, overwrite) as checkpoint:
+    with (
+        open_checkpoint(name, spec, files, resume, overwrite, targets) as checkpoint,
+        _named_by_places(files),
+    ):
         try:
-            with at_frame(scene, spec.frame), new_data_removed():
-                baked = yield from bake_and_keep(
-                    scene, name, spec, files, view_layer, watch, checkpoint, thumbnail, unwraps
-                )
-                if preview is not None:
-                    yield watch.start(Stage.PREVIEW)
-                    save_preview_of(scene, spec, baked.made.files, baked.prepared, preview, view_layer)
+            known = _made_before(checkpoint, files, was_there)
+            made = known
+            if known is None or shown is not None:
+                baker = None if known is None else _no_baker(known)
+                with at_frame(scene, spec.frame), new_data_removed():
+                    baked = yield from bake_and_keep(
+                        scene, name, spec, files, view_layer, watch, checkpoint, thumbnail, unwraps, baker
+                    )
+                    made = replace(baked.made, device=baked.device, islands=baked.prepared.islands)
+                    if known is None:
+                        _settle(checkpoint, files, made)
+                    if shown is not None:
+                        yield watch.start(Stage.PREVIEW)
+                        save_preview_of(scene, spec, made.files, baked.prepared, shown, view_layer)
+            watch.stop()
+            assert made is not None  # it was known, or baked
+            exported = yield from _export(files, targets, overwrite or known is not None)
         except InputError:  # there is nothing to go on with: another try asks for something else
             checkpoint.drop_own()
             raise
         checkpoint.remove()
-    watch.stop()
-    made = baked.made
-    return BakeResult(
-        files=made.files,
-        layout=made.layout,
-        covered_texels=made.covered_texels,
-        islands=baked.prepared.islands,
-        paths=made.paths,
-        device=baked.device,
-        clamped=made.clamped,
-        fireflies=made.fireflies,
-        condensed=made.condensed,
-        seconds=watch.seconds,
-    )
+    return BakeResult.of(made, watch.seconds, exported, was_there)
+
+
+@contextmanager
+def _named_by_places(files: OutputFiles) -> Iterator[None]:
+    """Let errors name files by the places that they are to have, not by where they wait."""
+    try:
+        yield
+    except RadTexError as error:
+        said = named_by_places(str(error), files.unfinished)
+        if said == str(error):
+            raise
+        raise type(error)(said) from error
+
+
+def _made_before(checkpoint: Checkpoint, files: OutputFiles, was_there: bool) -> Made | None:
+    """What a bake came to whose files are all written, which are in their places then; None for another."""
+    told = Made.known(files).told() if was_there else checkpoint.made
+    if told is None:
+        return None
+    known = Made.of(told, files)
+    _settle(checkpoint, files, known)
+    return known
+
+
+def _settle(checkpoint: Checkpoint, files: OutputFiles, made: Made) -> None:
+    """Give all files their places, and remove those that an overwritten bake had and this one has not."""
+    checkpoint.settle(made.told())
+    for path in set(files.images) - set(made.files.images):
+        path.unlink(missing_ok=True)
+
+
+def _no_baker(known: Made) -> Baker:
+    """In a baker's place, for a bake that is done. Raises InputError for a mesh that is another now."""
+
+    def bake(
+        _scratch: bpy.types.Scene, _spec: BakeSpec, files: OutputFiles, prepared: Prepared, *_: Any
+    ) -> Generator[Progress, None, Made]:
+        if read_facts(files.sidecar).values.get("mesh") != prepared.digest:
+            raise InputError(
+                f"object '{prepared.name}' or its unwrap is no longer what {files.sidecar} is of, so that no "
+                "preview can be made: bake it anew (--overwrite)"
+            )
+        yield from ()
+        return known
+
+    return bake
+
+
+def _export(
+    files: OutputFiles, targets: Collection[Target], overwrite: bool
+) -> Generator[Step, None, tuple[Path, ...]]:
+    """Make a folder for each target of the bake with these files."""
+    made = []
+    for target in targets:
+        steps = export_steps(files.sidecar, ExportSpec(target), overwrite=overwrite)
+        made.append((yield from steps).folder)
+    return tuple(made)
 
 
 @dataclass(frozen=True, eq=False)

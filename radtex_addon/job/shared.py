@@ -46,7 +46,7 @@ def bake_shared(
     keeper: Keeper = KEEPS_NOTHING,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Made]:
-    """Bake what is prepared; `folder` takes temporary files, the `keeper` every finished render.
+    """Bake what is prepared; `folder` takes temporary files, the `keeper` every render and the files.
 
     Raises InputError for a budget that is too small for its texels.
     """
@@ -55,14 +55,14 @@ def bake_shared(
     facts = prepared.facts(spec)
     condensed: Condensed | None = None
     if spec.condensed:
-        steps = condense_steps(files.sidecar, fitted.atlas, fitted.plan, spec, facts)
+        steps = condense_steps(keeper.place(files.sidecar), fitted.atlas, fitted.plan, spec, facts)
         sidecar, condensed = yield from steps
     else:
         yield Progress(Stage.WRITE, 0, 1)
-        sidecar = write_shared(files.sidecar, fitted.atlas, facts, spec.half, spec.compression)
+        place = keeper.place(files.sidecar)
+        sidecar = write_shared(place, fitted.atlas, facts, spec.half, spec.compression)
     path_of = texture_path if spec.condensed else layer_path
     images = tuple(path_of(files.sidecar, layer) for layer in sidecar.bake.layers)
-    _remove(set(files.images) - set(images))
     return Made(
         files=replace(files, images=images),
         layout=AtlasLayout(width, height, spec.bucket),
@@ -103,9 +103,3 @@ def fit_bake(
         capture.light, capture.ends, capture.surroundings, capture.colour, cells=spec.bucket
     )
     return FittedBake(fitted.atlas, capture.plan, capture.paths, fitted.fireflies)
-
-
-def _remove(images: set[Path]) -> None:
-    """Of an overwritten bake: they would lie beside the sidecar of another."""
-    for path in images:
-        path.unlink(missing_ok=True)

@@ -52,7 +52,7 @@ def bake_transfer(
     facts = prepared.facts(spec)
     place = None if eye is None else (*eye.place, 0.0 if eye.far else 1.0)
     sidecar = TransferSidecar(facts, suns, spec.view, place, views)
-    written = write_transfer(files.sidecar, atlas, sidecar, spec.half, spec.compression)
+    written = write_transfer(keeper.place(files.sidecar), atlas, sidecar, spec.half, spec.compression)
     count = len(plan.texel)
     paths = count * views**2 * suns * spec.samples
     return Made(files, layout, count, paths, written.bake.clamped)

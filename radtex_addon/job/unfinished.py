@@ -4,20 +4,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import fields
 from pathlib import Path
 
 import bpy
 
-from ..bake.checkpoint import Checkpoint, remove_empty
-from ..bake.key import DIGEST, check_free, is_unfinished, replaced_by
+from ..bake.checkpoint import Checkpoint, remove_left
+from ..bake.key import DIGEST, check_free, is_announced, is_unfinished, replaced_by
 from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError
+from ..export.spec import Target
 from ..formats.atomic import check_absent
 from ..formats.condensed_files import digest
 from ..formats.sidecar import part_in, read_facts
 from ..version import VERSION
 from .files import OutputFiles
+from .finished import is_finished, misses_preview, missing_exports, samples_of
 
 # Of a specification: tiles may be of any height; device and frame are compared as they were found.
 _MAY_DIFFER = ("memory_mb", "device", "frame")
@@ -26,19 +29,27 @@ _CALLED = {"objects": "objects that share the atlas", "lights": "lamps that are 
 
 
 def open_checkpoint(
-    name: str, spec: BakeSpec, files: OutputFiles, resume: bool, overwrite: bool = False
+    name: str,
+    spec: BakeSpec,
+    files: OutputFiles,
+    resume: bool,
+    overwrite: bool = False,
+    exports: Collection[Target] = (),
 ) -> Checkpoint:
-    """Where the pieces of a bake of the object `name` are kept.
+    """Where the pieces of a bake of the object `name` are kept, until its `exports` are made, too.
 
     It looks once more, at its first piece, whether it would replace what may not be. Raises InputError where
     it is to `resume` one that differs.
     """
-    earlier = digest(files.atlas) if (spec.accumulate or spec.refresh) and files.atlas.is_file() else None
+    goes_on = resume and (is_unfinished(files.unfinished) or files.sidecar.exists())
+    earlier: str | None = None
 
     def check() -> None:
-        _check_meanwhile(name, spec, files, overwrite, earlier)
+        if not goes_on:
+            _check_meanwhile(name, spec, files, overwrite, earlier)
 
-    checkpoint = Checkpoint(files.unfinished, resume, files.own, check)
+    replaces = [*files.own, *(files.export(target) for target in exports)]
+    checkpoint = Checkpoint(files.unfinished, resume, replaces, check)
     chosen = {
         _CALLED.get(field.name, field.name.replace("_", " ")): str(getattr(spec, field.name))
         for field in fields(spec)
@@ -46,15 +57,25 @@ def open_checkpoint(
     }
     versions = {"RadTex's version": VERSION, "Blender's version": bpy.app.version_string}
     checkpoint.expect({"object": name, **versions, **chosen})
-    if earlier is not None:
+    folds = (spec.accumulate or spec.refresh) and checkpoint.made is None  # else it is there already
+    if folds and files.atlas.is_file():
+        earlier = digest(files.atlas)
         checkpoint.expect({"the atlas that is there": DIGEST + earlier})
     return checkpoint
 
 
-def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, resume: bool) -> None:
+def check_files(
+    name: str,
+    spec: BakeSpec,
+    files: OutputFiles,
+    overwrite: bool,
+    resume: bool,
+    exports: Collection[Target] = (),
+) -> None:
     """Make sure that a bake destroys nothing that it may not, an unfinished bake among it.
 
-    Raises InputError, which says what to do, also where it is to `resume` one that differs.
+    Raises InputError, which says what to do, also where it is to `resume` one that differs, or one that is
+    finished, with its preview and its `exports`.
     """
     _check_folder(files.unfinished)
     earlier = spec.accumulate or spec.refresh
@@ -63,12 +84,12 @@ def check_files(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, 
         raise InputError(f"{files.sidecar} is not there to {done}: bake it first, without that")
     if not is_unfinished(files.unfinished):
         if resume:
-            remove_empty(files.unfinished)  # the bake was killed at its very end
+            remove_left(files.unfinished)  # the bake was killed at its very end
         if resume and not overwrite and files.sidecar.exists():
-            raise InputError(
-                f"{files.sidecar} is already there, and nothing of object '{name}' is unfinished: "
-                "leave --resume out, and bake it anew (--overwrite)"
-            )
+            lacks = misses_preview(files) or missing_exports(files, exports)
+            if lacks and is_finished(name, spec, files.sidecar.parent):
+                return
+            raise InputError(_nothing_unfinished(name, spec, files))
         check_absent(files.own, overwrite or earlier)
         _check_common(name, spec, files, overwrite)
         return
@@ -91,7 +112,8 @@ def _check_meanwhile(
 
     `earlier` is the digest of the atlas that there was to go on from. Raises InputError.
     """
-    if is_unfinished(files.unfinished) and not overwrite:
+    announced = is_announced(files.unfinished)
+    if is_unfinished(files.unfinished) and not (overwrite or announced):
         raise _unfinished(files)
     if earlier is not None and digest(files.atlas) != earlier:
         raise InputError(f"{files.atlas} has changed since this bake began: start it again")
@@ -103,6 +125,15 @@ def _unfinished(files: OutputFiles) -> InputError:
     return InputError(
         f"{files.unfinished} holds an unfinished bake: go on with it (--resume), or begin anew (--overwrite)"
     )
+
+
+def _nothing_unfinished(name: str, spec: BakeSpec, files: OutputFiles) -> str:
+    found = f"{files.sidecar} is already there, and nothing of object '{name}' is unfinished: "
+    if spec.refresh:
+        return found + "leave --resume out to refresh it"
+    if spec.accumulate and (samples := samples_of(files)) is not None:
+        return found + f"it has {samples} samples a cell; if more are wanted, leave --resume out"
+    return found + "leave --resume out, and bake it anew (--overwrite)"
 
 
 def _check_folder(unfinished: Path) -> None:

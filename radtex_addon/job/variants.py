@@ -1,20 +1,22 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes of one object that differ in their frame, light or part: their names, and which are finished."""
+"""Several bakes of one run, such as of an object's frames, lights or parts: names, and what is left to do."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from math import ceil, isqrt, sqrt
+from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
+from ..bake.beginning import announce
+from ..bake.checkpoint import remove_left
 from ..bake.key import is_unfinished
-from ..bake.plan import MAX_IMAGE_SIDE
-from ..bake.spec import BakeSpec, Kind
+from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError
+from ..export.spec import Target
 from ..formats.sidecar import file_name, part_in, read_facts
 from .files import OutputFiles
+from .finished import is_finished, misses_preview, missing_exports
 
 Bake: TypeAlias = tuple[str, BakeSpec]  # of an object, or an atlas, by name
 
@@ -29,15 +31,18 @@ def variant_of(spec: BakeSpec) -> str:
     return ", ".join(words)
 
 
-def left_to_do(bakes: Sequence[Bake], out: Path) -> tuple[Bake, ...]:
+def left_to_do(
+    bakes: Sequence[Bake], out: Path, preview: bool = False, exports: Collection[Target] = ()
+) -> tuple[Bake, ...]:
     """Those of several bakes into the folder `out` that going on makes: all that are not finished.
 
-    Of atlases that get more samples, or are refreshed, nothing tells which were already: the unfinished ones
-    alone. Raises InputError where none of these is unfinished.
+    Nor is one whose `preview` or `exports` are wanted and not there. Of atlases that get more samples, or are
+    refreshed, nothing tells which were already: the unfinished ones alone. Raises InputError where none of
+    these is unfinished.
     """
     again = [spec for _, spec in bakes if spec.accumulate or spec.refresh]
     if not again:
-        return tuple(bake for bake in bakes if not is_finished(*bake, out))
+        return _not_whole(bakes, out, preview, exports)
     found = tuple(
         (name, spec)
         for name, spec in bakes
@@ -47,9 +52,47 @@ def left_to_do(bakes: Sequence[Bake], out: Path) -> tuple[Bake, ...]:
         names = ", ".join(f"'{name}'" for name in dict.fromkeys(name for name, _ in bakes))
         raise InputError(
             f"no bake of {names} is unfinished, and nothing tells which of them were {_done(again[0])} "
-            f"already: leave --resume out, and name those that lack (--part, --frames, --lights)"
+            f"already: leave --resume out, and name those that lack (--object, --part, --frames, --lights)"
         )
     return found
+
+
+def _not_whole(
+    bakes: Sequence[Bake], out: Path, preview: bool, exports: Collection[Target]
+) -> tuple[Bake, ...]:
+    """Those that lack something. A preview that parts have in common is one bake's to make."""
+    files = {bake: OutputFiles.of(*bake, out, preview) for bake in bakes}
+    lacking = {bake for bake in bakes if not is_finished(*bake, out)}
+    made = {files[bake].preview for bake in lacking}
+    for bake, there in files.items():
+        is_alone = misses_preview(there) and there.preview not in made
+        if is_alone or missing_exports(there, exports):
+            lacking.add(bake)
+            made.add(there.preview)
+    return tuple(bake for bake in bakes if bake in lacking)
+
+
+def announce_all(
+    bakes: Sequence[Bake], out: Path, preview: bool, exports: Collection[Target], overwrite: bool
+) -> None:
+    """Let those of several bakes that replace what is there be known to be unfinished before they start.
+
+    Going on with a run that was killed between two of them would else take the next one's old files for what
+    it makes. Raises InputError where a process works on one of them, BakeError where the system refuses.
+    """
+    if len(bakes) < 2:
+        return
+    for name, spec in bakes:
+        files = OutputFiles.of(name, spec, out, preview)
+        again = spec.accumulate or spec.refresh
+        if files.sidecar.exists() and (overwrite or again) and not is_unfinished(files.unfinished):
+            announce(files.unfinished, [*files.own, *(files.export(target) for target in exports)])
+
+
+def tidy(bakes: Sequence[Bake], out: Path) -> None:
+    """Remove what processes that were killed at the very end of these bakes left. Raises BakeError."""
+    for bake in bakes:
+        remove_left(OutputFiles.of(*bake, out, preview=False).unfinished)
 
 
 def passed_over(bakes: Sequence[Bake], left: Sequence[Bake]) -> str:
@@ -65,40 +108,6 @@ def passed_over(bakes: Sequence[Bake], left: Sequence[Bake]) -> str:
 
 def _done(spec: BakeSpec) -> str:
     return "accumulated" if spec.accumulate else "refreshed"
-
-
-def is_finished(name: str, spec: BakeSpec, out: Path) -> bool:
-    """Whether the folder holds such a bake, whole."""
-    files = OutputFiles.of(name, spec, out, preview=False)
-    if not files.sidecar.is_file() or is_unfinished(files.unfinished):
-        return False
-    found = read_facts(files.sidecar).values
-    part = found.get("part", {})
-    asked = {
-        "object": name,
-        "frame": spec.frame,
-        "lights": list(spec.lights) or None,
-        "seed": spec.seed,
-        "objects": list(spec.objects) or None,
-        "ao_distance": spec.ao_distance,
-    }
-    same_part = (part.get("by"), part.get("name")) == (spec.split, spec.part)
-    same = same_part and all(found.get(key) == value for key, value in asked.items())
-    return same and _has_samples(found, spec)
-
-
-def _has_samples(found: Mapping[str, Any], spec: BakeSpec) -> bool:
-    """Whether a sidecar says that all samples were taken; that of `ao` counts the rays of its one cell."""
-    samples, cells = int(found.get("samples", 0)), spec.bucket**2
-    if spec.kind is not Kind.AO:
-        return samples == spec.samples
-    if spec.ao_distance is None:
-        return samples == cells * spec.samples
-    wanted, had = ceil(sqrt(spec.samples)), isqrt(samples // cells)  # a square of rays in each cell
-    if samples != cells * had**2 or had > wanted:
-        return False
-    largest = max(found["texels"]) * spec.bucket
-    return bool(had == wanted or (had + 1) * largest > MAX_IMAGE_SIDE)  # a picture had no room for more
 
 
 def variants_in(folder: Path, name: str, kind: str) -> tuple[Path, ...]:

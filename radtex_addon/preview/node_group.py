@@ -14,7 +14,7 @@ from ..core.errors import InputError
 from ..core.frame import DEGENERATE
 from ..core.sampler import Filter
 from ..scene.nodes import close_group, open_group
-from .taps import bilinear, clamp, readable_size, pair
+from .taps import bilinear, clamp, pair, readable_size
 
 MAX_PIXELS = 16384  # the image side that every current GPU takes; Eevee shrinks a larger one, silently
 

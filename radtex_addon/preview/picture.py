@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 
 from ..core.errors import BakeError
-from ..formats.atomic import replacing
+from ..formats.atomic import replacing_together
 from ..formats.places import render_path
 from ..scene.render_settings import reset_render_settings
 
@@ -30,7 +30,7 @@ def render_picture(preview: Path, picture: Path, pixels: int = 512, samples: int
     if hasattr(render.image_settings, "media_type"):  # Blender 5: to be set before the format
         render.image_settings.media_type = "IMAGE"
     render.image_settings.file_format = "PNG"
-    with replacing(picture) as beside:
+    with replacing_together(picture) as beside:
         render.filepath = render_path(beside)
         render.use_file_extension = False
         bpy.ops.render.render(write_still=True)

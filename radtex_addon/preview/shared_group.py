@@ -32,7 +32,7 @@ from ..scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..scene.working_space import rec709_primaries
 from .condensed_group import image_layer, mixture_group
 from .node_group import MAX_PIXELS
-from .taps import bilinear, readable_size, pair, pixel_centre
+from .taps import bilinear, pair, pixel_centre, readable_size
 
 _LEAST_SPREAD = 1e-12  # as in core.shared.level_weights
 _TINY = 1e-30  # keeps 0/0 away, as in core.octahedron

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..formats.atomic import replacing
+from ..formats.atomic import replacing_together
 from ..formats.exr import Compression, read_render, stored_rows, write_rows
 from ..formats.png import encode_png
 from ..formats.sidecar import safe_name
@@ -42,14 +42,13 @@ class ComparisonFiles:
 
 
 def write_comparison(found: Comparison, files: ComparisonFiles) -> None:
-    """Write the pictures; those of an earlier comparison are replaced. Raises BakeError."""
-    for path, picture in ((files.traced, found.traced), (files.baked, found.baked)):
-        rows, _ = stored_rows(path, picture, half=True)
-        facts = {"tool": f"RadTex {VERSION}", "picture": path.suffixes[-2][1:], **asdict(found.figures)}
-        with replacing(path) as beside:
-            write_rows(beside, rows, json.dumps(facts), Compression.ZIP)
-    with replacing(files.difference) as beside:
-        beside.write_bytes(encode_png(found.difference[::-1]))
+    """Write the pictures; those of an earlier comparison are replaced, all or none. Raises BakeError."""
+    with replacing_together(files.difference) as difference:
+        for path, picture in ((files.traced, found.traced), (files.baked, found.baked)):
+            rows, _ = stored_rows(path, picture, half=True)
+            facts = {"tool": f"RadTex {VERSION}", "picture": path.suffixes[-2][1:], **asdict(found.figures)}
+            write_rows(difference.with_name(path.name), rows, json.dumps(facts), Compression.ZIP)
+        difference.write_bytes(encode_png(found.difference[::-1]))
 
 
 def read_picture(path: Path) -> Picture:

@@ -12,7 +12,7 @@ import bpy
 
 from ..core.errors import InputError
 from ..cycles.device import use_device
-from ..formats.atomic import check_writable, write_text
+from ..formats.atomic import check_writable, replacing_together
 from ..formats.sidecar import file_name, read_facts
 from ..formats.temporary import temporary_folder
 from ..scene.frames import at_frame
@@ -109,7 +109,8 @@ def report_steps(
     yield Step(Task.PAGE, 0, 1)
     sizes = sizes_of(bake)
     contents = Contents(bake, judged, noise_floor(judged), sizes, variants, spec.samples)
-    write_text(out, page(contents))
+    with replacing_together(out) as beside:
+        beside.write_text(page(contents), encoding="utf-8", newline="\n")
     return ReportResult(
         page=out,
         verdict=contents.verdict,

@@ -114,7 +114,9 @@ def place_of(scene: bpy.types.Scene, bake: str) -> Path:
     try:
         is_there = place.exists()
     except OSError as error:
-        raise InputError(f"{place} cannot be read: {error.strerror or error}; choose another folder") from error
+        raise InputError(
+            f"{place} cannot be read: {error.strerror or error}; choose another folder"
+        ) from error
     if not bake and not is_there:
         raise InputError(f"nothing was baked into {place} yet: bake first")
     return place

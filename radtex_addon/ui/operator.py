@@ -74,19 +74,18 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
 
     def _bake(self, scene: bpy.types.Scene, names: tuple[str, ...], request: BakeRequest) -> None:
         """Bake now, and report each object."""
-        from ..bake.progress import finished
         from ..core.sampler import Filter
-        from ..export.run import export_steps
-        from ..export.spec import ExportSpec
         from ..job import bake_object
         from ..job.unwrapping import Unwraps
-        from ..job.variants import variant_of
+        from ..job.variants import announce_all, variant_of
 
         _check(scene, names, request)
         preview = Filter.QUADRILINEAR if request.preview else None
         unwraps: Unwraps = {}
-        for name, spec in request.bakes(scene, names):
-            made = bake_object(
+        bakes = request.bakes(scene, names)
+        announce_all(bakes, request.folder, request.preview, request.targets, request.overwrite)
+        for name, spec in bakes:
+            bake_object(
                 scene,
                 name,
                 spec,
@@ -95,9 +94,8 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
                 overwrite=request.overwrite,
                 resume=request.resume,
                 unwraps=unwraps,
+                exports=request.targets,
             )
-            for target in request.targets:
-                finished(export_steps(made.files.sidecar, ExportSpec(target), overwrite=request.overwrite))
             told = (f"Baked {name}", spec.part, variant_of(spec))
             self.report({"INFO"}, ", ".join(word for word in told if word))
 

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 __all__ = ["BakeRequest", "has_folder", "output_folder", "spec_of", "values_of", "values_with"]
 
+_HOPELESS = 1 << 30  # errors, where nothing can be baked
+
 
 @dataclass(frozen=True)
 class BakeRequest:
@@ -112,17 +114,21 @@ class BakeRequest:
     ) -> tuple[tuple[str, Choice], ...]:
         """What is baked, each with its layout; `surfaces.bakes_of` says how, `job.choose_layout` in which.
 
-        Where it goes on with several variants or parts, those that are not finished. Raises InputError where
-        all are, unless parts are a `guess` that may lack some; where lamps have no atlases of their own, and
-        where there are none.
+        Where it goes on with several objects, variants or parts, those that are not finished. Raises
+        InputError where all are, unless parts are a `guess` that may lack some; where lamps have no atlases
+        of their own, and where there are none.
         """
+        chosen = self._chosen(scene, names, guess)
+        wanted = self._left(scene, names, tuple(chosen), guess) if self._goes_on(scene, names) else chosen
+        return tuple((bake[0], chosen[bake]) for bake in wanted)
+
+    def _chosen(self, scene: bpy.types.Scene, names: Sequence[str], guess: bool) -> dict[Bake, Choice]:
+        """All variants and parts, finished or not, each with its layout."""
         from ..job import choose_layout
 
         asked = self._asked(scene, names, guess)
-        wanted = self._left(scene, names, asked, guess) if self._goes_on(scene) else asked
-
-        def chosen(bake: Bake) -> Choice:
-            return choose_layout(
+        choices = (
+            choose_layout(
                 scene,
                 bake,
                 self.open_layout,
@@ -131,33 +137,35 @@ class BakeRequest:
                 overwrite=self.overwrite,
                 others=asked,
             )
-
-        return tuple((bake[0], chosen(bake)) for bake in wanted)
+            for bake in asked
+        )
+        return {(name, choice.spec): choice for (name, _), choice in zip(asked, choices, strict=True)}
 
     def _left(
         self, scene: bpy.types.Scene, names: Sequence[str], asked: tuple[Bake, ...], guess: bool
     ) -> tuple[Bake, ...]:
-        """Those of several variants or parts that are not finished; errors as in `choices`."""
+        """Those of several objects, variants or parts that are not finished; errors as in `choices`."""
         from ..job.variants import left_to_do
 
         unsure = guess and may_lack_parts(scene, names, self.spec)
         try:
-            found = left_to_do(asked, self.folder)
+            found = left_to_do(asked, self.folder, self.preview, self.targets)
         except InputError:
             if not unsure:
                 raise
             found = ()
         if asked and not found and not unsure:
-            raise InputError("all variants are finished: leave --resume out, and bake anew (--overwrite)")
+            what = "objects" if len(names) > 1 else "variants"
+            raise InputError(f"all {what} are finished: leave --resume out, and bake anew (--overwrite)")
         return found
 
     def left_out(self, scene: bpy.types.Scene, names: Sequence[str]) -> str:
         """What to know of bakes that going on leaves out; empty if nothing. Raises InputError as `bakes`."""
         from ..job.variants import passed_over
 
-        if not (self._goes_on(scene) and (self.spec.accumulate or self.spec.refresh)):
+        if not (self._goes_on(scene, names) and (self.spec.accumulate or self.spec.refresh)):
             return ""  # without looking for parts
-        asked = self._asked(scene, names, guess=False)
+        asked = tuple(self._chosen(scene, names, guess=False))
         return passed_over(asked, self._left(scene, names, asked, guess=False))
 
     def layouts_told(self, scene: bpy.types.Scene, names: Sequence[str]) -> tuple[str, ...]:
@@ -165,9 +173,10 @@ class BakeRequest:
         choices = self.choices(scene, names, guess=True)
         return tuple(dict.fromkeys(choice.told(name) for name, choice in choices if choice.reason))
 
-    def _goes_on(self, scene: bpy.types.Scene) -> bool:
-        """Whether it goes on with those of several variants or parts that are left to do."""
-        several = len(self.specs(scene)) > 1 or (self.spec.split is not None and self.spec.part is None)
+    def _goes_on(self, scene: bpy.types.Scene, names: Sequence[str]) -> bool:
+        """Whether it goes on with those of several objects, variants or parts that are left to do."""
+        split = self.spec.split is not None and self.spec.part is None
+        several = len(self.specs(scene)) > 1 or split or (len(names) > 1 and self.shared is None)
         return self.resume and not self.overwrite and several
 
     def _asked(
@@ -214,7 +223,12 @@ class BakeRequest:
         self, switched: Sequence[str], scene: bpy.types.Scene, names: Sequence[str], patience: float
     ) -> int:
         values: dict[str, Any] = {name: not getattr(self, name) for name in switched}
-        return len(replace(self, **values).foreseen(scene, names, patience).errors)
+        request = replace(self, **values)
+        try:
+            request.bakes(scene, names, guess=True)
+        except InputError:  # one error, but of all: to go on where all is finished helps nobody
+            return _HOPELESS if switched else 1
+        return len(request.foreseen(scene, names, patience).errors)
 
 
 def output_folder(directory: str, instead: Path | None) -> Path:

@@ -131,7 +131,9 @@ class Queue:
 
     def _show_life(self) -> None:
         """Keep other Blenders from taking our folders for left ones; see `handover`."""
-        if abs(time() - self._last_sign) > _SIGN_OF_LIFE:  # the wall's clock, which goes on in sleep, and jumps
+        if (
+            abs(time() - self._last_sign) > _SIGN_OF_LIFE
+        ):  # the wall's clock, which goes on in sleep, and jumps
             self._last_sign = time()
             for folder in self._folders():
                 with suppress(OSError):

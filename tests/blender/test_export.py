@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 from collections.abc import Callable
@@ -18,7 +19,7 @@ import pytest
 
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Compression, Layout
-from radtex_addon.core.errors import FormatError, InputError, RadTexError
+from radtex_addon.core.errors import BakeError, FormatError, InputError, RadTexError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export import folder as folder_module
 from radtex_addon.export.folder import LIST, files_in
@@ -161,6 +162,93 @@ def test_what_others_put_there_stays_and_what_we_wrote_goes(
     assert (out / "mine" / "scene.txt").read_text() == "mine"
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no FIFOs")
+def test_links_fifos_and_empty_folders_of_others_stay(bake: Callable[[str], Path], tmp_path: Path) -> None:
+    sidecar, out, elsewhere = bake("plain"), tmp_path / "out", tmp_path / "elsewhere"
+    export(sidecar, ExportSpec(Target.RAW), out)
+    elsewhere.mkdir()
+    (elsewhere / "radtex.hlsl").write_text("mine")
+    (out / "link").symlink_to(elsewhere, target_is_directory=True)
+    (out / "lost").symlink_to("nowhere")
+    os.mkfifo(out / "fifo")
+    (out / "shaders" / "empty").mkdir()
+    (out / "large.bin").write_bytes(b"mine")
+    os.link(out / "large.bin", tmp_path / "its other name")
+    export(sidecar, GLTF, out, overwrite=True)
+    assert (out / "link").readlink() == elsewhere
+    assert (elsewhere / "radtex.hlsl").read_text() == "mine"
+    assert (out / "lost").readlink() == Path("nowhere")
+    assert (out / "fifo").is_fifo()
+    assert (out / "shaders" / "empty").is_dir()
+    assert (out / "large.bin").samefile(tmp_path / "its other name"), "it is a copy"
+    assert not (out / "shaders" / "radtex.hlsl").exists()
+
+
+@pytest.mark.parametrize("there", ["file", "folder", "link", "shaders"])
+def test_what_is_in_the_way_is_named_and_stays(
+    there: str, bake: Callable[[str], Path], tmp_path: Path
+) -> None:
+    sidecar, out, elsewhere = bake("plain"), tmp_path / "out", tmp_path / "elsewhere"
+    made = export(sidecar, ExportSpec(Target.RAW, TextureFormat.EXR), out)
+    texture = out / f"{made.name}.radiance.ktx2"  # the next export writes it
+    elsewhere.mkdir()
+    if there == "file":
+        texture.write_text("mine")
+    elif there == "folder":
+        texture.mkdir()
+    elif there == "link":
+        texture.symlink_to(elsewhere / "texture")
+    else:
+        texture = out / "shaders"
+        shutil.rmtree(texture)
+        texture.symlink_to(elsewhere, target_is_directory=True)
+    before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
+    with pytest.raises(InputError, match=rf"{re.escape(str(texture))} is in the way, and no export wrote it"):
+        export(sidecar, GLTF, out, overwrite=True)
+    assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == before
+    assert list(elsewhere.iterdir()) == []
+
+
+def test_a_list_that_names_files_elsewhere_removes_none(bake: Callable[[str], Path], tmp_path: Path) -> None:
+    sidecar, out, mine = bake("plain"), tmp_path / "out", tmp_path / "mine.txt"
+    export(sidecar, ExportSpec(Target.RAW), out)
+    mine.write_text("mine")
+    with (out / LIST).open("a", encoding="utf-8") as listed:
+        listed.write(f"../mine.txt\n{mine}\nshaders/../../mine.txt\n\n.\n")
+    export(sidecar, GLTF, out, overwrite=True)
+    assert mine.read_text() == "mine"
+
+
+@pytest.mark.parametrize("stops", ["shaders/radtex.glsl", "README.txt", LIST])
+def test_an_export_that_stopped_amid_its_moves_is_known_and_completed(
+    stops: str, bake: Callable[[str], Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sidecar, out, whole = bake("plain"), tmp_path / "out", tmp_path / "whole"
+    export(sidecar, GLTF, whole)
+    export(sidecar, ExportSpec(Target.RAW), out)
+    (out / "mine").mkdir()
+    assert folder_module.is_whole(out)
+    move, moved = Path.replace, []
+
+    def stopped(path: Path, place: Path) -> Path:
+        moved.append(place)
+        if place == out / stops and moved.count(out / LIST) == 1 + (stops == LIST):
+            raise OSError(5, "Input/output error")
+        return move(path, place)
+
+    monkeypatch.setattr(Path, "replace", stopped)
+    with pytest.raises(BakeError, match=r"out could not be written: Input/output error"):
+        export(sidecar, GLTF, out, overwrite=True)
+    monkeypatch.undo()
+    assert not folder_module.is_whole(out)
+    export(sidecar, GLTF, out, overwrite=True)
+    assert folder_module.is_whole(out)
+    (out / "mine").rmdir()
+    assert {name: (out / name).read_bytes() for name in files_in(out)} == {
+        name: (whole / name).read_bytes() for name in files_in(whole)
+    }
+
+
 def test_an_empty_folder_is_as_good_as_none(bake: Callable[[str], Path], out: Path) -> None:
     out.mkdir()
     assert export(bake("plain"), GLTF, out).files
@@ -198,7 +286,7 @@ def test_a_failure_at_the_end_leaves_the_earlier_export(
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(folder_module, "_keep_others", full)
+    monkeypatch.setattr(folder_module, "_write_list", full)
     with pytest.raises(RadTexError, match=r"could not be written: No space left on device"):
         export(sidecar, GLTF, out, overwrite=True)
     assert {name: (out / name).read_bytes() for name in files_in(out)} == before

@@ -17,14 +17,18 @@ import bpy
 import OpenEXR
 import pytest
 
+from radtex_addon.bake.checkpoint import Checkpoint
+from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layer
 from radtex_addon.core.errors import BakeError, FormatError, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.farm.frame_list import frame_list
+from radtex_addon.farm.prepare import prepare_steps
 from radtex_addon.formats.exr import read_stamps
 from radtex_addon.job import bake_object
 from tests.blender.batch_process import process, refusal
 from tests.blender.farming import BOX, assembled, build_moving_scene, prepared, render
+from tests.blender.killed import digests
 
 SPEC = BakeSpec(texels=16, bucket=4, samples=1, seed=3, sheet=20, layers=(Layer.DIFFUSE,))
 FRAMES = 4
@@ -206,6 +210,53 @@ def test_nothing_is_overwritten_unasked(rendered: Rendered, out: Path) -> None:
     assembled(rendered.farm, out)
     with pytest.raises(InputError, match="--overwrite"):
         assembled(rendered.farm, out)
+
+
+def test_an_assembly_that_was_killed_is_simply_run_again(
+    rendered: Rendered, tmp_path: Path, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = tmp_path / "whole"
+    assembled(rendered.farm, whole)
+
+    def killed(*_: object) -> None:
+        raise OSError(5, "Input/output error")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("radtex_addon.farm.assemble._save_preview", killed)
+        patch.setattr(Checkpoint, "drop_own", lambda _: None)  # no dying process does it
+        with pytest.raises(OSError, match="Input/output"):
+            assembled(rendered.farm, out)
+    assert list(out.glob("*.radtex-unfinished"))
+    assembled(rendered.farm, out)
+    assert digests(out) == digests(whole)
+
+
+def test_an_earlier_farm_stays_until_the_new_one_has_its_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = build_moving_scene(tmp_path)
+    spec = BakeSpec(texels=16, bucket=4, samples=1, sheet=16)
+    farm = prepared(scene, spec, tmp_path / "out").files
+    before = farm.manifest.read_bytes()
+    move = Path.rename
+
+    def stopped(path: Path, place: Path) -> Path:
+        if place == farm.folder and path.suffix == ".new":
+            raise OSError(5, "Input/output error")
+        return move(path, place)
+
+    def again() -> None:
+        finished(prepare_steps(build_moving_scene(tmp_path), BOX, spec, tmp_path / "out", overwrite=True))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "rename", stopped)
+        with pytest.raises(BakeError, match="could not be written: Input/output error"):
+            again()
+    assert farm.manifest.read_bytes() == before
+    assert [path.name for path in (tmp_path / "out").iterdir()] == [farm.folder.name]
+    again()
+    assert farm.manifest.read_bytes() != before
+    assert [path.name for path in (tmp_path / "out").iterdir()] == [farm.folder.name]
 
 
 def test_the_batch_prepares_and_names_what_is_missing(tmp_path: Path) -> None:

@@ -25,7 +25,6 @@ from radtex_addon.worker import queue as queue_module
 from radtex_addon.worker.handover import work_folder
 from radtex_addon.worker.order import Program
 from radtex_addon.worker.orders import order_export
-
 from tests.blender.batch_process import BAKE, Batch, process, refusal
 from tests.blender.room import save_room
 from tests.blender.test_batch_compare import ABOVE, FLAT
@@ -162,7 +161,9 @@ def test_a_folder_that_the_system_refuses_is_one_line(room: Path, tmp_path: Path
     with registered():
         settings().directory = str(tmp_path / ("x" * 300))
         for operator in (ops.radtex.preview_toggle, ops.radtex.compare, ops.radtex.export):
-            with pytest.raises(RuntimeError, match=r"^Error: .*x cannot be read: .*; choose another folder\n$"):
+            with pytest.raises(
+                RuntimeError, match=r"^Error: .*x cannot be read: .*; choose another folder\n$"
+            ):
                 operator(object="Ball")
 
 

@@ -19,7 +19,8 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.formats.counts import read_counts
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, bake_steps, part_specs
-from radtex_addon.job.variants import is_finished, left_to_do, passed_over
+from radtex_addon.job.finished import is_finished
+from radtex_addon.job.variants import left_to_do, passed_over
 from radtex_addon.ui import estimates, jobs, outlook
 from radtex_addon.ui.request import BakeRequest, values_of
 from radtex_addon.worker.job import State

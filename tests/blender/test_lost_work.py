@@ -1,0 +1,321 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs that stop between two of their files: going on makes what is missing, and no more.
+
+Real kills at many more places: `python -m tests.bench.renames`.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import bpy
+import pytest
+
+from radtex_addon.bake.spec import BakeSpec, Kind, Layout
+from radtex_addon.cli import main as batch_module
+from radtex_addon.core.errors import BakeError, InputError
+from radtex_addon.core.sampler import Filter
+from radtex_addon.export import web
+from radtex_addon.export.folder import is_whole
+from radtex_addon.export.spec import Target
+from radtex_addon.job import bake_object, run, shared
+from radtex_addon.job.foresight import foresee
+from tests.bench.renames import Bench, contents
+from tests.blender.batch_process import Outcome
+from tests.blender.room import fill_room, save_room
+
+context: Any = bpy.context  # to the stubs, every pointer may be None
+
+SMALL = ("--uv", "UVMap", "--texels", "16", "--bucket", "2", "--samples", "1")
+SPEC = BakeSpec(uv_layer="UVMap", texels=16, bucket=2, samples=1)
+MORE = replace(SPEC, accumulate=True)
+
+Run = Callable[..., Outcome]
+
+
+@pytest.fixture(scope="module")
+def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return save_room(tmp_path_factory.mktemp("room") / "room.blend")
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    return tmp_path / "out"
+
+
+@pytest.fixture
+def batch(room: Path, out: Path, capfd: pytest.CaptureFixture[str]) -> Run:
+    def started(*more: object) -> Outcome:
+        capfd.readouterr()
+        arguments = [str(room), *SMALL, "--out", str(out), "--progress", "none", *map(str, more)]
+        code = batch_module.main(arguments, inside_blender=False)
+        return Outcome(code, *capfd.readouterr())
+
+    return started
+
+
+@pytest.fixture
+def ball() -> None:
+    fill_room()
+
+
+def bake(out: Path, spec: BakeSpec = SPEC, preview: bool = True, **options: Any) -> Any:
+    shown = Filter.NEAREST if preview else None
+    return bake_object(context.scene, "Ball", spec, out, preview=shown, **options)
+
+
+def fail_at(monkeypatch: pytest.MonkeyPatch, ending: str) -> None:
+    """Let no file take a place whose name ends so, outside of hidden folders."""
+    move = Path.replace
+
+    def stopped(path: Path, place: Path) -> Path:
+        if Path(place).name.endswith(ending) and ".radtex-unfinished" not in str(place):
+            raise OSError(5, "Input/output error")
+        return move(path, place)
+
+    monkeypatch.setattr(Path, "replace", stopped)
+
+
+def full(*_: object, **__: object) -> None:
+    raise BakeError("the disk is full")
+
+
+# several objects
+
+
+def test_several_objects_are_gone_on_with_once_the_first_is_finished(batch: Run, out: Path) -> None:
+    assert batch("--object", "Ball").code == 0
+    before = (out / "Ball.radiance.json").stat().st_mtime_ns
+    ended = batch("--object", "Ball", "--object", "Floor", "--resume")
+    assert (ended.code, ended.err) == (0, "")
+    assert (out / "Floor.radiance.json").is_file()
+    assert (out / "Ball.radiance.json").stat().st_mtime_ns == before, "what is finished is baked again"
+
+
+def test_what_the_last_kill_left_of_finished_objects_goes(batch: Run, out: Path) -> None:
+    both = ("--object", "Ball", "--object", "Floor")
+    assert batch(*both).code == 0
+    whole = contents(out)
+    left = out / "Ball.radiance.radtex-unfinished"  # killed behind the removal of its key
+    left.mkdir()
+    (left / "lock").touch()
+    (left / "tile-000000-3.piece").write_bytes(b"of the bake")
+    ended = batch(*both, "--resume")
+    assert (ended.code, ended.err) == (0, "")
+    assert contents(out) == whole
+
+
+@pytest.mark.parametrize("other", [("--bucket", "4"), ("--texels", "20"), ("--layer", "diffuse")])
+def test_an_object_that_was_baked_otherwise_is_not_taken_for_finished(other: Any, batch: Run) -> None:
+    both = ("--object", "Ball", "--object", "Floor")
+    assert batch(*both).code == 0
+    ended = batch(*both, "--resume", *other)
+    assert ended.code == 2
+    assert "Ball.radiance.json is already there" in ended.err
+
+
+def test_the_second_object_is_overwritten_though_the_run_stopped_in_the_first(
+    batch: Run, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its old files, of the same specification, look as if they were made by the run."""
+    both = ("--object", "Ball", "--object", "Floor")
+    assert batch(*both).code == 0
+    before = (out / "Floor.radiance.json").stat().st_mtime_ns
+    with monkeypatch.context() as patch:
+        fail_at(patch, "Ball.radiance.exr")
+        assert batch(*both, "--overwrite").code == 1
+    ended = batch(*both, "--resume")
+    assert (ended.code, ended.err) == (0, "")
+    assert (out / "Floor.radiance.json").stat().st_mtime_ns > before
+    assert {path.suffix for path in out.iterdir()} == {".exr", ".json"}
+
+
+# exports and previews
+
+
+def test_an_export_that_failed_is_made_by_going_on(
+    batch: Run, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = ("--object", "Ball", "--save-preview", "--frames", "1,2", "--export", "raw")
+    with monkeypatch.context() as patch:
+        patch.setattr("radtex_addon.export.run.write_manifest", full)
+        ended = batch(*asked)
+    assert ended.code == 1
+    assert ended.err == "radtex: the disk is full: what is finished of 'Ball' is kept, go on with --resume\n"
+    assert not (out / "Ball-0001.raw").exists()
+    before = (out / "Ball-0001.radiance.json").stat().st_mtime_ns
+    ended = batch(*asked, "--resume")
+    assert (ended.code, ended.err) == (0, "")
+    assert all(is_whole(out / f"Ball-000{frame}.raw") for frame in (1, 2))
+    assert (out / "Ball-0001.radiance.json").stat().st_mtime_ns == before, "it is only the export that lacked"
+    assert not list(out.glob(".*")) + list(out.glob("*unfinished"))
+
+
+def test_a_finished_frame_whose_export_is_missing_gets_it(batch: Run, out: Path) -> None:
+    asked = ("--object", "Ball", "--save-preview", "--frames", "1,2")
+    assert batch(*asked).code == 0
+    before = contents(out)
+    ended = batch(*asked, "--export", "gltf", "--resume")
+    assert (ended.code, ended.err) == (0, "")
+    assert "Ball, frame 1 (1 of 2): was baked already" in ended.out
+    assert is_whole(out / "Ball-0001.gltf")
+    assert is_whole(out / "Ball-0002.gltf")
+    assert before.items() <= contents(out).items()
+
+
+@pytest.mark.usefixtures("ball")
+def test_a_finished_bake_gets_the_preview_and_the_exports_that_it_lacks(out: Path) -> None:
+    bake(out, preview=False)
+    before = contents(out)
+    made = bake(out, resume=True, exports=(Target.RAW,))
+    assert made.was_there
+    assert made.exported == (out / "Ball.raw",)
+    assert is_whole(out / "Ball.raw")
+    assert {"Ball.preview.blend", "Ball.raw", *before} == {path.name for path in out.iterdir()}
+    assert before.items() <= contents(out).items(), "the atlas is touched"
+    with pytest.raises(InputError, match="nothing of object 'Ball' is unfinished"):
+        bake(out, resume=True, exports=(Target.RAW,))
+
+
+@pytest.mark.usefixtures("ball")
+def test_no_preview_is_made_of_a_mesh_that_is_another_now(out: Path) -> None:
+    bake(out, preview=False)
+    before = contents(out)
+    context.scene.objects["Ball"].data.vertices[0].co.x += 0.01
+    with pytest.raises(InputError, match=r"is no longer what .*Ball\.radiance\.json is of.*--overwrite"):
+        bake(out, resume=True)
+    assert contents(out) == before
+
+
+@pytest.mark.usefixtures("ball")
+def test_an_old_export_beside_an_overwritten_bake_is_made_anew(
+    out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bake(out, exports=(Target.RAW,))
+    light = context.scene.objects["Lamp"].data
+    light.energy *= 2
+    bake(out.with_name("whole"), exports=(Target.RAW,))
+    with monkeypatch.context() as patch:
+        patch.setattr(run, "export_steps", full)
+        with pytest.raises(BakeError, match="full"):
+            bake(out, exports=(Target.RAW,), overwrite=True)
+    bake(out, exports=(Target.RAW,), resume=True)
+    assert contents(out) == contents(out.with_name("whole"))
+
+
+def test_a_web_page_that_was_not_built_is_missed_before_the_bake(
+    batch: Run, out: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(web, "BUILT", tmp_path / "built")
+    ended = batch("--object", "Ball", "--save-preview", "--export", "web")
+    assert ended.code == 2
+    assert ended.err.startswith("radtex: the web page lacks index.html: build it")
+    assert not out.exists()
+    assert batch("--object", "Ball", "--save-preview", "--export", "raw").code == 0
+
+
+@pytest.mark.usefixtures("ball")
+def test_the_panel_foresees_what_an_export_lacks(
+    out: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(web, "BUILT", tmp_path / "built")
+    found = foresee(context.scene, ["Ball"], SPEC, out, preview=True, targets=(Target.WEB,))
+    assert found.errors == ("the web page lacks index.html: build it with `uv run .ci/build_web.py`",)
+    monkeypatch.setattr("radtex_addon.export.gltf.find_spec", lambda _: None)
+    found = foresee(context.scene, ["Ball"], SPEC, out, preview=True, targets=(Target.RAW,))
+    assert found.errors[0].startswith("this Blender has no glTF exporter")
+
+
+# more samples, and other light
+
+
+@pytest.mark.usefixtures("ball")
+@pytest.mark.parametrize("again", ["accumulate", "refresh"])
+@pytest.mark.parametrize("ending", [".exr", ".json", ".preview.blend"])
+def test_what_was_added_to_an_atlas_is_gone_on_with_wherever_it_stops(
+    again: str, ending: str, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    spec = replace(SPEC, accumulate=again == "accumulate", refresh=again == "refresh")
+    whole = out.with_name("whole")
+    for folder in (out, whole):
+        bake(folder, replace(SPEC, seed=5))
+    bake(whole, spec)
+    with monkeypatch.context() as patch:
+        fail_at(patch, ending)
+        with pytest.raises(BakeError, match=rf"out/Ball\S*{ending} could not be written: Input/output error"):
+            bake(out, spec)
+    bake(out, spec, resume=True)
+    assert contents(out) == contents(whole)
+
+
+@pytest.mark.usefixtures("ball")
+def test_more_samples_may_be_begun_anew_though_the_earlier_ones_have_half_of_their_files(
+    out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = out.with_name("whole")
+    for folder in (out, whole):
+        bake(folder)
+    for _ in range(2):
+        bake(whole, MORE)
+    with monkeypatch.context() as patch:
+        fail_at(patch, ".json")
+        with pytest.raises(BakeError):
+            bake(out, MORE)
+    bake(out, MORE, overwrite=True)
+    assert contents(out) == contents(whole)
+
+
+@pytest.mark.usefixtures("ball")
+def test_going_on_with_no_unfinished_accumulation_tells_the_samples(out: Path) -> None:
+    bake(out)
+    bake(out, MORE)
+    with pytest.raises(InputError, match="it has 2 samples a cell; if more are wanted, leave --resume out"):
+        bake(out, MORE, resume=True)
+
+
+# every layout
+
+
+@pytest.mark.usefixtures("ball")
+@pytest.mark.parametrize(
+    "spec",
+    [
+        replace(SPEC, kind=Kind.SHADOW),
+        replace(SPEC, kind=Kind.AO),
+        replace(SPEC, kind=Kind.TRANSFER),
+        replace(SPEC, layout=Layout.SHARED, bucket=4),
+        replace(SPEC, layout=Layout.SHARED, bucket=6, budget=200_000),
+    ],
+    ids=lambda spec: f"{spec.kind}-{spec.layout}-{spec.budget}",
+)
+def test_all_files_of_a_layout_get_their_places_without_a_second_bake(
+    spec: BakeSpec, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = out.with_name("whole")
+    bake(whole, spec)
+    with monkeypatch.context() as patch:
+        fail_at(patch, ".json")
+        with pytest.raises(BakeError, match=r"out/Ball\S*\.json could not be written"):
+            bake(out, spec)
+    monkeypatch.setattr(run, "_baker", full)
+    monkeypatch.setattr(shared, "fit_shared", full)
+    made = bake(out, spec, resume=True)
+    assert made.paths > 0
+    assert contents(out) == contents(whole)
+
+
+# real kills
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no signals")
+@pytest.mark.parametrize(
+    ("scenario", "kills", "offset"), [("accumulate", 2, 0.2), ("export anew", 1, 0.5)], ids=["bake", "export"]
+)
+def test_a_kill_at_a_rename_costs_nothing(scenario: str, kills: int, offset: float, tmp_path: Path) -> None:
+    outcome = Bench(tmp_path).run(scenario, kills, offset)
+    assert (outcome.kills, outcome.problems) == (kills, [])
