@@ -47,6 +47,7 @@ def _measure_evenly(cycles: Any, samples: int, seed: int, first: int) -> None:
     cycles.seed = seed
     cycles.use_animated_seed = False
     cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.use_guiding = False  # what it learns behind portals darkens texels, and depends on the tiles
     cycles.time_limit = 0
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0  # or neighbouring cells bleed into each other
     cycles.film_exposure = 1.0

@@ -1,0 +1,101 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of a user's scene that must not change what a bake measures, each against a bake without it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.core.arrays import Floats
+from radtex_addon.formats.exr import read_atlas
+from radtex_addon.formats.shared_files import read_shared
+from radtex_addon.job import bake_object
+from radtex_addon.scene.scratch import scratch_scene
+from tests.blender import stage
+
+pytestmark = pytest.mark.usefixtures("temporary")
+context: Any = bpy.context  # to the stubs, every pointer may be None
+
+SPEC = BakeSpec(texels=8, bucket=4, samples=4, half=False, uv_layer="UVMap")
+SHARED = replace(SPEC, layout=Layout.SHARED, bucket=4, samples=1)
+
+
+def lit_cube(shader: str = "ShaderNodeBsdfDiffuse") -> Any:
+    """A cube "Body" above a floor, under two lamps and a dim world."""
+    stage.world((0.3, 0.4, 0.5))
+    stage.lamps()
+    bpy.ops.mesh.primitive_plane_add(size=6, location=(0, 0, -1))
+    floor = stage.material("floor", "ShaderNodeBsdfDiffuse", Color=(0.2, 0.5, 0.8, 1))
+    context.object.data.materials.append(floor)
+    bpy.ops.mesh.primitive_cube_add(size=1)
+    context.object.name = "Body"
+    context.object.data.materials.append(stage.material("body", shader, Color=(0.8, 0.6, 0.4, 1)))
+    return context.object
+
+
+def baked(out: Path, spec: BakeSpec = SPEC, scene: bpy.types.Scene | None = None) -> Floats:
+    """The atlas's pixels."""
+    result = bake_object(scene or context.scene, "Body", spec, out, overwrite=True)
+    return read_atlas(result.files.atlas)[0]
+
+
+def test_path_guiding_is_off_for_it_darkens_what_portals_show(out: Path) -> None:
+    lit_cube()
+    spec = replace(SPEC, texels=32, bucket=8)  # in smaller pictures nothing is learnt
+    plain = baked(out, spec)
+    context.scene.cycles.use_guiding = True
+    np.testing.assert_array_equal(baked(out, spec), plain)
+
+
+def test_a_grease_pencil_drawing_leaves_every_bit(out: Path) -> None:
+    """Blender would draw it over each picture on the GPU, whose half floats round the light."""
+    lit_cube()
+    plain = baked(out)
+    bpy.ops.object.grease_pencil_add(type="STROKE", location=(3, 0, 0))
+    np.testing.assert_array_equal(baked(out), plain)
+    assert context.view_layer.use_grease_pencil
+
+
+def test_a_view_layers_own_world_is_the_scenes() -> None:
+    lit_cube()
+    own = context.scene.world
+    context.view_layer.world_override = other = stage.world((1, 0.5, 0.2))
+    context.scene.world = own
+    with scratch_scene(context.scene) as scratch:
+        assert scratch.world == other
+        assert [layer.world_override for layer in scratch.view_layers] == [None]
+    assert (context.scene.world, context.view_layer.world_override) == (own, other)
+
+
+def test_the_shared_layout_under_a_view_layers_own_world_is_that_under_the_world(out: Path) -> None:
+    lit_cube("ShaderNodeBsdfAnisotropic")
+    dim, bright = context.scene.world, stage.world((1, 0.5, 0.2))
+    found = []
+    for world, override in ((bright, None), (dim, bright)):
+        context.scene.world, context.view_layer.world_override = world, override
+        result = bake_object(context.scene, "Body", SHARED, out, overwrite=True)
+        found.append(read_shared(result.files.sidecar)[0])
+    for name in ("ends", "gain", "rest"):
+        first, second = (getattr(atlas.lobes[0], name) for atlas in found)
+        np.testing.assert_array_equal(second, first, err_msg=name)
+
+
+def test_a_scene_that_is_not_open_is_baked_at_its_own_frame(out: Path) -> None:
+    body = lit_cube("ShaderNodeEmission")
+    strength = body.data.materials[0].node_tree.nodes["Emission"].inputs["Strength"]
+    for frame in (1, 11):
+        strength.default_value = frame
+        strength.keyframe_insert("default_value", frame=frame)
+    scene = context.scene
+    scene.frame_set(11)
+    here = baked(out)
+    context.window.scene = other = bpy.data.scenes.new("Other")
+    np.testing.assert_array_equal(baked(out, scene=scene), here)
+    assert (context.scene, other.frame_current, scene.frame_current) == (other, 1, 11)
