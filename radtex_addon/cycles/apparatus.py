@@ -18,6 +18,7 @@ from ..formats.exr import read_render
 from ..formats.working_space import render_matrix
 from ..scene.lamps import GROUP
 from ..scene.nodes import NodeBuilder, open_material
+from ..scene.scratch import render_scene
 from .passes import Passes
 
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
@@ -117,7 +118,7 @@ def render_layers(scene: bpy.types.Scene, file: Path) -> Passes:
     """
     file.unlink(missing_ok=True)
     try:
-        bpy.ops.render.render(write_still=True, scene=scene.name)
+        render_scene(scene, write=True)
     except RuntimeError as error:
         reason = " ".join(str(error).removeprefix("Error:").split())
         raise BakeError(f"Cycles cannot render: {reason}") from error

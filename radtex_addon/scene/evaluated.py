@@ -24,6 +24,7 @@ from ..core.frame import normalised
 from .extent import check_extent
 from .lacking import failed_drivers
 from .refusals import refuse_adaptive_subdivision, refuse_displacement
+from .scratch import render_scene
 
 log = logging.getLogger(__name__)
 
@@ -174,7 +175,7 @@ def render_with(scratch: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], 
                 failures.append(error)
 
     with _registered(Reader), _tiny(scratch):
-        result = cast("set[str]", bpy.ops.render.render(scene=scratch.name))
+        result = render_scene(scratch)
     if failures:
         raise failures[0]
     if result != {"FINISHED"}:

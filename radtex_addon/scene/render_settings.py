@@ -67,7 +67,6 @@ LIGHT_PATHS = frozenset(
         "transparent_max_bounces",
         "use_deterministic_guiding",
         "use_fast_gi",
-        "use_guiding",
         "use_guiding_direct_light",
         "use_guiding_mis_weights",
         "use_light_tree",
@@ -93,9 +92,7 @@ KEPT_OF_CYCLES = LIGHT_PATHS | frozenset(
 )
 _OF_NO_RENDER = ("debug_", "preview_")  # the machine's, and the viewport's
 # What kinds of things a view layer renders. Its name and use are its own.
-KEPT_OF_LAYER = frozenset(
-    ("name", "use", "use_ao", "use_grease_pencil", "use_sky", "use_solid", "use_strand", "use_volumes")
-)
+KEPT_OF_LAYER = frozenset(("name", "use", "use_ao", "use_sky", "use_solid", "use_strand", "use_volumes"))
 _GROUPS = {  # by their paths from the scene
     "render": KEPT_OF_RENDER,
     "render.image_settings": frozenset[str](),

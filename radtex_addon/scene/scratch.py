@@ -74,6 +74,15 @@ def scene_copied(scratch: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
             remove_scene(copy)
 
 
+def render_scene(scene: bpy.types.Scene, write: bool = False) -> set[str]:
+    """Render any scene at its own frame; to its file, if it is to `write`. Returns the operator's result.
+
+    Blender's operator takes the frame from the scene of the context, whichever it renders.
+    """
+    with cast(Any, bpy.context).temp_override(scene=scene, view_layer=scene.view_layers[0]):
+        return cast("set[str]", bpy.ops.render.render(write_still=write, scene=scene.name))
+
+
 def remove_scene(scene: bpy.types.Scene) -> None:
     """Remove a scene of ours, and what its renders have kept.
 
@@ -116,7 +125,9 @@ def _calm(scene: bpy.types.Scene, view_layer: str) -> None:
     reset_render_settings(scene)
     for layer in scene.view_layers:
         layer.use = layer.name == view_layer
-    take_overrides(scene, scene.view_layers[view_layer])
+    layer = scene.view_layers[view_layer]
+    layer.use_grease_pencil = False  # drawn over a picture by the GPU, it rounds all of it to half floats
+    take_overrides(scene, layer)
 
 
 @contextmanager
