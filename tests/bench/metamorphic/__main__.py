@@ -50,7 +50,13 @@ def main() -> int:
         against = [str(seed) for seed, outcome in outcomes.items() if not outcome.holds]
         found = found or bool(against)
         worst = max(outcomes.values(), key=_by_share, default=Outcome(0, 0))
-        row = (name, len(outcomes), f"{worst.deviation:.2g}", f"{worst.allowed:g}", " ".join(against) or "none")
+        row = (
+            name,
+            len(outcomes),
+            f"{worst.deviation:.2g}",
+            f"{worst.allowed:g}",
+            " ".join(against) or "none",
+        )
         print(f"| {' | '.join(map(str, row))} |", flush=True)
     return int(found)
 

@@ -90,7 +90,9 @@ def random_material(name: str, rng: np.random.Generator, plain: bool = False) ->
         return stage.material(name, "ShaderNodeBsdfDiffuse", Color=tint)
     if chosen == 1:
         glow = stage.material(name, "ShaderNodeEmission", Color=tint, Strength=float(rng.uniform(0.5, 3)))
-        sampling: Any = glow.cycles  # left to itself it depends on the strength, and at smooth edges is lighter
+        sampling: Any = (
+            glow.cycles
+        )  # left to itself it depends on the strength, and at smooth edges is lighter
         sampling.emission_sampling = "FRONT_BACK"
         return glow
     rough = float(rng.uniform(0.2, 0.6))

@@ -9,8 +9,10 @@ from typing import Any
 import bpy
 import numpy as np
 
+from radtex_addon.bake.spec import BakeSpec
 from tests.bench.metamorphic.scenes import BODY
 from tests.bench.metamorphic.trial import Outcome, Relation, Trial, nearly, same_bits, same_light
+from tests.blender.casting import plan_of_bake
 
 
 def modifiers_applied(trial: Trial) -> Outcome:
@@ -137,10 +139,7 @@ def unwrapped(trial: Trial) -> Outcome:
 
 
 def _mean(trial: Trial, **wishes: Any) -> float:
-    """Light of a body by area: each texel stands for as much of it where its points are that dense."""
-    from radtex_addon.bake.spec import BakeSpec  # noqa: PLC0415 -- as trial does
-    from tests.blender.casting import plan_of_bake  # noqa: PLC0415
-
+    """Light of a body, the mean of its texels."""
     buckets = trial.bake(padding=1, **wishes)
     plan = plan_of_bake(BODY, BakeSpec(bucket=4, padding=1, **wishes))
     covered = np.zeros(buckets.shape[:2], dtype=bool)
