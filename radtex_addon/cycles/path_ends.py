@@ -33,9 +33,28 @@ class PathEnds:
     """The scene, and what everything but the baked object emits in it."""
 
     def __init__(
-        self, scene: bpy.types.Scene, baked: bpy.types.Object, group: bpy.types.ShaderNodeTree
+        self,
+        scene: bpy.types.Scene,
+        original: bpy.types.Object,
+        baked: bpy.types.Object,
+        group: bpy.types.ShaderNodeTree,
     ) -> None:
-        self.scene, self._baked, self._group = scene, baked, group
+        self.scene, self._original, self._baked, self._group = scene, original, baked, group
+
+    @contextmanager
+    def named_alike(self) -> Iterator[None]:
+        """Let the copy bear the object's name for a render: Cycles makes the object's random number of it."""
+        original, name, own = self._original, self._original.name, self._baked.name
+        local = original.library is None  # a library's names are apart from the file's
+        try:
+            if local:
+                original.name = "RadTex original"
+            self._baked.name = name
+            yield
+        finally:
+            self._baked.name = own
+            if local:
+                original.name = name
 
     def blacken_object(self) -> None:
         """End, from now on, all paths that meet the object."""
@@ -112,7 +131,7 @@ def path_ends(
         _place(copy, anchor, beside.matrix)
         root.objects.link(copy)
         _link_others(scene, anchor, beside.others, _glow(group, middle))
-        yield PathEnds(scene, copy, group)
+        yield PathEnds(scene, baked, copy, group)
     finally:
         remove_scene(scene)
 

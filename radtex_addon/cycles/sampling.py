@@ -106,13 +106,15 @@ def capture_ends(
 
 def _trace_ends(ends: PathEnds, capture: PortalCapture, tile: Tile) -> Arrays:
     ends.emit_white()
-    white = capture.render_passes(tile)
+    with ends.named_alike():
+        white = capture.render_passes(tile)
     weights = {lobe: raw_light_of(white, _LOBES[lobe]) for lobe in ("mirrored", "through")}
     deep = any(any_dark(weight) for weight in weights.values())  # colours that lack a channel altogether
     emitted = []
     for turn in range(TURNS if deep else 1):
         ends.emit_directions(turn)
-        emitted.append(capture.render_passes(tile))
+        with ends.named_alike():
+            emitted.append(capture.render_passes(tile))
     found: Arrays = {}
     for lobe, weight in weights.items():
         coded = [raw_light_of(passes, _LOBES[lobe]) for passes in emitted]  # directions, and no colours

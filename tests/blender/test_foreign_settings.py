@@ -87,6 +87,25 @@ def test_the_shared_layout_under_a_view_layers_own_world_is_that_under_the_world
         np.testing.assert_array_equal(second, first, err_msg=name)
 
 
+def test_the_shared_layout_knows_an_objects_random_number(out: Path) -> None:
+    """Cycles makes it of the object's name: the copy that tells where paths end must have the same."""
+    body = lit_cube("ShaderNodeEmission")
+    glow = body.data.materials[0].node_tree
+    glow.links.new(glow.nodes.new("ShaderNodeObjectInfo").outputs["Random"], glow.nodes[0].inputs["Color"])
+    number = float(baked(out)[0, 0, 0])
+    shiny = body.data.materials[0] = stage.material("shiny", "ShaderNodeBsdfAnisotropic", Roughness=0.1)
+    shader, found = shiny.node_tree.nodes[0], []
+    shader.inputs["Color"].default_value = (number, number, number, 1)
+    for _ in range(2):
+        result = bake_object(context.scene, "Body", SHARED, out, overwrite=True)
+        found.append(read_shared(result.files.sidecar)[0].lobes[0].gain)
+        info = shiny.node_tree.nodes.new("ShaderNodeObjectInfo")
+        shiny.node_tree.links.new(info.outputs["Random"], shader.inputs["Color"])
+    np.testing.assert_allclose(found[1], found[0], atol=1e-3)
+    assert body.name == "Body"
+    assert "Body" in bpy.data.objects
+
+
 def test_a_scene_that_is_not_open_is_baked_at_its_own_frame(out: Path) -> None:
     body = lit_cube("ShaderNodeEmission")
     strength = body.data.materials[0].node_tree.nodes["Emission"].inputs["Strength"]
