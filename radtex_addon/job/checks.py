@@ -23,6 +23,7 @@ from ..formats.shared_sidecar import SharedSidecar
 from ..preview.linked import check_replaceable
 from ..preview.node_group import check_previewable
 from ..preview.shared_group import check_shared_previewable
+from ..scene.active_camera import camera_dependent
 from ..scene.cage import find_cage
 from ..scene.copy import UV_LAYER
 from ..scene.enclosed import find_content
@@ -95,7 +96,7 @@ def _warnings(
     spec: BakeSpec,
 ) -> list[str]:
     """What bakes, but hardly as it is meant."""
-    warnings = lacking()
+    warnings = [*lacking(), *camera_dependent(layer)]
     if spec.kind not in (*OCCLUSION, Kind.TRANSFER) and not spec.lights and is_dark(scene, layer):
         warnings.append(f"scene '{scene.name}' has no light: no lamp, a black world, nothing that emits")
     if spec.capture is CaptureMethod.PORTAL:

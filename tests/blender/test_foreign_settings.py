@@ -16,7 +16,7 @@ from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.formats.exr import read_atlas
 from radtex_addon.formats.shared_files import read_shared
-from radtex_addon.job import bake_object
+from radtex_addon.job import bake_object, check_request
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
 
@@ -104,6 +104,35 @@ def test_the_shared_layout_knows_an_objects_random_number(out: Path) -> None:
     np.testing.assert_allclose(found[1], found[0], atol=1e-3)
     assert body.name == "Body"
     assert "Body" in bpy.data.objects
+
+
+def node_group(name: str) -> Any:
+    """A geometry node group that moves nothing yet: input, Set Position, output."""
+    group: Any = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    group.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    start, end = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    move = group.nodes.new("GeometryNodeSetPosition")
+    group.links.new(start.outputs[0], move.inputs["Geometry"])
+    group.links.new(move.outputs[0], end.inputs[0])
+    return group
+
+
+def test_what_follows_the_active_camera_is_told(out: Path) -> None:
+    body = lit_cube()
+    group = node_group("Facing")
+    body.modifiers.new("Face", "NODES").node_group = group
+    assert check_request(context.scene, "Body", SPEC, out, False, False) == []
+    camera, place = (group.nodes.new(f"GeometryNode{name}") for name in ("InputActiveCamera", "ObjectInfo"))
+    group.links.new(camera.outputs[0], place.inputs["Object"])
+    (told,) = check_request(context.scene, "Body", SPEC, out, False, False)
+    assert told.startswith("object 'Body' follows the active camera by its modifier 'Face', and a bake has")
+    outer = node_group("Outer")
+    outer.nodes.new("GeometryNodeGroup").node_tree = group
+    body.modifiers["Face"].node_group = outer
+    assert check_request(context.scene, "Body", SPEC, out, False, False) == [told]
+    body.modifiers["Face"].show_render = False
+    assert check_request(context.scene, "Body", SPEC, out, False, False) == []
 
 
 def test_a_scene_that_is_not_open_is_baked_at_its_own_frame(out: Path) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 import bmesh
 import bpy
 import numpy as np
-from mathutils import Euler, Matrix, Vector
+from mathutils import Matrix, Vector
 
 from tests.blender import stage
 
@@ -116,7 +116,7 @@ def transform_scene(matrix: Matrix) -> None:
 def _resize(item: Any, size: float) -> None:
     """Let a lamp light a scene that is `size` times as large alike; its object keeps its scale."""
     lamp, matrix = item.data, item.matrix_world
-    item.matrix_world = Matrix.LocRotScale(matrix.translation, _direction(matrix), Vector((1, 1, 1)))
+    item.matrix_world = Matrix.Translation(matrix.translation) @ _direction(matrix).to_matrix().to_4x4()
     if lamp.type != "SUN":
         lamp.energy *= size * size
     if lamp.type in {"POINT", "SPOT"}:
@@ -156,12 +156,13 @@ def _world(rng: np.random.Generator) -> None:
 
 def _lamp(number: int, rng: np.random.Generator) -> None:
     kind = ("POINT", "AREA", "SUN", "SPOT")[int(rng.integers(4))]
-    lamp: Any = bpy.data.lights.new(f"Lamp {number}", kind)
+    new_lamp: Any = bpy.data.lights.new  # to the stubs its type is a literal
+    lamp = new_lamp(f"Lamp {number}", kind)
     item = bpy.data.objects.new(f"Lamp {number}", lamp)
     context.scene.collection.objects.link(item)
     place = Vector((*rng.uniform(-2, 2, 2).tolist(), float(rng.uniform(1.8, 3))))
     item.location = place
-    item.rotation_euler = Euler(place.to_track_quat("Z", "Y").to_euler())
+    item.rotation_euler = place.to_track_quat("Z", "Y").to_euler()
     lamp.color = rng.uniform(0.4, 1, 3).tolist()
     lamp.energy = float(rng.uniform(0.5, 2)) if kind == "SUN" else float(rng.uniform(50, 200))
     if kind == "SUN":
