@@ -11,7 +11,7 @@ from typing import Any
 
 import bpy
 import numpy as np
-from mathutils import Matrix, Quaternion, Vector
+from mathutils import Matrix, Quaternion
 
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
@@ -91,7 +91,7 @@ def _gltf_places(glb: Glb) -> Floats:
     else:
         x, y, z, w = node.get("rotation", (0, 0, 0, 1))
         place, size = node.get("translation", (0, 0, 0)), node.get("scale", (1, 1, 1))
-        matrix = Matrix.LocRotScale(Vector(place), Quaternion((w, x, y, z)), Vector(size))
+        matrix = Matrix.LocRotScale(place, Quaternion((w, x, y, z)), size)
     (primitive,) = glb.document["meshes"][0]["primitives"]
     world = np.array(_FROM_GLTF @ matrix)
     local = glb.accessor(primitive["attributes"]["POSITION"]).astype(np.float64)

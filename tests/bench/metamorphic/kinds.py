@@ -24,7 +24,8 @@ from tests.blender.casting import plan_of_bake
 
 def dark(trial: Trial) -> Outcome:
     """Without light there is none."""
-    for lamp in bpy.data.lights:
+    lamps: Any = bpy.data.lights
+    for lamp in lamps:
         lamp.energy = 0
     for material in bpy.data.materials:
         for node in material.node_tree.nodes:
@@ -63,7 +64,7 @@ def mirror(trial: Trial) -> Outcome:
 
 def two_captures(trial: Trial) -> Outcome:
     """The portal and the paper's camera see the same light arrive."""
-    wishes = {"kind": Kind.INCIDENT, "texels": 8, "samples": 64}
+    wishes: dict[str, Any] = {"kind": Kind.INCIDENT, "texels": 8, "samples": 64}
     noisy = trial.noisy(**wishes)
     other = trial.bake(seed=3, capture=CaptureMethod.PANORAMIC, **wishes)
     return same_light(noisy, other, rounding=5e-2)  # the panorama's disc is resampled, which evens noise out

@@ -9,7 +9,7 @@ from typing import Any
 
 import bpy
 import numpy as np
-from mathutils import Euler, Matrix, Vector
+from mathutils import Euler, Matrix
 
 from tests.bench.metamorphic.scenes import transform_scene
 from tests.bench.metamorphic.trial import Outcome, Relation, Trial, same_bits, same_light
@@ -32,7 +32,7 @@ def scaled(trial: Trial) -> Outcome:
 
 def mirrored(trial: Trial) -> Outcome:
     """A mirror image has mirrored frames, in which the same light comes from the same side."""
-    return _moved(trial, Matrix.Scale(-1, 4, Vector((1, 0, 0))))
+    return _moved(trial, Matrix.Scale(-1, 4, (1, 0, 0)))
 
 
 def far_away(trial: Trial) -> Outcome:
@@ -63,7 +63,7 @@ def transform_applied(trial: Trial) -> Outcome:
 
 def sheared_by_parent(trial: Trial) -> Outcome:
     """A parent that is scaled unevenly shears a turned child: no place, turn and scale say that."""
-    parent = bpy.data.objects.new("Parent", None)
+    parent: Any = bpy.data.objects.new("Parent", None)
     trial.scene.collection.objects.link(parent)
     parent.scale = trial.rng.choice([-1, 1], 3) * trial.rng.uniform(0.4, 1.5, 3)
     parent.rotation_euler = trial.rng.uniform(-1, 1, 3)
@@ -117,7 +117,8 @@ def camera(trial: Trial) -> Outcome:
 def doubled(trial: Trial) -> Outcome:
     """Light adds up: twice the power of all that shines is twice the light."""
     noisy = trial.noisy()
-    for lamp in bpy.data.lights:
+    lamps: Any = bpy.data.lights
+    for lamp in lamps:
         lamp.energy *= 2
     for tree in (each.node_tree for each in (*bpy.data.materials, *bpy.data.worlds)):
         for node in tree.nodes if tree else ():

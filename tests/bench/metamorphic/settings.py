@@ -106,7 +106,8 @@ def linked(trial: Trial) -> Outcome:
         path = Path(folder) / "library.blend"
         bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
         bpy.ops.wm.read_factory_settings(use_empty=True)
-        with bpy.data.libraries.load(str(path), link=True) as (there, here):
+        load: Any = bpy.data.libraries.load  # to the stubs it returns nothing
+        with load(str(path), link=True) as (there, here):
             here.objects, here.worlds = list(there.objects), list(there.worlds)
         scene: Any = bpy.context.scene
         for item in here.objects:

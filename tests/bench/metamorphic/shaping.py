@@ -41,7 +41,7 @@ def triangulated(trial: Trial) -> Outcome:
     return nearly(first, trial.bake())
 
 
-def _in_triangles(mesh: Any) -> bpy.types.Mesh:
+def _in_triangles(mesh: Any) -> Any:
     mesh.calc_loop_triangles()
     made: Any = bpy.data.meshes.new(mesh.name)
     triangles = [tuple(each.vertices) for each in mesh.loop_triangles]

@@ -93,7 +93,8 @@ def same_light(noisy: tuple[Floats, Floats], other: Floats, rounding: float = RO
     overall = noise.var()
     middle = (first + second) / 2
     worst = 0.0
-    for part in (slice(None), *_blocks(first.shape)):
+    whole = slice(0, len(first)), slice(0, first.shape[1])
+    for part in (whole, *_blocks(first.shape)):
         apart = abs(float((third - middle)[part].mean()))
         count = noise[part].size / 3  # colours go together
         variance = (0.5 * float(np.mean(noise[part] ** 2)) + 0.5 * overall) * 1.5 / count
