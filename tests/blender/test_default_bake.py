@@ -8,6 +8,7 @@ import json
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import bpy
@@ -23,6 +24,7 @@ from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.job.layout_choice import DEFAULT_BUDGET
 from radtex_addon.preview.picture import render_picture
 from radtex_addon.ui import outlook
+from radtex_addon.ui.panel import RADTEX_PT_bake, RADTEX_PT_quality
 from tests.blender import stage
 from tests.blender.batch_process import Batch, refusal
 from tests.blender.ui_stage import ops, registered, settings
@@ -274,3 +276,48 @@ def test_the_button_bakes_each_object_in_its_layout(
     assert (out / "Plain.radiance.colour.dds").is_file()
     said = capfd.readouterr().out
     assert said.count("not shared: its material 'Cloth' lets through what is behind it") == 1
+
+
+class Drawn:
+    """Takes what a panel draws, and keeps its labels and settings."""
+
+    def __init__(self) -> None:
+        self.labels: list[str] = []
+        self.settings: list[str] = []
+
+    def label(self, *, text: str, **_: object) -> None:
+        self.labels.append(text)
+
+    def prop(self, _: object, name: str, *__: object, **___: object) -> None:
+        self.settings.append(name)
+
+    prop_search = prop
+
+    def operator(self, *_: object, **__: object) -> Drawn:
+        return self
+
+    def column(self, **_: object) -> Drawn:
+        return self
+
+    row = box = split = column
+
+
+def drawn(panel: type) -> Drawn:
+    layout = Drawn()
+    panel.draw(SimpleNamespace(layout=layout), context)  # type: ignore[attr-defined]  # every panel draws
+    return layout
+
+
+def test_the_panel_draws_the_line_and_no_setting_of_a_layout_that_was_not_chosen(
+    panel: Any, card: Any
+) -> None:
+    card.data.materials[0] = curtain()
+    told()
+    seen = drawn(RADTEX_PT_bake)
+    assert "Buckets, 8 cells. Its material 'Cloth' lets through what is behind it" in " ".join(seen.labels)
+    assert {"atlas_layout", "source", "split"} <= set(seen.settings)
+    assert "limit" not in drawn(RADTEX_PT_quality).settings
+    panel.atlas_layout = "shared"
+    told()
+    assert "Cloth" not in " ".join(drawn(RADTEX_PT_bake).labels)
+    assert "limit" in drawn(RADTEX_PT_quality).settings
