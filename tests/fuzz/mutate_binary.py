@@ -136,7 +136,7 @@ def mutate_npz(data: bytearray, random: Random) -> None:
         np.save(changed, random.choice((values, values[::-1], values[:-1], values.repeat(2, 0))))
         members[name] = bytearray(changed.getvalue())
     elif deed == 3:
-        members[name] += bytes(random.choice((1, 1 << 10, 1 << 24)))
+        members[name] += bytes(random.choice((1, 1 << 10, 1 << 18)))
     else:
         mutate_npy(members[name], random)
     packed = io.BytesIO()

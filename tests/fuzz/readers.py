@@ -60,7 +60,7 @@ class Reader:
 
     It begins with what `seeds` match. `ways` know the format. `follow` gives the target's companions what
     they must say so that the damage is not noticed by them alone. `raises` is what `read` may raise. `weight`
-    is its part of all executions.
+    is its part of all executions. What loads `blender`, which may print when it likes, comes last.
     """
 
     target: str
@@ -70,6 +70,7 @@ class Reader:
     weight: int = 1
     follow: Callable[[Path], None] | None = None
     raises: type[RadTexError] = FormatError
+    blender: bool = False
 
 
 def _facts(path: Path) -> None:
@@ -302,16 +303,6 @@ READERS = {
     "manifest": Reader("manifest.seeds/0.json", "manifest.seeds/*.json", (mutate_json,), read_manifest, 6),
     "farm": Reader(_FARM, _FARM, (mutate_json,), lambda path: read_farm_manifest(FarmFiles(path.parent)), 3),
     "plan": Reader(_PLAN, _PLAN, (mutate_npz,), _plan, 3, follow=_plan_with_digest),
-    "assemble-manifest": Reader(_ALONE, _ALONE, (mutate_json,), _assembled, 2, raises=RadTexError),
-    "assemble-frame": Reader(
-        _FRAME, _FRAME, (mutate_exr,), _assembled, 2, follow=_as_frame, raises=RadTexError
-    ),
-    "images-list": Reader(
-        "images/images.json", "images/images.json", (mutate_json,), _unsaved_images, raises=InputError
-    ),
-    "images-pixels": Reader(
-        "images/0.npy", "images/0.npy", (mutate_npy,), _unsaved_images, raises=InputError
-    ),
     "stamps": Reader(_EXR, "exr.seeds/*.exr", (mutate_exr,), read_stamps, 1),
     "ktx2": Reader(_KTX2, "ktx2.seeds/*.ktx2", (mutate_ktx2,), _ktx2, 8),
     "dds": Reader(_DDS, "dds.seeds/*.dds", (mutate_dds,), _dds, 5),
@@ -326,6 +317,23 @@ READERS = {
         _key,
         2,
         raises=InputError,
+    ),
+    "assemble-manifest": Reader(
+        _ALONE, _ALONE, (mutate_json,), _assembled, 2, raises=RadTexError, blender=True
+    ),
+    "assemble-frame": Reader(
+        _FRAME, _FRAME, (mutate_exr,), _assembled, 2, follow=_as_frame, raises=RadTexError, blender=True
+    ),
+    "images-list": Reader(
+        "images/images.json",
+        "images/images.json",
+        (mutate_json,),
+        _unsaved_images,
+        raises=InputError,
+        blender=True,
+    ),
+    "images-pixels": Reader(
+        "images/0.npy", "images/0.npy", (mutate_npy,), _unsaved_images, raises=InputError, blender=True
     ),
 }
 
