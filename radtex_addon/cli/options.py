@@ -15,7 +15,7 @@ from ..bake.spec import BakeSpec
 from ..bake.spec_checks import MOST_MEMORY
 from ..core.errors import BakeError, InputError
 from ..cycles.device import GPU_TYPES
-from ..formats.places import check_unicode
+from ..formats.places import check_unicode, one_root
 from ..version import VERSION
 
 DEMO = "demo"
@@ -28,7 +28,14 @@ ASSEMBLE = "assemble"
 MIB = 2**20
 _DIGITS = 12  # no machine has as much
 
-_PLACES = ("scene", "bake", "out", "thumbnail", "unsaved_images")  # options that name a file or a folder
+_PLACES = (
+    "scene",
+    "bake",
+    "farm",
+    "out",
+    "thumbnail",
+    "unsaved_images",
+)  # options that name a file or a folder
 
 
 class ProgressStyle(StrEnum):
@@ -47,8 +54,11 @@ class Parser(argparse.ArgumentParser):
             check_unicode(Path(word))
         found = super().parse_args(args, namespace)
         for action in self._actions:
-            if action.dest in _PLACES and getattr(found, action.dest, None) == "":
+            place = getattr(found, action.dest, None) if action.dest in _PLACES else None
+            if place == "":
                 raise InputError(f"{'/'.join(action.option_strings) or action.metavar} is empty: give a name")
+            if place is not None:
+                setattr(found, action.dest, one_root(place))
         return found
 
     def _print_message(self, message: str, file: Any = None) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from ..core.errors import InputError
 
 _ROOM = 256  # bytes that names of our files may take in a folder, a slash and their marks among them
+_TEMPORARY_ROOM = 64  # bytes of the names of temporary folders and the pictures in them
 _NAME, _PATH = 255, 4096  # bytes of a name and of a path where the system does not say
 _BLENDER = 1023  # bytes of a path that Blender handles
 
@@ -69,6 +70,14 @@ def check_saveable(path: Path) -> None:
         )
 
 
+def one_root(path: str) -> str:
+    """A path without a second slash at its beginning: to Blender that would mean the open file's folder.
+
+    On Windows it begins a server's name, and stays.
+    """
+    return f"/{path.lstrip('/')}" if os.sep == "/" and path.startswith("//") else path
+
+
 def render_path(path: Path) -> str:
     """A file as Blender's path of a render's output, in which it would take braces for a template's."""
     return str(path.absolute()).replace("{", "{{").replace("}", "}}")
@@ -76,7 +85,7 @@ def render_path(path: Path) -> str:
 
 def check_rendered_into(folder: Path) -> None:
     """Raises InputError for a folder into which Blender would render under another name."""
-    check_for_blender(folder, _ROOM)
+    check_for_blender(folder, _TEMPORARY_ROOM)
     if os.sep != "\\" and "\\" in str(folder.absolute()):
         raise InputError(f"{folder}: Blender takes a backslash for a slash: choose another")
 

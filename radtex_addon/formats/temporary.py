@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..core.errors import BakeError, InputError
 from .lock import HeldError, Lock, take_lock
-from .places import check_rendered_into
+from .places import check_rendered_into, one_root
 
 PREFIX = "radtex-temporary-"
 _LOCK = "lock"  # whose folder it is, has this file in it locked
@@ -25,7 +25,7 @@ def temporary_folder() -> Iterator[Path]:
 
     Raises InputError for a place whose name Blender would change, BakeError where the system refuses a folder.
     """
-    root = Path(tempfile.gettempdir())
+    root = Path(one_root(tempfile.gettempdir()))
     try:
         check_rendered_into(root)
     except InputError as error:

@@ -17,6 +17,7 @@ import bpy  # noqa: TID251  # of this package, handover and images know Blender
 
 from ..core.errors import BakeError
 from ..cycles.device import preferred_device
+from ..formats.places import one_root
 from ..formats.regular import FOLDER, open_regular, other_kind
 from .images import save_unsaved
 from .order import Handover, Program
@@ -38,7 +39,7 @@ def jobs_folder() -> Path:
     try:
         return Path(bpy.utils.extension_path_user(package, path="jobs", create=True))
     except ValueError:  # not installed as an extension
-        return Path(tempfile.gettempdir())
+        return Path(one_root(tempfile.gettempdir()))
 
 
 def work_folder(root: Path | None = None) -> Path:

@@ -97,6 +97,21 @@ def test_temporary_folders_that_blender_would_misname_are_refused(
     assert list(folder.iterdir()) == []
 
 
+@posix
+def test_a_second_slash_at_the_beginning_is_none(
+    room: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, batch: Batch
+) -> None:
+    """As of `--out $HERE/baked` where HERE is /; Blender would look beside the open file."""
+    monkeypatch.setattr(tempfile, "tempdir", f"/{tmp_path}")
+    places = ("--out", f"/{tmp_path / 'out'}", "--thumbnail", f"//{tmp_path / 'a.png'}")
+    ended = batch(f"/{room}", "--object", "Ball", *QUICK, "--save-preview", *places)
+    assert (ended.code, ended.err) == (0, "")
+    assert str(tmp_path / "out" / "Ball.preview.blend") in ended.out
+    ended = batch("export", f"///{tmp_path / 'out'}", "--to", "raw", "--progress", "none")
+    assert (ended.code, ended.err) == (0, "")
+    assert {path.name for path in tmp_path.iterdir()} == {"out", "a.png"}
+
+
 # standard error
 
 
