@@ -23,7 +23,7 @@ _LOCK = "lock"  # whose folder it is, has this file in it locked
 def temporary_folder() -> Iterator[Path]:
     """Yield a new folder, which goes away at exit. Blender can render into it.
 
-    Raises InputError for a place whose name Blender would change, BakeError where the system refuses a folder.
+    Raises InputError for a place whose name Blender would change, BakeError where the system refuses it.
     """
     root = Path(one_root(tempfile.gettempdir()))
     try:
