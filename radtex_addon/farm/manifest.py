@@ -7,7 +7,6 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass, fields
 from enum import StrEnum
-from math import isfinite
 from pathlib import Path
 from types import UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
@@ -32,6 +31,7 @@ VERSION = 1
 _WHAT = "farm's manifest"
 _KINDS = (Kind.RADIANCE, Kind.INCIDENT, Kind.REFLECTION, Kind.PROXY)
 _MOST_FRAMES = 1048574  # of an animation in Blender
+_MOST_FLOAT = 1e300  # of numbers in a specification: beyond, and in NaN, nobody means anything
 
 
 @dataclass(frozen=True)
@@ -247,7 +247,7 @@ def _fits(value: Any, hint: Any) -> bool:
     if issubclass(hint, StrEnum):
         return isinstance(value, str)
     if hint is float:
-        return type(value) in (int, float) and isfinite(value)
+        return type(value) in (int, float) and abs(value) <= _MOST_FLOAT
     return type(value) is hint
 
 
