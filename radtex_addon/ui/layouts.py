@@ -30,8 +30,9 @@ def chosen_layouts(
     spec: BakeSpec,
     patience: float = inf,
 ) -> Chosen:
-    """The bake of each atlas of the objects `names` with its layout, by the atlas's name; parts are not told.
+    """The bake of each atlas of the objects `names` with its layout, by the atlas's name.
 
+    Parts and lamps are left out, which have the layout of the whole.
     Without an object it is what one without anything odd gets, called "". After `patience` seconds no further
     object is looked at. Raises InputError as `job.choose_layout` does.
     """
@@ -53,7 +54,7 @@ def chosen_layouts(
     resume, overwrite = values["resume"], values["overwrite"]
     for bake in bakes:
         choice = choose_layout(scene, bake, wish, folder, resume=resume, overwrite=overwrite)
-        found.append((bake[0], choice))
+        found.append((bake[0], replace(choice, spec=replace(choice.spec, lights=()))))
         if monotonic() - since > patience:
             break
     return tuple(found)
@@ -67,10 +68,9 @@ def told_layouts(values: Mapping[str, Any], chosen: Chosen) -> str:
         return ""
     others = [(name, choice) for name, choice in chosen if choice.spec.layout != chosen[0][1].spec.layout]
     if others:
-        name, choice = next(one for one in chosen if one[1].reason)
         plain = sum(choice.spec.layout == "buckets" for _, choice in chosen)
-        told = iface_("Buckets for {} of {} objects, Shared for the others. {}")
-        return told.format(plain, len(chosen), remark(choice.told(name)))
+        told = iface_("Buckets for {} of {} objects, Shared for the others").format(plain, len(chosen))
+        return ". ".join([told, *(remark(choice.told(name)) for name, choice in chosen if choice.reason)][:2])
     choice = chosen[0][1]
     named = next(label for identifier, label, _ in LAYOUTS if identifier == choice.spec.layout)
     told = iface_("{}, {} cells").format(iface_(named), choice.spec.bucket)

@@ -160,7 +160,7 @@ def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outloo
     costs = {choice.spec: cost_of(choice.spec) for _, choice in chosen}
     spec = max(costs, key=lambda one: costs[one].gpu)
     cost, seconds, layout = costs[spec], None, told_layouts(values, chosen)
-    if have_own_atlases(values, asked, len(names)):
+    if have_own_atlases(values, asked, len(names)) and len(chosen) >= len(names):
         seconds = estimates.seconds_known(scene, [(name, choice.spec) for name, choice in chosen if name])
     try:
         request = BakeRequest.of(values)

@@ -246,6 +246,11 @@ def test_the_panel_says_what_an_automatic_layout_comes_to(panel: Any, card: Any,
         "Buckets for 1 of 2 objects, Shared for the others. 'Card' is baked in layout buckets, not shared: "
         "its material 'Cloth' lets through what is behind it"
     )
+    panel.resume = True
+    steps = bake_steps(context.scene, "Card", BakeSpec(uv_layer="UVMap", texels=16, samples=1), out)
+    next(step for step in steps if step.stage is Stage.CAPTURE and step.done)
+    steps.close()
+    assert told() == "Buckets for 1 of 2 objects, Shared for the others"
     panel.atlas_layout = "buckets"
     assert told() == ""
 
