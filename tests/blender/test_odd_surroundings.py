@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import bpy
 import pytest
@@ -158,7 +159,7 @@ def test_an_atlas_that_cannot_be_read_any_more_is_no_wrong_request(tmp_path: Pat
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT", "SCULPT"])
 def test_a_bake_with_a_preview_keeps_the_active_object_and_its_mode(
-    mode: str, room: Path, tmp_path: Path
+    mode: Any, room: Path, tmp_path: Path
 ) -> None:
     """A script's next operator works on it."""
     bpy.ops.wm.open_mainfile(filepath=str(room))

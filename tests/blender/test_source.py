@@ -381,9 +381,8 @@ def test_switched_on_in_the_scene_the_high_object_is_hidden_until_no_preview_sho
     bpy.data.objects.remove(copy)  # by hand
     switch_off(lows[1])
     assert hidden("High") == (False, True)
-    assert {
-        path for path in differences(before, fingerprint()) if not path.endswith((".users", ".chosen"))
-    } == set()
+    changed = differences(before, fingerprint())  # the selection went with the copy that was removed
+    assert {path for path in changed if "users" not in path and not path.endswith(".chosen")} == set()
 
 
 def _result(steps: Generator[Any, None, Comparison]) -> Comparison:
