@@ -17,12 +17,11 @@ import numpy as np
 from ..core.arrays import Floats
 from ..core.octahedron import cell_directions
 from .blocks import in_blocks
-from .pooling import SHARE, Neighbours, Taps, upsampled
+from .pooling import SHARE, WIDER, Neighbours, Taps, upsampled
 from .surroundings import meet_surroundings
 
 _STAGES = ((2, True), (4, True), (8, True), (8, False))  # cells of a bucket, pooled widely? the finest follow
 _FINEST_ROUNDS = 2
-_WIDER = 0.1  # of the variance that pooling leaves: what wide pooling does
 _DOUBT = 0.7  # times the variance of a cell's mean: a step no larger than that is noise
 _LEAST_SCALE = 0.05  # radians: no path that near is an outlier
 _SPREAD_PRIOR = 8.0  # paths that a coarser cell's spread counts for
@@ -122,7 +121,7 @@ class _EndsFit:
         wide |= self.neighbours.few
         table = self.neighbours.pool(table, wide)
         step = table[:3] / (table[3] + max(1e-3 * float(table[3].mean()), 1e-12))
-        left = SHARE * (_WIDER if wide else 1.0) * self.mean_weight / np.maximum(table[3], 1e-12)
+        left = SHARE * (WIDER if wide else 1.0) * self.mean_weight / np.maximum(table[3], 1e-12)
         step *= np.maximum(0, 1 - _DOUBT * self.noise * left / np.maximum((step * step).sum(axis=0), 1e-12))
         self.shift += upsampled(step, self.n)
 

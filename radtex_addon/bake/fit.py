@@ -43,7 +43,7 @@ _Result = TypeVar("_Result")
 
 @dataclass(frozen=True)
 class Fitted:
-    """An atlas, and the share of the samples' energy that was cut off as fireflies."""
+    """An atlas, and the share of the samples' light that is lost, because no other paths confirm it."""
 
     atlas: SharedAtlas
     fireflies: float
@@ -80,8 +80,8 @@ def fit_shared(
     stages = len(ends_fit.stages(cells)) + len(gloss_fit.stages(cells))
     for number, axis in enumerate(bright):
         steps = fit.lobe(axis, surroundings)
-        parts[axis], cut = yield from _told(steps, number * stages, len(bright) * stages)
-        lost += cut
+        parts[axis], lost_of_axis = yield from _told(steps, number * stages, len(bright) * stages)
+        lost += lost_of_axis
     atlas = SharedAtlas(
         colour=colour.astype(np.float32),
         irradiance=plan.placed(irradiance, gutter=True),
@@ -120,7 +120,7 @@ class _LobeFit:
     def lobe(
         self, axis: Axis, surroundings: SurroundingsSamples
     ) -> Generator[None, None, tuple[list[Floats], float]]:
-        """Ends, gain and rest of an axis, (C, K, n*n) each, and the light that was cut off."""
+        """Ends, gain and rest of an axis, (C, K, n*n) each, and the light that is lost."""
         plan, n = self.light.plan, self.cells
         white, single = self._white(axis)
         paths = self._traced(white)
@@ -133,8 +133,8 @@ class _LobeFit:
         gain = fit_gain(paths.place, white, single, self.neighbours, n)
         del paths, start
         samples = LobeSamples(plan, axis, self.light.square, _lobe_light(self.light, axis), self.used)
-        gain, rest, cut = yield from fit_gloss(samples, ends, gain, single, self.around, self.neighbours)
-        return [ends, gain, rest], cut
+        gain, rest, lost = yield from fit_gloss(samples, ends, gain, single, self.around, self.neighbours)
+        return [ends, gain, rest], lost
 
     def _white(self, axis: Axis) -> tuple[LobeSamples, Floats]:
         """How much a lobe's paths let through, and the mean of those (3,) that end somewhere."""

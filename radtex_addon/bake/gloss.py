@@ -15,9 +15,11 @@ from functools import partial
 import numpy as np
 
 from ..core.arrays import Bools, Floats
+from ..core.hemisphere import square_to_direction
 from ..core.octahedron import direction_to_octahedron
 from ..core.shared import Axis
 from .blocks import in_blocks, planes
+from .excess import Excess, give_back
 from .light_samples import mirrored, straight_through
 from .plan import CapturePlan
 from .pooling import Neighbours, Taps, upsampled
@@ -100,7 +102,7 @@ def fit_gloss(
     around: Surroundings,
     neighbours: Neighbours,
 ) -> Generator[None, None, tuple[Floats, Floats, float]]:
-    """Gain and rest of each cell, (3, K, n*n) both, and the light cut off as fireflies, a sum over samples.
+    """Gain and rest of each cell, (3, K, n*n) both, and the light lost as fireflies, a sum over samples.
 
     `ends` as of `fit_ends`, `gain` as of `fit_gain`. `single` (3,) is what a single path lets through: glass
     mirrors one path in twenty, but that one wholly. Yields after each stage.
@@ -112,7 +114,7 @@ def fit_gloss(
     for cells, wide in stages(fit.n):
         fit.improve(cells, wide)
         yield
-    return fit.gain, fit.rest, fit.cut()
+    return give_back(*fit.excess(), fit.gain, fit.most, fit.rest, neighbours)
 
 
 class _GlossFit:
@@ -233,13 +235,22 @@ class _GlossFit:
 
         in_blocks(change, *self.weight.shape)
 
-    def cut(self) -> float:
-        """The sum of what is brighter than samples may be."""
+    def excess(self) -> tuple[Excess, float]:
+        """What is brighter than samples may be, and the sum of the light that is not.
+
+        It takes the place of what is missing, and of the weight.
+        """
 
         def cut(some: slice) -> float:
-            return float(np.maximum(self.light(some) - self.shown(some)[1], 0).sum(dtype=np.float64))
+            light = self.light(some)
+            excess = np.maximum(light - self.shown(some)[1], 0)
+            self.missing[:, some] = excess
+            cosine = square_to_direction(self.samples.square[some])[..., 2]
+            self.weight[some] = np.where(self.samples.used[some], cosine, 0)
+            return float((light - excess).sum(dtype=np.float64))
 
-        return sum(in_blocks(cut, *self.weight.shape))
+        within = sum(in_blocks(cut, *self.weight.shape))
+        return Excess(self.place, self.met, self.weight, self.missing), within
 
 
 def _luminance(light: Floats) -> Floats:

@@ -25,6 +25,7 @@ _TILE = (
     4  # texels along a side of those pooled at once: OpenBLAS keeps a product of 16 x 64 x 256 to one core
 )
 SHARE = float((_KERNEL**2).sum() ** 2)  # of the variance of a sum that is left after pooling
+WIDER = 0.1  # of the variance that pooling leaves: what wide pooling does
 
 
 def corners(place: Floats, n: int | Ints) -> tuple[Ints, Floats]:

@@ -171,7 +171,7 @@ def summary_of(title: str, spec: BakeSpec, result: BakeResult) -> str:
     seconds = sum(result.seconds.values())
     size = readable_size(sum(path.stat().st_size for path in result.files.images))
     shared = ", shared," if spec.layout is Layout.SHARED else ""
-    lost = f", {result.fireflies:.1%} of the light cut off as fireflies" if result.fireflies > 5e-4 else ""
+    lost = f", {result.fireflies:.1%} of the light lost as fireflies" if result.fireflies > 5e-4 else ""
     clamped = f", {result.clamped} values clamped to what the file holds" if result.clamped else ""
     return (
         f"{title}: {layout.width} x {layout.height} texels of {layout.bucket} x {layout.bucket} cells"

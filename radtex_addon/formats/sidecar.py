@@ -76,7 +76,8 @@ class Sidecar:
     that were beyond the file's range; `layers` are the files of one bake beyond the first. `mesh` is a digest
     of the baked copy's shape and UVs, empty where nobody has said. Where `objects` share the atlas,
     `object_name` is what it is called. What was farther than the `ao_distance` counts as open.
-    Where `texel_samples` (`formats.counts`) tells of texels with more, `samples` are the fewest.
+    Where `texel_samples` (`formats.counts`) tells of texels with more, `samples` are the fewest. `fireflies`
+    is the share of the light that a fit lost, 0 to 1.
     """
 
     object_name: str
@@ -101,6 +102,7 @@ class Sidecar:
     ao_distance: float | None = None
     texel_samples: str = ""
     content: Content | None = None
+    fireflies: float = 0.0
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -149,6 +151,8 @@ class Sidecar:
             facts["ao_distance"] = self.ao_distance
         if self.part is not None:
             facts["part"] = {"by": self.part.by, "name": self.part.name, "index": self.part.index}
+        if self.fireflies:
+            facts["fireflies"] = self.fireflies
         if self.texel_samples:
             facts["texel_samples"] = self.texel_samples
         if self.content is not None:
@@ -200,6 +204,7 @@ class Sidecar:
             ao_distance=facts.positive("ao_distance") if "ao_distance" in facts.values else None,
             texel_samples=facts.text("texel_samples") if "texel_samples" in facts.values else "",
             content=content_in(facts),
+            fireflies=facts.positive("fireflies") if "fireflies" in facts.values else 0.0,
         )
 
 

@@ -62,9 +62,9 @@ BakeSteps: TypeAlias = "Generator[Progress | Step, None, BakeResult]"
 class BakeResult:
     """What a bake made, and what it took: `paths` are camera paths, `seconds` are by stage.
 
-    `fireflies` is the share of the light that a fit left out: too few paths brought it. `condensed` says what
-    was chosen for a budget or a target. `exported` are the folders that were made. A bake that `was_there`
-    got what was missing beside it: of its paths and covered texels nothing is known.
+    `fireflies` is the share of the light that a fit lost: single paths brought it, and no others. `condensed`
+    says what was chosen for a budget or a target. `exported` are the folders that were made. A bake that
+    `was_there` got what was missing beside it: of its paths and covered texels nothing is known.
     """
 
     files: OutputFiles

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Generator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -25,6 +26,14 @@ from .condensed import Condensed, check_budget, condense_steps
 from .files import OutputFiles
 from .made import Made
 from .prepare import Prepared
+
+_TOLD = 0.01  # of the light: less of it lost needs no word
+_LOST = (
+    "%.1f %% of the light of '%s' is lost as fireflies, which single paths brought and no others: "
+    "take more samples, or a larger lamp"
+)
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +61,9 @@ def bake_shared(
     """
     fitted = yield from fit_bake(scratch, spec, prepared, folder, keeper, thumbnail)
     width, height = fitted.plan.layout.width, fitted.plan.layout.height
-    facts = prepared.facts(spec)
+    facts = replace(prepared.facts(spec), fireflies=round(fitted.fireflies, 6))
+    if fitted.fireflies > _TOLD:
+        _log.warning(_LOST, 100 * fitted.fireflies, facts.object_name)
     condensed: Condensed | None = None
     if spec.condensed:
         steps = condense_steps(keeper.place(files.sidecar), fitted.atlas, fitted.plan, spec, facts)

@@ -63,7 +63,7 @@ class Shared:
         print(
             f"{stage.name}: captured in {reached[Stage.FIT] - reached[Stage.PROBE]:.1f} s, "
             f"fitted in {reached[Stage.WRITE] - reached[Stage.FIT]:.1f} s, "
-            f"{100 * (made.fireflies or 0):.2f} % of the energy cut off as fireflies",
+            f"{100 * (made.fireflies or 0):.2f} % of the light lost as fireflies",
             flush=True,
         )
 
