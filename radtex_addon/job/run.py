@@ -195,7 +195,7 @@ def bake_steps(
                         save_preview_of(scene, spec, made.files, baked.prepared, shown, view_layer)
             watch.stop()
             assert made is not None  # it was known, or baked
-            exported = yield from _export(files, targets, overwrite or known is not None)
+            exported = yield from _export(files, targets, overwrite or resume)  # as was checked
         except InputError:  # there is nothing to go on with: another try asks for something else
             checkpoint.drop_own()
             raise

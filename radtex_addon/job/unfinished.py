@@ -94,7 +94,7 @@ def check_files(
         _check_common(name, spec, files, overwrite)
         return
     check_free(files.unfinished)
-    if not resume and not overwrite:
+    if not resume and not overwrite and not is_announced(files.unfinished):
         raise _unfinished(files)
     if resume:
         open_checkpoint(name, spec, files, resume)

@@ -199,25 +199,37 @@ class BakeRequest:
         for ways in ((("overwrite",), ("resume",)), (("overwrite", "resume"),)):
             left = {way: self._errors_with(way, scene, names, patience) for way in ways}
             found = {name: count for way, count in left.items() for name in way if count < present}
+            if not self._goes_on_with_some(scene, names):  # but with a finished one, for what it lacks
+                found.pop("resume", None)
             if found:
                 return found
         return {}
 
     def forgets(self, scene: bpy.types.Scene, names: Sequence[str], patience: float) -> bool:
         """Whether it would throw away an unfinished bake that one could go on with."""
+        if self.resume or not self.overwrite or not self._unfinished(scene, names):
+            return False
+        return self._errors_with(("resume",), scene, names, patience) == 0
+
+    def _unfinished(self, scene: bpy.types.Scene, names: Sequence[str]) -> int:
+        """How many of its bakes were begun and not finished."""
         from ..bake.key import is_unfinished
         from ..job.files import OutputFiles
 
-        if self.resume or not self.overwrite:
-            return False
         try:
             bakes = self.bakes(scene, names, guess=True)
         except InputError:
-            return False
+            return 0
         files = [OutputFiles.of(name, spec, self.folder, self.preview) for name, spec in bakes]
-        if not any(is_unfinished(one.unfinished) for one in files):
+        return sum(is_unfinished(one.unfinished) for one in files)
+
+    def _goes_on_with_some(self, scene: bpy.types.Scene, names: Sequence[str]) -> bool:
+        """Whether resuming goes on with an unfinished bake, or with those of several that are not there."""
+        anew = replace(self, resume=True, overwrite=False)
+        try:
+            return anew._goes_on(scene, names) or self._unfinished(scene, names) > 0  # noqa: SLF001
+        except InputError:  # there is nothing to bake
             return False
-        return self._errors_with(("resume",), scene, names, patience) == 0
 
     def _errors_with(
         self, switched: Sequence[str], scene: bpy.types.Scene, names: Sequence[str], patience: float

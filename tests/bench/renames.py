@@ -124,7 +124,8 @@ class Bench:
         scenario.others(start)
         _copy(start, whole)
         log = self._root / f"{name}.log"
-        self._killed(scenario.words, whole, log, 0, "before")
+        if code := self._killed(scenario.words, whole, log, 0, "before"):
+            raise SystemExit(f"{name}: the undisturbed run ended with exit code {code}")
         changes = log.read_text().splitlines()
         expected, outcome = contents(whole), Outcome(len(changes))
         for kill in range(kills):

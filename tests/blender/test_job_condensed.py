@@ -128,7 +128,8 @@ def test_a_failure_while_it_is_measured_leaves_the_other_form(
     before = {path.name: path.read_bytes() for path in out.iterdir()}
 
     def fails(*_: object) -> float:
-        assert len(names(out)) == len(before) + 2, "the new files' folder, and that of finished pieces"
+        assert len(names(out)) == len(before) + 1, "the folder of finished pieces"
+        assert (out / "Ball.radiance.radtex-unfinished" / "written").is_dir(), "where the new files wait"
         raise PlannedError
 
     monkeypatch.setattr("radtex_addon.job.condensed.agreement", fails)

@@ -23,6 +23,7 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.export import web
 from radtex_addon.export.folder import is_whole
 from radtex_addon.export.spec import Target
+from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, run, shared
 from radtex_addon.job.foresight import foresee
 from tests.bench.renames import Bench, contents
@@ -133,6 +134,36 @@ def test_the_second_object_is_overwritten_though_the_run_stopped_in_the_first(
     assert (ended.code, ended.err) == (0, "")
     assert (out / "Floor.radiance.json").stat().st_mtime_ns > before
     assert {path.suffix for path in out.iterdir()} == {".exr", ".json"}
+
+
+def test_several_objects_are_added_to_though_the_run_stopped_in_the_first(
+    batch: Run, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    both = ("--object", "Ball", "--object", "Floor")
+    assert batch(*both).code == 0
+    assert batch(*both, "--accumulate").code == 0
+    with monkeypatch.context() as patch:
+        fail_at(patch, "Ball.radiance.json")
+        assert batch(*both, "--accumulate").code == 1
+    ended = batch(*both, "--accumulate", "--resume")
+    assert (ended.code, ended.err) == (0, "")
+    assert [read_sidecar(out / f"{name}.radiance.json").samples for name in ("Ball", "Floor")] == [3, 3]
+    assert batch(*both, "--accumulate", "--resume").code == 2
+    assert {path.suffix for path in out.iterdir()} == {".exr", ".json"}
+
+
+def test_exports_are_overwritten_though_the_run_stopped_before_them(
+    batch: Run, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = ("--object", "Ball", "--object", "Floor", "--save-preview", "--export", "raw")
+    assert batch(*asked).code == 0
+    whole = contents(out)
+    with monkeypatch.context() as patch:
+        fail_at(patch, "Ball.radiance.exr")
+        assert batch(*asked, "--overwrite").code == 1
+    ended = batch(*asked, "--resume")
+    assert (ended.code, ended.err) == (0, "")
+    assert contents(out) == whole
 
 
 # exports and previews

@@ -81,7 +81,7 @@ class Shared:
 def _bytes(atlas: SharedAtlas, sidecar: SharedSidecar) -> int:
     """What a GPU holds: the textures of a condensed atlas, or images of half floats."""
     if sidecar.condensed is not None:
-        return texture_bytes(sidecar.shapes)
+        return int(texture_bytes(sidecar.shapes))
     return _PIXEL * sum(image.shape[0] * image.shape[1] for image in pack(atlas).values())
 
 
