@@ -24,7 +24,19 @@ from tests.blender.batch_process import BAKE
 from tests.blender.killed import digests
 from tests.blender.room import save_room
 
-ARGUMENTS = ("--object", "Ball", "--texels", "16", "--bucket", "4", "--samples", "1", "--save-preview")
+ARGUMENTS = (
+    "--object",
+    "Ball",
+    "--layout",
+    "buckets",
+    "--texels",
+    "16",
+    "--bucket",
+    "4",
+    "--samples",
+    "1",
+    "--save-preview",
+)
 PYTHON = "$PYTHON"
 _LIMIT = 120.0  # seconds
 

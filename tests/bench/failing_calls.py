@@ -45,8 +45,21 @@ EVENTS = frozenset(
     )
 )
 LINES = {
-    "buckets": ("--texels", "16", "--bucket", "4", "--samples", "1", "--save-preview"),
-    "layers": ("--texels", "12", "--bucket", "4", "--samples", "1", "--layer", "diffuse", "--uv", "UVMap"),
+    "buckets": ("--layout", "buckets", "--texels", "16", "--bucket", "4", "--samples", "1", "--save-preview"),
+    "layers": (
+        "--layout",
+        "buckets",
+        "--texels",
+        "12",
+        "--bucket",
+        "4",
+        "--samples",
+        "1",
+        "--layer",
+        "diffuse",
+        "--uv",
+        "UVMap",
+    ),
     "shared": ("--texels", "16", "--bucket", "4", "--samples", "1", "--layout", "shared", "--uv", "UVMap"),
     "ao": ("--texels", "12", "--bucket", "4", "--samples", "1", "--kind", "ao", "--uv", "UVMap"),
 }

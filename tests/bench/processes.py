@@ -26,7 +26,19 @@ from tests.blender.batch_process import BAKE
 from tests.blender.killed import Command, Ended, Running, digests, left_behind
 from tests.blender.room import save_room
 
-ARGUMENTS = ("--texels", "32", "--bucket", "6", "--samples", "4", "--sheet", "64", "--save-preview")
+ARGUMENTS = (
+    "--layout",
+    "buckets",
+    "--texels",
+    "32",
+    "--bucket",
+    "6",
+    "--samples",
+    "4",
+    "--sheet",
+    "64",
+    "--save-preview",
+)
 STAGES = ("evaluate", "unwrap", "probe", "capture", "write", "preview")
 _PAUSE = 3.0  # seconds for which a process is stopped
 

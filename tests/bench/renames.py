@@ -28,7 +28,20 @@ from tests.blender.batch_process import BAKE, ROOT
 from tests.blender.room import save_room
 
 _KILL_AT = str(ROOT / "tests" / "blender" / "kill_at.py")
-_SMALL = ("--uv", "UVMap", "--texels", "24", "--bucket", "4", "--samples", "1", "--sheet", "96")
+_SMALL = (
+    "--layout",
+    "buckets",
+    "--uv",
+    "UVMap",
+    "--texels",
+    "24",
+    "--bucket",
+    "4",
+    "--samples",
+    "1",
+    "--sheet",
+    "96",
+)
 _SHARED = ("--layout", "shared", "--texels", "20", "--bucket", "4", "--samples", "1")
 _BALL = ("--object", "Ball")
 _BOTH = (*_BALL, "--object", "Floor")

@@ -18,7 +18,7 @@ from tests.blender.room import fill_room, save_room
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows stops no process for a while")
 
-QUICK = ("--object=Ball", "--texels=16", "--bucket=4", "--samples=1", "--progress=json")
+QUICK = ("--object=Ball", "--layout=buckets", "--texels=16", "--bucket=4", "--samples=1", "--progress=json")
 UNFINISHED = "Ball.radiance.radtex-unfinished"
 
 

@@ -17,7 +17,7 @@ from tests.blender import stage
 from tests.blender.batch_process import BAKE, Batch
 
 _NAME = "Ca\x1b[31mrd\x9b\u202e\a\nradtex: done"
-_TINY = ("--texels", "8", "--bucket", "2", "--samples", "1")
+_TINY = ("--layout", "buckets", "--texels", "8", "--bucket", "2", "--samples", "1")
 
 
 @pytest.fixture(scope="module")

@@ -32,7 +32,7 @@ from tests.blender.room import fill_room, save_room
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
-SMALL = ("--uv", "UVMap", "--texels", "16", "--bucket", "2", "--samples", "1")
+SMALL = ("--layout", "buckets", "--uv", "UVMap", "--texels", "16", "--bucket", "2", "--samples", "1")
 SPEC = BakeSpec(uv_layer="UVMap", texels=16, bucket=2, samples=1)
 MORE = replace(SPEC, accumulate=True)
 

@@ -33,7 +33,20 @@ from tests.blender.test_batch_compare import QUICK as FEW_PIXELS
 from tests.blender.test_ui_registration import state
 from tests.blender.ui_stage import context, ops, registered, settings
 
-QUICK = ("--uv", "UVMap", "--texels", "4", "--bucket", "2", "--samples", "1", "--progress", "none")
+QUICK = (
+    "--layout",
+    "buckets",
+    "--uv",
+    "UVMap",
+    "--texels",
+    "4",
+    "--bucket",
+    "2",
+    "--samples",
+    "1",
+    "--progress",
+    "none",
+)
 BRACES = "{blend_name} {x} }{ {{y}}"
 _CLOSED = """
 import os, sys
