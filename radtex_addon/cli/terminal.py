@@ -17,7 +17,7 @@ from ..core.printable import printable
 
 
 def tell(text: str) -> None:
-    """Print a line on standard error, if anybody can hear."""
+    """Print a line on standard error, if it can be written."""
     _print(f"{printable(text)}\n")
 
 
@@ -27,9 +27,14 @@ def draw(text: str) -> None:
 
 
 def _print(text: str) -> None:
-    if sys.stderr is not None:
-        with suppress(OSError, ValueError):  # full, or closed
-            print(text, end="", file=sys.stderr, flush=True)
+    """Print on standard error; where that takes nothing (any more), the rest goes nowhere."""
+    if sys.stderr is None:
+        return
+    try:
+        print(text, end="", file=sys.stderr, flush=True)
+    except (OSError, ValueError):  # full, without a reader, or closed
+        with suppress(OSError, ValueError):
+            _send_nowhere(sys.stderr)
 
 
 def show_traceback(raised: BaseException) -> None:
@@ -51,13 +56,13 @@ class Output:
         try:
             print(*lines, sep="\n", file=self._stream, flush=True)
         except BrokenPipeError:
-            self._send_nowhere()
+            _send_nowhere(self._stream)
             raise Cancelled(
                 "nobody reads the standard output any more: the run was given up, and files that are there "
                 "are complete"
             ) from None
         except OSError as error:
-            self._send_nowhere()
+            _send_nowhere(self._stream)
             self._lost = self._lost or error
 
     def check(self) -> None:
@@ -69,7 +74,8 @@ class Output:
                 "was made is not said"
             )
 
-    def _send_nowhere(self) -> None:
-        """What the stream still holds must go somewhere."""
-        with Path(os.devnull).open("w") as nowhere:
-            os.dup2(nowhere.fileno(), self._stream.fileno())
+
+def _send_nowhere(stream: TextIO) -> None:
+    """Let the null device take what a stream still holds, and all that follows."""
+    with Path(os.devnull).open("w") as nowhere:
+        os.dup2(nowhere.fileno(), stream.fileno())
