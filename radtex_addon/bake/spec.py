@@ -214,6 +214,11 @@ class BakeSpec:
             of_bands = min(_BYTES_OF_BANDS, 2 * _BYTES_PER_CHANNEL * self.pixel_count * self.channels)
             return self.texels**2 * (_BYTES_PER_TEXEL + self.bucket**2 // 8) + of_bands
         if self.layout is Layout.SHARED:
-            of_rays = self.texels**2 * self.rays.of_texel * _BYTES_PER_RAY
-            return self.pixel_count * _BYTES_PER_SHARED_PIXEL + of_rays
+            return shared_bytes(self.texels, self.bucket, self.samples)
         return self.pixel_count * self.channels * _BYTES_PER_CHANNEL
+
+
+def shared_bytes(texels: int, cells: int, samples: int) -> int:
+    """Most memory that an atlas in the shared layout can take while it is baked."""
+    of_texel = (cells + 2) ** 2 * _BYTES_PER_SHARED_PIXEL + Rays.of(samples).of_texel * _BYTES_PER_RAY
+    return texels**2 * of_texel

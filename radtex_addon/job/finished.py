@@ -18,6 +18,7 @@ from ..export.kinds import check_target
 from ..export.run import check_writer
 from ..export.spec import Target
 from ..formats.facts import Facts
+from ..formats.shared_files import layer_path, texture_path
 from ..formats.shared_sidecar import LAYOUT as SHARED
 from ..formats.sidecar import LAYOUT as BUCKETS
 from ..formats.sidecar import read_facts
@@ -88,6 +89,16 @@ def samples_of(files: OutputFiles) -> int | None:
         return read_facts(files.sidecar).whole_number("samples", 1)
     except FormatError:
         return None
+
+
+def images_of(sidecar: Path) -> frozenset[Path]:
+    """The images that the bake with this sidecar may have; none where there is no such bake."""
+    try:
+        layers = read_facts(sidecar).texts("layers")
+    except FormatError:
+        return frozenset()
+    named = (path_of(sidecar, layer) for layer in layers for path_of in (layer_path, texture_path))
+    return frozenset((sidecar.with_suffix(".exr"), *named))
 
 
 def misses_preview(files: OutputFiles) -> bool:

@@ -16,8 +16,9 @@ from typing import Any, cast
 import bpy
 
 from ..bake.key import is_unfinished, read_key
-from ..bake.spec import BakeSpec, Kind, Layout
+from ..bake.spec import BakeSpec, Kind, Layout, shared_bytes
 from ..core.errors import FormatError, InputError, MemoryLimitError
+from ..formats.memory import readable_size
 from ..formats.sidecar import read_facts
 from ..scene.see_through import why_see_through
 from .condensed import check_bytes
@@ -25,6 +26,7 @@ from .files import OutputFiles
 from .variants import Bake
 
 DEFAULT_BUDGET = 2_000_000  # bytes: the preset Preview's, too
+_MOST_MEMORY = 8 << 30  # bytes that the shared layout may take where nobody named it, on every machine
 SHARED_CELLS = BakeSpec(texels=1, layout=Layout.SHARED, budget=DEFAULT_BUDGET).bucket
 
 _REMEDY = re.compile(r": [^:]*\blayout buckets$")  # of a refusal, which was already followed
@@ -108,6 +110,10 @@ def _why_not_shared(spec: BakeSpec, cells: int | None) -> str:
         check_bytes(DEFAULT_BUDGET, cells or SHARED_CELLS, spec.texels, spec.texels)
     except InputError as error:
         return str(error)
+    if (needed := shared_bytes(spec.texels, cells or SHARED_CELLS, spec.samples)) > _MOST_MEMORY:
+        return (
+            f"texels {spec.texels} with samples {spec.samples} would need {readable_size(needed)} of memory"
+        )
     return ""
 
 

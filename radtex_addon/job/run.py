@@ -41,7 +41,7 @@ from .buckets import bake_buckets
 from .checks import check_request, check_seen
 from .condensed import Condensed
 from .files import OutputFiles
-from .finished import is_there, misses_preview, missing_exports
+from .finished import images_of, is_there, misses_preview, missing_exports
 from .made import Made
 from .occlusion import bake_occlusion
 from .parts import check_part
@@ -173,6 +173,7 @@ def bake_steps(
     shown = None if was_there and not misses_preview(files) else preview
     if not resume:
         settle_earlier(files.unfinished)
+    earlier = images_of(files.sidecar) if overwrite else frozenset()
     watch = Stopwatch()
     with (
         open_checkpoint(name, spec, files, resume, overwrite, targets) as checkpoint,
@@ -189,7 +190,7 @@ def bake_steps(
                     )
                     made = replace(baked.made, device=baked.device, islands=baked.prepared.islands)
                     if known is None:
-                        _settle(checkpoint, files, made)
+                        _settle(checkpoint, files, made, earlier)
                     if shown is not None:
                         yield watch.start(Stage.PREVIEW)
                         save_preview_of(scene, spec, made.files, baked.prepared, shown, view_layer)
@@ -225,10 +226,13 @@ def _made_before(checkpoint: Checkpoint, files: OutputFiles, was_there: bool) ->
     return known
 
 
-def _settle(checkpoint: Checkpoint, files: OutputFiles, made: Made) -> None:
-    """Give all files their places, and remove those that an overwritten bake had and this one has not."""
+def _settle(checkpoint: Checkpoint, files: OutputFiles, made: Made, earlier: Collection[Path] = ()) -> None:
+    """Give all files their places, and remove those that an overwritten bake had and this one has not.
+
+    These are images that this layout may have, and the `earlier` bake's, which may be in another layout.
+    """
     checkpoint.settle(made.told())
-    for path in set(files.images) - set(made.files.images):
+    for path in {*files.images, *earlier} - set(made.files.images):
         path.unlink(missing_ok=True)
 
 

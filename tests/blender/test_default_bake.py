@@ -104,6 +104,23 @@ def test_textures_take_what_the_default_says(tmp_path: Path, out: Path, batch: B
     assert 0.5 * DEFAULT_BUDGET < size <= 1.1 * DEFAULT_BUDGET
 
 
+def test_a_bake_in_another_layout_leaves_none_of_the_earlier_images(
+    tmp_path: Path, out: Path, batch: Batch
+) -> None:
+    line = (saved(tmp_path), "--object", "Card", *QUICK, "--out", out, "--overwrite")
+
+    def baked(*more: str) -> set[str]:
+        assert batch(*line, *more).code == 0
+        return {path.name for path in out.iterdir()}
+
+    layered = baked("--layout", "buckets", "--bucket", "2", "--layer", "diffuse")
+    assert layered == {f"Card.radiance.{ending}" for ending in ("json", "exr", "diffuse.exr")}
+    textures = baked()
+    assert "Card.radiance.json" in textures
+    assert {Path(name).suffix for name in textures} == {".json", ".dds"}
+    assert baked("--layout", "buckets", "--bucket", "2") == {"Card.radiance.json", "Card.radiance.exr"}
+
+
 def test_leaves_keep_their_outline(card: Any, tmp_path: Path, out: Path, batch: Batch) -> None:
     card.data.materials[0] = leaf()
     context.scene.render.film_transparent = True

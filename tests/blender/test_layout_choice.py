@@ -144,7 +144,16 @@ def test_an_object_that_is_not_there_is_left_to_who_refuses_it() -> None:
     assert asked("") == Choice(DEFAULT)
 
 
-LINES = ("", "--texels 64", "--texels 384", "--texels 1024", "--bucket 8", "--layer base", "--layout buckets")
+LINES = (
+    "",
+    "--texels 64",
+    "--texels 256",
+    "--texels 384",
+    "--texels 1024",
+    "--bucket 8",
+    "--layer base",
+    "--layout buckets",
+)
 
 
 def test_the_machine_has_no_say(card: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -153,16 +162,23 @@ def test_the_machine_has_no_say(card: Any, monkeypatch: pytest.MonkeyPatch) -> N
     for memory in (2**32, 2**36, None):
         monkeypatch.setattr(spec_checks, "physical_memory", lambda memory=memory: memory)
         for line in LINES:
-            if (memory, line) == (2**32, "--texels 384"):
+            if (memory, line) == (2**32, "--texels 256"):
                 with pytest.raises(InputError, match=r"has 4\.0 GiB: lower one, or choose layout buckets"):
                     asked(line)
             else:
                 answers[memory, line] = asked(line)
         see_through(card)
-        assert asked("--texels 384").spec == BakeSpec(texels=384)
+        assert asked("--texels 256").spec == BakeSpec(texels=256)
         card.data.materials[0] = stage.material("Paper", "ShaderNodeBsdfDiffuse")
     assert all(answers[memory, line] == answers[None, line] for memory, line in answers)
     assert len(answers) == 3 * len(LINES) - 1
+
+
+def test_what_would_take_very_much_memory_is_plain() -> None:
+    assert asked("--texels 256").spec.layout is Layout.SHARED
+    plain = asked("--texels 384")
+    assert plain.spec == BakeSpec(texels=384)
+    assert plain.reason == "384 texels at 16 samples would need 13.6 GiB of memory"
 
 
 def begin(folder: Path, spec: BakeSpec) -> None:
