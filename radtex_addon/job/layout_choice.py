@@ -111,9 +111,7 @@ def _why_not_shared(spec: BakeSpec, cells: int | None) -> str:
     except InputError as error:
         return str(error)
     if (needed := shared_bytes(spec.texels, cells or SHARED_CELLS, spec.samples)) > _MOST_MEMORY:
-        return (
-            f"texels {spec.texels} with samples {spec.samples} would need {readable_size(needed)} of memory"
-        )
+        return f"{spec.texels} texels at {spec.samples} samples would need {readable_size(needed)} of memory"
     return ""
 
 
