@@ -19,8 +19,8 @@ import numpy.typing as npt
 from ..core.arrays import Bools, Floats, Ints
 from ..core.gutter import nearest_covered
 from .cells import Cells
-from .checkpoint import Keeper, Pile
 from .hidden import HiddenCells
+from .keeper import Keeper, Pile
 from .plan import CapturePlan
 from .progress import Progress, Stage
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..core.arrays import Floats, Ints
-from .checkpoint import Keeper
+from .keeper import Keeper
 from .plan import CapturePlan, Tile
 
 _CELLS = "cells"  # the array's name in a tile's piece

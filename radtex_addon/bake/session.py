@@ -14,8 +14,8 @@ from ..core.errors import BakeError
 from .bands import Bands, find_bands
 from .capture import Capture
 from .cells import Cells
-from .checkpoint import KEEPS_NOTHING, Keeper, Pile
 from .hidden import HiddenCells
+from .keeper import KEEPS_NOTHING, Keeper, Pile
 from .layers import WHOLE
 from .plan import CapturePlan, Tile
 from .progress import Progress, Stage

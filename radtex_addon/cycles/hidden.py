@@ -19,8 +19,8 @@ import numpy as np
 import numpy.typing as npt
 from mathutils import Matrix
 
-from ..bake.checkpoint import KEEPS_NOTHING, Drawer, Keeper
 from ..bake.hidden import HiddenCells
+from ..bake.keeper import KEEPS_NOTHING, Drawer, Keeper
 from ..bake.plan import CapturePlan, Tile, plan_of_some
 from ..bake.progress import Progress, Stage
 from ..bake.rays import PROBES

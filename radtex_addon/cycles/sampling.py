@@ -15,7 +15,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..bake.checkpoint import KEEPS_NOTHING, Arrays, Keeper
+from ..bake.keeper import KEEPS_NOTHING, Keeper
 from ..bake.light_samples import (
     EndSamples,
     LightSamples,
@@ -25,6 +25,7 @@ from ..bake.light_samples import (
     mirrored,
     spread_shifts,
 )
+from ..bake.pieces import Arrays
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.spec import Kind

@@ -11,7 +11,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..bake.checkpoint import KEEPS_NOTHING, Keeper
+from ..bake.keeper import KEEPS_NOTHING, Keeper
 from ..bake.light_samples import EndSamples, LightSamples, SurroundingsSamples, joined, panorama_plan
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage, relayed

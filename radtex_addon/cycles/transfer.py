@@ -18,7 +18,8 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from ..bake.checkpoint import KEEPS_NOTHING, Arrays, Keeper
+from ..bake.keeper import KEEPS_NOTHING, Keeper
+from ..bake.pieces import Arrays
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.spec import Kind

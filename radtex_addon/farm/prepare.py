@@ -15,7 +15,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..bake.checkpoint import Keeper
+from ..bake.keeper import Keeper
 from ..bake.plan import CapturePlan
 from ..bake.progress import Progress
 from ..bake.spec import BakeSpec

@@ -8,7 +8,7 @@ from collections.abc import Generator
 
 import numpy as np
 
-from ..bake.checkpoint import Keeper
+from ..bake.keeper import Keeper
 from ..bake.progress import Progress
 from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Floats, Ints

@@ -12,9 +12,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..bake.checkpoint import Drawer, Keeper
 from ..bake.filling import fill_missing
 from ..bake.hidden import HiddenCells
+from ..bake.keeper import Drawer, Keeper
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage, relayed
 from ..bake.session import fill_atlas

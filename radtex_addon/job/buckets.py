@@ -11,8 +11,8 @@ from pathlib import Path
 import bpy
 
 from ..bake.capture import Capture
-from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.hidden import HiddenCells
+from ..bake.keeper import KEEPS_NOTHING, Keeper
 from ..bake.layers import WHOLE, split_layers
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage, relayed

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 
 from ..bake.bands import Bands
-from ..bake.checkpoint import KEEPS_NOTHING, Keeper
+from ..bake.keeper import KEEPS_NOTHING, Keeper
 from ..bake.progress import Progress, Stage
 from ..bake.session import capture_bands
 from ..bake.spec import BakeSpec, Kind

@@ -13,8 +13,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.hidden import HiddenCells
+from ..bake.keeper import KEEPS_NOTHING, Keeper
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage
 from ..bake.rays import PROBE_CELLS

@@ -9,7 +9,7 @@ from collections.abc import Generator
 import numpy as np
 
 from ..bake.changes import changed_texels
-from ..bake.checkpoint import Keeper
+from ..bake.keeper import Keeper
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.thumbnail import Thumbnail

@@ -14,7 +14,8 @@ from typing import Any, TypeAlias
 import bpy
 
 from ..bake.beginning import settle_earlier
-from ..bake.checkpoint import KEEPS_NOTHING, Checkpoint, Keeper
+from ..bake.checkpoint import Checkpoint
+from ..bake.keeper import KEEPS_NOTHING, Keeper
 from ..bake.progress import Progress, Stage, finished
 from ..bake.spec import OCCLUSION, BakeSpec, Kind, Layout, View
 from ..bake.stopwatch import Stopwatch

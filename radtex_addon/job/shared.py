@@ -11,8 +11,8 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.checkpoint import KEEPS_NOTHING, Keeper
 from ..bake.fit import fit_shared
+from ..bake.keeper import KEEPS_NOTHING, Keeper
 from ..bake.plan import CapturePlan
 from ..bake.progress import Progress, Stage
 from ..bake.rays import FINER

@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..bake.checkpoint import KEEPS_NOTHING, Keeper
+from ..bake.keeper import KEEPS_NOTHING, Keeper
 from ..bake.plan import CapturePlan
 from ..bake.progress import Progress, Stage
 from ..bake.spec import BakeSpec, View

@@ -10,8 +10,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ..bake.checkpoint import Arrays, Keeper
+from ..bake.keeper import Keeper
 from ..bake.parts import Split
+from ..bake.pieces import Arrays
 from ..bake.progress import Progress
 from ..bake.spec import BakeSpec
 from ..core.arrays import Bools, Floats

@@ -14,9 +14,10 @@ import pytest
 from radtex_addon.bake import bands as module
 from radtex_addon.bake.bands import find_bands
 from radtex_addon.bake.cells import Cells
-from radtex_addon.bake.checkpoint import Checkpoint, Keeper, Pile
+from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.filling import fill_missing
 from radtex_addon.bake.hidden import HiddenCells
+from radtex_addon.bake.keeper import Keeper, Pile
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Bools, Floats
