@@ -16,7 +16,10 @@ from tests.blender.batch_process import BAKE, process
 from tests.blender.killed import digests
 from tests.blender.room import fill_room, save_room
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows stops no process for a while")
+pytestmark = [
+    pytest.mark.one_blender,
+    pytest.mark.skipif(sys.platform == "win32", reason="Windows stops no process for a while"),
+]
 
 QUICK = ("--object=Ball", "--layout=buckets", "--texels=16", "--bucket=4", "--samples=1", "--progress=json")
 UNFINISHED = "Ball.radiance.radtex-unfinished"

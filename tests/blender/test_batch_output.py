@@ -16,6 +16,8 @@ import pytest
 from tests.blender import stage
 from tests.blender.batch_process import BAKE, Batch
 
+pytestmark = pytest.mark.one_blender
+
 _NAME = "Ca\x1b[31mrd\x9b\u202e\a\nradtex: done"
 _TINY = ("--layout", "buckets", "--texels", "8", "--bucket", "2", "--samples", "1")
 

@@ -34,6 +34,8 @@ from radtex_addon.job import OpenLayout
 from radtex_addon.version import VERSION
 from tests.blender.batch_process import BAKE, process, refusal
 
+pytestmark = pytest.mark.one_blender
+
 
 def test_help_shows_every_option_with_its_default() -> None:
     ended = process("--help")

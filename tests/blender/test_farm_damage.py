@@ -24,6 +24,8 @@ from radtex_addon.job import bake_object
 from tests.blender import stage
 from tests.blender.farming import assembled, prepared, render
 
+pytestmark = pytest.mark.one_blender
+
 SPEC = BakeSpec(texels=16, bucket=4, samples=1, sheet=24)
 _BOX = "Box"
 

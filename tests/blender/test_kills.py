@@ -26,7 +26,10 @@ from tests.blender.room import fill_room, save_room
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no signals")
+pytestmark = [
+    pytest.mark.one_blender,
+    pytest.mark.skipif(sys.platform == "win32", reason="there are no signals"),
+]
 
 PLAIN = BakeSpec(uv_layer="UVMap", texels=24, bucket=16, samples=1, sheet=128)
 SHARED = BakeSpec(layout=Layout.SHARED, texels=20, bucket=4, samples=1)
@@ -61,7 +64,8 @@ def test_a_killed_bake_is_gone_on_with_and_one_that_lives_is_not(spec: BakeSpec,
         running.process.kill()
     assert running.end().code == -signal.SIGKILL
     resumed = killed.start(out, "--resume").end()
-    assert (resumed.code, resumed.err, resumed.warnings) == (0, "", [])
+    others = [warning for warning in resumed.warnings if "is lost as fireflies" not in warning]  # at 1 spp
+    assert (resumed.code, resumed.err, others) == (0, "", [])
     assert digests(out) == digests(whole)
     assert left_behind(killed.temporary) == []
 

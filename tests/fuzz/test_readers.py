@@ -16,6 +16,8 @@ import pytest
 from .readers import READERS
 from .run import FAILURES, ROOT
 
+pytestmark = pytest.mark.one_blender
+
 EXECUTIONS = 60  # of each reader
 
 

@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.one_blender
+
 PACKAGE = Path(__file__).resolve().parents[2] / "radtex_addon"
 
 # Left to right; layers in one row do not know each other.

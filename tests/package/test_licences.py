@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.one_blender
+
 GAMES_SHIP = ("shaders/", "radtex_addon/export/godot_project/")
 ROOT = Path(__file__).resolve().parents[2]
 SHADERS = ("*.glsl", "*.hlsl", "*.osl", "*.wgsl", "*.gdshader", "*.gdshaderinc")

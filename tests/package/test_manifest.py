@@ -12,7 +12,12 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from radtex_addon.version import VERSION
+
+pytestmark = pytest.mark.one_blender
+
 
 ROOT = Path(__file__).resolve().parents[2]
 

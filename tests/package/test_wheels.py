@@ -15,6 +15,8 @@ from zipfile import ZipFile
 
 import pytest
 
+pytestmark = pytest.mark.one_blender
+
 PYTHON = f"-cp{sys.version_info.major}{sys.version_info.minor}-"
 
 
