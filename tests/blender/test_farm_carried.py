@@ -45,7 +45,8 @@ def _tiles(path: Path) -> None:
 
 def _lamp(path: Path) -> None:
     lamp: Any = bpy.data.lights.new("Spot", "SPOT")
-    lamp.use_nodes = True
+    if lamp.node_tree is None:
+        lamp.use_nodes = True
     node = lamp.node_tree.nodes.new("ShaderNodeTexIES")
     node.mode, node.filepath = "EXTERNAL", str(path)
     lamp.use_fake_user = True
