@@ -124,7 +124,7 @@ def test_all_settings_but_the_kept_are_those_of_a_new_scene() -> None:
     print(f"\n{odd} settings made odd")
     assert odd > 150
     fresh: Any = bpy.data.scenes.new("fresh")
-    ours = {"use_compositing", "use_sequencer", "use_texture_cache", "filepath"}
+    ours = {"use_compositing", "use_sequencer", "use_texture_cache", "use_grease_pencil", "filepath"}
     with scratch_scene(context.scene) as scratch:
         for path, kept in GROUPS.items():
             found, expected = scratch.path_resolve(path), fresh.path_resolve(path)
