@@ -35,8 +35,13 @@ def check_working_space() -> None:
 
 
 def rec709_primaries() -> tuple[Colour, Colour, Colour]:
-    """Rec.709's red, green and blue as colours of the space that the file works in."""
-    red, green, blue = (_from_rec709(row) for row in np.eye(3))
+    """Rec.709's red, green and blue as colours of the space that the file works in.
+
+    Where that is Rec.709 they are exact: Blender's conversion rounds, and what a bright channel would add to a
+    dark one can be seen.
+    """
+    exact = working_space() == REC_709
+    red, green, blue = (tuple(row.tolist()) if exact else _from_rec709(row) for row in np.eye(3))
     return red, green, blue
 
 
