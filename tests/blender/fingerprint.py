@@ -47,6 +47,8 @@ def fingerprint() -> dict[str, object]:
     for name in dir(bpy.app.handlers):
         if isinstance(functions := getattr(bpy.app.handlers, name), list):
             found[f"handlers.{name}"] = [id(function) for function in functions]
+    for scene in bpy.data.scenes:  # which Blender points at the active object with the first step to undo
+        found.pop(f"scenes[{scene.name_full}].tool_settings.particle_edit.object", None)
     window = bpy.context.window_manager.windows[0] if bpy.context.window_manager.windows else None
     found["scene"] = bpy.context.scene.name, bpy.context.mode, window and window.scene.name
     return found
