@@ -10,7 +10,7 @@
 Each Blender has an environment of its own (.venv-4.5, .venv-5.2), made from uv.lock when needed.
 They run side by side, each line behind its Blender's number. A run of everything gives the newest's tests
 of real programs, which often wait, a process of their own, and leaves to the newest what is marked
-`one_blender`, because Blender has no part in it; RADTEX_EVERY_BLENDER=1 runs that on all.
+`one_blender`, because Blender has no part in it. RADTEX_EVERY_BLENDER=1 runs all of it on all.
 At the end, what failed is named, with the end of what pytest said of it, and the last line sums up, as
 pytest would; the exit code is 0 only if all passed.
 """
@@ -49,8 +49,8 @@ def main() -> int:
     started = perf_counter()
     runs = dict.fromkeys(options.blender or PYTHON_OF, pytest_arguments)
     if not pytest_arguments and NEWEST in runs:
-        everywhere = [] if os.environ.get("RADTEX_EVERY_BLENDER") else ["-m", "not one_blender"]
-        runs = dict.fromkeys(runs, everywhere)
+        everywhere = [f"--ignore={REAL}", "-m", "not one_blender"]
+        runs = dict.fromkeys(runs, [] if os.environ.get("RADTEX_EVERY_BLENDER") else everywhere)
         runs |= {NEWEST: [f"--ignore={REAL}"], f"{NEWEST} real": [REAL]}
     with ThreadPoolExecutor(len(runs)) as pool:
         ended = [pool.submit(run_pytest, name, arguments, len(runs) > 1) for name, arguments in runs.items()]
