@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..core.arrays import Floats
-from ..formats.working_space import converted
+from ..core.colour_spaces import converted
 
 # Blender 5's names, and 4.5's
 _LOBES = {

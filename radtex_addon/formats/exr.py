@@ -22,6 +22,7 @@ import numpy.typing as npt
 import OpenEXR
 
 from ..core.arrays import Floats
+from ..core.colour_spaces import REC_709
 from ..core.errors import BakeError, FormatError, ShapeError
 from .atomic import replacing
 from .exr_size import check_memory_for, check_size
@@ -30,7 +31,6 @@ from .sidecar import Sidecar, read_sidecar
 
 HALF_MOST = 65504.0  # the largest finite half float
 ATTRIBUTE = "radtex"  # the header attribute that holds the sidecar's JSON
-REC_709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)  # x, y of red, green, blue, white
 
 CHANNELS = {4: "RGBA", 3: "RGB", 1: "Y"}  # names, by their number
 _MAGIC = bytes((0x76, 0x2F, 0x31, 0x01))

@@ -14,7 +14,8 @@ import numpy as np
 import OpenEXR
 
 from ..core.arrays import Floats
-from .exr import ATTRIBUTE, CHANNELS, HALF_MOST, REC_709, Compression
+from ..core.colour_spaces import REC_709
+from .exr import ATTRIBUTE, CHANNELS, HALF_MOST, Compression
 
 _COMPRESSIONS = {
     Compression.ZIP: Imath.Compression.ZIP_COMPRESSION,

@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 from mathutils import Color
 
+from ..core.colour_spaces import KNOWN
 from ..core.errors import InputError
-from ..formats.working_space import KNOWN
 
 REC_709 = "Linear Rec.709"  # Blender's name, also of image colour spaces
 
@@ -37,7 +37,7 @@ def check_working_space() -> None:
 def rec709_primaries() -> tuple[Colour, Colour, Colour]:
     """Rec.709's red, green and blue as colours of the space that the file works in.
 
-    Where that is Rec.709 they are exact: Blender's conversion rounds, and what a bright channel would add to a
+    Where that is Rec.709 they are exact: Blender's conversion rounds, and what a bright channel adds to a
     dark one can be seen.
     """
     exact = working_space() == REC_709

@@ -21,12 +21,13 @@ from radtex_addon.bake.layers import Layer
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.colour_spaces import converted, matrix_to_rec709
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.exr import read_buckets
 from radtex_addon.formats.shared_files import read_shared, write_shared
-from radtex_addon.formats.working_space import converted, matrix_to_rec709, render_matrix
+from radtex_addon.formats.working_space import render_matrix
 from radtex_addon.job import bake_object
 from radtex_addon.preview.material import load_layers
 from radtex_addon.preview.osl import add_osl_node
