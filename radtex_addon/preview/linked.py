@@ -16,6 +16,7 @@ from typing import cast
 import bpy
 
 from ..core.errors import InputError
+from ..scene.objects import is_linked
 
 _FLAGS = ("exclude", "holdout", "indirect_only", "hide_viewport")
 
@@ -25,7 +26,7 @@ def check_replaceable(originals: Sequence[bpy.types.Object]) -> None:
 
     Raises InputError.
     """
-    linked = [item for item in originals if item.library is not None]
+    linked = [item for item in originals if is_linked(item)]
     homes = {home for item in linked for home in (item, *_linked_homes([item]))}
     every: list[bpy.types.ID] = [*bpy.data.objects, *bpy.data.collections]
     for item in every if linked else ():
@@ -63,7 +64,7 @@ def linked_homes_copied(originals: Sequence[bpy.types.Object]) -> Iterator[None]
 
 def _linked_homes(originals: Sequence[bpy.types.Object]) -> list[bpy.types.Collection]:
     """Linked collections that hold one of the objects, at whatever depth."""
-    linked = [item for item in bpy.data.collections if item.library is not None]
+    linked = [item for item in bpy.data.collections if is_linked(item)]
     return [item for item in linked if not set(originals).isdisjoint(item.all_objects)]
 
 

@@ -19,6 +19,7 @@ import bpy
 
 from ..core.errors import BakeError
 from ..formats.atomic import refusal, replacing
+from ..scene.objects import is_linked
 from .linked import linked_homes_copied
 
 TITLE = "RadTex "  # how names of materials that show a bake begin
@@ -89,7 +90,7 @@ def _standing_in(pair: StandIn) -> Iterator[None]:
     mesh = cast(bpy.types.Mesh, copy.data)
     bare = not mesh.materials
     standin = cast(bpy.types.Object, copy.copy())
-    bearers = [item for item in bpy.data.objects if item.library is None and item.name == name]
+    bearers = [item for item in bpy.data.objects if not is_linked(item) and item.name == name]
     try:
         for collection in standin.users_collection:  # Blender 5 adds a rigid body's copy to its world
             collection.objects.unlink(standin)

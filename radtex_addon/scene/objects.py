@@ -36,11 +36,16 @@ def find_object(scene: bpy.types.Scene, name: str, view_layer: str | None = None
     return found
 
 
+def is_linked(item: bpy.types.ID) -> bool:
+    """Whether a data-block lies in a library; older stubs know none that does not."""
+    return cast(Any, item).library is not None
+
+
 def check_only_one(items: Iterable[bpy.types.Object], name: str) -> None:
     """Raises InputError where several of the objects are called `name`, as libraries may have it."""
     found = [item for item in items if item.name == name]
     if len(found) > 1:
-        homes = " and ".join(item.library.name if item.library else "this file" for item in found)
+        homes = " and ".join(item.library.name if is_linked(item) else "this file" for item in found)
         raise InputError(
             f"several objects are called '{name}', of {homes}: rename one, a linked one in its own file"
         )

@@ -10,7 +10,7 @@ import shutil
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import bpy
 import numpy as np
@@ -30,13 +30,12 @@ SPEC = BakeSpec(texels=16, bucket=4, samples=1, sheet=24)
 _BOX = "Box"
 
 
-def _build() -> bpy.types.Scene:
+def _build() -> Any:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     stage.world()
     bpy.ops.mesh.primitive_cube_add(size=1)
     bpy.context.object.name = _BOX
-    scene: Any = bpy.context.scene
-    return scene  # type: ignore[no-any-return]
+    return bpy.context.scene
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +124,7 @@ def _bomb(path: Path) -> None:
     """An array of 256 MiB of zeros in a few hundred KB."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         with archive.open("texel.npy", "w", force_zip64=True) as file:
-            np.lib.format.write_array_header_1_0(
+            cast(Any, np.lib.format).write_array_header_1_0(
                 file, {"descr": "<i8", "fortran_order": False, "shape": (1 << 25,)}
             )
             for _ in range(4):

@@ -7,7 +7,7 @@ All shapes have a UV layer "UVMap" on which no two faces overlap, and no clamp c
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import bmesh
 import bpy
@@ -177,7 +177,7 @@ def _bumped(made: bmesh.types.BMesh, bumpy: float, rng: np.random.Generator) -> 
     """Move vertices a little, and UVs off the middles of texels: there either of two triangles is right."""
     for vertex in made.verts:
         vertex.co += Vector(rng.uniform(-bumpy, bumpy, 3).tolist())
-    layer = made.loops.layers.uv["UVMap"]
+    layer = cast(Any, made.loops.layers.uv)["UVMap"]
     for face in made.faces:
         for corner in face.loops:
             corner[layer].uv = 0.95 * corner[layer].uv + Vector((0.021, 0.013))

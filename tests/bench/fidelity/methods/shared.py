@@ -81,8 +81,9 @@ class Shared:
 def _bytes(atlas: SharedAtlas, sidecar: SharedSidecar) -> int:
     """What a GPU holds: the textures of a condensed atlas, or images of half floats."""
     if sidecar.condensed is not None:
-        return int(texture_bytes(sidecar.shapes))
-    return _PIXEL * sum(image.shape[0] * image.shape[1] for image in pack(atlas).values())
+        return texture_bytes(sidecar.shapes)
+    pixels = [image.shape[0] * image.shape[1] for image in pack(atlas).values()]
+    return _PIXEL * int(sum(pixels))
 
 
 def _finish(steps: Generator[Progress, None, _Result], reached: dict[Stage, float]) -> _Result:
