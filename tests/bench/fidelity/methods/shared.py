@@ -59,10 +59,11 @@ class Shared:
             prepared = _finish(prepare(scratch, [item], self.spec, kept), reached)
             made = _finish(bake_shared(scratch, self.spec, files, prepared, folder), reached)
         ended = perf_counter()
+        fitted = min(at for at in (*reached.values(), ended) if at > reached[Stage.FIT])
         atlas, sidecar = read_shared(files.sidecar)
         print(
             f"{stage.name}: captured in {reached[Stage.FIT] - reached[Stage.PROBE]:.1f} s, "
-            f"fitted in {reached[Stage.WRITE] - reached[Stage.FIT]:.1f} s, "
+            f"fitted in {fitted - reached[Stage.FIT]:.1f} s, "
             f"{100 * (made.fireflies or 0):.2f} % of the light lost as fireflies",
             flush=True,
         )
