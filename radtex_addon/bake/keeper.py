@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Who is given the finished pieces of a bake: nobody, memory, or a checkpoint (`checkpoint.py`)."""
+"""Keepers of a bake's finished pieces: none, or memory; a folder is `checkpoint.py`'s."""
 
 from __future__ import annotations
 
@@ -111,3 +111,6 @@ class Drawer(Keeper):
 
     def keep(self, name: str, arrays: Arrays) -> None:
         self._keeper.keep(self._label + name, arrays)
+
+    def place(self, path: Path) -> Path:
+        return self._keeper.place(path)

@@ -11,6 +11,8 @@ from ..export.kinds import check_target
 from ..farm.assemble import assemble_steps
 from ..farm.files import FarmFiles
 from ..farm.manifest import read_manifest
+from ..job.files import OutputFiles
+from ..job.finished import check_exports
 from .assemble_arguments import AssembleRequest
 from .bake import facts_of, summary_of
 from .export import export_baked
@@ -27,6 +29,10 @@ def run_assemble(request: AssembleRequest, report: Report, interruption: Interru
         check_target("the farm", manifest.spec.kind, target)
         if manifest.copies is None:
             raise InputError("--export is made from the preview: prepare the farm with --save-preview")
+    if request.exports:
+        folder = request.farm.absolute().parent if request.out is None else request.out
+        outputs = OutputFiles.of(manifest.name, manifest.spec, folder, preview=True)
+        check_exports(manifest.spec, outputs, request.exports, request.overwrite, resume=False)
     steps = assemble_steps(request.farm, request.out, overwrite=request.overwrite)
     made = interruption.between(steps, partial(report.progress, manifest.name))
     sidecar = made.result.files.sidecar

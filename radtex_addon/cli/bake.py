@@ -54,6 +54,8 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
     if request.resume and not request.overwrite and several:
         tidy(asked, request.out)
         wanted = list(left_to_do(asked, request.out, preview, request.exports))
+        if not wanted:
+            report.event("note", message=f"all {len(asked)} bakes are finished: nothing is left to do")
     if remark := passed_over(asked, wanted):
         report.event("warning", message=remark)
     for name, spec in wanted:  # all of them, before the first bake

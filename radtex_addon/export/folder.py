@@ -16,6 +16,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from ..core.errors import BakeError, InputError, RadTexError
 from ..formats.atomic import check_writable
 from ..formats.hidden_folder import hidden_folder
+from ..formats.regular import read_regular
 
 LIST = ".radtex-files"  # names what an export wrote, so that the next one knows what is the user's
 _NOT_WHOLE = ".radtex-unfinished"  # in that list while files are moved; there is no such file
@@ -90,7 +91,7 @@ def _listed(out: Path) -> set[str]:
     """The files that exports wrote into the folder, as its list has them; none that lies elsewhere."""
     if not (out / LIST).is_file():
         return set()
-    names = (out / LIST).read_text(encoding="utf-8", errors="replace").splitlines()
+    names = read_regular(out / LIST).decode("utf-8", "replace").splitlines()
     return {name for name in names if name and _is_below(name)}
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ..bake.beginning import settle_earlier
 from ..bake.key import is_unfinished, read_key
 from ..bake.progress import Stage
 from ..bake.spec import BakeSpec
@@ -22,9 +23,10 @@ from ..formats.facts import shown
 from ..formats.numpy_files import read_npz
 from ..job.buckets import join_buckets
 from ..job.files import OutputFiles
+from ..job.finished import images_of
 from ..job.prepare import Piece
 from ..job.previews import save_preview_of
-from ..job.run import BakeResult
+from ..job.run import BakeResult, errors_by_places, settle
 from ..job.unfinished import check_files as check_outputs
 from ..job.unfinished import open_checkpoint
 from ..scene.copy import MATRIX
@@ -69,20 +71,26 @@ def assemble_steps(
     watch = Stopwatch()
     capture = FarmCapture(files, manifest, plan)
     replaces = overwrite or begun
-    with open_checkpoint(
-        manifest.name, spec, outputs, resume=False, overwrite=replaces
-    ) as cells:  # more than memory may hold
+    settle_earlier(outputs.unfinished)
+    earlier = images_of(outputs.sidecar)
+    with (
+        open_checkpoint(manifest.name, spec, outputs, resume=False, overwrite=replaces) as cells,
+        errors_by_places(outputs),
+    ):  # cells are more than memory may hold
         cells.expect({_FARM: manifest.job})
         try:
             made = yield from watch.over(
                 join_buckets(plan, capture, hidden, spec, outputs, manifest.facts, cells)
             )
-            cells.settle(made.told())
+            settle(cells, outputs, made, earlier)
             if copies is not None:
                 yield watch.start(Stage.PREVIEW)
                 _save_preview(files, manifest, copies, outputs)
-        finally:
-            cells.drop_own()
+        except BaseException:
+            if cells.made is None:  # else its files are being moved: assembling again goes on with that
+                cells.drop_own()
+            raise
+        cells.drop_own()
     watch.stop()
     result = BakeResult(
         files=made.files,
@@ -105,7 +113,7 @@ def _was_begun(outputs: OutputFiles, manifest: Manifest) -> bool:
         return False
     try:
         return read_key(outputs.unfinished).facts.get(_FARM) == manifest.job
-    except InputError:  # it has no key that can be read: whose it is nobody knows
+    except InputError:  # it has no key that can be read: so it is not taken for ours
         return False
 
 

@@ -31,7 +31,7 @@ VERSION = 1
 _WHAT = "farm's manifest"
 _KINDS = (Kind.RADIANCE, Kind.INCIDENT, Kind.REFLECTION, Kind.PROXY)
 _MOST_FRAMES = 1048574  # of an animation in Blender
-_MOST_FLOAT = 1e300  # of numbers in a specification: beyond, and in NaN, nobody means anything
+_MOST_FLOAT = 1e300  # of numbers in a specification: larger ones and NaN are refused
 
 
 @dataclass(frozen=True)

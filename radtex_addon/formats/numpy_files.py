@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""numpy's files (.npz, .npy), read as if somebody else had written them: no size is believed unchecked.
+"""numpy's files (.npz, .npy), from anywhere: every size is checked before memory is taken.
 
 numpy's own `load` takes as much memory as a header says, and raises whatever its parsers meet.
 """

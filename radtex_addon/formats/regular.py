@@ -33,7 +33,7 @@ _FLAGS = os.O_RDONLY | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0) 
 def other_kind(path: Path) -> str | None:
     """What is at `path` (or where a link there leads) if that is no regular file, such as "a pipe".
 
-    None for a file, and where nothing is, or where nobody may look.
+    None for a file, and where nothing is, or where access is refused.
     """
     try:
         return _kind(path.stat().st_mode)

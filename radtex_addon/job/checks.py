@@ -141,7 +141,7 @@ def check_seen(
 ) -> None:
     """Make sure that cameras see whose light is baked: the objects, or the source of it.
 
-    Light that arrives, occlusion and hulls do not ask cameras. Raises InputError.
+    Light that arrives, occlusion and hulls do not depend on camera visibility. Raises InputError.
     """
     if spec.kind not in (Kind.RADIANCE, Kind.TRANSFER):
         return

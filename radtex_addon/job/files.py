@@ -58,7 +58,7 @@ class OutputFiles:
         return self.sidecar.with_suffix(".radtex-unfinished")
 
     def export(self, target: str) -> Path:
-        """The folder of an export of this bake for `target`, if nobody names another: `<name>.<target>`."""
+        """The folder of an export of this bake for `target`, unless another is given: `<name>.<target>`."""
         return self.sidecar.with_suffix("").with_suffix(f".{target}")
 
     @property

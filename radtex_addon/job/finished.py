@@ -11,13 +11,15 @@ from typing import Any
 
 from ..bake.key import is_unfinished, replaced_by
 from ..bake.plan import MAX_IMAGE_SIDE
-from ..bake.spec import BakeSpec, Kind, Layout
+from ..bake.spec import BakeSpec, Kind, Layer, Layout
 from ..core.errors import FormatError
+from ..core.shared import Axis
 from ..export.folder import check_out, is_whole
 from ..export.kinds import check_target
 from ..export.run import check_writer
 from ..export.spec import Target
 from ..formats.facts import Facts
+from ..formats.packing import layer_names
 from ..formats.shared_files import layer_path, texture_path
 from ..formats.shared_sidecar import LAYOUT as SHARED
 from ..formats.sidecar import LAYOUT as BUCKETS
@@ -25,9 +27,11 @@ from ..formats.sidecar import read_facts
 from ..formats.transfer_files import LAYOUT as SPHERE
 from .files import OutputFiles
 
+_LAYERS = frozenset((*Layer, *layer_names(Axis), *layer_names(Axis, condensed=True)))
+
 
 def is_finished(name: str, spec: BakeSpec, out: Path) -> bool:
-    """Whether the folder holds such a bake, whole; of a sidecar that cannot be read nobody knows."""
+    """Whether the folder holds such a bake, whole; False for a sidecar that cannot be read."""
     files = OutputFiles.of(name, spec, out, preview=False)
     if not files.sidecar.is_file() or is_unfinished(files.unfinished):
         return False
@@ -55,6 +59,8 @@ def _is_of(facts: Facts, name: str, spec: BakeSpec) -> bool:
     if spec.uv_layer is not None:
         asked["uv_map"] = spec.uv_layer
     same = all(facts.values.get(key) == value for key, value in asked.items())
+    if asked["layout"] == SHARED:
+        same = same and ("condensed" in facts.inner("shared").values) == spec.condensed
     same = same and (part.get("by"), part.get("name")) == (spec.split, spec.part)
     return same and source.get("object") == spec.source and max(facts.size("texels")) == spec.texels
 
@@ -92,9 +98,12 @@ def samples_of(files: OutputFiles) -> int | None:
 
 
 def images_of(sidecar: Path) -> frozenset[Path]:
-    """The images that the bake with this sidecar may have; none where there is no such bake."""
+    """The images that the bake with this sidecar may have; none where there is no such bake.
+
+    Only layers that RadTex writes count, whatever the sidecar names.
+    """
     try:
-        layers = read_facts(sidecar).texts("layers")
+        layers = set(read_facts(sidecar).texts("layers")) & _LAYERS
     except FormatError:
         return frozenset()
     named = (path_of(sidecar, layer) for layer in layers for path_of in (layer_path, texture_path))

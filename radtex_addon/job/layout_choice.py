@@ -26,7 +26,7 @@ from .files import OutputFiles
 from .variants import Bake
 
 DEFAULT_BUDGET = 2_000_000  # bytes: the preset Preview's, too
-_MOST_MEMORY = 8 << 30  # bytes that the shared layout may take where nobody named it, on every machine
+_MOST_MEMORY = 8 << 30  # bytes that the shared layout may take where no layout was named, on every machine
 SHARED_CELLS = BakeSpec(texels=1, layout=Layout.SHARED, budget=DEFAULT_BUDGET).bucket
 
 _REMEDY = re.compile(r": [^:]*\blayout buckets$")  # of a refusal, which was already followed
@@ -43,7 +43,7 @@ class OpenLayout:
 class Choice:
     """A bake whose layout is settled.
 
-    `reason` says why it is in layout buckets although nobody named that; empty where it is not so, or where
+    `reason` says why it is in layout buckets although none was named; empty where it is not so, or where
     it goes on with a bake that is there.
     """
 

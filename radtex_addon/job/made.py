@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from ..core.atlas import AtlasLayout
@@ -19,7 +20,7 @@ from .files import OutputFiles
 class Made:
     """An atlas on disk: the `files` that there are, what it took, and how it was `condensed`, if it was.
 
-    Who bakes does not know on which `device`, nor how many `islands` the unwrap has.
+    `device` and `islands` are filled in by `job.run`.
     """
 
     files: OutputFiles
@@ -32,9 +33,10 @@ class Made:
     device: str = ""
     islands: int | None = None
 
-    def told(self) -> dict[str, Any]:
-        """All of it as JSON takes it; of the files the images' names."""
+    def told(self, earlier: Collection[Path] = ()) -> dict[str, Any]:
+        """All of it as JSON takes it, of the files the images' names; and of the `earlier` bake's images."""
         return {
+            "replaced": sorted(path.name for path in earlier),
             "images": [path.name for path in self.files.images],
             "layout": asdict(self.layout),
             "covered_texels": self.covered_texels,
@@ -45,6 +47,17 @@ class Made:
             "device": self.device,
             "islands": self.islands,
         }
+
+    @staticmethod
+    def replaced(told: Mapping[str, Any], files: OutputFiles) -> frozenset[Path]:
+        """The earlier bake's images, which go when this one has its places; foreign names are left out."""
+        names = told.get("replaced")
+        stem = f"{files.sidecar.stem}."
+        return frozenset(
+            files.sidecar.with_name(name)
+            for name in (names if isinstance(names, list) else ())
+            if isinstance(name, str) and name.startswith(stem) and not {"/", "\\", "\0"} & set(name)
+        )
 
     @classmethod
     def of(cls, told: Mapping[str, Any], files: OutputFiles) -> Made:
@@ -79,7 +92,8 @@ class Made:
         facts = read_facts(files.sidecar)
         images = tuple(path for path in files.images if path.is_file())
         layout = AtlasLayout(*facts.size("texels"), facts.whole_number("bucket", 1))
-        return cls(replace(files, images=images), layout, 0, 0, facts.whole_number("clamped", 0))
+        lost = facts.positive("fireflies") if "fireflies" in facts.values else 0.0
+        return cls(replace(files, images=images), layout, 0, 0, facts.whole_number("clamped", 0), lost)
 
 
 def _condensed(told: Mapping[str, Any]) -> Condensed:

@@ -174,11 +174,11 @@ def bake_steps(
     shown = None if was_there and not misses_preview(files) else preview
     if not resume:
         settle_earlier(files.unfinished)
-    earlier = images_of(files.sidecar) if overwrite else frozenset()
+    earlier = frozenset() if was_there else images_of(files.sidecar)
     watch = Stopwatch()
     with (
         open_checkpoint(name, spec, files, resume, overwrite, targets) as checkpoint,
-        _named_by_places(files),
+        errors_by_places(files),
     ):
         try:
             known = _made_before(checkpoint, files, was_there)
@@ -191,7 +191,7 @@ def bake_steps(
                     )
                     made = replace(baked.made, device=baked.device, islands=baked.prepared.islands)
                     if known is None:
-                        _settle(checkpoint, files, made, earlier)
+                        settle(checkpoint, files, made, earlier)
                     if shown is not None:
                         yield watch.start(Stage.PREVIEW)
                         save_preview_of(scene, spec, made.files, baked.prepared, shown, view_layer)
@@ -206,7 +206,7 @@ def bake_steps(
 
 
 @contextmanager
-def _named_by_places(files: OutputFiles) -> Iterator[None]:
+def errors_by_places(files: OutputFiles) -> Iterator[None]:
     """Let errors name files by the places that they are to have, not by where they wait."""
     try:
         yield
@@ -223,16 +223,16 @@ def _made_before(checkpoint: Checkpoint, files: OutputFiles, was_there: bool) ->
     if told is None:
         return None
     known = Made.of(told, files)
-    _settle(checkpoint, files, known)
+    settle(checkpoint, files, known, Made.replaced(told, files))
     return known
 
 
-def _settle(checkpoint: Checkpoint, files: OutputFiles, made: Made, earlier: Collection[Path] = ()) -> None:
+def settle(checkpoint: Checkpoint, files: OutputFiles, made: Made, earlier: Collection[Path] = ()) -> None:
     """Give all files their places, and remove those that an overwritten bake had and this one has not.
 
     These are images that this layout may have, and the `earlier` bake's, which may be in another layout.
     """
-    checkpoint.settle(made.told())
+    checkpoint.settle(made.told(earlier))
     for path in {*files.images, *earlier} - set(made.files.images):
         path.unlink(missing_ok=True)
 

@@ -35,7 +35,7 @@ def read_variant(sidecar: Path) -> Variant:
 
 
 def keep_variant(copy: Any, sidecar: Path) -> None:
-    """Let a preview know what it shows. Raises FormatError."""
+    """Store on a preview what it shows. Raises FormatError."""
     facts = read_facts(sidecar).values
     copy[_KEPT] = json.dumps({key: facts[key] for key in _KEYS if key in facts})
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that a camera sees through, in places or everywhere: by their materials, hair or visibility.
+"""Objects that a camera sees through, in places or everywhere: by their materials or hair.
 
 Materials are judged by what feeds their output, as camera rays meet it: a node that is not linked, or that a
 Mix Shader leaves out for camera rays, does not count. Materials are those of the object's slots, and those
@@ -32,13 +32,6 @@ def why_see_through(scene: bpy.types.Scene, item: bpy.types.Object) -> str:
 
     Hair and volumes count too: they have no surface.
     """
-    for told, clear in (
-        ("it is a holdout", item.is_holdout),
-        ("it is a shadow catcher", item.is_shadow_catcher),
-        ("cameras do not see it", not item.visible_camera),
-    ):
-        if clear:
-            return told
     glass = scene.render.film_transparent and cast(Any, scene).cycles.film_transparent_glass
     for material in materials_of(item):
         if fills_volume(material):

@@ -78,7 +78,9 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ..core.errors import RadTexError
+        from ..report.shown import frame_of
         from ..report.side_by_side import ComparisonSpec
+        from ..scene.frames import at_frame
         from .preferences import preferred
 
         scene, layer = shown(context)
@@ -87,7 +89,8 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
             bake = bake_called(layer, self.object, scene, self.bake)
             bakes, place = self._bakes(scene, items, bake)
             spec = ComparisonSpec(self.pixels, self.samples, preferred().device)
-            eye = self._eye(context)
+            with at_frame(scene, frame_of(scene, bakes)):  # where an animated camera is then
+                eye = self._eye(context)
             if self.at_once:
                 self._compare(scene, bakes, eye, spec)
             else:

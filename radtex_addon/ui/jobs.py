@@ -80,7 +80,7 @@ def submit(scene: bpy.types.Scene, names: Iterable[str], request: BakeRequest) -
 
 
 def _free(bakes: tuple[tuple[str, BakeSpec], ...], request: BakeRequest) -> tuple[tuple[str, BakeSpec], ...]:
-    """Those that are not being baked already; where it goes on with variants or parts, others of them may be.
+    """Those that are not being baked already; where it goes on with several, others of them may be.
 
     Raises InputError where one may not, or all are.
     """
@@ -98,8 +98,7 @@ def _free(bakes: tuple[tuple[str, BakeSpec], ...], request: BakeRequest) -> tupl
         bake for bake in bakes if (bake[0], kind_of(bake[1]), bake[1].part or "", variant_of(bake[1])) in busy
     ]
     free = tuple(bake for bake in bakes if bake not in taken)
-    several = any(spec.part or variant_of(spec) for _, spec in taken)
-    if taken and not (request.resume and free and several):
+    if taken and not (request.resume and free):
         raise InputError(f"object '{taken[0][0]}' is being baked there already: wait for it, or cancel it")
     return free
 

@@ -169,7 +169,7 @@ class BakeRequest:
         return passed_over(asked, self._left(scene, names, asked, guess=False))
 
     def layouts_told(self, scene: bpy.types.Scene, names: Sequence[str]) -> tuple[str, ...]:
-        """A line for each object that gets layout buckets though nobody asked for them. Raises InputError."""
+        """A line for each object that gets layout buckets though it was not chosen. Raises InputError."""
         choices = self.choices(scene, names, guess=True)
         return tuple(dict.fromkeys(choice.told(name) for name, choice in choices if choice.reason))
 
@@ -238,7 +238,7 @@ class BakeRequest:
         request = replace(self, **values)
         try:
             request.bakes(scene, names, guess=True)
-        except InputError:  # one error, but of all: to go on where all is finished helps nobody
+        except InputError:  # one error, but of all: to go on where all is finished is no remedy
             return _HOPELESS if switched else 1
         return len(request.foreseen(scene, names, patience).errors)
 

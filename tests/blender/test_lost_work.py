@@ -7,6 +7,7 @@ Real kills at many more places: `python -m tests.bench.renames`.
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -25,6 +26,7 @@ from radtex_addon.export.folder import is_whole
 from radtex_addon.export.spec import Target
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, run, shared
+from radtex_addon.job.finished import images_of
 from radtex_addon.job.foresight import foresee
 from tests.bench.renames import Bench, contents
 from tests.blender.batch_process import Outcome
@@ -107,7 +109,7 @@ def test_what_the_last_kill_left_of_finished_objects_goes(batch: Run, out: Path)
     (left / "lock").touch()
     (left / "tile-000000-3.piece").write_bytes(b"of the bake")
     ended = batch(*both, "--resume")
-    assert (ended.code, ended.err) == (0, "")
+    assert (ended.code, ended.err) == (0, "radtex: note: all 2 bakes are finished: nothing is left to do\n")
     assert contents(out) == whole
 
 
@@ -350,3 +352,33 @@ def test_all_files_of_a_layout_get_their_places_without_a_second_bake(
 def test_a_kill_at_a_rename_costs_nothing(scenario: str, kills: int, offset: float, tmp_path: Path) -> None:
     outcome = Bench(tmp_path).run(scenario, kills, offset)
     assert (outcome.kills, outcome.problems) == (kills, [])
+
+
+def test_an_overwrite_in_another_layout_that_stopped_leaves_none_of_the_earlier_images(
+    batch: Run, out: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shared = ("--object", "Ball", "--layout", "shared", "--bucket", "4")
+    assert batch("--object", "Ball", "--layer", "diffuse").code == 0
+    with monkeypatch.context() as patch:
+        fail_at(patch, "Ball.radiance.json")
+        assert batch(*shared, "--overwrite").code == 1
+    assert batch(*shared, "--resume").code == 0
+    names = {path.name for path in out.iterdir()}
+    assert "Ball.radiance.colour.exr" in names
+    assert not names & {"Ball.radiance.exr", "Ball.radiance.diffuse.exr"}
+
+
+@pytest.mark.parametrize("layer", ["../../else", "a/b", "\0", "x" * 300])
+def test_layers_that_radtex_never_wrote_are_no_images_of_it(layer: str, ball: None, out: Path) -> None:
+    made = bake(out, preview=False)
+    facts = json.loads(made.files.sidecar.read_text())
+    made.files.sidecar.write_text(json.dumps(facts | {"layers": [layer, "diffuse"]}))
+    found = {path.name for path in images_of(made.files.sidecar)}
+    assert found == {"Ball.radiance.exr", "Ball.radiance.diffuse.exr", "Ball.radiance.diffuse.dds"}
+
+
+def test_several_that_are_all_finished_are_said_to_be(batch: Run) -> None:
+    both = ("--object", "Ball", "--object", "Floor")
+    assert batch(*both).code == 0
+    ended = batch(*both, "--resume")
+    assert (ended.code, ended.err) == (0, "radtex: note: all 2 bakes are finished: nothing is left to do\n")

@@ -161,12 +161,6 @@ def by_input() -> Any:
     return item
 
 
-def marked(name: str, value: bool) -> Any:
-    item = plane()
-    setattr(item, name, value)
-    return item
-
-
 def through_glass(film: bool) -> Any:
     context.scene.render.film_transparent = film
     context.scene.cycles.film_transparent_glass = True
@@ -185,9 +179,6 @@ OBJECTS: dict[str, tuple[Callable[[], Any], str]] = {
     "hair curves": (curved, "it has hair, 'Tufts'"),
     "geometry nodes": (by_nodes, "its material 'Veil' lets through what is behind it"),
     "an input of geometry nodes": (by_input, "its material 'Veil' lets through what is behind it"),
-    "a holdout": (lambda: marked("is_holdout", True), "it is a holdout"),
-    "a shadow catcher": (lambda: marked("is_shadow_catcher", True), "it is a shadow catcher"),
-    "not seen": (lambda: marked("visible_camera", False), "cameras do not see it"),
     "glass before a film": (lambda: through_glass(film=False), ""),
     "glass that a film shows through": (
         lambda: through_glass(film=True),
