@@ -87,7 +87,7 @@ def check_files(
             remove_left(files.unfinished)  # the bake was killed at its very end
         if resume and not overwrite and files.sidecar.exists():
             lacks = misses_preview(files) or missing_exports(files, exports)
-            if lacks and is_finished(name, spec, files.sidecar.parent):
+            if lacks and not earlier and is_finished(name, spec, files.sidecar.parent):
                 return
             raise InputError(_nothing_unfinished(name, spec, files))
         check_absent(files.own, overwrite or earlier)

@@ -382,3 +382,11 @@ def test_several_that_are_all_finished_are_said_to_be(batch: Run) -> None:
     assert batch(*both).code == 0
     ended = batch(*both, "--resume")
     assert (ended.code, ended.err) == (0, "radtex: note: all 2 bakes are finished: nothing is left to do\n")
+
+
+def test_an_accumulation_that_never_began_is_not_taken_for_finished(batch: Run) -> None:
+    """It lacks the preview, and the atlas has as many samples as are to be added."""
+    assert batch("--object", "Ball").code == 0
+    ended = batch("--object", "Ball", "--accumulate", "--save-preview", "--resume")
+    assert ended.code == 2
+    assert ended.err.endswith("it has 1 samples a cell; if more are wanted, leave --resume out\n")
