@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -19,10 +18,10 @@ from ..core.errors import InputError, RadTexError
 from ..formats.atomic import check_writable
 from ..formats.memory import readable_size
 from ..formats.places import check_unicode
-from ..job import BakeResult, Choice, OutputFiles, bake_steps, check_request, choose_layout, part_specs
+from ..job import BakeResult, OutputFiles, bake_steps, check_request, choose_layouts, part_specs
 from ..job.apart import check_files_apart
 from ..job.unwrapping import Unwraps
-from ..job.variants import Bake, announce_all, left_to_do, passed_over, tidy
+from ..job.variants import announce_all, left_to_do, passed_over, tidy
 from ..preview.picture import render_picture
 from ..worker.images import load_unsaved
 from .arguments import Request
@@ -47,7 +46,9 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
     asked = [
         (name, part) for spec in specs for name in request.names for part in part_specs(scene, name, spec)
     ]
-    choices = _choices(scene, request, asked)
+    choices = choose_layouts(
+        scene, asked, request.open_layout, request.out, resume=request.resume, overwrite=request.overwrite
+    )
     asked = list(choices)
     several = max(len(specs), len(request.names)) > 1 or request.spec.split is not None
     wanted = asked
@@ -82,23 +83,6 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
         others = [*_pictures(request, result), *result.exported]
         facts = facts_of(spec, result, others)
         report.event("done", object=name, summary=summary_of(title, spec, result), **facts)
-
-
-def _choices(scene: bpy.types.Scene, request: Request, asked: Sequence[Bake]) -> dict[Bake, Choice]:
-    """Each of the bakes that were `asked` for, with its layout. Raises InputError as `choose_layout` does."""
-    choices = (
-        choose_layout(
-            scene,
-            bake,
-            request.open_layout,
-            request.out,
-            resume=request.resume,
-            overwrite=request.overwrite,
-            others=asked,
-        )
-        for bake in asked
-    )
-    return {(name, choice.spec): choice for (name, _), choice in zip(asked, choices, strict=True)}
 
 
 def _check_thumbnail(path: Path | None) -> None:

@@ -8,7 +8,7 @@ map, captures, atlas, files.
 
 from .checks import check_request
 from .files import OutputFiles
-from .layout_choice import Choice, OpenLayout, choose_layout
+from .layout_choice import Choice, OpenLayout, choose_layout, choose_layouts
 from .parts import part_specs
 from .run import BakeResult, bake_object, bake_steps
 
@@ -21,5 +21,6 @@ __all__ = [
     "bake_steps",
     "check_request",
     "choose_layout",
+    "choose_layouts",
     "part_specs",
 ]

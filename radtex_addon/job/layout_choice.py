@@ -91,6 +91,23 @@ def choose_layout(
         raise InputError(f"{error}, or choose layout buckets (--layout buckets)") from error
 
 
+def choose_layouts(
+    scene: bpy.types.Scene,
+    asked: Sequence[Bake],
+    wish: OpenLayout | None,
+    folder: Path | None,
+    *,
+    resume: bool,
+    overwrite: bool,
+) -> dict[Bake, Choice]:
+    """The bakes of one run with their layouts settled, each with its choice. Raises as `choose_layout`."""
+    choices = (
+        choose_layout(scene, bake, wish, folder, resume=resume, overwrite=overwrite, others=asked)
+        for bake in asked
+    )
+    return {(name, choice.spec): choice for (name, _), choice in zip(asked, choices, strict=True)}
+
+
 def _in_shared(
     spec: BakeSpec, cells: int | None, budget: int | None, target: float | None = None
 ) -> BakeSpec:

@@ -124,22 +124,12 @@ class BakeRequest:
 
     def _chosen(self, scene: bpy.types.Scene, names: Sequence[str], guess: bool) -> dict[Bake, Choice]:
         """All variants and parts, finished or not, each with its layout."""
-        from ..job import choose_layout
+        from ..job import choose_layouts
 
         asked = self._asked(scene, names, guess)
-        choices = (
-            choose_layout(
-                scene,
-                bake,
-                self.open_layout,
-                self.folder,
-                resume=self.resume,
-                overwrite=self.overwrite,
-                others=asked,
-            )
-            for bake in asked
+        return choose_layouts(
+            scene, asked, self.open_layout, self.folder, resume=self.resume, overwrite=self.overwrite
         )
-        return {(name, choice.spec): choice for (name, _), choice in zip(asked, choices, strict=True)}
 
     def _left(
         self, scene: bpy.types.Scene, names: Sequence[str], asked: tuple[Bake, ...], guess: bool
