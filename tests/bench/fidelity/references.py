@@ -27,8 +27,8 @@ from radtex_addon.formats.exr import read_render
 from radtex_addon.report.gbuffer import Array, BakedSurface, GBuffer, Rays
 from radtex_addon.report.metrics import Picture
 
-from . import scenes
 from .scenes import PIXELS, Stage
+from .scenes import seven as scenes
 
 SAMPLES = 256  # of a pixel of a reference, before it is denoised
 SUBSAMPLES = 4  # along a pixel's side
