@@ -10,10 +10,28 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from .asset import asset
+from .bands import bands
+from .brushed import brushed
+from .coat import coat
+from .curtain import curtain
+from .flats import flats
 from .meshes import SUBJECT
+from .plant import plant
 from .seven import SEVEN
 from .stage import PIXELS, Stage
+from .thick_glass import thick_glass
 
-__all__ = ["PIXELS", "SCENES", "SUBJECT", "Stage"]
+__all__ = ["PIXELS", "SCENES", "SEVEN", "SUBJECT", "Stage"]
 
-SCENES: dict[str, Callable[[], Stage]] = SEVEN
+SCENES: dict[str, Callable[[], Stage]] = {
+    **SEVEN,
+    "coat": coat,
+    "flats": flats,
+    "bands": bands,
+    "brushed": brushed,
+    "asset": asset,
+    "thick_glass": thick_glass,
+    "plant": plant,
+    "curtain": curtain,
+}

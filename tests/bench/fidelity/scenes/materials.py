@@ -41,6 +41,33 @@ def connect(material: bpy.types.Material, name: str, socket: Any) -> None:
     cast(Any, material.node_tree).links.new(socket, shader(material).inputs[name])
 
 
+def translucent(material: bpy.types.Material, share: float, alpha: Any = None) -> None:
+    """Let a share of the light that a surface scatters pass through it, of the colour of its Principled node.
+
+    The alpha of that node, or the socket `alpha`, then counts for all of it.
+    """
+    tree: Any = material.node_tree
+    node = shader(material)
+    opacity = node.inputs["Alpha"].default_value
+    node.inputs["Alpha"].default_value = 1
+    through, mixed = tree.nodes.new("ShaderNodeBsdfTranslucent"), tree.nodes.new("ShaderNodeMixShader")
+    colour = node.inputs["Base Color"]
+    through.inputs["Color"].default_value = colour.default_value
+    if colour.links:
+        tree.links.new(colour.links[0].from_socket, through.inputs["Color"])
+    mixed.inputs[0].default_value = share
+    tree.links.new(node.outputs[0], mixed.inputs[1])
+    tree.links.new(through.outputs[0], mixed.inputs[2])
+    clear, shown = tree.nodes.new("ShaderNodeBsdfTransparent"), tree.nodes.new("ShaderNodeMixShader")
+    shown.inputs[0].default_value = opacity
+    if alpha is not None:
+        tree.links.new(alpha, shown.inputs[0])
+    tree.links.new(clear.outputs[0], shown.inputs[1])
+    tree.links.new(mixed.outputs[0], shown.inputs[2])
+    output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+    tree.links.new(shown.outputs[0], output.inputs["Surface"])
+
+
 def texture(material: bpy.types.Material, name: str, pixels: Pixels, data: bool = False) -> Any:
     """An image texture node over the UV map, of pixels (H, W, 3 or 4) whose rows run from the bottom.
 

@@ -1,0 +1,34 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Anisotropic metal: a kettle, brushed around its axis."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .materials import assign, connect, principled
+from .meshes import as_subject, lathe, mesh_object, smooth_curve
+from .stage import Stage, finish, lamp, start
+
+
+def brushed() -> Stage:
+    """A kettle of brushed steel, its highlights drawn out along the axis."""
+    start("studio.exr", strength=0.7, turn=75)
+    keys = np.array(
+        [
+            (0.2, -0.85), (0.66, -0.85), (0.78, -0.8), (0.82, -0.66), (0.74, -0.1), (0.6, 0.4), (0.5, 0.56),
+            (0.44, 0.62), (0.4, 0.66), (0.2, 0.72), (0.08, 0.74), (0.06, 0.8), (0.14, 0.88), (0.1, 0.97),
+            (0.02, 1.0),
+        ]
+    )  # fmt: skip
+    kettle = as_subject(mesh_object("Kettle", *lathe(smooth_curve(keys), segments=96, tip=0.0), smooth=True))
+    steel = principled("Steel", (0.66, 0.63, 0.6), Metallic=1.0, Roughness=0.3, Anisotropic=0.7)
+    tree: Any = steel.node_tree
+    tangent = tree.nodes.new("ShaderNodeTangent")
+    tangent.direction_type, tangent.axis = "RADIAL", "Z"
+    connect(steel, "Tangent", tangent.outputs["Tangent"])
+    assign(kettle, steel)
+    lamp((1.6, -2.0, 2.4), size=0.5, watts=40)
+    return finish("brushed", kettle)
