@@ -2,8 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How faithful are baked objects? Every method, on every scene, against path-traced views.
 
-    python -m tests.bench.fidelity                     all scenes, all four views
-    python -m tests.bench.fidelity --quick             three scenes, two views: 15 minutes at most
+    python -m tests.bench.fidelity                     all scenes, the two views that nothing is tuned on
+    python -m tests.bench.fidelity --quick             three scenes, one view of each
+    python -m tests.bench.fidelity --quick --tuning    and a view to tune on
+    python -m tests.bench.fidelity --lottery 16 --seed 7    scenes drawn by chance, the worst first
     python -m tests.bench.fidelity --scenes glass,ceramic --methods plain --out DIR
     python -m tests.bench.fidelity --methods shared --texels 256
     python -m tests.bench.fidelity --methods shared --samples 1     a sixteenth of the paths
@@ -18,7 +20,6 @@ import argparse
 import json
 import resource
 import tempfile
-from collections.abc import Callable
 from dataclasses import asdict
 from importlib import import_module
 from pathlib import Path
@@ -28,13 +29,14 @@ from typing import cast
 import bpy
 
 from . import methods
+from .choice import add_scene_options, chosen_scenes, names_of
+from .lottery import is_lottery
 from .method import Method
 from .metrics import Figures, compare
-from .references import SAMPLES, View, gbuffer, views
-from .report import Result, Seen, save_sheet, scene_table, summary_table
-from .scenes import SCENES, Stage
-
-QUICK = ("metal_20", "ceramic", "mechanical")
+from .pictures import LOTTERY_SAMPLES, SAMPLES
+from .references import View, gbuffer, views
+from .report import Result, Seen, distribution_table, save_sheet, scene_table, summary_table
+from .scenes import Stage
 
 
 def main() -> None:
@@ -42,12 +44,12 @@ def main() -> None:
     options = _options()
     options.out.mkdir(parents=True, exist_ok=True)
     chosen = [_method(name, options.texels, options.samples) for name in options.methods]
-    record: dict[str, object] = {"blender": bpy.app.version_string, "reference_samples": SAMPLES}
+    record: dict[str, object] = {"blender": bpy.app.version_string}
     summary: dict[str, list[Result]] = {}
     tables: list[str] = []
-    for name in options.scenes:
-        looked_from = views(SCENES[name](), options.quick)
-        results = [_measure(method, SCENES[name](), looked_from) for method in chosen]
+    for name, build in chosen_scenes(options).items():
+        looked_from = views(build(), options.quick, options.tuning)
+        results = [_measure(method, build(), looked_from) for method in chosen]
         floor = _noise_floor(results[0])
         summary[name] = results
         tables.append(scene_table(name, results, floor))
@@ -55,9 +57,10 @@ def main() -> None:
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         print(f"Peak of memory so far: {peak / 1e6:.1f} GB", flush=True)
         save_sheet(options.out / f"{name}.png", results)
-        record[name] = _facts(results, floor)
+        samples = LOTTERY_SAMPLES if is_lottery(name) else SAMPLES
+        record[name] = {"reference_samples": samples, **_facts(results, floor)}
         (options.out / "figures.json").write_text(json.dumps(record, indent=2) + "\n")
-    tables.append(summary_table(summary))
+    tables.append(distribution_table(summary) if options.lottery else summary_table(summary))
     print(f"\n{tables[-1]}")
     (options.out / "figures.md").write_text("\n".join(tables))
 
@@ -71,27 +74,13 @@ def _options() -> argparse.Namespace:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--quick", action="store_true", help="three scenes, two views of each")
-    parser.add_argument("--scenes", type=_names_of(list(SCENES)), help="of " + ", ".join(SCENES))
-    parser.add_argument("--methods", type=_names_of(found), default=found, help="of " + ", ".join(found))
+    add_scene_options(parser)
+    parser.add_argument("--methods", type=names_of(found), default=found, help="of " + ", ".join(found))
     parser.add_argument("--texels", type=int, default=128, help="along each side of the atlas (128)")
     parser.add_argument("--samples", type=int, default=16, help="as of bake.py --samples (16)")
     default = Path(tempfile.gettempdir(), "radtex-fidelity")
     parser.add_argument("--out", type=Path, default=default, help=f"folder for what it makes ({default})")
-    options = parser.parse_args()
-    options.scenes = options.scenes or list(QUICK if options.quick else SCENES)
-    return options
-
-
-def _names_of(known: list[str]) -> Callable[[str], list[str]]:
-    def names(text: str) -> list[str]:
-        wanted = text.split(",")
-        for name in wanted:
-            if name not in known:
-                raise argparse.ArgumentTypeError(f"{name} is none of {', '.join(known)}")
-        return wanted
-
-    return names
+    return parser.parse_args()
 
 
 def _method(name: str, texels: int, samples: int) -> Method:

@@ -2,18 +2,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a bake is held against: path-traced views, and where the camera's rays meet the baked mesh in them.
 
+    python -m tests.bench.fidelity.references                          render what the cache lacks
+    python -m tests.bench.fidelity.references --scenes bands,coat --tuning
+    python -m tests.bench.fidelity.references --lottery 8 --seed 3
+
 Pictures lie below the user's cache folder, by a hash of all that decides them, and are rendered where they
 are missing. Rows run from the top.
 """
 
 from __future__ import annotations
 
-import hashlib
-import inspect
-import os
-import tempfile
+import argparse
+from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, cast
 
 import bpy
@@ -22,19 +23,16 @@ import numpy.typing as npt
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from radtex_addon.formats.atomic import replacing
-from radtex_addon.formats.exr import read_render
 from radtex_addon.report.gbuffer import Array, BakedSurface, GBuffer, Rays
 from radtex_addon.report.metrics import Picture
 
+from .choice import add_scene_options, chosen_scenes
+from .lottery import is_lottery
+from .pictures import LOTTERY_SAMPLES, SAMPLES, TUNING_SAMPLES, picture
 from .scenes import PIXELS, Stage
-from .scenes import seven as scenes
 
-SAMPLES = 256  # of a pixel of a reference, before it is denoised
 SUBSAMPLES = 4  # along a pixel's side
 _SEEDS = (11, 22)  # the reference's, and that of the repetition that tells its noise
-_RENDERING = 1  # raise it with every change of `_render` that shows
-_SCENES = inspect.getsource(scenes)  # as imported, whatever becomes of the file meanwhile
 _FAR = 1e9
 
 
@@ -54,29 +52,33 @@ class View:
     blocked: Array
 
 
-def views(stage: Stage, quick: bool = False) -> list[View]:
-    """The stage's views with their references, rendered if need be; `quick` takes one of each sort.
+def views(stage: Stage, quick: bool = False, tuning: bool = False) -> list[View]:
+    """The stage's views with their references, rendered if need be.
 
+    They are the held-out ones, and before them the tuning ones if `tuning`; `quick` takes one of each sort.
     The stage must be what the open file holds, as its function made it.
     """
-    cameras = [(camera, False) for camera in stage.tuning[: 1 if quick else None]]
-    cameras += [(camera, True) for camera in stage.held_out[: 1 if quick else None]]
     blockers = _blockers(stage)
     made = []
-    for camera, held_out in cameras:
+    for camera, held_out, reference, repetition in _pictures(stage, quick, tuning):
         rays = _rays(camera)
-        repeated = camera == stage.held_out[0]
-        made.append(
-            View(
-                name=camera.name,
-                held_out=held_out,
-                reference=_picture(stage, camera, _SEEDS[0]),
-                repetition=_picture(stage, camera, _SEEDS[1]) if repeated else None,
-                rays=rays,
-                blocked=_distances(blockers, rays),
-            )
-        )
+        blocked = _distances(blockers, rays)
+        made.append(View(camera.name, held_out, reference, repetition, rays, blocked))
     return made
+
+
+def _pictures(
+    stage: Stage, quick: bool, tuning: bool
+) -> Iterator[tuple[bpy.types.Object, bool, Picture, Picture | None]]:
+    """Cameras, whether they are held out, their references, and the repetition of the first held-out one."""
+    count = 1 if quick else None
+    for camera in stage.tuning[:count] if tuning else ():
+        yield camera, False, picture(stage, camera, TUNING_SAMPLES, _SEEDS[0]), None
+    samples = LOTTERY_SAMPLES if is_lottery(stage.name) else SAMPLES
+    for camera in stage.held_out[:count]:
+        reference = picture(stage, camera, samples, _SEEDS[0])
+        repeated = camera == stage.held_out[0]
+        yield camera, True, reference, picture(stage, camera, samples, _SEEDS[1]) if repeated else None
 
 
 def gbuffer(view: View, mesh: bpy.types.Mesh, matrix_world: npt.ArrayLike, uv_layer: str) -> GBuffer:
@@ -115,43 +117,20 @@ def _blockers(stage: Stage) -> BVHTree:
     return cast(BVHTree, BVHTree.FromPolygons(places, faces))
 
 
-def _picture(stage: Stage, camera: bpy.types.Object, seed: int) -> Picture:
-    path = _cache() / f"{stage.name}-{camera.name.replace(' ', '-')}-{seed}.npy"
-    if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        rendered = _render(camera, seed)
-        with replacing(path) as beside, beside.open("wb") as file:
-            np.save(file, rendered.astype(np.float32))
-    picture: Picture = np.load(path).astype(np.float64)
-    return picture
+def main() -> None:
+    """Render the references that the cache lacks."""
+    parser = argparse.ArgumentParser(
+        prog="python -m tests.bench.fidelity.references",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add_scene_options(parser)
+    options = parser.parse_args()
+    for name, build in chosen_scenes(options).items():
+        print(name, flush=True)
+        for _ in _pictures(build(), options.quick, options.tuning):
+            pass
 
 
-def _cache() -> Path:
-    root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    facts = f"{_SCENES}\n{bpy.app.version_string}\n{SAMPLES}\n{_RENDERING}"
-    return root / "radtex" / "fidelity" / hashlib.sha256(facts.encode()).hexdigest()[:16]
-
-
-def _render(camera: bpy.types.Object, seed: int) -> Picture:
-    """A denoised picture, by a copy of the scene, so that the scene keeps its settings."""
-    copy = cast(bpy.types.Scene, cast(bpy.types.Scene, bpy.context.scene).copy())
-    try:
-        copy.camera = camera
-        cycles = cast(Any, copy).cycles
-        cycles.samples, cycles.seed, cycles.use_adaptive_sampling = SAMPLES, seed, False
-        cycles.use_denoising, cycles.denoiser = True, "OPENIMAGEDENOISE"
-        cycles.pixel_filter_type = "BOX"
-        cycles.filter_width = 1.0
-        image = copy.render.image_settings
-        if hasattr(image, "media_type"):
-            image.media_type = "IMAGE"
-        image.file_format, image.color_depth = "OPEN_EXR", "32"
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder, "view.exr")
-            copy.render.filepath = str(path)
-            bpy.ops.render.render(write_still=True, scene=copy.name)
-            (pixels,) = read_render(path).values()
-    finally:
-        bpy.data.scenes.remove(copy)
-    picture: Picture = pixels[::-1, :, :3].astype(np.float64)
-    return picture
+if __name__ == "__main__":
+    main()

@@ -50,18 +50,20 @@ class Result:
 
 
 def scene_table(name: str, results: Sequence[Result], floor: Figures) -> str:
-    """A scene's table in Markdown; "a / b" are tuned and untuned views."""
+    """A scene's table in Markdown; with views to tune on, "a / b" are tuned and untuned views."""
     rows = [_COLUMNS, ["---"] * len(_COLUMNS)]
+    sorts = sorted({seen.view.held_out for seen in results[0].seen})
     for result in results:
         pairs = [
-            f"{result.mean(figure, False):.{digits}f} / {result.mean(figure, True):.{digits}f}"
+            " / ".join(f"{result.mean(figure, held_out):.{digits}f}" for held_out in sorts)
             for figure, digits in _DIGITS.items()
         ]
         spent = f"{result.paths / 1e6:.2f}", f"{result.seconds:.0f}", f"{result.bytes / 1e6:.2f}"
         rows.append([result.method, *pairs, *spent])
     figures = (f"{getattr(floor, figure):.{digits}f}" for figure, digits in _DIGITS.items())
     rows.append(["reference's noise", *figures, "", "", ""])
-    return f"{name}, means over tuned / untuned views\n\n{markdown(rows)}\n"
+    words = "tuned / untuned" if len(sorts) > 1 else "untuned"
+    return f"{name}, means over {words} views\n\n{markdown(rows)}\n"
 
 
 def summary_table(scenes: Mapping[str, Sequence[Result]]) -> str:
@@ -76,6 +78,27 @@ def summary_table(scenes: Mapping[str, Sequence[Result]]) -> str:
         cells = (f"{inner:.2f} / {outer:.2f} / {flip:.3f}" for inner, outer, flip in [*columns, means])
         rows.append([first.method, *cells])
     return f"Untuned views: PSNR eroded / uneroded / FLIP\n\n{markdown(rows)}\n"
+
+
+def distribution_table(scenes: Mapping[str, Sequence[Result]]) -> str:
+    """Every scene's decibels and FLIP on its untuned views, worst of the last method first, and quantiles."""
+    first = next(iter(scenes.values()))
+    head = ["scene", *(result.method for result in first)]
+    figures = {
+        name: np.array([[result.mean(figure, True) for figure in ("psnr", "flip")] for result in results])
+        for name, results in scenes.items()
+    }
+    worst_first = sorted(figures.items(), key=lambda entry: float(entry[1][-1, 0]))
+    every = np.array([found for _, found in worst_first])  # (scenes, methods, 2)
+    shares = {"worst": 0.0, "tenth": 0.1, "quarter": 0.25, "median": 0.5, "best": 1.0}
+    falling = np.array([1.0, -1.0])  # a low PSNR is bad, a low FLIP is good
+    rows = [
+        (f"**{word}**", np.quantile(every * falling, at, axis=0) * falling) for word, at in shares.items()
+    ]
+    rows.append(("**mean**", every.mean(axis=0)))
+    lines = [[name, *(f"{psnr:.2f} / {flip:.3f}" for psnr, flip in found)] for name, found in rows]
+    lines += [[name, *(f"{psnr:.2f} / {flip:.3f}" for psnr, flip in found)] for name, found in worst_first]
+    return f"Untuned views: PSNR / FLIP\n\n{markdown([head, ['---'] * len(head), *lines])}\n"
 
 
 def save_sheet(path: Path, results: Sequence[Result]) -> None:
