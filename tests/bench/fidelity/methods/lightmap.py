@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A flat lightmap, as engines have had it for decades: what a texel shows on the mean, to all viewers alike.
+
+Diffuse light is kept as its colour, four times as fine, times the light that falls in; the mean over the
+hemisphere of all else that the texel shows, reflections among it, is a second light map. Of this a sample
+counts as white at most, as bakers limit it: else the glare of a lamp, seen from one side, would be all over.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.report.gbuffer import Array, GBuffer
+
+from ..captured import capture_stage
+from ..lightmaps import bilinear, diffuse_map, means, sample_weights, texture_bytes, up_to_white
+from ..method import Baked
+from ..scenes import Stage
+
+
+class Lightmap:
+    """Bakes and looks up; `bytes` are those of BC7 for the colour and of BC6H for light."""
+
+    name = "lightmap"
+
+    def __init__(self, spec: BakeSpec) -> None:
+        self.spec = spec
+
+    def bake(self, stage: Stage, folder: Path) -> Baked:
+        started = perf_counter()
+        captured = capture_stage(stage, self.spec, folder)
+        light = captured.capture.light
+        weight = sample_weights(light)
+        diffuse = diffuse_map(captured.capture, weight)
+        other = means(weight, up_to_white(light.mirrored.astype(np.float32) + light.through))
+        rest = light.plan.placed(other, gutter=True)
+
+        def radiance(buffer: GBuffer) -> Array:
+            uv = buffer.uv[buffer.hit].astype(np.float32)
+            return buffer.spread(diffuse.look(uv) + bilinear(rest, uv))
+
+        return Baked(
+            paths=captured.paths,
+            seconds=perf_counter() - started,
+            bytes=diffuse.bytes + texture_bytes(rest),
+            radiance=radiance,
+            mesh=captured.prepared.mesh,
+            matrix_world=captured.matrix_world,
+            uv_layer=captured.prepared.uv_layer,
+        )
+
+
+def make(texels: int, samples: int) -> Lightmap:
+    """The flat lightmap of the paths that the shared layout takes."""
+    return Lightmap(BakeSpec(layout=Layout.SHARED, texels=texels, samples=samples))
