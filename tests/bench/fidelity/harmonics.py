@@ -10,6 +10,8 @@ from radtex_addon.bake.blocks import in_blocks, planes
 from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Floats
 
+from .lightmaps import pooled
+
 COUNT = 9
 _AT_ONCE = 1 << 13  # samples in hand, of nine numbers each
 
@@ -49,13 +51,11 @@ def fit_harmonics(
         weighted = columns * weight[some, :, None]
         against = np.einsum("ksa,ksb->kab", weighted, columns, optimize=True)
         towards = np.einsum("ksa,csk->kac", weighted, planes(values[some]).swapaxes(1, 2), optimize=True)
-        return np.concatenate([against, towards, np.ones((*against.shape[:2], 1))], axis=2)
+        return np.concatenate([against, towards], axis=2)
 
     texels, samples = weight.shape
-    table = np.concatenate(in_blocks(equations, texels, samples, _AT_ONCE)).astype(np.float32)
-    pooled = neighbours.pool(np.ascontiguousarray(table.reshape(texels, -1).T[..., None]))[..., 0].T
-    pooled = pooled.reshape(texels, COUNT, COUNT + 4).astype(np.float64)
-    pooled /= pooled[..., -1:]
+    table = np.concatenate(in_blocks(equations, texels, samples, _AT_ONCE))
+    table = pooled(neighbours, table.reshape(texels, -1)).reshape(table.shape).astype(np.float64)
     penalty = np.diag([0.0] + [ridge] * (COUNT - 1))
-    found: Floats = np.linalg.solve(pooled[..., :COUNT] + penalty, pooled[..., COUNT:-1])
+    found: Floats = np.linalg.solve(table[..., :COUNT] + penalty, table[..., COUNT:])
     return found.astype(np.float32)

@@ -4,7 +4,8 @@
 
 Diffuse light is kept as its colour, four times as fine, times the light that falls in; the mean over the
 hemisphere of all else that the texel shows, reflections among it, is a second light map. Of this a sample
-counts as white at most, as bakers limit it: else the glare of a lamp, seen from one side, would be all over.
+counts as white at most, as bakers limit it, else the glare of a lamp, seen from one side, would be all
+over; and it is blurred a little against noise, as bakers denoise it.
 """
 
 from __future__ import annotations
@@ -14,11 +15,12 @@ from time import perf_counter
 
 import numpy as np
 
+from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.report.gbuffer import Array, GBuffer
 
 from ..captured import capture_stage
-from ..lightmaps import bilinear, diffuse_map, means, sample_weights, texture_bytes, up_to_white
+from ..lightmaps import bilinear, diffuse_map, means, pooled, sample_weights, texture_bytes, up_to_white
 from ..method import Baked
 from ..scenes import Stage
 
@@ -38,6 +40,7 @@ class Lightmap:
         weight = sample_weights(light)
         diffuse = diffuse_map(captured.capture, weight)
         other = means(weight, up_to_white(light.mirrored.astype(np.float32) + light.through))
+        other = pooled(Neighbours(light.plan), other)
         rest = light.plan.placed(other, gutter=True)
 
         def radiance(buffer: GBuffer) -> Array:
