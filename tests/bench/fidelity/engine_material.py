@@ -4,8 +4,8 @@
 
 What is linked, be it an image or a procedural texture, is baked to a texture first, as a studio would that
 hands it to an engine: the input is emitted, and read where a ray along the normal first meets the surface.
-What engines lack or switch off by default is left out: thin films, anisotropy, sheen, subsurface scattering
-(which light baked into a lightmap has anyway), bump on the specular lobe, and any emission.
+What engines lack or switch off by default is left out: anisotropy, sheen, subsurface scattering (which light
+baked into a lightmap has anyway), bump on the specular lobe, and any emission.
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ class Inputs:
     """Textures (H, W, 3), linear, row 0 at v = 0, gutter filled; (1, 1, 3) where an input is constant.
 
     `colour` is the base colour, `surface` metallic, roughness and transmission, `coat` the coat's weight and
-    roughness, and the specular level; `ior` and `coat_ior` are numbers. `rays` is what the textures cost.
+    roughness, and the specular level; `ior` and `coat_ior` are numbers, and so are a thin film's thickness in
+    nanometres and its index, those of the first material. `rays` is what the textures cost.
     """
 
     colour: Floats
@@ -46,6 +47,8 @@ class Inputs:
     coat: Floats
     ior: float
     coat_ior: float
+    film: float
+    film_ior: float
     rays: int
 
     @property
@@ -71,9 +74,10 @@ def read_inputs(
             rays += len(plan.texel)
         else:
             images.append(constant)
-    first = shaders[0].inputs
+    numbers = ("IOR", "Coat IOR", "Thin Film Thickness", "Thin Film IOR")
+    ior, coat_ior, film, film_ior = (shaders[0].inputs[name].default_value for name in numbers)
     colour, surface, coat = images
-    return Inputs(colour, surface, coat, first["IOR"].default_value, first["Coat IOR"].default_value, rays)
+    return Inputs(colour, surface, coat, ior, coat_ior, film, film_ior, rays)
 
 
 def _materials(item: bpy.types.Object) -> list[bpy.types.Material]:

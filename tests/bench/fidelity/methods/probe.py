@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a game engine does: one reflection probe in the object's middle, the material's inputs, a lightmap.
 
-The probe is parallax-corrected and blurred by roughness; metals, dielectrics and clear coats mirror it by the
-split sum, dimmed where the object occludes itself. Diffuse light is a lightmap's. Glass shows the probe
-behind it as Filament's solid refraction does: through a ball as thick as the object.
+The probe is parallax-corrected and blurred by roughness; metals, dielectrics, thin films and clear coats
+mirror it by the split sum, dimmed where the object occludes itself. Diffuse light is a lightmap's. Glass
+shows the probe behind it as Filament's solid refraction does: through a ball as thick as the object.
 """
 
 from __future__ import annotations
@@ -27,22 +27,25 @@ from ..reflection_probe import Probe
 from ..scenes import Stage
 from ..self_occlusion import RAYS, ambient_visibility, specular_visibility
 from ..split_sum import reflectance
+from ..thin_film import filmed
 
 _STEPS = 16  # of the cosine, in a mean over viewers
 
 
 @dataclass(frozen=True, eq=False)
 class _Surface:
-    """The inputs at fragments (K, ...): frontal reflectances of the base and the coat, and all else."""
+    """The inputs at fragments (K, ...); `bare` is the base's frontal reflectance without a thin film."""
 
     colour: Floats
-    frontal: Floats
+    bare: Floats
     roughness: Floats
     metallic: Floats
     transmission: Floats
     coat: Floats
     coat_roughness: Floats
     coat_frontal: float
+    film: float
+    film_ior: float
 
     @classmethod
     def at(cls, inputs: Inputs, uv: Floats) -> _Surface:
@@ -52,20 +55,26 @@ class _Surface:
         dielectric = (2 * level * _frontal(inputs.ior))[:, None]
         return cls(
             colour=colour,
-            frontal=dielectric + metallic[:, None] * (colour - dielectric),
+            bare=dielectric + metallic[:, None] * (colour - dielectric),
             roughness=np.clip(roughness, 0, 1),
             metallic=metallic,
             transmission=transmission,
             coat=coat,
             coat_roughness=np.clip(coat_roughness, 0, 1),
             coat_frontal=_frontal(inputs.coat_ior),
+            film=inputs.film,
+            film_ior=inputs.film_ior,
         )
+
+    def frontal(self, cosine: Floats) -> Floats:
+        """The base's frontal reflectance (K, 3); under a thin film it depends on the cosine (K,)."""
+        return filmed(self.bare, cosine, self.film, self.film_ior) if self.film > 0 else self.bare
 
     def mirrored(self, cosine: Floats) -> tuple[Floats, Floats]:
         """The shares (K, 3) that coat and base mirror of even light, the base as seen through the coat."""
-        frontal = np.full_like(self.frontal, self.coat_frontal)
+        frontal = np.full_like(self.bare, self.coat_frontal)
         coat = self.coat[:, None] * reflectance(frontal, cosine, self.coat_roughness)
-        return coat, (1 - coat) * reflectance(self.frontal, cosine, self.roughness)
+        return coat, (1 - coat) * reflectance(self.frontal(cosine), cosine, self.roughness)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,9 +106,9 @@ class _Shader:
             return light * specular_visibility(visible, cosine, roughness, frontal)
 
         coat, base = surface.mirrored(cosine)
-        light = base * lobe(surface.roughness, surface.frontal)
+        light = base * lobe(surface.roughness, surface.frontal(cosine))
         if surface.coat.any():
-            light += coat * lobe(surface.coat_roughness, np.full_like(surface.frontal, surface.coat_frontal))
+            light += coat * lobe(surface.coat_roughness, np.full_like(surface.bare, surface.coat_frontal))
         light += self._diffuse(uv, surface, 1 - coat - base)
         if surface.transmission.any():
             through = (surface.transmission * (1 - surface.metallic))[:, None] * (1 - coat - base)
