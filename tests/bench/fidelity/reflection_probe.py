@@ -9,6 +9,7 @@ the distances of what was captured. Where everything is far, a side lies at infi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -109,8 +110,8 @@ class Probe:
         return sum(texture_bytes(image) for image in self.levels)
 
 
-def prefiltered(image: Floats) -> tuple[Floats, ...]:
-    """A picture (M, M, 3) on the octahedron, blurred for each of LEVELS.
+def prefiltered(image: Floats, levels: Sequence[tuple[float, int]] = LEVELS) -> tuple[Floats, ...]:
+    """A picture (M, M, 3) on the octahedron, blurred for each of some levels' roughness and size.
 
     By GGX where surface, viewer and mirror direction are one, weighted by the cosine: Karis, "Real Shading in
     Unreal Engine 4" (2013). A ray looks into a copy as coarse as its share of the sphere: Krivanek and
@@ -121,7 +122,7 @@ def prefiltered(image: Floats) -> tuple[Floats, ...]:
         half = len(chain[-1]) // 2
         chain.append(chain[-1].reshape(half, 2, half, 2, 3).mean(axis=(1, 3)))
     return tuple(
-        image if not rough else _blurred(chain, rough**2, size).astype(np.float32) for rough, size in LEVELS
+        image if not rough else _blurred(chain, rough**2, size).astype(np.float32) for rough, size in levels
     )
 
 

@@ -67,7 +67,7 @@ def _normalised(vectors: Floats) -> Floats:
 def test_even_surroundings_stay_even_and_a_bright_cell_spreads_ever_wider() -> None:
     image = np.ones((256, 256, 3), dtype=np.float32)
     image[128, 128, 0] = 1000
-    levels = prefiltered(image)
+    levels = prefiltered(image, ((0.0, 256), (0.2, 64), (0.5, 32), (1.0, 16)))
     for level in levels:
         assert level[..., 1:] == pytest.approx(np.ones_like(level[..., 1:]), abs=1e-4)
     brightest = [float(level[..., 0].max()) for level in levels]
