@@ -33,11 +33,12 @@ def filmed(frontal: Floats, cosine: Floats, thickness: float, ior: float) -> Flo
     `frontal` (K, 3) are those without; `thickness` is in nanometres.
     """
     inner = np.sqrt(1 - (1 - cosine[:, None] ** 2) / ior**2)
-    outer_once = _schlick(np.full_like(frontal, ((ior - 1) / (ior + 1)) ** 2), cosine[:, None])
+    outer: Floats = np.full(frontal.shape, ((ior - 1) / (ior + 1)) ** 2)
+    outer_once = _schlick(outer, cosine[:, None])
     passed = 1 - outer_once
     root = np.sqrt(np.clip(frontal, 0, 0.9999))
     base = (1 + root) / (1 - root)
-    base_once = _schlick(((base - ior) / (base + ior)) ** 2, inner)
+    base_once = _schlick(np.square((base - ior) / (base + ior)), inner)
     phase = np.pi + np.where(base < ior, np.pi, 0)
     both = np.clip(outer_once * base_once, 1e-5, 0.9999)
     through = passed**2 * base_once / (1 - both)
