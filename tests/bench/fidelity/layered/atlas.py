@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a layered bake keeps, and how it is looked up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from radtex_addon.bake.pooling import corner_cells, corners
+from radtex_addon.core.arrays import Floats, Ints
+from radtex_addon.core.octahedron import direction_to_octahedron
+from radtex_addon.core.shared import SharedAtlas, bilinear_texels, sample_falloff, sample_shared
+
+from .environment import Around
+from .lobes import Material, bent
+from .visibility import seen_free
+
+_STEEP = 0.3  # cosine between the mesh's normal and a shading normal, below which that is not used
+_LEAST_COSINE = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class LayeredAtlas:
+    """A bake in the layered layout; float32, scene-linear Rec.709, row 0 at v = 0, space the world's.
+
+    `colour` (H', W', 3), `irradiance` (H, W, 3), `falloff` (B, 3) as in the shared layout. `tint`
+    (H', W', 3): what lobes' weights are multiplied by, and `normal` (H', W', 3), the shading normal in world
+    space; None where they do not vary. `own` (h, w, n, n, 4): what a texel sees of the object itself along
+    an axis of the octahedron, and how much it leaves free; `rest` (h, w, m, m, 3). `through`: the lobe of
+    light that comes through, in the shared layout, if there is one.
+    """
+
+    colour: Floats
+    irradiance: Floats
+    falloff: Floats
+    tint: Floats | None
+    normal: Floats | None
+    around: Around
+    materials: tuple[Material, ...]
+    own: Floats
+    rest: Floats
+    through: SharedAtlas | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Fragments:
+    """Places looked at: `uv` (N, 2); `normal`, `viewer`, `position` (N, 3), world space; `material` (N,)."""
+
+    uv: Floats
+    normal: Floats
+    viewer: Floats
+    position: Floats
+    material: Ints
+
+
+def sample_layered(atlas: LayeredAtlas, at: Fragments) -> Floats:
+    """Radiance seen at fragments, (N, 3) float32, linear."""
+    normal = at.normal
+    if atlas.normal is not None:
+        shading = bilinear(atlas.normal, at.uv)
+        shading /= np.maximum(np.linalg.norm(shading, axis=1, keepdims=True), 1e-6)
+        agrees = (shading * normal).sum(axis=1, keepdims=True) > _STEEP
+        normal = np.where(agrees, shading, normal)
+    cosine = (normal * at.viewer).sum(axis=1)
+    axis = (2 * cosine[:, None] * normal - at.viewer).astype(np.float32)
+    cosine = np.maximum(cosine, _LEAST_COSINE)
+    light = bilinear(atlas.colour, at.uv) * bilinear(atlas.irradiance, at.uv)
+    light = light * sample_falloff(atlas.falloff, cosine)
+    own = look_up(atlas.own, at.uv, axis)
+    offset = at.position - atlas.around.middle
+    direct, share = mirrored_light(
+        atlas.around, atlas.materials, offset, axis, normal, cosine, at.material, own[3], atlas.own.shape[2]
+    )
+    mirrored = direct + share * own[:3]
+    if atlas.tint is not None:
+        mirrored *= bilinear(atlas.tint, at.uv).T
+    light = light + (mirrored + look_up(atlas.rest, at.uv, axis)).T
+    if atlas.through is not None:
+        through = (at.uv, at.normal, at.viewer)
+        light = light + sample_shared(atlas.through, *(field.astype(np.float32) for field in through))
+    return cast(Floats, np.maximum(light, 0).astype(np.float32))
+
+
+def mirrored_light(
+    around: Around,
+    materials: Sequence[Material],
+    offset: Floats,
+    axis: Floats,
+    normal: Floats,
+    cosine: Floats,
+    material: Ints,
+    free: Floats,
+    cells: int,
+) -> tuple[Floats, Floats]:
+    """What lobes show of the surroundings, (3, N), and how much they show of the object itself, (3, N).
+
+    `offset` (N, 3) is from the middle, `axis` (N, 3) the mirror direction, `cosine` (N,) N.V; `free` (N,)
+    what the kept mask of `cells` x `cells` says.
+    """
+    direct, share = (np.zeros((3, len(axis)), dtype=np.float32) for _ in range(2))
+    for number, lobes in enumerate(materials):
+        some = np.flatnonzero(material == number)
+        if not len(some) or not lobes.weight.any():
+            continue
+        weight, variance, bend = lobes.at(cosine[some])
+        turned = bent(axis[some], normal[some], bend)
+        for one, wide in zip(weight, variance.astype(np.float32), strict=True):
+            seen = seen_free(free[some], wide, cells)
+            direct[:, some] += one * seen * around.look(offset[some], turned, wide)
+            share[:, some] += one * (1 - seen)
+    return direct, share
+
+
+def bilinear(image: Floats, uv: Floats) -> Floats:
+    """An image (H, W, C) at texture coordinates (N, 2), filtered and clamped: (N, C) float32."""
+    height, width = image.shape[:2]
+    flat = image.reshape(height * width, -1)
+    total = np.zeros((len(uv), flat.shape[1]), dtype=np.float32)
+    for texel, weight in bilinear_texels(uv.astype(np.float32), width, height):
+        total += weight[:, None].astype(np.float32) * flat[texel]
+    return total
+
+
+def look_up(buckets: Floats, uv: Floats, axis: Floats) -> Floats:
+    """Buckets (H, W, n, n, C) at texture coordinates (N, 2) and axes (N, 3): (C, N), filtered in both."""
+    height, width, n = buckets.shape[:3]
+    flat = buckets.reshape(height * width, n * n, -1)
+    corner, weights = corners(direction_to_octahedron(axis).T.astype(np.float32), n)
+    cells = corner_cells(n).take(corner, axis=1)
+    total = np.zeros((len(uv), flat.shape[2]), dtype=np.float32)
+    for texel, share in bilinear_texels(uv.astype(np.float32), width, height):
+        for cell, weight in zip(cells, weights, strict=True):
+            total += (share * weight).astype(np.float32)[:, None] * flat[texel, cell]
+    return cast(Floats, total.T)

@@ -1,0 +1,218 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surroundings in layers: pictures from the object's middle, and where rays from elsewhere meet them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import cast
+
+import numpy as np
+
+from radtex_addon.bake.light_samples import SurroundingsSamples
+from radtex_addon.bake.surroundings import Surroundings, _Maps
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.gutter import dilate, nearest_covered
+from radtex_addon.core.octahedron import direction_to_octahedron, octahedron_cell
+
+DISTANCES = 128  # cells along a side of a layer's map of distances
+STEPS = 2  # by which a ray finds what it meets in such a map
+_LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # of distances from the fragment and from the middle
+_PARALLEL = 1e-4  # cosine, below which a ray runs along a plane
+
+
+@dataclass(frozen=True, eq=False)
+class Pictures:
+    """A picture over the octahedron of directions and its blurred copies: `levels` (M, M, C), float32.
+
+    Level l is blurred by a variance of `sharpest` 4^l, radians² along each of two axes.
+    """
+
+    levels: tuple[Floats, ...]
+    sharpest: float
+
+    @classmethod
+    def of(cls, direction: Floats, values: Floats, size: int) -> Pictures:
+        """The means of `values` (P, 3) or (P, 4), seen in unit directions (P, 3), in size x size cells."""
+        direction = direction.reshape(-1, 3).astype(np.float32)
+        values = values.reshape(len(direction), -1).astype(np.float32)
+        colours = _blurred(direction, values[:, :3], size)
+        if values.shape[1] == 3:
+            return cls(colours.levels, colours.sharpest)
+        alpha = _blurred(direction, np.repeat(values[:, 3:], 3, axis=1), size)
+        both = zip(colours.levels, alpha.levels, strict=True)
+        levels = tuple(np.concatenate([colour, cover[..., :1]], axis=-1) for colour, cover in both)
+        return cls(levels, colours.sharpest)
+
+    def look(self, direction: Floats, variance: Floats) -> Floats:
+        """The picture around directions (N, 3), blurred by variances (N,): (C, N) float32."""
+        place = direction_to_octahedron(direction).T
+        last = len(self.levels) - 1
+        level = np.log2(np.maximum(variance, 1e-12) / self.sharpest) / 2
+        level = np.clip(level, 0, last).astype(np.float32)
+        lower = np.minimum(level.astype(np.intp), max(last - 1, 0))
+        above = level - lower
+        found = self._maps.look(place, lower) * (1 - above)
+        return cast(Floats, found + self._maps.look(place, np.minimum(lower + 1, last)) * above)
+
+    @cached_property
+    def _maps(self) -> _Maps:
+        return _Maps.of(self.levels)
+
+
+def _blurred(direction: Floats, colours: Floats, size: int) -> Surroundings:
+    one = np.ones(len(colours), dtype=np.float32)
+    return Surroundings.of(SurroundingsSamples(np.zeros(3, np.float32), direction, colours, one), size)
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """Points p, from the object's middle, of `normal` . p = `height`."""
+
+    normal: Floats
+    height: float
+
+    def meet(self, offset: Floats, axis: Floats) -> tuple[Floats, Floats]:
+        """Where rays from offsets (N, 3) along unit axes (N, 3) meet it.
+
+        The directions from the middle (N, 3), and distances from the offset over those from the middle (N,).
+        """
+        towards = axis @ self.normal
+        towards = np.where(np.abs(towards) > _PARALLEL, towards, _PARALLEL)
+        far = np.maximum((self.height - offset @ self.normal) / towards, 0)
+        met = offset + far[:, None] * axis
+        distance = np.maximum(np.linalg.norm(met, axis=1), 1e-6)
+        away = far <= 0
+        ratio = np.where(away, 1, far / distance)
+        return np.where(away[:, None], axis, met / distance[:, None]), ratio
+
+
+@dataclass(frozen=True, eq=False)
+class Impostor:
+    """One over the distance from the middle of what lies in each direction: `nearness` (D, D).
+
+    Szirmay-Kalos et al., "Approximate Ray-Tracing on the GPU with Distance Impostors" (2005).
+    """
+
+    nearness: Floats
+
+    @classmethod
+    def of(cls, direction: Floats, distance: Floats) -> Impostor:
+        """Of things at distances (P,) in unit directions (P, 3), of which there are some."""
+        cell = octahedron_cell(direction_to_octahedron(direction.astype(np.float32)), DISTANCES)
+        count = np.bincount(cell, minlength=DISTANCES**2)
+        mean = np.bincount(cell, 1 / distance, minlength=DISTANCES**2) / np.maximum(count, 1)
+        image = mean.astype(np.float32).reshape(DISTANCES, DISTANCES)
+        return cls(dilate(image, nearest_covered((count > 0).reshape(image.shape))))
+
+    def meet(self, offset: Floats, axis: Floats) -> tuple[Floats, Floats]:
+        """As `Plane.meet`: the sphere is cut that is as large as what lies in the direction found last."""
+        along = (offset * axis).sum(axis=1)
+        squared = (offset * offset).sum(axis=1)
+        met, ratio = axis, np.ones(len(axis), dtype=np.float32)
+        for _ in range(STEPS):
+            distance = 1 / np.maximum(self._maps.look(direction_to_octahedron(met).T, 0)[0], 1e-9)
+            far = np.sqrt(np.maximum(along * along - squared + distance * distance, 0)) - along
+            reached = offset + far[:, None] * axis
+            length = np.maximum(np.linalg.norm(reached, axis=1), 1e-6)
+            met, ratio = reached / length[:, None], far / length
+        return met, ratio
+
+    @cached_property
+    def _maps(self) -> _Maps:
+        return _Maps.of([self.nearness[..., None]])
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """Things near the object, over nothing: `pictures` of premultiplied radiance and alpha, and a `shape`."""
+
+    pictures: Pictures
+    shape: Plane | Impostor
+
+    def over(self, light: Floats, offset: Floats, axis: Floats, variance: Floats) -> Floats:
+        """`light` (3, N) behind the layer, with the layer before it, seen blurred from offsets."""
+        met, ratio = self.shape.meet(offset, axis)
+        ratio = np.clip(ratio, _LEAST_RATIO, _MOST_RATIO)
+        seen = self.pictures.look(met.astype(np.float32), variance * ratio * ratio)
+        return cast(Floats, light * (1 - seen[3]) + seen[:3])
+
+
+@dataclass(frozen=True, eq=False)
+class Lamp:
+    """A lamp that is seen: its `place` (3,) from the middle, `irradiance` (3,) there, `variance` of its size.
+
+    The irradiance is that of a surface at the middle that faces it, the variance in radians² along each axis.
+    """
+
+    place: Floats
+    irradiance: Floats
+    variance: float
+
+    def light(self, offset: Floats, axis: Floats, variance: Floats) -> Floats:
+        """What rays see of it, blurred by variances (N,): (3, N)."""
+        towards = (self.place - offset).astype(np.float32)
+        distance = np.linalg.norm(towards, axis=1)
+        squared = 2 * (
+            1 - (axis * towards).sum(axis=1) / distance
+        )  # the angle between them, small or useless
+        nearer = float((self.place**2).sum()) / distance**2
+        wide = variance + self.variance * nearer
+        shown = nearer * np.exp(-squared / (2 * wide)) / (2 * np.pi * wide)
+        return cast(Floats, self.irradiance[:, None].astype(np.float32) * shown.astype(np.float32))
+
+
+@dataclass(frozen=True, eq=False)
+class Around:
+    """All around the object, from its `middle` (3,): the world, `layers` from far to near, lamps."""
+
+    middle: Floats
+    world: Pictures
+    layers: tuple[Layer, ...]
+    lamps: tuple[Lamp, ...]
+
+    def look(self, offset: Floats, axis: Floats, variance: Floats) -> Floats:
+        """What rays from offsets (N, 3) from the middle see along unit axes (N, 3): (3, N) float32.
+
+        Blurred by variances (N,), radians² along each of two axes.
+        """
+        axis, offset = axis.astype(np.float32), offset.astype(np.float32)
+        light = self.world.look(axis, variance)
+        for layer in self.layers:
+            light = layer.over(light, offset, axis, variance)
+        for lamp in self.lamps:
+            light = light + lamp.light(offset, axis, variance)
+        return light.astype(np.float32)
+
+    def flattened(self, directions: Floats) -> Floats:
+        """What is seen from the middle itself, sharp: (3, N)."""
+        here, sharp = np.zeros_like(directions), np.full(len(directions), 1e-12, dtype=np.float32)
+        return self.look(here, directions, sharp)
+
+
+def lamps_of(direction: Floats, radiance: Floats, places: Sequence[Floats]) -> tuple[Lamp, ...]:
+    """Lamps from a picture of them alone, in size x size cells of the octahedron.
+
+    `direction` (P, 3) and `radiance` (P, 3) are the cells'; `places` (3,) the lamps', from the middle. A lamp
+    that covers no cell's centre is left out.
+    """
+    lit = radiance.sum(axis=1) > 0
+    solid = 4 * np.abs(direction[lit]).sum(axis=1) ** 3 / len(direction)  # of a cell, on the sphere
+    towards = np.stack([place / np.linalg.norm(place) for place in places])
+    nearest = np.argmax(direction[lit] @ towards.T, axis=1)
+    found = []
+    for number, place in enumerate(places):
+        own = nearest == number
+        if not own.any():
+            continue
+        sent, seen = radiance[lit][own] * solid[own, None], direction[lit][own]
+        weight = sent.sum(axis=1)
+        centre = (seen * weight[:, None]).sum(axis=0)
+        centre /= np.linalg.norm(centre)
+        squared = 2 * np.maximum(1 - seen @ centre, 0)
+        variance = float((squared * weight).sum() / weight.sum() / 2)
+        at = centre * np.linalg.norm(place)
+        found.append(Lamp(at.astype(np.float32), sent.sum(axis=0), max(variance, 1e-7)))
+    return tuple(found)

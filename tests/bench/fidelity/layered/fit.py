@@ -1,0 +1,320 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fitting the layered layout to its captures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+
+from radtex_addon.bake import fit as shared_fit
+from radtex_addon.bake.blocks import in_blocks, planes
+from radtex_addon.bake.fit import _told
+from radtex_addon.bake.gloss import LobeSamples
+from radtex_addon.bake.light_samples import EndSamples, LightSamples, SurroundingsSamples, straight_through
+from radtex_addon.bake.plan import CapturePlan
+from radtex_addon.bake.pooling import Neighbours, Taps
+from radtex_addon.bake.progress import finished
+from radtex_addon.bake.surroundings import Surroundings
+from radtex_addon.core.arrays import Bools, Floats, Ints
+from radtex_addon.core.gutter import dilate, nearest_covered
+from radtex_addon.core.octahedron import cell_directions, direction_to_octahedron
+from radtex_addon.core.shared import Axis, SharedAtlas, sample_falloff
+
+from .atlas import LayeredAtlas, mirrored_light
+from .environment import Around
+from .irradiance import fit_irradiance
+from .lobes import Material, Paths, fit_materials
+from .own_light import OwnRays, Surface, own_light
+from .residual import fit_rest
+from .visibility import free_share
+
+OWN_CELLS, REST_CELLS = 16, 8  # along the sides of buckets
+COARSER = 2  # texels along a side of those that have buckets of their own
+_THROUGH_SIZE = 256  # cells along a side of the picture that light comes through from
+_THROUGH_CELLS = 16
+_FAINT = 1e-3  # of all light: what comes through and is less is left out
+_FREE = 0.98  # of a direction, above which a path is taken to leave the object straight away
+_VARIES = 0.02  # standard deviation of the tint, above which it is kept
+_TURNED = 2.0  # degrees between shading normals and the mesh's, in one texel of ten, from which they are kept
+
+
+@dataclass(frozen=True, eq=False)
+class Capture:
+    """What the layered layout is fitted to.
+
+    `light`: single paths. `alone`: paths through the object in an empty world. `own`: mirror rays that meet
+    the object itself. `fine` and `coarse`: maps of the diffuse colour, the glossy colour and the shading
+    normal, "diffuse", "glossy", "normal", (H', W', 3) and (H, W, 3). `material` (K,): of the texels.
+    `through`: for objects that let light through, paths' ends in the surroundings, and these from the middle.
+    """
+
+    light: LightSamples
+    alone: EndSamples
+    own: OwnRays
+    around: Around
+    fine: dict[str, Floats]
+    coarse: dict[str, Floats]
+    material: Ints
+    through: tuple[EndSamples, SurroundingsSamples] | None = None
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Which parts of the layout are fitted: each may be left out, to see what it is worth."""
+
+    own: bool = True
+    rest: bool = True
+    lamps: bool = True
+    layers: bool = True
+    tint: bool = True
+    normals: bool = True
+    second_lobe: bool = True
+    smooth: bool = True
+
+
+ALL_PARTS = Parts()
+
+
+def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
+    """Fit the layered layout to a capture."""
+    light, plan = capture.light, capture.light.plan
+    neighbours = Neighbours(plan, False)
+    facing = shared_fit._facing(light)
+    used = facing > 0
+    around = _around(capture.around, parts)
+    normal, normal_map = _normals(capture, parts)
+    tint, tint_map = _tint(capture, parts)
+    falloff, diffuse = shared_fit.fit_diffuse(light, facing)
+    colour = _colour(light, falloff)
+    if parts.smooth:
+        irradiance = fit_irradiance(light, facing, falloff, colour, neighbours)
+    else:
+        irradiance = shared_fit._divide_out(diffuse, light, falloff)
+    rays = turned_samples(capture.own.rays, normal)
+    own = replace(capture.own, rays=rays)
+    free = free_share(rays, ~own.hit, neighbours, OWN_CELLS)
+    materials = _materials(capture, normal, free, parts)
+    surface = Surface(
+        plan, normal, irradiance * colour, falloff, tint, capture.material, materials, around, free
+    )
+    own_table = np.zeros((3, *free.shape[1:]), dtype=np.float32)
+    if parts.own:
+        own_table = own_light(surface, own, neighbours)
+    samples = turned_samples(LobeSamples(plan, Axis.MIRROR, light.square, light.mirrored, used), normal)
+    place, shown = _shown(surface, samples, own_table)
+    rest = np.zeros((3, len(plan.texel), REST_CELLS**2), dtype=np.float32)
+    if parts.rest:
+        rest = fit_rest(place, light.mirrored, used, shown, neighbours, REST_CELLS)
+    return LayeredAtlas(
+        colour=capture.fine["diffuse"].astype(np.float32),
+        irradiance=plan.placed(irradiance, gutter=True),
+        falloff=falloff,
+        tint=tint_map,
+        normal=normal_map,
+        around=around,
+        materials=materials,
+        own=_placed(plan, np.concatenate([own_table, free]), COARSER),
+        rest=_placed(plan, rest, 2),
+        through=_through(capture, used, neighbours),
+    )
+
+
+def _around(around: Around, parts: Parts) -> Around:
+    if not parts.layers:
+        levels = tuple(_flat_level(around, level) for level in around.world.levels)
+        around = replace(around, world=replace(around.world, levels=levels), layers=())
+    return around if parts.lamps else replace(around, lamps=())
+
+
+def _flat_level(around: Around, level: Floats) -> Floats:
+    """A level of the world's picture with the layers before it, as they are seen from the middle."""
+    size = len(level)
+    variance = np.full(
+        size * size, around.world.sharpest * (len(around.world.levels[0]) / size) ** 2, dtype=np.float32
+    )
+    direction = cell_directions(size).astype(np.float32)
+    without = replace(around, lamps=())
+    return cast(Floats, without.look(np.zeros_like(direction), direction, variance).T.reshape(level.shape))
+
+
+def _normals(capture: Capture, parts: Parts) -> tuple[Floats, Floats | None]:
+    """The texels' shading normals (K, 3), and their map where they are not the mesh's own."""
+    plan = capture.light.plan
+    mesh = plan.normals.astype(np.float32)
+    found = capture.coarse["normal"].reshape(-1, 3)[plan.texel].astype(np.float32)
+    length = np.linalg.norm(found, axis=1, keepdims=True)
+    found /= np.maximum(length, 1e-6)
+    usable = (length[:, 0] > 0.5) & ((found * mesh).sum(axis=1) > 0)
+    found = np.where(usable[:, None], found, mesh)
+    turned = np.degrees(np.arccos(np.clip((found * mesh).sum(axis=1), -1, 1)))
+    if not parts.normals or np.percentile(turned, 90) < _TURNED:
+        return mesh, None
+    return found, capture.fine["normal"].astype(np.float32)
+
+
+def _tint(capture: Capture, parts: Parts) -> tuple[Floats, Floats | None]:
+    """How glossy colours differ from their material's mean, of the texels (K, 3), and a map where they do."""
+    glossy = capture.coarse["glossy"].reshape(-1, 3)[capture.light.plan.texel].astype(np.float32)
+    mean = np.ones_like(glossy)
+    for number in np.unique(capture.material):
+        own = capture.material == number
+        mean[own] = np.maximum(glossy[own].mean(axis=0), 1e-3)
+    tint = glossy / mean
+    if not parts.tint or float(tint.std(axis=0).max()) < _VARIES:
+        return np.ones_like(glossy), None
+    plan = capture.light.plan
+    means = plan.placed(mean, gutter=True)
+    finer = capture.fine["glossy"].shape[0] // means.shape[0]
+    spread = means.repeat(finer, axis=0).repeat(finer, axis=1)
+    return tint, (capture.fine["glossy"] / spread).astype(np.float32)
+
+
+def _colour(light: LightSamples, falloff: Floats) -> Floats:
+    """The texels' diffuse colour along the normal, (K, 3)."""
+    cosine = shared_fit._cosine(light.square[:: max(1, len(light.square) // 256)])
+    mean = sample_falloff(falloff, cosine.ravel()).mean(axis=0)
+    return cast(Floats, (light.colour / np.maximum(mean, 1e-6)).astype(np.float32))
+
+
+class _Turned(LobeSamples):
+    """Samples along the mirror directions of shading normals `normal` (K, 3)."""
+
+    normal: Floats
+
+    def along(self, some: slice) -> tuple[Floats, Floats]:
+        viewer = -straight_through(self.plan, self.square[some].astype(np.float32), some)
+        normal = self.normal[some][:, None]
+        axis = 2 * (viewer * normal).sum(axis=-1, keepdims=True) * normal - viewer
+        return planes(axis), planes(direction_to_octahedron(axis.astype(np.float32)))
+
+
+def turned_samples(samples: LobeSamples, normal: Floats) -> LobeSamples:
+    """The samples along the mirror directions about `normal` (K, 3)."""
+    turned = _Turned(samples.plan, samples.axis, samples.square, samples.values, samples.used)
+    object.__setattr__(turned, "normal", normal)
+    return turned
+
+
+def _cosines(plan: CapturePlan, square: Floats, normal: Floats, some: slice) -> Floats:
+    """N.V about the shading normals, (k, S)."""
+    viewer = -straight_through(plan, square[some].astype(np.float32), some)
+    return cast(Floats, np.clip((viewer * normal[some][:, None]).sum(axis=-1), 1e-3, 1))
+
+
+def _materials(capture: Capture, normal: Floats, free: Floats, parts: Parts) -> tuple[Material, ...]:
+    ends = capture.alone
+    shape = ends.square.shape[:2]
+    white = turned_samples(
+        LobeSamples(ends.plan, Axis.MIRROR, ends.square, ends.mirrored_weight, np.ones(shape, bool)), normal
+    )
+    axis = np.empty((*shape, 3), dtype=np.float32)
+    open_to, cosine = np.empty(shape, dtype=np.float32), np.empty(shape, dtype=np.float32)
+
+    def look(some: slice) -> None:
+        axes, place = white.along(some)
+        axis[some] = np.moveaxis(axes, 0, -1)
+        open_to[some] = Taps.of(place, OWN_CELLS).gather(free[:, some])[0]
+        cosine[some] = _cosines(ends.plan, ends.square, normal, some)
+
+    in_blocks(look, *shape)
+    chosen = open_to > _FREE
+    for number in np.unique(capture.material):  # a material that lies in hollows alone: its openest paths
+        own = (capture.material == number)[:, None]
+        if (chosen & own).sum() < 0.02 * own.sum() * shape[1]:
+            chosen |= own & (open_to >= np.quantile(open_to[own[:, 0]], 0.95))
+    texel, number = np.nonzero(chosen)
+    paths = Paths(
+        weight=ends.mirrored_weight[texel, number].astype(np.float32),
+        end=ends.mirrored_end[texel, number].astype(np.float32),
+        axis=axis[texel, number],
+        normal=normal[texel],
+        cosine=cosine[texel, number],
+        material=capture.material[texel],
+    )
+    materials = fit_materials(paths, int(capture.material.max()) + 1)
+    return materials if parts.second_lobe else tuple(map(_single, materials))
+
+
+def _single(material: Material) -> Material:
+    """The same with one lobe, of both ones' mean variance."""
+    bright = material.weight.sum(axis=2)
+    total = np.maximum(bright.sum(axis=0), 1e-9)
+    variance = (bright * material.variance).sum(axis=0) / total
+    weight = np.stack([material.weight.sum(axis=0), np.zeros_like(material.weight[0])])
+    return replace(material, weight=weight, variance=np.stack([np.maximum(variance, 1e-6)] * 2))
+
+
+def _shown(surface: Surface, samples: LobeSamples, own: Floats) -> tuple[Floats, Floats]:
+    """The samples' places on the octahedron's square (2, K, S), and what the model says of them (3, K, S)."""
+    shape = samples.used.shape
+    place, shown = (np.empty((count, *shape), dtype=np.float32) for count in (2, 3))
+    offset = (surface.plan.points - surface.around.middle).astype(np.float32)
+
+    def look(some: slice) -> None:
+        axis, place[:, some] = samples.along(some)
+        taps = Taps.of(place[:, some], OWN_CELLS)
+        each = np.arange(some.start, some.stop).repeat(shape[1])
+        direct, share = mirrored_light(
+            surface.around, surface.materials, offset[each], axis.reshape(3, -1).T, surface.normal[each],
+            _cosines(surface.plan, samples.square, surface.normal, some).ravel(), surface.material[each],
+            taps.gather(surface.free[:, some])[0].ravel(), OWN_CELLS,
+        )  # fmt: skip
+        seen = (direct + share * taps.gather(own[:, some]).reshape(3, -1)) * surface.tint[each].T
+        shown[:, some] = seen.reshape(3, -1, shape[1])
+
+    in_blocks(look, shape[0], shape[1], 1 << 16)
+    return place, shown
+
+
+def _through(capture: Capture, used: Bools, neighbours: Neighbours) -> SharedAtlas | None:
+    """The lobe of what comes through, in the shared layout."""
+    if capture.through is None:
+        return None
+    light, plan = capture.light, capture.light.plan
+    ends, surroundings = capture.through
+    picture = Surroundings.of(surroundings, _THROUGH_SIZE)
+    fit = shared_fit._LobeFit(light, ends, used, picture, neighbours, _THROUGH_CELLS)
+    parts, _ = finished(_told(fit.lobe(Axis.THROUGH, surroundings), 0, 1))
+    return SharedAtlas(
+        colour=np.zeros((1, 1, 3), dtype=np.float32),
+        irradiance=np.zeros((plan.layout.height, plan.layout.width, 3), dtype=np.float32),
+        falloff=np.ones((2, 3), dtype=np.float32),
+        surroundings=picture.levels,
+        sharpest=picture.sharpest,
+        lobes=(shared_fit._placed(plan, Axis.THROUGH, parts),),
+    )
+
+
+def lets_through(alone: EndSamples, light: LightSamples) -> bool:
+    """Whether enough light comes through the object to be fitted."""
+    through, total = light.through.sum(dtype=np.float64), 0.0
+    total = through + light.mirrored.sum(dtype=np.float64) + light.diffuse.sum(dtype=np.float64)
+    return bool(through > _FAINT * total and alone.through_weight.any())
+
+
+def _placed(plan: CapturePlan, table: Floats, coarser: int) -> Floats:
+    """A table (C, K, n*n) as buckets (H / coarser, W / coarser, n, n, C), gutter filled.
+
+    Each bucket is the mean of those of its texels that the plan has.
+    """
+    n = round(table.shape[2] ** 0.5)
+    buckets = np.moveaxis(table, 0, -1).reshape(table.shape[1], n * n, -1)
+    if coarser == 1:
+        return plan.placed(buckets.reshape(len(buckets), n, n, -1), gutter=True)
+    height, width = plan.layout.height // coarser, plan.layout.width // coarser
+    j, i = np.divmod(plan.texel, plan.layout.width)
+    block = np.minimum(j // coarser, height - 1) * width + np.minimum(i // coarser, width - 1)
+    order = np.argsort(block, kind="stable")
+    found, first = np.unique(block[order], return_index=True)
+    count = np.diff(np.append(first, len(block)))
+    means = np.add.reduceat(buckets[order], first, axis=0) / count[:, None, None]
+    flat = np.zeros((height * width, n, n, means.shape[-1]), dtype=np.float32)
+    flat[found] = means.reshape(len(found), n, n, -1)
+    covered = np.zeros(height * width, dtype=bool)
+    covered[found] = True
+    image = flat.reshape(height, width, n, n, -1)
+    filled: Floats = dilate(image, nearest_covered(covered.reshape(height, width)))
+    return filled

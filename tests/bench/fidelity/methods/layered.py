@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The draft of the layered layout: what it can show, from its maps as they were fitted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.core.arrays import Ints
+from radtex_addon.report.gbuffer import Array, GBuffer
+
+from ..layered.atlas import Fragments, LayeredAtlas, sample_layered
+from ..layered.capture import capture_layered
+from ..layered.fit import ALL_PARTS, Parts, fit_layered
+from ..layered.sizes import texture_bytes
+from ..method import Baked
+from ..scenes import Stage
+
+
+def look(atlas: LayeredAtlas, faces: Ints, buffer: GBuffer) -> Array:
+    """What a G-buffer's rays see of the atlas, (N, 3), linear; 0 where they miss. `faces` (F,): materials."""
+    hit = buffer.hit
+    fields = (buffer.uv, buffer.normal, buffer.incoming, buffer.position)
+    uv, normal, viewer, position = (field[hit].astype(np.float32) for field in fields)
+    at = Fragments(uv, normal, viewer, position, faces[buffer.triangle[hit]])
+    return buffer.spread(sample_layered(atlas, at))
+
+
+class Layered:
+    """Bakes and looks up; `bytes` are those of BC-compressed textures."""
+
+    name = "layered"
+
+    def __init__(self, spec: BakeSpec, parts: Parts = ALL_PARTS) -> None:
+        self.spec, self.parts = spec, parts
+
+    def bake(self, stage: Stage, folder: Path) -> Baked:
+        started = perf_counter()
+        captured = capture_layered(stage, self.spec, folder)
+        middle = perf_counter()
+        atlas = fit_layered(captured.capture, self.parts)
+        ended = perf_counter()
+        print(
+            f"{stage.name}: captured in {middle - started:.1f} s, fitted in {ended - middle:.1f} s, "
+            f"{captured.paths / 1e6:.1f} M paths, {captured.rays / 1e6:.1f} M rays to the object itself",
+            flush=True,
+        )
+        return Baked(
+            paths=captured.paths,
+            seconds=ended - started,
+            bytes=texture_bytes(atlas),
+            radiance=lambda buffer: look(atlas, captured.faces, buffer),
+            mesh=captured.prepared.mesh,
+            matrix_world=captured.matrix_world,
+            uv_layer=captured.prepared.uv_layer,
+        )
+
+
+def make(texels: int, samples: int) -> Layered:
+    """The layered layout with no more paths than the plain one spends with 8 x 8 cells."""
+    return Layered(BakeSpec(layout=Layout.SHARED, texels=texels, samples=samples))
