@@ -29,11 +29,12 @@ from radtex_addon.scene.scratch import scene_copied, scratch_scene
 
 from ..scenes import Stage
 from .environment import Around
-from .fit import Capture, lets_through
+from .fit import Capture
 from .lamps import find_lamps
 from .maps import capture_maps
 from .own_rays import capture_own_rays
 from .panoramas import look_around
+from .through import lets_through
 
 OWN_SIDE = 40  # rays along a side of a texel's hemisphere, that tell what it sees of the object itself
 

@@ -11,17 +11,14 @@ import numpy as np
 
 from radtex_addon.bake import fit as shared_fit
 from radtex_addon.bake.blocks import in_blocks, planes
-from radtex_addon.bake.fit import _told
 from radtex_addon.bake.gloss import LobeSamples
 from radtex_addon.bake.light_samples import EndSamples, LightSamples, SurroundingsSamples, straight_through
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.pooling import Neighbours, Taps
-from radtex_addon.bake.progress import finished
-from radtex_addon.bake.surroundings import Surroundings
-from radtex_addon.core.arrays import Bools, Floats, Ints
+from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.gutter import dilate, nearest_covered
 from radtex_addon.core.octahedron import cell_directions, direction_to_octahedron
-from radtex_addon.core.shared import Axis, SharedAtlas, sample_falloff
+from radtex_addon.core.shared import Axis, sample_falloff
 
 from .atlas import LayeredAtlas, mirrored_light
 from .environment import Around
@@ -29,13 +26,11 @@ from .irradiance import fit_irradiance
 from .lobes import Material, Paths, fit_materials
 from .own_light import OwnRays, Surface, own_light
 from .residual import fit_rest
+from .through import fit_through
 from .visibility import free_share
 
 OWN_CELLS, REST_CELLS = 16, 8  # along the sides of buckets
 COARSER = 2  # texels along a side of those that have buckets of their own
-_THROUGH_SIZE = 256  # cells along a side of the picture that light comes through from
-_THROUGH_CELLS = 16
-_FAINT = 1e-3  # of all light: what comes through and is less is left out
 _FREE = 0.98  # of a direction, above which a path is taken to leave the object straight away
 _VARIES = 0.02  # standard deviation of the tint, above which it is kept
 _TURNED = 2.0  # degrees between shading normals and the mesh's, in one texel of ten, from which they are kept
@@ -118,7 +113,7 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
         materials=materials,
         own=_placed(plan, np.concatenate([own_table, free]), COARSER),
         rest=_placed(plan, rest, 2),
-        through=_through(capture, used, neighbours),
+        through=None if capture.through is None else fit_through(light, *capture.through, used, neighbours),
     )
 
 
@@ -267,32 +262,6 @@ def _shown(surface: Surface, samples: LobeSamples, own: Floats) -> tuple[Floats,
 
     in_blocks(look, shape[0], shape[1], 1 << 16)
     return place, shown
-
-
-def _through(capture: Capture, used: Bools, neighbours: Neighbours) -> SharedAtlas | None:
-    """The lobe of what comes through, in the shared layout."""
-    if capture.through is None:
-        return None
-    light, plan = capture.light, capture.light.plan
-    ends, surroundings = capture.through
-    picture = Surroundings.of(surroundings, _THROUGH_SIZE)
-    fit = shared_fit._LobeFit(light, ends, used, picture, neighbours, _THROUGH_CELLS)
-    parts, _ = finished(_told(fit.lobe(Axis.THROUGH, surroundings), 0, 1))
-    return SharedAtlas(
-        colour=np.zeros((1, 1, 3), dtype=np.float32),
-        irradiance=np.zeros((plan.layout.height, plan.layout.width, 3), dtype=np.float32),
-        falloff=np.ones((2, 3), dtype=np.float32),
-        surroundings=picture.levels,
-        sharpest=picture.sharpest,
-        lobes=(shared_fit._placed(plan, Axis.THROUGH, parts),),
-    )
-
-
-def lets_through(alone: EndSamples, light: LightSamples) -> bool:
-    """Whether enough light comes through the object to be fitted."""
-    through, total = light.through.sum(dtype=np.float64), 0.0
-    total = through + light.mirrored.sum(dtype=np.float64) + light.diffuse.sum(dtype=np.float64)
-    return bool(through > _FAINT * total and alone.through_weight.any())
 
 
 def _placed(plan: CapturePlan, table: Floats, coarser: int) -> Floats:
