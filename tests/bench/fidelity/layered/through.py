@@ -8,6 +8,9 @@ them; the rest is fitted as the mirrored light's is.
 
 from __future__ import annotations
 
+from collections.abc import Generator
+from typing import cast
+
 import numpy as np
 
 from radtex_addon.bake import fit as shared_fit
@@ -15,7 +18,6 @@ from radtex_addon.bake.blocks import in_blocks
 from radtex_addon.bake.ends import fit_ends
 from radtex_addon.bake.gloss import LobeSamples, fit_gain
 from radtex_addon.bake.light_samples import EndSamples, LightSamples, SurroundingsSamples
-from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.pooling import Neighbours, Taps, upsampled
 from radtex_addon.bake.surroundings import Surroundings
 from radtex_addon.core.arrays import Bools, Floats
@@ -49,13 +51,7 @@ def fit_through(
     white, single = fit._white(Axis.THROUGH)
     paths = fit._traced(white)
     start = np.zeros((3, len(plan.texel), _CELLS**2), dtype=np.float32)
-    steps = fit_ends(paths, neighbours, _CELLS, start)
-    while True:
-        try:
-            next(steps)
-        except StopIteration as stop:
-            found: Floats = stop.value
-            break
+    found = _result_of(fit_ends(paths, neighbours, _CELLS, start))
     gain = fit_gain(paths.place, white, single, neighbours, _CELLS)
     samples = LobeSamples(plan, Axis.THROUGH, light.square, light.through, used)
     place, shown = _shown(samples, found, gain, picture)
@@ -66,12 +62,16 @@ def fit_through(
         falloff=np.ones((2, 3), dtype=np.float32),
         surroundings=picture.levels,
         sharpest=picture.sharpest,
-        lobes=(_lobe(plan, [found, gain, rest]),),
+        lobes=(shared_fit._placed(plan, Axis.THROUGH, [found, gain, rest]),),
     )
 
 
-def _lobe(plan: CapturePlan, parts: list[Floats]) -> shared_fit.Lobe:
-    return shared_fit._placed(plan, Axis.THROUGH, parts)
+def _result_of(steps: Generator[None, None, Floats]) -> Floats:
+    while True:
+        try:
+            next(steps)
+        except StopIteration as stop:
+            return cast(Floats, stop.value)
 
 
 def _shown(samples: LobeSamples, ends: Floats, gain: Floats, picture: Surroundings) -> tuple[Floats, Floats]:

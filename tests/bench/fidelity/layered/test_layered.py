@@ -1,0 +1,182 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The parts of the layered layout, each against what is known of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from radtex_addon.bake.gloss import LobeSamples
+from radtex_addon.bake.light_samples import mirrored, spread_shifts
+from radtex_addon.bake.plan import CapturePlan
+from radtex_addon.bake.pooling import Neighbours
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.octahedron import cell_directions, direction_to_octahedron
+from radtex_addon.core.shared import Axis
+from radtex_addon.cycles.portal import Aim
+
+from .environment import Around, Impostor, Lamp, Layer, Pictures, Plane, lamps_of
+from .lobes import Paths, bent, fit_materials
+from .panoramas import panorama_directions
+from .residual import fit_rest
+from .visibility import free_share, seen_free
+
+SIDE = 12  # texels of a flat atlas
+CELLS = 8
+
+
+def random_directions(count: int, seed: int = 1) -> Floats:
+    found = np.random.default_rng(seed).normal(size=(count, 3))
+    return (found / np.linalg.norm(found, axis=1, keepdims=True)).astype(np.float32)
+
+
+def flat_plan(cells: int) -> CapturePlan:
+    """Texels of a unit square that faces +Z."""
+    step = (np.arange(SIDE) + 0.5) / SIDE
+    x, y = np.meshgrid(step, step)
+    place = np.stack([x, y, np.zeros_like(x)], axis=-1).astype(np.float32)
+    x_axis, y_axis, z_axis = (np.tile(axis, (SIDE, SIDE, 1)) for axis in np.eye(3, dtype=np.float32))
+    layout = AtlasLayout(SIDE, SIDE, cells)
+    return CapturePlan(layout, np.arange(SIDE * SIDE), place, x_axis, y_axis, z_axis, z_axis)
+
+
+def flat_samples(cells: int) -> LobeSamples:
+    plan = flat_plan(cells)
+    square = Aim(spread_shifts(SIDE * SIDE, 3)).square(cells)
+    shape = square.shape[:2]
+    values = np.zeros((*shape, 3), dtype=np.float32)
+    return LobeSamples(plan, Axis.MIRROR, square, values, np.ones(shape, dtype=bool))
+
+
+def test_a_picture_of_one_colour_has_it_at_every_blur() -> None:
+    direction = panorama_directions(128).reshape(-1, 3)
+    picture = Pictures.of(direction, np.full((len(direction), 4), [0.2, 0.4, 0.8, 1.0]), 32)
+    seen = picture.look(random_directions(500), np.geomspace(1e-6, 1, 500).astype(np.float32))
+    np.testing.assert_allclose(seen, np.array([[0.2, 0.4, 0.8, 1.0]]).T.repeat(500, axis=1), rtol=1e-3)
+
+
+def test_panoramas_look_along_y_and_have_x_to_the_right() -> None:
+    direction = panorama_directions(64)
+    assert direction.shape == (32, 64, 3)
+    np.testing.assert_allclose(direction[16, 32], [0, 1, 0], atol=0.1)
+    np.testing.assert_allclose(direction[16, 48], [1, 0, 0], atol=0.1)
+    np.testing.assert_allclose(direction[-1, 0], [0, 0, 1], atol=0.1)
+
+
+def test_rays_meet_a_plane_where_it_is() -> None:
+    plane = Plane(np.array([0, 0, 1], dtype=np.float32), -1.0)
+    offset = np.array([[0.5, 0, 0], [0.5, 0, 0]], dtype=np.float32)
+    axis = np.array([[0, 0, -1], [0, 0, 1]], dtype=np.float32)
+    met, ratio = plane.meet(offset, axis)
+    np.testing.assert_allclose(met[0], np.array([0.5, 0, -1]) * 1.25**-0.5, rtol=1e-5)
+    np.testing.assert_allclose(met[1], axis[1])  # never met
+    np.testing.assert_allclose(ratio, np.array([1.25**-0.5, 1.0]), rtol=1e-5)
+
+
+def test_rays_meet_a_sphere_around_the_middle_exactly() -> None:
+    direction = random_directions(200_000)
+    impostor = Impostor.of(direction, np.full(len(direction), 2.0))
+    offset, axis = random_directions(300, 2) * 0.7, random_directions(300, 3)
+    met, ratio = impostor.meet(offset, axis)
+    along = (offset * axis).sum(axis=1)
+    far = np.sqrt(along**2 - (offset**2).sum(axis=1) + 4) - along
+    np.testing.assert_allclose(met, (offset + far[:, None] * axis) / 2, atol=1e-4)
+    np.testing.assert_allclose(ratio, far / 2, rtol=1e-3)
+
+
+def test_a_layer_hides_what_is_behind_it_as_far_as_it_covers() -> None:
+    direction = panorama_directions(128).reshape(-1, 3)
+    cover = np.where(direction[:, 2:] < 0, 1.0, 0.0)
+    picture = Pictures.of(direction, np.concatenate([cover * [0.5, 0, 0], cover], axis=1), 64)
+    layer = Layer(picture, Plane(np.array([0, 0, 1], dtype=np.float32), -1.0))
+    world = Pictures.of(direction, np.ones((len(direction), 3)), 64)
+    around = Around(np.zeros(3, np.float32), world, (layer,), ())
+    axis = np.array([[0, 0, -1], [0, 0, 1]], dtype=np.float32)
+    seen = around.look(np.zeros((2, 3)), axis, np.full(2, 1e-6, np.float32))
+    np.testing.assert_allclose(seen.T, np.array([[0.5, 0.0, 0.0], [1.0, 1.0, 1.0]]), atol=1e-3)
+
+
+def test_a_lamp_sends_all_its_light_however_blurred() -> None:
+    size = 256
+    direction = cell_directions(size).astype(np.float32)
+    lit = direction @ np.array([0, 0, 1.0]) > np.cos(0.1)
+    radiance = np.where(lit[:, None], 5.0, 0.0) * np.ones(3)
+    (lamp,) = lamps_of(direction, radiance, [np.array([0, 0, 2.0])])
+    solid = 2 * np.pi * (1 - np.cos(0.1))
+    np.testing.assert_allclose(lamp.irradiance, 5 * solid, rtol=0.05)
+    np.testing.assert_allclose(lamp.variance, 0.1**2 / 4, rtol=0.1)  # of a disc, along each axis
+    for wide in (0.01, 0.1):
+        seen = lamp.light(np.zeros_like(direction), direction, np.full(len(direction), wide, np.float32))
+        share = 4 * np.abs(direction).sum(axis=1) ** 3 / size**2
+        np.testing.assert_allclose((seen * share).sum(axis=1), lamp.irradiance, rtol=0.05)
+
+
+def test_a_lamp_twice_as_far_is_a_quarter_as_bright() -> None:
+    lamp = Lamp(np.array([0, 0, 2.0], np.float32), np.ones(3), 1e-3)
+    axis, wide = np.array([[0, 0, 1]], np.float32), np.full(1, 0.1, np.float32)
+    here = lamp.light(np.zeros((1, 3), np.float32), axis, wide)
+    beyond = lamp.light(np.array([[0, 0, -2.0]], np.float32), axis, wide)
+    np.testing.assert_allclose(beyond / here, 0.25, rtol=0.02)
+
+
+def test_lobes_are_found_in_paths_that_are_spread_by_them() -> None:
+    rng, count = np.random.default_rng(5), 60_000
+    normal = np.broadcast_to(np.array([0, 0, 1.0]), (count, 3))
+    cosine = rng.uniform(0.6, 0.66, count)
+    axis = np.stack([np.sqrt(1 - cosine**2), np.zeros(count), cosine], axis=1)
+    narrow = rng.random(count) < 0.7
+    spread = np.where(narrow, 0.05, 0.3)
+    across, up = rng.normal(size=(2, count)) * spread
+    end = bent(axis, normal, up)
+    end = end * np.cos(across)[:, None] + np.array([0, 1.0, 0]) * np.sin(across)[:, None]
+    weight = np.tile([0.9, 0.5, 0.1], (count, 1))
+    paths = Paths(weight, end, axis, normal, cosine, np.zeros(count, dtype=np.int32))
+    (material,) = fit_materials(paths, 1)
+    shares, variances, bends = material.at(np.array([0.63]))
+    np.testing.assert_allclose(shares[:, :, 0].sum(axis=0), [0.9, 0.5, 0.1], rtol=1e-3)
+    np.testing.assert_allclose(shares[0, :, 0] / [0.9, 0.5, 0.1], 0.7, atol=0.05)
+    np.testing.assert_allclose(np.sqrt(variances[:, 0]), [0.05, 0.3], rtol=0.1)
+    np.testing.assert_allclose(bends, 0, atol=0.01)
+
+
+def test_the_mask_of_a_wall_has_its_edge_and_keeps_its_ends() -> None:
+    rays = flat_samples(24)
+    axis = mirrored(rays.plan, rays.square)
+    missed = axis[..., 0] > 0  # a wall stands on one side
+    kept = free_share(rays, missed, Neighbours(rays.plan), 16)[0]
+    towards = cell_directions(16)
+    up = towards[:, 2] > 0.3
+    assert kept[:, up & (towards[:, 0] > 0.3)].min() > 0.97
+    assert kept[:, up & (towards[:, 0] < -0.3)].max() < 0.03
+    ends = seen_free(np.array([0.0, 0.5, 1.0]), np.full(3, 1e-4, np.float32), 16)
+    np.testing.assert_allclose(ends, [0, 0.5, 1], atol=1e-3)
+    soft, sharp = (seen_free(np.array([0.7]), np.array([v], np.float32), 16) for v in (0.1, 1e-4))
+    assert sharp > soft >= 0.7 - 1e-6
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.5])
+def test_the_rest_takes_what_a_model_lacks_and_leaves_noise(noise: float) -> None:
+    rays = flat_samples(16)
+    _, place = rays.along(slice(None))
+    rng = np.random.default_rng(2)
+    shown = np.full((3, *rays.used.shape), 1.0, dtype=np.float32)
+    light = 1.3 + noise * rng.normal(size=(*rays.used.shape, 3)).astype(np.float32)
+    rest = fit_rest(place, light, rays.used, shown, Neighbours(rays.plan), CELLS)
+    above = cell_directions(CELLS)[:, 2] > 0.3
+    np.testing.assert_allclose(rest[:, :, above].mean(), 0.3, atol=0.02)
+    assert rest[:, :, above].std() < 0.02 + 0.06 * noise
+
+
+def test_the_rest_follows_light_that_changes_with_direction() -> None:
+    rays = flat_samples(16)
+    axis, place = rays.along(slice(None))
+    light = np.moveaxis(1 + 0.5 * axis[:1].repeat(3, axis=0), 0, -1).astype(np.float32)
+    shown = np.ones((3, *rays.used.shape), dtype=np.float32)
+    rest = fit_rest(place, light, rays.used, shown, Neighbours(rays.plan), CELLS)
+    towards = cell_directions(CELLS)
+    above = towards[:, 2] > 0.4
+    expected = np.broadcast_to(0.5 * towards[above, 0], rest[:, :, above].shape)
+    np.testing.assert_allclose(rest[:, :, above], expected, atol=0.12)
+    assert direction_to_octahedron(towards).min() > 0
