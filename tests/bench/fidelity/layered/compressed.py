@@ -1,0 +1,246 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A layered atlas as the block-compressed textures that a GPU holds, and the atlas that these decode to.
+
+Light without alpha is BC6H, what has alpha or is the object's own BC7 as sRGB, which hardware decodes before it
+filters, in a range of its own; distances are BC4. Buckets are an image of [cell row][cell column] tiles of
+(h, w) texels each: one lookup filters the four texels of a cell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.formats.bc5 import decode_bc5, encode_bc5
+from radtex_addon.formats.bc6h import decode_bc6h, encode_bc6h
+from radtex_addon.formats.bc7 import decode_bc7, encode_bc7
+
+from .atlas import LayeredAtlas
+from .edge_grid import EdgeImpostor, EdgePictures, on_edges
+from .environment import Impostor, Layer, Pictures
+
+NEAR_SIZE = 256  # texels along a side of near layers' pictures
+_BRIGHTEST = 0.9998  # share of the texels of what the object shows of itself that the range holds
+_REST_RANGE = 0.0002  # share of the rest's values beyond either end of its range
+_SEEN = 0.02  # least weight of what the object shows of itself, where the mask leaves all free
+_BLOCK = 4
+
+
+class Format(StrEnum):
+    """How a texture's texels are stored."""
+
+    BC4 = "BC4"
+    BC6H = "BC6H"
+    BC7 = "BC7"
+    BC7_SRGB = "BC7 sRGB"
+
+
+@dataclass(frozen=True, eq=False)
+class Texture:
+    """A texture as a GPU's filter finds it: `levels` (H, W, C) float32; a value is `scale` level + `offset`.
+
+    `levels` of the BC7 and BC4 formats lie in 0..1, and scale does not apply to alpha. `size` (w, h) are the
+    texels of an image, or of a tile, that is padded to whole blocks on the right and at the top.
+    """
+
+    format: Format
+    levels: tuple[Floats, ...]
+    size: tuple[int, int]
+    scale: float = 1.0
+    offset: float = 0.0
+
+    @property
+    def bytes(self) -> int:
+        texels = sum(level.shape[0] * level.shape[1] for level in self.levels)
+        return texels // 2 if self.format is Format.BC4 else texels
+
+    def values(self, level: int) -> Floats:
+        """A level's values, (H, W, C) float32."""
+        found = self.levels[level]
+        if self.scale == 1 and self.offset == 0:
+            return found
+        scaled = found * np.float32(self.scale) + np.float32(self.offset)
+        if self.format is Format.BC7_SRGB:
+            scaled[..., 3] = found[..., 3]
+        return scaled
+
+
+MATERIAL_MAPS = ("colour", "tint", "normal")
+
+
+def compressed(
+    atlas: LayeredAtlas, only: Collection[str] | None = None, near_size: int = NEAR_SIZE
+) -> tuple[LayeredAtlas, dict[str, Texture]]:
+    """The atlas as it decodes, and its textures by name.
+
+    `only` names the textures that are compressed, the others stay as they are; without it all are. What comes
+    through is neither counted nor compressed here.
+    """
+
+    def wanted(name: str) -> bool:
+        return only is None or name in only
+
+    textures: dict[str, Texture] = {}
+
+    def kept(name: str, make: Callable[[], Texture]) -> Texture | None:
+        if wanted(name):
+            textures[name] = make()
+        return textures.get(name)
+
+    world = atlas.around.world
+    if found := kept("world", lambda: _pictures(world, len(world.levels[0]))):
+        world = _decoded(found, world.sharpest)
+    layers = []
+    for number, layer in enumerate(atlas.around.layers):
+        pictures, shape = layer.pictures, layer.shape
+        if found := kept(f"near{number}", lambda pictures=pictures: _pictures(pictures, near_size)):  # type: ignore[misc]
+            ratio = len(pictures.levels[0]) // len(found.levels[0])
+            pictures = _decoded(found, pictures.sharpest * ratio**2)
+        if isinstance(shape, Impostor):
+            nearness = shape.nearness
+            if found := kept(f"distances{number}", lambda nearness=nearness: _distances(nearness)):  # type: ignore[misc]
+                shape = EdgeImpostor(found.values(0)[..., 0])
+        layers.append(Layer(pictures, shape))
+    fields = {}
+    if atlas.irradiance.any() and (found := kept("irradiance", lambda: _light(atlas.irradiance))):
+        fields["irradiance"] = _cropped(found)
+    if found := kept("own", lambda: _own(atlas.own)):
+        fields["own"] = _buckets(found)
+    if found := kept("rest", lambda: _rest(atlas.rest)):
+        fields["rest"] = _buckets(found)[..., :3]
+    for name in MATERIAL_MAPS:
+        image = getattr(atlas, name)
+        if (
+            image is not None and image.any() and (found := kept(name, lambda: _map(image, name == "normal")))  # noqa: B023
+        ):
+            fields[name] = _cropped(found)
+    around = replace(atlas.around, world=world, layers=tuple(layers))
+    return replace(atlas, around=around, **fields), textures
+
+
+def _pictures(pictures: Pictures, size: int) -> Texture:
+    levels = [level for level in pictures.levels if len(level) <= size]
+    levels = [on_edges(level, len(level)) for level in levels]
+    if levels[0].shape[2] == 3:
+        found = [decode_bc6h(encode_bc6h(level)) for level in levels]
+        return Texture(Format.BC6H, tuple(found), (size, size))
+    scale = max(float(levels[0][..., :3].max()), 1e-6)
+    return Texture(
+        Format.BC7_SRGB, tuple(_srgb_blocks(level, scale) for level in levels), (size, size), scale
+    )
+
+
+def _decoded(texture: Texture, sharpest: float) -> EdgePictures:
+    return EdgePictures(tuple(texture.values(level) for level in range(len(texture.levels))), sharpest)
+
+
+def _distances(nearness: Floats) -> Texture:
+    size = len(nearness)
+    image = on_edges(nearness[..., None], size)
+    least, most = float(image.min()), float(image.max())
+    scale = max(most - least, 1e-9)
+    coded = np.repeat((image - least) / scale, 2, axis=2)
+    return Texture(Format.BC4, (decode_bc5(encode_bc5(coded))[..., :1],), (size, size), scale, least)
+
+
+def _light(image: Floats) -> Texture:
+    height, width = image.shape[:2]
+    return Texture(Format.BC6H, (decode_bc6h(encode_bc6h(_padded(image))),), (width, height))
+
+
+def _map(image: Floats, signed: bool) -> Texture:
+    """A map of the material: colours as sRGB, or unit vectors."""
+    height, width = image.shape[:2]
+    if signed:
+        coded = _padded(_opaque(image * 0.5 + 0.5))
+        return Texture(Format.BC7, (decode_bc7(encode_bc7(coded)),), (width, height), 2, -1)
+    scale = max(1.0, float(image.max()))
+    return Texture(Format.BC7_SRGB, (_srgb_blocks(_padded(_opaque(image)), scale),), (width, height), scale)
+
+
+def _own(own: Floats) -> Texture:
+    """What the object shows of itself, and alpha what it leaves free, where the former counts for nothing."""
+    height, width = own.shape[:2]
+    weight = 1 - own[..., 3:] + _SEEN
+    scale = max(_quantile_of(own[..., :3], weight, _BRIGHTEST), 1e-6)
+    image, counts = _tiles(own), _tiles(weight)
+    squares = image.shape[0] // _BLOCK, _BLOCK, image.shape[1] // _BLOCK, _BLOCK
+    counts = counts.reshape(*squares, 1) ** 2
+    colour = np.minimum(image[..., :3], scale).reshape(*squares, 3)
+    mean = (colour * counts).sum(axis=(1, 3), keepdims=True) / counts.sum(axis=(1, 3), keepdims=True)
+    share = np.minimum(np.sqrt(counts) / (4 * _SEEN), 1)
+    image[..., :3] = (mean + (colour - mean) * share).reshape(*image.shape[:2], 3)
+    return Texture(Format.BC7_SRGB, (_srgb_blocks(image, scale),), (width, height), scale)
+
+
+def _rest(rest: Floats) -> Texture:
+    height, width = rest.shape[:2]
+    least, most = (float(end) for end in np.quantile(rest, [_REST_RANGE, 1 - _REST_RANGE]))
+    scale = max(most - least, 1e-6)
+    coded = _tiles(_opaque((np.clip(rest, least, most) - least) / scale))
+    return Texture(Format.BC7, (decode_bc7(encode_bc7(coded)),), (width, height), scale, least)
+
+
+def _quantile_of(values: Floats, weight: Floats, share: float) -> float:
+    """The value below which so large a share of the weights lies."""
+    bright = values.max(axis=-1).ravel()
+    order = np.argsort(bright)
+    total = np.cumsum(weight.ravel()[order], dtype=np.float64)
+    return float(bright[order][np.searchsorted(total, share * total[-1])])
+
+
+def _srgb_blocks(image: Floats, scale: float) -> Floats:
+    """An image (H, W, 4) over `scale` as BC7 in sRGB gives it back, linear in 0..1; alpha is not scaled."""
+    coded = image.astype(np.float32).copy()
+    coded[..., :3] = to_srgb(np.clip(coded[..., :3] / np.float32(scale), 0, 1))
+    found = decode_bc7(encode_bc7(coded))
+    found[..., :3] = from_srgb(found[..., :3])
+    return found
+
+
+def to_srgb(linear: Floats) -> Floats:
+    """The sRGB transfer function, IEC 61966-2-1, of 0..1."""
+    curve = 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055
+    return np.where(linear <= 0.0031308, 12.92 * linear, curve).astype(np.float32)
+
+
+def from_srgb(coded: Floats) -> Floats:
+    """The inverse of `to_srgb`."""
+    curve = ((coded + 0.055) / 1.055) ** 2.4
+    return np.where(coded <= 0.04045, coded / 12.92, curve).astype(np.float32)
+
+
+def _opaque(image: Floats) -> Floats:
+    return np.concatenate([image, np.ones_like(image[..., :1])], axis=-1)
+
+
+def _padded(image: Floats) -> Floats:
+    """An image (H, W, ...) to whole blocks, by its last column and row again."""
+    more = [(0, -size % _BLOCK) for size in image.shape[:2]]
+    return np.pad(image, more + [(0, 0)] * (image.ndim - 2), mode="edge")
+
+
+def _cropped(texture: Texture) -> Floats:
+    width, height = texture.size
+    return texture.values(0)[:height, :width, :3]
+
+
+def _tiles(buckets: Floats) -> Floats:
+    """Buckets (h, w, n, n, C) as tiles: (n H, n W, C), H and W being h and w to whole blocks."""
+    padded = _padded(buckets)
+    height, width, n = padded.shape[:3]
+    return np.moveaxis(padded, (2, 3), (0, 2)).reshape(n * height, n * width, -1).copy()
+
+
+def _buckets(texture: Texture) -> Floats:
+    """The inverse of `_tiles`, without the padding."""
+    width, height = texture.size
+    image = texture.values(0)
+    rows, columns = (size + -size % _BLOCK for size in (height, width))
+    tiles = image.reshape(image.shape[0] // rows, rows, image.shape[1] // columns, columns, -1)
+    return np.ascontiguousarray(np.moveaxis(tiles, (0, 2), (2, 3))[:height, :width])

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Octahedral pictures that a GPU's own filters read without a seam, and what those filters find in them.
+
+The centres of a level's outermost texels lie on the square's edge, where two of them are the same direction.
+A filter that is clamped to the edge thus finds the same on both sides of it, with no border to store.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import cast
+
+import numpy as np
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.octahedron import direction_to_octahedron, sample_octahedron
+
+from .environment import Impostor, Pictures
+
+
+def on_edges(image: Floats, size: int) -> Floats:
+    """A picture of M x M cells (M, M, C), looked up at size x size places from edge to edge of the square."""
+    along = np.linspace(0, 1, size, dtype=np.float32)
+    place = np.stack(np.meshgrid(along, along), axis=-1)
+    return sample_octahedron(image, place).astype(np.float32)
+
+
+@dataclass(frozen=True, eq=False)
+class EdgePictures(Pictures):
+    """Pictures whose levels' outermost texels lie on the square's edge, looked up as a GPU does it.
+
+    One lookup filters two levels at the same coordinates, though the grids of the two differ by a fraction of a
+    texel: the coordinates are those of a grid between them. `levels` are powers of two in size.
+    """
+
+    def look(self, direction: Floats, variance: Floats) -> Floats:
+        last, size = len(self.levels) - 1, len(self.levels[0])
+        level = np.log2(np.maximum(variance, 1e-12) / self.sharpest) / 2
+        level = np.clip(level, 0, last).astype(np.float32)
+        half = 0.5 * np.exp2(level) / size
+        place = direction_to_octahedron(direction) * (1 - 2 * half)[:, None] + half[:, None]
+        lower = np.minimum(level.astype(np.intp), max(last - 1, 0))
+        upper = np.minimum(lower + 1, last)
+        above = (level - lower)[:, None]
+        found = self._bilinear(place, lower) * (1 - above) + self._bilinear(place, upper) * above
+        return cast(Floats, found.T.astype(np.float32))
+
+    def _bilinear(self, place: Floats, level: Floats) -> Floats:
+        """Of one level each, at texture coordinates (N, 2): (N, C), clamped to the edge."""
+        flat, first = self._flat
+        size = len(self.levels[0]) >> level
+        position = np.clip(place * size[:, None] - np.float32(0.5), 0, (size - 1)[:, None])
+        low = np.minimum(position.astype(np.intp), (size - 2)[:, None])
+        x, y = (position - low).astype(np.float32).T[..., None]
+        at = first[level] + low[:, 1] * size + low[:, 0]
+        below = flat[at] * (1 - x) + flat[at + 1] * x
+        return cast(Floats, below * (1 - y) + (flat[at + size] * (1 - x) + flat[at + size + 1] * x) * y)
+
+    @cached_property
+    def _flat(self) -> tuple[Floats, Floats]:
+        """The levels' texels one after another, and where each level begins."""
+        texels = [level.reshape(-1, level.shape[-1]) for level in self.levels]
+        return np.concatenate(texels), np.cumsum([0, *map(len, texels)])[:-1]
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeImpostor(Impostor):
+    """An impostor whose distances' outermost texels lie on the square's edge."""
+
+    @cached_property
+    def _maps(self) -> _Distances:  # type: ignore[override]  # what `meet` asks of it is the same
+        return _Distances(EdgePictures((self.nearness[..., None],), 1.0))
+
+
+@dataclass(frozen=True, eq=False)
+class _Distances:
+    """One picture, looked up as `Impostor.meet` asks for it: at places (2, N) on the square."""
+
+    picture: EdgePictures
+
+    def look(self, place: Floats, number: int) -> Floats:
+        half = np.float32(0.5 / len(self.picture.levels[number]))
+        level = np.full(place.shape[1], number, dtype=np.intp)
+        return self.picture._bilinear(place.T * (1 - 2 * half) + half, level).T
