@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A layered atlas as the block-compressed textures that a GPU holds, and the atlas that these decode to.
 
-Light without alpha is BC6H, what has alpha or is the object's own BC7 as sRGB, which hardware decodes before it
-filters, in a range of its own; distances are BC4. Buckets are an image of [cell row][cell column] tiles of
+Light without alpha is BC6H. What has alpha is coded as sRGB, which hardware decodes before it filters, in a
+range of its own: pictures BC7, and what the object shows of itself BC3, as its mask has nothing to do with its
+colours. Distances are BC4. Buckets are an image of [cell row][cell column] tiles of
 (h, w) texels each: one lookup filters the four texels of a cell.
 """
 
@@ -21,19 +22,21 @@ from radtex_addon.formats.bc6h import decode_bc6h, encode_bc6h
 from radtex_addon.formats.bc7 import decode_bc7, encode_bc7
 
 from .atlas import LayeredAtlas
+from .bc3 import decode_bc3, encode_bc3
 from .edge_grid import EdgeImpostor, EdgePictures, on_edges
 from .environment import Impostor, Layer, Pictures
 
 NEAR_SIZE = 256  # texels along a side of near layers' pictures
-_BRIGHTEST = 0.9998  # share of the texels of what the object shows of itself that the range holds
+_BRIGHTEST = 4.0  # of what the object shows of itself: a wider range has coarser steps in the dark
 _REST_RANGE = 0.0002  # share of the rest's values beyond either end of its range
-_SEEN = 0.02  # least weight of what the object shows of itself, where the mask leaves all free
+_SEEN = 0.02  # weight of what the object shows of itself, where the mask leaves all free
 _BLOCK = 4
 
 
 class Format(StrEnum):
     """How a texture's texels are stored."""
 
+    BC3_SRGB = "BC3 sRGB"
     BC4 = "BC4"
     BC6H = "BC6H"
     BC7 = "BC7"
@@ -65,7 +68,7 @@ class Texture:
         if self.scale == 1 and self.offset == 0:
             return found
         scaled = found * np.float32(self.scale) + np.float32(self.offset)
-        if self.format is Format.BC7_SRGB:
+        if self.format in (Format.BC3_SRGB, Format.BC7_SRGB):
             scaled[..., 3] = found[..., 3]
         return scaled
 
@@ -125,7 +128,7 @@ def compressed(
 
 def _pictures(pictures: Pictures, size: int) -> Texture:
     levels = [level for level in pictures.levels if len(level) <= size]
-    levels = [on_edges(level, len(level)) for level in levels]
+    levels = [on_edges(level) for level in levels]
     if levels[0].shape[2] == 3:
         found = [decode_bc6h(encode_bc6h(level)) for level in levels]
         return Texture(Format.BC6H, tuple(found), (size, size))
@@ -141,7 +144,7 @@ def _decoded(texture: Texture, sharpest: float) -> EdgePictures:
 
 def _distances(nearness: Floats) -> Texture:
     size = len(nearness)
-    image = on_edges(nearness[..., None], size)
+    image = on_edges(nearness[..., None])
     least, most = float(image.min()), float(image.max())
     scale = max(most - least, 1e-9)
     coded = np.repeat((image - least) / scale, 2, axis=2)
@@ -166,16 +169,13 @@ def _map(image: Floats, signed: bool) -> Texture:
 def _own(own: Floats) -> Texture:
     """What the object shows of itself, and alpha what it leaves free, where the former counts for nothing."""
     height, width = own.shape[:2]
-    weight = 1 - own[..., 3:] + _SEEN
-    scale = max(_quantile_of(own[..., :3], weight, _BRIGHTEST), 1e-6)
-    image, counts = _tiles(own), _tiles(weight)
-    squares = image.shape[0] // _BLOCK, _BLOCK, image.shape[1] // _BLOCK, _BLOCK
-    counts = counts.reshape(*squares, 1) ** 2
-    colour = np.minimum(image[..., :3], scale).reshape(*squares, 3)
-    mean = (colour * counts).sum(axis=(1, 3), keepdims=True) / counts.sum(axis=(1, 3), keepdims=True)
-    share = np.minimum(np.sqrt(counts) / (4 * _SEEN), 1)
-    image[..., :3] = (mean + (colour - mean) * share).reshape(*image.shape[:2], 3)
-    return Texture(Format.BC7_SRGB, (_srgb_blocks(image, scale),), (width, height), scale)
+    scale = min(max(float(own[..., :3].max()), 1e-6), _BRIGHTEST)
+    image = _tiles(own)
+    weight = (1 - image[..., 3] + np.float32(_SEEN)) ** 2
+    image[..., :3] = to_srgb(np.clip(image[..., :3] / np.float32(scale), 0, 1))
+    found = decode_bc3(encode_bc3(image, weight))
+    found[..., :3] = from_srgb(found[..., :3])
+    return Texture(Format.BC3_SRGB, (found,), (width, height), scale)
 
 
 def _rest(rest: Floats) -> Texture:
@@ -184,14 +184,6 @@ def _rest(rest: Floats) -> Texture:
     scale = max(most - least, 1e-6)
     coded = _tiles(_opaque((np.clip(rest, least, most) - least) / scale))
     return Texture(Format.BC7, (decode_bc7(encode_bc7(coded)),), (width, height), scale, least)
-
-
-def _quantile_of(values: Floats, weight: Floats, share: float) -> float:
-    """The value below which so large a share of the weights lies."""
-    bright = values.max(axis=-1).ravel()
-    order = np.argsort(bright)
-    total = np.cumsum(weight.ravel()[order], dtype=np.float64)
-    return float(bright[order][np.searchsorted(total, share * total[-1])])
 
 
 def _srgb_blocks(image: Floats, scale: float) -> Floats:
