@@ -96,12 +96,12 @@ def compressed(
         return textures.get(name)
 
     world = atlas.around.world
-    if found := kept("world", lambda: _pictures(world, len(world.levels[0]))):
+    if found := kept("world", lambda: picture_texture(world)):
         world = _decoded(found, world.sharpest)
     layers = []
     for number, layer in enumerate(atlas.around.layers):
         pictures, shape = layer.pictures, layer.shape
-        if found := kept(f"near{number}", lambda pictures=pictures: _pictures(pictures, near_size)):  # type: ignore[misc]
+        if found := kept(f"near{number}", lambda pictures=pictures: picture_texture(pictures, near_size)):  # type: ignore[misc]
             ratio = len(pictures.levels[0]) // len(found.levels[0])
             pictures = _decoded(found, pictures.sharpest * ratio**2)
         if isinstance(shape, Impostor):
@@ -110,7 +110,7 @@ def compressed(
                 shape = EdgeImpostor(found.values(0)[..., 0])
         layers.append(Layer(pictures, shape))
     fields = {}
-    if atlas.irradiance.any() and (found := kept("irradiance", lambda: _light(atlas.irradiance))):
+    if atlas.irradiance.any() and (found := kept("irradiance", lambda: light_texture(atlas.irradiance))):
         fields["irradiance"] = _cropped(found)
     if found := kept("own", lambda: _own(atlas.own)):
         fields["own"] = _buckets(found)
@@ -126,7 +126,9 @@ def compressed(
     return replace(atlas, around=around, **fields), textures
 
 
-def _pictures(pictures: Pictures, size: int) -> Texture:
+def picture_texture(pictures: Pictures, size: int | None = None) -> Texture:
+    """The texture of pictures (M, M, 3), or of (M, M, 4) whose alpha is premultiplied; the first `size` wide."""
+    size = size or len(pictures.levels[0])
     levels = [level for level in pictures.levels if len(level) <= size]
     levels = [on_edges(level) for level in levels]
     if levels[0].shape[2] == 3:
@@ -151,7 +153,8 @@ def _distances(nearness: Floats) -> Texture:
     return Texture(Format.BC4, (decode_bc5(encode_bc5(coded))[..., :1],), (size, size), scale, least)
 
 
-def _light(image: Floats) -> Texture:
+def light_texture(image: Floats) -> Texture:
+    """The texture of light (H, W, 3)."""
     height, width = image.shape[:2]
     return Texture(Format.BC6H, (decode_bc6h(encode_bc6h(_padded(image))),), (width, height))
 

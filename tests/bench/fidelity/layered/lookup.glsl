@@ -1,0 +1,308 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+//
+// Look up a radiance texture in the layered layout, in one pass without a loop: GLSL 330, GLSL ES 300 (WebGL 2).
+// All textures are clamped to their edges and filtered: pictures between their mip levels too, the others have none.
+//
+// What a bake has is defined before: RADTEX_COLOUR (colour and irradiance) or RADTEX_LIT (their product in one
+// texture), RADTEX_TINT, RADTEX_NORMAL, RADTEX_PLANE, RADTEX_THINGS, RADTEX_LAMPS (how many, 0 to 4), RADTEX_MIRRORS,
+// RADTEX_REST. What it costs is chosen: RADTEX_STEPS (0, 1 or 2 fetches of distances), RADTEX_CELLS (3 or 4 for a
+// direction), and for the second lobe RADTEX_WHOLE (one picture of everything, as seen from the middle) or RADTEX_ALL
+// (all that the first one looks at) or neither (no second lobe).
+
+uniform vec3 middle;  // of the object, where all pictures are seen from
+uniform vec4 material[16];  // falloff's three channels and the bend, radians, by N.V
+#ifdef RADTEX_COLOUR
+uniform sampler2D colour, irradiance;
+uniform vec2 irradiance_part;  // the share of the texture that is not padding
+uniform float colour_scale;
+#endif
+#ifdef RADTEX_LIT
+uniform sampler2D lit;
+#endif
+#ifdef RADTEX_TINT
+uniform sampler2D tint;
+uniform float tint_scale;
+#endif
+#ifdef RADTEX_NORMAL
+uniform sampler2D shading_normal;
+#endif
+#ifdef RADTEX_MIRRORS
+uniform vec4 lobes[32];  // weight, and the variance's logarithm to base 2, by N.V; then the second lobe's
+uniform sampler2D world, own;
+uniform vec3 world_levels;  // texels along a side, the last level, and the variance of level 0 as a logarithm
+uniform vec4 own_tile;  // size of a tile's texels without padding, and half a texel, in units of a padded tile
+uniform float own_scale;
+#endif
+#ifdef RADTEX_PLANE
+uniform sampler2D plane;
+uniform vec3 plane_levels;
+uniform float plane_scale;
+uniform vec4 plane_place;  // normal and height
+#endif
+#ifdef RADTEX_THINGS
+uniform sampler2D things, distances;
+uniform vec3 things_levels, nearness;  // scale, offset and mean of the distances' texels
+uniform float things_scale, distances_size;
+#endif
+#ifdef RADTEX_WHOLE
+uniform sampler2D whole;
+uniform vec3 whole_levels;
+#endif
+#ifdef RADTEX_REST
+uniform sampler2D rest;
+uniform vec4 rest_tile;
+uniform vec2 rest_range;  // scale and offset
+#endif
+#if RADTEX_LAMPS > 0
+uniform vec4 lamp_place[RADTEX_LAMPS];  // and variance
+uniform vec3 lamp_light[RADTEX_LAMPS];
+#endif
+
+const float OWN_CELLS = 16.0, REST_CELLS = 8.0;
+
+// Where a direction, of any length, lies on the octahedron's square: 0 to 1.
+vec2 radtex_square(vec3 d) {
+    d *= 1.0 / max(abs(d.x) + abs(d.y) + abs(d.z), 1e-30);
+    vec2 folded = (1.0 - abs(d.yx)) * vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
+    return (d.z < 0.0 ? folded : d.xy) * 0.5 + 0.5;
+}
+
+// The same on a texture of so many texels a side, of which the outermost ones' centres lie on the square's edge.
+vec2 radtex_on_edges(vec2 place, float size) {
+    return place + (0.5 - place) / size;
+}
+
+// Texture coordinates and level for the direction d and a variance's logarithm to base 2.
+vec3 radtex_picture(vec3 levels, vec3 d, float spread) {
+    float level = clamp(0.5 * (spread - levels.z), 0.0, levels.y);
+    return vec3(radtex_on_edges(radtex_square(d), levels.x * exp2(-level)), level);
+}
+
+// Three cells around a place, of n x n, and their weights: the square between four centres is two triangles.
+struct Cells {
+    vec2 a, b, c, d;
+    vec4 weight;
+};
+
+// A cell beyond an edge is the one that lies there on the sphere: the same edge's, mirrored at its middle.
+vec2 radtex_folded(vec2 cell, float last) {
+    vec2 inside = clamp(cell, 0.0, last);
+    return vec2(cell.y != inside.y ? last - inside.x : inside.x, cell.x != inside.x ? last - inside.y : inside.y);
+}
+
+Cells radtex_four_cells(vec2 place, float n) {
+    vec2 position = place * n - 0.5, low = floor(position), f = position - low;
+    Cells cells;
+    cells.a = radtex_folded(low, n - 1.0);
+    cells.b = radtex_folded(low + vec2(1.0, 0.0), n - 1.0);
+    cells.c = radtex_folded(low + vec2(0.0, 1.0), n - 1.0);
+    cells.d = radtex_folded(low + 1.0, n - 1.0);
+    cells.weight = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
+    return cells;
+}
+
+Cells radtex_three_cells(vec2 place, float n) {
+    vec2 position = place * n - 0.5, low = floor(position), f = position - low;
+    bool flipped = (place.x - 0.5) * (place.y - 0.5) < 0.0;  // so that diagonals run as the octahedron's edges do
+    f.x = flipped ? 1.0 - f.x : f.x;
+    bool upper = f.x + f.y > 1.0;
+    vec2 corner = vec2(upper), g = upper ? 1.0 - f.yx : f;
+    vec2 first = corner, right = vec2(1.0, 0.0), above = vec2(0.0, 1.0);
+    if (flipped) {
+        first.x = 1.0 - first.x;
+        right.x = 0.0;
+        above.x = 1.0;
+    }
+    Cells cells;
+    cells.a = radtex_folded(low + first, n - 1.0);
+    cells.b = radtex_folded(low + right, n - 1.0);
+    cells.c = radtex_folded(low + above, n - 1.0);
+    cells.d = cells.a;
+    cells.weight = vec4(1.0 - g.x - g.y, g, 0.0);
+    return cells;
+}
+
+// The normal distribution's integral to within 2e-4 (Page, "Approximations to the cumulative normal function and its
+// inverse", 1977, with 1.5976 and 0.07056), and the inverse of the same formula: a root of a cubic.
+float radtex_integral(float x) {
+    return 1.0 / (1.0 + exp(-x * (1.5976 + 0.07056 * x * x)));
+}
+
+float radtex_quantile(float p) {
+    p = clamp(p, 1e-4, 1.0 - 1e-4);
+    float s = 0.341766 * log(p / (1.0 - p));  // sinh(3 u), where x = 5.49445 sinh(u)
+    float e = exp(log(abs(s) + sqrt(s * s + 1.0)) / 3.0);
+    return 2.747224 * (e - 1.0 / e) * sign(s);
+}
+
+// How much the object leaves free, as a lobe of that variance sees it.
+float radtex_free(float quantile, float variance) {
+    return radtex_integral(quantile * max(2.56 / OWN_CELLS * inversesqrt(variance + 0.0016), 1.0));
+}
+
+#if RADTEX_LAMPS > 0
+vec3 radtex_lamp(vec4 place, vec3 light, vec3 from, vec3 axis, float variance) {
+    vec3 towards = place.xyz - from;
+    float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
+    float wide = variance + place.w * nearer;
+    float off = 1.0 - dot(axis, towards) * inversesqrt(squared);
+    return light * (nearer * exp(-off / wide) / (6.2831853 * wide));
+}
+#endif
+
+vec3 radtex_lamps(vec3 from, vec3 axis, float variance) {
+    vec3 light = vec3(0.0);
+#if RADTEX_LAMPS > 0
+    light += radtex_lamp(lamp_place[0], lamp_light[0], from, axis, variance);
+#endif
+#if RADTEX_LAMPS > 1
+    light += radtex_lamp(lamp_place[1], lamp_light[1], from, axis, variance);
+#endif
+#if RADTEX_LAMPS > 2
+    light += radtex_lamp(lamp_place[2], lamp_light[2], from, axis, variance);
+#endif
+#if RADTEX_LAMPS > 3
+    light += radtex_lamp(lamp_place[3], lamp_light[3], from, axis, variance);
+#endif
+    return light;
+}
+
+// Where a ray from an offset along the unit axis cuts a sphere about the middle: how far along.
+float radtex_sphere(float along, float squared, float radius) {
+    return sqrt(max(along * along - squared + radius * radius, 0.0)) - along;
+}
+
+// Radiance towards the viewer, in the unit direction V, from a fragment at `position` whose unit normal is N.
+vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
+#ifdef RADTEX_NORMAL
+    vec3 shading = normalize(texture(shading_normal, uv).xyz * 2.0 - 1.0);
+    N = dot(shading, N) > 0.3 ? shading : N;
+#endif
+    float cosine = dot(N, V);
+    vec3 axis = 2.0 * cosine * N - V;
+    float step = clamp(cosine * 16.0 - 0.5, 0.0, 15.0);
+    int low = min(int(step), 14);
+    float above = step - float(low);
+    vec4 facts = mix(material[low], material[low + 1], above);
+    vec3 light = vec3(0.0);
+#ifdef RADTEX_COLOUR
+    light = texture(colour, uv).rgb * (texture(irradiance, uv * irradiance_part).rgb * facts.rgb) * colour_scale;
+#endif
+#ifdef RADTEX_LIT
+    light = texture(lit, uv).rgb * facts.rgb;
+#endif
+    vec2 place = radtex_square(axis);
+#ifdef RADTEX_MIRRORS
+    vec3 from = position - middle;
+    vec3 towards = N - dot(N, axis) * axis;
+    towards *= inversesqrt(max(dot(towards, towards), 1e-12));
+    vec3 ray = axis * cos(facts.a) + towards * sin(facts.a);
+    vec4 lobe = mix(lobes[low], lobes[low + 1], above);
+    vec3 at = radtex_picture(world_levels, ray, lobe.a);
+    vec3 direct = textureLod(world, at.xy, at.z).rgb;
+#ifdef RADTEX_ALL
+    vec4 wide = mix(lobes[low + 16], lobes[low + 17], above);
+    at = radtex_picture(world_levels, ray, wide.a);
+    vec3 broad = textureLod(world, at.xy, at.z).rgb;
+#endif
+    vec3 seen = ray;  // where the second lobe looks: at what the first one saw
+    float reached = 0.0;
+#ifdef RADTEX_PLANE
+    vec3 met = ray;
+    float ratio = 1.0;
+    float slant = dot(ray, plane_place.xyz);
+    float far = (plane_place.w - dot(from, plane_place.xyz)) / (abs(slant) > 1e-4 ? slant : 1e-4);
+    if (far > 0.0) {
+        met = from + far * ray;
+        float whence = inversesqrt(max(dot(met, met), 1e-12));
+        met *= whence;
+        ratio = clamp(far * whence, 0.0625, 4.0);
+    }
+    ratio = 2.0 * log2(ratio);
+    at = radtex_picture(plane_levels, met, lobe.a + ratio);
+    vec4 before = textureLod(plane, at.xy, at.z);
+    seen = mix(seen, met, before.a);
+    reached = ratio * before.a;
+    direct = direct * (1.0 - before.a) + before.rgb * plane_scale;
+#ifdef RADTEX_ALL
+    at = radtex_picture(plane_levels, met, wide.a + ratio);
+    before = textureLod(plane, at.xy, at.z);
+    broad = broad * (1.0 - before.a) + before.rgb * plane_scale;
+#endif
+#endif
+#ifdef RADTEX_THINGS
+    float along = dot(from, ray), squared = dot(from, from), reach;
+    vec3 hit = ray;
+#if RADTEX_STEPS < 2  // begin on a sphere
+    reach = radtex_sphere(along, squared, 1.0 / nearness.z);
+    hit = from + reach * ray;
+#endif
+#if RADTEX_STEPS > 0
+    vec2 spot = radtex_on_edges(radtex_square(hit), distances_size);
+    reach = radtex_sphere(along, squared, 1.0 / (textureLod(distances, spot, 0.0).r * nearness.x + nearness.y));
+    hit = from + reach * ray;
+#endif
+#if RADTEX_STEPS > 1
+    spot = radtex_on_edges(radtex_square(hit), distances_size);
+    reach = radtex_sphere(along, squared, 1.0 / (textureLod(distances, spot, 0.0).r * nearness.x + nearness.y));
+    hit = from + reach * ray;
+#endif
+    float nearer = 2.0 * log2(clamp(reach * inversesqrt(max(dot(hit, hit), 1e-12)), 0.0625, 4.0));
+    at = radtex_picture(things_levels, hit, lobe.a + nearer);
+    vec4 front = textureLod(things, at.xy, at.z);
+    seen = mix(seen, normalize(hit), front.a);
+    reached = mix(reached, nearer, front.a);
+    direct = direct * (1.0 - front.a) + front.rgb * things_scale;
+#ifdef RADTEX_ALL
+    at = radtex_picture(things_levels, hit, wide.a + nearer);
+    front = textureLod(things, at.xy, at.z);
+    broad = broad * (1.0 - front.a) + front.rgb * things_scale;
+#endif
+#endif
+#ifdef RADTEX_WHOLE
+    vec4 wide = mix(lobes[low + 16], lobes[low + 17], above);
+    at = radtex_picture(whole_levels, seen, wide.a + reached);
+    vec3 broad = textureLod(whole, at.xy, at.z).rgb;
+#endif
+#if RADTEX_OWN_TAPS == 4
+    Cells cells = radtex_four_cells(place, OWN_CELLS);
+#else
+    Cells cells = radtex_three_cells(place, OWN_CELLS);
+#endif
+    vec2 inside = clamp(uv * own_tile.xy, own_tile.zw, own_tile.xy - own_tile.zw);
+    vec4 self = textureLod(own, (cells.a + inside) / OWN_CELLS, 0.0) * cells.weight.x
+        + textureLod(own, (cells.b + inside) / OWN_CELLS, 0.0) * cells.weight.y
+        + textureLod(own, (cells.c + inside) / OWN_CELLS, 0.0) * cells.weight.z;
+#if RADTEX_OWN_TAPS == 4
+    self += textureLod(own, (cells.d + inside) / OWN_CELLS, 0.0) * cells.weight.w;
+#endif
+    self.rgb *= own_scale;
+    float quantile = radtex_quantile(self.a), variance = exp2(lobe.a);
+    vec3 mirrored = lobe.rgb * mix(self.rgb, direct + radtex_lamps(from, ray, variance), radtex_free(quantile, variance));
+#if defined(RADTEX_ALL) || defined(RADTEX_WHOLE)
+    variance = exp2(wide.a);
+    mirrored += wide.rgb * mix(self.rgb, broad + radtex_lamps(from, ray, variance), radtex_free(quantile, variance));
+#endif
+#ifdef RADTEX_TINT
+    mirrored *= texture(tint, uv).rgb * tint_scale;
+#endif
+    light += mirrored;
+#endif
+#ifdef RADTEX_REST
+#if RADTEX_REST_TAPS == 4
+    Cells fewer = radtex_four_cells(place, REST_CELLS);
+#else
+    Cells fewer = radtex_three_cells(place, REST_CELLS);
+#endif
+    vec2 within = clamp(uv * rest_tile.xy, rest_tile.zw, rest_tile.xy - rest_tile.zw);
+    vec3 more = textureLod(rest, (fewer.a + within) / REST_CELLS, 0.0).rgb * fewer.weight.x
+        + textureLod(rest, (fewer.b + within) / REST_CELLS, 0.0).rgb * fewer.weight.y
+        + textureLod(rest, (fewer.c + within) / REST_CELLS, 0.0).rgb * fewer.weight.z;
+#if RADTEX_REST_TAPS == 4
+    more += textureLod(rest, (fewer.d + within) / REST_CELLS, 0.0).rgb * fewer.weight.w;
+#endif
+    light += more * rest_range.x + rest_range.y;
+#endif
+    return max(light, 0.0);
+}

@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What does a lookup in the layered layout cost? Texture fetches, bytes, time, and what thrift changes.
+
+    python -m tests.bench.fidelity.layered.lookup_cost [--atlas PICKLE]
+
+Of a made-up bake of 128 texels that has every part, or of a pickled LayeredAtlas. A ball fills a square picture
+of 8-bit colours; all shaders draw in turns, round after round, and beside the diffuse shader of
+`tests.bench.fragment`. Differences are those of the shader's answers at random fragments from `sample_layered`
+of the decoded atlas, over what that finds and a twentieth of white.
+"""
+
+from __future__ import annotations
+
+import argparse
+import pickle
+from dataclasses import replace
+from pathlib import Path
+
+import moderngl
+import numpy as np
+
+from radtex_addon.core.arrays import Floats
+from tests.bench.drawing import Model, Painter
+from tests.bench.fragment import diffuse, measured, view_of
+
+from .atlas import LayeredAtlas, sample_layered
+from .compressed import MATERIAL_MAPS, compressed
+from .drawn_fragments import radiance
+from .lookup import FULL, Cost, Lookup, lookup_of, material_values
+from .made_up import made_up_atlas, made_up_fragments
+
+SHADE = """
+vec4 shade() {
+    return vec4(radtex_layered(uv, position, normalize(normal), normalize(camera - position)), 1.0);
+}
+"""
+WAYS = {
+    "all of it": FULL,
+    "three cells of a direction": replace(FULL, own_taps=3, rest_taps=3),
+    "one fetch of distances": replace(FULL, steps=1),
+    "second lobe in one picture": replace(FULL, second="whole"),
+    "these three": Cost(),
+    "and colour x irradiance in one": Cost(product=True),
+    "and no distances": Cost(product=True, steps=0),
+    "and one lobe": Cost(product=True, steps=0, second="none"),
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--atlas", type=Path, help="a pickled LayeredAtlas")
+    parser.add_argument("--pixels", type=int, default=1024, help="of the picture's side")
+    parser.add_argument("--rounds", type=int, default=15)
+    options = parser.parse_args()
+    atlas = pickle.loads(options.atlas.read_bytes()) if options.atlas else made_up_atlas(128, 512)
+    decoded, textures = compressed(atlas)
+    for name, texture in textures.items():
+        height, width = texture.levels[0].shape[:2]
+        print(f"{name:12s} {texture.format:9s} {width:5d} x {height:4d} {texture.bytes:9,d} bytes")
+    lookups = {name: lookup_of(decoded, textures, cost) for name, cost in WAYS.items()}
+    fragments = made_up_fragments(decoded, 40_000)
+    expected = sample_layered(decoded, fragments)
+    with moderngl.create_context(standalone=True, backend="egl") as context:  # type: ignore[arg-type]  # wrong stub
+        model = ball(decoded)
+        painters = {"diffuse": diffuse(context, model)}
+        off = {}
+        for name, lookup in lookups.items():
+            found = radiance(context, decoded, lookup, fragments)
+            off[name] = np.abs(found - expected) / (np.abs(expected) + 0.05)
+            painters[name] = painter_of(context, model, decoded, lookup)
+        print(f"{context.info['GL_RENDERER']}, {options.pixels} x {options.pixels}, {options.rounds} rounds")
+        figures = measured(context, [painters], view_of(model), options.pixels, options.rounds)
+    print("| lookup | fetches | bytes | a frame, ms | over diffuse | off, mean | off, 99.9 % |")
+    print("|---|---|---|---|---|---|---|\n" f"| diffuse | 1 | | {figures['diffuse'][0]:.1f} | 1.00 | | |")
+    for name, lookup in lookups.items():
+        milliseconds, ratio = figures[name]
+        print(
+            f"| {name} | {lookup.fetches} | {light_bytes(lookup):,d} | {milliseconds:.1f} | {ratio:.2f} "
+            f"| {off[name].mean():.4f} | {np.quantile(off[name], 0.999):.4f} |"
+        )
+
+
+def light_bytes(lookup: Lookup) -> int:
+    """Without the maps of the material; colour times irradiance is counted as one of these."""
+    maps = (*MATERIAL_MAPS, "shading_normal", "lit")
+    return sum(texture.bytes for name, texture in lookup.textures.items() if name not in maps)
+
+
+def painter_of(context: moderngl.Context, model: Model, atlas: LayeredAtlas, lookup: Lookup) -> Painter:
+    """Draws the model with the atlas's first material."""
+    values = {**lookup.values, **material_values(atlas, atlas.materials[0], lookup)}
+    return Painter(context, model, lookup.code + SHADE, lookup.uploaded(context), values)
+
+
+def ball(atlas: LayeredAtlas, around: int = 96) -> Model:
+    """A ball about the bake's middle, its texture coordinates longitude and latitude."""
+    u, v = np.meshgrid(np.linspace(0, 1, around + 1), np.linspace(0, 1, around // 2 + 1))
+    turn, rise = 2 * np.pi * u, np.pi * (v - 0.5)
+    parts = (np.cos(turn) * np.cos(rise), np.sin(turn) * np.cos(rise), np.sin(rise))
+    normal = np.stack(parts, axis=-1)
+    tangent = np.stack([-np.sin(turn), np.cos(turn), np.zeros_like(turn)], axis=-1)
+    fields = (atlas.around.middle + 0.8 * normal, normal, tangent, np.ones((*u.shape, 1)))
+    points: Floats = np.concatenate([*fields, u[..., None], v[..., None]], axis=-1).astype(np.float32)
+    first, right, above, last = points[:-1, :-1], points[:-1, 1:], points[1:, :-1], points[1:, 1:]
+    corners = np.stack([first, right, last, first, last, above], axis=2).reshape(-1, 12)
+    return Model(np.ascontiguousarray(corners), atlas.around.middle.astype(np.float64), 0.8)
+
+
+if __name__ == "__main__":
+    main()

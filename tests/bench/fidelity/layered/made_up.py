@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A layered bake of nothing in particular, that has every part, and places to look at it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.frame import normalised
+
+from .atlas import Fragments, LayeredAtlas
+from .environment import Around, Impostor, Lamp, Layer, Pictures, Plane
+from .lobes import LOBES, STEPS, Material
+from .panoramas import panorama_directions
+
+OWN_CELLS, REST_CELLS = 16, 8
+
+
+def made_up_atlas(texels: int, size: int) -> LayeredAtlas:
+    """With buckets of texels / 2, colours of 4 texels and pictures of `size` cells along their sides."""
+    rng = np.random.default_rng(1)
+    direction = panorama_directions(2 * size)
+    flat = direction.reshape(-1, 3)
+    world = Pictures.of(direction, _waves(rng, flat, 3) ** 4 * 4, size)
+    below, beside = flat[:, 2:] < -0.3, np.abs(flat[:, 2:] - 0.2) < _waves(rng, flat, 1) * 0.4
+    layers = []
+    for where, light in ((below, _waves(rng, flat, 3)), (beside, _waves(rng, flat, 3) * 2)):
+        layers.append(Pictures.of(direction, np.concatenate([light * where, where], axis=1), size))
+    distance = 1.6 + _waves(rng, flat[beside[:, 0]], 1)[:, 0]
+    things = Impostor.of(flat[beside[:, 0]], distance.astype(np.float32))
+    plane = Plane(np.array([0, 0, 1], np.float32), -1.1)
+    lamp = Lamp(np.array([1.5, -1, 2.5], np.float32), np.array([3, 2.5, 2], np.float32), 2e-3)
+    middle = np.array([0.1, 0.2, -0.1], np.float32)
+    around = Around(middle, world, (Layer(layers[0], plane), Layer(layers[1], things)), (lamp,))
+    bend = np.linspace(0.3, 0.0, STEPS).astype(np.float32)
+    materials = []
+    for narrow, wide in ((5e-4, 0.02), (0.01, 0.2)):
+        weight = rng.uniform(0.2, 0.7, (LOBES, 1, 3)) * np.linspace(1.5, 0.8, STEPS)[:, None]
+        variance = np.array([[narrow], [wide]]) * np.linspace(0.7, 1.3, STEPS)
+        materials.append(Material(weight.astype(np.float32), variance.astype(np.float32), bend * narrow * 20))
+    half = texels // 2
+    uv = np.stack(np.meshgrid(*[(np.arange(half) + 0.5) / half] * 2), axis=-1).reshape(-1, 2)
+    own = _buckets(rng, uv, OWN_CELLS, 4)
+    own[..., 3] = np.clip(own[..., 3] * 3 - 1, 0, 1)
+    return LayeredAtlas(
+        colour=_image(rng, 4 * texels, 3),
+        irradiance=_image(rng, texels, 3) * 3,
+        falloff=np.linspace([0.6, 0.7, 0.8], 1, 16).astype(np.float32),
+        tint=None,
+        normal=None,
+        around=around,
+        materials=tuple(materials),
+        own=own,
+        rest=_buckets(rng, uv, REST_CELLS, 3) * 0.4 - 0.2,
+    )
+
+
+def made_up_fragments(atlas: LayeredAtlas, count: int) -> Fragments:
+    """Anywhere on a ball around the middle, seen from its front."""
+    rng = np.random.default_rng(2)
+    normal, viewer = (normalised(rng.normal(size=(count, 3))) for _ in range(2))
+    viewer *= np.sign((normal * viewer).sum(axis=1, keepdims=True))
+    position = atlas.around.middle + 0.7 * normal
+    fields = (rng.uniform(size=(count, 2)), normal, viewer, position)
+    uv, normal, viewer, position = (field.astype(np.float32) for field in fields)
+    return Fragments(uv, normal, viewer, position, rng.integers(len(atlas.materials), size=count))
+
+
+def _waves(rng: np.random.Generator, place: Floats, channels: int) -> Floats:
+    """Smooth values (N, channels) float32 in 0..1 of places (N, D)."""
+    turn = rng.normal(size=(place.shape[1], channels)) * 3
+    found: Floats = (0.5 + 0.5 * np.sin(place @ turn + rng.uniform(0, 6, channels))).astype(np.float32)
+    return found
+
+
+def _image(rng: np.random.Generator, size: int, channels: int) -> Floats:
+    along = (np.arange(size) + 0.5) / size
+    place = np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
+    return _waves(rng, place * 4, channels).reshape(size, size, channels)
+
+
+def _buckets(rng: np.random.Generator, uv: Floats, cells: int, channels: int) -> Floats:
+    along = (np.arange(cells) + 0.5) / cells
+    cell = np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
+    place = np.concatenate([uv.repeat(len(cell), axis=0), np.tile(cell, (len(uv), 1))], axis=1)
+    side = round(len(uv) ** 0.5)
+    return _waves(rng, place, channels).reshape(side, side, cells, cells, channels)
