@@ -3,9 +3,9 @@
 """A layered atlas as the block-compressed textures that a GPU holds, and the atlas that these decode to.
 
 Light without alpha is BC6H. What has alpha is coded as sRGB, which hardware decodes before it filters, in a
-range of its own: pictures BC7, and what the object shows of itself BC3, as its mask has nothing to do with its
-colours. Distances are BC4. Buckets are an image of [cell row][cell column] tiles of
-(h, w) texels each: one lookup filters the four texels of a cell.
+range of its own: pictures BC7, and what the object shows of itself BC3, as its mask has nothing to do with
+its colours. Distances are BC4. Buckets are an image of [cell row][cell column] tiles of (h, w) texels each:
+one lookup filters the four texels of a cell.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from radtex_addon.formats.bc7 import decode_bc7, encode_bc7
 from .atlas import LayeredAtlas
 from .bc3 import decode_bc3, encode_bc3
 from .edge_grid import EdgeImpostor, EdgePictures, on_edges
-from .environment import Impostor, Layer, Pictures
+from .environment import Around, Impostor, Layer, Pictures
 
 NEAR_SIZE = 256  # texels along a side of near layers' pictures
 _BRIGHTEST = 4.0  # of what the object shows of itself: a wider range has coarser steps in the dark
@@ -59,7 +60,7 @@ class Texture:
 
     @property
     def bytes(self) -> int:
-        texels = sum(level.shape[0] * level.shape[1] for level in self.levels)
+        texels = sum(int(level.shape[0]) * int(level.shape[1]) for level in self.levels)
         return texels // 2 if self.format is Format.BC4 else texels
 
     def values(self, level: int) -> Floats:
@@ -84,50 +85,68 @@ def compressed(
     `only` names the textures that are compressed, the others stay as they are; without it all are. What comes
     through is neither counted nor compressed here.
     """
+    kept = _Kept({}, only)
+    around = _around(kept, atlas.around, near_size)
+    found = {name: _map_kept(kept, name, getattr(atlas, name)) for name in ("irradiance", *MATERIAL_MAPS)}
+    own, rest = kept.of("own", _own, atlas.own), kept.of("rest", _rest, atlas.rest)
+    decoded = replace(
+        atlas,
+        colour=atlas.colour if found["colour"] is None else found["colour"],
+        irradiance=atlas.irradiance if found["irradiance"] is None else found["irradiance"],
+        tint=atlas.tint if found["tint"] is None else found["tint"],
+        normal=atlas.normal if found["normal"] is None else found["normal"],
+        around=around,
+        own=atlas.own if own is None else _buckets(own),
+        rest=atlas.rest if rest is None else _buckets(rest)[..., :3],
+    )
+    return decoded, kept.textures
 
-    def wanted(name: str) -> bool:
-        return only is None or name in only
 
-    textures: dict[str, Texture] = {}
+@dataclass(frozen=True)
+class _Kept:
+    """The textures so far; `only` names those that are wanted, None all."""
 
-    def kept(name: str, make: Callable[[], Texture]) -> Texture | None:
-        if wanted(name):
-            textures[name] = make()
-        return textures.get(name)
+    textures: dict[str, Texture]
+    only: Collection[str] | None
 
-    world = atlas.around.world
-    if found := kept("world", lambda: picture_texture(world)):
+    def of(self, name: str, make: Callable[..., Texture], *values: Any) -> Texture | None:
+        """The texture that `make` makes of values, if it is wanted."""
+        if self.only is None or name in self.only:
+            self.textures[name] = make(*values)
+        return self.textures.get(name)
+
+
+def _around(kept: _Kept, around: Around, near_size: int) -> Around:
+    world = around.world
+    found = kept.of("world", picture_texture, world)
+    if found is not None:
         world = _decoded(found, world.sharpest)
     layers = []
-    for number, layer in enumerate(atlas.around.layers):
+    for number, layer in enumerate(around.layers):
         pictures, shape = layer.pictures, layer.shape
-        if found := kept(f"near{number}", lambda pictures=pictures: picture_texture(pictures, near_size)):  # type: ignore[misc]
+        found = kept.of(f"near{number}", picture_texture, pictures, near_size)
+        if found is not None:
             ratio = len(pictures.levels[0]) // len(found.levels[0])
             pictures = _decoded(found, pictures.sharpest * ratio**2)
         if isinstance(shape, Impostor):
-            nearness = shape.nearness
-            if found := kept(f"distances{number}", lambda nearness=nearness: _distances(nearness)):  # type: ignore[misc]
-                shape = EdgeImpostor(found.values(0)[..., 0])
+            found = kept.of(f"distances{number}", _distances, shape.nearness)
+            shape = shape if found is None else EdgeImpostor(found.values(0)[..., 0])
         layers.append(Layer(pictures, shape))
-    fields = {}
-    if atlas.irradiance.any() and (found := kept("irradiance", lambda: light_texture(atlas.irradiance))):
-        fields["irradiance"] = _cropped(found)
-    if found := kept("own", lambda: _own(atlas.own)):
-        fields["own"] = _buckets(found)
-    if found := kept("rest", lambda: _rest(atlas.rest)):
-        fields["rest"] = _buckets(found)[..., :3]
-    for name in MATERIAL_MAPS:
-        image = getattr(atlas, name)
-        if (
-            image is not None and image.any() and (found := kept(name, lambda: _map(image, name == "normal")))  # noqa: B023
-        ):
-            fields[name] = _cropped(found)
-    around = replace(atlas.around, world=world, layers=tuple(layers))
-    return replace(atlas, around=around, **fields), textures
+    return replace(around, world=world, layers=tuple(layers))
+
+
+def _map_kept(kept: _Kept, name: str, image: Floats | None) -> Floats | None:
+    """A map of the surface as it decodes; None where there is none, it is black, or it is not wanted."""
+    if image is None or not image.any():
+        return None
+    found = kept.of(
+        name, *((light_texture, image) if name == "irradiance" else (_map, image, name == "normal"))
+    )
+    return None if found is None else _cropped(found)
 
 
 def picture_texture(pictures: Pictures, size: int | None = None) -> Texture:
-    """The texture of pictures (M, M, 3), or of (M, M, 4) whose alpha is premultiplied; the first `size` wide."""
+    """The texture of pictures (M, M, 3), or premultiplied (M, M, 4); its first level has `size` x `size`."""
     size = size or len(pictures.levels[0])
     levels = [level for level in pictures.levels if len(level) <= size]
     levels = [on_edges(level) for level in levels]

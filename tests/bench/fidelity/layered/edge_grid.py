@@ -14,11 +14,10 @@ from typing import cast
 
 import numpy as np
 
-from radtex_addon.core.arrays import Floats
+from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.octahedron import cell_places, direction_to_octahedron, sample_octahedron
 
 from .environment import Impostor, Pictures
-
 
 _ROUNDS = 3  # by which what a change of grids has blurred is sharpened again
 
@@ -26,7 +25,7 @@ _ROUNDS = 3  # by which what a change of grids has blurred is sharpened again
 def on_edges(image: Floats) -> Floats:
     """A picture of M x M cells (M, M, C) float32, on M x M places from edge to edge of the square.
 
-    Filtered at the cells' middles it is nearly what it was: a change of grids by interpolation alone blurs it.
+    Filtered at the cells' middles it is nearly what it was: interpolation alone would blur it.
     """
     size = len(image)
     along = np.linspace(0, 1, size, dtype=np.float32)
@@ -45,8 +44,8 @@ def on_edges(image: Floats) -> Floats:
 class EdgePictures(Pictures):
     """Pictures whose levels' outermost texels lie on the square's edge, looked up as a GPU does it.
 
-    One lookup filters two levels at the same coordinates, though the grids of the two differ by a fraction of a
-    texel: the coordinates are those of a grid between them. `levels` are powers of two in size.
+    One lookup filters two levels at the same coordinates, though their grids differ by a fraction of a texel:
+    the coordinates are those of a grid between them. `levels` are powers of two in size.
     """
 
     def look(self, direction: Floats, variance: Floats) -> Floats:
@@ -61,10 +60,10 @@ class EdgePictures(Pictures):
         found = self._bilinear(place, lower) * (1 - above) + self._bilinear(place, upper) * above
         return cast(Floats, found.T.astype(np.float32))
 
-    def _bilinear(self, place: Floats, level: Floats) -> Floats:
+    def _bilinear(self, place: Floats, level: Ints) -> Floats:
         """Of one level each, at texture coordinates (N, 2): (N, C), clamped to the edge."""
         flat, first = self._flat
-        size = len(self.levels[0]) >> level
+        size = np.right_shift(len(self.levels[0]), level)
         position = np.clip(place * size[:, None] - np.float32(0.5), 0, (size - 1)[:, None])
         low = np.minimum(position.astype(np.intp), (size - 2)[:, None])
         x, y = (position - low).astype(np.float32).T[..., None]
@@ -73,7 +72,7 @@ class EdgePictures(Pictures):
         return cast(Floats, below * (1 - y) + (flat[at + size] * (1 - x) + flat[at + size + 1] * x) * y)
 
     @cached_property
-    def _flat(self) -> tuple[Floats, Floats]:
+    def _flat(self) -> tuple[Floats, Ints]:
         """The levels' texels one after another, and where each level begins."""
         texels = [level.reshape(-1, level.shape[-1]) for level in self.levels]
         return np.concatenate(texels), np.cumsum([0, *map(len, texels)])[:-1]

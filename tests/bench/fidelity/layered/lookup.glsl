@@ -6,26 +6,29 @@
 //
 // What a bake has is defined before: RADTEX_COLOUR (colour and irradiance) or RADTEX_LIT (their product in one
 // texture), RADTEX_TINT, RADTEX_NORMAL, RADTEX_PLANE, RADTEX_THINGS, RADTEX_LAMPS (how many, 0 to 4), RADTEX_MIRRORS,
-// RADTEX_REST. What it costs is chosen: RADTEX_STEPS (0, 1 or 2 fetches of distances), RADTEX_CELLS (3 or 4 for a
-// direction), and for the second lobe RADTEX_WHOLE (one picture of everything, as seen from the middle) or RADTEX_ALL
-// (all that the first one looks at) or neither (no second lobe).
+// RADTEX_REST. What it costs is chosen: RADTEX_STEPS (0, 1 or 2 fetches of distances), RADTEX_OWN_TAPS and
+// RADTEX_REST_TAPS (3 or 4 cells around a direction), and for the second lobe RADTEX_WHOLE (one picture of everything,
+// as seen from the middle) or RADTEX_ALL (all that the first one looks at) or neither (no second lobe).
 
 uniform vec3 middle;  // of the object, where all pictures are seen from
-uniform vec4 material[16];  // falloff's three channels and the bend, radians, by N.V
+uniform vec4 material[16];  // falloff's three channels and the bend's sine, by N.V
 #ifdef RADTEX_COLOUR
 uniform sampler2D colour, irradiance;
-uniform vec2 irradiance_part;  // the share of the texture that is not padding
+uniform vec2 colour_part, irradiance_part;  // the share of a texture that is not padding
 uniform float colour_scale;
 #endif
 #ifdef RADTEX_LIT
 uniform sampler2D lit;
+uniform vec2 lit_part;
 #endif
 #ifdef RADTEX_TINT
 uniform sampler2D tint;
 uniform float tint_scale;
+uniform vec2 tint_part;
 #endif
 #ifdef RADTEX_NORMAL
 uniform sampler2D shading_normal;
+uniform vec2 normal_part;
 #endif
 #ifdef RADTEX_MIRRORS
 uniform vec4 lobes[32];  // weight, and the variance's logarithm to base 2, by N.V; then the second lobe's
@@ -79,7 +82,7 @@ vec3 radtex_picture(vec3 levels, vec3 d, float spread) {
     return vec3(radtex_on_edges(radtex_square(d), levels.x * exp2(-level)), level);
 }
 
-// Three cells around a place, of n x n, and their weights: the square between four centres is two triangles.
+// Cells around a place, of n x n, and their weights.
 struct Cells {
     vec2 a, b, c, d;
     vec4 weight;
@@ -102,6 +105,7 @@ Cells radtex_four_cells(vec2 place, float n) {
     return cells;
 }
 
+// The square between four cells' centres in two triangles: with the other diagonal it costs up to 0.7 dB.
 Cells radtex_three_cells(vec2 place, float n) {
     vec2 position = place * n - 0.5, low = floor(position), f = position - low;
     bool flipped = (place.x - 0.5) * (place.y - 0.5) < 0.0;  // so that diagonals run as the octahedron's edges do
@@ -176,7 +180,7 @@ float radtex_sphere(float along, float squared, float radius) {
 // Radiance towards the viewer, in the unit direction V, from a fragment at `position` whose unit normal is N.
 vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
 #ifdef RADTEX_NORMAL
-    vec3 shading = normalize(texture(shading_normal, uv).xyz * 2.0 - 1.0);
+    vec3 shading = normalize(texture(shading_normal, uv * normal_part).xyz * 2.0 - 1.0);
     N = dot(shading, N) > 0.3 ? shading : N;
 #endif
     float cosine = dot(N, V);
@@ -187,17 +191,18 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
     vec4 facts = mix(material[low], material[low + 1], above);
     vec3 light = vec3(0.0);
 #ifdef RADTEX_COLOUR
-    light = texture(colour, uv).rgb * (texture(irradiance, uv * irradiance_part).rgb * facts.rgb) * colour_scale;
+    light = texture(colour, uv * colour_part).rgb * texture(irradiance, uv * irradiance_part).rgb;
+    light *= facts.rgb * colour_scale;
 #endif
 #ifdef RADTEX_LIT
-    light = texture(lit, uv).rgb * facts.rgb;
+    light = texture(lit, uv * lit_part).rgb * facts.rgb;
 #endif
     vec2 place = radtex_square(axis);
 #ifdef RADTEX_MIRRORS
     vec3 from = position - middle;
     vec3 towards = N - dot(N, axis) * axis;
     towards *= inversesqrt(max(dot(towards, towards), 1e-12));
-    vec3 ray = axis * cos(facts.a) + towards * sin(facts.a);
+    vec3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
     vec4 lobe = mix(lobes[low], lobes[low + 1], above);
     vec3 at = radtex_picture(world_levels, ray, lobe.a);
     vec3 direct = textureLod(world, at.xy, at.z).rgb;
@@ -285,7 +290,7 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
     mirrored += wide.rgb * mix(self.rgb, broad + radtex_lamps(from, ray, variance), radtex_free(quantile, variance));
 #endif
 #ifdef RADTEX_TINT
-    mirrored *= texture(tint, uv).rgb * tint_scale;
+    mirrored *= texture(tint, uv * tint_part).rgb * tint_scale;
 #endif
     light += mirrored;
 #endif

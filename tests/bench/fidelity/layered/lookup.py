@@ -19,7 +19,7 @@ from tests.real.opengl import mipmapped
 
 from .atlas import LayeredAtlas
 from .compressed import Format, Texture, light_texture, picture_texture, to_srgb
-from .environment import Impostor, Pictures, Plane
+from .environment import Pictures, Plane
 from .lobes import STEPS, Material
 
 SRGB8_ALPHA8 = 0x8C43  # GL_SRGB8_ALPHA8
@@ -52,7 +52,7 @@ FULL = Cost(steps=2, own_taps=4, rest_taps=4, second="all")
 
 @dataclass(frozen=True, eq=False)
 class Lookup:
-    """A shader's head, `radtex_layered` with it, the textures that it needs and its uniforms but materials'."""
+    """What `radtex_layered` needs: definitions before it, textures, uniforms but those of materials."""
 
     defines: Mapping[str, int]
     textures: Mapping[str, Texture]
@@ -83,29 +83,20 @@ def lookup_of(atlas: LayeredAtlas, textures: Mapping[str, Texture], cost: Cost) 
     lamps, and for light that comes through.
     """
     around = atlas.around
-    shapes = [type(layer.shape) for layer in around.layers]
-    if shapes not in ([], [Plane], [Impostor], [Plane, Impostor]) and not all(
-        issubclass(one, (Plane, Impostor)) for one in shapes
-    ):
-        raise ValueError(f"layers: no lookup is written for {shapes}")
-    if len(shapes) > 2 or len(around.lamps) > 4 or atlas.through is not None:
-        raise ValueError(f"{len(shapes)} layers, {len(around.lamps)} lamps: no lookup is written for these")
+    shapes = ["plane" if isinstance(layer.shape, Plane) else "things" for layer in around.layers]
+    known = shapes in ([], ["plane"], ["things"], ["plane", "things"])
+    if not known or len(around.lamps) > 4 or atlas.through is not None:
+        raise ValueError(f"layers {shapes}, {len(around.lamps)} lamps: no lookup is written for these")
     defines = {"RADTEX_STEPS": cost.steps, "RADTEX_LAMPS": 0}
     defines |= {"RADTEX_OWN_TAPS": cost.own_taps, "RADTEX_REST_TAPS": cost.rest_taps}
     used: dict[str, Texture] = {}
     values: dict[str, Any] = {}
-    if "irradiance" in textures and "colour" in textures and cost.product:
-        defines["RADTEX_LIT"] = 1
-        used["lit"] = light_texture(_product(atlas))
-    elif "irradiance" in textures and "colour" in textures:
-        defines["RADTEX_COLOUR"] = 1
-        used["colour"], used["irradiance"] = textures["colour"], textures["irradiance"]
-        (width, height), image = textures["irradiance"].size, textures["irradiance"].levels[0]
-        values["irradiance_part"] = (width / image.shape[1], height / image.shape[0])
-        values["colour_scale"] = textures["colour"].scale
+    if "irradiance" in textures and "colour" in textures:
+        _add_diffuse(atlas, textures, cost.product, defines, used, values)
     mirrors = any(lobes.weight.any() for lobes in atlas.materials)
     if atlas.normal is not None:
         defines["RADTEX_NORMAL"], used["shading_normal"] = 1, textures["normal"]
+        values["normal_part"] = _part(textures["normal"])
     if mirrors:
         defines["RADTEX_MIRRORS"] = 1
         values["middle"] = tuple(around.middle.tolist())
@@ -115,7 +106,7 @@ def lookup_of(atlas: LayeredAtlas, textures: Mapping[str, Texture], cost: Cost) 
         _add_layers(atlas, textures, defines, used, values)
         if atlas.tint is not None:
             defines["RADTEX_TINT"], used["tint"] = 1, textures["tint"]
-            values["tint_scale"] = used["tint"].scale
+            values["tint_scale"], values["tint_part"] = used["tint"].scale, _part(used["tint"])
         if around.lamps:
             defines["RADTEX_LAMPS"] = len(around.lamps)
             values["lamp_place"] = _array([(*lamp.place.tolist(), lamp.variance) for lamp in around.lamps])
@@ -131,6 +122,33 @@ def lookup_of(atlas: LayeredAtlas, textures: Mapping[str, Texture], cost: Cost) 
         values["rest_tile"] = _tile(used["rest"], 8)
         values["rest_range"] = (used["rest"].scale, used["rest"].offset)
     return Lookup(defines, used, values)
+
+
+def _add_diffuse(
+    atlas: LayeredAtlas,
+    textures: Mapping[str, Texture],
+    product: bool,
+    defines: dict[str, int],
+    used: dict[str, Texture],
+    values: dict[str, Any],
+) -> None:
+    if product:
+        defines["RADTEX_LIT"] = 1
+        used["lit"] = light_texture(_product(atlas))
+        values["lit_part"] = _part(used["lit"])
+        return
+    defines["RADTEX_COLOUR"] = 1
+    used["colour"], used["irradiance"] = textures["colour"], textures["irradiance"]
+    values["colour_scale"] = textures["colour"].scale
+    values["colour_part"], values["irradiance_part"] = (
+        _part(used[name]) for name in ("colour", "irradiance")
+    )
+
+
+def _part(texture: Texture) -> tuple[float, float]:
+    """The share of a texture's width and height that is not padding."""
+    height, width = texture.levels[0].shape[:2]
+    return texture.size[0] / width, texture.size[1] / height
 
 
 def _add_layers(
@@ -158,7 +176,7 @@ def _add_layers(
 
 def material_values(atlas: LayeredAtlas, material: Material, lookup: Lookup) -> dict[str, Any]:
     """The uniforms of one material: its curves and the atlas's falloff at the same steps of N.V."""
-    facts = np.concatenate([_resampled(atlas.falloff), material.bend[:, None]], axis=1)
+    facts = np.concatenate([_resampled(atlas.falloff), np.sin(material.bend[:, None])], axis=1)
     values: dict[str, Any] = {"material": [tuple(row) for row in facts.tolist()]}
     if "RADTEX_MIRRORS" in lookup.defines:
         spread = np.log2(material.variance)[..., None]
@@ -170,7 +188,7 @@ def material_values(atlas: LayeredAtlas, material: Material, lookup: Lookup) -> 
 
 
 def flattened(atlas: LayeredAtlas) -> Pictures:
-    """Everything but lamps as it is seen from the middle, in a picture of WHOLE_SIZE and its blurred copies."""
+    """Everything but lamps as it is seen from the middle, in WHOLE_SIZE texels, and ever more blurred."""
     around = replace(atlas.around, lamps=())
     sharpest = around.world.sharpest * (len(around.world.levels[0]) / WHOLE_SIZE) ** 2
     levels = []
@@ -259,7 +277,7 @@ def _resampled(falloff: Floats) -> Floats:
 
 
 def _merged(material: Material) -> Floats:
-    """One lobe for two, twice (2 STEPS, 4): of the same weight and the weights' mean logarithm of variance."""
+    """One lobe for two, twice (2 STEPS, 4): their weights' sum, and their variances' geometric mean."""
     bright = material.weight.sum(axis=2)
     share = bright / np.maximum(bright.sum(axis=0), 1e-9)
     spread = (share * np.log2(material.variance)).sum(axis=0)
@@ -270,7 +288,8 @@ def _merged(material: Material) -> Floats:
 def _product(atlas: LayeredAtlas) -> Floats:
     """Colour times irradiance, at the colour's resolution."""
     height, width = atlas.colour.shape[:2]
-    return atlas.colour * _enlarged(_enlarged(atlas.irradiance, height, 0), width, 1)
+    light: Floats = atlas.colour * _enlarged(_enlarged(atlas.irradiance, height, 0), width, 1)
+    return light
 
 
 def _enlarged(image: Floats, size: int, axis: int) -> Floats:
@@ -280,4 +299,5 @@ def _enlarged(image: Floats, size: int, axis: int) -> Floats:
     shape = [1, 1, 1]
     shape[axis] = size
     above = (place - low).astype(np.float32).reshape(shape)
-    return image.take(low, axis=axis) * (1 - above) + image.take(low + 1, axis=axis) * above
+    found: Floats = image.take(low, axis=axis) * (1 - above) + image.take(low + 1, axis=axis) * above
+    return found

@@ -4,10 +4,10 @@
 
     python -m tests.bench.fidelity.layered.lookup_cost [--atlas PICKLE]
 
-Of a made-up bake of 128 texels that has every part, or of a pickled LayeredAtlas. A ball fills a square picture
-of 8-bit colours; all shaders draw in turns, round after round, and beside the diffuse shader of
-`tests.bench.fragment`. Differences are those of the shader's answers at random fragments from `sample_layered`
-of the decoded atlas, over what that finds and a twentieth of white.
+Of a made-up bake of 128 texels that has every part, or of a pickled LayeredAtlas. A ball fills a square
+picture of 8-bit colours; all shaders draw in turns, round after round, beside the diffuse shader of
+`tests.bench.fragment`. Differences are those of the shader's answers at random fragments from
+`sample_layered` of the decoded atlas, over what that finds and a twentieth of white.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def main() -> None:
         print(f"{context.info['GL_RENDERER']}, {options.pixels} x {options.pixels}, {options.rounds} rounds")
         figures = measured(context, [painters], view_of(model), options.pixels, options.rounds)
     print("| lookup | fetches | bytes | a frame, ms | over diffuse | off, mean | off, 99.9 % |")
-    print("|---|---|---|---|---|---|---|\n" f"| diffuse | 1 | | {figures['diffuse'][0]:.1f} | 1.00 | | |")
+    print(f"|---|---|---|---|---|---|---|\n| diffuse | 1 | | {figures['diffuse'][0]:.1f} | 1.00 | | |")
     for name, lookup in lookups.items():
         milliseconds, ratio = figures[name]
         print(

@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The layered layout's textures and shader, against the sampler in numpy and against cases that are known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import moderngl
+import numpy as np
+import pytest
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.octahedron import cell_directions, octahedron_to_direction, sample_octahedron
+from tests.bench.fidelity.layered.atlas import LayeredAtlas, sample_layered
+from tests.bench.fidelity.layered.bc3 import decode_bc3, encode_bc3
+from tests.bench.fidelity.layered.compressed import Texture, compressed, from_srgb, to_srgb
+from tests.bench.fidelity.layered.drawn_fragments import radiance
+from tests.bench.fidelity.layered.edge_grid import EdgePictures, on_edges
+from tests.bench.fidelity.layered.lookup import FULL, Cost, chosen, lookup_of
+from tests.bench.fidelity.layered.made_up import made_up_atlas, made_up_fragments
+
+_RNG = np.random.default_rng(3)
+Decoded = tuple[LayeredAtlas, dict[str, Texture]]
+
+
+@pytest.fixture(scope="module")
+def context() -> Iterator[moderngl.Context]:
+    with moderngl.create_context(standalone=True, backend="egl") as context:  # type: ignore[arg-type]  # wrong stub
+        yield context
+
+
+@pytest.fixture(scope="module")
+def decoded() -> Decoded:
+    return compressed(made_up_atlas(16, 64), near_size=32)
+
+
+def _off(found: Floats, expected: Floats) -> Floats:
+    return np.asarray(np.abs(found - expected) / (np.abs(expected) + 0.05))
+
+
+def test_the_shader_finds_what_the_sampler_does(context: moderngl.Context, decoded: Decoded) -> None:
+    atlas, textures = decoded
+    at = made_up_fragments(atlas, 4000)
+    expected = sample_layered(atlas, at)
+    off = _off(radiance(context, atlas, lookup_of(atlas, textures, FULL), at), expected)
+    assert off.mean() < 3e-3
+    assert off.max() < 0.05
+    without = replace(atlas, rest=np.zeros_like(atlas.rest))
+    assert _off(sample_layered(without, at), expected).mean() > 0.03
+
+
+@pytest.mark.parametrize(
+    ("cost", "fetches"),
+    [(FULL, 18), (Cost(), 13), (Cost(product=True), 12), (Cost(second="none", rest=False), 9)],
+)
+def test_fetches_are_those_of_the_parts(decoded: Decoded, cost: Cost, fetches: int) -> None:
+    assert lookup_of(*decoded, cost).fetches == fetches
+
+
+def test_conditions_leave_the_right_lines() -> None:
+    source = (
+        "a\n#ifdef A\nb\n#if N > 1\nc // C\n#else\nd\n#endif\n#endif\n#if defined(A) || defined(B)\ne\n#endif"
+    )
+    assert chosen(source, {"A": 1, "N": 2}).split() == ["a", "b", "c", "e"]
+    assert chosen(source, {"B": 1}).split() == ["a", "e"]
+
+
+def test_colours_and_alpha_come_back_from_bc3() -> None:
+    ends = _RNG.uniform(size=(4, 4, 2, 4))
+    share = _RNG.permuted(np.arange(16).reshape(1, 16).repeat(16, axis=0) % 4, axis=1) / 3
+    share = share.reshape(4, 4, 4, 4).swapaxes(1, 2).reshape(16, 16, 1)
+    first, last = (ends[:, :, end].repeat(4, axis=0).repeat(4, axis=1) for end in range(2))
+    image = (first + (last - first) * share).astype(np.float32)
+    image[..., 3] = np.linspace(0, 1, 16)
+    found = decode_bc3(encode_bc3(image, np.ones((16, 16), np.float32)))
+    assert np.abs(found[..., :3] - image[..., :3]).max() < 1.5 / 31
+    assert np.abs(found[..., 3] - image[..., 3]).max() < 0.2 / 14 + 1 / 255  # half a step between the ends
+
+
+def test_pixels_of_no_weight_do_not_disturb_others() -> None:
+    image = np.full((4, 4, 4), 0.4, np.float32)
+    image[0, :, :3] = _RNG.uniform(size=(4, 3))
+    weight = np.ones((4, 4), np.float32)
+    weight[0] = 1e-6
+    assert np.abs(decode_bc3(encode_bc3(image, weight)) - image)[1:].max() < 1 / 31
+
+
+def test_srgb_and_back() -> None:
+    values = np.linspace(0, 1, 100, dtype=np.float32)
+    np.testing.assert_allclose(from_srgb(to_srgb(values)), values, atol=1e-6)
+
+
+def test_a_picture_on_edges_has_no_seam_and_is_as_sharp() -> None:
+    size = 32
+    directions = cell_directions(size).astype(np.float32)
+    wave = np.sin(5 * directions[:, :1]) + np.cos(4 * directions[:, 1:2] * directions[:, 2:])
+    image = wave.reshape(size, size, 1).astype(np.float32)
+    along = np.linspace(0, 1, size, dtype=np.float32)
+    interpolated = sample_octahedron(image, np.stack(np.meshgrid(along, along), axis=-1)).astype(np.float32)
+    pictures, plain = EdgePictures((on_edges(image),), 1.0), EdgePictures((interpolated,), 1.0)
+    sharp = np.full(size * size, 1e-6, np.float32)
+    wrong = [np.abs(one.look(directions, sharp)[0] - image.ravel()).mean() for one in (pictures, plain)]
+    assert wrong[0] < 0.4 * wrong[1]
+    along = np.linspace(0.01, 0.49, 50, dtype=np.float32)
+    edge = np.full_like(along, 1e-5)
+    left, mirrored = np.stack([edge, along], axis=1), np.stack([edge, 1 - along], axis=1)
+    both = [octahedron_to_direction(place).astype(np.float32) for place in (left, mirrored)]
+    seen = [pictures.look(direction, sharp[:50])[0] for direction in both]
+    np.testing.assert_allclose(seen[0], seen[1], atol=1e-3)
