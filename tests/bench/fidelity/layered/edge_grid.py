@@ -15,7 +15,12 @@ from typing import cast
 import numpy as np
 
 from radtex_addon.core.arrays import Floats, Ints
-from radtex_addon.core.octahedron import cell_places, direction_to_octahedron, sample_octahedron
+from radtex_addon.core.octahedron import (
+    cell_places,
+    direction_to_octahedron,
+    octahedron_taps,
+    sample_octahedron,
+)
 
 from .environment import Impostor, Pictures
 
@@ -25,7 +30,8 @@ _ROUNDS = 3  # by which what a change of grids has blurred is sharpened again
 def on_edges(image: Floats) -> Floats:
     """A picture of M x M cells (M, M, C) float32, on M x M places from edge to edge of the square.
 
-    Filtered at the cells' middles it is nearly what it was: interpolation alone would blur it.
+    Filtered at the cells' middles it is nearly what it was: interpolation alone would blur it. No value lies
+    beyond those of the cells around it: light below 0 would be cut off, and small lamps thus be too bright.
     """
     size = len(image)
     along = np.linspace(0, 1, size, dtype=np.float32)
@@ -34,9 +40,12 @@ def on_edges(image: Floats) -> Floats:
     middles = cell_places(size) * np.float32(1 - 2 * half) + np.float32(half)
     level = np.zeros(len(middles), dtype=np.intp)
     found = sample_octahedron(image, place)
+    around = np.stack([image.reshape(size * size, -1)[cell] for cell, _ in octahedron_taps(place, size)])
+    least, most = around.min(axis=0), around.max(axis=0)
     for _ in range(_ROUNDS):
         back = EdgePictures((found,), 1.0)._bilinear(middles, level)
         found = found + sample_octahedron(image - back.reshape(image.shape), place)
+        found = np.clip(found, least, most)
     return found.astype(np.float32)
 
 
