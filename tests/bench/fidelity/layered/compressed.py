@@ -27,7 +27,7 @@ from .bc3 import decode_bc3, encode_bc3
 from .edge_grid import EdgeImpostor, EdgePictures, on_edges
 from .environment import Around, Impostor, Layer, Pictures
 
-NEAR_SIZE = 256  # texels along a side of near layers' pictures
+PLANE_SIZE, THINGS_SIZE = 512, 256  # texels along a side of near layers' pictures, at most
 _BRIGHTEST = 4.0  # of what the object shows of itself: a wider range has coarser steps in the dark
 _REST_RANGE = 0.0002  # share of the rest's values beyond either end of its range
 _SEEN = 0.02  # weight of what the object shows of itself, where the mask leaves all free
@@ -78,15 +78,18 @@ MATERIAL_MAPS = ("colour", "tint", "normal")
 
 
 def compressed(
-    atlas: LayeredAtlas, only: Collection[str] | None = None, near_size: int = NEAR_SIZE
+    atlas: LayeredAtlas,
+    only: Collection[str] | None = None,
+    near_sizes: tuple[int, int] = (PLANE_SIZE, THINGS_SIZE),
 ) -> tuple[LayeredAtlas, dict[str, Texture]]:
     """The atlas as it decodes, and its textures by name.
 
-    `only` names the textures that are compressed, the others stay as they are; without it all are. What comes
-    through is neither counted nor compressed here.
+    `only` names the textures that are compressed, the others stay as they are; without it all are. The
+    pictures of a plane and of other things have at most `near_sizes` texels along a side. What comes through
+    is neither counted nor compressed here.
     """
     kept = _Kept({}, only)
-    around = _around(kept, atlas.around, near_size)
+    around = _around(kept, atlas.around, near_sizes)
     found = {name: _map_kept(kept, name, getattr(atlas, name)) for name in ("irradiance", *MATERIAL_MAPS)}
     own, rest = kept.of("own", _own, atlas.own), kept.of("rest", _rest, atlas.rest)
     decoded = replace(
@@ -116,7 +119,7 @@ class _Kept:
         return self.textures.get(name)
 
 
-def _around(kept: _Kept, around: Around, near_size: int) -> Around:
+def _around(kept: _Kept, around: Around, near_sizes: tuple[int, int]) -> Around:
     world = around.world
     found = kept.of("world", picture_texture, world)
     if found is not None:
@@ -124,7 +127,9 @@ def _around(kept: _Kept, around: Around, near_size: int) -> Around:
     layers = []
     for number, layer in enumerate(around.layers):
         pictures, shape = layer.pictures, layer.shape
-        found = kept.of(f"near{number}", picture_texture, pictures, near_size)
+        most = near_sizes[isinstance(shape, Impostor)]
+        size = min(most, len(pictures.levels[0]))
+        found = kept.of(f"near{number}", picture_texture, pictures, size)
         if found is not None:
             ratio = len(pictures.levels[0]) // len(found.levels[0])
             pictures = _decoded(found, pictures.sharpest * ratio**2)

@@ -29,7 +29,7 @@ from .residual import fit_rest
 from .through import fit_through
 from .visibility import free_share
 
-OWN_CELLS, REST_CELLS = 16, 8  # along the sides of buckets
+OWN_CELLS, REST_CELLS = 14, 8  # along the sides of buckets
 COARSER = 2  # texels along a side of those that have buckets of their own
 _FREE = 0.98  # of a direction, above which a path is taken to leave the object straight away
 _VARIES = 0.02  # standard deviation of the tint, above which it is kept

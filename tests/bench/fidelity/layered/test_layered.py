@@ -23,6 +23,8 @@ from .panoramas import panorama_directions
 from .residual import fit_rest
 from .visibility import free_share, seen_free
 
+pytestmark = pytest.mark.one_blender
+
 SIDE = 12  # texels of a flat atlas
 CELLS = 8
 

@@ -33,7 +33,7 @@ def context() -> Iterator[moderngl.Context]:
 
 @pytest.fixture(scope="module")
 def decoded() -> Decoded:
-    return compressed(made_up_atlas(16, 64), near_size=32)
+    return compressed(made_up_atlas(16, 64), near_sizes=(32, 32))
 
 
 def _off(found: Floats, expected: Floats) -> Floats:

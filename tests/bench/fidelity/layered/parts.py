@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What each part of the layered layout is worth: the fit with it, and without it.
+
+    python -m tests.bench.fidelity.layered.parts --scenes coat,metal_20
+
+A scene is captured once and fitted many times. A row says what is lost without a part: the PSNR of the
+untuned views, minus that of the row "all"; and what block compression costs. References are rendered where
+the user's cache folder lacks them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.report.gbuffer import GBuffer
+
+from ..choice import add_scene_options, chosen_scenes
+from ..methods.layered import look
+from ..metrics import compare
+from ..references import View, gbuffer, views
+from ..report import markdown
+from .atlas import LayeredAtlas
+from .capture import Captured, capture_layered
+from .compressed import MATERIAL_MAPS, compressed
+from .fit import Parts, fit_layered
+
+_ALL, _COMPRESSED = "all", "all, compressed in blocks"
+
+
+def main() -> None:
+    """Capture, fit with and without, look, print."""
+    parser = argparse.ArgumentParser(
+        prog="python -m tests.bench.fidelity.layered.parts",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add_scene_options(parser)
+    parser.add_argument("--texels", type=int, default=128)
+    parser.add_argument("--samples", type=int, default=16)
+    options = parser.parse_args()
+    spec = BakeSpec(layout=Layout.SHARED, texels=options.texels, samples=options.samples)
+    rows: dict[str, list[float]] = {}
+    names = []
+    for name, build in chosen_scenes(options).items():
+        names.append(name)
+        looked_from = views(build(), options.quick)
+        with tempfile.TemporaryDirectory() as folder:
+            captured = capture_layered(build(), spec, Path(folder))
+        for row, psnr in _measured(captured, looked_from).items():
+            rows.setdefault(row, []).append(psnr)
+            print(f"{name}, {row}: {psnr:.2f} dB", flush=True)
+    table = [["", *names, "mean, dB"], ["---"] * (len(names) + 2)]
+    for row, found in rows.items():
+        first = np.zeros(len(found)) if row == _ALL else np.array(rows[_ALL])
+        shown = np.array(found) - first
+        sign = "" if row == _ALL else "+"
+        table.append([row, *(f"{value:{sign}.2f}" for value in shown), f"{shown.mean():{sign}.2f}"])
+    print("\n" + markdown(table))
+
+
+def _measured(captured: Captured, looked_from: list[View]) -> dict[str, float]:
+    """The mean PSNR of the untuned views, by what is left out."""
+    prepared, matrix = captured.prepared, captured.matrix_world
+    seen = [(view, gbuffer(view, prepared.mesh, matrix, prepared.uv_layer)) for view in looked_from]
+    whole = fit_layered(captured.capture)
+    found = {_ALL: _psnr(whole, captured, seen)}
+    decoded, textures = compressed(whole)
+    size = sum(texture.bytes for name, texture in textures.items() if name not in MATERIAL_MAPS)
+    print(f"compressed: {size} bytes of textures", flush=True)
+    found[_COMPRESSED] = _psnr(decoded, captured, seen)
+    for part in fields(Parts):
+        without = fit_layered(captured.capture, Parts(**{part.name: False}))
+        found[f"without {part.name.replace('_', ' ')}"] = _psnr(without, captured, seen)
+    return found
+
+
+def _psnr(atlas: LayeredAtlas, captured: Captured, seen: list[tuple[View, GBuffer]]) -> float:
+    figures = []
+    for view, buffer in seen:
+        if view.held_out:
+            picture = buffer.resolve(look(atlas, captured.faces, buffer))
+            figures.append(compare(picture, view.reference, buffer.inside, buffer.eroded).psnr)
+    return float(np.mean(figures))
+
+
+if __name__ == "__main__":
+    main()
