@@ -1,5 +1,5 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
-// SPDX-License-Identifier: MIT
+// SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Look up a radiance texture in the layered layout, in one pass without a loop: GLSL 330, GLSL ES 300 (WebGL 2).
 // All textures are clamped to their edges and filtered: pictures between their mip levels too, the others have none.
