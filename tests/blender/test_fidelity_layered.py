@@ -7,8 +7,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from radtex_addon.report.gbuffer import BakedSurface, Rays
+from tests.bench.fidelity.layered import lamps, panoramas
 from tests.bench.fidelity.methods.layered import make
 from tests.bench.fidelity.rendering import Rendering, render
 from tests.bench.fidelity.scenes import PIXELS, SCENES
@@ -16,7 +18,14 @@ from tests.bench.fidelity.scenes import PIXELS, SCENES
 _TEXELS, _SAMPLES, _REFERENCE = 32, 4, 48
 
 
-def test_a_head_of_gold_looks_as_cycles_sees_it(tmp_path: Path) -> None:
+def test_a_head_of_gold_looks_as_cycles_sees_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for module, name, size in (
+        (panoramas, "WORLD_WIDTH", 768),
+        (panoramas, "NEAR_WIDTH", 384),
+        (panoramas, "SIZE", 256),
+        (lamps, "_SIZE", 256),
+    ):
+        monkeypatch.setattr(module, name, size)
     stage = SCENES["metal_20"]()
     baked = make(_TEXELS, _SAMPLES).bake(stage, tmp_path)
     camera = stage.tuning[0]
