@@ -108,7 +108,7 @@ def sample_shared(atlas: SharedAtlas, uv: Floats, normal: Floats, viewer: Floats
         if vectors.shape != (len(uv), 3):
             raise ShapeError(f"{name}: expected shape {(len(uv), 3)}, as many as uv, got {vectors.shape}")
     facing = np.sum(normal * viewer, axis=1, keepdims=True)
-    light = _bilinear(atlas.colour, uv) * _bilinear(atlas.irradiance, uv)
+    light = bilinear(atlas.colour, uv) * bilinear(atlas.irradiance, uv)
     light = light * sample_falloff(atlas.falloff, facing[:, 0])
     for lobe in atlas.lobes:
         axis = 2 * facing * normal - viewer if lobe.axis is Axis.MIRROR else -viewer
@@ -170,7 +170,8 @@ def _sample_lobe(atlas: SharedAtlas, lobe: Lobe, uv: Floats, axis: Floats) -> Fl
     return gain * met + rest
 
 
-def _bilinear(image: Floats, uv: Floats) -> Floats:
+def bilinear(image: Floats, uv: Floats) -> Floats:
+    """An image (H, W, C) at texture coordinates (K, 2), filtered and clamped at its edges: (K, C) float32."""
     height, width = image.shape[:2]
     flat = image.reshape(height * width, -1)
     total = np.zeros((len(uv), flat.shape[1]), dtype=np.float32)

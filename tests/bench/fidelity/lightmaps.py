@@ -15,7 +15,7 @@ from radtex_addon.bake.light_samples import LightSamples
 from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.hemisphere import square_to_direction
-from radtex_addon.core.shared import bilinear_texels
+from radtex_addon.core.shared import bilinear
 from radtex_addon.core.solid_angle import cell_solid_angles_sr
 from radtex_addon.cycles.shared_capture import SharedCapture
 
@@ -102,16 +102,6 @@ def diffuse_map(capture: SharedCapture, weight: Floats) -> DiffuseMap:
     colour = light.colour * np.divide(frontal, seen, out=np.ones_like(seen), where=seen > 0)
     irradiance = np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
     return DiffuseMap(capture.colour.astype(np.float32), plan.placed(irradiance, gutter=True))
-
-
-def bilinear(image: Floats, uv: Floats) -> Floats:
-    """An image (H, W, C) at texture coordinates (K, 2), clamped at its edges: (K, C) float32."""
-    height, width, channels = image.shape
-    flat = image.reshape(height * width, channels)
-    total = np.zeros((len(uv), channels), dtype=np.float32)
-    for texel, weight in bilinear_texels(uv, width, height):
-        total += weight[:, None].astype(np.float32) * flat[texel]
-    return total
 
 
 def texture_bytes(image: Floats) -> int:

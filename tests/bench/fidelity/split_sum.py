@@ -14,8 +14,8 @@ from functools import cache
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.shared import bilinear
 
-from .lightmaps import bilinear
 from .reflection_probe import ggx_halves
 
 _SIZE = 32

@@ -23,7 +23,6 @@ from time import process_time
 from typing import Any, cast
 from unittest.mock import patch
 
-import bpy
 import numpy as np
 
 from radtex_addon.bake import ends, fit, gloss
@@ -36,17 +35,15 @@ from radtex_addon.bake.rays import FINER
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.shared import Lobe, SharedAtlas
-from radtex_addon.cycles.shared_capture import SharedCapture, capture_shared
-from radtex_addon.job.prepare import Prepared, prepare
+from radtex_addon.cycles.shared_capture import SharedCapture
 from radtex_addon.report.gbuffer import GBuffer
-from radtex_addon.scene.objects import find_object
-from radtex_addon.scene.scratch import scratch_scene
 
+from .captured import capture_stage
 from .methods.shared import look
 from .metrics import compare
 from .references import View, gbuffer, views
 from .report import markdown
-from .scenes import SCENES, Stage
+from .scenes import SCENES
 
 _SCENES = "metal_20,ceramic,mechanical"
 _BOUNDLESS = 1e9
@@ -130,30 +127,18 @@ def _scene(name: str, texels: int, samples: int) -> list[tuple[float, float, flo
     stage = SCENES[name]()
     spec = BakeSpec(layout=Layout.SHARED, texels=texels, samples=samples)
     with tempfile.TemporaryDirectory() as folder:
-        capture, prepared = _captured(stage, spec, Path(folder))
-    matrix = np.array(stage.subject.matrix_world)
+        captured = capture_stage(stage, spec, Path(folder))
+    prepared, matrix = captured.prepared, captured.matrix_world
     seen = [(view, gbuffer(view, prepared.mesh, matrix, prepared.uv_layer)) for view in looked_from]
     found: list[tuple[float, float, float]] = []
     for technique in _TECHNIQUES:
-        psnr, flip, seconds = _measured(technique, capture, seen)
+        psnr, flip, seconds = _measured(technique, captured.capture, seen)
         print(
             f"{name}, without {technique.name}: {psnr:.2f} dB, FLIP {flip:.3f}, {seconds:.0f} s", flush=True
         )
         first = found[0] if found else (0.0, 0.0, 0.0)
         found.append((psnr - first[0], flip - first[1], seconds - first[2]))
     return found
-
-
-def _captured(stage: Stage, spec: BakeSpec, folder: Path) -> tuple[SharedCapture, Prepared]:
-    scene = cast(bpy.types.Scene, bpy.context.scene)
-    kept: list[bpy.types.ID] = []
-    with scratch_scene(scene, None, kept) as scratch:
-        item = find_object(scratch, stage.subject.name)
-        prepared = finished(prepare(scratch, [item], spec, kept))
-        places = prepared.texels(), prepared.texels(FINER)
-        mesh, matrix = prepared.mesh, prepared.matrix_world
-        steps = capture_shared(scratch, item, mesh, matrix, *places, spec.rays, spec.seed, folder)
-        return finished(steps), prepared
 
 
 def _measured(

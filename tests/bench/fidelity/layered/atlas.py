@@ -13,7 +13,7 @@ import numpy as np
 from radtex_addon.bake.pooling import corner_cells, corners
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.octahedron import direction_to_octahedron
-from radtex_addon.core.shared import SharedAtlas, bilinear_texels, sample_falloff, sample_shared
+from radtex_addon.core.shared import SharedAtlas, bilinear, bilinear_texels, sample_falloff, sample_shared
 
 from .environment import Around
 from .lobes import Material, bent
@@ -113,16 +113,6 @@ def mirrored_light(
             direct[:, some] += one * seen * around.look(offset[some], turned, wide)
             share[:, some] += one * (1 - seen)
     return direct, share
-
-
-def bilinear(image: Floats, uv: Floats) -> Floats:
-    """An image (H, W, C) at texture coordinates (N, 2), filtered and clamped: (N, C) float32."""
-    height, width = image.shape[:2]
-    flat = image.reshape(height * width, -1)
-    total = np.zeros((len(uv), flat.shape[1]), dtype=np.float32)
-    for texel, weight in bilinear_texels(uv.astype(np.float32), width, height):
-        total += weight[:, None].astype(np.float32) * flat[texel]
-    return total
 
 
 def look_up(buckets: Floats, uv: Floats, axis: Floats) -> Floats:

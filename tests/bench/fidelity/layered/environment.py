@@ -186,11 +186,6 @@ class Around:
             light = light + lamp.light(offset, axis, variance)
         return light.astype(np.float32)
 
-    def flattened(self, directions: Floats) -> Floats:
-        """What is seen from the middle itself, sharp: (3, N)."""
-        here, sharp = np.zeros_like(directions), np.full(len(directions), 1e-12, dtype=np.float32)
-        return self.look(here, directions, sharp)
-
 
 def lamps_of(direction: Floats, radiance: Floats, places: Sequence[Floats]) -> tuple[Lamp, ...]:
     """Lamps from a picture of them alone, in size x size cells of the octahedron.

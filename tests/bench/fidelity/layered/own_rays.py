@@ -42,7 +42,7 @@ def capture_own_rays(
     with path_ends(scene, baked, mesh, Beside(matrix, ()), np.zeros(3, np.float32)) as ends:
         own = cast(Any, ends)._baked
         own.data = _glowing(own.data, lowest - _size(plan))
-        ends.scene.world = _dark()
+        ends.scene.world = dark_world()
         capture = PortalCapture(ends.scene, plan, Kind.REFLECTION, 1, seed, folder, aim)
         count = plan.layout.bucket**2
         found = [
@@ -75,11 +75,9 @@ def _glowing(mesh: bpy.types.Mesh, origin: Floats) -> bpy.types.Mesh:
     return copy
 
 
-def _dark() -> bpy.types.World:
+def dark_world() -> bpy.types.World:
+    """A world that sends out no light."""
     world, build = open_world("RadTex dark")
     background = build.node("ShaderNodeBackground", (0.0, 0.0, 0.0, 1.0), 0.0)
     build.node("ShaderNodeOutputWorld", background.outputs[0])
     return world
-
-
-dark_world = _dark

@@ -8,13 +8,13 @@ from .atlas import LayeredAtlas
 from .environment import Impostor
 
 _MIPS = 4 / 3  # of a texture with its smaller copies
-_BYTE, _HALF = 1.0, 0.5  # a texel of BC7 and BC6H, and of BC1 and BC4
+_BYTE, _HALF = 1.0, 0.5  # a texel of BC7 and BC6H, and of BC4
 
 
 def texture_bytes(atlas: LayeredAtlas) -> int:
     """Of BC7 for what is dark and bright alike, BC6H for light, BC4 for distances: without material maps.
 
-    Colour, tint and normals, which an engine may take from its own material, are `material_bytes`.
+    Those are colour, tint and normals, which an engine may take from its own material.
     """
     total = _BYTE * _pixels(atlas.irradiance) + _BYTE * _MIPS * _pixels(atlas.around.world.levels[0])
     for layer in atlas.around.layers:
@@ -27,13 +27,6 @@ def texture_bytes(atlas: LayeredAtlas) -> int:
         total += _BYTE * (lobe.ends.size / 4 + lobe.gain.size / 3 + lobe.rest.size / 3)
         total += _BYTE * sum(_pixels(level) for level in atlas.through.surroundings)
     return round(total)
-
-
-def material_bytes(atlas: LayeredAtlas) -> int:
-    """The same of the maps of the material: BC1 for colours, BC7 for normals."""
-    maps = (atlas.colour, atlas.tint)
-    total = sum(_HALF * _pixels(image) for image in maps if image is not None)
-    return round(total + (_BYTE * _pixels(atlas.normal) if atlas.normal is not None else 0))
 
 
 def _pixels(image: object) -> int:

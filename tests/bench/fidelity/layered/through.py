@@ -8,9 +8,6 @@ them; the rest is fitted as the mirrored light's is.
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from typing import cast
-
 import numpy as np
 
 from radtex_addon.bake import fit as shared_fit
@@ -19,6 +16,7 @@ from radtex_addon.bake.ends import fit_ends
 from radtex_addon.bake.gloss import LobeSamples, fit_gain
 from radtex_addon.bake.light_samples import EndSamples, LightSamples, SurroundingsSamples
 from radtex_addon.bake.pooling import Neighbours, Taps, upsampled
+from radtex_addon.bake.progress import finished
 from radtex_addon.bake.surroundings import Surroundings
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.shared import Axis, SharedAtlas
@@ -51,7 +49,7 @@ def fit_through(
     white, single = fit._white(Axis.THROUGH)
     paths = fit._traced(white)
     start = np.zeros((3, len(plan.texel), _CELLS**2), dtype=np.float32)
-    found = _result_of(fit_ends(paths, neighbours, _CELLS, start))
+    found = finished(fit_ends(paths, neighbours, _CELLS, start))
     gain = fit_gain(paths.place, white, single, neighbours, _CELLS)
     samples = LobeSamples(plan, Axis.THROUGH, light.square, light.through, used)
     place, shown = _shown(samples, found, gain, picture)
@@ -64,14 +62,6 @@ def fit_through(
         sharpest=picture.sharpest,
         lobes=(shared_fit._placed(plan, Axis.THROUGH, [found, gain, rest]),),
     )
-
-
-def _result_of(steps: Generator[None, None, Floats]) -> Floats:
-    while True:
-        try:
-            next(steps)
-        except StopIteration as stop:
-            return cast(Floats, stop.value)
 
 
 def _shown(samples: LobeSamples, ends: Floats, gain: Floats, picture: Surroundings) -> tuple[Floats, Floats]:

@@ -17,11 +17,12 @@ import numpy as np
 
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.shared import bilinear
 from radtex_addon.report.gbuffer import Array, GBuffer
 
 from ..captured import capture_stage
 from ..engine_material import Inputs
-from ..lightmaps import DiffuseMap, bilinear, diffuse_map, sample_weights, texture_bytes
+from ..lightmaps import DiffuseMap, diffuse_map, sample_weights, texture_bytes
 from ..method import Baked
 from ..reflection_probe import Probe
 from ..scenes import Stage
