@@ -15,11 +15,14 @@ from radtex_addon.bake.light_samples import SurroundingsSamples
 from radtex_addon.bake.surroundings import Surroundings, _Maps
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.gutter import dilate, nearest_covered
-from radtex_addon.core.octahedron import direction_to_octahedron, octahedron_cell
+from radtex_addon.core.octahedron import cell_directions, direction_to_octahedron, octahedron_cell
+
+from .lobes import lobe
 
 DISTANCES = 128  # cells along a side of a layer's map of distances
 STEPS = 2  # by which a ray finds what it meets in such a map
 _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # of distances from the fragment and from the middle
+_NARROWER = (-12.0, 2.5, 0.5)  # exponents of 2: by how much the Gaussians that make a lobe are narrower
 _PARALLEL = 1e-4  # cosine, below which a ray runs along a plane
 
 
@@ -27,7 +30,7 @@ _PARALLEL = 1e-4  # cosine, below which a ray runs along a plane
 class Pictures:
     """A picture over the octahedron of directions and its blurred copies: `levels` (M, M, C), float32.
 
-    Level l is blurred by a variance of `sharpest` 4^l, radians² along each of two axes.
+    Level l is blurred by a lobe (see lobes.py) of a width² of `sharpest` 4^l; the first is sharp.
     """
 
     levels: tuple[Floats, ...]
@@ -39,12 +42,25 @@ class Pictures:
         direction = direction.reshape(-1, 3).astype(np.float32)
         values = values.reshape(len(direction), -1).astype(np.float32)
         colours = _blurred(direction, values[:, :3], size)
-        if values.shape[1] == 3:
-            return cls(colours.levels, colours.sharpest)
-        alpha = _blurred(direction, np.repeat(values[:, 3:], 3, axis=1), size)
-        both = zip(colours.levels, alpha.levels, strict=True)
-        levels = tuple(np.concatenate([colour, cover[..., :1]], axis=-1) for colour, cover in both)
-        return cls(levels, colours.sharpest)
+        levels = colours.levels
+        if values.shape[1] > 3:
+            alpha = _blurred(direction, np.repeat(values[:, 3:], 3, axis=1), size)
+            both = zip(colours.levels, alpha.levels, strict=True)
+            levels = tuple(np.concatenate([colour, cover[..., :1]], axis=-1) for colour, cover in both)
+        gaussian = cls(levels, colours.sharpest)
+        return cls((levels[0], *(gaussian._tailed(number) for number in range(1, len(levels)))), colours.sharpest)
+
+    def _tailed(self, number: int) -> Floats:
+        """A level blurred by a lobe with tails, of levels blurred by Gaussians."""
+        size = len(self.levels[number])
+        direction = cell_directions(size).astype(np.float32)
+        narrower = 2.0 ** np.arange(*_NARROWER)
+        share = narrower * np.exp(-narrower)
+        total = np.zeros((self.levels[0].shape[2], size * size), dtype=np.float32)
+        for times, part in zip(narrower, share / share.sum(), strict=True):
+            wide = np.full(size * size, self.sharpest * 4**number / times, dtype=np.float32)
+            total += np.float32(part) * self.look(direction, wide)
+        return np.ascontiguousarray(total.T.reshape(size, size, -1))
 
     def look(self, direction: Floats, variance: Floats) -> Floats:
         """The picture around directions (N, 3), blurred by variances (N,): (C, N) float32."""
@@ -53,7 +69,7 @@ class Pictures:
         level = np.log2(np.maximum(variance, 1e-12) / self.sharpest) / 2
         level = np.clip(level, 0, last).astype(np.float32)
         lower = np.minimum(level.astype(np.intp), max(last - 1, 0))
-        above = level - lower
+        above = (2.0 ** (level - lower) - 1).astype(np.float32)
         found = self._maps.look(place, lower) * (1 - above)
         return cast(Floats, found + self._maps.look(place, np.minimum(lower + 1, last)) * above)
 
@@ -155,12 +171,10 @@ class Lamp:
         """What rays see of it, blurred by variances (N,): (3, N)."""
         towards = (self.place - offset).astype(np.float32)
         distance = np.linalg.norm(towards, axis=1)
-        squared = 2 * (
-            1 - (axis * towards).sum(axis=1) / distance
-        )  # the angle between them, small or useless
+        squared = 2 * (1 - (axis * towards).sum(axis=1) / distance)
         nearer = float((self.place**2).sum()) / distance**2
         wide = variance + self.variance * nearer
-        shown = nearer * np.exp(-squared / (2 * wide)) / (2 * np.pi * wide)
+        shown = nearer * lobe(squared, wide)
         return cast(Floats, self.irradiance[:, None].astype(np.float32) * shown.astype(np.float32))
 
 

@@ -110,10 +110,11 @@ def _two_gaussians(paths: Paths, near: Ints) -> tuple[Floats, Floats, float]:
     share = np.array([0.6, 0.4])
     for turn in range(_ROUNDS):
         distance = (up - bend) ** 2 + across**2
-        likely = share[:, None] / variance[:, None] * np.exp(-distance / (2 * variance[:, None]))
+        likely = share[:, None] * lobe(distance, variance[:, None])
         likely *= bright / np.maximum(likely.sum(axis=0), 1e-30)
         total = np.maximum(likely.sum(axis=1), 1e-9)
         share = total / total.sum()
+        likely *= 4 / (2 + distance / variance[:, None])
         variance = np.clip((likely * distance).sum(axis=1) / (2 * total), least, most)
         if turn > _ROUNDS // 8:
             pull = (likely / variance[:, None]).sum(axis=0)
@@ -122,12 +123,21 @@ def _two_gaussians(paths: Paths, near: Ints) -> tuple[Floats, Floats, float]:
     return share[order], variance[order], bend
 
 
+def lobe(squared: Floats, variance: Floats) -> Floats:
+    """The lobe of a width² at squared chords from its axis, per steradian.
+
+    GGX (Walter et al., 2007) mirrored at normal incidence, with a width² of 2 a² / (1 - a²): in the plane it
+    is Student's distribution with two degrees of freedom.
+    """
+    return (1 + variance / 2) / (2 * np.pi * variance) / (1 + squared / (2 * variance)) ** 2
+
+
 def _angles(end: Floats, axis: Floats, normal: Floats) -> tuple[Floats, Floats]:
     """How far ends lie from their axes, radians: in the plane of incidence towards the normal, and across."""
     towards = _towards(axis, normal)
     across = np.cross(axis, towards)
     angle = np.arccos(np.clip((end * axis).sum(axis=1), -1, 1))
-    scale = np.minimum(angle / np.maximum(np.sin(angle), 1e-4), 4)
+    scale = 1 / np.maximum(np.cos(angle / 2), 0.1)
     return (end * towards).sum(axis=1) * scale, (end * across).sum(axis=1) * scale
 
 
