@@ -21,6 +21,7 @@ from .visibility import seen_free
 
 _STEEP = 0.3  # cosine between the mesh's normal and a shading normal, below which that is not used
 _LEAST_COSINE = 1e-3
+_LEAST_LEFT = 0.5  # of what is mirrored: the rest, in coarse cells, takes no more away beside a highlight
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +30,7 @@ class LayeredAtlas:
 
     `colour` (H', W', 3), `irradiance` (H, W, 3), `falloff` (B, 3) as in the shared layout. `tint`
     (H', W', 3): what lobes' weights are multiplied by, and `normal` (H', W', 3), the shading normal in world
-    space; None where they do not vary. `own` (h, w, n, n, 4): what a texel sees of the object itself along
+    space; `width` (H, W, 1): what the lobes' width² is multiplied by; None where they do not vary. `own` (h, w, n, n, 4): what a texel sees of the object itself along
     an axis of the octahedron, and how much it leaves free; `rest` (h, w, m, m, 3). `through`: the lobe of
     light that comes through, in the shared layout, if there is one.
     """
@@ -39,6 +40,7 @@ class LayeredAtlas:
     falloff: Floats
     tint: Floats | None
     normal: Floats | None
+    width: Floats | None
     around: Around
     materials: tuple[Material, ...]
     own: Floats
@@ -72,13 +74,15 @@ def sample_layered(atlas: LayeredAtlas, at: Fragments) -> Floats:
     light = light * sample_falloff(atlas.falloff, cosine)
     own = look_up(atlas.own, at.uv, axis)
     offset = at.position - atlas.around.middle
+    width = np.ones(len(axis), np.float32) if atlas.width is None else bilinear(atlas.width, at.uv)[:, 0]
     direct, share = mirrored_light(
-        atlas.around, atlas.materials, offset, axis, normal, cosine, at.material, own[3], atlas.own.shape[2]
-    )
+        atlas.around, atlas.materials, offset, axis, normal, cosine, at.material, width,
+        own[3], atlas.own.shape[2],
+    )  # fmt: skip
     mirrored = direct + share * own[:3]
     if atlas.tint is not None:
         mirrored *= bilinear(atlas.tint, at.uv).T
-    light = light + (mirrored + look_up(atlas.rest, at.uv, axis)).T
+    light = light + np.maximum(mirrored + look_up(atlas.rest, at.uv, axis), _LEAST_LEFT * mirrored).T
     if atlas.through is not None:
         through = (at.uv, at.normal, at.viewer)
         light = light + sample_shared(atlas.through, *(field.astype(np.float32) for field in through))
@@ -93,13 +97,14 @@ def mirrored_light(
     normal: Floats,
     cosine: Floats,
     material: Ints,
+    width: Floats,
     free: Floats,
     cells: int,
 ) -> tuple[Floats, Floats]:
     """What lobes show of the surroundings, (3, N), and how much they show of the object itself, (3, N).
 
-    `offset` (N, 3) is from the middle, `axis` (N, 3) the mirror direction, `cosine` (N,) N.V; `free` (N,)
-    what the kept mask of `cells` x `cells` says.
+    `offset` (N, 3) is from the middle, `axis` (N, 3) the mirror direction, `cosine` (N,) N.V; `width` (N,)
+    what the lobes' width² is multiplied by; `free` (N,) what the kept mask of `cells` x `cells` says.
     """
     direct, share = (np.zeros((3, len(axis)), dtype=np.float32) for _ in range(2))
     for number, lobes in enumerate(materials):
@@ -108,7 +113,7 @@ def mirrored_light(
             continue
         weight, variance, bend = lobes.at(cosine[some])
         turned = bent(axis[some], normal[some], bend)
-        for one, wide in zip(weight, variance.astype(np.float32), strict=True):
+        for one, wide in zip(weight, (variance * width[some]).astype(np.float32), strict=True):
             seen = seen_free(free[some], wide, cells)
             direct[:, some] += one * seen * around.look(offset[some], turned, wide)
             share[:, some] += one * (1 - seen)

@@ -48,7 +48,9 @@ class Pictures:
             both = zip(colours.levels, alpha.levels, strict=True)
             levels = tuple(np.concatenate([colour, cover[..., :1]], axis=-1) for colour, cover in both)
         gaussian = cls(levels, colours.sharpest)
-        return cls((levels[0], *(gaussian._tailed(number) for number in range(1, len(levels)))), colours.sharpest)
+        return cls(
+            (levels[0], *(gaussian._tailed(number) for number in range(1, len(levels)))), colours.sharpest
+        )
 
     def _tailed(self, number: int) -> Floats:
         """A level blurred by a lobe with tails, of levels blurred by Gaussians."""

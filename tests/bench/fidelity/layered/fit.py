@@ -23,11 +23,12 @@ from radtex_addon.core.shared import Axis, sample_falloff
 from .atlas import LayeredAtlas, mirrored_light
 from .environment import Around
 from .irradiance import fit_irradiance
-from .lobes import Material, Paths, fit_materials
+from .lobes import Material, Paths
 from .own_light import OwnRays, Surface, own_light
 from .residual import fit_rest
 from .through import fit_through
 from .visibility import free_share
+from .widths import fit_lobes
 
 OWN_CELLS, REST_CELLS = 14, 8  # along the sides of buckets
 COARSER = 2  # texels along a side of those that have buckets of their own
@@ -67,6 +68,7 @@ class Parts:
     tint: bool = True
     normals: bool = True
     second_lobe: bool = True
+    widths: bool = True
     smooth: bool = True
 
 
@@ -91,9 +93,12 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
     rays = turned_samples(capture.own.rays, normal)
     own = replace(capture.own, rays=rays)
     free = free_share(rays, ~own.hit, neighbours, OWN_CELLS)
-    materials = _materials(capture, normal, free, parts)
+    paths = _open_paths(capture, normal, free)
+    materials, width = fit_lobes(paths, int(capture.material.max()) + 1, neighbours, parts.widths)
+    if not parts.second_lobe:
+        materials = tuple(map(_single, materials))
     surface = Surface(
-        plan, normal, irradiance * colour, falloff, tint, capture.material, materials, around, free
+        plan, normal, irradiance * colour, falloff, tint, width, capture.material, materials, around, free
     )
     own_table = np.zeros((3, *free.shape[1:]), dtype=np.float32)
     if parts.own:
@@ -109,6 +114,7 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
         falloff=falloff,
         tint=tint_map,
         normal=normal_map,
+        width=plan.placed(width[:, None], gutter=True) if np.ptp(width) > 0 else None,
         around=around,
         materials=materials,
         own=_placed(plan, np.concatenate([own_table, free]), COARSER),
@@ -199,7 +205,8 @@ def _cosines(plan: CapturePlan, square: Floats, normal: Floats, some: slice) -> 
     return cast(Floats, np.clip((viewer * normal[some][:, None]).sum(axis=-1), 1e-3, 1))
 
 
-def _materials(capture: Capture, normal: Floats, free: Floats, parts: Parts) -> tuple[Material, ...]:
+def _open_paths(capture: Capture, normal: Floats, free: Floats) -> Paths:
+    """The paths that are taken to leave the object straight away."""
     ends = capture.alone
     shape = ends.square.shape[:2]
     white = turned_samples(
@@ -221,7 +228,8 @@ def _materials(capture: Capture, normal: Floats, free: Floats, parts: Parts) -> 
         if (chosen & own).sum() < 0.02 * own.sum() * shape[1]:
             chosen |= own & (open_to >= np.quantile(open_to[own[:, 0]], 0.95))
     texel, number = np.nonzero(chosen)
-    paths = Paths(
+    return Paths(
+        texel=texel,
         weight=ends.mirrored_weight[texel, number].astype(np.float32),
         end=ends.mirrored_end[texel, number].astype(np.float32),
         axis=axis[texel, number],
@@ -229,8 +237,6 @@ def _materials(capture: Capture, normal: Floats, free: Floats, parts: Parts) -> 
         cosine=cosine[texel, number],
         material=capture.material[texel],
     )
-    materials = fit_materials(paths, int(capture.material.max()) + 1)
-    return materials if parts.second_lobe else tuple(map(_single, materials))
 
 
 def _single(material: Material) -> Material:
@@ -254,7 +260,7 @@ def _shown(surface: Surface, samples: LobeSamples, own: Floats) -> tuple[Floats,
         each = np.arange(some.start, some.stop).repeat(shape[1])
         direct, share = mirrored_light(
             surface.around, surface.materials, offset[each], axis.reshape(3, -1).T, surface.normal[each],
-            _cosines(surface.plan, samples.square, surface.normal, some).ravel(), surface.material[each],
+            _cosines(surface.plan, samples.square, surface.normal, some).ravel(), surface.material[each], surface.width[each],
             taps.gather(surface.free[:, some])[0].ravel(), OWN_CELLS,
         )  # fmt: skip
         seen = (direct + share * taps.gather(own[:, some]).reshape(3, -1)) * surface.tint[each].T

@@ -25,7 +25,7 @@ _AT_LEAST = 200
 _OVERLAP = 0.75  # steps around a step's middle whose paths count
 _SHARPEST = 0.003  # radians: no lobe is narrower
 _WIDEST = 1.0
-_END = 0.5  # length of a direction: where paths differ too much it is shorter
+END = 0.5  # length of a direction: where paths differ too much it is shorter
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,16 +56,19 @@ class Material:
 class Paths:
     """Paths that left the object straight away, or ended in it: P of them.
 
-    `weight` (P, 3): how much they bring of white light; `end` (P, 3): where they go; `axis` (P, 3), the
-    mirror direction, and `normal` (P, 3), all in world space; `cosine` (P,): N.V; `material` (P,).
+    `texel` (P,): of the plan, in rising order; `weight` (P, 3): how much they bring of white light; `end` (P, 3): where they go; `axis` (P, 3), the
+    mirror direction, and `normal` (P, 3), all in world space; `cosine` (P,): N.V; `material` (P,);
+    `width` (P,): what their material's width² is multiplied by, 1 if None.
     """
 
+    texel: Ints
     weight: Floats
     end: Floats
     axis: Floats
     normal: Floats
     cosine: Floats
     material: Ints
+    width: Floats | None = None
 
 
 def fit_materials(paths: Paths, count: int) -> tuple[Material, ...]:
@@ -84,7 +87,7 @@ def _fit_material(paths: Paths, own: Bools) -> Material:
         if len(near) > _AT_MOST:
             near = np.random.default_rng(step).choice(near, _AT_MOST, replace=False)
         mean = paths.weight[near].mean(axis=0)
-        share, variance[:, step], bend[step] = _two_gaussians(paths, near)
+        share, variance[:, step], bend[step] = _two_lobes(paths, near)
         weight[:, step] = share[:, None] * mean
         known.append(step)
     if known:
@@ -93,23 +96,23 @@ def _fit_material(paths: Paths, own: Bools) -> Material:
     return Material(weight.astype(np.float32), variance.astype(np.float32), bend.astype(np.float32))
 
 
-def _two_gaussians(paths: Paths, near: Ints) -> tuple[Floats, Floats, float]:
+def _two_lobes(paths: Paths, near: Ints) -> tuple[Floats, Floats, float]:
     """Shares (LOBES,), variances (LOBES,) and the bend that make the paths' directions likeliest."""
     bright = paths.weight[near] @ LUMINANCE
     length = np.linalg.norm(paths.end[near], axis=1)
-    told = (bright > 1e-6) & (length > _END)
+    told = (bright > 1e-6) & (length > END)
     if not told.any():
         return np.array([1.0, 0.0]), np.array([0.1, 0.1]), 0.0
     near, bright = near[told], bright[told] / bright[told].sum()
-    up, across = _angles(paths.end[near] / length[told, None], paths.axis[near], paths.normal[near])
-    bend = 0.0
-    squared = np.sort((up**2 + across**2) / 2)
+    up, across = angles(paths.end[near] / length[told, None], paths.axis[near], paths.normal[near])
+    bend, width = 0.0, 1.0 if paths.width is None else paths.width[near]
+    squared = np.sort((up**2 + across**2) / width / 2)
     least, most = _SHARPEST**2, _WIDEST**2
     variance = np.clip(np.quantile(squared, [0.3, 0.9]), least, most)
     variance[1] = max(variance[1], 2 * variance[0])
     share = np.array([0.6, 0.4])
     for turn in range(_ROUNDS):
-        distance = (up - bend) ** 2 + across**2
+        distance = ((up - bend) ** 2 + across**2) / width
         likely = share[:, None] * lobe(distance, variance[:, None])
         likely *= bright / np.maximum(likely.sum(axis=0), 1e-30)
         total = np.maximum(likely.sum(axis=1), 1e-9)
@@ -117,7 +120,7 @@ def _two_gaussians(paths: Paths, near: Ints) -> tuple[Floats, Floats, float]:
         likely *= 4 / (2 + distance / variance[:, None])
         variance = np.clip((likely * distance).sum(axis=1) / (2 * total), least, most)
         if turn > _ROUNDS // 8:
-            pull = (likely / variance[:, None]).sum(axis=0)
+            pull = (likely / variance[:, None]).sum(axis=0) / width
             bend = float((pull * up).sum() / max(pull.sum(), 1e-30))
     order = np.argsort(variance)
     return share[order], variance[order], bend
@@ -132,7 +135,7 @@ def lobe(squared: Floats, variance: Floats) -> Floats:
     return (1 + variance / 2) / (2 * np.pi * variance) / (1 + squared / (2 * variance)) ** 2
 
 
-def _angles(end: Floats, axis: Floats, normal: Floats) -> tuple[Floats, Floats]:
+def angles(end: Floats, axis: Floats, normal: Floats) -> tuple[Floats, Floats]:
     """How far ends lie from their axes, radians: in the plane of incidence towards the normal, and across."""
     towards = _towards(axis, normal)
     across = np.cross(axis, towards)

@@ -47,7 +47,7 @@ class Surface:
     """What the fit says of the plan's texels so far.
 
     `normal` (K, 3), the shading normals; `diffuse` (K, 3), along the normal, and its `falloff`; `tint`
-    (K, 3), `material` (K,); `free` (1, K, n*n), the kept mask.
+    (K, 3), `width` (K,), what lobes' width² is multiplied by; `material` (K,); `free` (1, K, n*n), the kept mask.
     """
 
     plan: CapturePlan
@@ -55,6 +55,7 @@ class Surface:
     diffuse: Floats
     falloff: Floats
     tint: Floats
+    width: Floats
     material: Ints
     materials: tuple[Material, ...]
     around: Around
@@ -147,7 +148,7 @@ class _Seen:
             offset = place[some] - surface.around.middle
             shown, share[:, some] = mirrored_light(
                 surface.around, surface.materials, offset, mirrored[some], normal[some], cosine[some],
-                surface.material[met[some]], free[some], surface.cells,
+                surface.material[met[some]], surface.width[met[some]], free[some], surface.cells,
             )  # fmt: skip
             direct[:, some] += shown * surface.tint[met[some]].T
             share[:, some] *= surface.tint[met[some]].T

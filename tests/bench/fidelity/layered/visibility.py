@@ -49,4 +49,6 @@ def seen_free(kept: Floats, variance: Floats, cells: int) -> Floats:
     """The kept mask (N,) as a lobe of widths² (N,) sees it: (N,)."""
     sharper = np.maximum(_KEPT / cells / np.sqrt(variance + _EDGE**2), 1)
     place = np.clip(2 * kept - 1, -1, 1) * sharper
-    return cast(Floats, (0.5 + 0.5 * place / np.sqrt(1 - (place / sharper) ** 2 + place**2)).astype(np.float32))
+    return cast(
+        Floats, (0.5 + 0.5 * place / np.sqrt(1 - (place / sharper) ** 2 + place**2)).astype(np.float32)
+    )
