@@ -26,6 +26,7 @@ from ..bake.progress import Progress, Stage
 from ..bake.rays import PROBES
 from ..bake.spec import Kind
 from ..core.arrays import Floats, Ints
+from ..scene.backs import TWIN
 from ..scene.nodes import open_material, open_world
 from ..scene.scratch import remove_scene
 from .portal import PortalCapture
@@ -94,7 +95,7 @@ def _probe_scene(mesh: bpy.types.Mesh, matrix_world: Floats) -> Iterator[bpy.typ
     try:
         scene.world = world
         copy.materials.clear()
-        copy.materials.append(_shows_back_faces())
+        copy.materials.append(_shows_back_faces(TWIN in copy.attributes))
         copy.transform(Matrix(matrix_world.tolist()))  # an object's own transform would lose shear
         if np.linalg.det(matrix_world[:3, :3]) < 0:
             copy.flip_normals()
@@ -107,8 +108,13 @@ def _probe_scene(mesh: bpy.types.Mesh, matrix_world: Floats) -> Iterator[bpy.typ
         bpy.data.meshes.remove(copy)
 
 
-def _shows_back_faces() -> bpy.types.Material:
+def _shows_back_faces(twins: bool) -> bpy.types.Material:
+    """Bright from behind; if there are `twins`, faces that have one are not, for their backs are seen."""
     material, build = open_material("RadTex back faces")
-    glow = build.node("ShaderNodeEmission", build.geometry("Backfacing"), 1.0)
+    bright = build.geometry("Backfacing")
+    if twins:
+        lone = build.math("LESS_THAN", build.attribute(TWIN, "Fac"), -0.5)
+        bright = build.math("MULTIPLY", bright, lone)
+    glow = build.node("ShaderNodeEmission", bright, 1.0)
     build.node("ShaderNodeOutputMaterial", glow.outputs[0])
     return material

@@ -30,13 +30,13 @@ from ..scene.cage import find_cage, rays_from_cage, read_cage
 from ..scene.copy import baked_mesh, surface_mesh
 from ..scene.digests import array_digest, matrix_digest, mesh_digest, scene_digests
 from ..scene.evaluated import EvaluatedMesh, evaluate
-from ..scene.frames import at_frame
 from ..scene.parts import number_parts
 from ..scene.source import Landing, default_extrusion, find_source, land
 from ..scene.together import joined_surface
 from ..scene.where import chosen_triangles
 from .files import facts_of
-from .unwrapping import AtlasPart, Unwrapped, Unwraps, unwrap_surfaces
+from .twins import all_with_twins, chosen_with_twins, find_doubled, single_copy
+from .unwrapping import AtlasPart, Unwrapped, Unwraps, shapes_at, unwrap_surfaces
 
 log = logging.getLogger(__name__)
 
@@ -47,13 +47,20 @@ _RIM = 0.2  # of a ray's offset: how far from its triangle's edges a ray starts
 class Piece:
     """One object's baked copy: its `mesh`, and its object's `matrix_world` (4, 4).
 
-    `part` (F,) numbers the parts that its triangles belong to, where it is split.
+    `part` (F,) numbers the parts that its triangles belong to, where it is split. `single` is the mesh
+    without its twins of faces that are seen from behind, where it has such.
     """
 
     original: bpy.types.Object
     mesh: bpy.types.Mesh
     matrix_world: Floats
     part: Ints | None = None
+    single: bpy.types.Mesh | None = None
+
+    @property
+    def rendered(self) -> bpy.types.Mesh:
+        """What stands for the object where Cycles renders it: the mesh with each face once."""
+        return self.mesh if self.single is None else self.single
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +108,7 @@ class Prepared:
         """The meshes that texels' points lie on, and their objects' matrices (4, 4)."""
         if self.source is not None:
             return (self.source.seen,)
-        return tuple((piece.mesh, piece.matrix_world) for piece in self.pieces)
+        return tuple((piece.rendered, piece.matrix_world) for piece in self.pieces)
 
     @property
     def source_facts(self) -> sidecar.Source | None:
@@ -173,11 +180,13 @@ def prepare(
     keeper: Keeper = KEEPS_NOTHING,
     unwraps: Unwraps | None = None,
     name: str = "",
+    backs: bool = False,
 ) -> Generator[Progress, None, Prepared]:
     """Evaluate and unwrap the scratch scene's objects; the copies' meshes join what is `kept`.
 
     The `keeper` learns of the scene, and is given the unwrap; `unwraps` that may be this one are, too. The
-    atlas is called `name`, or as the first object is. Ends
+    atlas is called `name`, or as the first object is. With `backs` faces that are seen from behind get a twin
+    (`scene.backs`), but for a UV layer of the user's own, and on a source. Ends
     amid the stage RASTER, which `texels` goes on with. Raises InputError for what cannot be baked, or is not
     what the keeper's pieces are of.
     """
@@ -195,11 +204,16 @@ def prepare(
     yield Progress(Stage.UNWRAP, 0, 1)
     shapes = evaluated
     if spec.unwrap_at is not None and spec.unwrap_at != spec.frame:
-        shapes = _shapes_at(scratch, originals, spec.unwrap_at, evaluated)
+        shapes = shapes_at(scratch, originals, spec.unwrap_at, evaluated)
+    if backs:
+        doubled = [find_doubled(mesh, spec) for mesh in evaluated]
+        shapes, evaluated = all_with_twins(shapes, doubled), all_with_twins(evaluated, doubled)
+        chosen = chosen_with_twins(chosen, doubled)
     unwrapped = yield from unwrap_surfaces(shapes, spec, keeper, {} if unwraps is None else unwraps)
     yield Progress(Stage.RASTER, 0, 1)
     prepared = _joined(name or originals[0].name, originals, evaluated, unwrapped, spec, chosen)
     kept.extend(piece.mesh for piece in prepared.pieces)
+    kept.extend(piece.single for piece in prepared.pieces if piece.single is not None)
     if source is None:
         return prepared
     texels = prepared.texels()
@@ -228,7 +242,8 @@ def _joined(
         parts = None
         if spec.split is not None:
             parts = number_parts(copy, [each.faces[number] for each in unwrapped.parts])
-        pieces.append(Piece(original, copy, mesh.matrix_world, parts))
+        single = single_copy(mesh, unwrapped.uvs[number], unwrapped.layer)
+        pieces.append(Piece(original, copy, mesh.matrix_world, parts, single))
     return Prepared(
         name=name,
         pieces=tuple(pieces),
@@ -274,25 +289,3 @@ def _digest(evaluated: Sequence[EvaluatedMesh], unwrapped: Unwrapped) -> str:
         for values in (mesh.position, mesh.triangles, mesh.normal, uv):
             found.update(f"{values.shape}".encode() + np.ascontiguousarray(values).tobytes())
     return f"sha256:{found.hexdigest()}"
-
-
-def _shapes_at(
-    scratch: bpy.types.Scene,
-    originals: Sequence[bpy.types.Object],
-    frame: int,
-    evaluated: Sequence[EvaluatedMesh],
-) -> list[EvaluatedMesh]:
-    """The meshes as they are at another frame; such as have other triangles then as they were `evaluated`."""
-    with at_frame(scratch, frame):
-        found = [evaluate(scratch, original) for original in originals]
-    for index, (there, here) in enumerate(zip(found, evaluated, strict=True)):
-        if not np.array_equal(there.triangles, here.triangles):
-            log.warning(
-                "object '%s' has other faces at frame %d than at %d: it is unwrapped anew, "
-                "and its atlases do not fit one mesh",
-                here.name,
-                frame,
-                scratch.frame_current,
-            )
-            found[index] = here
-    return found

@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+import bpy
 import numpy as np
 
 from ..bake.keeper import Keeper
@@ -17,14 +19,18 @@ from ..bake.progress import Progress
 from ..bake.spec import BakeSpec
 from ..core.arrays import Bools, Floats
 from ..core.errors import InputError
+from ..scene.backs import twins_apart
 from ..scene.copy import UV_LAYER
 from ..scene.digests import matrix_digest, mesh_digest
-from ..scene.evaluated import EvaluatedMesh
+from ..scene.evaluated import EvaluatedMesh, evaluate
+from ..scene.frames import at_frame
 from ..scene.parts import Parts, in_first_tile, parts_of, taken
 from ..scene.together import side_by_side
 from ..scene.unwrap import unwrap_steps
 from ..scene.unwrap_options import UnwrapOptions
 from ..scene.uv_layer import check_apart, user_uv
+
+log = logging.getLogger(__name__)
 
 Unwraps: TypeAlias = dict[str, Arrays]  # by what is unwrapped, and how
 
@@ -101,6 +107,28 @@ def split_surfaces(meshes: Sequence[EvaluatedMesh], spec: BakeSpec) -> dict[str,
     }
 
 
+def shapes_at(
+    scratch: bpy.types.Scene,
+    originals: Sequence[bpy.types.Object],
+    frame: int,
+    evaluated: Sequence[EvaluatedMesh],
+) -> list[EvaluatedMesh]:
+    """The meshes as they are at another frame; such as have other triangles then as they were `evaluated`."""
+    with at_frame(scratch, frame):
+        found = [evaluate(scratch, original) for original in originals]
+    for index, (there, here) in enumerate(zip(found, evaluated, strict=True)):
+        if not np.array_equal(there.triangles, here.triangles):
+            log.warning(
+                "object '%s' has other faces at frame %d than at %d: it is unwrapped anew, "
+                "and its atlases do not fit one mesh",
+                here.name,
+                frame,
+                scratch.frame_current,
+            )
+            found[index] = here
+    return found
+
+
 def _of_layer(
     meshes: Sequence[EvaluatedMesh], parts: dict[str, tuple[Bools, ...]], spec: BakeSpec, layer: str
 ) -> Unwrapped:
@@ -134,7 +162,7 @@ def _anew(
     sizes = []
     for faces, some in zip(parts.values(), every, strict=True):
         those = [
-            mesh if one.all() else taken(mesh, one)
+            twins_apart(mesh if one.all() else taken(mesh, one))
             for mesh, one in zip(meshes, faces, strict=True)
             if one.any()
         ]

@@ -19,6 +19,7 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
 from ..core.frame import orthonormal_frame, to_frame
+from ..scene.backs import fronts, twin_numbers
 from ..scene.copy import NORMAL, SIGN, TANGENT
 from .metrics import Mask, Picture
 
@@ -126,7 +127,10 @@ class BakedSurface:
         self._matrix = matrix[:3, :3]
         self.place = _values(mesh.vertices, "co", 3) @ self._matrix.T + matrix[:3, 3]
         self._corner = _values(mesh.loops, "vertex_index", 1).astype(np.int64).reshape(-1, 3)
-        tree = BVHTree.FromPolygons(self.place.tolist(), self._corner.tolist(), all_triangles=True)
+        self._twin = twin_numbers(mesh)
+        # twins come last, so that the others' numbers stay
+        met = self._corner if self._twin is None else self._corner[fronts(self._twin)]
+        tree = BVHTree.FromPolygons(self.place.tolist(), met.tolist(), all_triangles=True)
         self._tree = cast(BVHTree, tree)
         fields = {NORMAL: ("vector", 3), TANGENT: ("vector", 3), SIGN: ("value", 1), uv_layer: ("vector", 2)}
         attributes = cast(Any, mesh).attributes
@@ -144,6 +148,8 @@ class BakedSurface:
         origin = np.broadcast_to(rays.origin, rays.away.shape)
         triangle[near] = _first_met(self._tree, origin[near], rays.away[near])
         hit = triangle >= 0
+        if self._twin is not None:
+            triangle[hit] = self._facing(triangle[hit], rays.away[hit], self._twin)
         distance, weights = _meet(origin[hit], rays.away[hit], place[corner[triangle[hit]]])
         kept = distance < blocked[hit]
         hit[hit] = kept
@@ -173,6 +179,15 @@ class BakedSurface:
             triangle=triangle,
             barycentric=spread(weights),
         )
+
+    def _facing(self, triangle: Indices, away: Array, twin: Indices) -> Indices:
+        """Of triangles (K,) that rays meet those of their twins, where they have one, that face the rays."""
+        first, second, third = self.place[self._corner[triangle]].transpose(1, 0, 2)
+        normal = np.cross(second - first, third - first)
+        if np.linalg.det(self._matrix) < 0:
+            normal = -normal
+        behind = (np.einsum("ki,ki->k", normal, away) > 0) & (twin[triangle] >= 0)
+        return np.where(behind, twin[triangle], triangle)
 
     def _around(self, rays: Rays) -> npt.NDArray[np.bool_]:
         """Which rays can meet the mesh: those within the cone of its vertices, if they start together."""

@@ -78,9 +78,9 @@ def capture_layered(stage: Stage, spec: BakeSpec, folder: Path) -> Captured:
     rays = Rays.of(spec.samples)
     with scratch_scene(scene, None, kept) as scratch:
         item = find_object(scratch, stage.subject.name)
-        prepared = finished(prepare(scratch, [item], spec, kept))
+        prepared = finished(prepare(scratch, [item], spec, kept, backs=True))
         texels, finer = prepared.texels(), prepared.texels(FINER)
-        mesh, matrix = prepared.mesh, prepared.matrix_world
+        mesh, matrix = prepared.pieces[0].rendered, prepared.matrix_world
         probe = plan_capture(texels, PROBE_CELLS)
         hidden = finished(find_hidden([(mesh, matrix)], probe, folder, KEEPS_NOTHING))
         without = probe.texel[hidden.buried]
@@ -115,8 +115,8 @@ def capture_layered(stage: Stage, spec: BakeSpec, folder: Path) -> Captured:
                 found = capture_ends(ends, plan(rays.ends), spec.seed, folder)
             paths += 2 * len(lit.texel) * rays.ends**2
             through = (found, SurroundingsSamples(middle, seen.direction, seen.radiance, seen.nearness))
-        faces = np.empty(len(mesh.polygons), dtype=np.int32)
-        cast(Any, mesh.polygons).foreach_get("material_index", faces)
+        faces = np.empty(len(prepared.mesh.polygons), dtype=np.int32)
+        cast(Any, prepared.mesh.polygons).foreach_get("material_index", faces)
         around = Around(middle, seen.world, seen.layers, lamps)
         material = faces[texels.triangle.ravel()[lit.texel]]
         capture = Capture(light, lone, own, around, fine_maps, coarse_maps, material, through)

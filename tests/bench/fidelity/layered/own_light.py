@@ -27,6 +27,7 @@ from .lobes import Material
 
 _TURNS = 2
 _CLOSEST = 4  # texels, of which the nearest that faces the ray is taken
+_FARTHER = 24  # the same where none of those does, as may be where both sides of a face have texels
 _GRAZING = 0.02  # N.V, below which a texel does not face a ray
 _NEAR = 0.25  # how much rays of neighbouring texels count for against the texel's own
 _PRIOR = 1e-3  # rays that the wider neighbourhood's mean counts for
@@ -110,8 +111,19 @@ def _rays_that_hit(own: OwnRays) -> tuple[Ints, Floats, Floats]:
 
 def _texels_met(surface: Surface, place: Floats, axis: Floats) -> tuple[Ints, Bools]:
     """The texels (P,) that rays meet at places (P, 3), and whether they face them."""
-    count = min(_CLOSEST, len(surface.plan.texel))
-    distance, near = cKDTree(surface.plan.points).query(place, k=count, workers=-1)
+    tree = cKDTree(surface.plan.points)
+    met, faces = _nearest_facing(surface, tree, place, axis, _CLOSEST)
+    again = np.flatnonzero(~faces)
+    met[again], faces[again] = _nearest_facing(surface, tree, place[again], axis[again], _FARTHER)
+    return met, faces
+
+
+def _nearest_facing(
+    surface: Surface, tree: cKDTree, place: Floats, axis: Floats, count: int
+) -> tuple[Ints, Bools]:
+    """The same among the `count` texels that are nearest."""
+    count = min(count, len(surface.plan.texel))
+    distance, near = tree.query(place, k=count, workers=-1)
     distance, near = distance.reshape(len(place), -1), near.reshape(len(place), -1)
     facing = -(surface.normal[near] * axis[:, None]).sum(axis=2)
     best = np.argmin(np.where(facing > _GRAZING, distance, np.inf), axis=1)[:, None]
