@@ -18,6 +18,7 @@ import numpy.typing as npt
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
+from ..core.arrays import Ints
 from ..core.frame import orthonormal_frame, to_frame
 from ..scene.backs import fronts, twin_numbers
 from ..scene.copy import NORMAL, SIGN, TANGENT
@@ -180,7 +181,7 @@ class BakedSurface:
             barycentric=spread(weights),
         )
 
-    def _facing(self, triangle: Indices, away: Array, twin: Indices) -> Indices:
+    def _facing(self, triangle: Indices, away: Array, twin: Ints) -> Indices:
         """Of triangles (K,) that rays meet those of their twins, where they have one, that face the rays."""
         first, second, third = self.place[self._corner[triangle]].transpose(1, 0, 2)
         normal = np.cross(second - first, third - first)

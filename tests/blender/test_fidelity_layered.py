@@ -4,8 +4,11 @@
 
 from __future__ import annotations
 
+from math import radians
 from pathlib import Path
+from typing import Any
 
+import bpy
 import numpy as np
 import pytest
 
@@ -13,12 +16,16 @@ from radtex_addon.report.gbuffer import BakedSurface, Rays
 from tests.bench.fidelity.layered import lamps, panoramas
 from tests.bench.fidelity.methods.layered import make
 from tests.bench.fidelity.rendering import Rendering, render
-from tests.bench.fidelity.scenes import PIXELS, SCENES
+from tests.bench.fidelity.scenes import PIXELS, SCENES, Stage
+from tests.bench.fidelity.scenes.materials import assign, connect, principled
+from tests.bench.fidelity.scenes.meshes import as_subject, made, move_to, places
+from tests.bench.fidelity.scenes.stage import finish, start
 
 _TEXELS, _SAMPLES, _REFERENCE = 32, 4, 48
 
 
-def test_a_head_of_gold_looks_as_cycles_sees_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def coarsen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the pictures of the surroundings be small."""
     for module, name, size in (
         (panoramas, "WORLD_WIDTH", 768),
         (panoramas, "NEAR_WIDTH", 384),
@@ -26,12 +33,62 @@ def test_a_head_of_gold_looks_as_cycles_sees_it(tmp_path: Path, monkeypatch: pyt
         (lamps, "_SIZE", 256),
     ):
         monkeypatch.setattr(module, name, size)
+
+
+def looking(camera: Any) -> Rays:
+    """One ray for each pixel."""
+    half = camera.data.sensor_width / 2 / camera.data.lens
+    turn = np.array(camera.rotation_euler.to_matrix())
+    return Rays.of_camera(np.array(camera.location), turn, half, PIXELS, 1)
+
+
+def two_sided_sheet() -> Stage:
+    """A sheet that stands bent, red on its outside and green within."""
+    start("sunset.exr", strength=0.6, turn=30)
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=16, y_subdivisions=8, size=2)
+    sheet = as_subject(made())
+    x, y, _ = places(sheet).T
+    turn = radians(110) * x
+    move_to(sheet, np.stack([0.7 * np.sin(turn), 0.7 * np.cos(turn), 0.7 * y], axis=1))
+    bpy.ops.object.shade_smooth()
+    paper: Any = principled("Paper", (0.0, 0.0, 0.0), Roughness=0.7)
+    tree = paper.node_tree
+    mix = tree.nodes.new("ShaderNodeMix")
+    mix.data_type = "RGBA"
+    mix.inputs[6].default_value, mix.inputs[7].default_value = (0.7, 0.05, 0.05, 1), (0.05, 0.6, 0.05, 1)
+    tree.links.new(tree.nodes.new("ShaderNodeNewGeometry").outputs["Backfacing"], mix.inputs[0])
+    connect(paper, "Base Color", mix.outputs[2])
+    assign(sheet, paper)
+    return finish("two-sided sheet", sheet)
+
+
+def test_both_sides_of_a_sheet_look_as_cycles_sees_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    coarsen(monkeypatch)
+    stage = two_sided_sheet()
+    baked = make(_TEXELS, _SAMPLES).bake(stage, tmp_path)
+    surface = BakedSurface(baked.mesh, baked.matrix_world, baked.uv_layer)
+    green = []
+    for camera in stage.tuning:
+        seen = surface.gbuffer(looking(camera), np.full(PIXELS**2, 1e9))
+        picture = seen.resolve(baked.radiance(seen))
+        reference = render(stage, camera, Rendering(_REFERENCE, 1, alone=False))[..., :3]
+        inside = seen.eroded
+        shown, expected = (np.clip(image[inside], 0, 1) ** (1 / 2.2) for image in (picture, reference))
+        assert -10 * np.log10(((shown - expected) ** 2).mean()) > 24
+        side = expected[:, 1] > expected[:, 0]
+        green.append(side.mean())
+        assert ((shown[:, 1] > shown[:, 0]) == side).mean() > 0.97
+    assert 0.2 < np.mean(green) < 0.8
+
+
+def test_a_head_of_gold_looks_as_cycles_sees_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    coarsen(monkeypatch)
     stage = SCENES["metal_20"]()
     baked = make(_TEXELS, _SAMPLES).bake(stage, tmp_path)
     camera = stage.tuning[0]
-    half = camera.data.sensor_width / 2 / camera.data.lens
-    turn = np.array(camera.rotation_euler.to_matrix())
-    rays = Rays.of_camera(np.array(camera.location), turn, half, PIXELS, 1)
+    rays = looking(camera)
     surface = BakedSurface(baked.mesh, baked.matrix_world, baked.uv_layer)
     seen = surface.gbuffer(rays, np.full(len(rays.away), 1e9))
     picture = seen.resolve(baked.radiance(seen))
