@@ -23,7 +23,7 @@ from .evaluated import EvaluatedMesh, MeshAttribute
 from .parts import taken
 
 TWIN = "radtex_twin"  # of faces: their twin's number, -1 without; of twins: -2 less their face's number
-_RAYS = 200_000  # about so many in all, shared out by area
+_RAYS = 200_000  # about so many in all, shared out by area; a large mesh's take one each
 _LEAST, _MOST = 8, 512  # rays of a triangle
 _OFF = 0.05  # of a bake's ray offset: how far behind a triangle they start, less than thin walls are thick
 _SPREAD = 3  # times that triangles take the mean of what they and their neighbours found
@@ -161,7 +161,8 @@ def _neighbours(vertex: Ints) -> tuple[Ints, Ints]:
 def _leaving(mesh: EvaluatedMesh, corners: Floats, area: Floats, wanted: Bools) -> Floats:
     """What share of the rays from behind each triangle leaves the mesh, (F,); 0 of those not `wanted`."""
     random = np.random.default_rng(0)
-    rays = np.clip(np.rint(_RAYS * area / area.sum()), _LEAST, _MOST).astype(np.int64) * wanted
+    least = max(1, min(_LEAST, _RAYS // len(area)))
+    rays = np.clip(np.rint(_RAYS * area / area.sum()), least, _MOST).astype(np.int64) * wanted
     face = np.repeat(np.arange(len(rays)), rays)
     root, along = np.sqrt(random.random(len(face)))[:, None], random.random(len(face))[:, None]
     a, b, c = corners[face].transpose(1, 0, 2)
