@@ -198,7 +198,7 @@ def _regions(some: Bools, first: Ints, second: Ints) -> Ints:
 def _area_of_surface(first: Ints, second: Ints, area: Floats) -> Floats:
     """For each triangle the area of all that hangs together with it, (F,)."""
     label = _regions(np.ones(len(area), dtype=bool), first, second)
-    total: Floats = np.bincount(label, area)[label]
+    total: Floats = np.bincount(label, area)[label].astype(np.float64)
     return total
 
 
