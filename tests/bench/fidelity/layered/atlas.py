@@ -29,10 +29,11 @@ class LayeredAtlas:
     """A bake in the layered layout; float32, scene-linear Rec.709, row 0 at v = 0, space the world's.
 
     `colour` (H', W', 3), `irradiance` (H, W, 3), `falloff` (B, 3) as in the shared layout. `tint`
-    (H', W', 3): what lobes' weights are multiplied by, and `normal` (H', W', 3), the shading normal in world
-    space; `width` (H, W, 1): what the lobes' width² is multiplied by; None where they do not vary. `own` (h, w, n, n, 4): what a texel sees of the object itself along
-    an axis of the octahedron, and how much it leaves free; `rest` (h, w, m, m, 3). `through`: the lobe of
-    light that comes through, in the shared layout, if there is one.
+    (H', W', 3): what lobes' weights are multiplied by; `normal` (H', W', 3), the shading normal in world
+    space; `width` (H, W, 1): log2 of what lobes' width² is multiplied by; None where they do not vary. `own`
+    (h, w, n, n, 4): what a texel sees of the object itself along an axis of the octahedron, and how much it
+    leaves free; `rest` (h, w, m, m, 3). `through`: the lobe of light that comes through, in the shared
+    layout, if there is one.
     """
 
     colour: Floats
@@ -74,7 +75,7 @@ def sample_layered(atlas: LayeredAtlas, at: Fragments) -> Floats:
     light = light * sample_falloff(atlas.falloff, cosine)
     own = look_up(atlas.own, at.uv, axis)
     offset = at.position - atlas.around.middle
-    width = np.ones(len(axis), np.float32) if atlas.width is None else bilinear(atlas.width, at.uv)[:, 0]
+    width = np.ones(len(axis), np.float32) if atlas.width is None else 2 ** bilinear(atlas.width, at.uv)[:, 0]
     direct, share = mirrored_light(
         atlas.around, atlas.materials, offset, axis, normal, cosine, at.material, width,
         own[3], atlas.own.shape[2],

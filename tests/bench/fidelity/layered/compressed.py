@@ -90,6 +90,7 @@ def compressed(
     """
     kept = _Kept({}, only)
     around = _around(kept, atlas.around, near_sizes)
+    width = None if atlas.width is None else kept.of("width", _range, atlas.width)
     found = {name: _map_kept(kept, name, getattr(atlas, name)) for name in ("irradiance", *MATERIAL_MAPS)}
     own, rest = kept.of("own", _own, atlas.own), kept.of("rest", _rest, atlas.rest)
     decoded = replace(
@@ -98,6 +99,7 @@ def compressed(
         irradiance=atlas.irradiance if found["irradiance"] is None else found["irradiance"],
         tint=atlas.tint if found["tint"] is None else found["tint"],
         normal=atlas.normal if found["normal"] is None else found["normal"],
+        width=atlas.width if width is None else _cropped(width),
         around=around,
         own=atlas.own if own is None else _buckets(own),
         rest=atlas.rest if rest is None else _buckets(rest)[..., :3],
@@ -169,12 +171,17 @@ def _decoded(texture: Texture, sharpest: float) -> EdgePictures:
 
 
 def _distances(nearness: Floats) -> Texture:
-    size = len(nearness)
-    image = on_edges(nearness[..., None])
+    return _range(on_edges(nearness[..., None]))
+
+
+def _range(image: Floats) -> Texture:
+    """The texture of values (H, W, 1) of any range."""
+    height, width = image.shape[:2]
     least, most = float(image.min()), float(image.max())
     scale = max(most - least, 1e-9)
-    coded = np.repeat((image - least) / scale, 2, axis=2)
-    return Texture(Format.BC4, (decode_bc5(encode_bc5(coded))[..., :1],), (size, size), scale, least)
+    coded = np.repeat(_padded((image - least) / scale), 2, axis=2)
+    found = decode_bc5(encode_bc5(coded))[..., :1]
+    return Texture(Format.BC4, (found,), (width, height), scale, least)
 
 
 def light_texture(image: Floats) -> Texture:

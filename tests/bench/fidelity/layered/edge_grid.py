@@ -59,13 +59,11 @@ class EdgePictures(Pictures):
 
     def look(self, direction: Floats, variance: Floats) -> Floats:
         last, size = len(self.levels) - 1, len(self.levels[0])
-        level = np.log2(np.maximum(variance, 1e-12) / self.sharpest) / 2
-        level = np.clip(level, 0, last).astype(np.float32)
+        level = self.level(variance)
         half = 0.5 * np.exp2(level) / size
         place = direction_to_octahedron(direction) * (1 - 2 * half)[:, None] + half[:, None]
-        lower = np.minimum(level.astype(np.intp), max(last - 1, 0))
-        upper = np.minimum(lower + 1, last)
-        above = (level - lower)[:, None]
+        lower, above = self.between(level)
+        above, upper = above[:, None], np.minimum(lower + 1, last)
         found = self._bilinear(place, lower) * (1 - above) + self._bilinear(place, upper) * above
         return cast(Floats, found.T.astype(np.float32))
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from radtex_addon.bake.light_samples import SurroundingsSamples
 from radtex_addon.bake.surroundings import Surroundings, _Maps
-from radtex_addon.core.arrays import Floats
+from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.gutter import dilate, nearest_covered
 from radtex_addon.core.octahedron import cell_directions, direction_to_octahedron, octahedron_cell
 
@@ -66,14 +66,21 @@ class Pictures:
 
     def look(self, direction: Floats, variance: Floats) -> Floats:
         """The picture around directions (N, 3), blurred by variances (N,): (C, N) float32."""
-        place = direction_to_octahedron(direction).T
+        place, level = direction_to_octahedron(direction).T, self.level(variance)
+        lower, above = self.between(level)
         last = len(self.levels) - 1
-        level = np.log2(np.maximum(variance, 1e-12) / self.sharpest) / 2
-        level = np.clip(level, 0, last).astype(np.float32)
-        lower = np.minimum(level.astype(np.intp), max(last - 1, 0))
-        above = (2.0 ** (level - lower) - 1).astype(np.float32)
         found = self._maps.look(place, lower) * (1 - above)
         return cast(Floats, found + self._maps.look(place, np.minimum(lower + 1, last)) * above)
+
+    def level(self, variance: Floats) -> Floats:
+        """Which level is as blurred as these widths² (N,), float32, with fractions of its logarithm."""
+        level = np.log2(np.maximum(variance, 1e-12) / self.sharpest) / 2
+        return cast(Floats, np.clip(level, 0, len(self.levels) - 1).astype(np.float32))
+
+    def between(self, level: Floats) -> tuple[Ints, Floats]:
+        """The level below, and the share of the next: by widths, so that a lobe's tails are nearly right."""
+        lower = np.minimum(level.astype(np.intp), max(len(self.levels) - 2, 0))
+        return lower, (2.0 ** (level - lower) - 1).astype(np.float32)
 
     @cached_property
     def _maps(self) -> _Maps:

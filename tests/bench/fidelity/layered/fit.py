@@ -94,7 +94,8 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
     own = replace(capture.own, rays=rays)
     free = free_share(rays, ~own.hit, neighbours, OWN_CELLS)
     paths = _open_paths(capture, normal, free)
-    materials, width = fit_lobes(paths, int(capture.material.max()) + 1, neighbours, parts.widths)
+    vary = parts.widths and normal_map is None  # normals that vary within a texel would count as roughness
+    materials, width = fit_lobes(paths, int(capture.material.max()) + 1, neighbours, vary)
     if not parts.second_lobe:
         materials = tuple(map(_single, materials))
     surface = Surface(
@@ -114,7 +115,7 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
         falloff=falloff,
         tint=tint_map,
         normal=normal_map,
-        width=plan.placed(width[:, None], gutter=True) if np.ptp(width) > 0 else None,
+        width=plan.placed(np.log2(width)[:, None], gutter=True) if np.ptp(width) > 0 else None,
         around=around,
         materials=materials,
         own=_placed(plan, np.concatenate([own_table, free]), COARSER),
@@ -260,7 +261,8 @@ def _shown(surface: Surface, samples: LobeSamples, own: Floats) -> tuple[Floats,
         each = np.arange(some.start, some.stop).repeat(shape[1])
         direct, share = mirrored_light(
             surface.around, surface.materials, offset[each], axis.reshape(3, -1).T, surface.normal[each],
-            _cosines(surface.plan, samples.square, surface.normal, some).ravel(), surface.material[each], surface.width[each],
+            _cosines(surface.plan, samples.square, surface.normal, some).ravel(),
+            surface.material[each], surface.width[each],
             taps.gather(surface.free[:, some])[0].ravel(), OWN_CELLS,
         )  # fmt: skip
         seen = (direct + share * taps.gather(own[:, some]).reshape(3, -1)) * surface.tint[each].T

@@ -23,7 +23,7 @@ _ROUNDS = 40
 _AT_MOST = 40_000  # paths of a step
 _AT_LEAST = 200
 _OVERLAP = 0.75  # steps around a step's middle whose paths count
-_SHARPEST = 0.003  # radians: no lobe is narrower
+SHARPEST = 0.003  # radians: no lobe is narrower
 _WIDEST = 1.0
 END = 0.5  # length of a direction: where paths differ too much it is shorter
 
@@ -56,9 +56,9 @@ class Material:
 class Paths:
     """Paths that left the object straight away, or ended in it: P of them.
 
-    `texel` (P,): of the plan, in rising order; `weight` (P, 3): how much they bring of white light; `end` (P, 3): where they go; `axis` (P, 3), the
-    mirror direction, and `normal` (P, 3), all in world space; `cosine` (P,): N.V; `material` (P,);
-    `width` (P,): what their material's width² is multiplied by, 1 if None.
+    `texel` (P,): of the plan; `weight` (P, 3): how much they bring of white light; `end` (P, 3): where they
+    go; `axis` (P, 3), the mirror direction, and `normal` (P, 3), all in world space; `cosine` (P,): N.V;
+    `material` (P,); `width` (P,): what their material's width² is multiplied by, 1 if None.
     """
 
     texel: Ints
@@ -107,7 +107,7 @@ def _two_lobes(paths: Paths, near: Ints) -> tuple[Floats, Floats, float]:
     up, across = angles(paths.end[near] / length[told, None], paths.axis[near], paths.normal[near])
     bend, width = 0.0, 1.0 if paths.width is None else paths.width[near]
     squared = np.sort((up**2 + across**2) / width / 2)
-    least, most = _SHARPEST**2, _WIDEST**2
+    least, most = SHARPEST**2, _WIDEST**2
     variance = np.clip(np.quantile(squared, [0.3, 0.9]), least, most)
     variance[1] = max(variance[1], 2 * variance[0])
     share = np.array([0.6, 0.4])

@@ -5,7 +5,7 @@
 // All textures are clamped to their edges and filtered: pictures between their mip levels too, the others have none.
 //
 // What a bake has is defined before: RADTEX_COLOUR (colour and irradiance) or RADTEX_LIT (their product in one
-// texture), RADTEX_TINT, RADTEX_NORMAL, RADTEX_PLANE, RADTEX_THINGS, RADTEX_LAMPS (how many, 0 to 4), RADTEX_MIRRORS,
+// texture), RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH, RADTEX_PLANE, RADTEX_THINGS, RADTEX_LAMPS (how many, 0 to 4), RADTEX_MIRRORS,
 // RADTEX_REST. What it costs is chosen: RADTEX_STEPS (0, 1 or 2 fetches of distances), RADTEX_OWN_TAPS and
 // RADTEX_REST_TAPS (3 or 4 cells around a direction), and for the second lobe RADTEX_WHOLE (one picture of everything,
 // as seen from the middle) or RADTEX_ALL (all that the first one looks at) or neither (no second lobe).
@@ -30,10 +30,14 @@ uniform vec2 tint_part;
 uniform sampler2D shading_normal;
 uniform vec2 normal_part;
 #endif
+#ifdef RADTEX_WIDTH
+uniform sampler2D width;  // how wide lobes are
+uniform vec2 width_part, width_range;  // and scale and offset
+#endif
 #ifdef RADTEX_MIRRORS
-uniform vec4 lobes[32];  // weight, and the variance's logarithm to base 2, by N.V; then the second lobe's
+uniform vec4 lobes[32];  // weight, and the width²'s logarithm to base 2, by N.V; then the second lobe's
 uniform sampler2D world, own;
-uniform vec3 world_levels;  // texels along a side, the last level, and the variance of level 0 as a logarithm
+uniform vec3 world_levels;  // texels along a side, the last level, and the width² of level 0 as a logarithm
 uniform vec4 own_tile;  // size of a tile's texels without padding, and half a texel, in units of a padded tile
 uniform float own_scale;
 #endif
@@ -58,11 +62,11 @@ uniform vec4 rest_tile;
 uniform vec2 rest_range;  // scale and offset
 #endif
 #if RADTEX_LAMPS > 0
-uniform vec4 lamp_place[RADTEX_LAMPS];  // and variance
+uniform vec4 lamp_place[RADTEX_LAMPS];  // and width²
 uniform vec3 lamp_light[RADTEX_LAMPS];
 #endif
 
-const float OWN_CELLS = 16.0, REST_CELLS = 8.0;
+const float OWN_CELLS = 14.0, REST_CELLS = 8.0;
 
 // Where a direction, of any length, lies on the octahedron's square: 0 to 1.
 vec2 radtex_square(vec3 d) {
@@ -76,10 +80,11 @@ vec2 radtex_on_edges(vec2 place, float size) {
     return place + (0.5 - place) / size;
 }
 
-// Texture coordinates and level for the direction d and a variance's logarithm to base 2.
+// Texture coordinates and level for the direction d and a width²'s logarithm to base 2. Between levels, pictures are
+// mixed by the width, not by its logarithm: so a lobe's tails are nearly right.
 vec3 radtex_picture(vec3 levels, vec3 d, float spread) {
     float level = clamp(0.5 * (spread - levels.z), 0.0, levels.y);
-    return vec3(radtex_on_edges(radtex_square(d), levels.x * exp2(-level)), level);
+    return vec3(radtex_on_edges(radtex_square(d), levels.x * exp2(-level)), floor(level) + exp2(fract(level)) - 1.0);
 }
 
 // Cells around a place, of n x n, and their weights.
@@ -127,47 +132,35 @@ Cells radtex_three_cells(vec2 place, float n) {
     return cells;
 }
 
-// The normal distribution's integral to within 2e-4 (Page, "Approximations to the cumulative normal function and its
-// inverse", 1977, with 1.5976 and 0.07056), and the inverse of the same formula: a root of a cubic.
-float radtex_integral(float x) {
-    return 1.0 / (1.0 + exp(-x * (1.5976 + 0.07056 * x * x)));
-}
-
-float radtex_quantile(float p) {
-    p = clamp(p, 1e-4, 1.0 - 1e-4);
-    float s = 0.341766 * log(p / (1.0 - p));  // sinh(3 u), where x = 5.49445 sinh(u)
-    float e = exp(log(abs(s) + sqrt(s * s + 1.0)) / 3.0);
-    return 2.747224 * (e - 1.0 / e) * sign(s);
-}
-
-// How much the object leaves free, as a lobe of that variance sees it.
-float radtex_free(float quantile, float variance) {
-    return radtex_integral(quantile * max(2.56 / OWN_CELLS * inversesqrt(variance + 0.0016), 1.0));
+// How much the object leaves free, as a lobe of that width² sees it.
+float radtex_free(float kept, float width) {
+    float side = 2.0 * kept - 1.0, sharper = side * max(2.56 / OWN_CELLS * inversesqrt(width + 0.0016), 1.0);
+    return 0.5 + 0.5 * sharper * inversesqrt(1.0 - side * side + sharper * sharper);
 }
 
 #if RADTEX_LAMPS > 0
-vec3 radtex_lamp(vec4 place, vec3 light, vec3 from, vec3 axis, float variance) {
+vec3 radtex_lamp(vec4 place, vec3 light, vec3 from, vec3 axis, float width) {
     vec3 towards = place.xyz - from;
     float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
-    float wide = variance + place.w * nearer;
-    float off = 1.0 - dot(axis, towards) * inversesqrt(squared);
-    return light * (nearer * exp(-off / wide) / (6.2831853 * wide));
+    float wide = width + place.w * nearer;
+    float off = wide + 1.0 - dot(axis, towards) * inversesqrt(squared);
+    return light * (nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
 }
 #endif
 
-vec3 radtex_lamps(vec3 from, vec3 axis, float variance) {
+vec3 radtex_lamps(vec3 from, vec3 axis, float width) {
     vec3 light = vec3(0.0);
 #if RADTEX_LAMPS > 0
-    light += radtex_lamp(lamp_place[0], lamp_light[0], from, axis, variance);
+    light += radtex_lamp(lamp_place[0], lamp_light[0], from, axis, width);
 #endif
 #if RADTEX_LAMPS > 1
-    light += radtex_lamp(lamp_place[1], lamp_light[1], from, axis, variance);
+    light += radtex_lamp(lamp_place[1], lamp_light[1], from, axis, width);
 #endif
 #if RADTEX_LAMPS > 2
-    light += radtex_lamp(lamp_place[2], lamp_light[2], from, axis, variance);
+    light += radtex_lamp(lamp_place[2], lamp_light[2], from, axis, width);
 #endif
 #if RADTEX_LAMPS > 3
-    light += radtex_lamp(lamp_place[3], lamp_light[3], from, axis, variance);
+    light += radtex_lamp(lamp_place[3], lamp_light[3], from, axis, width);
 #endif
     return light;
 }
@@ -204,10 +197,16 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
     towards *= inversesqrt(max(dot(towards, towards), 1e-12));
     vec3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
     vec4 lobe = mix(lobes[low], lobes[low + 1], above);
+    float wider = 0.0;
+#ifdef RADTEX_WIDTH
+    wider = texture(width, uv * width_part).r * width_range.x + width_range.y;
+#endif
+    lobe.a += wider;
     vec3 at = radtex_picture(world_levels, ray, lobe.a);
     vec3 direct = textureLod(world, at.xy, at.z).rgb;
 #ifdef RADTEX_ALL
     vec4 wide = mix(lobes[low + 16], lobes[low + 17], above);
+    wide.a += wider;
     at = radtex_picture(world_levels, ray, wide.a);
     vec3 broad = textureLod(world, at.xy, at.z).rgb;
 #endif
@@ -267,6 +266,7 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
 #endif
 #ifdef RADTEX_WHOLE
     vec4 wide = mix(lobes[low + 16], lobes[low + 17], above);
+    wide.a += wider;
     at = radtex_picture(whole_levels, seen, wide.a + reached);
     vec3 broad = textureLod(whole, at.xy, at.z).rgb;
 #endif
@@ -283,11 +283,11 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
     self += textureLod(own, (cells.d + inside) / OWN_CELLS, 0.0) * cells.weight.w;
 #endif
     self.rgb *= own_scale;
-    float quantile = radtex_quantile(self.a), variance = exp2(lobe.a);
-    vec3 mirrored = lobe.rgb * mix(self.rgb, direct + radtex_lamps(from, ray, variance), radtex_free(quantile, variance));
+    float spread = exp2(lobe.a);
+    vec3 mirrored = lobe.rgb * mix(self.rgb, direct + radtex_lamps(from, ray, spread), radtex_free(self.a, spread));
 #if defined(RADTEX_ALL) || defined(RADTEX_WHOLE)
-    variance = exp2(wide.a);
-    mirrored += wide.rgb * mix(self.rgb, broad + radtex_lamps(from, ray, variance), radtex_free(quantile, variance));
+    spread = exp2(wide.a);
+    mirrored += wide.rgb * mix(self.rgb, broad + radtex_lamps(from, ray, spread), radtex_free(self.a, spread));
 #endif
 #ifdef RADTEX_TINT
     mirrored *= texture(tint, uv * tint_part).rgb * tint_scale;
@@ -307,7 +307,11 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
 #if RADTEX_REST_TAPS == 4
     more += textureLod(rest, (fewer.d + within) / REST_CELLS, 0.0).rgb * fewer.weight.w;
 #endif
-    light += more * rest_range.x + rest_range.y;
+    more = more * rest_range.x + rest_range.y;
+#ifdef RADTEX_MIRRORS
+    more = max(more, -0.5 * mirrored);
+#endif
+    light += more;
 #endif
     return max(light, 0.0);
 }

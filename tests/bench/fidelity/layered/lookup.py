@@ -102,11 +102,9 @@ def lookup_of(atlas: LayeredAtlas, textures: Mapping[str, Texture], cost: Cost) 
         values["middle"] = tuple(around.middle.tolist())
         used["world"], used["own"] = textures["world"], textures["own"]
         values["world_levels"] = _levels(around.world)
-        values["own_tile"], values["own_scale"] = _tile(used["own"], 16), used["own"].scale
+        values["own_tile"], values["own_scale"] = _tile(used["own"], 14), used["own"].scale
         _add_layers(atlas, textures, defines, used, values)
-        if atlas.tint is not None:
-            defines["RADTEX_TINT"], used["tint"] = 1, textures["tint"]
-            values["tint_scale"], values["tint_part"] = used["tint"].scale, _part(used["tint"])
+        _add_maps(atlas, textures, defines, used, values)
         if around.lamps:
             defines["RADTEX_LAMPS"] = len(around.lamps)
             values["lamp_place"] = _array([(*lamp.place.tolist(), lamp.variance) for lamp in around.lamps])
@@ -149,6 +147,22 @@ def _part(texture: Texture) -> tuple[float, float]:
     """The share of a texture's width and height that is not padding."""
     height, width = texture.levels[0].shape[:2]
     return texture.size[0] / width, texture.size[1] / height
+
+
+def _add_maps(
+    atlas: LayeredAtlas,
+    textures: Mapping[str, Texture],
+    defines: dict[str, int],
+    used: dict[str, Texture],
+    values: dict[str, Any],
+) -> None:
+    if atlas.width is not None:
+        defines["RADTEX_WIDTH"], used["width"] = 1, textures["width"]
+        values["width_part"] = _part(used["width"])
+        values["width_range"] = (used["width"].scale, used["width"].offset)
+    if atlas.tint is not None:
+        defines["RADTEX_TINT"], used["tint"] = 1, textures["tint"]
+        values["tint_scale"], values["tint_part"] = used["tint"].scale, _part(used["tint"])
 
 
 def _add_layers(

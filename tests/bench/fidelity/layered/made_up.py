@@ -14,7 +14,7 @@ from .environment import Around, Impostor, Lamp, Layer, Pictures, Plane
 from .lobes import LOBES, STEPS, Material
 from .panoramas import panorama_directions
 
-OWN_CELLS, REST_CELLS = 16, 8
+OWN_CELLS, REST_CELLS = 14, 8
 
 
 def made_up_atlas(texels: int, size: int) -> LayeredAtlas:
@@ -49,6 +49,7 @@ def made_up_atlas(texels: int, size: int) -> LayeredAtlas:
         falloff=np.linspace([0.6, 0.7, 0.8], 1, 16).astype(np.float32),
         tint=None,
         normal=None,
+        width=None,
         around=around,
         materials=tuple(materials),
         own=own,

@@ -48,7 +48,8 @@ class Surface:
     """What the fit says of the plan's texels so far.
 
     `normal` (K, 3), the shading normals; `diffuse` (K, 3), along the normal, and its `falloff`; `tint`
-    (K, 3), `width` (K,), what lobes' width² is multiplied by; `material` (K,); `free` (1, K, n*n), the kept mask.
+    (K, 3), `width` (K,), what lobes' width² is multiplied by; `material` (K,); `free` (1, K, n*n), the kept
+    mask.
     """
 
     plan: CapturePlan

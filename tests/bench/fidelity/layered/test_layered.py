@@ -18,10 +18,11 @@ from radtex_addon.core.shared import Axis
 from radtex_addon.cycles.portal import Aim
 
 from .environment import Around, Impostor, Lamp, Layer, Pictures, Plane, lamps_of
-from .lobes import Paths, bent, fit_materials
+from .lobes import Paths, fit_materials, lobe
 from .panoramas import panorama_directions
 from .residual import fit_rest
 from .visibility import free_share, seen_free
+from .widths import fit_lobes
 
 pytestmark = pytest.mark.one_blender
 
@@ -129,18 +130,63 @@ def test_lobes_are_found_in_paths_that_are_spread_by_them() -> None:
     cosine = rng.uniform(0.6, 0.66, count)
     axis = np.stack([np.sqrt(1 - cosine**2), np.zeros(count), cosine], axis=1)
     narrow = rng.random(count) < 0.7
-    spread = np.where(narrow, 0.05, 0.3)
-    across, up = rng.normal(size=(2, count)) * spread
-    end = bent(axis, normal, up)
-    end = end * np.cos(across)[:, None] + np.array([0, 1.0, 0]) * np.sin(across)[:, None]
+    variance = np.where(narrow, 0.02, 0.2) ** 2
+    end = spread_by_lobe(rng, axis, normal, variance)
     weight = np.tile([0.9, 0.5, 0.1], (count, 1))
-    paths = Paths(weight, end, axis, normal, cosine, np.zeros(count, dtype=np.int32))
+    number = np.arange(count)
+    paths = Paths(number, weight, end, axis, normal, cosine, np.zeros(count, dtype=np.int32))
     (material,) = fit_materials(paths, 1)
     shares, variances, bends = material.at(np.array([0.63]))
     np.testing.assert_allclose(shares[:, :, 0].sum(axis=0), [0.9, 0.5, 0.1], rtol=1e-3)
     np.testing.assert_allclose(shares[0, :, 0] / [0.9, 0.5, 0.1], 0.7, atol=0.05)
-    np.testing.assert_allclose(np.sqrt(variances[:, 0]), [0.05, 0.3], rtol=0.1)
+    np.testing.assert_allclose(np.sqrt(variances[:, 0]), [0.02, 0.2], rtol=0.1)
     np.testing.assert_allclose(bends, 0, atol=0.01)
+
+
+def spread_by_lobe(rng: np.random.Generator, axis: Floats, normal: Floats, variance: Floats) -> Floats:
+    """Directions (P, 3) about axes (P, 3), by lobes of widths² (P,)."""
+    share = rng.random(len(axis)) / (1 + variance / 2)  # of a lobe within a squared chord, at most 4
+    chord = np.sqrt(2 * variance * share / (1 - share))
+    angle, turn = 2 * np.arcsin(chord / 2), rng.uniform(0, 2 * np.pi, len(axis))
+    up = normal - (normal * axis).sum(axis=1, keepdims=True) * axis
+    up /= np.linalg.norm(up, axis=1, keepdims=True)
+    off = np.cos(turn)[:, None] * up + np.sin(turn)[:, None] * np.cross(axis, up)
+    found: Floats = np.cos(angle)[:, None] * axis + np.sin(angle)[:, None] * off
+    return found
+
+
+def test_a_picture_of_a_point_is_blurred_to_the_lobe() -> None:
+    size = 256
+    direction = cell_directions(size).astype(np.float32)
+    towards = direction[len(direction) // 2 + size // 3]
+    solid = 4 * np.abs(direction).sum(axis=1) ** 3 / len(direction)
+    lit = (direction @ towards > 0.9995).astype(np.float32)
+    picture = Pictures.of(direction, np.repeat(lit[:, None], 3, axis=1), size)
+    for width in (0.08, 0.13, 0.3):
+        off = np.array([0.2, 0.5, 1.0, 2.0]) * width + 0.05
+        side = np.cross(towards, [0.3, 1, 0.2])
+        at = np.cos(off)[:, None] * towards + np.sin(off)[:, None] * side / np.linalg.norm(side)
+        seen = picture.look(at.astype(np.float32), np.full(len(at), width**2, np.float32))[0]
+        exact = [(lit * solid * lobe(2 * (1 - direction @ one), np.full(1, width**2))).sum() for one in at]
+        np.testing.assert_allclose(seen, exact, rtol=0.2)
+
+
+def test_widths_that_vary_are_found_texel_by_texel() -> None:
+    rays, rng = flat_samples(16), np.random.default_rng(4)
+    texels, each = rays.used.shape
+    normal = np.broadcast_to(np.array([0, 0, 1.0]), (texels * each, 3))
+    axis = mirrored(rays.plan, rays.square).reshape(-1, 3)
+    texel = np.arange(texels).repeat(each)
+    wide = np.where(np.arange(texels) % SIDE < SIDE // 2, 0.05, 0.2)  # a material's left half and its right
+    end = spread_by_lobe(rng, axis, normal, wide[texel] ** 2)
+    cosine, one = axis[:, 2], np.ones((len(axis), 3))
+    paths = Paths(texel, one, end, axis, normal, cosine, np.zeros(len(axis), dtype=np.int32))
+    (material,), found = fit_lobes(paths, 1, Neighbours(rays.plan))
+    weight, variance, _ = material.at(np.array([0.8]))
+    middle = np.exp((weight[:, 0] * np.log(variance)).sum())
+    inner = np.abs(np.arange(texels) % SIDE - SIDE / 2 + 0.5) > 3
+    np.testing.assert_allclose(np.sqrt(middle * found[inner]), wide[inner], rtol=0.2)
+    assert (fit_lobes(paths, 1, Neighbours(rays.plan), vary=False)[1] == 1).all()
 
 
 def test_the_mask_of_a_wall_has_its_edge_and_keeps_its_ends() -> None:

@@ -3,7 +3,8 @@
 """How much of what surrounds the object it leaves free itself, for each texel and direction.
 
 Kept is a picture of that, blurred as wide as its cells. A sharp lobe needs a sharper edge: where the edge is
-straight, blurring a half-space by a Gaussian of another width changes Phi(d / s) into Phi(d / t).
+straight, blurring a half-space by a lobe of another width (see lobes.py) changes F(d / s) into F(d / t),
+where F(x) = 1/2 + x / (2 sqrt(2 + x²)).
 """
 
 from __future__ import annotations
@@ -11,7 +12,6 @@ from __future__ import annotations
 from typing import cast
 
 import numpy as np
-from scipy.special import ndtr, ndtri
 
 from radtex_addon.bake.blocks import in_blocks
 from radtex_addon.bake.gloss import LobeSamples
@@ -20,7 +20,6 @@ from radtex_addon.core.arrays import Bools, Floats
 
 _KEPT = 2.56  # the kept mask's own blur, times the number of its cells along a side, radians
 _EDGE = 0.04  # the sharpest edge that is shown, radians: cells do not tell where it is any better
-_LIMIT = 1e-4  # of the kept mask, from 0 and 1
 _OWN = 3.0  # how much a texel's own rays count for, against those of its neighbourhood
 _PRIOR = 0.05  # of a cell's rays: the wider neighbourhood's count for that many
 
