@@ -142,6 +142,7 @@ def _stand_in(baked: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object
     for index, material in enumerate(dark.materials):
         if material is not None:
             dark.materials[index] = put_out(material)
+    _render_layer_of(baked, dark)
     copy = copy_object(baked, dark)
     for collection in copy.users_collection:  # Blender 5 adds a rigid body's copy to its world
         collection.objects.unlink(copy)
@@ -149,6 +150,13 @@ def _stand_in(baked: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object
     copy.constraints.clear()
     copy.instance_type = "NONE"
     return copy
+
+
+def _render_layer_of(baked: bpy.types.Object, mesh: bpy.types.Mesh) -> None:
+    """Textures that name no UV layer lie on the one that renders: the object's own, not the baked one."""
+    for layer in getattr(baked.data, "uv_layers", ()):
+        if layer.active_render and layer.name in mesh.uv_layers:
+            cast(Any, mesh).uv_layers[layer.name].active_render = True
 
 
 def _place(item: bpy.types.Object, anchor: bpy.types.Object, matrix: Floats) -> None:

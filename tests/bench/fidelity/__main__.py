@@ -28,13 +28,16 @@ from typing import cast
 
 import bpy
 
+from radtex_addon.report.gbuffer import BakedSurface
+
 from . import methods
 from .choice import add_scene_options, chosen_scenes, names_of
+from .composite import seen_light
 from .lottery import is_lottery
 from .method import Method
 from .metrics import Figures, compare
 from .pictures import LOTTERY_SAMPLES, SAMPLES
-from .references import View, gbuffer, views
+from .references import View, views
 from .report import Result, Seen, distribution_table, save_sheet, scene_table, summary_table
 from .scenes import Stage
 
@@ -92,8 +95,10 @@ def _measure(method: Method, stage: Stage, looked_from: list[View]) -> Result:
         baked = method.bake(stage, Path(folder))
         seen = []
         for view in looked_from:
-            buffer = gbuffer(view, baked.mesh, baked.matrix_world, baked.uv_layer)
-            picture = buffer.resolve(baked.radiance(buffer))
+            surface = BakedSurface(baked.mesh, baked.matrix_world, baked.uv_layer)
+            buffer = surface.gbuffer(view.rays, view.blocked)
+            light = seen_light(baked, surface, view.rays, view.blocked, buffer, view.behind)
+            picture = buffer.resolve(light)
             figures = compare(picture, view.reference, buffer.inside, buffer.eroded)
             seen.append(Seen(view, picture, buffer.inside, buffer.eroded, figures))
     return Result(method.name, baked.paths, baked.seconds, baked.bytes, tuple(seen))

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
@@ -16,13 +17,18 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.rays import FINER
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.shared import bilinear
 from radtex_addon.cycles.shared_capture import SharedCapture, capture_shared
 from radtex_addon.job.prepare import Prepared, prepare
+from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 
 from .engine_material import Inputs, read_inputs
+from .layered.opacity import find_alpha_map
+from .lightmaps import texture_bytes
 from .scenes import Stage
+from .surface_alone import surface_alone
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +36,8 @@ class Captured:
     """A capture of a stage's subject, the baked copy it is of, and the subject's matrix (4, 4).
 
     `inputs` are its materials' textures, with as many texels as the diffuse colour, where they were asked
-    for; `paths` count all rays of these too.
+    for; `paths` count all rays of these too. `alpha` (H', W', 1) has as many texels, None where it is 1
+    everywhere: light and colour are premultiplied by it, inputs are not.
     """
 
     capture: SharedCapture
@@ -38,6 +45,24 @@ class Captured:
     matrix_world: Floats
     paths: int
     inputs: Inputs | None = None
+    alpha: Floats | None = None
+
+    @property
+    def look_alpha(self) -> Callable[[GBuffer], Array] | None:
+        """How much is hidden of what lies behind a G-buffer's hits, (N,); None where all of it is."""
+        image = self.alpha
+        if image is None:
+            return None
+
+        def look(buffer: GBuffer) -> Array:
+            return buffer.spread(bilinear(image, buffer.uv[buffer.hit].astype(np.float32)))[:, 0]
+
+        return look
+
+    @property
+    def alpha_bytes(self) -> int:
+        """What a GPU holds of alpha: half a byte a texel (BC4)."""
+        return 0 if self.alpha is None else texture_bytes(self.alpha) // 2
 
 
 def capture_stage(stage: Stage, spec: BakeSpec, folder: Path, inputs: bool = False) -> Captured:
@@ -48,13 +73,16 @@ def capture_stage(stage: Stage, spec: BakeSpec, folder: Path, inputs: bool = Fal
     """
     scene = cast(bpy.types.Scene, bpy.context.scene)
     kept: list[bpy.types.ID] = []
-    with scratch_scene(scene, None, kept) as scratch:
+    with scratch_scene(scene, None, kept) as scratch, surface_alone(stage.subject) as clear:
         item = find_object(scratch, stage.subject.name)
         prepared = finished(prepare(scratch, [item], spec, kept))
         texels, finer = prepared.texels(), prepared.texels(FINER)
         mesh, matrix = prepared.mesh, prepared.matrix_world
         steps = capture_shared(scratch, item, mesh, matrix, texels, finer, spec.rays, spec.seed, folder)
         capture = finished(steps)
-        found = read_inputs(scratch, item, plan_capture(finer, 1), spec.seed, folder) if inputs else None
+        fine = plan_capture(finer, 1)
+        found = read_inputs(scratch, item, fine, spec.seed, folder) if inputs else None
+        alpha = find_alpha_map(scratch, item, mesh, matrix, clear, fine, spec.seed, folder)
     paths = capture.paths + (found.rays if found is not None else 0)
-    return Captured(capture, prepared, np.array(stage.subject.matrix_world), paths, found)
+    paths += len(fine.texel) if alpha is not None else 0
+    return Captured(capture, prepared, np.array(stage.subject.matrix_world), paths, found, alpha)

@@ -12,6 +12,7 @@ from radtex_addon.bake.blocks import in_blocks, planes
 from radtex_addon.bake.fit import GRAZING
 from radtex_addon.bake.gloss import LUMINANCE
 from radtex_addon.bake.light_samples import LightSamples
+from radtex_addon.bake.plan import plan_of_some
 from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.hemisphere import square_to_direction
@@ -19,6 +20,7 @@ from radtex_addon.core.shared import bilinear
 from radtex_addon.core.solid_angle import cell_solid_angles_sr
 from radtex_addon.cycles.shared_capture import SharedCapture
 
+_BLACK = 1e-3  # a colour's channel that tells nothing of the light
 BLOCK = 16  # bytes of a block of 4 x 4 texels, in BC6H (HDR) as in BC7
 
 
@@ -86,11 +88,12 @@ def pooled(neighbours: Neighbours, values: Floats) -> Floats:
     return found
 
 
-def diffuse_map(capture: SharedCapture, weight: Floats) -> DiffuseMap:
+def diffuse_map(capture: SharedCapture, weight: Floats, cut_out: bool = False) -> DiffuseMap:
     """The diffuse light of a capture, of samples that count by `weight` (K, S).
 
     The colour pass along the normal is lighter or darker than its mean over viewers, a coat being clearer
-    from the front; the light makes up for that, by one factor a channel for all texels.
+    from the front; the light makes up for that, by one factor a channel for all texels. Where alpha has
+    `cut_out` texels, which are black, these have the light of the nearest others.
     """
     light = capture.light
     plan, diffuse = light.plan, means(weight, light.diffuse)
@@ -100,7 +103,10 @@ def diffuse_map(capture: SharedCapture, weight: Floats) -> DiffuseMap:
     frontal = blocks.reshape(-1, 3)[plan.texel].sum(axis=0)
     seen = light.colour.sum(axis=0)
     colour = light.colour * np.divide(frontal, seen, out=np.ones_like(seen), where=seen > 0)
-    irradiance = np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
+    irradiance = np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > _BLACK)
+    lit = (colour > _BLACK).any(axis=1)
+    if cut_out and lit.any():
+        plan, irradiance = plan_of_some(plan, lit), irradiance[lit]
     return DiffuseMap(capture.colour.astype(np.float32), plan.placed(irradiance, gutter=True))
 
 

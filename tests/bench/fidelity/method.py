@@ -23,7 +23,8 @@ class Baked:
 
     `paths` and `seconds` say what the bake took, `bytes` what a GPU holds of it; `radiance` gives the light
     (N, 3), linear, along a G-buffer's rays, anything where they miss. `mesh` is the baked copy's,
-    `matrix_world` its matrix, `uv_layer` the layer that was baked.
+    `matrix_world` its matrix, `uv_layer` the layer that was baked. With an `alpha`, which gives how much is
+    hidden of what lies behind, (N,), radiance is premultiplied by that; without, it is of all that is seen.
     """
 
     paths: int
@@ -33,6 +34,7 @@ class Baked:
     mesh: bpy.types.Mesh
     matrix_world: npt.ArrayLike
     uv_layer: str
+    alpha: Callable[[GBuffer], Array] | None = None
 
 
 class Method(Protocol):

@@ -15,8 +15,8 @@ over all frames, the last followed by the first, over the three channels of disp
 a method shows wrongly but steadily. Besides: the mean change of s, and of g as a share of it (1 is right,
 more shimmers), as tests/bench/minification.py has it; and PSNR of g against s.
 
-Nothing hides the object, except from a method that renders the whole scene. Leaves a sheet of pictures per
-scene, flicker times 8 below each.
+Nothing hides the object, except from a method that renders the whole scene, and behind its alpha is black.
+Leaves a sheet of pictures per scene, flicker times 8 below each.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ from radtex_addon.report.gbuffer import Array, BakedSurface, Rays
 from radtex_addon.report.metrics import Mask, Picture, display, psnr
 
 from . import methods
+from .composite import seen_light
 from .method import Baked, Method
 from .report import markdown
 from .scenes import SCENES
@@ -139,7 +140,8 @@ def _seen_from(points: Array, azimuth: float) -> tuple[Array, Array, float]:
 
 def _picture(baked: Baked, surface: BakedSurface, rays: Rays) -> tuple[Picture, Mask]:
     buffer = surface.gbuffer(rays, np.full(len(rays.away), np.inf))
-    picture = display(buffer.resolve(baked.radiance(buffer)))
+    light = seen_light(baked, surface, rays, np.full(len(rays.away), np.inf), buffer)
+    picture = display(buffer.resolve(light))
     return picture * buffer.inside[..., None], buffer.inside
 
 

@@ -13,7 +13,7 @@ from radtex_addon.formats.atomic import replacing
 from radtex_addon.report.metrics import Picture
 
 from .cache import picture_path
-from .rendering import Rendering, render
+from .rendering import Behind, Rendering, render
 from .scenes import Stage
 
 SAMPLES = 1024  # of a pixel inside the subject, before it is denoised
@@ -21,6 +21,7 @@ LOTTERY_SAMPLES = 512
 TUNING_SAMPLES = 256  # of the views that choices are tuned on
 _BESIDE_SAMPLES = 64  # of a pixel that is not wholly inside the subject
 _BESIDE_SEED = 44
+_BEHIND_SAMPLES, _BEHIND_SEED = 256, 55  # of what is seen through the subject
 _OPAQUE = 0.999
 
 
@@ -38,7 +39,12 @@ def picture(stage: Stage, camera: bpy.types.Object, samples: int, seed: int) -> 
     return composed
 
 
-def _kept(stage: Stage, camera: bpy.types.Object, rendering: Rendering) -> Picture:
+def picture_behind(stage: Stage, camera: bpy.types.Object) -> Picture:
+    """What a camera sees of the stage without the subject, whose shadows stay; as `picture` gives it."""
+    return _kept(stage, camera, Behind(_BEHIND_SAMPLES, _BEHIND_SEED))[..., :3]
+
+
+def _kept(stage: Stage, camera: bpy.types.Object, rendering: Rendering | Behind) -> Picture:
     """A picture (H, W, 4) out of the cache, into which it is rendered if it lacks it."""
     path = picture_path(stage.name, camera.name, rendering)
     if not path.exists():

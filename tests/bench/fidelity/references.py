@@ -28,7 +28,7 @@ from radtex_addon.report.metrics import Picture
 
 from .choice import add_scene_options, chosen_scenes
 from .lottery import is_lottery
-from .pictures import LOTTERY_SAMPLES, SAMPLES, TUNING_SAMPLES, picture
+from .pictures import LOTTERY_SAMPLES, SAMPLES, TUNING_SAMPLES, picture, picture_behind
 from .scenes import PIXELS, Stage
 
 SUBSAMPLES = 4  # along a pixel's side
@@ -41,7 +41,8 @@ class View:
     """A camera and what Cycles sees through it.
 
     `repetition` is the same picture of another seed, where there is one; `blocked` (N,) the distance at which
-    each of the `rays` meets anything but the subject.
+    each of the `rays` meets anything but the subject; `behind` what is seen without the subject, if one sees
+    through it.
     """
 
     name: str
@@ -50,6 +51,7 @@ class View:
     repetition: Picture | None
     rays: Rays
     blocked: Array
+    behind: Picture | None = None
 
 
 def views(stage: Stage, quick: bool = False, tuning: bool = False) -> list[View]:
@@ -63,7 +65,8 @@ def views(stage: Stage, quick: bool = False, tuning: bool = False) -> list[View]
     for camera, held_out, reference, repetition in _pictures(stage, quick, tuning):
         rays = _rays(camera)
         blocked = _distances(blockers, rays)
-        made.append(View(camera.name, held_out, reference, repetition, rays, blocked))
+        behind = picture_behind(stage, camera) if stage.see_through else None
+        made.append(View(camera.name, held_out, reference, repetition, rays, blocked, behind))
     return made
 
 

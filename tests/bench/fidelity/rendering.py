@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -33,7 +33,17 @@ class Rendering:
     version: int = _VERSION
 
 
-def render(stage: Stage, camera: bpy.types.Object, rendering: Rendering) -> Picture:
+@dataclass(frozen=True)
+class Behind:
+    """How a picture is rendered of what lies behind the subject, which only the camera does not see."""
+
+    samples: int
+    seed: int
+    pixels: int = PIXELS
+    version: int = 1  # raise it with every change of how these are rendered that shows
+
+
+def render(stage: Stage, camera: bpy.types.Object, rendering: Rendering | Behind) -> Picture:
     """A denoised picture (H, W, 4), premultiplied, by a copy of the scene, so that it keeps its settings."""
     copy = cast(bpy.types.Scene, cast(bpy.types.Scene, bpy.context.scene).copy())
     try:
@@ -43,13 +53,15 @@ def render(stage: Stage, camera: bpy.types.Object, rendering: Rendering) -> Pict
         cycles.use_denoising, cycles.denoiser = True, "OPENIMAGEDENOISE"
         cycles.pixel_filter_type = "BOX"
         cycles.filter_width = 1.0
-        copy.render.film_transparent = rendering.alone
+        alone = isinstance(rendering, Rendering) and rendering.alone
+        copy.render.film_transparent = alone
         copy.render.resolution_x = copy.render.resolution_y = rendering.pixels
         image = copy.render.image_settings
         if hasattr(image, "media_type"):
             image.media_type = "IMAGE"
         image.file_format, image.color_depth, image.color_mode = "OPEN_EXR", "32", "RGBA"
-        with tempfile.TemporaryDirectory() as folder, _holdouts(stage, rendering.alone):
+        hides = nullcontext() if isinstance(rendering, Rendering) else _unseen(stage.subject)
+        with tempfile.TemporaryDirectory() as folder, _holdouts(stage, alone), hides:
             path = Path(folder, "view.exr")
             copy.render.filepath = str(path)
             bpy.ops.render.render(write_still=True, scene=copy.name)
@@ -72,3 +84,14 @@ def _holdouts(stage: Stage, wanted: bool) -> Iterator[None]:
     finally:
         for item in others:
             item.is_holdout = False
+
+
+@contextmanager
+def _unseen(subject: bpy.types.Object) -> Iterator[None]:
+    """Hide the subject from camera rays; its shadow and its reflections stay."""
+    before = subject.visible_camera
+    subject.visible_camera = False
+    try:
+        yield
+    finally:
+        subject.visible_camera = before

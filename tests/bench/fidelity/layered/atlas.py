@@ -33,7 +33,8 @@ class LayeredAtlas:
     space; `width` (H, W, 1): log2 of what lobes' width² is multiplied by; None where they do not vary. `own`
     (h, w, n, n, 4): what a texel sees of the object itself along an axis of the octahedron, and how much it
     leaves free; `rest` (h, w, m, m, 3). `through`: the lobe of light that comes through, in the shared
-    layout, if there is one.
+    layout, if there is one. `alpha` (H', W', 1), None where it is 1 everywhere: `colour` and `tint` are
+    multiplied by it, and nothing else is.
     """
 
     colour: Floats
@@ -47,6 +48,7 @@ class LayeredAtlas:
     own: Floats
     rest: Floats
     through: SharedAtlas | None = None
+    alpha: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +63,7 @@ class Fragments:
 
 
 def sample_layered(atlas: LayeredAtlas, at: Fragments) -> Floats:
-    """Radiance seen at fragments, (N, 3) float32, linear."""
+    """Radiance seen at fragments, (N, 3) float32, linear, premultiplied by `alpha_at` them."""
     normal = at.normal
     if atlas.normal is not None:
         shading = bilinear(atlas.normal, at.uv)
@@ -81,13 +83,22 @@ def sample_layered(atlas: LayeredAtlas, at: Fragments) -> Floats:
         own[3], atlas.own.shape[2],
     )  # fmt: skip
     mirrored = direct + share * own[:3]
-    if atlas.tint is not None:
-        mirrored *= bilinear(atlas.tint, at.uv).T
-    light = light + np.maximum(mirrored + look_up(atlas.rest, at.uv, axis), _LEAST_LEFT * mirrored).T
+    alpha = alpha_at(atlas, at.uv)
+    mirrored *= bilinear(atlas.tint, at.uv).T if atlas.tint is not None else alpha
+    rest = alpha * look_up(atlas.rest, at.uv, axis)
+    light = light + np.maximum(mirrored + rest, _LEAST_LEFT * mirrored).T
     if atlas.through is not None:
-        through = (at.uv, at.normal, at.viewer)
-        light = light + sample_shared(atlas.through, *(field.astype(np.float32) for field in through))
+        fields = (at.uv, at.normal, at.viewer)
+        through = sample_shared(atlas.through, *(field.astype(np.float32) for field in fields))
+        light = light + alpha[:, None] * through
     return cast(Floats, np.maximum(light, 0).astype(np.float32))
+
+
+def alpha_at(atlas: LayeredAtlas, uv: Floats) -> Floats:
+    """How much of what is behind fragments is hidden, at texture coordinates (N, 2): (N,) float32."""
+    if atlas.alpha is None:
+        return np.ones(len(uv), dtype=np.float32)
+    return cast(Floats, bilinear(atlas.alpha, uv)[:, 0].astype(np.float32))
 
 
 def mirrored_light(

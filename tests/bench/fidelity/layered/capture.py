@@ -28,10 +28,12 @@ from radtex_addon.scene.others import Beside, read_beside
 from radtex_addon.scene.scratch import scene_copied, scratch_scene
 
 from ..scenes import Stage
+from ..surface_alone import surface_alone
 from .environment import Around
 from .fit import Capture
 from .lamps import find_lamps
 from .maps import capture_maps
+from .opacity import find_opacity
 from .own_rays import capture_own_rays
 from .panoramas import look_around
 from .through import lets_through
@@ -76,7 +78,7 @@ def capture_layered(stage: Stage, spec: BakeSpec, folder: Path) -> Captured:
     scene = cast(bpy.types.Scene, bpy.context.scene)
     kept: list[bpy.types.ID] = []
     rays = Rays.of(spec.samples)
-    with scratch_scene(scene, None, kept) as scratch:
+    with scratch_scene(scene, None, kept) as scratch, surface_alone(stage.subject) as clear:
         item = find_object(scratch, stage.subject.name)
         prepared = finished(prepare(scratch, [item], spec, kept, backs=True))
         texels, finer = prepared.texels(), prepared.texels(FINER)
@@ -84,25 +86,31 @@ def capture_layered(stage: Stage, spec: BakeSpec, folder: Path) -> Captured:
         probe = plan_capture(texels, PROBE_CELLS)
         hidden = finished(find_hidden([(mesh, matrix)], probe, folder, KEEPS_NOTHING))
         without = probe.texel[hidden.buried]
+        beside = read_beside(scratch, item)
+        alone = Beside(beside.matrix, ())
+        fine, coarse = plan_capture(finer, 1), plan_capture(texels, 1, without=without)
+        opacity = find_opacity(scratch, item, mesh, beside.matrix, clear, coarse, fine, spec.seed, folder)
+        without = np.concatenate([without, opacity.cut_out])
 
         def plan(cells: int) -> CapturePlan:
             return plan_capture(texels, cells, without=without)
 
-        lit, fine = plan(rays.light), plan_capture(finer, 1)
+        lit = plan(rays.light)
         middle, _ = _reach(lit)
-        beside = read_beside(scratch, item)
-        alone = Beside(beside.matrix, ())
         with scene_copied(scratch) as copy, path_ends(copy, item, mesh, alone, middle) as ends:
             lone = capture_ends(ends, plan(rays.ends), spec.seed, folder)
         with scene_copied(scratch) as copy:
-            unseen = hidden.of_texels(~hidden.buried).cells
+            unseen = hidden.of_texels(np.isin(probe.texel, lit.texel)).cells
             light = finished(capture_samples(copy, lit, unseen, spec.seed, folder))
         with scene_copied(scratch) as copy:
             fine_maps = capture_maps(copy, fine, spec.seed, folder)
         with scene_copied(scratch) as copy:
             coarse_maps = capture_maps(copy, plan(1), spec.seed, folder)
         with scene_copied(scratch) as copy:
-            own = capture_own_rays(copy, item, mesh, beside.matrix, plan(OWN_SIDE), spec.seed, folder)
+            own_plan, uv_layer = plan(OWN_SIDE), prepared.uv_layer
+            own = capture_own_rays(
+                copy, item, mesh, beside.matrix, own_plan, spec.seed, folder, opacity.fine, uv_layer
+            )
         with scene_copied(scratch) as copy:
             lamps = find_lamps(copy, middle, folder)
         with scene_copied(scratch) as copy:
@@ -119,5 +127,6 @@ def capture_layered(stage: Stage, spec: BakeSpec, folder: Path) -> Captured:
         cast(Any, prepared.mesh.polygons).foreach_get("material_index", faces)
         around = Around(middle, seen.world, seen.layers, lamps)
         material = faces[texels.triangle.ravel()[lit.texel]]
-        capture = Capture(light, lone, own, around, fine_maps, coarse_maps, material, through)
+        capture = opacity.bare(Capture(light, lone, own, around, fine_maps, coarse_maps, material, through))
+        paths += opacity.rays
     return Captured(capture, prepared, np.array(stage.subject.matrix_world), faces, paths, own.hit.size)

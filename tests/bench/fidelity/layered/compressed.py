@@ -4,8 +4,8 @@
 
 Light without alpha is BC6H. What has alpha is coded as sRGB, which hardware decodes before it filters, in a
 range of its own: pictures BC7, and what the object shows of itself BC3, as its mask has nothing to do with
-its colours. Distances are BC4. Buckets are an image of [cell row][cell column] tiles of (h, w) texels each:
-one lookup filters the four texels of a cell.
+its colours. Distances and alpha are BC4. Buckets are an image of [cell row][cell column] tiles of (h, w)
+texels each: one lookup filters the four texels of a cell.
 """
 
 from __future__ import annotations
@@ -92,6 +92,7 @@ def compressed(
     around = _around(kept, atlas.around, near_sizes)
     width = None if atlas.width is None else kept.of("width", _range, atlas.width)
     found = {name: _map_kept(kept, name, getattr(atlas, name)) for name in ("irradiance", *MATERIAL_MAPS)}
+    alpha = None if atlas.alpha is None else kept.of("alpha", _alpha, atlas.alpha)
     own, rest = kept.of("own", _own, atlas.own), kept.of("rest", _rest, atlas.rest)
     decoded = replace(
         atlas,
@@ -103,6 +104,7 @@ def compressed(
         around=around,
         own=atlas.own if own is None else _buckets(own),
         rest=atlas.rest if rest is None else _buckets(rest)[..., :3],
+        alpha=atlas.alpha if alpha is None else _cropped(alpha),
     )
     return decoded, kept.textures
 
@@ -182,6 +184,12 @@ def _range(image: Floats) -> Texture:
     coded = np.repeat(_padded((image - least) / scale), 2, axis=2)
     found = decode_bc5(encode_bc5(coded))[..., :1]
     return Texture(Format.BC4, (found,), (width, height), scale, least)
+
+
+def _alpha(image: Floats) -> Texture:
+    height, width = image.shape[:2]
+    coded = np.repeat(_padded(np.clip(image, 0, 1)), 2, axis=2)
+    return Texture(Format.BC4, (decode_bc5(encode_bc5(coded))[..., :1],), (width, height))
 
 
 def light_texture(image: Floats) -> Texture:

@@ -45,6 +45,7 @@ class Capture:
     the object itself. `fine` and `coarse`: maps of the diffuse colour, the glossy colour and the shading
     normal, "diffuse", "glossy", "normal", (H', W', 3) and (H, W, 3). `material` (K,): of the texels.
     `through`: for objects that let light through, paths' ends in the surroundings, and these from the middle.
+    `alpha` (H', W', 1): by which the maps in `fine` are multiplied, and all else is divided; None if it is 1.
     """
 
     light: LightSamples
@@ -55,6 +56,7 @@ class Capture:
     coarse: dict[str, Floats]
     material: Ints
     through: tuple[EndSamples, SurroundingsSamples] | None = None
+    alpha: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -121,6 +123,7 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
         own=_placed(plan, np.concatenate([own_table, free]), COARSER),
         rest=_placed(plan, rest, 2),
         through=None if capture.through is None else fit_through(light, *capture.through, used, neighbours),
+        alpha=capture.alpha,
     )
 
 

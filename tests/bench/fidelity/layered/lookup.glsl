@@ -5,8 +5,9 @@
 // All textures are clamped to their edges and filtered: pictures between their mip levels too, the others have none.
 //
 // What a bake has is defined before: RADTEX_COLOUR (colour and irradiance) or RADTEX_LIT (their product in one
-// texture), RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH, RADTEX_PLANE, RADTEX_THINGS, RADTEX_LAMPS (how many, 0 to 4), RADTEX_MIRRORS,
-// RADTEX_REST. What it costs is chosen: RADTEX_STEPS (0, 1 or 2 fetches of distances), RADTEX_OWN_TAPS and
+// texture), RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH, RADTEX_PLANE, RADTEX_THINGS, RADTEX_LAMPS (how many, 0 to 4),
+// RADTEX_MIRRORS, RADTEX_REST, RADTEX_ALPHA (what is looked up is premultiplied by radtex_alpha). What it costs is
+// chosen: RADTEX_STEPS (0, 1 or 2 fetches of distances), RADTEX_OWN_TAPS and
 // RADTEX_REST_TAPS (3 or 4 cells around a direction), and for the second lobe RADTEX_WHOLE (one picture of everything,
 // as seen from the middle) or RADTEX_ALL (all that the first one looks at) or neither (no second lobe).
 
@@ -25,6 +26,15 @@ uniform vec2 lit_part;
 uniform sampler2D tint;
 uniform float tint_scale;
 uniform vec2 tint_part;
+#endif
+#ifdef RADTEX_ALPHA
+uniform sampler2D alpha;
+uniform vec2 alpha_part;
+
+// How much a fragment hides of what lies behind it.
+float radtex_alpha(vec2 uv) {
+    return texture(alpha, uv * alpha_part).r;
+}
 #endif
 #ifdef RADTEX_NORMAL
 uniform sampler2D shading_normal;
@@ -176,6 +186,9 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
     vec3 shading = normalize(texture(shading_normal, uv * normal_part).xyz * 2.0 - 1.0);
     N = dot(shading, N) > 0.3 ? shading : N;
 #endif
+#ifdef RADTEX_ALPHA
+    float opacity = radtex_alpha(uv);
+#endif
     float cosine = dot(N, V);
     vec3 axis = 2.0 * cosine * N - V;
     float step = clamp(cosine * 16.0 - 0.5, 0.0, 15.0);
@@ -291,6 +304,10 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
 #endif
 #ifdef RADTEX_TINT
     mirrored *= texture(tint, uv * tint_part).rgb * tint_scale;
+#else
+#ifdef RADTEX_ALPHA
+    mirrored *= opacity;
+#endif
 #endif
     light += mirrored;
 #endif
@@ -308,6 +325,9 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
     more += textureLod(rest, (fewer.d + within) / REST_CELLS, 0.0).rgb * fewer.weight.w;
 #endif
     more = more * rest_range.x + rest_range.y;
+#ifdef RADTEX_ALPHA
+    more *= opacity;
+#endif
 #ifdef RADTEX_MIRRORS
     more = max(more, -0.5 * mirrored);
 #endif

@@ -94,9 +94,8 @@ def lookup_of(atlas: LayeredAtlas, textures: Mapping[str, Texture], cost: Cost) 
     if "irradiance" in textures and "colour" in textures:
         _add_diffuse(atlas, textures, cost.product, defines, used, values)
     mirrors = any(lobes.weight.any() for lobes in atlas.materials)
-    if atlas.normal is not None:
-        defines["RADTEX_NORMAL"], used["shading_normal"] = 1, textures["normal"]
-        values["normal_part"] = _part(textures["normal"])
+    for name in ("normal", "alpha"):
+        _add_map(name, textures, defines, used, values)
     if mirrors:
         defines["RADTEX_MIRRORS"] = 1
         values["middle"] = tuple(around.middle.tolist())
@@ -141,6 +140,20 @@ def _add_diffuse(
     values["colour_part"], values["irradiance_part"] = (
         _part(used[name]) for name in ("colour", "irradiance")
     )
+
+
+def _add_map(
+    name: str,
+    textures: Mapping[str, Texture],
+    defines: dict[str, int],
+    used: dict[str, Texture],
+    values: dict[str, Any],
+) -> None:
+    """Add a map of the surface, if it is there."""
+    if name in textures:
+        defines[f"RADTEX_{name.upper()}"] = 1
+        used["shading_normal" if name == "normal" else name] = textures[name]
+        values[f"{name}_part"] = _part(textures[name])
 
 
 def _part(texture: Texture) -> tuple[float, float]:

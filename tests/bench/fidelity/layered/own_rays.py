@@ -16,6 +16,7 @@ from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.spec import Kind
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.shared import Axis
+from radtex_addon.cycles.apparatus import float_image
 from radtex_addon.cycles.path_ends import path_ends
 from radtex_addon.cycles.portal import Aim, PortalCapture
 from radtex_addon.cycles.sampling import _tiles
@@ -35,13 +36,18 @@ def capture_own_rays(
     plan: CapturePlan,
     seed: int,
     folder: Path,
+    alpha: Floats | None = None,
+    uv_layer: str = "",
 ) -> OwnRays:
-    """One mirror ray in each of the plan's cells. Raises BakeError where Cycles fails."""
+    """One mirror ray in each of the plan's cells. Raises BakeError where Cycles fails.
+
+    Where a map of `alpha` (H, W, 1), over the UV layer, says less than 1, so many rays go on.
+    """
     lowest = plan.points.min(axis=0) - 1.0
     aim = Aim(spread_shifts(len(plan.texel), seed + _AHEAD))
     with path_ends(scene, baked, mesh, Beside(matrix, ()), np.zeros(3, np.float32)) as ends:
         own = cast(Any, ends)._baked
-        own.data = _glowing(own.data, lowest - _size(plan))
+        own.data = _glowing(own.data, lowest - _size(plan), alpha, uv_layer)
         ends.scene.world = dark_world()
         capture = PortalCapture(ends.scene, plan, Kind.REFLECTION, 1, seed, folder, aim)
         count = plan.layout.bucket**2
@@ -62,14 +68,21 @@ def _size(plan: CapturePlan) -> Floats:
     return size
 
 
-def _glowing(mesh: bpy.types.Mesh, origin: Floats) -> bpy.types.Mesh:
+def _glowing(mesh: bpy.types.Mesh, origin: Floats, alpha: Floats | None, uv_layer: str) -> bpy.types.Mesh:
     """The mesh, sending out its position less `origin` (3,), which is beyond it."""
     copy = cast(bpy.types.Mesh, cast(bpy.types.ID, mesh).copy())
     copy.materials.clear()
     material, build = open_material("RadTex position")
     place = build.vector("SUBTRACT", build.geometry("Position"), tuple(origin.tolist()))
-    glow = build.node("ShaderNodeEmission", place, 1.0)
-    build.node("ShaderNodeOutputMaterial", glow.outputs[0])
+    shader = build.node("ShaderNodeEmission", place, 1.0).outputs[0]
+    if alpha is not None:
+        image = float_image("RadTex alpha", np.repeat(alpha, 3, axis=2))
+        share = build.image(image, build.uv_map(uv_layer), "Linear")[0]
+        chance = build.node("ShaderNodeTexWhiteNoise", build.geometry("Position")).outputs["Value"]
+        through = build.node("ShaderNodeBsdfTransparent").outputs[0]
+        stops = build.math("GREATER_THAN", share, chance)
+        shader = build.node("ShaderNodeMixShader", stops, through, shader).outputs[0]
+    build.node("ShaderNodeOutputMaterial", shader)
     cast(Any, material).cycles.emission_sampling = "NONE"
     copy.materials.append(material)
     return copy

@@ -19,12 +19,13 @@ from pathlib import Path
 import numpy as np
 
 from radtex_addon.bake.spec import BakeSpec, Layout
-from radtex_addon.report.gbuffer import GBuffer
+from radtex_addon.report.gbuffer import BakedSurface
 
 from ..choice import add_scene_options, chosen_scenes
-from ..methods.layered import look
+from ..composite import seen_light
+from ..methods.layered import baked_of
 from ..metrics import compare
-from ..references import View, gbuffer, views
+from ..references import View, views
 from ..report import markdown
 from .atlas import LayeredAtlas
 from .capture import Captured, capture_layered
@@ -68,26 +69,28 @@ def main() -> None:
 def _measured(captured: Captured, looked_from: list[View]) -> dict[str, float]:
     """The mean PSNR of the untuned views, by what is left out."""
     prepared, matrix = captured.prepared, captured.matrix_world
-    seen = [(view, gbuffer(view, prepared.mesh, matrix, prepared.uv_layer)) for view in looked_from]
+    surface = BakedSurface(prepared.mesh, matrix, prepared.uv_layer)
+    held_out = [view for view in looked_from if view.held_out]
+    seen = [(view, surface.gbuffer(view.rays, view.blocked)) for view in held_out]
+
+    def psnr(atlas: LayeredAtlas) -> float:
+        baked, figures = baked_of(atlas, captured), []
+        for view, buffer in seen:
+            light = seen_light(baked, surface, view.rays, view.blocked, buffer, view.behind)
+            picture = buffer.resolve(light)
+            figures.append(compare(picture, view.reference, buffer.inside, buffer.eroded).psnr)
+        return float(np.mean(figures))
+
     whole = fit_layered(captured.capture)
-    found = {_ALL: _psnr(whole, captured, seen)}
+    found = {_ALL: psnr(whole)}
     decoded, textures = compressed(whole)
     size = sum(texture.bytes for name, texture in textures.items() if name not in MATERIAL_MAPS)
     print(f"compressed: {size} bytes of textures", flush=True)
-    found[_COMPRESSED] = _psnr(decoded, captured, seen)
+    found[_COMPRESSED] = psnr(decoded)
     for part in fields(Parts):
         without = fit_layered(captured.capture, Parts(**{part.name: False}))
-        found[f"without {part.name.replace('_', ' ')}"] = _psnr(without, captured, seen)
+        found[f"without {part.name.replace('_', ' ')}"] = psnr(without)
     return found
-
-
-def _psnr(atlas: LayeredAtlas, captured: Captured, seen: list[tuple[View, GBuffer]]) -> float:
-    figures = []
-    for view, buffer in seen:
-        if view.held_out:
-            picture = buffer.resolve(look(atlas, captured.faces, buffer))
-            figures.append(compare(picture, view.reference, buffer.inside, buffer.eroded).psnr)
-    return float(np.mean(figures))
 
 
 if __name__ == "__main__":

@@ -12,9 +12,9 @@ _BYTE, _HALF = 1.0, 0.5  # a texel of BC7 and BC6H, and of BC4
 
 
 def texture_bytes(atlas: LayeredAtlas) -> int:
-    """Of BC7 for what is dark and bright alike, BC6H for light, BC4 for distances: without material maps.
+    """Of BC7 for what is dark and bright alike, BC6H for light, BC4 for distances and alpha.
 
-    Those are colour, tint and normals, which an engine may take from its own material.
+    Without material maps: colour, tint and normals, which an engine may take from its own material.
     """
     total = _BYTE * _pixels(atlas.irradiance) + _BYTE * _MIPS * _pixels(atlas.around.world.levels[0])
     for layer in atlas.around.layers:
@@ -22,6 +22,8 @@ def texture_bytes(atlas: LayeredAtlas) -> int:
         if isinstance(layer.shape, Impostor):
             total += _HALF * layer.shape.nearness.size
     total += _BYTE * (atlas.own.size / 4 + atlas.rest.size / 3)
+    if atlas.alpha is not None:
+        total += _HALF * _pixels(atlas.alpha)
     if atlas.through is not None:
         (lobe,) = atlas.through.lobes
         total += _BYTE * (lobe.ends.size / 4 + lobe.gain.size / 3 + lobe.rest.size / 3)

@@ -40,6 +40,24 @@ def _off(found: Floats, expected: Floats) -> Floats:
     return np.asarray(np.abs(found - expected) / (np.abs(expected) + 0.05))
 
 
+@pytest.mark.parametrize("tinted", [False, True])
+def test_the_shader_multiplies_by_alpha_what_the_sampler_does(
+    context: moderngl.Context, tinted: bool
+) -> None:
+    whole = made_up_atlas(16, 64)
+    alpha = _RNG.uniform(0, 1, (64, 64, 1)).astype(np.float32)
+    tint = _RNG.uniform(0.5, 1, whole.colour.shape).astype(np.float32) * alpha
+    clear = replace(whole, alpha=alpha, colour=whole.colour * alpha, tint=tint if tinted else None)
+    atlas, textures = compressed(clear, near_sizes=(32, 32))
+    assert textures["alpha"].bytes == 64 * 64 // 2
+    assert atlas.alpha == pytest.approx(alpha, abs=0.15)
+    at = made_up_fragments(atlas, 4000)
+    expected = sample_layered(atlas, at)
+    off = _off(radiance(context, atlas, lookup_of(atlas, textures, FULL), at), expected)
+    assert off.mean() < 3e-3
+    assert _off(sample_layered(replace(atlas, alpha=None), at), expected).mean() > 0.03
+
+
 def test_the_shader_finds_what_the_sampler_does(context: moderngl.Context, decoded: Decoded) -> None:
     atlas, textures = decoded
     at = made_up_fragments(atlas, 4000)

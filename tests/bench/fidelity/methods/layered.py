@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 
@@ -13,8 +14,8 @@ from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Ints
 from radtex_addon.report.gbuffer import Array, GBuffer
 
-from ..layered.atlas import Fragments, LayeredAtlas, sample_layered
-from ..layered.capture import capture_layered
+from ..layered.atlas import Fragments, LayeredAtlas, alpha_at, sample_layered
+from ..layered.capture import Captured, capture_layered
 from ..layered.fit import ALL_PARTS, Parts, fit_layered
 from ..layered.sizes import texture_bytes
 from ..method import Baked
@@ -28,6 +29,26 @@ def look(atlas: LayeredAtlas, faces: Ints, buffer: GBuffer) -> Array:
     uv, normal, viewer, position = (field[hit].astype(np.float32) for field in fields)
     at = Fragments(uv, normal, viewer, position, faces[buffer.triangle[hit]])
     return buffer.spread(sample_layered(atlas, at))
+
+
+def look_alpha(atlas: LayeredAtlas, buffer: GBuffer) -> Array:
+    """How much is hidden of what lies behind a G-buffer's hits, (N,); 0 where rays miss."""
+    alpha = alpha_at(atlas, buffer.uv[buffer.hit].astype(np.float32))
+    return buffer.spread(alpha[:, None])[:, 0]
+
+
+def baked_of(atlas: LayeredAtlas, captured: Captured, seconds: float = 0.0) -> Baked:
+    """An atlas that was fitted to a capture, ready to be looked at."""
+    return Baked(
+        paths=captured.paths,
+        seconds=seconds,
+        bytes=texture_bytes(atlas),
+        radiance=partial(look, atlas, captured.faces),
+        mesh=captured.prepared.mesh,
+        matrix_world=captured.matrix_world,
+        uv_layer=captured.prepared.uv_layer,
+        alpha=None if atlas.alpha is None else partial(look_alpha, atlas),
+    )
 
 
 class Layered:
@@ -49,15 +70,7 @@ class Layered:
             f"{captured.paths / 1e6:.1f} M paths, {captured.rays / 1e6:.1f} M rays to the object itself",
             flush=True,
         )
-        return Baked(
-            paths=captured.paths,
-            seconds=ended - started,
-            bytes=texture_bytes(atlas),
-            radiance=lambda buffer: look(atlas, captured.faces, buffer),
-            mesh=captured.prepared.mesh,
-            matrix_world=captured.matrix_world,
-            uv_layer=captured.prepared.uv_layer,
-        )
+        return baked_of(atlas, captured, ended - started)
 
 
 def make(texels: int, samples: int) -> Layered:

@@ -39,7 +39,7 @@ class Lightmap:
         captured = capture_stage(stage, self.spec, folder)
         light = captured.capture.light
         weight = sample_weights(light)
-        diffuse = diffuse_map(captured.capture, weight)
+        diffuse = diffuse_map(captured.capture, weight, captured.alpha is not None)
         other = means(weight, up_to_white(light.mirrored.astype(np.float32) + light.through))
         other = pooled(Neighbours(light.plan), other)
         rest = light.plan.placed(other, gutter=True)
@@ -51,11 +51,12 @@ class Lightmap:
         return Baked(
             paths=captured.paths,
             seconds=perf_counter() - started,
-            bytes=diffuse.bytes + texture_bytes(rest),
+            bytes=diffuse.bytes + texture_bytes(rest) + captured.alpha_bytes,
             radiance=radiance,
             mesh=captured.prepared.mesh,
             matrix_world=captured.matrix_world,
             uv_layer=captured.prepared.uv_layer,
+            alpha=captured.look_alpha,
         )
 
 

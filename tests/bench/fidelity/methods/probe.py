@@ -80,13 +80,17 @@ class _Surface:
 
 @dataclass(frozen=True, eq=False)
 class _Shader:
-    """All that the engine keeps of the object; `visibility` (H, W, 1), `size` its thickness."""
+    """All that the engine keeps of the object; `visibility` (H, W, 1), `size` its thickness.
+
+    The diffuse map is premultiplied by `alpha` (H', W', 1), None where that is 1 everywhere.
+    """
 
     probe: Probe
     inputs: Inputs
     diffuse: DiffuseMap
     visibility: Floats
     size: float
+    alpha: Floats | None
 
     def shade(self, buffer: GBuffer) -> Array:
         """The light along a G-buffer's rays, (N, 3)."""
@@ -110,11 +114,12 @@ class _Shader:
         light = base * lobe(surface.roughness, surface.frontal(cosine))
         if surface.coat.any():
             light += coat * lobe(surface.coat_roughness, np.full_like(surface.bare, surface.coat_frontal))
-        light += self._diffuse(uv, surface, 1 - coat - base)
+        diffuse = self._diffuse(uv, surface, 1 - coat - base)
         if surface.transmission.any():
             through = (surface.transmission * (1 - surface.metallic))[:, None] * (1 - coat - base)
             light += through * surface.colour * self._behind(surface, position, normal, viewer)
-        return buffer.spread(light)
+        alpha = 1 if self.alpha is None else bilinear(self.alpha, uv)
+        return buffer.spread(diffuse + alpha * light)
 
     def _diffuse(self, uv: Floats, surface: _Surface, let_in: Floats) -> Floats:
         """The lightmap, a mean over viewers, made what the layers above it let out to this one."""
@@ -140,9 +145,10 @@ class _Shader:
 
     @property
     def bytes(self) -> int:
-        """All textures, compressed a byte a texel; occlusion takes half a byte (BC4)."""
+        """All textures, compressed a byte a texel; occlusion and alpha take half a byte (BC4)."""
         maps = sum(texture_bytes(image) for image in self.inputs.textures)
-        return self.probe.bytes + self.diffuse.bytes + maps + texture_bytes(self.visibility) // 2
+        halves = [self.visibility] + ([] if self.alpha is None else [self.alpha])
+        return self.probe.bytes + self.diffuse.bytes + maps + sum(map(texture_bytes, halves)) // 2
 
 
 def _frontal(ior: float) -> float:
@@ -181,9 +187,10 @@ class ReflectionProbe:
         shader = _Shader(
             probe=Probe.of(capture.surroundings, plan.points),
             inputs=captured.inputs,
-            diffuse=diffuse_map(capture, sample_weights(capture.light)),
+            diffuse=diffuse_map(capture, sample_weights(capture.light), captured.alpha is not None),
             visibility=visibility,
             size=2 * float(np.linalg.norm(plan.points - middle, axis=1).mean()),
+            alpha=captured.alpha,
         )
         sides = " and ".join(", ".join(f"{value:.3f}" for value in row) for row in shader.probe.box.nearness)
         print(f"{stage.name}: the box's sides are {sides} near", flush=True)
@@ -195,6 +202,7 @@ class ReflectionProbe:
             mesh=prepared.mesh,
             matrix_world=captured.matrix_world,
             uv_layer=prepared.uv_layer,
+            alpha=captured.look_alpha,
         )
 
 

@@ -43,7 +43,7 @@ class HarmonicsLightmap:
         captured = capture_stage(stage, self.spec, folder)
         light = captured.capture.light
         weight = sample_weights(light)
-        diffuse = diffuse_map(captured.capture, weight)
+        diffuse = diffuse_map(captured.capture, weight, captured.alpha is not None)
         shown = light.diffuse.astype(np.float32) - means(weight, light.diffuse)[:, None]
         shown += up_to_white(light.mirrored.astype(np.float32) + light.through)
         neighbours = Neighbours(light.plan)
@@ -61,11 +61,12 @@ class HarmonicsLightmap:
         return Baked(
             paths=captured.paths,
             seconds=perf_counter() - started,
-            bytes=diffuse.bytes + COUNT * texture_bytes(image),
+            bytes=diffuse.bytes + COUNT * texture_bytes(image) + captured.alpha_bytes,
             radiance=radiance,
             mesh=captured.prepared.mesh,
             matrix_world=captured.matrix_world,
             uv_layer=captured.prepared.uv_layer,
+            alpha=captured.look_alpha,
         )
 
 
