@@ -5,6 +5,7 @@
     radiance = colour(uv) irradiance(uv) falloff(N.V)
              + tint(uv) sum over a material's two lobes of  weight(N.V) [ m D + (1 - m) own(uv, A) ]
              + rest(uv, A)
+             + colour through(uv) chief(uv, V) D + rest through(uv, -V)
 
 A is the mirror direction, bent a little by the lobe. D is what surrounds the object, met from the fragment's
 own place: the world, a plane under the object, the things beside it (by a distance impostor), each blurred by

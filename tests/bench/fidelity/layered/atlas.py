@@ -13,11 +13,12 @@ import numpy as np
 from radtex_addon.bake.pooling import corner_cells, corners
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.octahedron import direction_to_octahedron
-from radtex_addon.core.shared import SharedAtlas, bilinear, bilinear_texels, sample_falloff, sample_shared
+from radtex_addon.core.shared import bilinear, bilinear_texels, sample_falloff
 
 from .environment import Around
 from .lobes import Material, bent
 from .visibility import seen_free
+from .ways import Through, look_through
 
 _STEEP = 0.3  # cosine between the mesh's normal and a shading normal, below which that is not used
 _LEAST_COSINE = 1e-3
@@ -32,9 +33,8 @@ class LayeredAtlas:
     (H', W', 3): what lobes' weights are multiplied by; `normal` (H', W', 3), the shading normal in world
     space; `width` (H, W, 1): log2 of what lobes' width² is multiplied by; None where they do not vary. `own`
     (h, w, n, n, 4): what a texel sees of the object itself along an axis of the octahedron, and how much it
-    leaves free; `rest` (h, w, m, m, 3). `through`: the lobe of light that comes through, in the shared
-    layout, if there is one. `alpha` (H', W', 1), None where it is 1 everywhere: `colour` and `tint` are
-    multiplied by it, and nothing else is.
+    leaves free; `rest` (h, w, m, m, 3). `through`: the light that comes through, if there is any. `alpha`
+    (H', W', 1), None where it is 1 everywhere: `colour` and `tint` are multiplied by it, and nothing else is.
     """
 
     colour: Floats
@@ -47,23 +47,31 @@ class LayeredAtlas:
     materials: tuple[Material, ...]
     own: Floats
     rest: Floats
-    through: SharedAtlas | None = None
+    through: Through | None = None
     alpha: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Fragments:
-    """Places looked at: `uv` (N, 2); `normal`, `viewer`, `position` (N, 3), world space; `material` (N,)."""
+    """Places looked at: `uv` (N, 2); `normal`, `viewer`, `position` (N, 3), world space; `material` (N,).
+
+    `tangent` and `bitangent` (N, 3), the mesh's: for what lets light through.
+    """
 
     uv: Floats
     normal: Floats
     viewer: Floats
     position: Floats
     material: Ints
+    tangent: Floats | None = None
+    bitangent: Floats | None = None
 
 
 def sample_layered(atlas: LayeredAtlas, at: Fragments) -> Floats:
-    """Radiance seen at fragments, (N, 3) float32, linear, premultiplied by `alpha_at` them."""
+    """Radiance seen at fragments, (N, 3) float32, linear, premultiplied by `alpha_at` them.
+
+    Raises ValueError where light comes through and fragments have no tangents.
+    """
     normal = at.normal
     if atlas.normal is not None:
         shading = bilinear(atlas.normal, at.uv)
@@ -88,9 +96,11 @@ def sample_layered(atlas: LayeredAtlas, at: Fragments) -> Floats:
     rest = alpha * look_up(atlas.rest, at.uv, axis)
     light = light + np.maximum(mirrored + rest, _LEAST_LEFT * mirrored).T
     if atlas.through is not None:
-        fields = (at.uv, at.normal, at.viewer)
-        through = sample_shared(atlas.through, *(field.astype(np.float32) for field in fields))
-        light = light + alpha[:, None] * through
+        if at.tangent is None or at.bitangent is None:
+            raise ValueError("light comes through: fragments need tangents")
+        frame = (at.tangent, at.bitangent, at.normal)
+        through = look_through(atlas.through, atlas.around, at.uv, offset, frame, at.viewer)
+        light = light + (alpha * (through + look_up(atlas.through.rest, at.uv, -at.viewer))).T
     return cast(Floats, np.maximum(light, 0).astype(np.float32))
 
 

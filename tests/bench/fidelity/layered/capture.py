@@ -12,7 +12,6 @@ import bpy
 import numpy as np
 
 from radtex_addon.bake.keeper import KEEPS_NOTHING
-from radtex_addon.bake.light_samples import SurroundingsSamples
 from radtex_addon.bake.plan import CapturePlan, plan_capture
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.rays import FINER, PROBE_CELLS, PROBES
@@ -30,6 +29,7 @@ from radtex_addon.scene.scratch import scene_copied, scratch_scene
 from ..scenes import Stage
 from ..surface_alone import surface_alone
 from .environment import Around
+from .exits import capture_exits
 from .fit import Capture
 from .lamps import find_lamps
 from .maps import capture_maps
@@ -38,15 +38,17 @@ from .own_rays import capture_own_rays
 from .panoramas import look_around
 from .through import lets_through
 
+EXIT_CELLS = 16  # along the sides of buckets of rays that leave the object
 OWN_SIDE = 40  # rays along a side of a texel's hemisphere, that tell what it sees of the object itself
 
 
 @dataclass(frozen=True)
 class Rays:
-    """How many paths a texel spends: `light`², and `ends`² twice."""
+    """How many paths a texel spends: `light`², `ends`² twice, and `exits` in each cell of them."""
 
     light: int = 16
     ends: int = 10
+    exits: int = 1
 
     @classmethod
     def of(cls, samples: int) -> Rays:
@@ -96,7 +98,7 @@ def capture_layered(stage: Stage, spec: BakeSpec, folder: Path) -> Captured:
             return plan_capture(texels, cells, without=without)
 
         lit = plan(rays.light)
-        middle, _ = _reach(lit)
+        middle, radius = _reach(lit)
         with scene_copied(scratch) as copy, path_ends(copy, item, mesh, alone, middle) as ends:
             lone = capture_ends(ends, plan(rays.ends), spec.seed, folder)
         with scene_copied(scratch) as copy:
@@ -117,16 +119,17 @@ def capture_layered(stage: Stage, spec: BakeSpec, folder: Path) -> Captured:
             seen = look_around(copy, item.name, middle, folder, spec.seed)
         paths = len(lit.texel) * (rays.light**2 + 2 * rays.ends**2 + 1) + len(fine.texel)
         paths += len(probe.texel) * PROBES * PROBE_CELLS**2 + seen.paths
-        through = None
+        exits = None
         if lets_through(lone, light):
-            with scene_copied(scratch) as copy, path_ends(copy, item, mesh, beside, middle) as ends:
-                found = capture_ends(ends, plan(rays.ends), spec.seed, folder)
-            paths += 2 * len(lit.texel) * rays.ends**2
-            through = (found, SurroundingsSamples(middle, seen.direction, seen.radiance, seen.nearness))
+            place = (beside.matrix, middle, radius)
+            exits = capture_exits(
+                scratch, item, mesh, *place, plan(EXIT_CELLS), rays.exits, spec.seed, folder
+            )
+            paths += 4 * exits.weight.size
         faces = np.empty(len(prepared.mesh.polygons), dtype=np.int32)
         cast(Any, prepared.mesh.polygons).foreach_get("material_index", faces)
         around = Around(middle, seen.world, seen.layers, lamps)
         material = faces[texels.triangle.ravel()[lit.texel]]
-        capture = opacity.bare(Capture(light, lone, own, around, fine_maps, coarse_maps, material, through))
+        capture = opacity.bare(Capture(light, lone, own, around, fine_maps, coarse_maps, material, exits))
         paths += opacity.rays
     return Captured(capture, prepared, np.array(stage.subject.matrix_world), faces, paths, own.hit.size)

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import cast
 
@@ -94,20 +94,24 @@ def _blurred(direction: Floats, colours: Floats, size: int) -> Surroundings:
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """Points p, from the object's middle, of `normal` . p = `height`."""
+    """Points p, from the object's middle, of `normal` . p = `height`.
+
+    `eye` (3,), from the middle: where the plane is seen from in its picture.
+    """
 
     normal: Floats
     height: float
+    eye: Floats = field(default_factory=lambda: np.zeros(3, dtype=np.float32))
 
     def meet(self, offset: Floats, axis: Floats) -> tuple[Floats, Floats]:
         """Where rays from offsets (N, 3) along unit axes (N, 3) meet it.
 
-        The directions from the middle (N, 3), and distances from the offset over those from the middle (N,).
+        The directions from the eye (N, 3), and distances from the offset over those from the eye (N,).
         """
         towards = axis @ self.normal
         towards = np.where(np.abs(towards) > _PARALLEL, towards, _PARALLEL)
         far = np.maximum((self.height - offset @ self.normal) / towards, 0)
-        met = offset + far[:, None] * axis
+        met = offset + far[:, None] * axis - self.eye
         distance = np.maximum(np.linalg.norm(met, axis=1), 1e-6)
         away = far <= 0
         ratio = np.where(away, 1, far / distance)

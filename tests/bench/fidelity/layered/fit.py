@@ -12,29 +12,30 @@ import numpy as np
 from radtex_addon.bake import fit as shared_fit
 from radtex_addon.bake.blocks import in_blocks, planes
 from radtex_addon.bake.gloss import LobeSamples
-from radtex_addon.bake.light_samples import EndSamples, LightSamples, SurroundingsSamples, straight_through
+from radtex_addon.bake.light_samples import EndSamples, LightSamples, straight_through
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.pooling import Neighbours, Taps
-from radtex_addon.core.arrays import Floats, Ints
+from radtex_addon.core.arrays import Bools, Floats, Ints
 from radtex_addon.core.gutter import dilate, nearest_covered
 from radtex_addon.core.octahedron import cell_directions, direction_to_octahedron
 from radtex_addon.core.shared import Axis, sample_falloff
 
 from .atlas import LayeredAtlas, mirrored_light
 from .environment import Around
+from .exits import ExitSamples
 from .irradiance import fit_irradiance
 from .lobes import Material, Paths
 from .own_light import OwnRays, Surface, own_light
 from .residual import fit_rest
-from .through import fit_through
+from .texel_maps import shading_normals, tints
+from .through import fit_through_rest, fit_ways
 from .visibility import free_share
+from .ways import Through
 from .widths import fit_lobes
 
 OWN_CELLS, REST_CELLS = 14, 8  # along the sides of buckets
 COARSER = 2  # texels along a side of those that have buckets of their own
 _FREE = 0.98  # of a direction, above which a path is taken to leave the object straight away
-_VARIES = 0.02  # standard deviation of the tint, above which it is kept
-_TURNED = 2.0  # degrees between shading normals and the mesh's, in one texel of ten, from which they are kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +45,7 @@ class Capture:
     `light`: single paths. `alone`: paths through the object in an empty world. `own`: mirror rays that meet
     the object itself. `fine` and `coarse`: maps of the diffuse colour, the glossy colour and the shading
     normal, "diffuse", "glossy", "normal", (H', W', 3) and (H, W, 3). `material` (K,): of the texels.
-    `through`: for objects that let light through, paths' ends in the surroundings, and these from the middle.
+    `exits`: for objects that let light through, the rays in which paths leave them.
     `alpha` (H', W', 1): by which the maps in `fine` are multiplied, and all else is divided; None if it is 1.
     """
 
@@ -55,7 +56,7 @@ class Capture:
     fine: dict[str, Floats]
     coarse: dict[str, Floats]
     material: Ints
-    through: tuple[EndSamples, SurroundingsSamples] | None = None
+    exits: ExitSamples | None = None
     alpha: Floats | None = None
 
 
@@ -84,8 +85,9 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
     facing = shared_fit._facing(light)
     used = facing > 0
     around = _around(capture.around, parts)
-    normal, normal_map = _normals(capture, parts)
-    tint, tint_map = _tint(capture, parts)
+    maps = (capture.fine, capture.coarse)
+    normal, normal_map = shading_normals(plan, *maps, parts.normals)
+    tint, tint_map = tints(plan, capture.material, *maps, parts.tint)
     falloff, diffuse = shared_fit.fit_diffuse(light, facing)
     colour = _colour(light, falloff)
     if parts.smooth:
@@ -122,8 +124,20 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
         materials=materials,
         own=_placed(plan, np.concatenate([own_table, free]), COARSER),
         rest=_placed(plan, rest, 2),
-        through=None if capture.through is None else fit_through(light, *capture.through, used, neighbours),
+        through=None if capture.exits is None else _through(capture, capture.exits, around, used, neighbours),
         alpha=capture.alpha,
+    )
+
+
+def _through(
+    capture: Capture, exits: ExitSamples, around: Around, used: Bools, neighbours: Neighbours
+) -> Through:
+    ways = fit_ways(exits, neighbours)
+    rest = fit_through_rest(ways, exits, capture.light, around, used, neighbours)
+    return Through(
+        _placed(exits.plan, ways, COARSER),
+        exits.plan.placed(exits.colour, gutter=True),
+        _placed(capture.light.plan, rest, COARSER),
     )
 
 
@@ -143,38 +157,6 @@ def _flat_level(around: Around, level: Floats) -> Floats:
     direction = cell_directions(size).astype(np.float32)
     without = replace(around, lamps=())
     return cast(Floats, without.look(np.zeros_like(direction), direction, variance).T.reshape(level.shape))
-
-
-def _normals(capture: Capture, parts: Parts) -> tuple[Floats, Floats | None]:
-    """The texels' shading normals (K, 3), and their map where they are not the mesh's own."""
-    plan = capture.light.plan
-    mesh = plan.normals.astype(np.float32)
-    found = capture.coarse["normal"].reshape(-1, 3)[plan.texel].astype(np.float32)
-    length = np.linalg.norm(found, axis=1, keepdims=True)
-    found /= np.maximum(length, 1e-6)
-    usable = (length[:, 0] > 0.5) & ((found * mesh).sum(axis=1) > 0)
-    found = np.where(usable[:, None], found, mesh)
-    turned = np.degrees(np.arccos(np.clip((found * mesh).sum(axis=1), -1, 1)))
-    if not parts.normals or np.percentile(turned, 90) < _TURNED:
-        return mesh, None
-    return found, capture.fine["normal"].astype(np.float32)
-
-
-def _tint(capture: Capture, parts: Parts) -> tuple[Floats, Floats | None]:
-    """How glossy colours differ from their material's mean, of the texels (K, 3), and a map where they do."""
-    glossy = capture.coarse["glossy"].reshape(-1, 3)[capture.light.plan.texel].astype(np.float32)
-    mean = np.ones_like(glossy)
-    for number in np.unique(capture.material):
-        own = capture.material == number
-        mean[own] = np.maximum(glossy[own].mean(axis=0), 1e-3)
-    tint = glossy / mean
-    if not parts.tint or float(tint.std(axis=0).max()) < _VARIES:
-        return np.ones_like(glossy), None
-    plan = capture.light.plan
-    means = plan.placed(mean, gutter=True)
-    finer = capture.fine["glossy"].shape[0] // means.shape[0]
-    spread = means.repeat(finer, axis=0).repeat(finer, axis=1)
-    return tint, (capture.fine["glossy"] / spread).astype(np.float32)
 
 
 def _colour(light: LightSamples, falloff: Floats) -> Floats:

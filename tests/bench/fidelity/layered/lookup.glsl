@@ -56,6 +56,7 @@ uniform sampler2D plane;
 uniform vec3 plane_levels;
 uniform float plane_scale;
 uniform vec4 plane_place;  // normal and height
+uniform vec3 plane_eye;  // where its picture was taken from
 #endif
 #ifdef RADTEX_THINGS
 uniform sampler2D things, distances;
@@ -226,21 +227,25 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
     vec3 seen = ray;  // where the second lobe looks: at what the first one saw
     float reached = 0.0;
 #ifdef RADTEX_PLANE
-    vec3 met = ray;
-    float ratio = 1.0;
+    vec3 met = ray, there = ray;
+    float ratio = 1.0, close = 1.0;  // distances over those from the eye, and from the middle
     float slant = dot(ray, plane_place.xyz);
     float far = (plane_place.w - dot(from, plane_place.xyz)) / (abs(slant) > 1e-4 ? slant : 1e-4);
     if (far > 0.0) {
-        met = from + far * ray;
+        there = from + far * ray;
+        met = there - plane_eye;
         float whence = inversesqrt(max(dot(met, met), 1e-12));
         met *= whence;
         ratio = clamp(far * whence, 0.0625, 4.0);
+        whence = inversesqrt(max(dot(there, there), 1e-12));
+        there *= whence;
+        close = clamp(far * whence, 0.0625, 4.0);
     }
     ratio = 2.0 * log2(ratio);
     at = radtex_picture(plane_levels, met, lobe.a + ratio);
     vec4 before = textureLod(plane, at.xy, at.z);
-    seen = mix(seen, met, before.a);
-    reached = ratio * before.a;
+    seen = mix(seen, there, before.a);
+    reached = 2.0 * log2(close) * before.a;
     direct = direct * (1.0 - before.a) + before.rgb * plane_scale;
 #ifdef RADTEX_ALL
     at = radtex_picture(plane_levels, met, wide.a + ratio);

@@ -192,6 +192,7 @@ def _add_layers(
         values[f"{name}_levels"], values[f"{name}_scale"] = _levels(layer.pictures), used[name].scale
         if isinstance(layer.shape, Plane):
             values["plane_place"] = (*layer.shape.normal.tolist(), layer.shape.height)
+            values["plane_eye"] = tuple(layer.shape.eye.tolist())
         else:
             found = textures[f"distances{number}"]
             mean = float(layer.shape.nearness.mean())

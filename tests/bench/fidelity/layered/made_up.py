@@ -29,7 +29,7 @@ def made_up_atlas(texels: int, size: int) -> LayeredAtlas:
         layers.append(Pictures.of(direction, np.concatenate([light * where, where], axis=1), size))
     distance = 1.6 + _waves(rng, flat[beside[:, 0]], 1)[:, 0]
     things = Impostor.of(flat[beside[:, 0]], distance.astype(np.float32))
-    plane = Plane(np.array([0, 0, 1], np.float32), -1.1)
+    plane = Plane(np.array([0, 0, 1], np.float32), -1.1, np.array([0, 0, 0.6], np.float32))
     lamp = Lamp(np.array([1.5, -1, 2.5], np.float32), np.array([3, 2.5, 2], np.float32), 2e-3)
     middle = np.array([0.1, 0.2, -0.1], np.float32)
     around = Around(middle, world, (Layer(layers[0], plane), Layer(layers[1], things)), (lamp,))

@@ -48,13 +48,13 @@ class Opacity:
         alpha = self.coarse[np.searchsorted(self.texel, plan.texel)][:, None]
         image = plan.placed(alpha, gutter=True)
         coarse = {name: kept if name == "normal" else kept / image for name, kept in capture.coarse.items()}
-        through = capture.through
+        exits = capture.exits
         return replace(
             capture,
             light=_bare_light(capture.light, alpha),
             alone=_bare_ends(capture.alone, alpha),
             coarse=coarse,
-            through=None if through is None else (_bare_ends(through[0], alpha), through[1]),
+            exits=None if exits is None else replace(exits, weight=exits.weight / alpha),
             alpha=self.fine,
         )
 

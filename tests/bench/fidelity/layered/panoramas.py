@@ -23,6 +23,7 @@ from .environment import Impostor, Layer, Pictures, Plane
 WORLD_WIDTH = 1536  # of the world's panorama in pixels, one ray each: it is free of noise
 NEAR_WIDTH, NEAR_SAMPLES = 896, 4  # of those of near things, which are denoised
 SIZE = 512  # cells along a side of the pictures that are made of them
+EYE = 2.0  # times the middle's height above a plane: whence it is seen, or its far parts are a few pixels
 _FLAT = 1e-3  # thickness of a flat thing, in its length
 _SOLID = 0.99  # alpha of a pixel that its layer covers
 _SHAPES = frozenset({"MESH", "CURVE", "FONT", "SURFACE", "META"})
@@ -73,16 +74,10 @@ def _vertices(item: bpy.types.Object, graph: bpy.types.Depsgraph) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Panoramas:
-    """The world's picture, the layers before it, and what both cost.
-
-    `direction` (P, 3), `radiance` (P, 3), `nearness` (P,): all of it from the middle, one over its distance.
-    """
+    """The world's picture, the layers before it, and how many paths both cost."""
 
     world: Pictures
     layers: tuple[Layer, ...]
-    direction: Floats
-    radiance: Floats
-    nearness: Floats
     paths: int
 
 
@@ -95,32 +90,33 @@ def look_around(scene: bpy.types.Scene, subject: str, middle: Floats, folder: Pa
         seen = camera.render(WORLD_WIDTH, 1)
     world = Pictures.of(direction, seen["Combined"][..., :3], SIZE)
     direction = panorama_directions(NEAR_WIDTH)
-    light = world.look(direction.reshape(-1, 3), np.zeros(direction[..., 0].size)).T
-    nearness = np.zeros(len(light), dtype=np.float32)
     layers = []
     for things in near:
+        plane = None if things.plane is None else _seen_from_above(*things.plane, middle)
+        eye = np.zeros(3) if plane is None else plane.eye
+        camera.move(middle + eye)
         with _hidden(scene, "visible_camera", _others(scene, things.names)):
             seen = camera.render(NEAR_WIDTH, NEAR_SAMPLES, denoise=True)
-            shape = camera.render(NEAR_WIDTH, 1, position=True)
-        alpha = seen["Combined"][..., 3].reshape(-1, 1)
-        solid = (shape["Combined"][..., 3] > _SOLID).ravel()
+            where = camera.render(NEAR_WIDTH, 1, position=True)
+        solid = (where["Combined"][..., 3] > _SOLID).ravel()
         if not solid.any():
             continue
-        distance = np.linalg.norm(
-            shape["Position"].reshape(-1, shape["Position"].shape[-1])[:, :3] - middle, axis=1
-        )
         pictures = Pictures.of(direction, seen["Combined"], SIZE)
-        if things.plane is not None:
-            normal, height = things.plane
-            found: Plane | Impostor = Plane(normal.astype(np.float32), height - float(normal @ middle))
-        else:
-            found = Impostor.of(direction.reshape(-1, 3)[solid], distance[solid])
-        layers.append(Layer(pictures, found))
-        light = light * (1 - alpha) + seen["Combined"][..., :3].reshape(-1, 3)
-        nearness[solid] = 1 / np.maximum(distance[solid], 1e-6)
+        shape: Plane | Impostor | None = plane
+        if shape is None:
+            position = where["Position"].reshape(-1, where["Position"].shape[-1])[:, :3]
+            distance = np.linalg.norm(position - middle, axis=1)
+            shape = Impostor.of(direction.reshape(-1, 3)[solid], distance[solid])
+        layers.append(Layer(pictures, shape))
     paths = WORLD_WIDTH**2 // 2 + len(near) * (NEAR_SAMPLES + 1) * NEAR_WIDTH**2 // 2
-    around = direction.reshape(-1, 3).astype(np.float32)
-    return Panoramas(world, tuple(layers), around, light.astype(np.float32), nearness, paths)
+    return Panoramas(world, tuple(layers), paths)
+
+
+def _seen_from_above(normal: Floats, height: float, middle: Floats) -> Plane:
+    """The plane normal . p = height, in world space, seen from farther off than the object's middle is."""
+    below = float(normal @ middle) - height
+    eye = (normal * (EYE - 1) * below).astype(np.float32)
+    return Plane(normal.astype(np.float32), -below, eye)
 
 
 def _others(scene: bpy.types.Scene, names: frozenset[str]) -> list[bpy.types.Object]:
@@ -154,6 +150,10 @@ class _Camera:
         camera.location, camera.rotation_euler = middle.tolist(), (math.pi / 2, 0, 0)
         scene.collection.objects.link(camera)
         scene.camera = camera
+
+    def move(self, place: Floats) -> None:
+        """Let the next renders be from another place, (3,) in world space."""
+        cast(Any, self._scene.camera).location = place.tolist()
 
     def render(
         self, width: int, samples: int, denoise: bool = False, position: bool = False

@@ -25,9 +25,8 @@ def texture_bytes(atlas: LayeredAtlas) -> int:
     if atlas.alpha is not None:
         total += _HALF * _pixels(atlas.alpha)
     if atlas.through is not None:
-        (lobe,) = atlas.through.lobes
-        total += _BYTE * (lobe.ends.size / 4 + lobe.gain.size / 3 + lobe.rest.size / 3)
-        total += _BYTE * sum(_pixels(level) for level in atlas.through.surroundings)
+        total += _BYTE * (atlas.through.ways.size / 4 + atlas.through.rest.size / 3)
+        total += _HALF * _pixels(atlas.through.colour)
     return round(total)
 
 

@@ -1,31 +1,35 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lobe of light that comes through the object, in the shared layout: where paths end, and what is left.
+"""Fitting what comes through the object: the chief path of each cell, and what is left of the light.
 
-Shift, spread and gain come from paths in a scene where all else glows evenly, so that no light's noise is in
-them; the rest is fitted as the mirrored light's is.
+The chief path is the one that most of a cell's paths agree with, and its neighbours': where a clear object
+splits light at each surface, the share that refracts every time. Its ray is kept as it is, without pooling.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from radtex_addon.bake import fit as shared_fit
-from radtex_addon.bake.blocks import in_blocks
-from radtex_addon.bake.ends import fit_ends
-from radtex_addon.bake.gloss import LobeSamples, fit_gain
-from radtex_addon.bake.light_samples import EndSamples, LightSamples, SurroundingsSamples
-from radtex_addon.bake.pooling import Neighbours, Taps, upsampled
-from radtex_addon.bake.progress import finished
-from radtex_addon.bake.surroundings import Surroundings
+from radtex_addon.bake.blocks import in_blocks, planes
+from radtex_addon.bake.gloss import LobeSamples
+from radtex_addon.bake.light_samples import EndSamples, LightSamples
+from radtex_addon.bake.pooling import Neighbours, Taps
 from radtex_addon.core.arrays import Bools, Floats
-from radtex_addon.core.shared import Axis, SharedAtlas
+from radtex_addon.core.shared import Axis
 
+from .environment import Around
+from .exits import ExitSamples
 from .residual import fit_rest
+from .ways import CHANNELS, shown_of, square_taps
 
-_SIZE = 256  # cells along a side of the picture that light comes through from
-_CELLS, _REST_CELLS = 16, 8  # along the sides of buckets
+REST_CELLS = 8  # along the sides of buckets
 _FAINT = 1e-3  # of all light: what comes through and is less is left out
+_AGREE = 0.97  # cosine between paths that go the same way
+_NEAR = 0.9  # cosine between a path and those of the texels around, if it goes their way
+_NEARBY = 1.6  # paths that the way of the texels around counts for
+_AGREEING = 2.0  # paths that have to agree
+_ROUNDS = 2
+_LEAST = 1e-6
 
 
 def lets_through(alone: EndSamples, light: LightSamples) -> bool:
@@ -35,46 +39,90 @@ def lets_through(alone: EndSamples, light: LightSamples) -> bool:
     return bool(through > _FAINT * total and alone.through_weight.any())
 
 
-def fit_through(
-    light: LightSamples,
-    ends: EndSamples,
-    surroundings: SurroundingsSamples,
-    used: Bools,
-    neighbours: Neighbours,
-) -> SharedAtlas:
-    """Fit the lobe to light and to paths' ends in the surroundings; `used` (K, S): samples that count."""
+def fit_ways(exits: ExitSamples, neighbours: Neighbours) -> Floats:
+    """The chief paths of the plan's texels and cells, as in `Through`: (8, K, n*n).
+
+    A few paths may all go astray: where too few agree, and the texels around say otherwise,
+    those count. How much gets through is pooled, as it is a share of few paths.
+    """
+    ways, votes = _chief(exits, np.zeros((3, *exits.weight.shape[1:]), dtype=np.float32))
+    for _ in range(_ROUNDS):
+        towards = neighbours.pool(_unit(ways[:3]) * votes)
+        ways, votes = _chief(exits, towards / np.maximum(np.linalg.norm(towards, axis=0), _LEAST))
+    own = ways / np.maximum(ways[3], _LEAST)
+    agreed = (votes >= _AGREEING) & (ways[3] > 0)
+    pooled = neighbours.pool(np.concatenate([own * agreed, ways[3:4], np.ones_like(ways[3:4])]))
+    others = pooled[:CHANNELS] / np.maximum(pooled[3], _LEAST)
+    weight = pooled[CHANNELS] / np.maximum(pooled[CHANNELS + 1], _LEAST)
+    chosen: Floats = np.where(agreed, own, others).astype(np.float32) * weight
+    return chosen
+
+
+def _unit(direction: Floats) -> Floats:
+    unit: Floats = direction / np.maximum(np.linalg.norm(direction, axis=0), _LEAST)
+    return unit
+
+
+def _chief(exits: ExitSamples, around: Floats) -> tuple[Floats, Floats]:
+    """The ways that most paths agree with, (8, K, m), and how many do (K, m), with the texels around.
+
+    `around` (3, K, m): the unit directions of the texels around, 0 where there are none.
+    """
+    times, count, cells = exits.weight.shape
+    found = np.zeros((CHANNELS, count, cells), dtype=np.float32)
+    votes = np.zeros((count, cells), dtype=np.float32)
+
+    def choose(some: slice) -> None:
+        direction, weight = exits.direction[:, some], exits.weight[:, some]
+        best = np.zeros(weight.shape[1:], dtype=np.float32)
+        keep = np.zeros(weight.shape, dtype=np.float32)
+        towards = np.moveaxis(around[:, some], 0, -1)
+        for one, own in zip(direction, weight, strict=True):
+            agree = ((direction * one).sum(axis=-1) > _AGREE) & (weight > 0)
+            near = (towards * one).sum(axis=-1) > _NEAR
+            score = (agree.sum(axis=0) + _NEARBY * near) * (own > 0)
+            better = score > best
+            best = np.where(better, score, best)
+            keep = np.where(better, agree * weight, keep)
+        total = np.maximum(keep.sum(axis=0), _LEAST)
+        mean = (keep[..., None] * direction).sum(axis=0) / total[..., None]
+        place = (keep[..., None] * exits.place[:, some]).sum(axis=0) / total[..., None]
+        length = np.linalg.norm(mean, axis=-1)
+        paths = np.maximum((keep > 0).sum(axis=0), 1)
+        variance = np.where(paths > 1, (1 - length) * paths / np.maximum(paths - 1, 1), 0)
+        share = keep.sum(axis=0) / times
+        found[:3, some] = planes(mean / np.maximum(length, _LEAST)[..., None]) * share
+        found[3, some] = share
+        found[4:7, some] = planes(place) * share
+        found[7, some] = variance * share
+        votes[some] = best
+
+    in_blocks(choose, count, cells * times)
+    return found, votes
+
+
+def fit_through_rest(
+    ways: Floats, exits: ExitSamples, light: LightSamples, around: Around, used: Bools, neighbours: Neighbours
+) -> Floats:
+    """What the ways (8, K, n*n) do not show of light samples: (3, K, m*m). `used` (K, S): which count."""
     plan = light.plan
-    picture = Surroundings.of(surroundings, _SIZE)
-    fit = shared_fit._LobeFit(light, ends, used, picture, neighbours, _CELLS)
-    white, single = fit._white(Axis.THROUGH)
-    paths = fit._traced(white)
-    start = np.zeros((3, len(plan.texel), _CELLS**2), dtype=np.float32)
-    found = finished(fit_ends(paths, neighbours, _CELLS, start))
-    gain = fit_gain(paths.place, white, single, neighbours, _CELLS)
     samples = LobeSamples(plan, Axis.THROUGH, light.square, light.through, used)
-    place, shown = _shown(samples, found, gain, picture)
-    rest = upsampled(fit_rest(place, light.through, used, shown, neighbours, _REST_CELLS), _CELLS)
-    return SharedAtlas(
-        colour=np.zeros((1, 1, 3), dtype=np.float32),
-        irradiance=np.zeros((plan.layout.height, plan.layout.width, 3), dtype=np.float32),
-        falloff=np.ones((2, 3), dtype=np.float32),
-        surroundings=picture.levels,
-        sharpest=picture.sharpest,
-        lobes=(shared_fit._placed(plan, Axis.THROUGH, [found, gain, rest]),),
-    )
-
-
-def _shown(samples: LobeSamples, ends: Floats, gain: Floats, picture: Surroundings) -> tuple[Floats, Floats]:
-    """The samples' places on the octahedron (2, K, S), and what they show of the picture (3, K, S)."""
-    shape = samples.used.shape
+    shape, n = used.shape, exits.plan.layout.bucket
     place, shown = (np.empty((count, *shape), dtype=np.float32) for count in (2, 3))
 
-    def look(some: slice) -> None:
-        axis, place[:, some] = samples.along(some)
-        taps = Taps.of(place[:, some], _CELLS)
-        there = taps.gather(ends[:, some])
-        met = picture.look((axis + there[:3]).reshape(3, -1).T, there[3].ravel())
-        shown[:, some] = taps.gather(gain[:, some]) * met.T.reshape(axis.shape)
+    fields = (plan.tangent, plan.bitangent, plan.normal)
+    axes = [field.reshape(-1, 3)[: len(plan.texel)].astype(np.float32) for field in fields]
+    offset = (plan.points - around.middle).astype(np.float32)
 
-    in_blocks(look, shape[0], shape[1])
-    return place, shown
+    def look(some: slice) -> None:
+        _, place[:, some] = samples.along(some)
+        cells, weights = square_taps(light.square[some].astype(np.float32), n)
+        first = np.arange(cells.shape[1], dtype=np.intp)[:, None] * (n * n)
+        found = Taps(cells + first, weights, n).gather(ways[:, some])
+        each = np.arange(some.start, some.stop).repeat(shape[1])
+        frame = (axes[0][each], axes[1][each], axes[2][each])
+        seen = shown_of(around, found.reshape(CHANNELS, -1).T, offset[each], frame).reshape(3, -1, shape[1])
+        shown[:, some] = seen * exits.colour[some].T[..., None]
+
+    in_blocks(look, shape[0], shape[1], 1 << 16)
+    return fit_rest(place, light.through, used, shown, neighbours, REST_CELLS)

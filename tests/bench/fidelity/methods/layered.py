@@ -25,9 +25,9 @@ from ..scenes import Stage
 def look(atlas: LayeredAtlas, faces: Ints, buffer: GBuffer) -> Array:
     """What a G-buffer's rays see of the atlas, (N, 3), linear; 0 where they miss. `faces` (F,): materials."""
     hit = buffer.hit
-    fields = (buffer.uv, buffer.normal, buffer.incoming, buffer.position)
-    uv, normal, viewer, position = (field[hit].astype(np.float32) for field in fields)
-    at = Fragments(uv, normal, viewer, position, faces[buffer.triangle[hit]])
+    fields = (buffer.uv, buffer.normal, buffer.incoming, buffer.position, buffer.tangent, buffer.bitangent)
+    uv, normal, viewer, position, tangent, bitangent = (field[hit].astype(np.float32) for field in fields)
+    at = Fragments(uv, normal, viewer, position, faces[buffer.triangle[hit]], tangent, bitangent)
     return buffer.spread(sample_layered(atlas, at))
 
 

@@ -1,0 +1,153 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The rays in which paths that enter the object leave it again, traced by Cycles with the object's materials.
+
+Each path is traced twice with the same random numbers: alone in a world that emits its rays' directions, and
+in a sphere that emits its points' directions from the middle. Both together are the line that the path leaves
+along, whatever it met inside: refraction, normal maps, total reflection, the scene's limits of bounces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from radtex_addon.bake.gloss import LUMINANCE
+from radtex_addon.bake.plan import CapturePlan
+from radtex_addon.bake.spec import Kind
+from radtex_addon.core.arrays import Floats
+from radtex_addon.cycles.path_ends import PathEnds, path_ends
+from radtex_addon.cycles.portal import Aim, PortalCapture
+from radtex_addon.cycles.sampling import _MIRRORED, _THROUGH, _tiles, _trace_ends
+from radtex_addon.scene.others import RAYS, Beside, Placed, Shape
+from radtex_addon.scene.scratch import scene_copied
+
+_WIDER = 1.5  # times the object's radius: the sphere's
+_MERIDIANS = 192  # of the sphere, and half as many circles of latitude
+_SINGLE = 0.98  # length of a direction that is one path's
+
+
+@dataclass(frozen=True, eq=False)
+class ExitSamples:
+    """Paths seen in the middles of the plan's cells, S of each: K texels, n * n cells.
+
+    `weight` (S, K, n*n), luminance: how much a path lets through, 0 where it does not enter or is lost.
+    `direction` (S, K, n*n, 3), unit: in which it leaves; `place` (S, K, n*n, 3): of all points on the line
+    that it leaves along the nearest to the texel, from there. Both in the texel's frame: what is round or
+    straight has nearly the same in all texels. `colour` (K, 3): of the paths that get through a texel, with
+    a luminance of 1.
+    """
+
+    plan: CapturePlan
+    weight: Floats
+    direction: Floats
+    place: Floats
+    colour: Floats
+
+
+def capture_exits(
+    scratch: bpy.types.Scene,
+    item: bpy.types.Object,
+    mesh: bpy.types.Mesh,
+    matrix: Floats,
+    middle: Floats,
+    radius: float,
+    plan: CapturePlan,
+    times: int,
+    seed: int,
+    folder: Path,
+) -> ExitSamples:
+    """Trace `times` paths in each of the plan's cells, of which there are an even number along a side.
+
+    `matrix` (4, 4) is the object's, `middle` (3,) and `radius` those of a sphere around it. Raises
+    BakeError where Cycles fails.
+    """
+    count, cells = len(plan.texel), plan.layout.bucket**2
+    shape = (times, count, cells)
+    weight, colour = np.empty(shape, dtype=np.float32), np.zeros((count, 3), dtype=np.float32)
+    direction, place = (np.empty((*shape, 3), dtype=np.float32) for _ in range(2))
+    with _ends(scratch, item, mesh, Beside(matrix, ()), middle) as ends:
+        for number, (weights, found) in enumerate(_traced(ends, plan, times, seed, folder)):
+            length = np.linalg.norm(found, axis=-1, keepdims=True)
+            single = length[..., 0] > _SINGLE
+            weight[number] = np.where(single, weights @ LUMINANCE, 0)
+            direction[number] = np.where(single[..., None], found / np.maximum(length, 1e-6), 0)
+            colour += (weights * single[..., None]).sum(axis=1)
+    wide = _WIDER * radius
+    with _ends(scratch, item, mesh, Beside(matrix, (_sphere(middle, wide),)), middle) as ends:
+        for number, (_, found) in enumerate(_traced(ends, plan, times, seed, folder)):
+            length = np.linalg.norm(found, axis=-1, keepdims=True)
+            met = found * wide / np.maximum(length, 1e-6)
+            along = (met * direction[number]).sum(axis=-1, keepdims=True)
+            lost = (length[..., 0] < _SINGLE) | (along[..., 0] <= 0)  # the sphere is met from within
+            place[number] = np.where(lost[..., None], 0, met - along * direction[number])
+            weight[number][lost] = 0
+    bright = colour @ LUMINANCE
+    mean = colour.sum(axis=0) / max(float(bright.sum()), 1e-9)
+    colour = np.where(bright[:, None] > 0, colour / np.maximum(bright, 1e-9)[:, None], mean)
+    direction, place = in_texels_frames(plan, direction, place + middle)
+    return ExitSamples(plan, weight, direction, place, colour.astype(np.float32))
+
+
+def in_texels_frames(plan: CapturePlan, direction: Floats, point: Floats) -> tuple[Floats, Floats]:
+    """Lines through points, both (S, K, m, 3) in world space, as `ExitSamples` has them."""
+    count = len(plan.texel)
+    axes = (plan.tangent, plan.bitangent, plan.normal)
+    frame = np.stack([axis.reshape(-1, 3)[:count] for axis in axes], axis=1).astype(np.float32)
+    away = (point - plan.points[:, None]).astype(np.float32)
+    away -= (away * direction).sum(axis=-1, keepdims=True) * direction
+    turned = [np.einsum("kac,skmc->skma", frame, vectors, optimize=True) for vectors in (direction, away)]
+    return turned[0].astype(np.float32), turned[1].astype(np.float32)
+
+
+@contextmanager
+def _ends(
+    scratch: bpy.types.Scene, item: bpy.types.Object, mesh: bpy.types.Mesh, beside: Beside, middle: Floats
+) -> Iterator[PathEnds]:
+    with scene_copied(scratch) as copy, path_ends(copy, item, mesh, beside, middle) as ends:
+        yield ends
+
+
+def _traced(
+    ends: PathEnds, plan: CapturePlan, times: int, seed: int, folder: Path
+) -> Iterator[tuple[Floats, Floats]]:
+    """Weights and ends of paths, (K, n*n, 3) each, as often as is asked for."""
+    aim = Aim(np.full((len(plan.texel), 2), 0.5), _MIRRORED + _THROUGH)
+    capture = PortalCapture(ends.scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
+    for number in range(times):
+        capture.reseed(seed + number)
+        tiles = [_trace_ends(ends, capture, tile) for tile in _tiles(plan)]
+        weight, end = (
+            np.concatenate([found[name].astype(np.float32) for found in tiles]).reshape(
+                len(plan.texel), -1, 3
+            )
+            for name in ("through_weight", "through_end")
+        )
+        yield weight, end
+
+
+def _sphere(middle: Floats, radius: float) -> Placed:
+    """A sphere that all rays meet."""
+    turn = np.arange(_MERIDIANS) / _MERIDIANS * 2 * np.pi
+    rise = (np.arange(1, _MERIDIANS // 2) / (_MERIDIANS // 2) - 0.5) * np.pi
+    rings = [np.outer(np.cos(rise), part) for part in (np.cos(turn), np.sin(turn))]
+    rings.append(np.repeat(np.sin(rise)[:, None], _MERIDIANS, axis=1))
+    place = np.concatenate([np.stack(rings, axis=-1).reshape(-1, 3), [[0, 0, -1], [0, 0, 1]]])
+    here = np.arange(len(rise) * _MERIDIANS).reshape(len(rise), _MERIDIANS)
+    beside = np.roll(here, -1, axis=1)
+    south, north = len(place) - 2, len(place) - 1
+    faces = [
+        np.stack([here[:-1], beside[:-1], beside[1:]], axis=-1).reshape(-1, 3),
+        np.stack([here[:-1], beside[1:], here[1:]], axis=-1).reshape(-1, 3),
+        np.stack([beside[0], here[0], np.full(_MERIDIANS, south)], axis=-1),
+        np.stack([here[-1], beside[-1], np.full(_MERIDIANS, north)], axis=-1),
+    ]
+    matrix = np.eye(4)
+    matrix[:3, 3] = middle
+    shape = Shape((place * radius).astype(np.float32), np.concatenate(faces).astype(np.int32))
+    return Placed(shape, matrix, frozenset(RAYS))

@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ways through an object: their buckets, their choice among paths that disagree, and what they show."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from radtex_addon.bake.plan import CapturePlan
+from radtex_addon.bake.pooling import Neighbours
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.hemisphere import cell_centres, square_to_direction
+
+from .environment import Around, Layer, Pictures, Plane
+from .exits import ExitSamples, in_texels_frames
+from .panoramas import panorama_directions
+from .through import fit_ways
+from .ways import CHANNELS, Through, look_through, shown_of, square_taps
+
+pytestmark = pytest.mark.one_blender
+
+SIDE, CELLS, TIMES = 10, 4, 3
+EYE = np.array([0.0, 0.0, 3.0])
+HEIGHT = -1.0
+AXES = np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]], dtype=np.float32)  # of the sheet: T, Bt, N
+
+
+def flat_plan() -> CapturePlan:
+    """Texels of a unit square that faces +Z, its tangent along +Y."""
+    step = (np.arange(SIDE) + 0.5) / SIDE
+    x, y = np.meshgrid(step, step)
+    place = np.stack([x, y, np.zeros_like(x)], axis=-1).astype(np.float32)
+    along, across, up = (np.tile(axis, (SIDE, SIDE, 1)).astype(np.float32) for axis in AXES)
+    return CapturePlan(AtlasLayout(SIDE, SIDE, CELLS), np.arange(SIDE * SIDE), place, along, across, up, up)
+
+
+def straight_exits(plan: CapturePlan, astray: float) -> ExitSamples:
+    """Paths straight through, of which a share goes somewhere else altogether."""
+    rng = np.random.default_rng(4)
+    count = len(plan.texel)
+    local = -square_to_direction(cell_centres(CELLS).reshape(-1, 2)).astype(np.float32)
+    direction = np.broadcast_to(local, (TIMES, count, CELLS**2, 3)).copy()
+    lost = rng.random(direction.shape[:3]) < astray
+    other = rng.normal(size=(int(lost.sum()), 3))
+    direction[lost] = other / np.linalg.norm(other, axis=1, keepdims=True)
+    weight = np.full(direction.shape[:3], 0.8, dtype=np.float32)
+    return ExitSamples(plan, weight, direction, np.zeros_like(direction), np.ones((count, 3), np.float32))
+
+
+def floor(light: Floats, direction: Floats) -> Around:
+    """A floor that is seen from above, in a black world."""
+    black = Pictures.of(direction, np.zeros((len(direction), 3)), 64)
+    picture = Pictures.of(direction, light, 256)
+    plane = Plane(np.array([0, 0, 1], np.float32), HEIGHT, EYE.astype(np.float32))
+    return Around(np.zeros(3, np.float32), black, (Layer(picture, plane),), ())
+
+
+def stripes_below() -> Around:
+    """A floor that is bright where x > 0.25."""
+    direction = panorama_directions(1024).reshape(-1, 3)
+    below = direction[:, 2] < -0.02
+    met = EYE + direction * ((HEIGHT - EYE[2]) / np.where(below, direction[:, 2], -1))[:, None]
+    light = np.where((met[:, 0] > 0.25) & below, 1.0, 0.0)
+    return floor(np.stack([light, light, light, below], axis=1), direction)
+
+
+def test_taps_say_where_a_viewer_stands_between_cells() -> None:
+    centres = cell_centres(CELLS).reshape(-1, 2)
+    square = np.random.default_rng(1).uniform(-0.7, 0.7, (50, 2))
+    cells, weights = square_taps(square, CELLS)
+    np.testing.assert_allclose((weights[..., None] * centres[cells]).sum(axis=0), square, atol=1e-6)
+    np.testing.assert_allclose(weights.sum(axis=0), 1, rtol=1e-6)
+
+
+def test_a_plane_seen_from_above_shows_its_own_points() -> None:
+    around = stripes_below()
+    x = np.array([0.1, 0.2, 0.3, 0.4], np.float32)
+    offset = np.stack([x - 1, 0 * x, 0 * x], axis=1)
+    down = np.tile(np.array([[2**-0.5, 0, -(2**-0.5)]], np.float32), (4, 1))  # one to the side, one down
+    seen = around.look(offset, down, np.zeros(4, np.float32))
+    np.testing.assert_allclose(seen[0], [0, 0, 1, 1], atol=0.15)
+
+
+def test_paths_that_go_astray_do_not_lead_the_way() -> None:
+    plan = flat_plan()
+    straight, ways = (fit_ways(straight_exits(plan, share), Neighbours(plan, False)) for share in (0.0, 0.2))
+    np.testing.assert_allclose(straight[3], 0.8, rtol=1e-4)
+    length = np.linalg.norm(ways[:3], axis=0)
+    cosine = (ways[:3] * straight[:3]).sum(axis=0) / (length * 0.8)
+    assert (cosine < 0.97).mean() < 0.01
+    assert ways[3].mean() == pytest.approx(0.8 * 0.8, rel=0.1)  # what goes astray is no part of the way
+
+
+def test_a_line_is_told_from_its_texel_in_its_frame() -> None:
+    plan = flat_plan()
+    count = len(plan.texel)
+    direction = np.tile(np.array([0, 0, -1], np.float32), (1, count, 1, 1))
+    point = plan.points[None, :, None] + np.array([0.3, 0.0, -2.0], np.float32)
+    local, place = in_texels_frames(plan, direction, point)
+    np.testing.assert_allclose(local[0, 0, 0], [0, 0, -1], atol=1e-6)
+    np.testing.assert_allclose(place[0, :, 0], np.tile([0, -0.3, 0], (count, 1)), atol=1e-5)  # -X is Bt
+
+
+def test_a_clear_sheet_shows_the_floor_where_it_is() -> None:
+    plan = flat_plan()
+    ways = fit_ways(straight_exits(plan, 0.0), Neighbours(plan, False))
+    through = Through(
+        plan.placed(np.moveaxis(ways, 0, -1).reshape(-1, CELLS, CELLS, CHANNELS)),
+        np.ones((1, 1, 3), np.float32),
+        np.zeros((1, 1, 1, 1, 3), np.float32),
+    )
+    count = 200
+    rng = np.random.default_rng(2)
+    uv = rng.uniform(0.1, 0.9, (count, 2)).astype(np.float32)
+    offset = np.concatenate([uv, np.zeros((count, 1), np.float32)], axis=1)
+    local = square_to_direction(np.array([0.25, -0.25])).astype(np.float32)  # in the middle of a cell
+    viewer = np.tile(local @ AXES, (count, 1))
+    frame = (np.tile(AXES[0], (count, 1)), np.tile(AXES[1], (count, 1)), np.tile(AXES[2], (count, 1)))
+    seen = look_through(through, stripes_below(), uv, offset, frame, viewer)
+    met = offset[:, 0] - viewer[:, 0] / viewer[:, 2] * -HEIGHT
+    clear = np.abs(met - 0.25) > 0.08
+    np.testing.assert_allclose(seen[0][clear], 0.8 * (met[clear] > 0.25), atol=0.1)
+    assert 0.2 < (met > 0.25).mean() < 0.8
+
+
+def test_ways_that_disagree_are_blurred() -> None:
+    around = stripes_below()
+    x, y, z = (axis[None].astype(np.float32) for axis in np.eye(3))
+    sides = np.array([[0.6, 0, -0.8], [-0.6, 0, -0.8]], np.float32)
+    mixed = np.concatenate([sides.mean(axis=0), [1, 0, 0, 0, 0]]).astype(np.float32)[None]
+    sharp = np.array([[0, 0, -1, 1, 0, 0, 0, 0]], np.float32)
+    offset = np.array([[0.35, 0, 0]], np.float32)
+    at_edge, blurred = (shown_of(around, way, offset, (x, y, z))[0, 0] for way in (sharp, mixed))
+    assert at_edge > 0.9
+    assert 0.3 < blurred < 0.85

@@ -1,0 +1,55 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What maps of the material say of texels, and whether they are worth a texture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from radtex_addon.bake.plan import CapturePlan
+from radtex_addon.core.arrays import Floats, Ints
+
+_VARIES = 0.02  # standard deviation of the tint, above which it is kept
+_TURNED = 2.0  # degrees between shading normals and the mesh's, in one texel of ten, from which they are kept
+
+
+def shading_normals(
+    plan: CapturePlan, fine: Mapping[str, Floats], coarse: Mapping[str, Floats], wanted: bool
+) -> tuple[Floats, Floats | None]:
+    """The texels' shading normals (K, 3), and their map (H', W', 3) where they are not the mesh's own.
+
+    `fine` and `coarse` as in `Capture`; if they are not `wanted`, the mesh's.
+    """
+    mesh = plan.normals.astype(np.float32)
+    found = coarse["normal"].reshape(-1, 3)[plan.texel].astype(np.float32)
+    length = np.linalg.norm(found, axis=1, keepdims=True)
+    found /= np.maximum(length, 1e-6)
+    usable = (length[:, 0] > 0.5) & ((found * mesh).sum(axis=1) > 0)
+    found = np.where(usable[:, None], found, mesh)
+    turned = np.degrees(np.arccos(np.clip((found * mesh).sum(axis=1), -1, 1)))
+    if not wanted or np.percentile(turned, 90) < _TURNED:
+        return mesh, None
+    return found, fine["normal"].astype(np.float32)
+
+
+def tints(
+    plan: CapturePlan, material: Ints, fine: Mapping[str, Floats], coarse: Mapping[str, Floats], wanted: bool
+) -> tuple[Floats, Floats | None]:
+    """How glossy colours differ from the mean of their `material` (K,): of the texels (K, 3), and a map.
+
+    The map (H', W', 3) is None where they do not differ, or are not `wanted`.
+    """
+    glossy = coarse["glossy"].reshape(-1, 3)[plan.texel].astype(np.float32)
+    mean = np.ones_like(glossy)
+    for number in np.unique(material):
+        own = material == number
+        mean[own] = np.maximum(glossy[own].mean(axis=0), 1e-3)
+    tint = glossy / mean
+    if not wanted or float(tint.std(axis=0).max()) < _VARIES:
+        return np.ones_like(glossy), None
+    means = plan.placed(mean, gutter=True)
+    finer = fine["glossy"].shape[0] // means.shape[0]
+    spread = means.repeat(finer, axis=0).repeat(finer, axis=1)
+    return tint, (fine["glossy"] / spread).astype(np.float32)
