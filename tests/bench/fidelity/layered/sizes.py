@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from .atlas import LayeredAtlas
+from .compressed import PLANE_SIZE, THINGS_SIZE
 from .environment import Impostor
 
 _MIPS = 4 / 3  # of a texture with its smaller copies
@@ -18,12 +19,13 @@ def texture_bytes(atlas: LayeredAtlas) -> int:
     """
     total = _BYTE * _pixels(atlas.irradiance) + _BYTE * _MIPS * _pixels(atlas.around.world.levels[0])
     for layer in atlas.around.layers:
-        total += _BYTE * _MIPS * _pixels(layer.pictures.levels[0])
+        things = isinstance(layer.shape, Impostor)
+        side = min(len(layer.pictures.levels[0]), THINGS_SIZE if things else PLANE_SIZE)
+        total += _BYTE * _MIPS * side**2
         if isinstance(layer.shape, Impostor):
             total += _HALF * layer.shape.nearness.size
     total += _BYTE * (atlas.own.size / 4 + atlas.rest.size / 3)
-    if atlas.alpha is not None:
-        total += _HALF * _pixels(atlas.alpha)
+    total += _HALF * sum(_pixels(image) for image in (atlas.alpha, atlas.width) if image is not None)
     if atlas.through is not None:
         total += _BYTE * (atlas.through.ways.size / 4 + atlas.through.rest.size / 3)
         total += _HALF * _pixels(atlas.through.colour)
