@@ -130,7 +130,7 @@ def test_lobes_are_found_in_paths_that_are_spread_by_them() -> None:
     cosine = rng.uniform(0.6, 0.66, count)
     axis = np.stack([np.sqrt(1 - cosine**2), np.zeros(count), cosine], axis=1)
     narrow = rng.random(count) < 0.7
-    variance = np.where(narrow, 0.02, 0.2) ** 2
+    variance: Floats = np.where(narrow, 0.02**2, 0.2**2)
     end = spread_by_lobe(rng, axis, normal, variance)
     weight = np.tile([0.9, 0.5, 0.1], (count, 1))
     number = np.arange(count)
