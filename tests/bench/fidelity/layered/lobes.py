@@ -3,8 +3,9 @@
 """The lobes of each material: how much they mirror, how wide, and how far bent, by N.V.
 
 Measured by paths through the object alone in an empty, glowing world: they tell weights and directions
-without the noise of any light. Two Gaussians for each step of N.V, by expectation maximisation (Dempster et
-al., 1977).
+without the noise of any light. Two lobes of GGX's shape for each step of N.V, by expectation maximisation
+(Dempster et al., 1977; for tails like these Lange, Little and Taylor, "Robust statistical modeling using the
+t distribution", 1989). What is called variance is a lobe's width² (see `lobe`): of such tails there is none.
 """
 
 from __future__ import annotations
