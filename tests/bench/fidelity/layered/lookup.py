@@ -94,7 +94,7 @@ def lookup_of(atlas: LayeredAtlas, textures: Mapping[str, Texture], cost: Cost) 
     if "irradiance" in textures and "colour" in textures:
         _add_diffuse(atlas, textures, cost.product, defines, used, values)
     mirrors = any(lobes.weight.any() for lobes in atlas.materials)
-    for name in ("normal", "alpha"):
+    for name in ("normal", "alpha", *(("tint", "width") if mirrors else ())):
         _add_map(name, textures, defines, used, values)
     if mirrors:
         defines["RADTEX_MIRRORS"] = 1
@@ -103,7 +103,6 @@ def lookup_of(atlas: LayeredAtlas, textures: Mapping[str, Texture], cost: Cost) 
         values["world_levels"] = _levels(around.world)
         values["own_tile"], values["own_scale"] = _tile(used["own"], 14), used["own"].scale
         _add_layers(atlas, textures, defines, used, values)
-        _add_maps(atlas, textures, defines, used, values)
         if around.lamps:
             defines["RADTEX_LAMPS"] = len(around.lamps)
             values["lamp_place"] = _array([(*lamp.place.tolist(), lamp.variance) for lamp in around.lamps])
@@ -152,30 +151,18 @@ def _add_map(
     """Add a map of the surface, if it is there."""
     if name in textures:
         defines[f"RADTEX_{name.upper()}"] = 1
-        used["shading_normal" if name == "normal" else name] = textures[name]
-        values[f"{name}_part"] = _part(textures[name])
+        found = used["shading_normal" if name == "normal" else name] = textures[name]
+        values[f"{name}_part"] = _part(found)
+        if name == "tint":
+            values["tint_scale"] = found.scale
+        if name == "width":
+            values["width_range"] = (found.scale, found.offset)
 
 
 def _part(texture: Texture) -> tuple[float, float]:
     """The share of a texture's width and height that is not padding."""
     height, width = texture.levels[0].shape[:2]
     return texture.size[0] / width, texture.size[1] / height
-
-
-def _add_maps(
-    atlas: LayeredAtlas,
-    textures: Mapping[str, Texture],
-    defines: dict[str, int],
-    used: dict[str, Texture],
-    values: dict[str, Any],
-) -> None:
-    if atlas.width is not None:
-        defines["RADTEX_WIDTH"], used["width"] = 1, textures["width"]
-        values["width_part"] = _part(used["width"])
-        values["width_range"] = (used["width"].scale, used["width"].offset)
-    if atlas.tint is not None:
-        defines["RADTEX_TINT"], used["tint"] = 1, textures["tint"]
-        values["tint_scale"], values["tint_part"] = used["tint"].scale, _part(used["tint"])
 
 
 def _add_layers(
