@@ -69,6 +69,17 @@ def test_the_shader_finds_what_the_sampler_does(context: moderngl.Context, decod
     assert _off(sample_layered(without, at), expected).mean() > 0.03
 
 
+def test_the_shader_widens_lobes_as_the_sampler_does(context: moderngl.Context) -> None:
+    whole = made_up_atlas(16, 64)
+    width = _RNG.uniform(-3, 3, (16, 16, 1)).astype(np.float32)
+    atlas, textures = compressed(replace(whole, width=width), near_sizes=(32, 32))
+    assert textures["width"].bytes == 16 * 16 // 2
+    at = made_up_fragments(atlas, 4000)
+    expected = sample_layered(atlas, at)
+    assert _off(radiance(context, atlas, lookup_of(atlas, textures, FULL), at), expected).mean() < 3e-3
+    assert _off(sample_layered(replace(atlas, width=None), at), expected).mean() > 0.02
+
+
 @pytest.mark.parametrize(
     ("cost", "fetches"),
     [(FULL, 18), (Cost(), 13), (Cost(product=True), 12), (Cost(second="none", rest=False), 9)],
