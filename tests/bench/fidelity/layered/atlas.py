@@ -22,7 +22,7 @@ from .ways import Through, look_through
 
 _STEEP = 0.3  # cosine between the mesh's normal and a shading normal, below which that is not used
 _LEAST_COSINE = 1e-3
-_LEAST_LEFT = 0.5  # of what is mirrored: the rest, in coarse cells, takes no more away beside a highlight
+_LEAST_LEFT = 0.5  # of the light: the rest, in coarse cells, takes no more away beside a highlight
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,8 @@ def sample_layered(atlas: LayeredAtlas, at: Fragments) -> Floats:
     alpha = alpha_at(atlas, at.uv)
     mirrored *= bilinear(atlas.tint, at.uv).T if atlas.tint is not None else alpha
     rest = alpha * look_up(atlas.rest, at.uv, axis)
-    light = light + np.maximum(mirrored + rest, _LEAST_LEFT * mirrored).T
+    light = light + mirrored.T
+    light = np.maximum(light + rest.T, _LEAST_LEFT * light)
     if atlas.through is not None:
         if at.tangent is None or at.bitangent is None:
             raise ValueError("light comes through: fragments need tangents")

@@ -130,6 +130,9 @@ def capture_layered(stage: Stage, spec: BakeSpec, folder: Path) -> Captured:
         cast(Any, prepared.mesh.polygons).foreach_get("material_index", faces)
         around = Around(middle, seen.world, seen.layers, lamps)
         material = faces[texels.triangle.ravel()[lit.texel]]
+        fine_maps["material"] = fine.placed(
+            faces[finer.triangle.ravel()[fine.texel]][:, None].astype(np.float32), gutter=True
+        )
         capture = opacity.bare(Capture(light, lone, own, around, fine_maps, coarse_maps, material, exits))
         paths += opacity.rays
     return Captured(capture, prepared, np.array(stage.subject.matrix_world), faces, paths, own.hit.size)

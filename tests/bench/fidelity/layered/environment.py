@@ -23,7 +23,7 @@ DISTANCES = 128  # cells along a side of a layer's map of distances
 STEPS = 2  # by which a ray finds what it meets in such a map
 _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # of distances from the fragment and from the middle
 _NARROWER = (-12.0, 2.5, 0.5)  # exponents of 2: by how much the Gaussians that make a lobe are narrower
-_PARALLEL = 1e-4  # cosine, below which a ray runs along a plane
+_PARALLEL, _STEEPEST = 1e-4, 0.999  # sines of angles to a plane: along it, and straight at it
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,28 +94,36 @@ def _blurred(direction: Floats, colours: Floats, size: int) -> Surroundings:
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """Points p, from the object's middle, of `normal` . p = `height`.
+    """Points p, from the object's middle, of `normal` . p = `height`; the object is on the normal's side.
 
-    `eye` (3,), from the middle: where the plane is seen from in its picture.
+    `eye` (3,), from the middle: where the plane is seen from in its picture, which above the horizon has what
+    lies below it once more, mirrored, so that blurring it mixes in nothing else.
     """
 
     normal: Floats
     height: float
     eye: Floats = field(default_factory=lambda: np.zeros(3, dtype=np.float32))
 
-    def meet(self, offset: Floats, axis: Floats) -> tuple[Floats, Floats]:
-        """Where rays from offsets (N, 3) along unit axes (N, 3) meet it.
+    def meet(self, offset: Floats, axis: Floats, variance: Floats) -> tuple[Floats, Floats, Floats]:
+        """Where lobes of variances (N,) about unit axes (N, 3), from offsets (N, 3), meet it.
 
-        The directions from the eye (N, 3), and distances from the offset over those from the eye (N,).
+        Directions from the eye (N, 3); what the lobes' variances are multiplied by, as seen from there (N,);
+        and the shares of the lobes that point below the horizon (N,). The direction is the mean one of that
+        share: of a profile like (2 + x²)^-3/2 across the horizon, its sine is -sqrt(sine² + 2 variance).
         """
-        towards = axis @ self.normal
-        towards = np.where(np.abs(towards) > _PARALLEL, towards, _PARALLEL)
-        far = np.maximum((self.height - offset @ self.normal) / towards, 0)
-        met = offset + far[:, None] * axis - self.eye
+        sine = axis @ self.normal
+        root = np.sqrt(sine * sine + 2 * variance)
+        deep = np.clip(root, _PARALLEL, _STEEPEST)
+        level = axis - sine[:, None] * self.normal
+        level /= np.maximum(np.linalg.norm(level, axis=1, keepdims=True), 1e-6)
+        down = np.sqrt(1 - deep * deep)[:, None] * level - deep[:, None] * self.normal
+        far = np.maximum(offset @ self.normal - self.height, 0) / deep
+        met = offset + far[:, None] * down - self.eye
         distance = np.maximum(np.linalg.norm(met, axis=1), 1e-6)
-        away = far <= 0
-        ratio = np.where(away, 1, far / distance)
-        return np.where(away[:, None], axis, met / distance[:, None]), ratio
+        along = far / distance  # and across, as the eye sees the plane at another slant:
+        slant = (float(self.eye @ self.normal) - self.height) / distance / deep
+        wider = np.clip(along * along * slant, _LEAST_RATIO**2, _MOST_RATIO**2)
+        return met / distance[:, None], wider, (0.5 - 0.5 * sine / root).astype(np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +144,7 @@ class Impostor:
         image = mean.astype(np.float32).reshape(DISTANCES, DISTANCES)
         return cls(dilate(image, nearest_covered((count > 0).reshape(image.shape))))
 
-    def meet(self, offset: Floats, axis: Floats) -> tuple[Floats, Floats]:
+    def meet(self, offset: Floats, axis: Floats, variance: Floats) -> tuple[Floats, Floats, Floats]:
         """As `Plane.meet`: the sphere is cut that is as large as what lies in the direction found last."""
         along = (offset * axis).sum(axis=1)
         squared = (offset * offset).sum(axis=1)
@@ -147,7 +155,8 @@ class Impostor:
             reached = offset + far[:, None] * axis
             length = np.maximum(np.linalg.norm(reached, axis=1), 1e-6)
             met, ratio = reached / length[:, None], far / length
-        return met, ratio
+        wider = np.clip(ratio, _LEAST_RATIO, _MOST_RATIO) ** 2
+        return met, wider, np.ones_like(variance)
 
     @cached_property
     def _maps(self) -> _Maps:
@@ -163,9 +172,8 @@ class Layer:
 
     def over(self, light: Floats, offset: Floats, axis: Floats, variance: Floats) -> Floats:
         """`light` (3, N) behind the layer, with the layer before it, seen blurred from offsets."""
-        met, ratio = self.shape.meet(offset, axis)
-        ratio = np.clip(ratio, _LEAST_RATIO, _MOST_RATIO)
-        seen = self.pictures.look(met.astype(np.float32), variance * ratio * ratio)
+        met, wider, cover = self.shape.meet(offset, axis, variance)
+        seen = cover * self.pictures.look(met.astype(np.float32), (variance * wider).astype(np.float32))
         return cast(Floats, light * (1 - seen[3]) + seen[:3])
 
 

@@ -29,6 +29,7 @@ from .own_light import OwnRays, Surface, own_light
 from .residual import fit_rest
 from .texel_maps import shading_normals, tints
 from .through import fit_through_rest, fit_ways
+from .view_dependence import view_dependence
 from .visibility import free_share
 from .ways import Through
 from .widths import fit_lobes
@@ -44,7 +45,8 @@ class Capture:
 
     `light`: single paths. `alone`: paths through the object in an empty world. `own`: mirror rays that meet
     the object itself. `fine` and `coarse`: maps of the diffuse colour, the glossy colour and the shading
-    normal, "diffuse", "glossy", "normal", (H', W', 3) and (H, W, 3). `material` (K,): of the texels.
+    normal, "diffuse", "glossy", "normal", (H', W', 3) and (H, W, 3); and in `fine` their "material"'s number,
+    (H', W', 1). `material` (K,): of the texels.
     `exits`: for objects that let light through, the rays in which paths leave them.
     `alpha` (H', W', 1): by which the maps in `fine` are multiplied, and all else is divided; None if it is 1.
     """
@@ -89,7 +91,7 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
     normal, normal_map = shading_normals(plan, *maps, parts.normals)
     tint, tint_map = tints(plan, capture.material, *maps, parts.tint)
     falloff, diffuse = shared_fit.fit_diffuse(light, facing)
-    colour = _colour(light, falloff)
+    colour = _colour(capture, falloff)
     if parts.smooth:
         irradiance = fit_irradiance(light, facing, falloff, colour, neighbours)
     else:
@@ -110,9 +112,12 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
         own_table = own_light(surface, own, neighbours)
     samples = turned_samples(LobeSamples(plan, Axis.MIRROR, light.square, light.mirrored, used), normal)
     place, shown = _shown(surface, samples, own_table)
-    rest = np.zeros((3, len(plan.texel), REST_CELLS**2), dtype=np.float32)
+    rest: Floats = np.zeros((3, len(plan.texel), REST_CELLS**2), dtype=np.float32)
     if parts.rest:
         rest = fit_rest(place, light.mirrored, used, shown, neighbours, REST_CELLS)
+        lit = irradiance * colour
+        more = view_dependence(light, facing, lit, falloff, normal, REST_CELLS, neighbours)
+        rest = rest if more is None else rest + more
     return LayeredAtlas(
         colour=capture.fine["diffuse"].astype(np.float32),
         irradiance=plan.placed(irradiance, gutter=True),
@@ -159,11 +164,22 @@ def _flat_level(around: Around, level: Floats) -> Floats:
     return cast(Floats, without.look(np.zeros_like(direction), direction, variance).T.reshape(level.shape))
 
 
-def _colour(light: LightSamples, falloff: Floats) -> Floats:
-    """The texels' diffuse colour along the normal, (K, 3)."""
+def _colour(capture: Capture, falloff: Floats) -> Floats:
+    """The texels' diffuse colour along the normal, (K, 3).
+
+    The mean over viewers tells it with the least noise, but not how it falls off: below the surface, colours
+    stay as they are. So each material's is made as bright as its colour along the normal is.
+    """
+    light = capture.light
     cosine = shared_fit._cosine(light.square[:: max(1, len(light.square) // 256)])
     mean = sample_falloff(falloff, cosine.ravel()).mean(axis=0)
-    return cast(Floats, (light.colour / np.maximum(mean, 1e-6)).astype(np.float32))
+    colour = light.colour / np.maximum(mean, 1e-6)
+    frontal = capture.coarse["diffuse"].reshape(-1, 3)[light.plan.texel]
+    for number in np.unique(capture.material):
+        own = capture.material == number
+        total = colour[own].sum(axis=0)
+        colour[own] *= np.divide(frontal[own].sum(axis=0), total, out=np.ones_like(total), where=total > 0)
+    return cast(Floats, colour.astype(np.float32))
 
 
 class _Turned(LobeSamples):

@@ -181,6 +181,33 @@ float radtex_sphere(float along, float squared, float radius) {
     return sqrt(max(along * along - squared + radius * radius, 0.0)) - along;
 }
 
+#ifdef RADTEX_PLANE
+// Where a lobe meets the plane: the place, from the middle, and how far off; its direction from the plane's eye; by how
+// much the lobe is wider there (of its width² the logarithm to base 2); the share of it that is below the horizon.
+struct Below {
+    vec3 there, met;
+    float far, wider, cover;
+};
+
+Below radtex_below(vec3 from, vec3 ray, float spread) {
+    vec3 N = plane_place.xyz;
+    float sine = dot(ray, N), squared = sine * sine + 2.0 * exp2(spread), root = inversesqrt(squared);
+    float deep = clamp(squared * root, 1e-4, 0.999);  // of the mean direction of that share
+    vec3 level = ray - sine * N;
+    level *= inversesqrt(max(dot(level, level), 1e-12));
+    Below below;
+    below.far = max(dot(from, N) - plane_place.w, 0.0) / deep;
+    below.there = from + below.far * (sqrt(1.0 - deep * deep) * level - deep * N);
+    below.met = below.there - plane_eye;
+    float whence = inversesqrt(max(dot(below.met, below.met), 1e-12));
+    below.met *= whence;
+    float along = below.far * whence, slant = (dot(plane_eye, N) - plane_place.w) * whence / deep;
+    below.wider = log2(clamp(along * along * slant, 0.00390625, 16.0));
+    below.cover = 0.5 - 0.5 * sine * root;
+    return below;
+}
+#endif
+
 // Radiance towards the viewer, in the unit direction V, from a fragment at `position` whose unit normal is N.
 vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
 #ifdef RADTEX_NORMAL
@@ -227,29 +254,17 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
     vec3 seen = ray;  // where the second lobe looks: at what the first one saw
     float reached = 0.0;
 #ifdef RADTEX_PLANE
-    vec3 met = ray, there = ray;
-    float ratio = 1.0, close = 1.0;  // distances over those from the eye, and from the middle
-    float slant = dot(ray, plane_place.xyz);
-    float far = (plane_place.w - dot(from, plane_place.xyz)) / (abs(slant) > 1e-4 ? slant : 1e-4);
-    if (far > 0.0) {
-        there = from + far * ray;
-        met = there - plane_eye;
-        float whence = inversesqrt(max(dot(met, met), 1e-12));
-        met *= whence;
-        ratio = clamp(far * whence, 0.0625, 4.0);
-        whence = inversesqrt(max(dot(there, there), 1e-12));
-        there *= whence;
-        close = clamp(far * whence, 0.0625, 4.0);
-    }
-    ratio = 2.0 * log2(ratio);
-    at = radtex_picture(plane_levels, met, lobe.a + ratio);
-    vec4 before = textureLod(plane, at.xy, at.z);
-    seen = mix(seen, there, before.a);
-    reached = 2.0 * log2(close) * before.a;
+    Below below = radtex_below(from, ray, lobe.a);
+    at = radtex_picture(plane_levels, below.met, lobe.a + below.wider);
+    vec4 before = textureLod(plane, at.xy, at.z) * below.cover;
+    float close = inversesqrt(max(dot(below.there, below.there), 1e-12));
+    seen = mix(seen, below.there * close, before.a);
+    reached = 2.0 * log2(clamp(below.far * close, 0.0625, 4.0)) * before.a;
     direct = direct * (1.0 - before.a) + before.rgb * plane_scale;
 #ifdef RADTEX_ALL
-    at = radtex_picture(plane_levels, met, wide.a + ratio);
-    before = textureLod(plane, at.xy, at.z);
+    below = radtex_below(from, ray, wide.a);
+    at = radtex_picture(plane_levels, below.met, wide.a + below.wider);
+    before = textureLod(plane, at.xy, at.z) * below.cover;
     broad = broad * (1.0 - before.a) + before.rgb * plane_scale;
 #endif
 #endif
@@ -333,10 +348,7 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
 #ifdef RADTEX_ALPHA
     more *= opacity;
 #endif
-#ifdef RADTEX_MIRRORS
-    more = max(more, -0.5 * mirrored);
-#endif
-    light += more;
+    light += max(more, -0.5 * light);
 #endif
     return max(light, 0.0);
 }

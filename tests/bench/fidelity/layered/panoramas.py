@@ -101,8 +101,11 @@ def look_around(scene: bpy.types.Scene, subject: str, middle: Floats, folder: Pa
         solid = (where["Combined"][..., 3] > _SOLID).ravel()
         if not solid.any():
             continue
-        pictures = Pictures.of(direction, seen["Combined"], SIZE)
         shape: Plane | Impostor | None = plane
+        if plane is None:
+            pictures = Pictures.of(direction, seen["Combined"], SIZE)
+        else:
+            pictures = Pictures.of(*_with_mirror_image(plane, direction, seen["Combined"]), SIZE)
         if shape is None:
             position = where["Position"].reshape(-1, where["Position"].shape[-1])[:, :3]
             distance = np.linalg.norm(position - middle, axis=1)
@@ -115,8 +118,19 @@ def look_around(scene: bpy.types.Scene, subject: str, middle: Floats, folder: Pa
 def _seen_from_above(normal: Floats, height: float, middle: Floats) -> Plane:
     """The plane normal . p = height, in world space, seen from farther off than the object's middle is."""
     below = float(normal @ middle) - height
+    if below < 0:
+        normal, below = -normal, -below
     eye = (normal * (EYE - 1) * below).astype(np.float32)
     return Plane(normal.astype(np.float32), -below, eye)
+
+
+def _with_mirror_image(plane: Plane, direction: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Directions (P, 3) below the plane's horizon and values (P, C) there, and both mirrored above it."""
+    direction, values = direction.reshape(-1, 3), values.reshape(direction.size // 3, -1)
+    sine = direction @ plane.normal
+    below = sine < 0
+    mirrored = direction - 2 * sine[:, None] * plane.normal
+    return np.concatenate([direction[below], mirrored[below]]), np.concatenate([values[below]] * 2)
 
 
 def _others(scene: bpy.types.Scene, names: frozenset[str]) -> list[bpy.types.Object]:

@@ -71,22 +71,37 @@ def test_panoramas_look_along_y_and_have_x_to_the_right() -> None:
 def test_rays_meet_a_plane_where_it_is() -> None:
     plane = Plane(np.array([0, 0, 1], dtype=np.float32), -1.0)
     offset = np.array([[0.5, 0, 0], [0.5, 0, 0]], dtype=np.float32)
-    axis = np.array([[0, 0, -1], [0, 0, 1]], dtype=np.float32)
-    met, ratio = plane.meet(offset, axis)
-    np.testing.assert_allclose(met[0], np.array([0.5, 0, -1]) * 1.25**-0.5, rtol=1e-5)
-    np.testing.assert_allclose(met[1], axis[1])  # never met
-    np.testing.assert_allclose(ratio, np.array([1.25**-0.5, 1.0]), rtol=1e-5)
+    axis = np.array([[0.6, 0, -0.8], [0, 0, 1]], dtype=np.float32)
+    met, wider, cover = plane.meet(offset, axis, np.full(2, 1e-8, np.float32))
+    distance = np.hypot(1.25, 1)
+    np.testing.assert_allclose(met[0], np.array([1.25, 0, -1]) / distance, rtol=1e-5)
+    np.testing.assert_allclose(wider[0], (1.25 / distance) ** 2 / distance / 0.8, rtol=1e-4)
+    np.testing.assert_allclose(cover, [1, 0], atol=1e-6)
+
+
+def test_a_plane_takes_the_share_of_a_lobe_that_is_below_its_horizon() -> None:
+    rng, count, width = np.random.default_rng(8), 200_000, 0.03
+    plane = Plane(np.array([0, 0, 1], dtype=np.float32), -1.0)
+    up = np.broadcast_to([0.0, 0.0, 1.0], (count, 3))
+    for rise in (-0.045, 0.0, 0.03):
+        axis = np.array([np.cos(rise), 0, np.sin(rise)], dtype=np.float32)
+        rays = spread_by_lobe(rng, np.tile(axis, (count, 1)), up, np.full(count, width**2))
+        met, _, cover = plane.meet(np.zeros((1, 3)), axis[None], np.full(1, width**2, np.float32))
+        sines = rays[:, 2]
+        np.testing.assert_allclose(cover, (sines < 0).mean(), atol=0.01)
+        np.testing.assert_allclose(-met[0, 2], -sines[sines < 0].mean(), rtol=0.1)
 
 
 def test_rays_meet_a_sphere_around_the_middle_exactly() -> None:
     direction = random_directions(200_000)
     impostor = Impostor.of(direction, np.full(len(direction), 2.0))
     offset, axis = random_directions(300, 2) * 0.7, random_directions(300, 3)
-    met, ratio = impostor.meet(offset, axis)
+    met, wider, cover = impostor.meet(offset, axis, np.full(300, 1e-4, np.float32))
     along = (offset * axis).sum(axis=1)
     far = np.sqrt(along**2 - (offset**2).sum(axis=1) + 4) - along
     np.testing.assert_allclose(met, (offset + far[:, None] * axis) / 2, atol=1e-4)
-    np.testing.assert_allclose(ratio, far / 2, rtol=1e-3)
+    np.testing.assert_allclose(wider, (far / 2) ** 2, rtol=2e-3)
+    assert (cover == 1).all()
 
 
 def test_a_layer_hides_what_is_behind_it_as_far_as_it_covers() -> None:

@@ -39,17 +39,14 @@ def tints(
 ) -> tuple[Floats, Floats | None]:
     """How glossy colours differ from the mean of their `material` (K,): of the texels (K, 3), and a map.
 
-    The map (H', W', 3) is None where they do not differ, or are not `wanted`.
+    The map (H', W', 3) is None where they do not differ, or are not `wanted`. Each of its texels is over the
+    mean of its own material, which may be another one than that of the nearest coarse texel.
     """
     glossy = coarse["glossy"].reshape(-1, 3)[plan.texel].astype(np.float32)
-    mean = np.ones_like(glossy)
+    means = np.ones((max(int(material.max()), int(fine["material"].max())) + 1, 3), dtype=np.float32)
     for number in np.unique(material):
-        own = material == number
-        mean[own] = np.maximum(glossy[own].mean(axis=0), 1e-3)
-    tint = glossy / mean
+        means[number] = np.maximum(glossy[material == number].mean(axis=0), 1e-3)
+    tint = glossy / means[material]
     if not wanted or float(tint.std(axis=0).max()) < _VARIES:
         return np.ones_like(glossy), None
-    means = plan.placed(mean, gutter=True)
-    finer = fine["glossy"].shape[0] // means.shape[0]
-    spread = means.repeat(finer, axis=0).repeat(finer, axis=1)
-    return tint, (fine["glossy"] / spread).astype(np.float32)
+    return tint, (fine["glossy"] / means[fine["material"][..., 0].astype(np.intp)]).astype(np.float32)
