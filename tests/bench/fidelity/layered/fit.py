@@ -10,23 +10,24 @@ from typing import cast
 import numpy as np
 
 from radtex_addon.bake import fit as shared_fit
-from radtex_addon.bake.blocks import in_blocks, planes
+from radtex_addon.bake.blocks import in_blocks
 from radtex_addon.bake.gloss import LobeSamples
-from radtex_addon.bake.light_samples import EndSamples, LightSamples, straight_through
+from radtex_addon.bake.light_samples import EndSamples, LightSamples
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.pooling import Neighbours, Taps
 from radtex_addon.core.arrays import Bools, Floats, Ints
 from radtex_addon.core.gutter import dilate, nearest_covered
-from radtex_addon.core.octahedron import cell_directions, direction_to_octahedron
+from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.core.shared import Axis, sample_falloff
 
-from .atlas import LayeredAtlas, mirrored_light
+from .atlas import LayeredAtlas
+from .buckets import CELLS, cosines, fit_buckets, turned_samples
 from .environment import Around
 from .exits import ExitSamples
 from .irradiance import fit_irradiance
 from .lobes import Material, Paths
-from .own_light import OwnRays, Surface, own_light
-from .residual import fit_rest
+from .own_light import OwnRays, Surface
+from .parts_of_fit import ALL_PARTS, Parts
 from .texel_maps import shading_normals, tints
 from .through import fit_through_rest, fit_ways
 from .view_dependence import view_dependence
@@ -34,7 +35,6 @@ from .visibility import free_share
 from .ways import Through
 from .widths import fit_lobes
 
-OWN_CELLS, REST_CELLS = 14, 8  # along the sides of buckets
 COARSER = 2  # texels along a side of those that have buckets of their own
 _FREE = 0.98  # of a direction, above which a path is taken to leave the object straight away
 
@@ -62,24 +62,6 @@ class Capture:
     alpha: Floats | None = None
 
 
-@dataclass(frozen=True)
-class Parts:
-    """Which parts of the layout are fitted: each may be left out, to see what it is worth."""
-
-    own: bool = True
-    rest: bool = True
-    lamps: bool = True
-    layers: bool = True
-    tint: bool = True
-    normals: bool = True
-    second_lobe: bool = True
-    widths: bool = True
-    smooth: bool = True
-
-
-ALL_PARTS = Parts()
-
-
 def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
     """Fit the layered layout to a capture."""
     light, plan = capture.light, capture.light.plan
@@ -98,7 +80,7 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
         irradiance = shared_fit._divide_out(diffuse, light, falloff)
     rays = turned_samples(capture.own.rays, normal)
     own = replace(capture.own, rays=rays)
-    free = free_share(rays, ~own.hit, neighbours, OWN_CELLS)
+    free = free_share(rays, ~own.hit, neighbours, CELLS[0][0])
     paths = _open_paths(capture, normal, free)
     vary = parts.widths and normal_map is None  # normals that vary within a texel would count as roughness
     materials, width = fit_lobes(paths, int(capture.material.max()) + 1, neighbours, vary)
@@ -107,16 +89,11 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
     surface = Surface(
         plan, normal, irradiance * colour, falloff, tint, width, capture.material, materials, around, free
     )
-    own_table = np.zeros((3, *free.shape[1:]), dtype=np.float32)
-    if parts.own:
-        own_table = own_light(surface, own, neighbours)
-    samples = turned_samples(LobeSamples(plan, Axis.MIRROR, light.square, light.mirrored, used), normal)
-    place, shown = _shown(surface, samples, own_table)
-    rest: Floats = np.zeros((3, len(plan.texel), REST_CELLS**2), dtype=np.float32)
+    found = fit_buckets(surface, own, light, used, neighbours, parts)
+    rest = found.rest
     if parts.rest:
-        rest = fit_rest(place, light.mirrored, used, shown, neighbours, REST_CELLS)
-        lit = irradiance * colour
-        more = view_dependence(light, facing, lit, falloff, normal, REST_CELLS, neighbours)
+        lit, cells = irradiance * colour, found.rest_cells
+        more = view_dependence(light, facing, lit, falloff, normal, cells, neighbours)
         rest = rest if more is None else rest + more
     return LayeredAtlas(
         colour=capture.fine["diffuse"].astype(np.float32),
@@ -127,8 +104,8 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
         width=plan.placed(np.log2(width)[:, None], gutter=True) if np.ptp(width) > 0 else None,
         around=around,
         materials=materials,
-        own=_placed(plan, np.concatenate([own_table, free]), COARSER),
-        rest=_placed(plan, rest, 2),
+        own=_placed(plan, np.concatenate([found.own, found.free]), COARSER),
+        rest=_placed(plan, rest, COARSER),
         through=None if capture.exits is None else _through(capture, capture.exits, around, used, neighbours),
         alpha=capture.alpha,
     )
@@ -182,31 +159,6 @@ def _colour(capture: Capture, falloff: Floats) -> Floats:
     return cast(Floats, colour.astype(np.float32))
 
 
-class _Turned(LobeSamples):
-    """Samples along the mirror directions of shading normals `normal` (K, 3)."""
-
-    normal: Floats
-
-    def along(self, some: slice) -> tuple[Floats, Floats]:
-        viewer = -straight_through(self.plan, self.square[some].astype(np.float32), some)
-        normal = self.normal[some][:, None]
-        axis = 2 * (viewer * normal).sum(axis=-1, keepdims=True) * normal - viewer
-        return planes(axis), planes(direction_to_octahedron(axis.astype(np.float32)))
-
-
-def turned_samples(samples: LobeSamples, normal: Floats) -> LobeSamples:
-    """The samples along the mirror directions about `normal` (K, 3)."""
-    turned = _Turned(samples.plan, samples.axis, samples.square, samples.values, samples.used)
-    object.__setattr__(turned, "normal", normal)
-    return turned
-
-
-def _cosines(plan: CapturePlan, square: Floats, normal: Floats, some: slice) -> Floats:
-    """N.V about the shading normals, (k, S)."""
-    viewer = -straight_through(plan, square[some].astype(np.float32), some)
-    return cast(Floats, np.clip((viewer * normal[some][:, None]).sum(axis=-1), 1e-3, 1))
-
-
 def _open_paths(capture: Capture, normal: Floats, free: Floats) -> Paths:
     """The paths that are taken to leave the object straight away."""
     ends = capture.alone
@@ -220,8 +172,8 @@ def _open_paths(capture: Capture, normal: Floats, free: Floats) -> Paths:
     def look(some: slice) -> None:
         axes, place = white.along(some)
         axis[some] = np.moveaxis(axes, 0, -1)
-        open_to[some] = Taps.of(place, OWN_CELLS).gather(free[:, some])[0]
-        cosine[some] = _cosines(ends.plan, ends.square, normal, some)
+        open_to[some] = Taps.of(place, CELLS[0][0]).gather(free[:, some])[0]
+        cosine[some] = cosines(ends.plan, ends.square, normal, some)
 
     in_blocks(look, *shape)
     chosen = open_to > _FREE
@@ -248,29 +200,6 @@ def _single(material: Material) -> Material:
     variance = (bright * material.variance).sum(axis=0) / total
     weight = np.stack([material.weight.sum(axis=0), np.zeros_like(material.weight[0])])
     return replace(material, weight=weight, variance=np.stack([np.maximum(variance, 1e-6)] * 2))
-
-
-def _shown(surface: Surface, samples: LobeSamples, own: Floats) -> tuple[Floats, Floats]:
-    """The samples' places on the octahedron's square (2, K, S), and what the model says of them (3, K, S)."""
-    shape = samples.used.shape
-    place, shown = (np.empty((count, *shape), dtype=np.float32) for count in (2, 3))
-    offset = (surface.plan.points - surface.around.middle).astype(np.float32)
-
-    def look(some: slice) -> None:
-        axis, place[:, some] = samples.along(some)
-        taps = Taps.of(place[:, some], OWN_CELLS)
-        each = np.arange(some.start, some.stop).repeat(shape[1])
-        direct, share = mirrored_light(
-            surface.around, surface.materials, offset[each], axis.reshape(3, -1).T, surface.normal[each],
-            _cosines(surface.plan, samples.square, surface.normal, some).ravel(),
-            surface.material[each], surface.width[each],
-            taps.gather(surface.free[:, some])[0].ravel(), OWN_CELLS,
-        )  # fmt: skip
-        seen = (direct + share * taps.gather(own[:, some]).reshape(3, -1)) * surface.tint[each].T
-        shown[:, some] = seen.reshape(3, -1, shape[1])
-
-    in_blocks(look, shape[0], shape[1], 1 << 16)
-    return place, shown
 
 
 def _placed(plan: CapturePlan, table: Floats, coarser: int) -> Floats:

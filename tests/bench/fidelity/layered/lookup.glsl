@@ -6,7 +6,7 @@
 //
 // What a bake has is defined before: RADTEX_COLOUR (colour and irradiance) or RADTEX_LIT (their product in one
 // texture), RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH, RADTEX_PLANE, RADTEX_THINGS, RADTEX_LAMPS (how many, 0 to 4),
-// RADTEX_MIRRORS, RADTEX_REST, RADTEX_ALPHA (what is looked up is premultiplied by radtex_alpha). What it costs is
+// RADTEX_MIRRORS, RADTEX_REST and RADTEX_OWN_CELLS, RADTEX_REST_CELLS (along buckets' sides), RADTEX_ALPHA (what is looked up is premultiplied by radtex_alpha). What it costs is
 // chosen: RADTEX_STEPS (0, 1 or 2 fetches of distances), RADTEX_OWN_TAPS and
 // RADTEX_REST_TAPS (3 or 4 cells around a direction), and for the second lobe RADTEX_WHOLE (one picture of everything,
 // as seen from the middle) or RADTEX_ALL (all that the first one looks at) or neither (no second lobe).
@@ -77,7 +77,12 @@ uniform vec4 lamp_place[RADTEX_LAMPS];  // and width²
 uniform vec3 lamp_light[RADTEX_LAMPS];
 #endif
 
-const float OWN_CELLS = 14.0, REST_CELLS = 8.0;
+#ifdef RADTEX_MIRRORS
+const float OWN_CELLS = float(RADTEX_OWN_CELLS);
+#endif
+#ifdef RADTEX_REST
+const float REST_CELLS = float(RADTEX_REST_CELLS);
+#endif
 
 // Where a direction, of any length, lies on the octahedron's square: 0 to 1.
 vec2 radtex_square(vec3 d) {
@@ -143,11 +148,13 @@ Cells radtex_three_cells(vec2 place, float n) {
     return cells;
 }
 
+#ifdef RADTEX_MIRRORS
 // How much the object leaves free, as a lobe of that width² sees it.
 float radtex_free(float kept, float width) {
     float side = 2.0 * kept - 1.0, sharper = side * max(2.56 / OWN_CELLS * inversesqrt(width + 0.0016), 1.0);
     return 0.5 + 0.5 * sharper * inversesqrt(1.0 - side * side + sharper * sharper);
 }
+#endif
 
 #if RADTEX_LAMPS > 0
 vec3 radtex_lamp(vec4 place, vec3 light, vec3 from, vec3 axis, float width) {

@@ -19,6 +19,7 @@ from tests.real.opengl import mipmapped
 
 from .atlas import LayeredAtlas
 from .compressed import Format, Texture, light_texture, picture_texture, to_srgb
+from .conditions import chosen
 from .environment import Pictures, Plane
 from .lobes import STEPS, Material
 
@@ -26,7 +27,6 @@ SRGB8_ALPHA8 = 0x8C43  # GL_SRGB8_ALPHA8
 CODE = Path(__file__).with_suffix(".glsl")
 WHOLE_SIZE = 256  # texels along a side of the picture of everything, as it is seen from the middle
 _FETCH = re.compile(r"\btexture(?:Lod)?\s*\(")
-_CONDITION = re.compile(r"defined\((\w+)\)|(\w+) (==|<|>) (\d+)|(\w+)")
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,8 @@ def lookup_of(atlas: LayeredAtlas, textures: Mapping[str, Texture], cost: Cost) 
         values["middle"] = tuple(around.middle.tolist())
         used["world"], used["own"] = textures["world"], textures["own"]
         values["world_levels"] = _levels(around.world)
-        values["own_tile"], values["own_scale"] = _tile(used["own"], 14), used["own"].scale
+        cells = defines["RADTEX_OWN_CELLS"] = atlas.own.shape[2]
+        values["own_tile"], values["own_scale"] = _tile(used["own"], cells), used["own"].scale
         _add_layers(atlas, textures, defines, used, values)
         if around.lamps:
             defines["RADTEX_LAMPS"] = len(around.lamps)
@@ -115,7 +116,8 @@ def lookup_of(atlas: LayeredAtlas, textures: Mapping[str, Texture], cost: Cost) 
             defines["RADTEX_ALL"] = 1
     if cost.rest:
         defines["RADTEX_REST"], used["rest"] = 1, textures["rest"]
-        values["rest_tile"] = _tile(used["rest"], 8)
+        cells = defines["RADTEX_REST_CELLS"] = atlas.rest.shape[2]
+        values["rest_tile"] = _tile(used["rest"], cells)
         values["rest_range"] = (used["rest"].scale, used["rest"].offset)
     return Lookup(defines, used, values)
 
@@ -214,35 +216,6 @@ def flattened(atlas: LayeredAtlas) -> Pictures:
         seen = around.look(np.zeros_like(direction), direction, variance)
         levels.append(np.ascontiguousarray(np.maximum(seen.T, 0).reshape(size, size, 3)))
     return Pictures(tuple(levels), sharpest)
-
-
-def chosen(source: str, defines: Mapping[str, int]) -> str:
-    """The lines of a shader that its #if, #ifdef, #else and #endif leave. Raises ValueError for others."""
-    kept, open_now = [], [True]
-    for line in source.splitlines():
-        word, _, condition = line.partition("//")[0].strip().partition(" ")
-        if word in ("#ifdef", "#if"):
-            open_now.append(any(_holds(part.strip(), defines) for part in condition.split("||")))
-        elif word == "#else":
-            open_now[-1] = not open_now[-1]
-        elif word == "#endif":
-            open_now.pop()
-        elif word.startswith(("#if", "#el")):
-            raise ValueError(f"{word}: not known here")
-        elif all(open_now):
-            kept.append(line.partition("//")[0])
-    return "\n".join(kept)
-
-
-def _holds(condition: str, defines: Mapping[str, int]) -> bool:
-    found = _CONDITION.fullmatch(condition)
-    if found is None:
-        raise ValueError(f"#if {condition}: not known here")
-    defined, name, sign, number, alone = found.groups()
-    if name is None:
-        return (defined or alone) in defines
-    value = defines.get(name, 0)
-    return {"==": value == int(number), "<": value < int(number), ">": value > int(number)}[sign]
 
 
 def upload(context: moderngl.Context, texture: Texture) -> moderngl.Texture:

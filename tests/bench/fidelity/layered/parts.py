@@ -30,7 +30,8 @@ from ..report import markdown
 from .atlas import LayeredAtlas
 from .capture import Captured, capture_layered
 from .compressed import MATERIAL_MAPS, compressed
-from .fit import Parts, fit_layered
+from .fit import fit_layered
+from .parts_of_fit import Parts
 
 _ALL, _COMPRESSED = "all", "all, compressed in blocks"
 

@@ -11,7 +11,7 @@ from radtex_addon.bake.gloss import LUMINANCE
 from radtex_addon.bake.pooling import SHARE, WIDER, Neighbours, Taps, upsampled
 from radtex_addon.core.arrays import Bools, Floats
 
-_STAGES = ((1, True), (2, True), (4, True), (8, True), (8, False))  # cells of a bucket, pooled widely?
+_STEPS = (1, 2, 4, 8, 14)  # cells along a bucket's side; the last ones are pooled less widely, too
 _DOUBT = 1.0  # times a step's noise: what is no larger is none
 _COLOURED = 0.25  # of a step's mean square: what it counts for though its luminance is 0
 _PRIOR = 0.02  # of a cell's samples
@@ -31,17 +31,14 @@ def fit_rest(
     table = np.zeros((3, len(used), cells * cells), dtype=np.float32)
     if not used.any():
         return table
-    bright = np.tensordot(LUMINANCE, np.maximum(planes(light), 0), axes=1)[used].mean(dtype=np.float64)
-    level = np.float32(max(float(bright), 1e-6))
-    for side, wide in _STAGES:
-        if side > cells:
-            break
+    level = mean_brightness(light, used)
+    stages = [(side, True) for side in _STEPS if side <= cells]
+    for side, wide in (*stages, (stages[-1][0], False)):
         sums = np.empty((5, len(used), side * side), dtype=np.float32)
 
         def sum_up(some: slice, side: int = side, sums: Floats = sums, table: Floats = table) -> None:
             now = shown[:, some] + Taps.of(place[:, some], cells).gather(table[:, some])
-            weight = np.maximum(np.tensordot(LUMINANCE, now, axes=1), 0)
-            weight = used[some] * (1 + weight * (3 / level)) ** np.float32(-_EYE)
+            weight = used[some] * brightness_weight(now, level)
             most = _DOUBLE * np.maximum(now, 0) + _BRIGHTEST * level
             off = weight * (np.minimum(np.maximum(planes(light[some]), 0), most) - now)
             columns = [weight, *off, np.tensordot(LUMINANCE, off, axes=1) ** 2]
@@ -58,3 +55,16 @@ def fit_rest(
             step *= np.maximum(0, 1 - _DOUBT * noise / np.maximum(size, 1e-12))
         table = (table + upsampled(step.astype(np.float32), cells)).astype(np.float32)
     return table
+
+
+def mean_brightness(light: Floats, used: Bools) -> np.float32:
+    """The mean luminance of light samples (K, S, 3) that are `used` (K, S), above 0."""
+    bright = np.tensordot(LUMINANCE, np.maximum(planes(light), 0), axes=1)[used].mean(dtype=np.float64)
+    return np.float32(max(float(bright), 1e-6))
+
+
+def brightness_weight(shown: Floats, level: np.float32) -> Floats:
+    """What errors count for where so much light (3, ...) is shown, if its mean brightness is `level`."""
+    bright = np.maximum(np.tensordot(LUMINANCE, shown, axes=1), 0)
+    weight: Floats = (1 + bright * (3 / level)) ** np.float32(-_EYE)
+    return weight

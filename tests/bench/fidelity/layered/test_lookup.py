@@ -16,9 +16,10 @@ from radtex_addon.core.octahedron import cell_directions, octahedron_to_directio
 from tests.bench.fidelity.layered.atlas import LayeredAtlas, sample_layered
 from tests.bench.fidelity.layered.bc3 import decode_bc3, encode_bc3
 from tests.bench.fidelity.layered.compressed import Texture, compressed, from_srgb, to_srgb
+from tests.bench.fidelity.layered.conditions import chosen
 from tests.bench.fidelity.layered.drawn_fragments import radiance
 from tests.bench.fidelity.layered.edge_grid import EdgePictures, on_edges
-from tests.bench.fidelity.layered.lookup import FULL, Cost, chosen, lookup_of
+from tests.bench.fidelity.layered.lookup import FULL, Cost, lookup_of
 from tests.bench.fidelity.layered.made_up import made_up_atlas, made_up_fragments
 
 _RNG = np.random.default_rng(3)

@@ -16,7 +16,8 @@ from radtex_addon.report.gbuffer import Array, GBuffer
 
 from ..layered.atlas import Fragments, LayeredAtlas, alpha_at, sample_layered
 from ..layered.capture import Captured, capture_layered
-from ..layered.fit import ALL_PARTS, Parts, fit_layered
+from ..layered.fit import fit_layered
+from ..layered.parts_of_fit import ALL_PARTS, Parts
 from ..layered.sizes import texture_bytes
 from ..method import Baked
 from ..scenes import Stage
