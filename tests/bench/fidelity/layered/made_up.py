@@ -10,15 +10,17 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
 
 from .atlas import Fragments, LayeredAtlas
+from .buckets import CELLS
 from .environment import Around, Impostor, Lamp, Layer, Pictures, Plane
 from .lobes import LOBES, STEPS, Material
 from .panoramas import panorama_directions
 
-OWN_CELLS, REST_CELLS = 14, 8
 
+def made_up_atlas(texels: int, size: int, cells: tuple[int, int] = CELLS[0]) -> LayeredAtlas:
+    """With buckets of texels / 2, colours of 4 texels and pictures of `size` cells along their sides.
 
-def made_up_atlas(texels: int, size: int) -> LayeredAtlas:
-    """With buckets of texels / 2, colours of 4 texels and pictures of `size` cells along their sides."""
+    Buckets of what the object shows of itself and of the rest have so many `cells`.
+    """
     rng = np.random.default_rng(1)
     direction = panorama_directions(2 * size)
     flat = direction.reshape(-1, 3)
@@ -41,7 +43,7 @@ def made_up_atlas(texels: int, size: int) -> LayeredAtlas:
         materials.append(Material(weight.astype(np.float32), variance.astype(np.float32), bend * narrow * 20))
     half = texels // 2
     uv = np.stack(np.meshgrid(*[(np.arange(half) + 0.5) / half] * 2), axis=-1).reshape(-1, 2)
-    own = _buckets(rng, uv, OWN_CELLS, 4)
+    own = _buckets(rng, uv, cells[0], 4)
     own[..., 3] = np.clip(own[..., 3] * 3 - 1, 0, 1)
     return LayeredAtlas(
         colour=_image(rng, 4 * texels, 3),
@@ -53,7 +55,7 @@ def made_up_atlas(texels: int, size: int) -> LayeredAtlas:
         around=around,
         materials=tuple(materials),
         own=own,
-        rest=_buckets(rng, uv, REST_CELLS, 3) * 0.4 - 0.2,
+        rest=_buckets(rng, uv, cells[1], 3) * 0.4 - 0.2,
     )
 
 

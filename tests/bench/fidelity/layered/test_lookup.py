@@ -15,6 +15,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.octahedron import cell_directions, octahedron_to_direction, sample_octahedron
 from tests.bench.fidelity.layered.atlas import LayeredAtlas, sample_layered
 from tests.bench.fidelity.layered.bc3 import decode_bc3, encode_bc3
+from tests.bench.fidelity.layered.buckets import CELLS
 from tests.bench.fidelity.layered.compressed import Texture, compressed, from_srgb, to_srgb
 from tests.bench.fidelity.layered.conditions import chosen
 from tests.bench.fidelity.layered.drawn_fragments import radiance
@@ -79,6 +80,13 @@ def test_the_shader_widens_lobes_as_the_sampler_does(context: moderngl.Context) 
     expected = sample_layered(atlas, at)
     assert _off(radiance(context, atlas, lookup_of(atlas, textures, FULL), at), expected).mean() < 3e-3
     assert _off(sample_layered(replace(atlas, width=None), at), expected).mean() > 0.02
+
+
+def test_the_shader_knows_how_many_cells_buckets_have(context: moderngl.Context) -> None:
+    atlas, textures = compressed(made_up_atlas(16, 64, CELLS[1]), near_sizes=(32, 32))
+    at = made_up_fragments(atlas, 4000)
+    off = _off(radiance(context, atlas, lookup_of(atlas, textures, FULL), at), sample_layered(atlas, at))
+    assert off.mean() < 3e-3
 
 
 @pytest.mark.parametrize(
