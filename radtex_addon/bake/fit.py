@@ -18,7 +18,7 @@ import numpy as np
 
 from ..core.arrays import Bools, Floats
 from ..core.hemisphere import square_to_direction
-from ..core.shared import Axis, Lobe, SharedAtlas, sample_falloff
+from ..core.shared import Axis, Lobe, SharedAtlas, bilinear, sample_falloff
 from . import ends as ends_fit
 from . import gloss as gloss_fit
 from .blocks import in_blocks, planes
@@ -33,6 +33,7 @@ from .surroundings import Surroundings, nearness_map
 FALLOFF_SIZE = 16
 FAR = 100.0  # of the object's size: where the world is
 GRAZING = 0.1  # N.I below which a sample is not fitted: the facet's own horizon is near
+_BLACK = 1e-3  # a colour's channel that tells nothing of the light
 _FAINT = 1e-3  # of all light: a lobe with less is left out
 _OUTLIER = 1.5  # length of an end: there, paths' weights differed too much to tell a direction
 _FEW = 0.25  # samples a cell of a texel's bucket, below which its near neighbours' do not fill it
@@ -68,10 +69,12 @@ def fit_shared(
     used = facing > 0
     falloff, diffuse = fit_diffuse(light, facing)
     del facing
-    irradiance = _divide_out(diffuse, light, falloff)
-    around = Surroundings.of(surroundings, size)
     few = light.square.shape[1] < _FEW * cells * cells
-    fit = _LobeFit(light, ends, used, around, Neighbours(plan, few), cells)
+    neighbours = Neighbours(plan, few)
+    own = frontal_colour(light, falloff, _at_texels(colour, plan), neighbours)
+    irradiance = np.divide(diffuse, own, out=np.zeros_like(diffuse), where=own > _BLACK)
+    around = Surroundings.of(surroundings, size)
+    fit = _LobeFit(light, ends, used, around, neighbours, cells)
     parts: dict[Axis, list[Floats]] = {}
     lost = 0.0
     brightness = {axis: _sum_of(_lobe_light(light, axis), used) for axis in Axis}
@@ -263,10 +266,26 @@ def fit_diffuse(samples: LightSamples, facing: Floats) -> tuple[Floats, Floats]:
     return falloff, frontal.T.astype(np.float32)
 
 
-def _divide_out(diffuse: Floats, samples: LightSamples, falloff: Floats) -> Floats:
-    """Irradiance, the diffuse light over its colour: the texels' own colour, at their own points."""
+def frontal_colour(samples: LightSamples, falloff: Floats, frontal: Floats, neighbours: Neighbours) -> Floats:
+    """The texels' diffuse colour along the normal, (K, 3), by which light is divided: irradiance is left.
+
+    The mean over viewers tells a texel's own colour with the least noise, but not how it falls off: a coat
+    darkens it towards the rim, what scatters below the surface does not. So it is made as bright as `frontal`
+    (K, 3), the colour pass along the normal, is around each texel; nearby, as materials differ.
+    """
     cosine = _cosine(samples.square[:: max(1, len(samples.square) // 256)])
     in_the_mean = sample_falloff(falloff, cosine.ravel()).mean(axis=0)
-    colour = samples.colour / np.maximum(in_the_mean, 1e-6)
-    divided: Floats = np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
-    return divided
+    colour: Floats = (samples.colour / np.maximum(in_the_mean, 1e-6)).astype(np.float32)
+    both = np.concatenate([frontal, colour], axis=1).T[..., None].astype(np.float32)
+    seen, told = np.split(neighbours.pool(np.ascontiguousarray(both))[..., 0].T, 2, axis=1)
+    colour *= np.divide(seen, told, out=np.ones_like(told), where=told > _BLACK)
+    return colour
+
+
+def _at_texels(image: Floats, plan: CapturePlan) -> Floats:
+    """A finer image (H', W', 3) at the middles of the plan's texels, (K, 3)."""
+    size = (plan.layout.width, plan.layout.height)
+    j, i = np.divmod(plan.texel, size[0])
+    uv = (np.stack([i, j], axis=1) + 0.5) / size
+    found: Floats = bilinear(image, uv.astype(np.float32))
+    return found

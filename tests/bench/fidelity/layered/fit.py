@@ -18,7 +18,7 @@ from radtex_addon.bake.pooling import Neighbours, Taps
 from radtex_addon.core.arrays import Bools, Floats, Ints
 from radtex_addon.core.gutter import dilate, nearest_covered
 from radtex_addon.core.octahedron import cell_directions
-from radtex_addon.core.shared import Axis, sample_falloff
+from radtex_addon.core.shared import Axis
 
 from .atlas import LayeredAtlas
 from .buckets import CELLS, cosines, fit_buckets, turned_samples
@@ -73,11 +73,11 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
     normal, normal_map = shading_normals(plan, *maps, parts.normals)
     tint, tint_map = tints(plan, capture.material, *maps, parts.tint)
     falloff, diffuse = shared_fit.fit_diffuse(light, facing)
-    colour = _colour(capture, falloff)
+    colour = capture.coarse["diffuse"].reshape(-1, 3)[plan.texel].astype(np.float32)
     if parts.smooth:
         irradiance = fit_irradiance(light, facing, falloff, colour, neighbours)
     else:
-        irradiance = shared_fit._divide_out(diffuse, light, falloff)
+        irradiance = np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
     rays = turned_samples(capture.own.rays, normal)
     own = replace(capture.own, rays=rays)
     free = free_share(rays, ~own.hit, neighbours, CELLS[0][0])
@@ -139,24 +139,6 @@ def _flat_level(around: Around, level: Floats) -> Floats:
     direction = cell_directions(size).astype(np.float32)
     without = replace(around, lamps=())
     return cast(Floats, without.look(np.zeros_like(direction), direction, variance).T.reshape(level.shape))
-
-
-def _colour(capture: Capture, falloff: Floats) -> Floats:
-    """The texels' diffuse colour along the normal, (K, 3).
-
-    The mean over viewers tells it with the least noise, but not how it falls off: below the surface, colours
-    stay as they are. So each material's is made as bright as its colour along the normal is.
-    """
-    light = capture.light
-    cosine = shared_fit._cosine(light.square[:: max(1, len(light.square) // 256)])
-    mean = sample_falloff(falloff, cosine.ravel()).mean(axis=0)
-    colour = light.colour / np.maximum(mean, 1e-6)
-    frontal = capture.coarse["diffuse"].reshape(-1, 3)[light.plan.texel]
-    for number in np.unique(capture.material):
-        own = capture.material == number
-        total = colour[own].sum(axis=0)
-        colour[own] *= np.divide(frontal[own].sum(axis=0), total, out=np.ones_like(total), where=total > 0)
-    return cast(Floats, colour.astype(np.float32))
 
 
 def _open_paths(capture: Capture, normal: Floats, free: Floats) -> Paths:
