@@ -196,3 +196,17 @@ def test_few_samples_tell_little_but_no_nonsense() -> None:
     fitted = known.fit(known.light(16), known.ends(4), known.surroundings(16))
     found, truth = known.shown(fitted.atlas)
     assert np.percentile(relative_error(found, truth), 90) < 0.15
+
+
+@pytest.mark.parametrize("colour_falls_off", [False, True])
+def test_irradiance_times_colour_is_the_light_whether_or_not_the_colour_falls_off(
+    colour_falls_off: bool,
+) -> None:
+    known = Known(sphere(), colour=CHEQUERS)
+    light = known.light()
+    curve = (0.5 + 0.5 * square_to_direction(light.square)[..., 2:]).astype(np.float32)
+    own = light.colour * (curve.mean(axis=1) if colour_falls_off else 1)  # below the surface it does not
+    atlas = known.fit(replace(light, diffuse=light.diffuse * curve, colour=own)).atlas
+    straight = light.diffuse.mean(axis=1) * (0.5 + 0.5 * (len(atlas.falloff) - 0.5) / len(atlas.falloff))
+    shown = (known.colour * atlas.irradiance).reshape(-1, 3)[known.plan.texel]
+    np.testing.assert_allclose(shown.sum(axis=0), straight.sum(axis=0), rtol=0.01)
