@@ -33,7 +33,7 @@ def view_dependence(
     """What diffuse samples have beyond `diffuse` (K, 3) times `falloff`: (3, K, cells * cells).
 
     By the mirror direction about the shading `normal` (K, 3). `facing` (K, S): N.V of the samples that count,
-    of others 0. None where harmonics of half of the samples do not foretell the other half.
+    of others 0. None where harmonics of half of the samples do not predict the other half.
     """
     used = facing > 0
     direction = square_to_direction(light.square).astype(np.float32)
