@@ -26,13 +26,12 @@ from radtex_addon.core.shared import Axis
 from .atlas import mirrored_light
 from .own_light import OwnRays, Surface, own_light
 from .parts_of_fit import Parts
-from .residual import brightness_weight, fit_rest, mean_brightness
+from .residual import BRIGHTEST, brightness_weight, fit_rest, mean_brightness
 from .visibility import free_share
 
 CELLS = ((14, 8), (8, 14))  # along the sides of buckets of what the object shows of itself, and of the rest
 _MIRRORS_ITSELF = 0.25  # share of mirror rays that meet the object, from which on there is no choice
 _SEED = 2
-_MOST = 12.0  # times the mean luminance: a sample that is brighter counts for no more
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +57,11 @@ def fit_buckets(
     number = 0
     if len(choices) > 1:
         half = np.random.default_rng(_SEED).random(used.shape) < 0.5
-        weight = brightness_weight(models[0].shown, mean_brightness(light.mirrored, used))
+        level = mean_brightness(light.mirrored, used)
+        weight, most = brightness_weight(models[0].shown, level), np.float32(BRIGHTEST * level)
         errors = [
-            fit.error(model, cells, half, weight) for model, (_, cells) in zip(models, choices, strict=True)
+            fit.error(model, cells, half, weight, most)
+            for model, (_, cells) in zip(models, choices, strict=True)
         ]
         number = int(np.argmin(errors))
     model, cells = models[number], choices[number][1]
@@ -105,10 +106,12 @@ class _Fit:
     def rest(self, model: _Model, cells: int, used: Bools) -> Floats:
         return fit_rest(model.place, self.light.mirrored, used, model.shown, self.neighbours, cells)
 
-    def error(self, model: _Model, cells: int, half: Bools, weight: Floats) -> float:
-        """The mean square error in the samples that are not in `half`, of a rest that is fitted to that."""
+    def error(self, model: _Model, cells: int, half: Bools, weight: Floats, most: np.float32) -> float:
+        """The sum of weighted squares of errors in the samples that are not in `half`.
+
+        Of a rest that is fitted to that half. What is brighter than `most` counts as that.
+        """
         rest = self.rest(model, cells, self.used & half)
-        most = np.float32(_MOST * mean_brightness(self.light.mirrored, self.used))
 
         def squares(some: slice) -> float:
             told = model.shown[:, some] + Taps.of(model.place[:, some], cells).gather(rest[:, some])

@@ -92,8 +92,8 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
     found = fit_buckets(surface, own, light, used, neighbours, parts)
     rest = found.rest
     if parts.rest:
-        lit, cells = irradiance * colour, found.rest_cells
-        more = view_dependence(light, facing, lit, falloff, normal, cells, neighbours)
+        cells = found.rest_cells
+        more = view_dependence(light, facing, surface.diffuse, falloff, normal, cells, neighbours)
         rest = rest if more is None else rest + more
     return LayeredAtlas(
         colour=capture.fine["diffuse"].astype(np.float32),

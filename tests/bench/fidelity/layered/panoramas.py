@@ -101,15 +101,15 @@ def look_around(scene: bpy.types.Scene, subject: str, middle: Floats, folder: Pa
         solid = (where["Combined"][..., 3] > _SOLID).ravel()
         if not solid.any():
             continue
-        shape: Plane | Impostor | None = plane
-        if plane is None:
-            pictures = Pictures.of(direction, seen["Combined"], SIZE)
-        else:
+        shape: Plane | Impostor
+        if plane is not None:
+            shape = plane
             pictures = Pictures.of(*_with_mirror_image(plane, direction, seen["Combined"]), SIZE)
-        if shape is None:
+        else:
             position = where["Position"].reshape(-1, where["Position"].shape[-1])[:, :3]
             distance = np.linalg.norm(position - middle, axis=1)
             shape = Impostor.of(direction.reshape(-1, 3)[solid], distance[solid])
+            pictures = Pictures.of(direction, seen["Combined"], SIZE)
         layers.append(Layer(pictures, shape))
     paths = WORLD_WIDTH**2 // 2 + len(near) * (NEAR_SAMPLES + 1) * NEAR_WIDTH**2 // 2
     return Panoramas(world, tuple(layers), paths)

@@ -15,7 +15,7 @@ _STEPS = (1, 2, 4, 8, 14)  # cells along a bucket's side; the last ones are pool
 _DOUBT = 1.0  # times a step's noise: what is no larger is none
 _COLOURED = 0.25  # of a step's mean square: what it counts for though its luminance is 0
 _PRIOR = 0.02  # of a cell's samples
-_BRIGHTEST = 12.0  # times the mean luminance: a sample that is brighter than its model by more is limited
+BRIGHTEST = 12.0  # times the mean luminance: a sample that is brighter than its model by more is limited
 _DOUBLE = 3.0  # times its model: more of it than that is limited, too
 _EYE = 1.1  # power of the brightness that an error is relative to
 
@@ -39,7 +39,7 @@ def fit_rest(
         def sum_up(some: slice, side: int = side, sums: Floats = sums, table: Floats = table) -> None:
             now = shown[:, some] + Taps.of(place[:, some], cells).gather(table[:, some])
             weight = used[some] * brightness_weight(now, level)
-            most = _DOUBLE * np.maximum(now, 0) + _BRIGHTEST * level
+            most = _DOUBLE * np.maximum(now, 0) + BRIGHTEST * level
             off = weight * (np.minimum(np.maximum(planes(light[some]), 0), most) - now)
             columns = [weight, *off, np.tensordot(LUMINANCE, off, axes=1) ** 2]
             sums[:, some] = Taps.of(place[:, some], side).scatter(columns)
