@@ -152,11 +152,11 @@ class Prepared:
             owner = np.repeat(np.arange(len(self.pieces)), self.counts)[triangle]
         return (yield from find_hidden(self.seen, plan, folder, keeper, owner))
 
-    def texels(self, finer: int = 1) -> TexelMap:
+    def texels(self, finer: float = 1) -> TexelMap:
         """Points to capture, `finer` times as many along each side; with a source those on it."""
         if self.source is not None:
             return self.source.texels
-        found = rasterise(self.surface, self.width * finer, self.height * finer)
+        found = rasterise(self.surface, round(self.width * finer), round(self.height * finer))
         if len(self.pieces) == 1:
             return inset(found, self.surface, _RIM * ray_offset(self.surface.position))
         offset = np.repeat([_own_offset(piece) for piece in self.pieces], self.counts)

@@ -30,7 +30,7 @@ from ..scenes import Stage
 from ..surface_alone import surface_alone
 from .environment import Around
 from .exits import capture_exits
-from .fit import Capture
+from .fit import COARSER, Capture
 from .lamps import find_lamps
 from .maps import capture_maps
 from .opacity import find_opacity
@@ -48,7 +48,7 @@ class Rays:
 
     light: int = 16
     ends: int = 10
-    exits: int = 1
+    exits: int = 2
 
     @classmethod
     def of(cls, samples: int) -> Rays:
@@ -121,11 +121,11 @@ def capture_layered(stage: Stage, spec: BakeSpec, folder: Path) -> Captured:
         paths += len(probe.texel) * PROBES * PROBE_CELLS**2 + seen.paths
         exits = None
         if lets_through(lone, light):
-            place = (beside.matrix, middle, radius)
+            coarser = plan_capture(prepared.texels(1 / COARSER), EXIT_CELLS)
             exits = capture_exits(
-                scratch, item, mesh, *place, plan(EXIT_CELLS), rays.exits, spec.seed, folder
+                scratch, item, mesh, beside.matrix, middle, radius, coarser, rays.exits, spec.seed, folder
             )
-            paths += 4 * exits.weight.size
+            paths += 3 * exits.weight.size
         faces = np.empty(len(prepared.mesh.polygons), dtype=np.int32)
         cast(Any, prepared.mesh.polygons).foreach_get("material_index", faces)
         around = Around(middle, seen.world, seen.layers, lamps)

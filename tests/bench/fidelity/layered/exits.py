@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The rays in which paths that enter the object leave it again, traced by Cycles with the object's materials.
 
-Each path is traced twice with the same random numbers: alone in a world that emits its rays' directions, and
-in a sphere that emits its points' directions from the middle. Both together are the line that the path leaves
-along, whatever it met inside: refraction, normal maps, total reflection, the scene's limits of bounces.
+Each path is traced three times with the same random numbers: in a white world, which tells how much gets
+through; in a world that emits its rays' directions; and in a sphere that emits its points' directions from
+the middle. The last two are the line that the path leaves along, whatever it met inside: refraction, normal
+maps, total reflection, the scene's limits of bounces.
 """
 
 from __future__ import annotations
@@ -21,9 +22,10 @@ from radtex_addon.bake.gloss import LUMINANCE
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.spec import Kind
 from radtex_addon.core.arrays import Floats
-from radtex_addon.cycles.path_ends import PathEnds, path_ends
+from radtex_addon.cycles.passes import Passes, raw_light_of
+from radtex_addon.cycles.path_ends import TURNS, PathEnds, any_dark, from_directions, path_ends
 from radtex_addon.cycles.portal import Aim, PortalCapture
-from radtex_addon.cycles.sampling import _MIRRORED, _THROUGH, _tiles, _trace_ends
+from radtex_addon.cycles.sampling import _LOBES, _MIRRORED, _THROUGH, _tiles
 from radtex_addon.scene.others import RAYS, Beside, Placed, Shape
 from radtex_addon.scene.scratch import scene_copied
 
@@ -71,8 +73,12 @@ def capture_exits(
     shape = (times, count, cells)
     weight, colour = np.empty(shape, dtype=np.float32), np.zeros((count, 3), dtype=np.float32)
     direction, place = (np.empty((*shape, 3), dtype=np.float32) for _ in range(2))
+    white: list[_White] = []
     with _ends(scratch, item, mesh, Beside(matrix, ()), middle) as ends:
-        for number, (weights, found) in enumerate(_traced(ends, plan, times, seed, folder)):
+        trace = _Trace(ends, plan, seed, folder)
+        for number in range(times):
+            white.append(trace.white(number))
+            found, weights = trace.ends(number, white[number]), white[number].weight
             length = np.linalg.norm(found, axis=-1, keepdims=True)
             single = length[..., 0] > _SINGLE
             weight[number] = np.where(single, weights @ LUMINANCE, 0)
@@ -80,7 +86,9 @@ def capture_exits(
             colour += (weights * single[..., None]).sum(axis=1)
     wide = _WIDER * radius
     with _ends(scratch, item, mesh, Beside(matrix, (_sphere(middle, wide),)), middle) as ends:
-        for number, (_, found) in enumerate(_traced(ends, plan, times, seed, folder)):
+        trace = _Trace(ends, plan, seed, folder)
+        for number in range(times):
+            found = trace.ends(number, white[number])
             length = np.linalg.norm(found, axis=-1, keepdims=True)
             met = found * wide / np.maximum(length, 1e-6)
             along = (met * direction[number]).sum(axis=-1, keepdims=True)
@@ -113,22 +121,45 @@ def _ends(
         yield ends
 
 
-def _traced(
-    ends: PathEnds, plan: CapturePlan, times: int, seed: int, folder: Path
-) -> Iterator[tuple[Floats, Floats]]:
-    """Weights and ends of paths, (K, n*n, 3) each, as often as is asked for."""
-    aim = Aim(np.full((len(plan.texel), 2), 0.5), _MIRRORED + _THROUGH)
-    capture = PortalCapture(ends.scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
-    for number in range(times):
-        capture.reseed(seed + number)
-        tiles = [_trace_ends(ends, capture, tile) for tile in _tiles(plan)]
-        weight, end = (
-            np.concatenate([found[name].astype(np.float32) for found in tiles]).reshape(
-                len(plan.texel), -1, 3
-            )
-            for name in ("through_weight", "through_end")
-        )
-        yield weight, end
+@dataclass(frozen=True, eq=False)
+class _White:
+    """What paths let through of white light, (K, n*n, 3): `raw`, as rendered, and `weight` in Rec.709."""
+
+    raw: Floats
+    weight: Floats
+
+
+class _Trace:
+    """Paths through the middles of a plan's cells, the same each time the same `number` is asked for."""
+
+    def __init__(self, ends: PathEnds, plan: CapturePlan, seed: int, folder: Path) -> None:
+        self._ends, self._plan, self._seed = ends, plan, seed
+        aim = Aim(np.full((len(plan.texel), 2), 0.5), _MIRRORED + _THROUGH)
+        self._capture = PortalCapture(ends.scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
+
+    def white(self, number: int) -> _White:
+        """What they let through."""
+        self._ends.emit_white()
+        passes = self._render(number)
+        raw = [raw_light_of(one, _LOBES["through"]) for one in passes]
+        weight = [np.maximum(one.in_rec709(light), 0) for one, light in zip(passes, raw, strict=True)]
+        return _White(self._whole(raw), self._whole(weight).astype(np.float32))
+
+    def ends(self, number: int, white: _White) -> Floats:
+        """Where they end, (K, n*n, 3), as `path_ends` has it."""
+        coded = []
+        for turn in range(TURNS if any_dark(white.raw) else 1):
+            self._ends.emit_directions(turn)
+            coded.append(self._whole([raw_light_of(one, _LOBES["through"]) for one in self._render(number)]))
+        return from_directions(coded, white.raw).astype(np.float32)
+
+    def _render(self, number: int) -> list[Passes]:
+        self._capture.reseed(self._seed + number)
+        with self._ends.named_alike():
+            return [self._capture.render_passes(tile) for tile in _tiles(self._plan)]
+
+    def _whole(self, tiles: list[Floats]) -> Floats:
+        return np.concatenate(tiles).reshape(len(self._plan.texel), -1, 3)
 
 
 def _sphere(middle: Floats, radius: float) -> Placed:

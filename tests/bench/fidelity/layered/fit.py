@@ -114,13 +114,11 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
 def _through(
     capture: Capture, exits: ExitSamples, around: Around, used: Bools, neighbours: Neighbours
 ) -> Through:
-    ways = fit_ways(exits, neighbours)
-    rest = fit_through_rest(ways, exits, capture.light, around, used, neighbours)
-    return Through(
-        _placed(exits.plan, ways, COARSER),
-        exits.plan.placed(exits.colour, gutter=True),
-        _placed(capture.light.plan, rest, COARSER),
-    )
+    ways = fit_ways(exits, Neighbours(exits.plan, False))
+    none = np.zeros((1, 1, 1, 1, 3), dtype=np.float32)
+    through = Through(_placed(exits.plan, ways, 1), exits.plan.placed(exits.colour, gutter=True), rest=none)
+    rest = fit_through_rest(through, capture.light, around, used, neighbours)
+    return replace(through, rest=_placed(capture.light.plan, rest, COARSER))
 
 
 def _around(around: Around, parts: Parts) -> Around:

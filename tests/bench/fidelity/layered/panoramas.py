@@ -20,8 +20,8 @@ from radtex_addon.scene.scratch import render_scene
 
 from .environment import Impostor, Layer, Pictures, Plane
 
-WORLD_WIDTH = 1536  # of the world's panorama in pixels, one ray each: it is free of noise
-NEAR_WIDTH, NEAR_SAMPLES = 896, 4  # of those of near things, which are denoised
+WORLD_WIDTH = 1280  # of the world's panorama in pixels, one ray each: it is free of noise
+NEAR_WIDTH, NEAR_SAMPLES = 896, 3  # of those of near things, which are denoised
 SIZE = 512  # cells along a side of the pictures that are made of them
 EYE = 2.0  # times the middle's height above a plane: whence it is seen, or its far parts are a few pixels
 _FLAT = 1e-3  # thickness of a flat thing, in its length

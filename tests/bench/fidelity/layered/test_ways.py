@@ -17,7 +17,7 @@ from .environment import Around, Layer, Pictures, Plane
 from .exits import ExitSamples, in_texels_frames
 from .panoramas import panorama_directions
 from .through import fit_ways
-from .ways import CHANNELS, Through, look_through, shown_of, square_taps
+from .ways import CHANNELS, Through, agreeing, look_through, shown_of, square_taps
 
 pytestmark = pytest.mark.one_blender
 
@@ -123,6 +123,18 @@ def test_a_clear_sheet_shows_the_floor_where_it_is() -> None:
     clear = np.abs(met - 0.25) > 0.08
     np.testing.assert_allclose(seen[0][clear], 0.8 * (met[clear] > 0.25), atol=0.1)
     assert 0.2 < (met > 0.25).mean() < 0.8
+
+
+def test_where_ways_part_the_strongest_is_followed() -> None:
+    down, aside = np.array([0, 0, -1.0]), np.array([1.0, 0, 0])
+    way = [np.concatenate([share * to, [share, 0, 0, 0, 0]]) for share, to in ((0.5, down), (0.3, aside))]
+    near = 0.1 * (down + 0.1 * aside) / np.linalg.norm(down + 0.1 * aside)
+    way.append(np.concatenate([near, [0.1, 0, 0, 0, 0]]))
+    found = agreeing(np.stack(way)[:, None].astype(np.float32))[0]
+    assert found[3] == pytest.approx(0.9)  # as bright as all of them
+    direction = found[:3] / np.linalg.norm(found[:3])
+    expected = 0.5 * down + near
+    np.testing.assert_allclose(direction, expected / np.linalg.norm(expected), atol=1e-5)
 
 
 def test_ways_that_disagree_are_blurred() -> None:

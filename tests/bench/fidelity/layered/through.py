@@ -12,15 +12,15 @@ import numpy as np
 
 from radtex_addon.bake.blocks import in_blocks, planes
 from radtex_addon.bake.gloss import LobeSamples
-from radtex_addon.bake.light_samples import EndSamples, LightSamples
-from radtex_addon.bake.pooling import Neighbours, Taps
+from radtex_addon.bake.light_samples import EndSamples, LightSamples, straight_through
+from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.shared import Axis
 
 from .environment import Around
 from .exits import ExitSamples
 from .residual import fit_rest
-from .ways import CHANNELS, shown_of, square_taps
+from .ways import CHANNELS, Through, look_through
 
 REST_CELLS = 8  # along the sides of buckets
 _FAINT = 1e-3  # of all light: what comes through and is less is left out
@@ -89,7 +89,7 @@ def _chief(exits: ExitSamples, around: Floats) -> tuple[Floats, Floats]:
         place = (keep[..., None] * exits.place[:, some]).sum(axis=0) / total[..., None]
         length = np.linalg.norm(mean, axis=-1)
         paths = np.maximum((keep > 0).sum(axis=0), 1)
-        variance = np.where(paths > 1, (1 - length) * paths / np.maximum(paths - 1, 1), 0)
+        variance = np.where(paths > 1, np.maximum(1 - length, 0) * paths / np.maximum(paths - 1, 1), 0)
         share = keep.sum(axis=0) / times
         found[:3, some] = planes(mean / np.maximum(length, _LEAST)[..., None]) * share
         found[3, some] = share
@@ -102,27 +102,26 @@ def _chief(exits: ExitSamples, around: Floats) -> tuple[Floats, Floats]:
 
 
 def fit_through_rest(
-    ways: Floats, exits: ExitSamples, light: LightSamples, around: Around, used: Bools, neighbours: Neighbours
+    through: Through, light: LightSamples, around: Around, used: Bools, neighbours: Neighbours
 ) -> Floats:
-    """What the ways (8, K, n*n) do not show of light samples: (3, K, m*m). `used` (K, S): which count."""
+    """What the ways do not show of light samples: (3, K, m*m). `used` (K, S): which count."""
     plan = light.plan
     samples = LobeSamples(plan, Axis.THROUGH, light.square, light.through, used)
-    shape, n = used.shape, exits.plan.layout.bucket
+    shape = used.shape
     place, shown = (np.empty((count, *shape), dtype=np.float32) for count in (2, 3))
-
-    fields = (plan.tangent, plan.bitangent, plan.normal)
-    axes = [field.reshape(-1, 3)[: len(plan.texel)].astype(np.float32) for field in fields]
+    axes = [axis.reshape(-1, 3)[: len(plan.texel)] for axis in (plan.tangent, plan.bitangent, plan.normal)]
+    frame = np.stack(axes, axis=1).astype(np.float32)
     offset = (plan.points - around.middle).astype(np.float32)
+    row, column = np.divmod(plan.texel, plan.layout.width)
+    uv = np.stack([(column + 0.5) / plan.layout.width, (row + 0.5) / plan.layout.height], axis=1)
 
     def look(some: slice) -> None:
         _, place[:, some] = samples.along(some)
-        cells, weights = square_taps(light.square[some].astype(np.float32), n)
-        first = np.arange(cells.shape[1], dtype=np.intp)[:, None] * (n * n)
-        found = Taps(cells + first, weights, n).gather(ways[:, some])
+        viewer = -straight_through(plan, light.square[some].astype(np.float32), some).reshape(-1, 3)
         each = np.arange(some.start, some.stop).repeat(shape[1])
-        frame = (axes[0][each], axes[1][each], axes[2][each])
-        seen = shown_of(around, found.reshape(CHANNELS, -1).T, offset[each], frame).reshape(3, -1, shape[1])
-        shown[:, some] = seen * exits.colour[some].T[..., None]
+        axes = (frame[each, 0], frame[each, 1], frame[each, 2])
+        seen = look_through(through, around, uv[each].astype(np.float32), offset[each], axes, viewer)
+        shown[:, some] = seen.reshape(3, -1, shape[1])
 
     in_blocks(look, shape[0], shape[1], 1 << 16)
     return fit_rest(place, light.through, used, shown, neighbours, REST_CELLS)

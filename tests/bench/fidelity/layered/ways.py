@@ -23,6 +23,7 @@ from .environment import Around
 Frame = tuple[Floats, Floats, Floats]  # tangent, bitangent and normal, (N, 3) each, in world space
 
 CHANNELS = 8  # of a way: weight x direction, weight, weight x place, weight x variance
+_APART, _ALIKE = 0.8, 0.95  # cosines between ways of different and of the same kind
 _EVEN = 0.03  # radians²: variance of directions that lie as far apart as neighbouring cells' do
 
 
@@ -52,13 +53,32 @@ def look_through(
     height, width, n = through.ways.shape[:3]
     cells, shares = square_taps(in_frame(viewer, frame), n)
     flat = through.ways.reshape(height * width, n * n, -1)
-    found = np.zeros((len(uv), flat.shape[2]), dtype=np.float32)
-    for texel, part in bilinear_texels(uv.astype(np.float32), width, height):
-        for cell, share in zip(cells, shares, strict=True):
-            found += (part * share).astype(np.float32)[:, None] * flat[texel, cell]
+    found = agreeing(
+        np.stack(
+            [
+                (part * share).astype(np.float32)[:, None] * flat[texel, cell]
+                for texel, part in bilinear_texels(uv.astype(np.float32), width, height)
+                for cell, share in zip(cells, shares, strict=True)
+            ]
+        )
+    )
     return cast(
         Floats, shown_of(around, found, offset, frame) * bilinear(through.colour, uv.astype(np.float32)).T
     )
+
+
+def agreeing(ways: Floats) -> Floats:
+    """The sum (N, 8) of those of ways (T, N, 8) that go where the strongest one does, as bright as all.
+
+    Where a face begins to be met, neighbouring cells' ways part; their mean is a way that no path takes.
+    """
+    length = np.linalg.norm(ways[..., :3], axis=-1)
+    chief = np.take_along_axis(ways, length.argmax(axis=0)[None, :, None], axis=0)[0, :, :3]
+    cosine = (ways[..., :3] * chief).sum(axis=-1)
+    cosine /= np.maximum(length * np.linalg.norm(chief, axis=-1), 1e-12)
+    kept = (ways * np.clip((cosine - _APART) / (_ALIKE - _APART), 0, 1)[..., None]).sum(axis=0)
+    total = ways[..., 3].sum(axis=0)
+    return cast(Floats, kept * (total / np.maximum(kept[:, 3], 1e-9))[:, None])
 
 
 def in_frame(viewer: Floats, frame: Frame) -> Floats:
@@ -87,7 +107,7 @@ def shown_of(around: Around, ways: Floats, offset: Floats, frame: Frame) -> Floa
     weight = np.maximum(ways[:, 3], 1e-6)
     length = np.linalg.norm(ways[:, :3], axis=1)
     apart = np.maximum(1 - length / weight - _EVEN, 0)
-    variance = (ways[:, 7] / weight + apart).astype(np.float32)
+    variance = np.maximum(ways[:, 7] / weight + apart, 0).astype(np.float32)
     away = ways[:, :3] / np.maximum(length, 1e-9)[:, None]
     from_here = ways[:, 4:7] / weight[:, None]
     axes = np.stack(frame, axis=1)  # (N, axis, component)
