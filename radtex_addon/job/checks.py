@@ -25,6 +25,7 @@ from ..preview.node_group import check_previewable
 from ..preview.shared_group import check_shared_previewable
 from ..scene.active_camera import camera_dependent
 from ..scene.cage import find_cage
+from ..scene.camera_nodes import camera_materials
 from ..scene.copy import UV_LAYER
 from ..scene.enclosed import find_content
 from ..scene.eye import find_eye
@@ -97,6 +98,8 @@ def _warnings(
 ) -> list[str]:
     """What bakes, but hardly as it is meant."""
     warnings = [*lacking(), *camera_dependent(layer)]
+    if spec.kind is Kind.RADIANCE:
+        warnings.extend(line for item in items for line in camera_materials(item))
     if spec.kind not in (*OCCLUSION, Kind.TRANSFER) and not spec.lights and is_dark(scene, layer):
         warnings.append(f"scene '{scene.name}' has no light: no lamp, a black world, nothing that emits")
     if spec.capture is CaptureMethod.PORTAL:

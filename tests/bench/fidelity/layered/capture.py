@@ -32,7 +32,7 @@ from .environment import Around
 from .exits import capture_exits
 from .fit import COARSER, Capture
 from .lamps import find_lamps
-from .maps import capture_maps
+from .maps import capture_maps, depends_on_angle
 from .opacity import find_opacity
 from .own_rays import capture_own_rays
 from .panoramas import look_around
@@ -75,7 +75,8 @@ class Captured:
 def capture_layered(stage: Stage, spec: BakeSpec, folder: Path) -> Captured:
     """Capture the stage, which the open file must hold; `folder` takes temporary files.
 
-    Raises InputError where no texel is covered, BakeError where Cycles fails.
+    Raises InputError where no texel is covered or the object is clear everywhere, BakeError where Cycles
+    fails.
     """
     scene = cast(bpy.types.Scene, bpy.context.scene)
     kept: list[bpy.types.ID] = []
@@ -105,9 +106,9 @@ def capture_layered(stage: Stage, spec: BakeSpec, folder: Path) -> Captured:
             unseen = hidden.of_texels(np.isin(probe.texel, lit.texel)).cells
             light = finished(capture_samples(copy, lit, unseen, spec.seed, folder))
         with scene_copied(scratch) as copy:
-            fine_maps = capture_maps(copy, fine, spec.seed, folder)
+            fine_maps = capture_maps(copy, fine, spec.seed, folder, depends_on_angle(clear))
         with scene_copied(scratch) as copy:
-            coarse_maps = capture_maps(copy, plan(1), spec.seed, folder)
+            coarse_maps = capture_maps(copy, plan(1), spec.seed, folder, depends_on_angle(clear))
         with scene_copied(scratch) as copy:
             own_plan, uv_layer = plan(OWN_SIDE), prepared.uv_layer
             own = capture_own_rays(

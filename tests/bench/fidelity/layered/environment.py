@@ -222,11 +222,13 @@ class Around:
         return light.astype(np.float32)
 
 
-def lamps_of(direction: Floats, radiance: Floats, places: Sequence[Floats]) -> tuple[Lamp, ...]:
+def lamps_of(
+    direction: Floats, radiance: Floats, places: Sequence[Floats], shares: Sequence[float] | None = None
+) -> tuple[Lamp, ...]:
     """Lamps from a picture of them alone, in size x size cells of the octahedron.
 
     `direction` (P, 3) and `radiance` (P, 3) are the cells'; `places` (3,) the lamps', from the middle. A lamp
-    that covers no cell's centre is left out.
+    that covers no cell's centre is left out. `shares`: the lamps' width² over that of what the picture shows.
     """
     lit = radiance.sum(axis=1) > 0
     solid = 4 * np.abs(direction[lit]).sum(axis=1) ** 3 / len(direction)  # of a cell, on the sphere
@@ -243,6 +245,7 @@ def lamps_of(direction: Floats, radiance: Floats, places: Sequence[Floats]) -> t
         centre /= np.linalg.norm(centre)
         squared = 2 * np.maximum(1 - seen @ centre, 0)
         variance = float((squared * weight).sum() / weight.sum() / 2)
+        variance *= 1.0 if shares is None else shares[number]
         at = centre * np.linalg.norm(place)
         found.append(Lamp(at.astype(np.float32), sent.sum(axis=0), max(variance, 1e-7)))
     return tuple(found)

@@ -13,6 +13,7 @@ import numpy as np
 from radtex_addon.bake.light_samples import EndSamples, LightSamples
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.core.arrays import Floats, Ints
+from radtex_addon.core.errors import InputError
 from radtex_addon.scene.scratch import scene_copied
 
 from ..surface_alone import Clear
@@ -86,12 +87,20 @@ def find_opacity(
     seed: int,
     folder: Path,
 ) -> Opacity:
-    """The alpha at two plans of one cell each, as `capture_alpha` finds it."""
+    """The alpha at two plans of one cell each, as `capture_alpha` finds it.
+
+    Raises InputError where all of it is cut out: there is nothing to capture.
+    """
     image = find_alpha_map(scratch, item, mesh, matrix, clear, fine, seed, folder)
     if image is None:
         return Opacity(None, np.ones(len(coarse.texel), dtype=np.float32), coarse.texel, 0)
     with scene_copied(scratch) as copy:
         found = capture_alpha(copy, item, mesh, matrix, clear, coarse, seed, folder)
+    if found.max() < _CUT:
+        raise InputError(
+            f"object '{item.name}' is clear to the camera everywhere, by the alpha or Transparent shaders "
+            "of its materials: let them show something, or bake another object"
+        )
     return Opacity(image, found, coarse.texel, len(coarse.texel) + len(fine.texel))
 
 

@@ -115,6 +115,8 @@ def _texels_met(surface: Surface, place: Floats, axis: Floats) -> tuple[Ints, Bo
     tree = cKDTree(surface.plan.points)
     met, faces = _nearest_facing(surface, tree, place, axis, _CLOSEST)
     again = np.flatnonzero(~faces)
+    if not len(again):
+        return met, faces
     met[again], faces[again] = _nearest_facing(surface, tree, place[again], axis[again], _FARTHER)
     return met, faces
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import logging
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -13,6 +14,7 @@ import numpy as np
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Ints
 from radtex_addon.report.gbuffer import Array, GBuffer
+from radtex_addon.scene.camera_nodes import camera_materials
 
 from ..layered.atlas import Fragments, LayeredAtlas, alpha_at, sample_layered
 from ..layered.capture import Captured, capture_layered
@@ -21,6 +23,8 @@ from ..layered.parts_of_fit import ALL_PARTS, Parts
 from ..layered.sizes import texture_bytes
 from ..method import Baked
 from ..scenes import Stage
+
+log = logging.getLogger(__name__)
 
 
 def look(atlas: LayeredAtlas, faces: Ints, buffer: GBuffer) -> Array:
@@ -61,6 +65,8 @@ class Layered:
         self.spec, self.parts = spec, parts
 
     def bake(self, stage: Stage, folder: Path) -> Baked:
+        for line in camera_materials(stage.subject):
+            log.warning(line)
         started = perf_counter()
         captured = capture_layered(stage, self.spec, folder)
         middle = perf_counter()

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials that ask where the camera is: a bake's rays start at the object, and end there at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, TypeAlias
+
+import bpy
+
+from .see_through import materials_of
+
+Outputs: TypeAlias = Mapping[str, frozenset[str]]  # names of outputs by their nodes' types
+
+_ASKS: Outputs = {
+    "CAMERA": frozenset({"View Vector", "View Z Depth", "View Distance"}),
+    "LIGHT_PATH": frozenset({"Ray Length", "Portal Depth"}),
+    "TEX_COORD": frozenset({"Camera", "Window"}),
+}
+
+
+def camera_materials(item: bpy.types.Object) -> list[str]:
+    """A line for each node of an object's materials whose output depends on where the camera is.
+
+    What depends on the angle alone, as Layer Weight does, is baked, and so is what camera rays see.
+    """
+    return [
+        f"material '{material.name}' of object '{item.name}' takes '{output}' of its node '{node}', and a "
+        "bake has a camera of its own: feed a fixed value instead"
+        for material in materials_of(item)
+        for node, output in nodes_asked(material, _ASKS)
+    ]
+
+
+def nodes_asked(material: bpy.types.Material, outputs: Outputs) -> list[tuple[str, str]]:
+    """The names of the nodes that feed a material by one of the `outputs`, and of these."""
+    tree: Any = material.node_tree
+    return [] if tree is None else list(_asking(tree.get_output_node("CYCLES"), outputs, set()))
+
+
+def _asking(node: Any, outputs: Outputs, known: set[Any]) -> Iterator[tuple[str, str]]:
+    if node is None or node in known:
+        return
+    known.add(node)
+    for link in (link for socket in node.inputs for link in socket.links if not link.is_muted):
+        source, name = link.from_node, link.from_socket.name
+        if source.mute:
+            continue
+        if name in outputs.get(source.type, ()) and (source, name) not in known:
+            known.add((source, name))
+            yield source.name, name
+        if source.type == "GROUP" and source.node_tree is not None:
+            for end in source.node_tree.nodes:
+                if end.type == "GROUP_OUTPUT":
+                    yield from _asking(end, outputs, known)
+        yield from _asking(source, outputs, known)
