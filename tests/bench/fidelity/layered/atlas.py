@@ -13,9 +13,10 @@ import numpy as np
 from radtex_addon.bake.pooling import corner_cells, corners
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.octahedron import direction_to_octahedron
-from radtex_addon.core.shared import bilinear, bilinear_texels, sample_falloff
+from radtex_addon.core.shared import bilinear, bilinear_texels
 
 from .environment import Around
+from .falloffs import falloff_at
 from .lobes import Material, bent
 from .visibility import seen_free
 from .ways import Through, look_through
@@ -29,7 +30,8 @@ _LEAST_LEFT = 0.5  # of the light: the rest, in coarse cells, takes no more away
 class LayeredAtlas:
     """A bake in the layered layout; float32, scene-linear Rec.709, row 0 at v = 0, space the world's.
 
-    `colour` (H', W', 3), `irradiance` (H, W, 3), `falloff` (B, 3) as in the shared layout. `tint`
+    `colour` (H', W', 3), `irradiance` (H, W, 3) as in the shared layout, and so each material's `falloff`
+    (M, B, 3). `tint`
     (H', W', 3): what lobes' weights are multiplied by; `normal` (H', W', 3), the shading normal in world
     space; `width` (H, W, 1): log2 of what lobes' width² is multiplied by; None where they do not vary. `own`
     (h, w, n, n, 4): what a texel sees of the object itself along an axis of the octahedron, and how much it
@@ -82,7 +84,7 @@ def sample_layered(atlas: LayeredAtlas, at: Fragments) -> Floats:
     axis = (2 * cosine[:, None] * normal - at.viewer).astype(np.float32)
     cosine = np.maximum(cosine, _LEAST_COSINE)
     light = bilinear(atlas.colour, at.uv) * bilinear(atlas.irradiance, at.uv)
-    light = light * sample_falloff(atlas.falloff, cosine)
+    light = light * falloff_at(atlas.falloff, at.material, cosine)
     own = look_up(atlas.own, at.uv, axis)
     offset = at.position - atlas.around.middle
     width = np.ones(len(axis), np.float32) if atlas.width is None else 2 ** bilinear(atlas.width, at.uv)[:, 0]

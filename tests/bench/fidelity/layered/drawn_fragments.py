@@ -39,8 +39,8 @@ def radiance(context: moderngl.Context, atlas: LayeredAtlas, lookup: Lookup, at:
         textures[name] = padded.reshape(side, side, -1)
     textures = {name: texture for name, texture in textures.items() if name in program}
     found = np.zeros((count, 3), dtype=np.float32)
-    for number, material in enumerate(atlas.materials):
-        for name, value in {**lookup.values, **material_values(atlas, material, lookup)}.items():
+    for number in range(len(atlas.materials)):
+        for name, value in {**lookup.values, **material_values(atlas, number, lookup)}.items():
             if name in program:
                 program[name] = value
         own = at.material == number

@@ -24,6 +24,7 @@ from .atlas import LayeredAtlas
 from .buckets import CELLS, cosines, fit_buckets, turned_samples
 from .environment import Around
 from .exits import ExitSamples
+from .falloffs import fit_falloffs
 from .irradiance import fit_irradiance
 from .lobes import Material, Paths
 from .own_light import OwnRays, Surface
@@ -72,10 +73,10 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
     maps = (capture.fine, capture.coarse)
     normal, normal_map = shading_normals(plan, *maps, parts.normals)
     tint, tint_map = tints(plan, capture.material, *maps, parts.tint)
-    falloff, diffuse = shared_fit.fit_diffuse(light, facing)
+    falloff, diffuse = fit_falloffs(light, facing, capture.material)
     colour = capture.coarse["diffuse"].reshape(-1, 3)[plan.texel].astype(np.float32)
     if parts.smooth:
-        irradiance = fit_irradiance(light, facing, falloff, colour, neighbours)
+        irradiance = fit_irradiance(light, facing, falloff, capture.material, colour, neighbours)
     else:
         irradiance = np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
     rays = turned_samples(capture.own.rays, normal)
@@ -93,7 +94,7 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
     rest = found.rest
     if parts.rest:
         cells = found.rest_cells
-        more = view_dependence(light, facing, surface.diffuse, falloff, normal, cells, neighbours)
+        more = view_dependence(light, facing, surface, cells, neighbours)
         rest = rest if more is None else rest + more
     return LayeredAtlas(
         colour=capture.fine["diffuse"].astype(np.float32),

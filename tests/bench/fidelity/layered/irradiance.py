@@ -11,24 +11,31 @@ import numpy as np
 from radtex_addon.bake.blocks import planes
 from radtex_addon.bake.light_samples import LightSamples
 from radtex_addon.bake.pooling import SHARE, Neighbours
-from radtex_addon.core.arrays import Floats
-from radtex_addon.core.shared import sample_falloff
+from radtex_addon.core.arrays import Floats, Ints
+
+from .falloffs import falloff_at
 
 _DOUBT = 1.5  # times the noise: a difference no larger than that is none
 _DARK = 1e-3  # a colour's channel, below which it tells nothing of the light
 
 
 def fit_irradiance(
-    light: LightSamples, facing: Floats, falloff: Floats, colour: Floats, neighbours: Neighbours
+    light: LightSamples,
+    facing: Floats,
+    falloff: Floats,
+    material: Ints,
+    colour: Floats,
+    neighbours: Neighbours,
 ) -> Floats:
     """The diffuse light over its `colour` (K, 3), along the normal: (K, 3) float32.
 
-    `facing` (K, S): N.I of the samples that count, of others 0. From a wide mean to the texel's own, each
-    step is shrunk by its noise (James and Stein, 1961).
+    `facing` (K, S): N.V of the samples that count, of others 0; `falloff` (M, B, 3) is by `material`
+    (K,). From a wide mean to the texel's own, each step is shrunk by its noise (James and Stein, 1961).
     """
     used = facing > 0
     shown = planes(light.diffuse) * used
-    curve = planes(sample_falloff(falloff, facing.ravel())).reshape(3, *facing.shape) * used
+    kind = np.repeat(material, facing.shape[1])
+    curve = planes(falloff_at(falloff, kind, facing.ravel()).reshape(*facing.shape, 3)) * used
     against = np.maximum((curve * curve).sum(axis=2), 1e-6)
     frontal = (shown * curve).sum(axis=2) / against
     off = ((shown - frontal[..., None] * curve) ** 2).sum(axis=2) / against

@@ -191,9 +191,10 @@ def _add_layers(
                 values["distances_size"] = float(len(found.levels[0]))
 
 
-def material_values(atlas: LayeredAtlas, material: Material, lookup: Lookup) -> dict[str, Any]:
-    """The uniforms of one material: its curves and the atlas's falloff at the same steps of N.V."""
-    facts = np.concatenate([_resampled(atlas.falloff), np.sin(material.bend[:, None])], axis=1)
+def material_values(atlas: LayeredAtlas, number: int, lookup: Lookup) -> dict[str, Any]:
+    """The uniforms of one material: its curves and its falloff at the same steps of N.V."""
+    material = atlas.materials[number]
+    facts = np.concatenate([_resampled(atlas.falloff[number]), np.sin(material.bend[:, None])], axis=1)
     values: dict[str, Any] = {"material": [tuple(row) for row in facts.tolist()]}
     if "RADTEX_MIRRORS" in lookup.defines:
         spread = np.log2(material.variance)[..., None]

@@ -91,7 +91,7 @@ def light_bytes(lookup: Lookup) -> int:
 
 def painter_of(context: moderngl.Context, model: Model, atlas: LayeredAtlas, lookup: Lookup) -> Painter:
     """Draws the model with the atlas's first material."""
-    values = {**lookup.values, **material_values(atlas, atlas.materials[0], lookup)}
+    values = {**lookup.values, **material_values(atlas, 0, lookup)}
     return Painter(context, model, lookup.code + SHADE, lookup.uploaded(context), values)
 
 

@@ -48,7 +48,7 @@ def made_up_atlas(texels: int, size: int, cells: tuple[int, int] = CELLS[0]) -> 
     return LayeredAtlas(
         colour=_image(rng, 4 * texels, 3),
         irradiance=_image(rng, texels, 3) * 3,
-        falloff=np.linspace([0.6, 0.7, 0.8], 1, 16).astype(np.float32),
+        falloff=np.linspace([[0.6, 0.7, 0.8], [1.4, 1.3, 1.2]], 1, 16, axis=1).astype(np.float32),
         tint=None,
         normal=None,
         width=None,

@@ -14,11 +14,13 @@ from radtex_addon.bake.light_samples import EndSamples, LightSamples
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.errors import InputError
+from radtex_addon.core.shared import bilinear
 from radtex_addon.scene.scratch import scene_copied
 
 from ..surface_alone import Clear
 from .fit import Capture
 from .maps import capture_alpha
+from .texel_maps import texel_middles
 
 _OPAQUE = 0.998  # alpha, from which on all of it counts as 1
 _CUT = 0.05  # alpha, below which a texel's own samples tell too little
@@ -50,12 +52,14 @@ class Opacity:
         image = plan.placed(alpha, gutter=True)
         coarse = {name: kept if name == "normal" else kept / image for name, kept in capture.coarse.items()}
         exits = capture.exits
+        if exits is not None:
+            exits = replace(exits, weight=exits.weight / bilinear(image, texel_middles(exits.plan)))
         return replace(
             capture,
             light=_bare_light(capture.light, alpha),
             alone=_bare_ends(capture.alone, alpha),
             coarse=coarse,
-            exits=None if exits is None else replace(exits, weight=exits.weight / alpha),
+            exits=exits,
             alpha=self.fine,
         )
 

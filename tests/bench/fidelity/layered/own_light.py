@@ -19,10 +19,10 @@ from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.pooling import Neighbours, corner_cells, corners
 from radtex_addon.core.arrays import Bools, Floats, Ints
 from radtex_addon.core.octahedron import direction_to_octahedron
-from radtex_addon.core.shared import sample_falloff
 
 from .atlas import mirrored_light
 from .environment import Around
+from .falloffs import falloff_at
 from .lobes import Material
 
 _TURNS = 2
@@ -47,9 +47,9 @@ class OwnRays:
 class Surface:
     """What the fit says of the plan's texels so far.
 
-    `normal` (K, 3), the shading normals; `diffuse` (K, 3), along the normal, and its `falloff`; `tint`
-    (K, 3), `width` (K,), what lobes' width² is multiplied by; `material` (K,); `free` (1, K, n*n), the kept
-    mask.
+    `normal` (K, 3), the shading normals; `diffuse` (K, 3), along the normal, and its `falloff` by material;
+    `tint` (K, 3), `width` (K,), what lobes' width² is multiplied by; `material` (K,); `free` (1, K, n*n), the
+    kept mask.
     """
 
     plan: CapturePlan
@@ -156,7 +156,7 @@ class _Seen:
         corner, weights = corners(direction_to_octahedron(mirrored).T, surface.cells)
         cells = corner_cells(surface.cells).take(corner, axis=1)
         free = (surface.free[0][met[None], cells] * weights).sum(axis=0)
-        direct = (surface.diffuse[met] * sample_falloff(surface.falloff, cosine)).T
+        direct = (surface.diffuse[met] * falloff_at(surface.falloff, surface.material[met], cosine)).T
         share = np.empty_like(direct)
         for first in range(0, len(met), _AT_ONCE):
             some = slice(first, first + _AT_ONCE)

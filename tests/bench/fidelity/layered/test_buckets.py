@@ -57,7 +57,7 @@ def _fitted(waves: float, hit: Bools | None = None, parts: Parts = ALL_PARTS) ->
         plan,
         up,
         0 * one,
-        np.ones((16, 3), np.float32),
+        np.ones((1, 16, 3), np.float32),
         one,
         one[:, 0],
         np.zeros(count, int),

@@ -13,7 +13,10 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.cycles.portal import Aim
+from tests.bench.fidelity.layered.falloffs import falloff_at, fit_falloffs
+from tests.bench.fidelity.layered.own_light import Surface
 from tests.bench.fidelity.layered.test_layered import CELLS, SIDE, flat_plan
+from tests.bench.fidelity.layered.test_ways import stripes_below
 from tests.bench.fidelity.layered.texel_maps import tints
 from tests.bench.fidelity.layered.view_dependence import view_dependence
 
@@ -40,7 +43,19 @@ def _dependence(strength: float) -> Floats | None:
     facing = viewer[..., 2].astype(np.float32)
     up = np.tile(np.array([0, 0, 1], np.float32), (len(plan.texel), 1))
     neighbours = Neighbours(plan, False)
-    return view_dependence(light, facing, colour, np.ones((16, 3), np.float32), up, CELLS, neighbours)
+    surface = Surface(
+        plan,
+        normal=up,
+        diffuse=colour,
+        falloff=np.ones((1, 16, 3), np.float32),
+        tint=colour,
+        width=np.ones(len(plan.texel), np.float32),
+        material=np.zeros(len(plan.texel), np.int32),
+        materials=(),
+        around=stripes_below(),
+        free=np.ones((1, len(plan.texel), CELLS**2), np.float32),
+    )
+    return view_dependence(light, facing, surface, CELLS, neighbours)
 
 
 def test_light_that_changes_with_the_viewer_is_told_by_mirror_direction() -> None:
@@ -75,3 +90,26 @@ def test_a_tint_is_over_the_mean_of_its_own_material_up_to_the_border() -> None:
     assert found is not None
     np.testing.assert_allclose(found[:, border - 1], 1, rtol=1e-3)
     assert found.max() < 1.3
+
+
+def test_each_material_has_a_falloff_of_its_own() -> None:
+    plan = flat_plan(16)
+    square = Aim(spread_shifts(SIDE * SIDE, 3)).square(16)
+    facing = square_to_direction(square)[..., 2].astype(np.float32)
+    material = (np.arange(len(plan.texel)) % 3).astype(np.int32)
+    cloth, metal = (material == 1)[:, None], (material == 2)[:, None]
+    bright = np.where(cloth, 2 - facing, facing)[..., None].repeat(3, axis=2).astype(np.float16)
+    bright[metal[:, 0]] *= np.float16(1e-3)  # as good as none
+    black, seen = np.zeros_like(bright), np.ones(facing.shape, dtype=bool)
+    mirrored = np.where(metal[..., None], np.float16(1), black)
+    colour = np.ones((len(plan.texel), 3), np.float32)
+    light = LightSamples(
+        plan, square, seen=seen, diffuse=bright, mirrored=mirrored, through=black, colour=colour
+    )
+    falloff, diffuse = fit_falloffs(light, facing, material)
+    cosine = np.array([0.3, 0.6], np.float32)
+    told = [falloff_at(falloff, np.full(2, number, np.int32), cosine)[:, 0] for number in range(3)]
+    np.testing.assert_allclose(told[0], cosine, atol=0.04)
+    np.testing.assert_allclose(told[1], 2 - cosine, atol=0.08)
+    np.testing.assert_allclose(told[2], 1)
+    np.testing.assert_allclose(diffuse[:2], 1, atol=0.08)

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import cast
 
 import numpy as np
 
@@ -50,3 +51,10 @@ def tints(
     if not wanted or float(tint.std(axis=0).max()) < _VARIES:
         return np.ones_like(glossy), None
     return tint, (fine["glossy"] / means[fine["material"][..., 0].astype(np.intp)]).astype(np.float32)
+
+
+def texel_middles(plan: CapturePlan) -> Floats:
+    """The texture coordinates of a plan's texels, (K, 2) float32."""
+    row, column = np.divmod(plan.texel, plan.layout.width)
+    middles = np.stack([(column + 0.5) / plan.layout.width, (row + 0.5) / plan.layout.height], axis=1)
+    return cast(Floats, middles.astype(np.float32))

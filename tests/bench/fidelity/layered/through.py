@@ -20,6 +20,7 @@ from radtex_addon.core.shared import Axis
 from .environment import Around
 from .exits import ExitSamples
 from .residual import fit_rest
+from .texel_maps import texel_middles
 from .ways import CHANNELS, Through, look_through
 
 REST_CELLS = 8  # along the sides of buckets
@@ -112,15 +113,14 @@ def fit_through_rest(
     axes = [axis.reshape(-1, 3)[: len(plan.texel)] for axis in (plan.tangent, plan.bitangent, plan.normal)]
     frame = np.stack(axes, axis=1).astype(np.float32)
     offset = (plan.points - around.middle).astype(np.float32)
-    row, column = np.divmod(plan.texel, plan.layout.width)
-    uv = np.stack([(column + 0.5) / plan.layout.width, (row + 0.5) / plan.layout.height], axis=1)
+    uv = texel_middles(plan)
 
     def look(some: slice) -> None:
         _, place[:, some] = samples.along(some)
         viewer = -straight_through(plan, light.square[some].astype(np.float32), some).reshape(-1, 3)
         each = np.arange(some.start, some.stop).repeat(shape[1])
         axes = (frame[each, 0], frame[each, 1], frame[each, 2])
-        seen = look_through(through, around, uv[each].astype(np.float32), offset[each], axes, viewer)
+        seen = look_through(through, around, uv[each], offset[each], axes, viewer)
         shown[:, some] = seen.reshape(3, -1, shape[1])
 
     in_blocks(look, shape[0], shape[1], 1 << 16)

@@ -17,9 +17,10 @@ from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.octahedron import cell_directions
-from radtex_addon.core.shared import sample_falloff
 
 from ..harmonics import basis, fit_harmonics
+from .falloffs import falloff_at
+from .own_light import Surface
 
 _RIDGE = 0.03  # as of the lightmap of spherical harmonics; with less, noise is told, too
 _AT_ONCE = 1 << 13  # samples in hand, of nine numbers each
@@ -27,21 +28,21 @@ _SEED = 1
 
 
 def view_dependence(
-    light: LightSamples, facing: Floats, diffuse: Floats, falloff: Floats, normal: Floats, cells: int,
-    neighbours: Neighbours,
-) -> Floats | None:  # fmt: skip
-    """What diffuse samples have beyond `diffuse` (K, 3) times `falloff`: (3, K, cells * cells).
+    light: LightSamples, facing: Floats, surface: Surface, cells: int, neighbours: Neighbours
+) -> Floats | None:
+    """What diffuse samples have beyond the surface's diffuse light: (3, K, cells * cells).
 
-    By the mirror direction about the shading `normal` (K, 3). `facing` (K, S): N.V of the samples that count,
+    By the mirror direction about the shading normals. `facing` (K, S): N.V of the samples that count,
     of others 0. None where harmonics of half of the samples do not predict the other half.
     """
     used = facing > 0
     direction = square_to_direction(light.square).astype(np.float32)
 
     def left(some: slice) -> Floats:
-        shape = (*facing[some].shape, 3)
-        model = sample_falloff(falloff, np.maximum(direction[some][..., 2], 0).ravel()).reshape(shape)
-        rest: Floats = (light.diffuse[some] - diffuse[some, None] * model).astype(np.float16)
+        cosine = np.maximum(direction[some][..., 2], 0)
+        material = np.repeat(surface.material[some], cosine.shape[1])
+        model = falloff_at(surface.falloff, material, cosine.ravel()).reshape(*cosine.shape, 3)
+        rest: Floats = (light.diffuse[some] - surface.diffuse[some, None] * model).astype(np.float16)
         return rest
 
     values = np.concatenate(in_blocks(left, *used.shape))
@@ -50,7 +51,7 @@ def view_dependence(
     if _gain(direction, values, used & ~half, found) <= 0:
         return None
     found = fit_harmonics(direction, values, _shares(used), neighbours, _RIDGE)
-    return _by_mirror_direction(light.plan, found, normal, cells)
+    return _by_mirror_direction(light.plan, found, surface.normal, cells)
 
 
 def _shares(used: Bools) -> Floats:
