@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from ..core.errors import BakeError, InputError
 from ..formats.atomic import refusal, remove_unfinished, replacing
-from ..formats.facts import shown
+from ..formats.json_reader import shown
 from ..formats.lock import HeldError, Lock, NoLockError, holder, take_lock
 from .keeper import Keeper
 from .key import (

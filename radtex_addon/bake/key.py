@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 
 from ..core.errors import InputError
 from ..formats.atomic import write_text
-from ..formats.facts import shown
+from ..formats.json_reader import shown
 from ..formats.lock import NoLockError, holder
 from ..formats.regular import read_regular
 

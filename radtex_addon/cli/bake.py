@@ -17,9 +17,9 @@ from ..bake.thumbnail import Thumbnail
 from ..core.errors import InputError, RadTexError
 from ..formats.atomic import check_writable
 from ..formats.memory import readable_size
-from ..formats.places import check_unicode
+from ..formats.path_checks import check_unicode
 from ..job import BakeResult, OutputFiles, bake_steps, check_request, choose_layouts, part_specs
-from ..job.apart import check_files_apart
+from ..job.output_collisions import check_files_apart
 from ..job.unwrapping import Unwraps
 from ..job.variants import announce_all, left_to_do, passed_over, tidy
 from ..preview.picture import render_picture

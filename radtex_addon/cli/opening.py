@@ -13,9 +13,9 @@ from typing import Any, cast
 import bpy
 
 from ..core.errors import InputError
-from ..formats.places import check_for_blender
+from ..formats.path_checks import check_for_blender
 from ..scene.demo import build_demo_scene
-from ..scene.lacking import lacking
+from ..scene.missing_files import lacking
 from ..scene.outside import check_outside_files
 
 log = logging.getLogger(__name__)

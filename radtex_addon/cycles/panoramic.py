@@ -24,7 +24,7 @@ from ..bake.spec import Kind
 from ..core.arrays import Floats, Ints
 from ..core.errors import InputError
 from ..core.hemisphere import square_to_disc
-from ..formats.places import render_path
+from ..formats.path_checks import render_path
 from ..scene.nodes import open_material
 from .apparatus import box, mirror, render_image
 from .settings import allow_more_bounces, apply_capture_settings

@@ -22,8 +22,8 @@ from ..core.arrays import Floats
 from ..scene.copy import copy_object
 from ..scene.light import put_out
 from ..scene.nodes import NodeBuilder, close_group, open_group, open_material, open_world
-from ..scene.others import RAYS, Beside, Placed, Shape
 from ..scene.scratch import remove_scene
+from ..scene.surrounding_shapes import RAYS, Beside, Placed, Shape
 
 TURNS = 3  # of red, green and blue among a direction's components
 _DARK = 1e-4  # of a weight's brightest channel: nothing can be read in one that is darker

@@ -20,8 +20,8 @@ from ..formats.texture import MOST_PIXELS, Form, most_levels
 from ..formats.texture_file import texture_file
 from ..formats.transfer_files import open_transfer
 from .manifest import Arranged, TextureEntry
-from .pouring import light_of, pour_matrix, pour_slices
 from .spec import Arrangement, ExportSpec, Target, TextureFormat
+from .stream_textures import light_of, pour_matrix, pour_slices
 from .texture_choice import (
     check_limit,
     checked_levels,

@@ -25,8 +25,8 @@ from ..core.texel_map import TexelMap, covered_texels, rasterise
 from ..core.transfer import mean_over_lights
 from ..formats.bucket_rows import open_buckets
 from ..formats.exr import stored_compression
+from ..formats.gutter_signature import loss_of, own_texels
 from ..formats.image_rows import ImageRows
-from ..formats.own_texels import loss_of, own_texels
 from ..formats.png import encode_png
 from ..formats.shadow_files import KIND as SHADOW
 from ..formats.shadow_files import visible_buckets

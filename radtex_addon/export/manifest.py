@@ -16,7 +16,7 @@ from typing import Any
 
 from ..core.errors import FormatError
 from ..formats.atomic import write_text
-from ..formats.facts import Facts, json_text, shown
+from ..formats.json_reader import Facts, json_text, shown
 from ..formats.packing import layer_names
 from ..formats.shared_sidecar import LAYOUT as SHARED
 from ..formats.shared_sidecar import SharedSidecar

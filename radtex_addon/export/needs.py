@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..formats.facts import Facts
+from ..formats.json_reader import Facts
 from ..formats.shadow_files import KIND as SHADOW
 from ..formats.shared_files import expanded_bytes, read_shared_sidecar
 from ..formats.shared_sidecar import LAYOUT as SHARED

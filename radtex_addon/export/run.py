@@ -11,7 +11,7 @@ from pathlib import Path
 from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
 from ..core.surface import SurfaceMesh
-from ..formats.facts import Facts
+from ..formats.json_reader import Facts
 from ..formats.memory import check_allowed
 from ..formats.shared_files import read_shared_sidecar
 from ..formats.shared_sidecar import LAYOUT as SHARED

@@ -12,8 +12,8 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..formats.texture import PixelFormat, most_levels
 from .manifest import Container
-from .pouring import Light
 from .spec import Arrangement, ExportSpec, Target, TextureFormat
+from .stream_textures import Light
 
 _STORED = {
     TextureFormat.EXR: (Container.EXR, PixelFormat.RGBA16F),

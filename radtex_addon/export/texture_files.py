@@ -17,8 +17,8 @@ from ..formats.dds import write_texture
 from ..formats.ktx2 import write_ktx2
 from ..formats.texture import Encoded, PixelFormat, encode_texture
 from .manifest import Arranged, Container, TextureEntry
-from .pouring import Light
 from .spec import ExportSpec, TextureFormat
+from .stream_textures import Light
 from .texture_choice import check_limit, choice, container_of
 
 _BLOCK = PixelFormat.BC6H.side

@@ -19,7 +19,7 @@ from ..bake.spec import BakeSpec
 from ..bake.stopwatch import Stopwatch
 from ..core.errors import FormatError, InputError
 from ..formats.atomic import check_writable
-from ..formats.facts import shown
+from ..formats.json_reader import shown
 from ..formats.numpy_files import read_npz
 from ..job.buckets import join_buckets
 from ..job.files import OutputFiles

@@ -13,11 +13,11 @@ import bpy
 from ..core.errors import BakeError, InputError
 from ..preview.save import images_of
 from .files import FarmFiles
-from .looks import Looks, looks_of
+from .freeze_scene import Held, hold_still, read_cached
 from .manifest import Manifest
+from .render_digests import Looks, looks_of
 from .self_contained import Packed, make_local, pack_files
 from .sheets import animate_sheets, portal_tree, without_extras
-from .still import Held, hold_still, read_cached
 
 _SCENE = "RadTex farm"
 

@@ -20,7 +20,7 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError, RadTexError
 from ..core.sampler import Filter
 from ..formats.condensed_files import digest
-from ..formats.facts import Facts, json_text
+from ..formats.json_reader import Facts, json_text
 from ..formats.memory import check_memory
 from ..formats.numpy_files import read_npz
 from ..formats.sidecar import Sidecar, read_text

@@ -26,10 +26,10 @@ from ..core.sampler import Filter
 from ..formats.condensed_files import digest
 from ..formats.hidden_folder import hidden_folder
 from ..formats.sidecar import Sidecar
+from ..job.bake_output import Made
 from ..job.buckets import capture_of, plan_buckets
 from ..job.checks import check_request
 from ..job.files import OutputFiles
-from ..job.made import Made
 from ..job.parts import check_part
 from ..job.prepare import Prepared
 from ..job.run import Baked, bake_and_keep
@@ -38,11 +38,11 @@ from ..scene.scratch import new_data_removed
 from .blend import check_images_saved, finish_blend, save_draft
 from .carried import Carried
 from .files import FarmFiles
-from .looks import Looks
+from .freeze_scene import Held, check_holdable
 from .manifest import Copies, Manifest, check_farmable, write_plan
 from .progress import AnyStep, Step, Task
+from .render_digests import Looks
 from .sheets import check_seed
-from .still import Held, check_holdable
 from .templates import write_templates
 
 log = logging.getLogger(__name__)

@@ -20,7 +20,7 @@ from pathlib import Path
 
 from ..core.errors import BakeError, InputError, RadTexError
 from .hidden_folder import LOCK, hidden_folder, mark_of
-from .places import nearest_folder
+from .path_checks import nearest_folder
 
 _BESIDE = re.compile(r"\.radtex-\d+-[0-9a-f]{16}")  # names that `replacing` yields
 _REASONS = [os.strerror(code) for code in (errno.ENOSPC, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO)]

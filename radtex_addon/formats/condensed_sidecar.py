@@ -13,7 +13,7 @@ import numpy as np
 from ..core.arrays import Floats
 from ..core.shared import Axis
 from .condensed_sizes import MOST_CLUSTERS
-from .facts import Facts
+from .json_reader import Facts
 from .packing import LOBE_CHANNELS
 from .texture import MOST_PIXELS
 

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..core.errors import FormatError
-from .facts import shown
+from .json_reader import shown
 from .memory import check_memory
 from .regular import open_regular
 

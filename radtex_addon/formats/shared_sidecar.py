@@ -13,7 +13,7 @@ from ..core.errors import BakeError, FormatError, ShapeError
 from ..core.shared import LEAST_LEVEL, Axis, SharedAtlas
 from .condensed_sidecar import CondensedFacts, shortest
 from .condensed_sizes import CondensedSizes
-from .facts import Facts, json_text
+from .json_reader import Facts, json_text
 from .packing import (
     COLOUR,
     IRRADIANCE,

@@ -16,7 +16,7 @@ from typing import Any
 
 from ..core.errors import FormatError
 from .atomic import write_text
-from .facts import Facts, json_text
+from .json_reader import Facts, json_text
 from .regular import read_regular
 
 VERSION = 1
@@ -76,8 +76,8 @@ class Sidecar:
     that were beyond the file's range; `layers` are the files of one bake beyond the first. `mesh` is a digest
     of the baked copy's shape and UVs, empty where nobody has said. Where `objects` share the atlas,
     `object_name` is what it is called. What was farther than the `ao_distance` counts as open.
-    Where `texel_samples` (`formats.counts`) tells of texels with more, `samples` are the fewest. `fireflies`
-    is the share of the light that a fit lost, 0 to 1.
+    Where `texel_samples` (`formats.sample_counts`) tells of texels with more, `samples` are the fewest.
+    `fireflies` is the share of the light that a fit lost, 0 to 1.
     """
 
     object_name: str

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..core.errors import BakeError, InputError
 from .lock import HeldError, Lock, take_lock
-from .places import check_rendered_into, one_root
+from .path_checks import check_rendered_into, one_root
 
 PREFIX = "radtex-temporary-"
 _LOCK = "lock"  # whose folder it is, has this file in it locked

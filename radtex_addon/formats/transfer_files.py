@@ -18,8 +18,8 @@ from ..core.errors import FormatError, ShapeError
 from ..core.transfer import with_views
 from .atomic import replacing
 from .exr import Compression, header_text, read_pixels, stored_rows, write_rows
-from .facts import Facts, json_text
 from .image_rows import ImageRows, open_rows
+from .json_reader import Facts, json_text
 from .sidecar import Sidecar, read_text
 
 LAYOUT = "sphere"

@@ -12,7 +12,7 @@ from ..bake.keeper import Keeper
 from ..bake.progress import Progress
 from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Floats, Ints
-from .again import Again
+from .recapture import Again
 
 
 def accumulated(

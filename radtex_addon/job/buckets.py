@@ -29,14 +29,14 @@ from ..cycles.portal import PortalCapture
 from ..formats.bucket_files import write_bands
 from ..formats.memory import readable_size
 from ..formats.sidecar import Content, Sidecar
-from ..scene.enclosed import show_content_only
-from ..scene.fog import has_volumes
+from ..scene.enclosing_volumes import has_volumes
+from ..scene.proxy_content import show_content_only
 from .accumulate import accumulated
-from .again import Again, chosen_texels
-from .earlier import read_earlier, with_counts
+from .bake_output import Made
 from .files import OutputFiles
-from .made import Made
 from .prepare import Prepared
+from .previous_atlas import read_earlier, with_counts
+from .recapture import Again, chosen_texels
 from .refresh import refreshed
 
 

@@ -18,7 +18,7 @@ from ..core.shared import LEAST_LEVEL, Axis
 from ..core.transfer import with_views
 from ..export.spec import Target
 from ..formats.atomic import check_writable
-from ..formats.places import check_saveable
+from ..formats.path_checks import check_saveable
 from ..formats.shared_sidecar import SharedSidecar
 from ..preview.linked import check_replaceable
 from ..preview.node_group import check_previewable
@@ -27,18 +27,18 @@ from ..scene.active_camera import camera_dependent
 from ..scene.cage import find_cage
 from ..scene.camera_nodes import camera_materials
 from ..scene.copy import UV_LAYER
-from ..scene.enclosed import find_content
+from ..scene.enclosing_volumes import volumes_around
 from ..scene.eye import find_eye
-from ..scene.fog import volumes_around
-from ..scene.lacking import lacking
 from ..scene.lamps import find_lamps
 from ..scene.light import is_dark
+from ..scene.missing_files import lacking
+from ..scene.named_regions import check_where
 from ..scene.objects import find_object
 from ..scene.outside import check_outside_files
+from ..scene.proxy_content import find_content
 from ..scene.refusals import refuse_unseen
 from ..scene.scratch import find_view_layer
 from ..scene.source import find_source
-from ..scene.where import check_where
 from ..scene.xatlas_process import check_xatlas
 from .files import OutputFiles, facts_of
 from .finished import check_exports

@@ -18,7 +18,7 @@ from ..export.folder import check_out, is_whole
 from ..export.kinds import check_target
 from ..export.run import check_writer
 from ..export.spec import Target
-from ..formats.facts import Facts
+from ..formats.json_reader import Facts
 from ..formats.packing import layer_names
 from ..formats.shared_files import layer_path, texture_path
 from ..formats.shared_sidecar import LAYOUT as SHARED

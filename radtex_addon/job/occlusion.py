@@ -25,8 +25,8 @@ from ..formats.atomic import replacing
 from ..formats.bucket_files import write_buckets
 from ..formats.shadow_files import write_shadow
 from ..formats.sidecar import Sidecar
+from .bake_output import Made
 from .files import OutputFiles
-from .made import Made
 from .prepare import Prepared
 
 

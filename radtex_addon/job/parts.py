@@ -14,9 +14,9 @@ from ..core.arrays import Bools
 from ..core.errors import InputError
 from ..scene.evaluated import evaluate
 from ..scene.frames import at_frame
+from ..scene.named_regions import chosen_triangles
 from ..scene.objects import find_object
 from ..scene.scratch import scratch_scene
-from ..scene.where import chosen_triangles
 from .unwrapping import split_surfaces
 
 

@@ -30,10 +30,10 @@ from ..scene.cage import find_cage, rays_from_cage, read_cage
 from ..scene.copy import baked_mesh, surface_mesh
 from ..scene.digests import array_digest, matrix_digest, mesh_digest, scene_digests
 from ..scene.evaluated import EvaluatedMesh, evaluate
+from ..scene.named_regions import chosen_triangles
 from ..scene.parts import number_parts
 from ..scene.source import Landing, default_extrusion, find_source, land
 from ..scene.together import joined_surface
-from ..scene.where import chosen_triangles
 from .files import facts_of
 from .twins import all_with_twins, chosen_with_twins, find_doubled, single_copy
 from .unwrapping import AtlasPart, Unwrapped, Unwraps, shapes_at, unwrap_surfaces

@@ -17,7 +17,7 @@ from ..core.arrays import Ints
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError
 from ..core.sampler import Filter
-from ..formats.facts import Facts
+from ..formats.json_reader import Facts
 from ..formats.sidecar import read_facts
 from ..formats.transfer_files import LAYOUT as TRANSFER
 from ..formats.transfer_files import TransferSidecar
@@ -25,10 +25,10 @@ from ..preview.material import preview_material, preview_shared_material
 from ..preview.occlusion import preview_ambient_material, preview_shadow_material
 from ..preview.save import TITLE, StandIn, save_preview
 from ..preview.sun import preview_transfer_material
-from ..scene.closed import is_closed
 from ..scene.copy import copy_object
-from ..scene.enclosed import EVERYTHING, find_content
+from ..scene.proxy_content import EVERYTHING, find_content
 from ..scene.scratch import find_view_layer
+from ..scene.watertight import is_closed
 from .files import OutputFiles
 from .prepare import Piece
 

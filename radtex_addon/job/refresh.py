@@ -16,7 +16,7 @@ from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Bools, Floats, Ints
 from ..cycles.portal import PortalCapture
 from ..scene.scratch import scene_copied
-from .again import Again
+from .recapture import Again
 
 _CHANGED = "changed"  # a piece's name
 _TILE_PIXELS = 1 << 20

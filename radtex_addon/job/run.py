@@ -32,18 +32,18 @@ from ..export.spec import ExportSpec, Target
 from ..formats.sidecar import read_facts
 from ..formats.temporary import temporary_folder
 from ..scene.cage import take_cage_out
-from ..scene.enclosed import EVERYTHING, show_content_only
 from ..scene.eye import find_eye
 from ..scene.frames import at_frame
 from ..scene.lamps import light_only
 from ..scene.objects import find_object
+from ..scene.proxy_content import EVERYTHING, show_content_only
 from ..scene.scratch import find_view_layer, new_data_removed, scratch_scene
+from .bake_output import Made
 from .buckets import bake_buckets
 from .checks import check_request, check_seen
 from .condensed import Condensed
 from .files import OutputFiles
 from .finished import images_of, is_there, misses_preview, missing_exports
-from .made import Made
 from .occlusion import bake_occlusion
 from .parts import check_part
 from .prepare import Prepared, prepare

@@ -22,9 +22,9 @@ from ..core.atlas import AtlasLayout
 from ..core.shared import SharedAtlas
 from ..cycles.shared_capture import capture_shared
 from ..formats.shared_files import layer_path, texture_path, write_shared
+from .bake_output import Made
 from .condensed import Condensed, check_budget, condense_steps
 from .files import OutputFiles
-from .made import Made
 from .prepare import Prepared
 
 _TOLD = 0.01  # of the light: less of it lost needs no word

@@ -23,8 +23,8 @@ from ..cycles.transfer import Lit, capture_under_suns
 from ..formats.transfer_files import TransferSidecar, write_transfer
 from ..scene.eye import find_eye
 from ..scene.scratch import scene_copied
+from .bake_output import Made
 from .files import OutputFiles
-from .made import Made
 from .prepare import Prepared
 
 

@@ -11,7 +11,7 @@ from typing import Any, cast
 import bpy
 
 from ..core.errors import FormatError, InputError
-from ..formats.facts import Facts
+from ..formats.json_reader import Facts
 from ..formats.sidecar import part_in, preview_path, read_facts
 from ..scene.preview_file import appended
 from .save import TITLE, images_of

@@ -11,7 +11,7 @@ import bpy
 
 from ..core.errors import BakeError
 from ..formats.atomic import replacing_together
-from ..formats.places import render_path
+from ..formats.path_checks import render_path
 from ..scene.render_settings import reset_render_settings
 
 

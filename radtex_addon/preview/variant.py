@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..formats.facts import Facts
+from ..formats.json_reader import Facts
 from ..formats.sidecar import LAYOUT, read_facts
 
 _KEPT = "radtex_variant"  # of a copy: JSON, as in a sidecar

@@ -20,7 +20,7 @@ from ..core.sampler import Filter, sample
 from ..core.shared import SharedAtlas, sample_shared
 from ..formats.condensed_sizes import texture_bytes
 from ..formats.exr import read_buckets, stored_compression
-from ..formats.own_texels import loss_of, own_texels
+from ..formats.gutter_signature import loss_of, own_texels
 from ..formats.packing import IRRADIANCE
 from ..formats.shared_files import (
     layer_path,

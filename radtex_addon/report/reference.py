@@ -12,8 +12,8 @@ import bpy
 
 from ..formats.sidecar import Sidecar
 from ..scene.cage import take_cage_out, take_out
-from ..scene.enclosed import EVERYTHING, show_content_only
 from ..scene.lamps import light_only
+from ..scene.proxy_content import EVERYTHING, show_content_only
 from ..scene.scratch import scene_copied
 from ..scene.source import find_source
 

@@ -19,7 +19,7 @@ from ..core.errors import InputError
 from ..cycles.apparatus import render_layers
 from ..cycles.device import use_device
 from ..cycles.settings import apply_capture_settings, denoise, keep_passes
-from ..formats.places import render_path
+from ..formats.path_checks import render_path
 from ..formats.temporary import temporary_folder
 from ..preview.source import check_hideable
 from ..preview.swap import copy_of, is_on, originals_rendered, switch_all_on, switch_off

@@ -22,7 +22,7 @@ from ..core.arrays import Bools, Floats, Ints
 from ..core.errors import BakeError, InputError
 from ..core.frame import normalised
 from .extent import check_extent
-from .lacking import failed_drivers
+from .missing_files import failed_drivers
 from .refusals import refuse_adaptive_subdivision, refuse_displacement
 from .scratch import render_scene
 

@@ -13,10 +13,10 @@ import bpy
 from bpy.props import FloatVectorProperty, IntProperty
 
 from . import jobs
-from .finding import bake_called, originals, place_of
-from .of_bake import AsksFirst, MayWait, OfBake
+from .bake_lookup import bake_called, originals, place_of
+from .labels import remark
 from .operator import shown
-from .words import remark
+from .operator_mixins import AsksFirst, MayWait, OfBake
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

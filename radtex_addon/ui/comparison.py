@@ -12,8 +12,8 @@ import bpy
 import numpy as np
 
 from ..scene.working_space import REC_709
+from .labels import iface_
 from .undo import in_a_window, push_step
-from .words import iface_
 
 if TYPE_CHECKING:
     from ..report.metrics import Picture

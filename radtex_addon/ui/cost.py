@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from . import estimates
+from .labels import duration, iface_, number, remark, size
 from .messages import draw_text
 from .panel import Sidebar, drawn
-from .words import duration, iface_, number, remark, size
 
 if TYPE_CHECKING:
     from ..bake.cost import Cost

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import bpy
 
 from . import estimates
+from .labels import duration, remark
 from .operator import can_bake, shown
-from .outlook import chosen_objects
-from .words import duration, remark
+from .panel_state import chosen_objects
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems

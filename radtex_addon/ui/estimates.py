@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from . import outlook
+from . import panel_state
 
 if TYPE_CHECKING:
     from ..bake.estimate import Probe
@@ -65,7 +65,7 @@ def probe_now(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> None:
 
     for name, spec in bakes:
         _session.probes[_key(scene, name, spec)] = probe_object(scene, name, spec)
-    outlook.mark_stale()
+    panel_state.mark_stale()
 
 
 def ask(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> None:
@@ -110,7 +110,7 @@ def advance() -> bool:
     for asked in _session.asked:
         _keep(asked.key, [jobs[number] for number in asked.numbers])
     _end()
-    outlook.mark_stale()
+    panel_state.mark_stale()
     return False
 
 

@@ -11,11 +11,11 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from . import jobs
+from .bake_lookup import originals, place_of, sharing
 from .choices import TARGETS
-from .finding import originals, place_of, sharing
-from .of_bake import AsksFirst, MayWait, OfBake
+from .labels import remark
 from .operator import shown
-from .words import remark
+from .operator_mixins import AsksFirst, MayWait, OfBake
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -171,7 +171,7 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         """Export now, and report each object. Raises RadTexError."""
         from ..bake.progress import finished
         from ..export.run import export_steps
-        from .words import size
+        from .labels import size
 
         for place in places:
             made = finished(export_steps(place.sidecar, spec, place.out, overwrite=self.overwrite))

@@ -10,9 +10,9 @@ import bpy
 from bpy.props import IntProperty, StringProperty
 
 from . import jobs
-from .finding import place_of
+from .bake_lookup import place_of
+from .labels import remark
 from .operator import shown
-from .words import remark
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from . import outlook, pictures
+from . import panel_state, pictures
 from .redraw import redraw
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def advance() -> bool:
     _session.shown = _session.queue.snapshot()
     ended = [job for job in _session.shown if job.ended and job.number not in before]
     if ended:
-        outlook.mark_stale()  # there are new files
+        panel_state.mark_stale()  # there are new files
     for job in ended:
         if job.state == "done" and job.number in _session.sequels:
             _session.sequels[job.number].arrived(job)

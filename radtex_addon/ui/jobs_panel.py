@@ -10,10 +10,10 @@ import bpy
 
 from . import jobs, pictures
 from .choices import KINDS, TARGETS
+from .labels import duration, iface_, remark, stage
 from .messages import draw_text
 from .panel import Sidebar
 from .switch import draw_show, draw_switch
-from .words import duration, iface_, remark, stage
 
 if TYPE_CHECKING:
     from ..worker.job import Job

@@ -14,7 +14,7 @@ import bpy
 
 from ..scene.lamps import WORLD
 from .choices import LAYOUTS
-from .words import iface_, remark, size
+from .labels import iface_, remark, size
 
 if TYPE_CHECKING:
     from ..bake.spec import BakeSpec

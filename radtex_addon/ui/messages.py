@@ -9,9 +9,9 @@ from typing import Any
 import blf
 import bpy
 
-from .outlook import Outlook
+from .labels import iface_, remark
+from .panel_state import Outlook
 from .settings import BakeSettings
-from .words import iface_, remark
 
 _UI_FONT = 0
 _BESIDE = 86.0  # pixels of the sidebar that messages leave free: margins, icon, tabs

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, cast
 import bpy
 from bpy.props import BoolProperty, StringProperty
 
-from .outlook import chosen_objects
+from .labels import remark
+from .panel_state import chosen_objects
 from .settings import NAMES, BakeSettings
-from .words import remark
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems

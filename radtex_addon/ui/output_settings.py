@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
-from ..scene.where import places_on
+from ..scene.named_regions import places_on
 from .choices import COMPRESSIONS, LAYERS, TARGETS
-from .noticed import NOTICED, notice
+from .update_callbacks import NOTICED, notice
 
 # Of the mixin below, in the panel's order.
 NAMES = (

@@ -10,13 +10,13 @@ import bpy
 
 from . import jobs
 from .choices import ACCUMULATED, BUCKETS_ONLY, LAYERED, SOURCED
+from .labels import iface_
 from .messages import draw_remarks, draw_text
-from .outlook import Outlook, outlook_of
+from .panel_state import Outlook, outlook_of
 from .presets import RADTEX_PT_presets
 from .settings import BakeSettings
 from .surfaces import draw_surfaces
 from .switch import LARGE, draw_shading, draw_switch
-from .words import iface_
 
 
 class Sidebar:

@@ -12,8 +12,8 @@ import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from .choices import DEVICES
+from .labels import iface_
 from .presets import STOCK
-from .words import iface_
 
 # "bl_ext.user_default.radtex", where Blender has installed it.
 ADDON = __package__.rpartition(".radtex_addon")[0] or "radtex_addon"

@@ -16,8 +16,8 @@ from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 
 from ..core.errors import InputError
+from .labels import remark
 from .undo import push_step
-from .words import remark
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems

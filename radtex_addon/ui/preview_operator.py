@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import EnumProperty
 
+from .bake_lookup import bake_called, originals, sidecars_of
 from .choices import LAYERS
-from .finding import bake_called, originals, sidecars_of
-from .of_bake import OfBake
+from .labels import remark
 from .operator import shown
+from .operator_mixins import OfBake
 from .undo import push_step
-from .words import remark
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems

@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from . import afterwards, defaults, estimates, jobs, keys, outlook, presets
+from . import defaults, estimates, finished_panel, jobs, keys, panel_state, presets
 from .cost import RADTEX_PT_cost
 from .estimate_operator import RADTEX_OT_estimate
 from .job_operators import (
@@ -44,7 +44,7 @@ CLASSES = (
     RADTEX_PT_quality,
     RADTEX_PT_cost,
     RADTEX_PT_output,
-    *afterwards.CLASSES,
+    *finished_panel.CLASSES,
 )
 
 
@@ -56,12 +56,12 @@ def register() -> None:
     presets.register()
     keys.register()
     defaults.register()
-    outlook.register()
+    panel_state.register()
 
 
 def unregister() -> None:
     """Take it all back, last one first."""
-    outlook.unregister()
+    panel_state.unregister()
     estimates.unregister()
     jobs.unregister()
     defaults.unregister()

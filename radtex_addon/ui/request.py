@@ -26,7 +26,7 @@ from .values import open_layout_of, spec_of, values_of, values_with
 
 if TYPE_CHECKING:
     from ..job import Choice, OpenLayout
-    from ..job.foresight import Foresight
+    from ..job.preflight import Foresight
     from ..job.variants import Bake
 
 __all__ = ["BakeRequest", "has_folder", "output_folder", "spec_of", "values_of", "values_with"]
@@ -74,8 +74,8 @@ class BakeRequest:
 
     def foreseen(self, scene: bpy.types.Scene, names: Iterable[str], patience: float) -> Foresight:
         """What can be said of baking these objects beforehand; `patience` is in seconds."""
-        from ..job.apart import check_files_apart
-        from ..job.foresight import Foresight, foresee
+        from ..job.output_collisions import check_files_apart
+        from ..job.preflight import Foresight, foresee
 
         errors: dict[str, None] = {}
         warnings: dict[str, None] = {}

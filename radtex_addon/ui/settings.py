@@ -20,8 +20,8 @@ from .choices import (
     VARIANTS,
     VIEWS,
 )
-from .noticed import NOTICED
-from .outlook import mark_stale
+from .panel_state import mark_stale
+from .update_callbacks import NOTICED
 
 # Of the mixin below, in the panel's order.
 NAMES = (

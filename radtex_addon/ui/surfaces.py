@@ -12,7 +12,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from .choices import SPLITS
-from .noticed import NOTICED
+from .update_callbacks import NOTICED
 
 if TYPE_CHECKING:
     from ..bake.spec import BakeSpec

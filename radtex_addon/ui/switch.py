@@ -8,8 +8,8 @@ from typing import Any
 
 import bpy
 
+from .labels import iface_
 from .messages import draw_text
-from .words import iface_
 
 LARGE = 1.5  # of a button that is the next step: times another's height
 _BLIND = ("WIREFRAME", "SOLID")  # shadings that know no materials

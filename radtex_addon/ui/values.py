@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from ..bake.spec import BakeSpec, Compression, Kind, Layer, Layout, View, parse_kind, parse_layout
 from ..core.errors import InputError
-from ..scene.enclosed import EVERYTHING
+from ..scene.proxy_content import EVERYTHING
 from .choices import ACCUMULATED, BUCKETS_ONLY, LAYERED, SOURCED
 from .preferences import preferred
 from .settings import NAMES, BakeSettings

@@ -23,7 +23,7 @@ from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.job.layout_choice import DEFAULT_BUDGET
 from radtex_addon.preview.picture import render_picture
-from radtex_addon.ui import outlook
+from radtex_addon.ui import panel_state
 from radtex_addon.ui.panel import RADTEX_PT_bake, RADTEX_PT_quality
 from tests.blender import stage
 from tests.blender.batch_process import Batch, refusal
@@ -241,7 +241,7 @@ def panel(out: Path) -> Iterator[Any]:
 
 
 def told() -> str:
-    return outlook.refresh(context.scene, context.view_layer).layout
+    return panel_state.refresh(context.scene, context.view_layer).layout
 
 
 def test_the_panel_says_what_an_automatic_layout_comes_to(panel: Any, card: Any, out: Path) -> None:
@@ -278,7 +278,7 @@ def test_the_panel_goes_on_in_the_layout_that_was_begun(panel: Any, out: Path) -
     steps = bake_steps(context.scene, "Card", spec, out)
     next(step for step in steps if step.stage is Stage.CAPTURE and step.done)
     steps.close()
-    found = outlook.refresh(context.scene, context.view_layer)
+    found = panel_state.refresh(context.scene, context.view_layer)
     assert found.remedies == ("overwrite", "resume")
     assert ops.radtex.bake(resume=True) == {"FINISHED"}
     assert (out / "Card.radiance.exr").is_file()

@@ -29,7 +29,7 @@ from radtex_addon.formats.ktx2 import read_ktx2
 from radtex_addon.formats.texture import PixelFormat
 from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
-from radtex_addon.job.foresight import foresee
+from radtex_addon.job.preflight import foresee
 from tests.blender import stage
 from tests.blender.batch_process import Outcome, refusal
 

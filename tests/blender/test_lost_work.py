@@ -27,7 +27,7 @@ from radtex_addon.export.spec import Target
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, run, shared
 from radtex_addon.job.finished import images_of
-from radtex_addon.job.foresight import foresee
+from radtex_addon.job.preflight import foresee
 from tests.bench.renames import Bench, contents
 from tests.blender.batch_process import Outcome
 from tests.blender.room import fill_room, save_room

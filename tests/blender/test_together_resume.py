@@ -16,12 +16,12 @@ import pytest
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Kind, Split
 from radtex_addon.core.errors import InputError
-from radtex_addon.formats.counts import read_counts
+from radtex_addon.formats.sample_counts import read_counts
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, bake_steps, part_specs
 from radtex_addon.job.finished import is_finished
 from radtex_addon.job.variants import left_to_do, passed_over
-from radtex_addon.ui import estimates, jobs, outlook
+from radtex_addon.ui import estimates, jobs, panel_state
 from radtex_addon.ui.request import BakeRequest, values_of
 from radtex_addon.worker.job import State
 from tests.blender.batch_process import process
@@ -217,13 +217,13 @@ def test_no_time_is_told_of_atlases_that_are_not_an_objects_own(panel: Any) -> N
     for name in ROOM:
         context.scene.objects[name].select_set(True)
     assert ops.radtex.estimate() == {"FINISHED"}
-    assert outlook.refresh(context.scene, context.view_layer).seconds is not None
+    assert panel_state.refresh(context.scene, context.view_layer).seconds is not None
     panel.together = True
-    assert outlook.refresh(context.scene, context.view_layer).seconds is None
+    assert panel_state.refresh(context.scene, context.view_layer).seconds is None
     with pytest.raises(RuntimeError, match="Only the time of whole objects with atlases of their own"):
         ops.radtex.estimate()
     panel.together, panel.split = False, "material"
-    assert outlook.refresh(context.scene, context.view_layer).seconds is None
+    assert panel_state.refresh(context.scene, context.view_layer).seconds is None
     estimates.unregister()
 
 

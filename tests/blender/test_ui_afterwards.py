@@ -30,7 +30,7 @@ from radtex_addon.ui.comparison import BAKED, DIFFERENCE, TRACED, figures
 from radtex_addon.ui.export_operator import ARRANGEMENTS, FORMATS, Place
 from radtex_addon.ui.export_operator import submit as export
 from radtex_addon.ui.jobs_panel import title
-from radtex_addon.ui.outlook import chosen_objects
+from radtex_addon.ui.panel_state import chosen_objects
 from radtex_addon.worker.job import Job
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint

@@ -15,7 +15,7 @@ import pytest
 
 from radtex_addon.core.errors import InputError
 from radtex_addon.export.spec import Target
-from radtex_addon.ui import estimates, jobs, outlook
+from radtex_addon.ui import estimates, jobs, panel_state
 from radtex_addon.ui.jobs_panel import phrase
 from radtex_addon.ui.request import BakeRequest, spec_of, values_of
 from radtex_addon.worker.job import State
@@ -186,7 +186,7 @@ def test_a_cancelled_bake_can_be_gone_on_with(out: Path) -> None:
         time.sleep(0.02)
     jobs.cancel()
     wait_for(State.CANCELLED)
-    (error,) = outlook.refresh(context.scene, context.view_layer).errors
+    (error,) = panel_state.refresh(context.scene, context.view_layer).errors
     assert "go on with it" in error
     jobs.forget_ended()
     submit(resume=True)

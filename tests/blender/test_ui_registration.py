@@ -11,11 +11,11 @@ from typing import Any
 
 import bpy
 
-from radtex_addon.ui import estimates, jobs, outlook, registration
+from radtex_addon.ui import estimates, jobs, panel_state, registration
 from radtex_addon.ui.presets import SUBDIR
 from tests.blender.ui_stage import context
 
-TIMERS = (outlook._tick, jobs._pulse, estimates._pulse)
+TIMERS = (panel_state._tick, jobs._pulse, estimates._pulse)
 
 
 def state() -> dict[str, Any]:

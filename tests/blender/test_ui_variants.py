@@ -15,7 +15,7 @@ import pytest
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.preview.swap import copy_of, is_on
-from radtex_addon.ui import jobs, outlook
+from radtex_addon.ui import jobs, panel_state
 from radtex_addon.ui.jobs_panel import title
 from radtex_addon.ui.request import BakeRequest, spec_of, values_of
 from radtex_addon.worker.job import State
@@ -130,15 +130,17 @@ def test_variants_that_cannot_be_are_named(choice: dict[str, Any], words: str) -
 
 def test_the_outlook_looks_at_every_variant(out: Path) -> None:
     settings().variants = "lamps"
-    assert outlook.refresh(context.scene, context.view_layer).errors == ()
+    assert panel_state.refresh(context.scene, context.view_layer).errors == ()
     assert ops.radtex.bake() == {"FINISHED"}
-    found = outlook.refresh(context.scene, context.view_layer)
+    found = panel_state.refresh(context.scene, context.view_layer)
     assert len(found.errors) == 3
     assert "overwrite" in found.remedies
     for lamp in ("Key", "Fill, left"):
         bpy.data.objects.remove(bpy.data.objects[lamp])
     assert (
-        outlook.refresh(context.scene, context.view_layer).errors[0].startswith("the scene renders no lamp")
+        panel_state.refresh(context.scene, context.view_layer)
+        .errors[0]
+        .startswith("the scene renders no lamp")
     )
 
 

@@ -25,7 +25,7 @@ from radtex_addon.cycles.portal import Aim, PortalCapture
 from radtex_addon.cycles.sampling import _straight, _tiles
 from radtex_addon.cycles.settings import first_hit_only
 from radtex_addon.scene.camera_nodes import Outputs, nodes_asked
-from radtex_addon.scene.others import Beside
+from radtex_addon.scene.surrounding_shapes import Beside
 
 from ..surface_alone import Clear
 from .own_rays import dark_world

@@ -16,12 +16,12 @@ import pytest
 from radtex_addon.bake.progress import Stage
 from radtex_addon.export.progress import Task as ExportTask
 from radtex_addon.report.progress import Task
+from radtex_addon.ui import labels, registration
 from radtex_addon.ui import messages as messages_module
-from radtex_addon.ui import registration, words
-from radtex_addon.ui.words import remark
+from radtex_addon.ui.labels import remark
 from tests.blender.ui_stage import context, properties_of, registered
 
-PACKAGE = Path(words.__file__).parents[1]
+PACKAGE = Path(labels.__file__).parents[1]
 OPTION = re.compile(r"--([a-z][a-z-]+)")
 # Not shown in the window: the batch itself, and the report's page.
 ELSEWHERE = {"cli", "report/page.py", "report/causes.py", "farm"}
@@ -64,7 +64,7 @@ def test_the_search_finds_what_is_there() -> None:
 def test_no_message_names_an_option_in_the_window(name: str, message: str) -> None:
     outside = re.sub(r"\([^()]*\)", "", message)  # what is in brackets may be left out
     unknown = (
-        set(OPTION.findall(outside)) - set(words.LABELS) - {"capture"}
+        set(OPTION.findall(outside)) - set(labels.LABELS) - {"capture"}
     )  # always the portal in the window
     assert not unknown, name
     assert "--" not in remark(message)
@@ -73,7 +73,7 @@ def test_no_message_names_an_option_in_the_window(name: str, message: str) -> No
 def test_the_window_has_what_messages_name() -> None:
     with registered():
         shown = {one.name for cls in registration.CLASSES for one in properties_of(cls)}
-    named = {label.partition(",")[0] for label in words.LABELS.values()}
+    named = {label.partition(",")[0] for label in labels.LABELS.values()}
     assert named <= shown
 
 
@@ -129,9 +129,9 @@ def test_messages_are_wrapped_to_the_sidebar(room: float) -> None:
 
 def test_every_stage_of_a_job_has_its_words() -> None:
     compared = {Task.REFERENCE, Task.COMPARE}
-    assert set(words.STAGES) == {stage.value for stages in (Stage, ExportTask, compared) for stage in stages}
-    assert words.stage(None) == "Starting"
-    assert words.stage("capture") == "Tracing paths"
+    assert set(labels.STAGES) == {stage.value for stages in (Stage, ExportTask, compared) for stage in stages}
+    assert labels.stage(None) == "Starting"
+    assert labels.stage("capture") == "Tracing paths"
 
 
 @pytest.mark.parametrize(
@@ -139,11 +139,11 @@ def test_every_stage_of_a_job_has_its_words() -> None:
     [(0.2, "under a second"), (42, "42 s"), (89.9, "90 s"), (600, "10 min"), (3600 * 1.75, "1.8 h")],
 )
 def test_times_are_rounded(seconds: float, said: str) -> None:
-    assert words.duration(seconds) == said
+    assert labels.duration(seconds) == said
 
 
 @pytest.mark.parametrize(
     ("count", "said"), [(999, "999 B"), (1500, "1.5 kB"), (128e6, "128 MB"), (2.5e12, "2500 GB")]
 )
 def test_sizes_are_rounded(count: float, said: str) -> None:
-    assert words.size(count) == said
+    assert labels.size(count) == said

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.app.handlers import persistent
 
-from .finding import selected_meshes
+from .bake_lookup import selected_meshes
 from .redraw import redraw
 
 if TYPE_CHECKING:

@@ -14,10 +14,10 @@ from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object, bake_steps
-from radtex_addon.job.foresight import foresee
-from radtex_addon.ui import estimates, outlook
+from radtex_addon.job.preflight import foresee
+from radtex_addon.ui import estimates, panel_state
 from radtex_addon.ui.cost import figures
-from radtex_addon.ui.outlook import Outlook
+from radtex_addon.ui.panel_state import Outlook
 from radtex_addon.ui.request import spec_of, values_of
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
@@ -40,14 +40,14 @@ def plane(name: str = "Card") -> None:
 
 
 def seen() -> Outlook:
-    return outlook.refresh(context.scene, context.view_layer)
+    return panel_state.refresh(context.scene, context.view_layer)
 
 
 def test_nothing_is_known_before_it_was_worked_out_and_then_it_is_kept() -> None:
-    outlook._cache.found.clear()
-    assert outlook.outlook_of(context.scene, context.view_layer) is None
+    panel_state._cache.found.clear()
+    assert panel_state.outlook_of(context.scene, context.view_layer) is None
     found = seen()
-    assert outlook.outlook_of(context.scene, context.view_layer) is found
+    assert panel_state.outlook_of(context.scene, context.view_layer) is found
 
 
 def test_the_selected_meshes_are_baked_or_else_the_active_one() -> None:
@@ -182,23 +182,23 @@ def test_every_change_marks_it_stale() -> None:
         lambda: context.object.select_set(False),
         lambda: context.scene.objects["Card"].modifiers.new("More", "SUBSURF"),
     ):
-        bpy.app.timers.unregister(outlook._tick)
+        bpy.app.timers.unregister(panel_state._tick)
         change()
         context.view_layer.update()
-        assert bpy.app.timers.is_registered(outlook._tick)
+        assert bpy.app.timers.is_registered(panel_state._tick)
 
 
 def test_the_timer_waits_for_quiet_and_then_stops(monkeypatch: pytest.MonkeyPatch) -> None:
     plane()
     now = 100.0
-    monkeypatch.setattr(outlook, "monotonic", lambda: now)
-    outlook.mark_stale()
+    monkeypatch.setattr(panel_state, "monotonic", lambda: now)
+    panel_state.mark_stale()
     now = 100.1
-    assert outlook._tick() == pytest.approx(0.2)
+    assert panel_state._tick() == pytest.approx(0.2)
     now = 100.4
     seen()
-    assert outlook._tick() is None
-    assert set(outlook._cache.found) <= {(context.scene.session_uid, context.view_layer.name)}
+    assert panel_state._tick() is None
+    assert set(panel_state._cache.found) <= {(context.scene.session_uid, context.view_layer.name)}
 
 
 def test_looking_ahead_changes_nothing(tmp_path: Path) -> None:

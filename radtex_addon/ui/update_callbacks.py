@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from .outlook import mark_stale
+from .panel_state import mark_stale
 
 
 def notice(_: Any, __: bpy.types.Context) -> None:

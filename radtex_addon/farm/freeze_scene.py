@@ -20,7 +20,7 @@ from ..core.errors import InputError
 from ..scene.evaluated import render_with
 from .animation import Values, animated_values, hold
 from .images import hold_images
-from .looks import Looks, differing, looks_of
+from .render_digests import Looks, differing, looks_of
 
 _CACHED = {  # modifiers whose results depend on frames before, or on files
     "CLOTH",

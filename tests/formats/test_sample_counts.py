@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.errors import FormatError
-from radtex_addon.formats.counts import count_text, read_counts
+from radtex_addon.formats.sample_counts import count_text, read_counts
 
 
 def test_runs_go_row_after_row_from_the_bottom() -> None:

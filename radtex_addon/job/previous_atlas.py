@@ -10,8 +10,8 @@ import numpy as np
 
 from ..core.arrays import Floats, Ints
 from ..core.errors import InputError
-from ..formats.counts import count_text, read_counts
 from ..formats.exr import read_buckets
+from ..formats.sample_counts import count_text, read_counts
 from ..formats.sidecar import Sidecar
 from .files import OutputFiles
 

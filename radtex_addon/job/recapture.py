@@ -24,9 +24,9 @@ from ..core.arrays import Bools, Floats, Ints
 from ..core.errors import InputError
 from ..core.texel_map import TexelMap
 from ..cycles.portal import PortalCapture
-from ..scene.fog import has_volumes
+from ..scene.enclosing_volumes import has_volumes
 from ..scene.scratch import scene_copied
-from .earlier import Earlier
+from .previous_atlas import Earlier
 
 
 @dataclass(frozen=True, eq=False)
