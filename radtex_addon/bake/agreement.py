@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How near one atlas in the shared layout comes to another of the same surface."""
+"""Compare two atlases of the same surface in the shared layout."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ..core.shared import SharedAtlas, sample_shared
 from .light_samples import spread_shifts
 from .plan import CapturePlan
 
-_LOOKUPS = 40_000  # give 0.1 dB
+_LOOKUPS = 40_000  # enough for 0.1 dB
 _AT_ONCE = 4000
 _GAMMA = 2.2
-_STEEP = 0.8  # of the bucket's square: beyond, the surface is seen at too flat an angle to matter
+_STEEP = 0.8  # largest bucket coordinate compared: beyond, the surface is seen too flat to matter
 
 
 def agreement(one: SharedAtlas, other: SharedAtlas, plan: CapturePlan) -> Generator[None, None, float]:
-    """PSNR in dB between what viewers see of both, of values clipped to 0..1 with a gamma of 2.2.
+    """PSNR in dB between what viewers see of the two atlases; values are clipped to 0..1, gamma 2.2.
 
     Viewers look at all covered texels, from directions spread over each hemisphere. Yields between blocks of
     work.
@@ -33,7 +33,7 @@ def agreement(one: SharedAtlas, other: SharedAtlas, plan: CapturePlan) -> Genera
     viewer = np.einsum("kc,ckx->kx", local, np.stack(list(axes))).astype(np.float32)
     width = plan.layout.width
     texel = plan.texel[chosen]
-    within = spread_shifts(len(chosen), seed=1)  # the colour is finer than texels
+    within = spread_shifts(len(chosen), seed=1)  # inside the texel: the colour image is finer than texels
     uv = (np.stack([texel % width, texel // width], axis=-1) + within) / [width, plan.layout.height]
     looks = uv.astype(np.float32), plan.normals[chosen], viewer
     off = np.empty((len(chosen), 3), dtype=np.float32)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A capture whose light is a formula: it tests everything around a renderer, and needs none."""
+"""A capture whose light is a formula: tests everything but the renderer, without one."""
 
 from __future__ import annotations
 

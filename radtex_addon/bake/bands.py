@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The atlas in bands of rows: texels in their places, gutters and hidden cells filled, never all at once.
+"""Assemble the atlas in bands of rows, with gutters and hidden cells filled, so that memory stays small.
 
-A missing cell takes the value that the nearest texel, in texels, has for the same cell. Which texel that is
-depends on the direction wherever some texel's cell is hidden: it is found for one direction after another,
-and lies with the keeper until its band comes.
+A missing cell takes the value of the same cell in the nearest texel that has it, by distance in texels. Where
+cells are hidden, this texel differs from direction to direction: it is found for one direction after another,
+and stored by the keeper until its band is assembled.
 """
 
 from __future__ import annotations
@@ -24,30 +24,32 @@ from .keeper import Keeper, Pile
 from .plan import CapturePlan
 from .progress import Progress, Stage
 
-_BAND_BYTES = 1 << 25  # of a band's cells
-_HELD_BYTES = 1 << 25  # of texels that fill others: less is quicker found again than kept
+_BAND_BYTES = 1 << 25  # size of a band's cells
+_HELD_BYTES = 1 << 25  # keep fill sources in memory up to this size; a resumed bake recomputes them
 _PAIRS = "pairs"  # the array's name in a direction's piece
 
 
 @dataclass(frozen=True, eq=False)
 class Band:
-    """Rows of texels from `first` on: `buckets` (h, W, n, n, C) float32, whole."""
+    """Rows of texels from row `first` on: `buckets` (h, W, n, n, C) float32, with nothing left to fill."""
 
     first: int
     buckets: Floats
 
     @property
     def end(self) -> int:
-        """The row behind its last."""
+        """The row after the last one."""
         return self.first + len(self.buckets)
 
 
 @dataclass(frozen=True, eq=False)
 class Bands:
-    """Makes bands of an atlas; `nearest` (H*W,) int32 is each texel's place in the plan, or its nearest's.
+    """Assembles the bands of an atlas.
 
-    For the directions [q, p] in `instead`, a piece of the keeper has pairs (E, 2) of a texel's flat index,
-    ascending, and the place of another that serves it there; `instead` says where each row's pairs begin.
+    `nearest` (H*W,) int32: each texel's index in the plan, or for a gutter texel that of the nearest covered
+    one. `instead` has the directions [q, p] with hidden cells. For each, a piece of the keeper has pairs
+    (E, 2): a texel's flat index, ascending, and the plan's index of the texel that fills this cell; the
+    values of `instead` (H + 1,) say where each row's pairs begin.
     """
 
     plan: CapturePlan
@@ -58,7 +60,7 @@ class Bands:
 
     @property
     def rows(self) -> int:
-        """Of texels in a band, at most."""
+        """The most rows of texels in a band."""
         layout = self.plan.layout
         return max(1, _BAND_BYTES // (layout.width * layout.bucket**2 * self.cells.channels * 4))
 
@@ -66,7 +68,7 @@ class Bands:
         return ceil(self.plan.layout.height / self.rows)
 
     def downwards(self) -> Iterator[Band]:
-        """All bands, the top one first. Raises BakeError where cells can no longer be read."""
+        """All bands, from the top. Raises BakeError where cells can no longer be read."""
         height = self.plan.layout.height
         for number in reversed(range(len(self))):
             first = number * self.rows
@@ -78,7 +80,7 @@ class Bands:
         buckets = self.cells.take(place)[where.ravel()]
         texel, cell, source = self._instead(first, end)
         order = np.argsort(source, kind="stable")
-        most = self.rows * width  # buckets in hand, beside the band's own
+        most = self.rows * width  # buckets in memory, beside the band's own
         for some in np.array_split(order, ceil(len(order) / most)) if len(order) else ():
             place, where = np.unique(source[some], return_inverse=True)
             values = self.cells.take(place).reshape(len(place), n * n, -1)
@@ -87,7 +89,10 @@ class Bands:
         return Band(first, buckets.reshape(end - first, width, n, n, -1))
 
     def _instead(self, first: int, end: int) -> tuple[Ints, Ints, Ints]:
-        """Flat indices of texels, cells q * n + p of theirs, and the places that serve them: (E,) each."""
+        """What fills hidden cells of these rows: texels' flat indices, cells q * n + p, sources: (E,) each.
+
+        A source is the plan's index of the texel whose cell is taken instead.
+        """
         pairs, cells = [np.empty((0, 2), dtype=np.int32)], [np.empty(0, dtype=np.int32)]
         for (q, p), starts in self.instead.items():
             begin, count = int(starts[first]), int(starts[end] - starts[first])
@@ -101,9 +106,9 @@ class Bands:
 def find_bands(
     plan: CapturePlan, cells: Cells, keeper: Keeper, hidden: HiddenCells | None
 ) -> Generator[Progress, None, Bands]:
-    """Find what fills gutters, and the cells that are `hidden`; yields progress in directions.
+    """Find what fills gutters and `hidden` cells; yields progress in directions.
 
-    A cell that is hidden everywhere keeps what it holds. The `keeper` is given what is found, if it is much.
+    A cell that is hidden in all texels keeps its value. Large results are stored by the `keeper`.
     """
     layout = plan.layout
     place = np.zeros(layout.height * layout.width, dtype=np.int32)
@@ -126,7 +131,7 @@ def find_bands(
 
 
 def _pairs(plan: CapturePlan, place: Ints, nearest: Ints, hidden: Bools) -> npt.NDArray[np.int32]:
-    """Texels whose nearest one's cell is `hidden` (K,), and the places of those that have it."""
+    """The pairs (E, 2) of a direction that is `hidden` in some texels (K,): texels to fill, and sources."""
     texel = np.flatnonzero(hidden[nearest])
     seen = plan.covered.copy()
     seen.ravel()[plan.texel[hidden]] = False
@@ -134,7 +139,7 @@ def _pairs(plan: CapturePlan, place: Ints, nearest: Ints, hidden: Bools) -> npt.
 
 
 def _flat_nearest(covered: Bools) -> Ints:
-    """Flat index of every texel's nearest covered one: (H*W,)."""
+    """Flat index of the nearest covered texel for every texel: (H*W,)."""
     j, i = nearest_covered(covered)
     flat: Ints = (j.astype(np.int64) * covered.shape[1] + i).ravel()
     return flat

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is done in the folder of an unfinished bake before a bake begins there."""
+"""Prepare the folder of an unfinished bake before a bake starts there."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .key import is_unfinished, read_key
 
 
 def announce(folder: Path, replaces: Iterable[Path]) -> None:
-    """Make an unfinished bake in `folder`, without pieces: killed before it starts, the run goes on with it.
+    """Mark a bake as unfinished before it starts, so that resuming a killed run of several bakes includes it.
 
-    `replaces` are as a checkpoint's. Raises InputError where a process works on it, BakeError where the
-    system refuses.
+    Makes a checkpoint without pieces in `folder`; `replaces` are as for `Checkpoint`. Raises InputError where
+    a process works on it, BakeError where the system refuses.
     """
     settle_earlier(folder)
     with Checkpoint(folder, False, replaces) as coming:
@@ -24,7 +24,7 @@ def announce(folder: Path, replaces: Iterable[Path]) -> None:
 
 
 def settle_earlier(folder: Path) -> None:
-    """Give the files of a bake that was killed amid their moves their places, all of them.
+    """If a bake was killed while its finished files were moved to their final names, move the others too.
 
     Raises InputError where a process works on it, BakeError where the system refuses.
     """
@@ -32,7 +32,7 @@ def settle_earlier(folder: Path) -> None:
         return
     try:
         key = read_key(folder)
-    except InputError:  # who begins anew needs none
+    except InputError:  # a new bake does not need the old key
         return
     if key.made is not None:
         with Checkpoint(folder, resume=True) as left:

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work on samples, a block of texels at a time: little memory, and all cores.
+"""Process samples in blocks of texels: uses little memory, and all cores.
 
-Samples are S for each of K texels. Inside a block they are planes: (C, k, S), the channels first, for NumPy
-is quick along long last axes only.
+Each of K texels has S samples. Inside a block their arrays are (C, k, S), channels first, because NumPy is
+fast only along a long last axis.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from ..core.arrays import Floats
 _Part = TypeVar("_Part")
 _Result = TypeVar("_Result")
 
-SAMPLES_AT_ONCE = 1 << 14  # what they need fits a core's cache
+SAMPLES_AT_ONCE = 1 << 14  # in a block: its data fits a core's cache
 THREADS = os.cpu_count() or 1
 
 
 def side_by_side(function: Callable[[_Part], _Result], parts: Iterable[_Part]) -> list[_Result]:
-    """The function's results for all parts, in order; it runs in several threads."""
+    """Run the function on all parts in several threads; its results in the order of the parts."""
     with ThreadPoolExecutor(THREADS) as pool:
         return list(pool.map(function, parts))
 
@@ -33,7 +33,10 @@ def side_by_side(function: Callable[[_Part], _Result], parts: Iterable[_Part]) -
 def in_blocks(
     function: Callable[[slice], _Result], texels: int, samples: int, at_once: int = SAMPLES_AT_ONCE
 ) -> list[_Result]:
-    """The function's results for blocks of `texels` with `samples` each, in order, whatever the threads."""
+    """Run the function on blocks of `texels` with `samples` each, in several threads; its results in order.
+
+    A block has about `at_once` samples, however many threads there are.
+    """
     step = max(1, at_once // max(samples, 1))
     blocks = [slice(first, min(first + step, texels)) for first in range(0, texels, step)]
     return side_by_side(function, blocks)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What fills buckets: the one thing that the session asks of a renderer."""
+"""The interface of renderers that fill buckets."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from .plan import Tile
 
 
 class Capture(Protocol):
-    """A renderer that was set up for one plan."""
+    """A renderer, set up for one plan."""
 
     def render(self, tile: Tile) -> Floats:
         """Cells of the tile's texels: (k, n, n, C) float32, indexed [texel, q, p], scene-linear Rec.709.
 
-        RGBA, and three channels for each layer that the renderer was set up for. Alpha is associated. Each
-        cell is the mean over the cell, uniform in B. Raises BakeError on failure.
+        Channels are RGBA, then three for each layer that the renderer was set up for. Alpha is associated.
+        Each value is the mean over its cell, uniform in B. Raises BakeError on failure.
         """
         ...

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What was captured of a plan's texels: it lies with a keeper, tile by tile, and is read when needed."""
+"""The captured cells of a plan's texels: stored by a keeper tile by tile, and read when needed."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from .keeper import Keeper
 from .plan import CapturePlan, Tile
 
 _CELLS = "cells"  # the array's name in a tile's piece
-_GAP = 16  # texels that are rather read in vain than asked for apart
+_GAP = 16  # texels: gaps up to this are read too, which is faster than two reads
 
 
 class Cells:
-    """Cells (K, n, n, C) float32 of a plan's texels, in its order; rows of the plan come as tiles."""
+    """Cells (K, n, n, C) float32 of a plan's texels, in the plan's order; added in tiles of whole rows."""
 
     def __init__(self, plan: CapturePlan, keeper: Keeper, channels: int) -> None:
         self.channels = channels
@@ -30,11 +30,11 @@ class Cells:
 
     @property
     def texels(self) -> int:
-        """How many are there."""
+        """The number of texels captured so far."""
         return min(int(self._there.sum()) * self._plan.columns, len(self._plan.texel))
 
     def restore(self) -> Iterator[tuple[Tile, Floats]]:
-        """Take what the keeper has of an earlier session; yields each tile with its cells (k, n, n, C)."""
+        """Use the tiles that an earlier session stored; yields each with its cells (k, n, n, C)."""
         shape = (self._plan.layout.bucket, self._plan.layout.bucket, self.channels)
         for name in self._keeper.names():
             tile = _tile(name)
@@ -50,13 +50,13 @@ class Cells:
                 yield tile, cells
 
     def put(self, tile: Tile, cells: Floats) -> None:
-        """Keep a tile's cells (k, n, n, C). Raises BakeError where that is refused."""
+        """Store a tile's cells (k, n, n, C). Raises BakeError where the system refuses."""
         name = f"tile-{tile.first_row:06d}-{tile.rows}"
         self._keeper.keep(name, {_CELLS: np.ascontiguousarray(cells, dtype=np.float32)})
         self._add(tile, name)
 
     def missing(self, most: int) -> Tile | None:
-        """The first rows that are not there, `most` at most and of one sheet; None where all are."""
+        """The first rows that are missing, at most `most` and within one sheet; None if there are none."""
         if self._there.all():
             return None
         first = int(np.argmin(self._there))
@@ -66,7 +66,7 @@ class Cells:
         return Tile(first, min(most, free, height - first % height))
 
     def take(self, index: Ints) -> Floats:
-        """Cells (k, n, n, C) of the texels with these places in the plan, (k,), which ascend.
+        """Cells (k, n, n, C) of the texels with these indices in the plan, (k,), ascending.
 
         Raises BakeError where they can no longer be read.
         """
@@ -95,6 +95,6 @@ class Cells:
 
 
 def _tile(name: str) -> Tile | None:
-    """The tile that is kept under `name`, if it is one's."""
+    """The tile in the piece of this name; None if it is not a tile's."""
     found = re.fullmatch(r"tile-(\d+)-(\d+)", name)
     return Tile(int(found[1]), int(found[2])) if found else None

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where light has changed: few new paths held against an atlas that is there.
+"""Find texels whose light has changed, by comparing a few new paths with the existing atlas.
 
-One path a cell is mostly noise, so texels are judged with their neighbours in the atlas: the mean of all
-differences around, in units of its standard error, as the differences themselves spread.
+One path per cell is mostly noise, so a texel is judged together with its neighbours in the atlas: by the mean
+of all their differences, in units of its standard error, which is estimated from the same differences.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ import numpy as np
 from ..core.arrays import Bools, Floats
 from .plan import CapturePlan
 
-_RADIUS = 3  # texels around that are judged together
-_SURE = 3.5  # standard errors of a mean: below that it may be noise
-_VISIBLE = 0.02  # of the light that is there: below that nobody sees it
+_RADIUS = 3  # texels on each side that are judged together
+_SURE = 3.5  # standard errors of a mean: smaller differences may be noise
+_VISIBLE = 0.02  # fraction of the atlas's light: smaller differences are invisible
 
 
 def changed_texels(plan: CapturePlan, probe: Floats, before: Floats) -> Bools:
-    """Which of the plan's texels show other light than before: (K,), in the order of `plan.texel`.
+    """Which of the plan's texels show different light than before: (K,), in the order of `plan.texel`.
 
-    `probe` (K, m, m, C) are cells of one path each, `before` (K, m, m, C) the same cells' means in the atlas;
-    the first three channels count.
+    `probe` (K, m, m, C) are cells of one path each, `before` (K, m, m, C) the means of the same cells in the
+    atlas; only the first three channels count.
     """
     difference = (probe[..., :3] - before[..., :3]).sum(axis=-1, dtype=np.float64)
     count, cells = len(difference), difference[0].size
@@ -45,7 +45,7 @@ def changed_texels(plan: CapturePlan, probe: Floats, before: Floats) -> Bools:
 
 
 def _around(image: Floats) -> Floats:
-    """Sums over the square of texels around each, of (H, W, C)."""
+    """For each texel of (H, W, C) the sum over the square of 2 * _RADIUS + 1 texels around it."""
     padded = np.pad(image, ((_RADIUS + 1, _RADIUS), (_RADIUS + 1, _RADIUS), (0, 0)))
     sums = padded.cumsum(axis=0).cumsum(axis=1)
     side = 2 * _RADIUS + 1

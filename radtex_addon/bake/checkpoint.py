@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is finished of a bake, kept in a folder, so that a kill at any moment costs one render and no more.
+"""The checkpoint of a bake: a folder of finished pieces, so that a kill costs at most one render.
 
-A piece is some arrays under a name (`pieces.py`). It is written beside and renamed. The key says what the
-pieces belong to: a bake that differs in any fact of it may not use them. Whoever works on them has a lock.
+A piece is a set of named arrays (`pieces.py`), written under a temporary name and then renamed. The key lists
+the facts that the pieces belong to: a bake that differs in any of them may not use them. The process that
+works on the folder holds a lock.
 """
 
 from __future__ import annotations
@@ -43,9 +44,9 @@ log = logging.getLogger(__name__)
 
 
 class Checkpoint(Keeper):
-    """Keeps pieces in `folder`, which appears with the first of them, and is this bake's until it is closed.
+    """Stores pieces in `folder`, which is created for the first of them and locked until `close`.
 
-    The first piece that is kept or found raises InputError where another process works on them.
+    The first piece that is stored or found raises InputError where another process works on the folder.
     """
 
     def __init__(
@@ -55,13 +56,13 @@ class Checkpoint(Keeper):
         replaces: Iterable[Path] = (),
         check: Callable[[], None] = lambda: None,
     ) -> None:
-        """Go on with what `folder` holds if `resume`, else begin anew, and drop that at the first piece.
+        """If `resume`, go on with the pieces in `folder`; else start over, deleting them at the first piece.
 
-        Before it is dropped, and once nobody else can write there, `check` may raise InputError for what has
-        come meanwhile.
+        Before they are deleted, but with the lock already held, `check` runs: it may raise InputError for
+        files that have appeared meanwhile.
 
-        `replaces` are the files that the bake may put in the place of others. Raises InputError for a key
-        that cannot be read.
+        `replaces` are the output files that the bake may overwrite. Raises InputError for a key that cannot
+        be read.
         """
         self._folder = folder
         self._facts: dict[str, str] = {}
@@ -81,7 +82,7 @@ class Checkpoint(Keeper):
         self.close()
 
     def close(self) -> None:
-        """Let others go on with what is kept. Of files that were written nothing is, unless all were."""
+        """Release the lock; pieces stay. Output files are deleted, unless all of them were written."""
         if self._lock is None:
             return
         if self._made is None:
@@ -90,7 +91,7 @@ class Checkpoint(Keeper):
         self._lock.release()
 
     def begin(self) -> None:
-        """Take the lock, and say so, before there is a piece. Raises as the first piece does."""
+        """Take the lock and write the key before the first piece. Raises as the first piece does."""
         if not self._begun:
             self._begin()
 
@@ -121,7 +122,7 @@ class Checkpoint(Keeper):
             piece = read_piece(path, self._mark(name))
         except FileNotFoundError:
             return None
-        except Exception as error:  # noqa: BLE001  # numpy's parser of headers raises whatever it meets
+        except Exception as error:  # noqa: BLE001  # numpy's header parser may raise anything
             log.warning(
                 "%s is damaged and is made again (%s)", path, shown(" ".join(str(error).split()), 200)
             )
@@ -145,13 +146,17 @@ class Checkpoint(Keeper):
 
     @property
     def made(self) -> dict[str, Any] | None:
-        """What the bake came to, if all its files are written: these may be in their places or not."""
+        """The bake's result, as given to `settle`, once all its files are written; else None.
+
+        The files may not have their final names yet.
+        """
         return self._made
 
     def settle(self, made: dict[str, Any]) -> None:
-        """Give the files their places, all of which are written: the bake came to what `made` says.
+        """Record the bake's result `made`, and move its files, all of them written, to their final names.
 
-        From here on it is gone on with behind this. Raises BakeError where the system refuses.
+        Resumed after this, the bake goes on with its preview and exports. Raises BakeError where the system
+        refuses.
         """
         if not self._begun:
             self._begin()
@@ -169,24 +174,24 @@ class Checkpoint(Keeper):
             return read_rows(path, array, first, count)
         except OSError as error:
             reason = error.strerror or str(error)
-        except Exception as error:  # noqa: BLE001  # numpy's parser of headers raises whatever it meets
+        except Exception as error:  # noqa: BLE001  # numpy's header parser may raise anything
             reason = f"it is damaged ({shown(' '.join(str(error).split()), 200)})"
         raise BakeError(f"{path} can no longer be read: {reason}; bake again")
 
     def remove(self) -> None:
-        """Drop all pieces, and what killed processes were writing: the bake is done.
+        """Delete all pieces, and temporary files of killed processes: the bake is done.
 
         Raises BakeError where the system refuses.
         """
         self._drop()
 
     def drop_own(self) -> None:
-        """Drop what this bake has kept, or that it was announced, unless it went on with another's."""
+        """Delete this bake's pieces, or its announcement, unless it resumed an earlier bake."""
         if self._known is None and (self._begun or is_announced(self._folder)):
             self._drop()
 
     def _drop(self) -> None:
-        """The key goes first: killed behind that, the bake is over, and the next one removes the rest."""
+        """Delete the key first: if killed after that, the bake is over, and the next one deletes the rest."""
         for pid in self._workers:
             remove_unfinished(self._folder.parent, pid)
         try:
@@ -228,7 +233,7 @@ class Checkpoint(Keeper):
         if self._known is None:
             self._check()
             _clear(self._folder)
-        elif not is_unfinished(self._folder):  # whoever had the lock has finished the bake
+        elif not is_unfinished(self._folder):  # the process that had the lock has finished the bake
             raise self._gone()
         else:
             self._replaces = sorted({*self._replaces, *self._known.replaces})
@@ -245,15 +250,15 @@ class Checkpoint(Keeper):
         return BakeError(f"{self._folder} has gone while the bake ran: bring its disk back, or bake again")
 
     def _mark(self, name: str) -> dict[str, str]:
-        """What a piece's file says of itself: one of another bake, or under another's name, is no use."""
+        """The label in a piece's file: a piece of another bake, or of another name, is not used."""
         facts = json.dumps(self._facts, sort_keys=True)
         return {"piece": name, "of": hashlib.sha256(facts.encode()).hexdigest()}
 
 
 def remove_left(folder: Path) -> None:
-    """Remove what a process that was killed amid its end left in `folder`; what is not ours stays.
+    """Delete from `folder` what a process left that was killed while it cleaned up; other files stay.
 
-    So does a bake that is unfinished, or that somebody works on. Raises BakeError.
+    A bake that is unfinished, or that a process works on, stays too. Raises BakeError.
     """
     lock = folder / LOCK
     try:
@@ -268,7 +273,7 @@ def remove_left(folder: Path) -> None:
 
 
 def _clear(folder: Path) -> None:
-    """Remove what we wrote, the key last: killed before that, it can be resumed."""
+    """Delete what RadTex wrote, the key last: if killed before that, the bake can still be resumed."""
     try:
         drop_waiting(folder)
         for pattern in (f"*{PIECE}", ".radtex-*", KEY):

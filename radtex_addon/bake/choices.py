@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What can be chosen for a bake, by words."""
+"""The choices of a bake that have names, as enums and their parsers."""
 
 from __future__ import annotations
 
@@ -25,26 +25,26 @@ class Kind(StrEnum):
     TRANSFER = "transfer"
 
 
-LEAVING = (Kind.RADIANCE, Kind.PROXY)  # what a viewer sees, of the object or through it
+LEAVING = (Kind.RADIANCE, Kind.PROXY)  # light that a viewer sees, of the object or through it
 ARRIVING = (Kind.INCIDENT, Kind.REFLECTION)
-OCCLUSION = (Kind.SHADOW, Kind.AO)  # which know no light, only what is in its way
+OCCLUSION = (Kind.SHADOW, Kind.AO)  # visibility only, no light
 SOURCED = (
     Kind.RADIANCE,
     Kind.INCIDENT,
     Kind.REFLECTION,
     *OCCLUSION,
-)  # which another object's surface can give
+)  # can be baked from another object's surface
 
 
 class Layout(StrEnum):
-    """How an atlas holds its light."""
+    """How an atlas stores its light."""
 
     BUCKETS = "buckets"
     SHARED = "shared"
 
     @property
     def cells(self) -> int:
-        """Along a bucket's side, where nobody says."""
+        """The default bucket size: cells along a side."""
         return 16 if self is Layout.SHARED else 8
 
 
@@ -56,15 +56,15 @@ class CaptureMethod(StrEnum):
 
 
 class View(StrEnum):
-    """From where a transfer is looked at."""
+    """The viewpoints of a transfer bake."""
 
     NORMAL = "normal"  # each texel along its normal
     CAMERA = "camera"  # from the scene's camera
-    AROUND = "around"  # each texel from nine directions, between which lookups blend
+    AROUND = "around"  # each texel from nine directions; lookups blend between them
 
 
 class Unwrap(StrEnum):
-    """Who makes the UV layer if none is named."""
+    """What makes the UV layer if none is named."""
 
     XATLAS = "xatlas"
     BLENDER = "blender"

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Condensing a fitted atlas: texels that show alike become one cluster, and mixtures of its few buckets.
+"""Condense a fitted atlas: similar texels form a cluster, and become mixtures of its few buckets.
 
-Clustered principal components (Sloan et al. 2003), in turns: each cluster's mean and components are found,
-then each texel goes to the cluster near it that shows it best. Errors count by what they do to the light: a
-gain's by the surroundings it shows, a shift's by how fast those change there, all relative to the light there
-is; and nowhere below the texel's horizon.
+Clustered principal component analysis (Sloan et al. 2003), two steps in turn: compute each cluster's mean and
+components, then move each texel to the nearby cluster that represents it best. Errors are weighted by their
+effect on the light: a gain's by the surroundings that it multiplies, a shift's by how fast the surroundings
+change there, both relative to the brightness there. Errors below the texel's horizon do not count.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from .plan import CapturePlan
 from .surroundings import Surroundings
 
 _ROUNDS = 2
-_NEAREST = 8  # clusters that a texel may go to
-_MOST_TEXELS = 1024  # of a cluster, from which its components are found
-_PLACE = 3.0  # of the object's size: how far texels are apart, against how much their normals differ
-_HORIZON = -0.15  # N·A at which a texel's cells end that any fragment of it can look up
-_SOFT = 0.04  # of that end
-_DARK = 0.3  # of the mean light: darker than that, errors count no more
-_STEP = 0.05  # of direction, over which the surroundings' change is taken
-_SPREAD_UNIT = 0.3  # a spread's error against a shift's
+_NEAREST = 8  # nearest clusters that a texel may move to
+_MOST_TEXELS = 1024  # texels of a cluster that its components are computed from, at most
+_PLACE = 3.0  # weight of positions, in object sizes, against normals when texels are clustered
+_HORIZON = -0.15  # N·A of the lowest cells that a fragment of a texel can look up
+_SOFT = 0.04  # width of the smooth edge at that limit
+_DARK = 0.3  # fraction of the mean light: where it is darker, errors hardly count more
+_STEP = 0.05  # step of direction over which the change of the surroundings is measured
+_SPREAD_UNIT = 0.3  # weight of a spread's error against a shift's
 _TEXELS_AT_ONCE = 4096
 _CHANNELS = (4, 3, 3)  # ends, gain, rest
 
@@ -38,7 +38,7 @@ _CHANNELS = (4, 3, 3)  # ends, gain, rest
 def condense(
     atlas: SharedAtlas, plan: CapturePlan, clusters: int, rank: int = 2
 ) -> Generator[None, None, CondensedAtlas]:
-    """The atlas with the lobes' texels in at most `clusters` clusters each, of 1 + `rank` buckets.
+    """Condense each lobe of the atlas to at most `clusters` clusters of 1 + `rank` buckets.
 
     Yields between blocks of work.
     """
@@ -53,7 +53,7 @@ def condense(
 
 @dataclass(frozen=True, eq=False)
 class _Model:
-    """A cluster's buckets, (D,) and (r, D), and how much an error counts in each number, as its root (D,)."""
+    """A cluster's mean bucket (D,), components (r, D), and the square root of each number's weight (D,)."""
 
     mean: Floats
     components: Floats
@@ -62,7 +62,7 @@ class _Model:
 
 @dataclass(frozen=True, eq=False)
 class _Condenser:
-    """K texels' buckets of one lobe, (K, D); `seen` (K, n*n), where a fragment can look."""
+    """Condenses one lobe: `buckets` (K, D) of K texels; `seen` (K, n*n), 0 where no fragment looks, to 1."""
 
     axis: Axis
     plan: CapturePlan
@@ -114,7 +114,7 @@ class _Condenser:
         return _Model(mean, components, root)
 
     def _importance(self, mean: Floats, seen: Floats) -> Floats:
-        """How much squared errors count in each number of a bucket near `mean`: (D,)."""
+        """Weights of squared errors in each number of a bucket near `mean`: (D,)."""
         ends, gain, rest = (part.reshape(self.n**2, -1) for part in self._parts(mean))
         axis = cell_directions(self.n)
 
@@ -139,12 +139,12 @@ class _Condenser:
         return np.concatenate([part.ravel() for part in by_part])
 
     def _parts(self, buckets: Floats) -> list[Floats]:
-        """Ends, gain and rest of buckets (..., D): (..., n*n*channels) each."""
+        """Split buckets (..., D) into ends, gain and rest: (..., n*n*channels) each."""
         cuts = np.cumsum([self.n * self.n * channels for channels in _CHANNELS])[:-1]
         return np.split(buckets, cuts, axis=-1)
 
     def _reassigned(self, own: Ints, models: list[_Model], place: Floats) -> Generator[None, None, Ints]:
-        """The cluster of each texel (K,) that shows it best, of those near it."""
+        """For each texel the nearby cluster that represents it best: (K,)."""
         near = yield from _nearest(place, _middles(place, own), _NEAREST)
         near = np.column_stack([near, own])
         least = np.full(len(own), np.inf, dtype=np.float32)
@@ -177,9 +177,9 @@ class _Condenser:
 
 
 def members(clusters: Ints) -> list[Ints]:
-    """The texels of each cluster in turn, ascending.
+    """The texels of each cluster, ascending; one array for each cluster, in the order of their numbers.
 
-    `clusters` (K, ...) are the numbers of each texel's, one or more of them; no cluster has no texel.
+    `clusters` (K, ...): the number of each texel's cluster, or of several; no cluster may be empty.
     """
     count = len(clusters)
     both = np.sort((clusters.reshape(count, -1) * np.int64(count) + np.arange(count)[:, None]).ravel())
@@ -194,14 +194,17 @@ def _middles(place: Floats, own: Ints) -> Floats:
 
 
 def _places(plan: CapturePlan) -> Floats:
-    """Where texels lie among those that may look alike: their normals and places, (K, 6)."""
+    """Texels as points for clustering: positions, scaled to the object's size, and normals, (K, 6)."""
     size = float(np.linalg.norm(np.ptp(plan.points, axis=0)))
-    middle = plan.points.mean(axis=0)  # far from it, squares of float32 tell no neighbours apart
+    middle = plan.points.mean(axis=0)  # squares of large float32 coordinates cannot tell neighbours apart
     return np.concatenate([(plan.points - middle) * (_PLACE / max(size, 1e-12)), plan.normals], axis=1)
 
 
 def _nearest_seeds(place: Floats, count: int) -> Generator[None, None, Ints]:
-    """Texels (K, 6) in at most `count` clusters around seeds, each as far from the others as can be."""
+    """The cluster of each texel (K,), of at most `count` clusters, for places (K, 6).
+
+    Seeds are chosen as far from each other as possible, then refined by Lloyd's algorithm.
+    """
     seeds = [0]
     distance = np.full(len(place), np.inf, dtype=np.float32)
     own = np.zeros(len(place), dtype=np.int32)
@@ -216,7 +219,7 @@ def _nearest_seeds(place: Floats, count: int) -> Generator[None, None, Ints]:
             break
         seeds.append(farthest)
         yield
-    for _ in range(8):  # Lloyd's rounds
+    for _ in range(8):  # rounds of Lloyd's algorithm
         near = yield from _nearest(place, _middles(place, own), 1)
         _, compact = np.unique(near[:, 0], return_inverse=True)
         own = compact.astype(np.int32)
@@ -224,7 +227,7 @@ def _nearest_seeds(place: Floats, count: int) -> Generator[None, None, Ints]:
 
 
 def _nearest(place: Floats, centres: Floats, count: int) -> Generator[None, None, Ints]:
-    """The `count` centres nearest to each place, (K, count), in no order."""
+    """The `count` centres nearest to each place, (K, count), unordered."""
     if count >= len(centres):
         return np.tile(np.arange(len(centres)), (len(place), 1))
     near = np.empty((len(place), count), dtype=np.int32)

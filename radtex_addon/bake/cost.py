@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake costs, known before it starts: at most, for no texel is yet known to be left empty."""
+"""The most that a bake can cost, known before it starts: as if islands covered all texels."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from .rays import FINER
 from .spec import BakeSpec, Layout
 
 _LARGEST_BUDGET = 2**40
-_GPU_CHANNELS = 4  # what three take on a GPU, too
+_GPU_CHANNELS = 4  # a GPU texture of three channels takes as much
 
 
 @dataclass(frozen=True)
 class Cost:
-    """The most that a bake of a square atlas can take.
+    """Upper limits for a bake of a square atlas.
 
-    `side` is in pixels, of the largest image; `disk` in bytes, of all its images without what compression
-    saves; `gpu` in bytes, of the same images as textures without mip levels; `memory` in bytes, of the
-    machine while it bakes; `paths` are camera paths.
+    `side`: pixels of the largest image's longer side; `disk`: bytes of all images before compression; `gpu`:
+    bytes of the same images as textures without mip levels; `memory`: bytes of main memory during the bake;
+    `paths`: camera paths.
     """
 
     side: int
@@ -35,7 +35,7 @@ class Cost:
 
 
 def cost_of(spec: BakeSpec) -> Cost:
-    """What a bake of `spec` costs at most."""
+    """The most that a bake of `spec` can cost."""
     shapes = _shapes(spec)
     value = 2 if spec.half else 4
     disk = value * sum(prod(shape) for shape in shapes.values())
@@ -49,7 +49,7 @@ def cost_of(spec: BakeSpec) -> Cost:
 
 
 def _shapes(spec: BakeSpec) -> Shapes:
-    """Each image's width, height and channels, were the atlas square and had both lobes."""
+    """Width, height and channels of each image, assuming a square atlas with both lobes."""
     if spec.layout is Layout.BUCKETS:
         side = spec.pixels_a_side
         layers: Shapes = {
@@ -70,7 +70,7 @@ def _shapes(spec: BakeSpec) -> Shapes:
 
 
 def _condensed_sizes(spec: BakeSpec) -> CondensedSizes:
-    """As many clusters as a budget pays for, or else as there are texels."""
+    """The sizes with as many clusters as the budget allows, or, without a budget, as there are texels."""
     largest = CondensedSizes(
         width=spec.texels,
         height=spec.texels,

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a lobe's light comes from: each cell's shift and spread, from where single paths end.
+"""Fit where a lobe's light comes from: each cell's shift and spread, from the ends of single paths.
 
-From coarse to fine: what texels of a neighbourhood have in common in wide cells first, then what is left in
-finer ones. A step counts by how far it stands out from the noise of its paths (James and Stein, "Estimation
-with Quadratic Loss", 1961), so that a rough surface's cells stay together and a sharp one's do not.
+Coarse to fine: first the shift that neighbouring texels share in wide cells, then what remains in finer
+cells. A step is reduced by the share of it that its paths' noise explains (James and Stein, "Estimation with
+Quadratic Loss", 1961), so that neighbouring cells stay alike on a rough surface but not on a sharp one.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from .blocks import in_blocks
 from .pooling import SHARE, WIDER, Neighbours, Taps, upsampled
 from .surroundings import meet_surroundings
 
-_STAGES = ((2, True), (4, True), (8, True), (8, False))  # cells of a bucket, pooled widely? the finest follow
+_STAGES = ((2, True), (4, True), (8, True), (8, False))  # cells along a side, pooled widely?; finest follow
 _FINEST_ROUNDS = 2
-_DOUBT = 0.7  # times the variance of a cell's mean: a step no larger than that is noise
-_LEAST_SCALE = 0.05  # radians: no path that near is an outlier
-_SPREAD_PRIOR = 8.0  # paths that a coarser cell's spread counts for
-_TRUSTED = 0.807  # of a Gaussian lobe's variance: what is left of it where paths count by their trust
-_RAYLEIGH_QUARTER = 0.575  # squared lower quartile of a distance, over the variance along an axis
+_DOUBT = 0.7  # times the variance of a cell's mean: a squared step no larger than that is noise
+_LEAST_SCALE = 0.05  # radians: a path that ends this near is no outlier
+_SPREAD_PRIOR = 8.0  # weight of a coarser cell's spread, in paths
+_TRUSTED = 0.807  # share of a Gaussian lobe's variance that is left when outliers count less
+_RAYLEIGH_QUARTER = 0.575  # lower quartile of a distance, squared, over the variance along one axis
 
 
 @dataclass(frozen=True, eq=False)
 class LobePaths:
-    """A lobe's paths, S of each of K texels, float32, channels first.
+    """A lobe's paths, S for each of K texels, float32, channels first.
 
-    `place` (2, K, S): their axis on the octahedron's square; `moved` (3, K, S): from there to where they end,
-    in the world; `weight` (K, S): how much of the light there the object lets through, in luminance, 0 for
-    paths that do not count.
+    `place` (2, K, S): each path's axis on the octahedron's square; `moved` (3, K, S): the direction of its
+    end minus its axis, in world space; `weight` (K, S): luminance of the light that the object lets through,
+    0 for paths that do not count.
     """
 
     place: Floats
@@ -44,16 +44,16 @@ class LobePaths:
 
 
 def stages(n: int) -> list[tuple[int, bool]]:
-    """The steps of `fit_ends` to buckets of n x n cells: cells along a side, and whether pooled widely."""
+    """The stages of `fit_ends` for buckets of n x n cells: cells along a side, and whether pooled widely."""
     return [(cells, wide) for cells, wide in _STAGES if cells < n] + [(n, False)] * _FINEST_ROUNDS
 
 
 def fit_ends(
     paths: LobePaths, neighbours: Neighbours, n: int, start: Floats
 ) -> Generator[None, None, Floats]:
-    """Shift and spread of each cell (4, K, n*n), as in `core.shared.Lobe`.
+    """Fit shift and spread of each cell, (4, K, n*n), as in `core.shared.Lobe`.
 
-    `start` (3, K, n*n) is a first shift. Yields after each stage.
+    `start` (3, K, n*n) is the initial shift. Yields after each stage.
     """
     if not paths.weight.any():
         return np.concatenate([start, np.zeros_like(start[:1])])
@@ -67,10 +67,10 @@ def fit_ends(
 
 
 class _EndsFit:
-    """The shift so far (3, K, n*n), and how well it tells where paths end.
+    """The shift so far (3, K, n*n), and how far it is off.
 
-    `off` (3, K, S) and `distance` (K, S): how far they end from there. `scale` (K, 1) of the distances of a
-    texel's paths, beyond which they are outliers, and `noise` (K, 1), a variance.
+    `off` (3, K, S), `distance` (K, S): from where the shift predicts a path's end to where it is. `scale`
+    (K, 1): distances beyond it are a texel's outliers. `noise` (K, 1): the ends' variance along one axis.
     """
 
     def __init__(self, paths: LobePaths, neighbours: Neighbours, n: int, start: Floats) -> None:
@@ -83,7 +83,7 @@ class _EndsFit:
         self.scale = self.noise = np.empty((paths.weight.shape[0], 1), dtype=np.float32)
 
     def look_again(self) -> None:
-        """Find how far paths end from where the shift tells, and the scale and noise of that."""
+        """Compute `off`, `distance`, `scale` and `noise` for the current shift."""
         paths, quartiles = self.paths, np.zeros((3, len(self.distance), 1), dtype=np.float32)
 
         def look(some: slice) -> None:
@@ -104,12 +104,12 @@ class _EndsFit:
         self.noise = quartile**2 / _RAYLEIGH_QUARTER
 
     def counted(self, some: slice) -> Floats:
-        """How much the paths of some texels count, (k, S): by weight, and less the farther off they end."""
+        """Weights of some texels' paths, (k, S): the farther a path ends from its prediction, the lower."""
         counted: Floats = self.paths.weight[some] / (1 + (self.distance[some] / self.scale[some]) ** 2)
         return counted
 
     def improve(self, cells: int, wide: bool) -> None:
-        """Add to the shift what paths have in common in buckets of cells x cells."""
+        """Add to the shift the mean of `off` in each of cells x cells cells, reduced where it is noise."""
         table = np.empty((4, len(self.distance), cells * cells), dtype=np.float32)
 
         def sum_up(some: slice) -> None:
@@ -126,7 +126,10 @@ class _EndsFit:
         self.shift += upsampled(step, self.n)
 
     def spread(self) -> Floats:
-        """The mean of squared distances in each cell, (1, K, n*n); few paths' is taken from coarser cells."""
+        """The variance along one axis of the paths' ends in each cell, (1, K, n*n).
+
+        Cells with few paths rely on coarser cells.
+        """
         sizes = sorted({cells for cells, _ in stages(self.n)} | {1})
         tables = {n: np.empty((2, len(self.distance), n * n), dtype=np.float32) for n in sizes}
 
@@ -148,7 +151,11 @@ class _EndsFit:
 
 
 def parallax(nearness: Floats, middle: Floats, places: Floats, n: int) -> Floats:
-    """Shifts by which mirror rays from places (K, 3) find near things, (3, K, n*n)."""
+    """The shift (3, K, n*n) due to parallax, for mirror rays from places (K, 3).
+
+    For each cell's axis: the direction from the middle to what the ray meets, minus the axis. `nearness` and
+    `middle` are as for `meet_surroundings`.
+    """
     axis = cell_directions(n)
     shift = np.empty((3, len(places), n * n), dtype=np.float32)
 

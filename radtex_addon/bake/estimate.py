@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How long a bake will take, by two small ones of the same object: few texels, and few paths for each.
+"""Estimate how long a bake will take, from two small bakes of the same object with few texels and few paths.
 
-They differ in their paths alone, so that set-up can be told from what each path costs.
+The two differ only in their number of paths, which tells the time per path from the time for set-up.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from .progress import Stage
 from .spec import BakeSpec, Layout
 
-_TEXELS = 96  # at most: fewer may be too few for a mesh of many islands
+_TEXELS = 96  # of a small bake, at most; fewer may not do for a mesh of many islands
 _SAMPLES = (1, 3)
 _ONCE = (Stage.EVALUATE, Stage.UNWRAP)  # take as long for few texels as for many
 _BY_PATH = (Stage.CAPTURE, Stage.FIT)
@@ -22,7 +22,7 @@ _BY_TEXEL = (Stage.RASTER, Stage.PROBE, Stage.FILL, Stage.WRITE)
 
 @dataclass(frozen=True)
 class Probe:
-    """What a bake of `texels` on its longer side took: covered texels, camera paths, seconds by stage."""
+    """Cost of a bake with `texels` on its longer side: covered texels, camera paths, seconds by stage."""
 
     texels: int
     covered: int
@@ -30,12 +30,12 @@ class Probe:
     seconds: Mapping[Stage, float]
 
     def spent(self, *stages: Stage) -> float:
-        """Seconds in these stages together."""
+        """The sum of the seconds of these stages."""
         return sum(self.seconds.get(stage, 0.0) for stage in stages)
 
 
 def probe_specs(spec: BakeSpec) -> tuple[BakeSpec, BakeSpec]:
-    """The two small bakes that tell about `spec`, the one of fewer paths first."""
+    """The two small bakes from which to estimate `spec`; the one with fewer paths comes first."""
     texels = min(spec.texels, _TEXELS)
     padding = spec.padding if texels == spec.texels else 0
     few, more = (
@@ -46,7 +46,7 @@ def probe_specs(spec: BakeSpec) -> tuple[BakeSpec, BakeSpec]:
 
 
 def paths_needed(spec: BakeSpec, probe: Probe) -> int:
-    """Camera paths of a bake of `spec`, if as much of its atlas is covered as of the probe's."""
+    """Camera paths of a bake of `spec`, if the covered share of its atlas is the same as the probe's."""
     covered = round(probe.covered * _growth(spec, probe))
     if spec.layout is Layout.SHARED:
         return spec.rays.most(covered)
@@ -54,19 +54,19 @@ def paths_needed(spec: BakeSpec, probe: Probe) -> int:
 
 
 def seconds_needed(spec: BakeSpec, few: Probe, more: Probe) -> float:
-    """How long a bake of `spec` takes. Condensing comes on top."""
+    """How many seconds a bake of `spec` takes, without condensing."""
     growth = _growth(spec, more)
     further = paths_needed(spec, more) - more.paths
     total = more.spent(*_ONCE) + growth * more.spent(*_BY_TEXEL)
     for stage in _BY_PATH:
         spent = more.spent(stage)
         pace = (spent - few.spent(stage)) / max(more.paths - few.paths, 1)
-        if pace <= 0 or more.paths <= few.paths:  # lost in the noise, or a shadow: then all of it is by path
+        if pace <= 0 or more.paths <= few.paths:  # too noisy, or kind shadow: count all the time as per path
             pace = spent / more.paths
         total += max(spent + pace * further, 0.0)
     return total
 
 
 def _growth(spec: BakeSpec, probe: Probe) -> float:
-    """How many times the probe's texels."""
+    """How many times as many texels the bake has as the probe."""
     return (spec.texels / probe.texels) ** 2

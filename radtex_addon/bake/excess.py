@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Giving back the light that a fit cut off its brightest samples.
+"""Give back the light that a fit cut off its brightest samples.
 
-A small lamp or a bright window is met by few paths, each far brighter than the mean. A fit limits them, or
-they would show as dots; but their sum is light that viewers see. It goes back to the directions that it came
-from, over as many texels as it takes for enough paths to agree.
+Few paths meet a small lamp or a bright window, and each is far brighter than the mean. A fit limits such
+samples, or they would show as dots; but viewers see the sum of their light. It is given back to the
+directions that it came from, spread over as many texels as it takes for enough paths to agree.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from ..core.arrays import Floats
 from .blocks import in_blocks
 from .pooling import SHARE, WIDER, Neighbours, Taps, upsampled
 
-_NEAR = 8  # cells of a bucket, pooled over neighbouring texels
-_OF_ALL = (8, 4, 1)  # cells of a bucket, the same for all texels
-_FEWEST = 16  # no path may bring more than one part in so many of a lobe's excess: what is beyond is lost
-_DOUBT = 16.0  # so many paths, all alike, have half of what they bring kept by their cell
+_NEAR = 8  # first stage: cells along a bucket's side, pooled over neighbouring texels
+_OF_ALL = (8, 4, 1)  # later stages: cells along a bucket's side, the same for all texels
+_FEWEST = 16  # a path brings at most 1 / _FEWEST of a lobe's excess: what is beyond is lost
+_DOUBT = 16.0  # number of equally bright paths at which a cell keeps half of their light
 _TINY = 1e-12
 
 _Pool = Callable[[Floats, Callable[[Floats], Floats]], Floats]
@@ -30,10 +30,11 @@ _Pool = Callable[[Floats, Callable[[Floats], Floats]], Floats]
 
 @dataclass(frozen=True, eq=False)
 class Excess:
-    """What was cut off S samples of each of K texels, `light` (3, K, S), at least 0; it is spent meanwhile.
+    """The light cut off S samples of each of K texels.
 
-    `place` (2, K, S) on the octahedron's square; `met` (3, K, S), the surroundings that they show; `facing`
-    (K, S), N.I of the samples that count, of others 0.
+    `light` (3, K, S) is at least 0; `give_back` overwrites it. `place` (2, K, S): the samples' places on the
+    octahedron's square; `met` (3, K, S): the surroundings that they show; `facing` (K, S): N.I, or 0 for
+    samples that do not count.
     """
 
     place: Floats
@@ -45,11 +46,11 @@ class Excess:
 def give_back(
     excess: Excess, shown: float, gain: Floats, most: Floats, rest: Floats, neighbours: Neighbours
 ) -> tuple[Floats, Floats, float]:
-    """Gain and rest, (3, K, n*n) both, with the excess, and the sum of what is lost all the same.
+    """Add the excess to gain and rest; returns both, (3, K, n*n), and the sum of light that is still lost.
 
-    The gain, up to `most` (3, K, n*n), twice what paths are let through, takes what the surroundings tell of;
-    the rest takes what is left. So much is given that the object sends out as much light as its samples show,
-    radiance times N.I. Lost is only what single paths bring that no others confirm, and what is more than
+    The gain takes what the surroundings explain, up to `most` (3, K, n*n), twice the paths' weights; the rest
+    takes what is left. The amount is chosen so that the object emits as much light as its samples show,
+    summed as radiance times N.I. Lost is only light of single paths that no others confirm, and light beyond
     `shown`, the sum of all other light.
     """
     total = float(excess.light.sum(dtype=np.float64))
@@ -64,16 +65,16 @@ def give_back(
 
 
 def highest_confirmed(bright: Floats) -> float:
-    """The highest limit of values (P,) above which none is more than its share of their limited sum.
+    """The highest limit for values (P,) so that none exceeds 1 / _FEWEST of their limited sum.
 
-    That share is one part in `_FEWEST`: 0 where there are fewer values.
+    0 if there are fewer than `_FEWEST` values.
     """
     ranked = np.sort(bright)[::-1].astype(np.float64)
     if len(ranked) < _FEWEST:
         return 0.0
     if ranked[0] * _FEWEST <= ranked.sum():
         return float(ranked[0])
-    cut = np.arange(1, _FEWEST)  # so many are limited to one height
+    cut = np.arange(1, _FEWEST)  # how many values are limited to one height
     height = (ranked.sum() - np.cumsum(ranked[: _FEWEST - 1])) / (_FEWEST - cut)
     fits = height >= ranked[cut]
     highest = np.minimum(height, ranked[cut - 1])[fits]
@@ -81,7 +82,10 @@ def highest_confirmed(bright: Floats) -> float:
 
 
 class _Giving:
-    """Gain and rest so far; `bright` (K, S) is what a sample brought, `missing` what is still to be given."""
+    """Gain and rest so far.
+
+    `bright` (K, S): each sample's light, summed over channels; `missing` (3, K, S): light still to be given.
+    """
 
     def __init__(self, excess: Excess, gain: Floats, most: Floats, rest: Floats) -> None:
         self.excess, self.missing = excess, excess.light
@@ -91,7 +95,7 @@ class _Giving:
         self.bright = np.empty(excess.facing.shape, dtype=np.float32)
 
     def limit(self, most: float) -> float:
-        """Limit what a sample brings to what others confirm, and all to `most`; the sum of what is left."""
+        """Limit each sample to what others confirm, and their sum to `most`; returns the sum that is left."""
 
         def look(some: slice) -> Floats:
             self.bright[some] = self.missing[:, some].sum(axis=0)
@@ -113,7 +117,7 @@ class _Giving:
         return float(self.bright.sum(dtype=np.float64))
 
     def give(self, cells: int, pool: _Pool) -> None:
-        """Give, in buckets of cells x cells, what enough paths agree on: to the gain, then to the rest."""
+        """Give light that enough paths agree on, in buckets of cells x cells: to the gain, then the rest."""
         shares = [
             self._solved(partial(self._of_gain, channel), 4, cells, pool, _gain_step) for channel in range(3)
         ]
@@ -125,7 +129,7 @@ class _Giving:
         self._take(lambda some, taps: taps.gather(step[:, some]))
 
     def _take(self, given: Callable[[slice, Taps], Floats]) -> None:
-        """Take what was given from what is missing."""
+        """Subtract the light that was given from `missing`."""
 
         def take(some: slice) -> None:
             taps = Taps.of(self.excess.place[:, some], self.n)
@@ -141,7 +145,7 @@ class _Giving:
         pool: _Pool,
         solve: Callable[[Floats], Floats],
     ) -> Floats:
-        """Sums of so many columns of samples in buckets of cells x cells, pooled and solved."""
+        """Sum `count` columns of the samples in buckets of cells x cells, then pool and solve the sums."""
         table = np.empty((count, len(self.bright), cells * cells), dtype=np.float32)
 
         def sum_up(some: slice) -> None:
@@ -169,23 +173,26 @@ class _Giving:
 
 def _near(neighbours: Neighbours, table: Floats, solve: Callable[[Floats], Floats]) -> Floats:
     def in_paths(sums: Floats) -> Floats:
-        sums[1] *= SHARE * WIDER  # pooled, a single path counts for that much of one
+        sums[1] *= SHARE * WIDER  # pooling reduces the variance by this factor
         return solve(sums)
 
     return neighbours.pool(table, True, in_paths)
 
 
 def _of_all(table: Floats, solve: Callable[[Floats], Floats]) -> Floats:
-    """All texels' sums, at each texel."""
+    """Solve the sums over all texels; the same result for each texel."""
     sums = table.sum(axis=1, keepdims=True, dtype=np.float64)
-    if sums.shape[2] == 1:  # nothing wider is left, so nothing is doubted
+    if sums.shape[2] == 1:  # the last stage: give all that is left
         sums[:2] = [[[1.0]], [[0.0]]]
     found = solve(sums).astype(np.float32)
     return np.broadcast_to(found, (len(found), *table.shape[1:]))
 
 
 def _agreed(sums: Floats) -> Floats:
-    """How much of what paths bring stays with them, 0 to 1: by how many, all alike, would vary as they do."""
+    """The share of their light that paths keep in their cell, 0 to 1: from the effective number of paths.
+
+    That is how many equally bright paths would vary as much.
+    """
     bright, squared = sums[:2]
     number = bright * bright / np.maximum(squared, _TINY)
     agreed: Floats = number / (number + _DOUBT)
@@ -193,7 +200,7 @@ def _agreed(sums: Floats) -> Floats:
 
 
 def _gain_step(sums: Floats) -> Floats:
-    """By which share of what paths are let through a channel's gain has to grow, (1, K, m)."""
+    """What to add to a channel's gain, as a share of the paths' weights, (1, K, m)."""
     missing, shown = sums[2:]
     found: Floats = (_agreed(sums) * np.clip(missing / np.maximum(shown, _TINY), 0, 1))[None]
     return found

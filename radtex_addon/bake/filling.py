@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Filling gutters, and cells that nobody can see, from the nearest texel that has them."""
+"""Fill gutters, and cells that nobody can see, from the nearest texel that has them."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ def fill_missing(
 ) -> Generator[Progress, None, None]:
     """Fill buckets (H, W, n, n, C) in place where texels are not `covered` (H, W) or cells are `hidden`.
 
-    A missing cell takes the value that the nearest texel, in texels, has for the same cell; `hidden`
-    (H, W, n, n) may say more about covered texels. A cell that is hidden everywhere keeps what it holds.
-    Yields progress in directions, for each that is hidden somewhere asks for its own nearest texels.
+    A missing cell takes the value of the same cell in the nearest texel that has it, by distance in texels.
+    `hidden` is (H, W, n, n); only covered texels count. A cell that is hidden in all texels keeps its value.
+    Yields progress in directions, as each direction with hidden cells has its own nearest texels.
     """
     everywhere = nearest_covered(covered)
     dilate(buckets, everywhere)

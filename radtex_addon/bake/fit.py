@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fitting the shared layout to single paths.
+"""Fit the shared layout to single paths.
 
-A texel sees a direction once; all texels together see it thousands of times. The diffuse light is estimated
-from every direction of a texel at once; each lobe of the rest from where its paths end (`ends.py`) and from
-how much of the surroundings it shows (`gloss.py`).
+One texel sees a direction once; all texels together see it thousands of times. The diffuse light is estimated
+from all directions of a texel at once; all other light for each lobe, from where its paths end (`ends.py`)
+and how much of the surroundings it shows (`gloss.py`).
 """
 
 from __future__ import annotations
@@ -31,20 +31,20 @@ from .progress import Progress, Stage
 from .surroundings import Surroundings, nearness_map
 
 FALLOFF_SIZE = 16
-FAR = 100.0  # of the object's size: where the world is
+FAR = 100.0  # distance of the world, in object sizes
 GRAZING = 0.1  # N.I below which a sample is not fitted: the facet's own horizon is near
-_BLACK = 1e-3  # a colour's channel that tells nothing of the light
-_FAINT = 1e-3  # of all light: a lobe with less is left out
-_OUTLIER = 1.5  # length of an end: there, paths' weights differed too much to tell a direction
-_FEW = 0.25  # samples a cell of a texel's bucket, below which its near neighbours' do not fill it
-_WEIGHT_LIMIT = 4.0  # times the mean weight: a path counts for no more
+_BLACK = 1e-3  # colour channels darker than this are not divided by
+_FAINT = 1e-3  # share of all light: a lobe with less is left out
+_OUTLIER = 1.5  # length of an end: a longer one is no direction, as its paths' weights differed too much
+_FEW = 0.25  # samples per cell and texel: with fewer, pool widely, as near neighbours do not fill a bucket
+_WEIGHT_LIMIT = 4.0  # times the mean weight: no path counts for more
 
 _Result = TypeVar("_Result")
 
 
 @dataclass(frozen=True)
 class Fitted:
-    """An atlas, and the share of the samples' light that is lost, because no other paths confirm it."""
+    """An atlas, and the share of the samples' light that is lost because no other paths confirm it."""
 
     atlas: SharedAtlas
     fireflies: float
@@ -60,7 +60,7 @@ def fit_shared(
 ) -> Generator[Progress, None, Fitted]:
     """Fit the shared layout to samples: buckets of cells x cells, surroundings of size x size.
 
-    `light` and `ends` are of the same texels. `colour` (H', W', 3) is the diffuse colour pass along the
+    `light` and `ends` have the same texels. `colour` (H', W', 3) is the diffuse colour pass along the
     normal, gutter filled. Yields progress in the stages of the lobes' fits.
     """
     yield Progress(Stage.FIT, 0, 1)
@@ -97,7 +97,10 @@ def fit_shared(
 
 
 def _told(steps: Generator[None, None, _Result], done: int, total: int) -> Generator[Progress, None, _Result]:
-    """Tell of each step that it is done, after so many others; closed with its steps."""
+    """Run `steps`, which come after `done` others, and yield progress before each; returns their value.
+
+    Closing this generator closes `steps`.
+    """
     with closing(steps):
         while True:
             yield Progress(Stage.FIT, done, total)
@@ -111,7 +114,7 @@ def _told(steps: Generator[None, None, _Result], done: int, total: int) -> Gener
 
 @dataclass(frozen=True, eq=False)
 class _LobeFit:
-    """What the lobes' fits have in common; `used` (K, S), which samples of the light count."""
+    """The fit of each lobe; `used` (K, S): which samples of the light count."""
 
     light: LightSamples
     ends: EndSamples
@@ -123,7 +126,7 @@ class _LobeFit:
     def lobe(
         self, axis: Axis, surroundings: SurroundingsSamples
     ) -> Generator[None, None, tuple[list[Floats], float]]:
-        """Ends, gain and rest of an axis, (C, K, n*n) each, and the light that is lost."""
+        """Fit a lobe's ends, gain and rest, (C, K, n*n) each; returns them and the sum of the light lost."""
         plan, n = self.light.plan, self.cells
         white, single = self._white(axis)
         paths = self._traced(white)
@@ -140,7 +143,7 @@ class _LobeFit:
         return [ends, gain, rest], lost
 
     def _white(self, axis: Axis) -> tuple[LobeSamples, Floats]:
-        """How much a lobe's paths let through, and the mean of those (3,) that end somewhere."""
+        """The weights of a lobe's paths (what the object lets through), and their mean (3,) where not 0."""
         ends, mirror = self.ends, axis is Axis.MIRROR
         values = ends.mirrored_weight if mirror else ends.through_weight
         used = np.empty(ends.square.shape[:2], dtype=bool)
@@ -155,7 +158,7 @@ class _LobeFit:
         return white, (sum(totals) / max(sum(counts), 1)).astype(np.float32)
 
     def _traced(self, white: LobeSamples) -> LobePaths:
-        """The paths of a lobe that end somewhere."""
+        """The paths of a lobe; those that end nowhere have weight 0."""
         end = self.ends.mirrored_end if white.axis is Axis.MIRROR else self.ends.through_end
         shape = white.used.shape
         place, moved, weight = (np.empty((*c, *shape), dtype=np.float32) for c in ((2,), (3,), ()))
@@ -177,7 +180,7 @@ class _LobeFit:
 
 
 def _placed(plan: CapturePlan, axis: Axis, parts: list[Floats]) -> Lobe:
-    """A lobe of ends, gain and rest (C, K, n*n), which are taken out of the list: an atlas may be large."""
+    """The lobe of ends, gain and rest, (C, K, n*n); takes them out of the list to free their memory."""
     n, placed = round(parts[0].shape[2] ** 0.5), []
     while parts:
         part = np.moveaxis(parts.pop(0), 0, -1)
@@ -190,7 +193,7 @@ def _lobe_light(light: LightSamples, axis: Axis) -> Floats:
 
 
 def _sum_of(values: Floats, used: Bools) -> float:
-    """The sum of those samples (K, S, 3) that count (K, S)."""
+    """The sum of the samples (K, S, 3) that are `used` (K, S)."""
 
     def add(some: slice) -> float:
         return float((planes(values[some]) * used[some]).sum(dtype=np.float64))
@@ -210,7 +213,7 @@ def _cosine(square: Floats) -> Floats:
 
 
 def _facing(light: LightSamples) -> Floats:
-    """N.I of the samples that count, (K, S), of others 0."""
+    """N.I of the samples, (K, S); 0 for those that do not count."""
     facing = np.empty(light.seen.shape, dtype=np.float32)
 
     def look(some: slice) -> None:
@@ -222,9 +225,9 @@ def _facing(light: LightSamples) -> Floats:
 
 
 def fit_diffuse(samples: LightSamples, facing: Floats) -> tuple[Floats, Floats]:
-    """Diffuse radiance along the normal (K, 3), from all of a texel's samples, and its falloff (B, 3).
+    """Fit the falloff (B, 3) of diffuse light, and each texel's diffuse radiance along the normal (K, 3).
 
-    `facing` (K, S): N.I of the samples that count, of others 0.
+    `facing` (K, S): N.I of the samples, 0 for those that do not count. Returns the falloff first.
     """
     count = len(facing)
 
@@ -267,11 +270,11 @@ def fit_diffuse(samples: LightSamples, facing: Floats) -> tuple[Floats, Floats]:
 
 
 def frontal_colour(samples: LightSamples, falloff: Floats, frontal: Floats, neighbours: Neighbours) -> Floats:
-    """The texels' diffuse colour along the normal, (K, 3), by which light is divided: irradiance is left.
+    """The texels' diffuse colour along the normal, (K, 3): light divided by it is irradiance.
 
-    The mean over viewers tells a texel's own colour with the least noise, but not how it falls off: a coat
-    darkens it towards the rim, what scatters below the surface does not. So it is made as bright as `frontal`
-    (K, 3), the colour pass along the normal, is around each texel; nearby, as materials differ.
+    The mean over viewers has the least noise, but its falloff depends on the material: a coat darkens the
+    rim, subsurface scattering does not. So it is scaled to the brightness that `frontal` (K, 3), the colour
+    pass along the normal, has around each texel; not over the whole surface, as materials differ.
     """
     cosine = _cosine(samples.square[:: max(1, len(samples.square) // 256)])
     in_the_mean = sample_falloff(falloff, cosine.ravel()).mean(axis=0)
@@ -283,7 +286,7 @@ def frontal_colour(samples: LightSamples, falloff: Floats, frontal: Floats, neig
 
 
 def _at_texels(image: Floats, plan: CapturePlan) -> Floats:
-    """A finer image (H', W', 3) at the middles of the plan's texels, (K, 3)."""
+    """Sample a finer image (H', W', 3) at the middles of the plan's texels: (K, 3)."""
     size = (plan.layout.width, plan.layout.height)
     j, i = np.divmod(plan.texel, size[0])
     uv = (np.stack([i, j], axis=1) + 0.5) / size

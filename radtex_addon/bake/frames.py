@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames of an animation: lists of them, and a bake once for each."""
+"""Frames of an animation: parse lists of them, and make a specification for each."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MOST = 100_000  # in one range
 
 
 def parse_frames(words: str) -> tuple[int, ...]:
-    """Frames' numbers in the order of a list such as 1,5,10-20, none twice. Raises InputError."""
+    """The frames in a list such as 1,5,10-20, in its order, without duplicates. Raises InputError."""
     frames: list[int] = []
     for word in words.split(","):
         found = re.fullmatch(r"\s*(\d+)(?:-(\d+))?\s*", word)
@@ -26,9 +26,10 @@ def parse_frames(words: str) -> tuple[int, ...]:
 
 
 def of_frames(spec: BakeSpec, frames: tuple[int, ...]) -> tuple[BakeSpec, ...]:
-    """The bake at each frame; of several on the unwrap of the first, unless it says otherwise.
+    """The specification of each frame's bake.
 
-    Raises InputError for a frame that no scene has.
+    Several frames share the unwrap of the first, unless `spec` names a UV layer or the frame to unwrap at.
+    Raises InputError for a frame outside Blender's range.
     """
     unwrap_at = spec.unwrap_at
     if unwrap_at is None and len(frames) > 1 and spec.uv_layer is None:

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fitting a lobe's light: each cell's gain, how much of the surroundings it shows, and rest, what else.
+"""Fit a lobe's light: each cell's gain (how much of the surroundings it shows) and rest (all other light).
 
-Weighted least squares, from coarse cells to fine ones; errors count as the eye sees them, relative to the
-light there is. The paths' own weights say what the gain is to begin with.
+Weighted least squares, from coarse cells to fine ones; errors count relative to the brightness, as the eye
+sees them. The gain starts from the paths' own weights.
 """
 
 from __future__ import annotations
@@ -27,26 +27,26 @@ from .surroundings import Surroundings
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)  # of Rec.709
 
-_STAGES = ((1, True), (4, True), (8, True), (8, False))  # cells of a bucket, pooled widely? the finest follow
+_STAGES = ((1, True), (4, True), (8, True), (8, False))  # cells along a side, pooled widely?; finest follow
 _FINEST_ROUNDS = 2
-_LEAST_TOLD = 4  # cells of a bucket: in fewer the paths' weights tell the gain better than the light does
-_PRIOR = 8.0  # samples that a cell's light by coarser cells counts for
+_LEAST_TOLD = 4  # cells along a side: in coarser buckets the paths' weights give a better gain than the light
+_PRIOR = 8.0  # weight, in samples, of the light that coarser cells give a cell
 _PRIOR_OF_FEW = 2.0  # the same, where texels have few samples and sums are pooled widely
-_PRIOR_OF_ALL = 0.02  # the same of a whole bucket: nothing coarser tells its mean, and none of it may go
-_EYE = 1.1  # power of the brightness that an error is relative to
-_BRIGHTEST = 12.0  # times the mean luminance: a sample that is brighter than its fit by more is limited
-_DOUBLE = 3.0  # times its fit: more of it than that is limited, too
-_MOST_GAIN = 2.0  # times the paths' weights
-_LEAST_GAIN = 0.05  # that a cell may be given, whatever its paths say
-_WHITE_LIMIT = 8.0  # times the mean weight of those that end: a path that lets more through is limited
+_PRIOR_OF_ALL = 0.02  # the same for whole buckets: nothing coarser gives their mean, and no light may be lost
+_EYE = 1.1  # power of the brightness that weights fall with
+_BRIGHTEST = 12.0  # a sample is limited to so many times the mean luminance …
+_DOUBLE = 3.0  # … plus so many times its fit
+_MOST_GAIN = 2.0  # highest gain, times the paths' weights
+_LEAST_GAIN = 0.05  # the gain may always rise to this, whatever the paths' weights
+_WHITE_LIMIT = 8.0  # times the mean weight of paths that end somewhere: higher weights are limited
 
 
 @dataclass(frozen=True, eq=False)
 class LobeSamples:
-    """Samples along a lobe's axis, S of each of the plan's K texels.
+    """Samples along a lobe's axis, S for each of the plan's K texels.
 
-    `square` (K, S, 2): bucket coordinates B of the viewers. `values` (K, S, 3): what they see, or how much
-    the object lets through on the way. `used` (K, S): which of them count.
+    `square` (K, S, 2): bucket coordinates B of the viewers. `values` (K, S, 3): the light that they see, or
+    how much of it the object lets through. `used` (K, S): which samples count.
     """
 
     plan: CapturePlan
@@ -62,20 +62,20 @@ class LobeSamples:
         return axis, planes(direction_to_octahedron(np.moveaxis(axis, 0, -1)))
 
     def seen(self, some: slice) -> Floats:
-        """Some texels' values, (3, k, S), where they count, elsewhere 0."""
+        """Some texels' values, (3, k, S); 0 for samples that do not count."""
         return np.where(self.used[some], planes(self.values[some]), np.float32(0))
 
 
 def stages(n: int) -> list[tuple[int, bool]]:
-    """The steps of `fit_gloss` to buckets of n x n cells: cells along a side, and whether pooled widely."""
+    """The stages of `fit_gloss` for buckets of n x n cells: cells along a side, and whether pooled widely."""
     return [(cells, wide) for cells, wide in _STAGES if cells < n] + [(n, False)] * _FINEST_ROUNDS
 
 
 def fit_gain(place: Floats, white: LobeSamples, single: Floats, neighbours: Neighbours, n: int) -> Floats:
-    """How much each cell lets through, in the mean of its paths' weights `white`: (3, K, n*n).
+    """The gain to start from: how much each cell lets through, the mean of its paths' weights: (3, K, n*n).
 
-    Paths that end nowhere count, too: they let nothing through. `place` (2, K, S) is their axis on the
-    octahedron's square, `single` (3,) the mean weight of those that end.
+    `white` has the weights; paths that end nowhere count as 0. `place` (2, K, S) is the paths' axis on the
+    octahedron's square, `single` (3,) the mean weight of the paths that end somewhere.
     """
     table = np.empty((4, len(white.used), n * n), dtype=np.float32)
     most = np.float32(_WHITE_LIMIT * float(single.mean()))
@@ -102,10 +102,11 @@ def fit_gloss(
     around: Surroundings,
     neighbours: Neighbours,
 ) -> Generator[None, None, tuple[Floats, Floats, float]]:
-    """Gain and rest of each cell, (3, K, n*n) both, and the light lost as fireflies, a sum over samples.
+    """Fit gain and rest of each cell, (3, K, n*n) both; returns them and the sum of light lost as fireflies.
 
-    `ends` as of `fit_ends`, `gain` as of `fit_gain`. `single` (3,) is what a single path lets through: glass
-    mirrors one path in twenty, but that one wholly. Yields after each stage.
+    `ends` is the result of `fit_ends`, `gain` of `fit_gain`. `single` (3,) is the weight of a single path,
+    which may be far above the gain: glass mirrors one path in twenty, but that one wholly. Yields after each
+    stage.
     """
     if not samples.used.any():
         return gain, np.zeros_like(gain), 0.0
@@ -120,8 +121,8 @@ def fit_gloss(
 class _GlossFit:
     """Gain and rest so far (3, K, n*n).
 
-    `place` (2, K, S) of samples on the octahedron's square; `met` (3, K, S), the surroundings there; `weight`
-    (K, S), how much they count; `missing` (3, K, S), their light less what is fitted; `level`, their mean.
+    Of the samples: `place` (2, K, S) on the octahedron's square; `met` (3, K, S), the surroundings that they
+    show; `weight` (K, S); `missing` (3, K, S), their light minus the fit; `level`, their mean luminance.
     """
 
     def __init__(self, samples: LobeSamples, gain: Floats, single: Floats, neighbours: Neighbours) -> None:
@@ -137,7 +138,7 @@ class _GlossFit:
         self.level = 1.0
 
     def meet(self, ends: Floats, around: Surroundings) -> None:
-        """Find the surroundings that samples show, by `ends` (4, K, n*n), and the light's level."""
+        """Look up the surroundings that samples show, using `ends` (4, K, n*n), and set `level`."""
 
         def look(some: slice) -> float:
             axis, self.place[:, some] = self.samples.along(some)
@@ -154,7 +155,7 @@ class _GlossFit:
         return np.maximum(self.samples.seen(some), 0)
 
     def shown(self, some: slice) -> tuple[Floats, Floats]:
-        """What is fitted to some texels' samples, and the brightest that they may be, (3, k, S) both."""
+        """The fit of some texels' samples, and the limit of their light, (3, k, S) both."""
         taps, met = Taps.of(self.place[:, some], self.n), self.met[:, some]
         shown = taps.gather(self.gain[:, some]) * met + taps.gather(self.rest[:, some])
         most = _DOUBLE * np.maximum(np.maximum(shown, self.single * met), 0) + np.float32(
@@ -167,7 +168,7 @@ class _GlossFit:
         prior = self._compare(cells, wide)
         if cells >= _LEAST_TOLD:
             solve = partial(_gain_step, prior=prior, level=self.level)
-            steps = [  # by channel, for the sums are large
+            steps = [  # channel by channel, as the sums are large
                 self._solved(partial(self._gain_columns, channel), 5, cells, wide, solve)
                 for channel in range(3)
             ]
@@ -177,11 +178,11 @@ class _GlossFit:
         self.rest += upsampled(step, self.n)
 
     def _compare(self, cells: int, wide: bool) -> np.float32:
-        """Find what is missing, and how much samples count; and how much a prior of a cell does."""
+        """Compute `missing` and the samples' weights; returns the weight of a cell's prior."""
 
         def compare(some: slice) -> float:
             shown, most = self.shown(some)
-            if wide:  # else it would be by a fit that has seen the sample's own noise
+            if wide:  # otherwise the fit contains the sample's own noise
                 bright = np.maximum(_luminance(shown), 0)
                 weight = (1 + bright * np.float32(3 / self.level)) ** np.float32(-_EYE)
                 self.weight[some] = self.samples.used[some] * weight
@@ -202,7 +203,7 @@ class _GlossFit:
         wide: bool,
         solve: Callable[[Floats], Floats],
     ) -> Floats:
-        """Sums of so many columns of samples in buckets of cells x cells, pooled and solved."""
+        """Sum `count` columns of the samples in buckets of cells x cells, then pool and solve the sums."""
         table = np.empty((count, len(self.weight), cells * cells), dtype=np.float32)
 
         def sum_up(some: slice) -> None:
@@ -222,7 +223,7 @@ class _GlossFit:
         yield from weight * self.missing[:, some]
 
     def _add_to_gain(self, step: Floats) -> None:
-        """Add to the gain (3, K, m) within its limits; what is missing changes with it."""
+        """Add a step (3, K, m) to the gain, within its limits, and update `missing`."""
         more = upsampled(step, self.n)
         more += self.gain
         np.clip(more, 0, self.most, out=more)
@@ -236,9 +237,9 @@ class _GlossFit:
         in_blocks(change, *self.weight.shape)
 
     def excess(self) -> tuple[Excess, float]:
-        """What is brighter than samples may be, and the sum of the light that is not.
+        """The light above the samples' limits, and the sum of the light below them.
 
-        It takes the place of what is missing, and of the weight.
+        Overwrites `missing` and `weight`, to save memory.
         """
 
         def cut(some: slice) -> float:
@@ -254,13 +255,13 @@ class _GlossFit:
 
 
 def _luminance(light: Floats) -> Floats:
-    """Of light (3, ...): (...)."""
+    """The luminance of light (3, ...): (...)."""
     luminance: Floats = np.tensordot(LUMINANCE, light, axes=1)
     return luminance
 
 
 def _gain_step(sums: Floats, prior: np.float32, level: float) -> Floats:
-    """What to add to a channel's gain, (1, K, m), by least squares of each cell's gain and rest together."""
+    """What to add to a channel's gain, (1, K, m): least squares for each cell's gain and rest together."""
     w, s, ss, y, sy = sums
     w, ss = w + prior, ss + prior * np.float32(level**2)
     gain: Floats = (sy * w - y * s) / (ss * w - s * s)
@@ -268,6 +269,6 @@ def _gain_step(sums: Floats, prior: np.float32, level: float) -> Floats:
 
 
 def _rest_step(sums: Floats, prior: np.float32) -> Floats:
-    """What to add to the rest, (3, K, m), by least squares of each cell, when the gain stands."""
+    """What to add to the rest, (3, K, m): least squares for each cell, with the gain fixed."""
     step: Floats = sums[1:] / (sums[0] + prior)
     return step

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which cells nobody sees, a bit each: a large atlas has more cells than memory has bytes to spare."""
+"""Marks of hidden cells, one bit each: a byte for each cell of a large atlas would take too much memory."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from ..core.arrays import Bools
 
 @dataclass(frozen=True, eq=False)
 class HiddenCells:
-    """Of K texels' buckets: `bits` (K, ceil(n * n / 8)) have their cells [q, p] row by row."""
+    """Hidden cells of K texels: `bits` (K, ceil(n * n / 8)), the marks of cells [q, p] packed row by row."""
 
     bits: npt.NDArray[np.uint8]
     bucket: int
 
     @classmethod
     def of(cls, cells: Bools) -> HiddenCells:
-        """From marks (K, n, n)."""
+        """Pack marks (K, n, n)."""
         return cls(np.packbits(cells.reshape(len(cells), -1), axis=1), cells.shape[1])
 
     def __len__(self) -> int:
@@ -43,11 +43,11 @@ class HiddenCells:
         return found
 
     def of_texels(self, chosen: Bools) -> HiddenCells:
-        """Those of the `chosen` (K,) texels."""
+        """The marks of the `chosen` (K,) texels only."""
         return HiddenCells(self.bits[chosen], self.bucket)
 
     def directions(self) -> Iterator[tuple[int, int]]:
-        """The cells [q, p] that are hidden of some texel, but not of all."""
+        """The cells [q, p] that are hidden in some texels, but not in all."""
         n = self.bucket
         some = np.unpackbits(np.bitwise_or.reduce(self.bits, axis=0), count=n * n).astype(bool)
         every = np.unpackbits(np.bitwise_and.reduce(self.bits, axis=0), count=n * n).astype(bool)

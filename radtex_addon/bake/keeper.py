@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keepers of a bake's finished pieces: none, or memory; a folder is `checkpoint.py`'s."""
+"""Stores for a bake's finished pieces: nowhere, or in memory; `checkpoint.py` stores them in a folder."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from .pieces import Arrays
 
 
 class Keeper:
-    """Is given the finished pieces of a bake, and keeps none: for a bake that is not to be resumed."""
+    """A store for a bake's finished pieces; this base class stores nothing, for bakes without resume."""
 
     def expect(self, facts: Facts) -> None:
-        """Say what the pieces belong to, before the first is given or asked for; may be called again.
+        """Set the facts that the pieces belong to, before the first is stored or read; may be called again.
 
-        Raises InputError where those that are kept belong to something else.
+        Raises InputError if stored pieces belong to other facts.
         """
 
     def names(self) -> list[str]:
-        """Of all pieces that are kept, sorted."""
+        """The names of all stored pieces, sorted."""
         return []
 
     def found(self, _name: str) -> Arrays | None:
-        """A piece that was kept, whole and undamaged, or None."""
+        """The stored piece if it is complete and undamaged, else None."""
         return None
 
     def keep(self, _name: str, _arrays: Arrays) -> None:
-        """Keep a piece. Raises BakeError where the system refuses."""
+        """Store a piece. Raises BakeError where the system refuses."""
 
     def place(self, path: Path) -> Path:
-        """Where to write the file that is to become `path` once all files of the bake are whole.
+        """Where to write the output file `path` until all files of the bake are complete.
 
         Raises BakeError where the system refuses.
         """
@@ -44,15 +44,15 @@ class Keeper:
 
     @property
     def keeps(self) -> bool:
-        """Whether pieces that were kept can be found."""
+        """Whether stored pieces can be read again."""
         return False
 
     def rows(self, name: str, _array: str, _first: int, _count: int) -> npt.NDArray[Any]:
-        """Some rows of an array of a piece that is kept. Raises BakeError where they cannot be read."""
+        """Some rows of an array of a stored piece. Raises BakeError where they cannot be read."""
         raise BakeError(f"'{name}' was not kept")
 
     def once(self, name: str, make: Callable[[], Arrays]) -> Arrays:
-        """The piece, kept before or made now."""
+        """The stored piece, or if there is none the result of `make`, which is then stored."""
         kept = self.found(name)
         if kept is None:
             kept = make()
@@ -64,7 +64,7 @@ KEEPS_NOTHING = Keeper()
 
 
 class Pile(Keeper):
-    """Keeps pieces in memory, for as long as it lives."""
+    """Stores pieces in memory, until it is deleted."""
 
     def __init__(self) -> None:
         self._pieces: dict[str, Arrays] = {}
@@ -87,7 +87,7 @@ class Pile(Keeper):
 
 
 class Drawer(Keeper):
-    """The pieces of another keeper whose names begin with a `label`, without it."""
+    """Those pieces of another keeper whose names begin with `label`; names here are without it."""
 
     def __init__(self, keeper: Keeper, label: str) -> None:
         self._keeper, self._label = keeper, label

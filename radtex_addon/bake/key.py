@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The key of an unfinished bake: what its pieces belong to, what it may replace, who worked on it."""
+"""The key of an unfinished bake: facts that its pieces belong to, files it may replace, its processes."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ Facts: TypeAlias = Mapping[str, str]
 VERSION = 1
 KEY = "key.json"
 LOCK = "lock"
-DIGEST = "sha256:"  # begins a fact that nobody can read
+DIGEST = "sha256:"  # prefix of facts that are hashes, which messages do not show
 
 
 @dataclass(frozen=True)
 class Key:
     """The `facts` of a bake, the names of the files that it `replaces`, the `processes` that worked on it.
 
-    Once all its files are written and have, or are about to have, their places, `made` says what it came to.
+    `made` is the bake's result once all its files are written; some may not have their final names yet.
     """
 
     facts: Facts
@@ -38,18 +38,18 @@ class Key:
     made: dict[str, Any] | None = None
 
     def differences(self, facts: Facts) -> str:
-        """Which facts are others now, in words; empty if none is."""
+        """The facts that differ from `facts`, in words for a message; empty if none does."""
         said = [_difference(name, self.facts.get(name), value) for name, value in facts.items()]
         return ", ".join(words for words in said if words)
 
 
 def is_unfinished(folder: Path) -> bool:
-    """Whether the folder holds pieces of a bake that was not finished."""
+    """Whether the folder holds the checkpoint of a bake that was not finished."""
     return (folder / KEY).is_file()
 
 
 def is_announced(folder: Path) -> bool:
-    """Whether the bake in `folder` is one that was announced, and has not started."""
+    """Whether the bake in `folder` was only announced and has not started."""
     try:
         return is_unfinished(folder) and not read_key(folder).facts
     except InputError:
@@ -57,7 +57,7 @@ def is_announced(folder: Path) -> bool:
 
 
 def check_free(folder: Path) -> None:
-    """Raises InputError where a process works on the bake in `folder`, or something has its lock's name."""
+    """Raises InputError where a process works on the bake in `folder`, or its lock is no lock file."""
     try:
         who = holder(folder / LOCK)
     except NoLockError as error:
@@ -67,29 +67,29 @@ def check_free(folder: Path) -> None:
 
 
 def in_use(folder: Path, who: str) -> str:
-    """What to tell whoever wants it, too."""
+    """The message for a folder that the process `who` is working on."""
     return f"{folder} is in use, {who} bakes into it: wait for its end, or end it"
 
 
 def replaced_by(folder: Path) -> frozenset[str]:
-    """The names of the files that the unfinished bake in `folder` may replace: it may have written them."""
+    """The names of files that the unfinished bake in `folder` may replace, as it may have written them."""
     return frozenset(read_key(folder).replaces) if is_unfinished(folder) else frozenset()
 
 
 def workers(folder: Path) -> list[int]:
-    """The processes that have worked on the bake in `folder`, as far as its key tells."""
+    """The processes that have worked on the bake in `folder`; none if its key cannot be read."""
     with suppress(InputError):
         return read_key(folder).processes if is_unfinished(folder) else []
     return []
 
 
 def write_key(folder: Path, key: Key) -> None:
-    """Put the key into the folder. Raises BakeError where the system refuses."""
+    """Write the key into the folder. Raises BakeError where the system refuses."""
     write_text(folder / KEY, json.dumps({"version": VERSION, **asdict(key)}, indent=2) + "\n")
 
 
 def read_key(folder: Path) -> Key:
-    """The folder's key. Raises InputError, which says how to go on without one."""
+    """Read the folder's key. Raises InputError, which says how to go on without one."""
     path = folder / KEY
     anew = "begin anew (--overwrite, without --resume)"
     try:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Layers: parts of the light, each an atlas of its own beside the whole."""
+"""Layers: parts of the light, each stored as an atlas of its own beside the whole."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
 from ..core.solid_angle import cell_solid_angles_sr
 
-WHOLE = 4  # channels of the atlas itself, which stand before its layers': RGBA
+WHOLE = 4  # channels of the atlas itself, RGBA; its layers' follow
 OF_LAYER = 3  # channels of each layer: RGB, or X, Y, Z
 
 
 class Layer(StrEnum):
-    """A light pass, the two parts that a whole falls into, or the normals of what is seen."""
+    """A light pass; base and rest, which add up to the whole; or the normals of what is seen."""
 
     DIFFUSE = "diffuse"
     GLOSSY = "glossy"
@@ -38,12 +38,12 @@ LIGHT = (
     Layer.VOLUME,
     Layer.EMISSION,
     Layer.ENVIRONMENT,
-)  # which add up to the whole
+)  # add up to the whole
 SIGNED = (Layer.NORMAL, Layer.REST)  # hold values below 0
 
 
 def captured(layers: Sequence[Layer]) -> tuple[Layer, ...]:
-    """What Cycles has to keep for these layers, in the order in which its channels lie."""
+    """The layers that Cycles has to render for `layers`, in the order of their channels."""
     wanted = set(layers)
     if wanted & {Layer.BASE, Layer.REST}:
         wanted.add(Layer.DIFFUSE)
@@ -51,11 +51,11 @@ def captured(layers: Sequence[Layer]) -> tuple[Layer, ...]:
 
 
 def split_layers(image: Floats, layout: AtlasLayout, layers: Sequence[Layer]) -> dict[str, Floats]:
-    """The layers of an atlas image (H*n, W*n, 4 + 3 a captured layer), by name, in the order of `layers`.
+    """Split an atlas image (H*n, W*n, 4 + 3 per captured layer) into its layers, in the order of `layers`.
 
-    Each is (H*n, W*n, 3), row 0 at the bottom; the base is (H, W, 3), a value for each texel: the mean of
-    its diffuse light over the hemisphere, rounded to the half floats that files hold. Base and rest add up to
-    the image's first three channels.
+    Each is (H*n, W*n, 3), row 0 at the bottom; but the base is (H, W, 3), one value per texel: the mean of
+    its diffuse light over the hemisphere, rounded to half floats as in files. Base and rest add up to the
+    image's first three channels.
     """
     found = {
         layer: image[..., WHOLE + OF_LAYER * place : WHOLE + OF_LAYER * (place + 1)]
@@ -70,7 +70,7 @@ def split_layers(image: Floats, layout: AtlasLayout, layers: Sequence[Layer]) ->
 
 
 def _mean_over_hemisphere(buckets: Floats) -> Floats:
-    """Of buckets (H, W, n, n, C), weighted by solid angle: (H, W, C)."""
+    """The mean of each bucket of (H, W, n, n, C), weighted by solid angle: (H, W, C)."""
     weights = cell_solid_angles_sr(buckets.shape[2])
     mean: Floats = np.einsum("jiqpc,qp->jic", buckets, weights / weights.sum())
     return mean

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Single paths of light, as a capture traces them for the shared layout: many directions, one sample each."""
+"""Single paths of light, traced for the shared layout: many directions, one sample each."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from ..core.octahedron import direction_to_octahedron, octahedron_cell, octahedr
 from .plan import CapturePlan
 
 ALL = slice(None)  # all texels
-_NEAR_SIZE = 64  # cells along a side of the map of what is near
-_BEFORE = 0.95  # of the distance to a near thing: where a ray to it starts
+_NEAR_SIZE = 64  # cells along a side of the map of near things
+_BEFORE = 0.95  # rays to a near thing start at this share of its distance from the middle
 
 
 @dataclass(frozen=True, eq=False)
 class LightSamples:
-    """What leaves the plan's K texels in S directions each, known exactly.
+    """The light that leaves the plan's K texels in S exactly known directions each.
 
-    `square` (K, S, 2): each direction's bucket coordinates B. `diffuse`, `mirrored`, `through` (K, S, 3): the
-    light of the diffuse passes, of the transmission passes, and all else; float16 will do. `colour` (K, 3),
-    the diffuse colour pass in the mean. `seen` (K, S): whether a viewer can be there at all.
+    `square` (K, S, 2): each direction's bucket coordinates B. `diffuse` and `through` (K, S, 3): the light of
+    the diffuse passes and of the transmission passes; `mirrored` (K, S, 3): all other light; float16 will do.
+    `colour` (K, 3): the mean of the diffuse colour pass. `seen` (K, S): whether a viewer can be there at all.
     """
 
     plan: CapturePlan
@@ -41,11 +41,11 @@ class LightSamples:
 
 @dataclass(frozen=True, eq=False)
 class EndSamples:
-    """Where paths end that leave the object, S from each of the plan's K texels.
+    """Where paths that leave the object end: S paths from each of the plan's K texels.
 
-    `square` (K, S, 2): bucket coordinates B of the viewers. By the lobe of the first bounce, `mirrored` and
+    `square` (K, S, 2): bucket coordinates B of the viewers. For each lobe of the first bounce, `mirrored` and
     `through`, (K, S, 3) each: how much the object lets through (`..._weight`), and the direction of the end
-    from the object's middle (`..._end`), shorter than 1 where several paths were one sample, 0 where none.
+    from the object's middle (`..._end`), shorter than 1 where a sample mixes several ends, 0 without any.
     """
 
     plan: CapturePlan
@@ -58,10 +58,10 @@ class EndSamples:
 
 @dataclass(frozen=True, eq=False)
 class SurroundingsSamples:
-    """The light that arrives at the object: P samples of its source.
+    """The light that arrives at the object: P samples of where it comes from, in world space.
 
-    `direction` (P, 3), unit, from the object's middle, `radiance` (P, 3), and `nearness` (P,), one over the
-    distance from the middle (3,), in world space.
+    `direction` (P, 3), unit, from the object's `middle` (3,) to the source, its `radiance` (P, 3), and
+    `nearness` (P,), one over its distance from the middle.
     """
 
     middle: Floats
@@ -71,7 +71,7 @@ class SurroundingsSamples:
 
 
 def joined(first: SurroundingsSamples, second: SurroundingsSamples) -> SurroundingsSamples:
-    """The samples of both, which are seen from the same middle."""
+    """Join two sets of samples that have the same middle."""
     return SurroundingsSamples(
         first.middle,
         np.concatenate([first.direction, second.direction]),
@@ -81,9 +81,9 @@ def joined(first: SurroundingsSamples, second: SurroundingsSamples) -> Surroundi
 
 
 def distance_along(direction: Floats, offset: Floats, away: Floats) -> Floats:
-    """How far along `direction`, from the origin, a ray from `offset` along `away` comes by: (P,).
+    """How far from the origin, along `direction`, a ray from `offset` along `away` comes nearest: (P,).
 
-    All (P, 3). Infinite where both are parallel.
+    All are (P, 3). Infinite where the two are parallel, or meet behind the origin.
     """
     across = np.cross(direction, away)
     squared = np.sum(across * across, axis=-1)
@@ -95,10 +95,10 @@ def distance_along(direction: Floats, offset: Floats, away: Floats) -> Floats:
 def panorama_plan(
     near: SurroundingsSamples, middle: Floats, radius: float, size: int, rays: int
 ) -> CapturePlan:
-    """Rays straight away from the object, `rays` in each cell of a size x size octahedral map, stratified.
+    """Plan rays straight away from the object: `rays` per cell of a size x size octahedral map, stratified.
 
-    They start outside the object, which reaches out to `radius` from `middle` (3,), but before what `near`
-    has met in their direction.
+    They start `radius` from `middle` (3,), which is outside the object, or nearer where `near` has met
+    something in their direction: then just before it.
     """
     side = int(np.ceil(np.sqrt(rays)))
     count = size * side
@@ -119,13 +119,13 @@ def panorama_plan(
 def mirrored(plan: CapturePlan, square: Floats, some: slice = ALL) -> Floats:
     """World mirror directions R of viewers at bucket coordinates B: (K, S, 2) -> (K, S, 3) float32.
 
-    `some`: of which texels `square` is.
+    `some` are the texels that `square` belongs to.
     """
     return _to_world(plan, mirror_direction(square_to_direction(square)), some)
 
 
 def straight_through(plan: CapturePlan, square: Floats, some: slice = ALL) -> Floats:
-    """World directions -I in which viewers at bucket coordinates B look: as `mirrored`."""
+    """World directions -I in which viewers at bucket coordinates B look; arguments as for `mirrored`."""
     return _to_world(plan, -square_to_direction(square), some)
 
 
@@ -140,10 +140,10 @@ def _to_world(plan: CapturePlan, local: Floats, some: slice) -> Floats:
 
 
 def spread_shifts(count: int, seed: int) -> Floats:
-    """A place in [0, 1)^2 for each of `count` texels: (count, 2), low-discrepancy, turned by `seed`.
+    """A point in [0, 1)^2 for each of `count` texels: (count, 2), low-discrepancy, shifted by `seed`.
 
-    Neighbouring texels look between each other's directions. Roberts, "The Unreasonable Effectiveness of
-    Quasirandom Sequences" (2018): steps of 1/g and 1/g^2, g^3 = g + 1.
+    So the directions of neighbouring texels lie between each other. Roberts, "The Unreasonable Effectiveness
+    of Quasirandom Sequences" (2018): steps of 1/g and 1/g^2, g^3 = g + 1.
     """
     golden = 1.32471795724474602596
     steps = np.array([1 / golden, 1 / golden**2])

@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pieces of a bake as files: some arrays under a name, behind a line that says whose they are.
+"""Pieces of a bake as files: named arrays, after a first line that says which bake and piece they belong to.
 
-A file ends with a digest of all that stands before, so that one that was half written, or damaged later, is
-noticed.
+A file ends with a digest of everything before, so that half-written or damaged files are noticed.
 """
 
 from __future__ import annotations
@@ -25,11 +24,11 @@ Arrays: TypeAlias = dict[str, npt.NDArray[Any]]
 PIECE = ".piece"
 _DIGEST_BYTES = 32
 _CHUNK = 1 << 22  # bytes
-_FORMAT: Any = np.lib.format  # which older stubs leave untyped
+_FORMAT: Any = np.lib.format  # older stubs leave it untyped
 
 
 def write_piece(path: Path, mark: dict[str, str], arrays: Arrays) -> None:
-    """Write a piece that says `mark` of itself."""
+    """Write a piece with the label `mark`."""
     with path.open("wb") as stream:
         hashing = _Hashing(stream)
         hashing.write((json.dumps({**mark, "arrays": list(arrays)}) + "\n").encode())
@@ -39,9 +38,9 @@ def write_piece(path: Path, mark: dict[str, str], arrays: Arrays) -> None:
 
 
 def read_piece(path: Path, mark: dict[str, str]) -> Arrays:
-    """The piece that says `mark` of itself.
+    """Read the piece with the label `mark`.
 
-    Raises OSError, FileNotFoundError among them, and anything else for what is not this piece, whole.
+    Raises OSError, FileNotFoundError among them, and any other error if it is another piece or damaged.
     """
     with open_regular(path) as stream:
         end = left = os.fstat(stream.fileno()).st_size - _DIGEST_BYTES
@@ -60,7 +59,7 @@ def read_piece(path: Path, mark: dict[str, str]) -> Arrays:
 
 
 def _read_array(stream: BinaryIO, end: int) -> npt.NDArray[Any]:
-    """An array that lies before `end`: its header is checked before memory is taken."""
+    """Read an array that ends before `end`; its header is checked before memory is allocated."""
     place = stream.tell()
     _array_header(stream, end)
     stream.seek(place)
@@ -69,7 +68,10 @@ def _read_array(stream: BinaryIO, end: int) -> npt.NDArray[Any]:
 
 
 def read_rows(path: Path, array: str, first: int, count: int) -> npt.NDArray[Any]:
-    """Rows of an array of a piece that was whole. Raises OSError, and anything else where it is no more."""
+    """Read rows of an array from a piece that was complete before; the digest is not checked again.
+
+    Raises OSError, and any other error if the file is damaged now.
+    """
     with open_regular(path) as stream:
         end = os.fstat(stream.fileno()).st_size - _DIGEST_BYTES
         before = json.loads(stream.readline(MOST_TEXT))["arrays"].index(array)
@@ -87,7 +89,7 @@ def read_rows(path: Path, array: str, first: int, count: int) -> npt.NDArray[Any
 
 
 def _array_header(stream: BinaryIO, end: int) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Shape and type of an array that lies before `end`. Raises ValueError for one that does not."""
+    """Shape and type of an array that must end before `end`. Raises ValueError if it does not."""
     version = _FORMAT.read_magic(stream)
     shape, _, dtype = _FORMAT.read_array_header_1_0(stream)
     if version != (1, 0) or min(shape, default=0) < 0 or prod(shape) * dtype.itemsize > end - stream.tell():
@@ -96,7 +98,7 @@ def _array_header(stream: BinaryIO, end: int) -> tuple[tuple[int, ...], np.dtype
 
 
 class _Hashing:
-    """A stream to write to, and the digest of what was written."""
+    """Writes to a stream, and computes the digest of what was written."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self._stream, self._hash = stream, hashlib.sha256()

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The covered texels, packed: no ray is spent on a texel that no island touches.
+"""Pack the covered texels, so that no ray is spent on a texel that no island touches.
 
-All captures see one virtual image, `columns` x `rows` buckets large, that holds the covered texels in the
-atlas's row order. It is cut into sheets of equal heights, each a picture of its own with a seed of its own:
-the specification says how large they are, so that a farm renders the very same ones. A tile is a band of a
-sheet's rows, one render call. Cycles seeds its rays by pixel, so a tile's bits do not depend on where a sheet
-is cut: tile heights may follow memory and clock.
+All captures use one virtual image of `columns` x `rows` buckets, which holds the covered texels in the
+atlas's row order. It is cut into sheets of equal height, each a picture with its own seed; their size is in
+the specification, so that a farm renders the same ones. A tile is a band of a sheet's rows: one render call.
+Cycles seeds its rays by pixel, so where a sheet is cut into tiles does not change the result: tile heights
+may follow memory and render time.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from ..core.texel_map import TexelMap
 
 MIN_IMAGE_SIDE = 4  # Blender renders no smaller picture, in pixels
 MAX_IMAGE_SIDE = 65536  # Blender's limit for a render's width and height, in pixels
-SHEET = 2048  # a sheet's side in pixels, where nothing else is asked for
+SHEET = 2048  # default side of a sheet in pixels
 
-_SPREAD = 0x9E3779B1  # of sheets' seeds: 2^32 over the golden ratio
-_SEEDS = 1 << 23  # a farm's frames are told theirs by keyframes: single floats, and Blender adds 0.5 to them
+_SPREAD = 0x9E3779B1  # step between sheets' seeds: 2^32 over the golden ratio
+_SEEDS = 1 << 23  # a farm sets seeds by keyframes: single floats, to which Blender adds 0.5
 
 
 @dataclass(frozen=True)
@@ -44,18 +44,18 @@ class Tile:
 
     @property
     def end(self) -> int:
-        """The row behind its last."""
+        """The row after the last one."""
         return self.first_row + self.rows
 
 
 @dataclass(frozen=True)
 class CapturePlan:
-    """Where rays start and how their buckets are turned, for every covered texel.
+    """Where rays start, and the orientation of their buckets, for every covered texel.
 
     `texel` (K,) is the flat index j * width + i of each covered texel. The five fields are (rows, columns, 3)
     float32 in world space, row-major in the order of `texel`; the last row is filled up with the last texel.
-    `own_offset` (rows, columns, 1) is where rays start that do not all start equally far from the surface.
-    A sheet has about `sheet`² pixels.
+    `own_offset` (rows, columns, 1) is each texel's distance from the surface to where its rays start; None if
+    it is the same for all. A sheet has about `sheet`² pixels.
     """
 
     layout: AtlasLayout
@@ -70,24 +70,24 @@ class CapturePlan:
 
     @property
     def sheet_rows(self) -> int:
-        """Rows of every sheet; the last one's end may lie behind the plan's."""
+        """Rows of every sheet; the last sheet may reach beyond the plan's last row."""
         n = self.layout.bucket
         most = max(_least(n), self.sheet**2 // (self.columns * n * n))
         return max(_least(n), -(-self.rows // -(-self.rows // most)))
 
     @property
     def sheets(self) -> int:
-        """How many there are."""
+        """The number of sheets."""
         return -(-self.rows // self.sheet_rows)
 
     def window(self, values: npt.NDArray[Any], sheet: int) -> npt.NDArray[Any]:
-        """A sheet's rows of values (rows, columns, C): (sheet_rows, columns, C), the last one repeated."""
+        """A sheet's rows of values (rows, columns, C): (sheet_rows, columns, C), padded with the last."""
         first = sheet * self.sheet_rows
         rows = np.minimum(np.arange(first, first + self.sheet_rows), self.rows - 1)
         return values[rows]
 
     def in_sheets(self, tile: Tile) -> Iterator[tuple[int, Tile]]:
-        """The sheets that a tile lies in, each with the part that does, in the sheet's own rows."""
+        """The sheets that a tile touches, each with the tile's part in it, counted in the sheet's rows."""
         row, height = tile.first_row, self.sheet_rows
         while row < tile.end:
             sheet, first = divmod(row, height)
@@ -130,9 +130,9 @@ class CapturePlan:
         return nearest_covered(self.covered)
 
     def placed(self, values: npt.NDArray[Any], gutter: bool = False) -> npt.NDArray[Any]:
-        """The texels' values (K, ...) where the texels lie: (H, W, ...) of the same dtype.
+        """Put the texels' values (K, ...) at their places in the atlas: (H, W, ...) of the same dtype.
 
-        Elsewhere 0, or with `gutter` what the nearest texel has.
+        Elsewhere 0, or with `gutter` the value of the nearest texel.
         """
         height, width = self.layout.height, self.layout.width
         flat = np.zeros((height * width, *values.shape[1:]), dtype=values.dtype)
@@ -147,7 +147,7 @@ class CapturePlan:
 
 
 def plan_of_some(plan: CapturePlan, chosen: Bools) -> CapturePlan:
-    """The plan of those of its texels alone where `chosen` (K,) is True, which are some."""
+    """The plan of only the texels where `chosen` (K,) is True; at least one must be."""
     picked = np.flatnonzero(chosen)
     rows, columns = _shape(len(picked), plan.layout.bucket, plan.sheet)
     padded = picked[np.minimum(np.arange(rows * columns), len(picked) - 1)]
@@ -172,9 +172,9 @@ def plan_of_some(plan: CapturePlan, chosen: Bools) -> CapturePlan:
 def plan_capture(
     texels: TexelMap, bucket: int, without: Ints | None = None, sheet: int = SHEET
 ) -> CapturePlan:
-    """Pack a texel map's covered texels, `without` some (flat indices), for sheets of about `sheet`² pixels.
+    """Pack a texel map's covered texels for sheets of about `sheet`² pixels, leaving out `without`.
 
-    Raises InputError if there are none.
+    `without` are flat indices of texels. Raises InputError if no texel is left.
     """
     height, width = texels.triangle.shape
     texel = np.flatnonzero(texels.triangle >= 0)
@@ -206,12 +206,12 @@ def plan_capture(
 
 
 def sheet_seed(seed: int, sheet: int) -> int:
-    """The seed that Cycles gets for a sheet; the first one's is the bake's own."""
+    """The seed that Cycles gets for a sheet; the first sheet has the bake's own."""
     return (seed + sheet * _SPREAD) % _SEEDS if sheet else seed
 
 
 def _least(bucket: int) -> int:
-    """Buckets along the side of the smallest picture that Blender renders."""
+    """The fewest buckets along a side that make a picture that Blender can render."""
     return -(-MIN_IMAGE_SIDE // bucket)
 
 
@@ -223,7 +223,7 @@ def _shape(count: int, bucket: int, sheet: int) -> tuple[int, int]:
 
 
 def _columns(count: int, least: int, most: int) -> int:
-    """Width of a near-square grid for `count` texels that leaves the fewest places empty, `most` at most."""
+    """Columns of a nearly square grid for `count` texels with the fewest empty places, `most` at most."""
     square = min(int(np.ceil(np.sqrt(count))), most)
     candidates = np.arange(max(least, square // 2), max(least, min(most, 2 * square)) + 1)
     waste, rows = -count % candidates, -(-count // candidates)

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sums over samples, in the cells of octahedral buckets, and over neighbouring texels.
+"""Sum samples in the cells of octahedral buckets, and over neighbouring texels.
 
-A fit works on K texels of n x n cells; their tables are (C, K, n*n), the channels first, float32.
+A fit works on K texels of n x n cells; their tables are (C, K, n*n) float32, channels first.
 """
 
 from __future__ import annotations
@@ -20,19 +20,17 @@ from .plan import CapturePlan
 
 _KERNEL = np.array([0.054489, 0.244201, 0.402620, 0.244201, 0.054489], dtype=np.float32)  # sigma 1 texel
 _WIDE = 3  # texels between the taps of the second, wider blur
-_NEAR = 6.0  # times the usual distance of texels: farther ones belong to another island
-_TILE = (
-    4  # texels along a side of those pooled at once: OpenBLAS keeps a product of 16 x 64 x 256 to one core
-)
-SHARE = float((_KERNEL**2).sum() ** 2)  # of the variance of a sum that is left after pooling
-WIDER = 0.1  # of the variance that pooling leaves: what wide pooling does
+_NEAR = 6.0  # times the median distance between texels: farther ones belong to another island
+_TILE = 4  # texels along the side of a block pooled at once: OpenBLAS computes 16 x 64 x 256 on one core
+SHARE = float((_KERNEL**2).sum() ** 2)  # share of a sum's variance that is left after pooling
+WIDER = 0.1  # share of that variance that is left after wide pooling
 
 
 def corners(place: Floats, n: int | Ints) -> tuple[Ints, Floats]:
-    """Where places (2, ...) on the octahedron's square fall between the middles of n x n cells.
+    """The four cells around places (2, ...) on the octahedron's square of n x n cells, and their weights.
 
-    The flat index of the corner between four cells (...), of (n + 1) x (n + 1), the edges' too, and the
-    weights of those four (4, ...), in the order of `corner_cells`.
+    Returns the flat index of the corner that the four cells share (...), of (n + 1) x (n + 1) corners with
+    those on the edges, and the bilinear weights of the cells (4, ...), in the order of `corner_cells`.
     """
     side = np.asarray(n, dtype=np.float32)
     position = place * side + np.float32(0.5)
@@ -53,7 +51,10 @@ def corner_cells(n: int) -> Ints:
 
 @dataclass(frozen=True, eq=False)
 class Taps:
-    """Where a block's samples fall in buckets of n x n cells: four cells each and their weights (4, k, S)."""
+    """The four cells that each of a block's samples falls on, and their weights, both (4, k, S).
+
+    The buckets have n x n cells; `cells` are flat indices into the block's k * n * n.
+    """
 
     cells: Ints
     weights: Floats
@@ -61,18 +62,18 @@ class Taps:
 
     @classmethod
     def of(cls, place: Floats, n: int) -> Taps:
-        """`place` (2, k, S) on the octahedron's square, of k texels' samples."""
+        """From the places (2, k, S) of k texels' samples on the octahedron's square."""
         corner, weights = corners(place, n)
         first = np.arange(place.shape[1], dtype=np.intp)[:, None] * (n * n)
         return cls(corner_cells(n).take(corner, axis=1) + first, weights, n)
 
     def gather(self, table: Floats) -> Floats:
-        """The block's table (C, k, n*n) at the samples: (C, k, S)."""
+        """Look the block's table (C, k, n*n) up at the samples: (C, k, S)."""
         found = [(self.weights * channel.ravel()[self.cells]).sum(axis=0) for channel in table]
         return np.stack(found)
 
     def scatter(self, columns: Iterable[Floats]) -> Floats:
-        """Sums of the samples' columns, (k, S) each, in the cells: (C, k, n*n)."""
+        """Sum the samples' columns, (k, S) each, in the cells: (C, k, n*n)."""
         texels, cells = self.cells.shape[1], self.n * self.n
         flat = self.cells.ravel()
         sums = [np.bincount(flat, (self.weights * column).ravel(), texels * cells) for column in columns]
@@ -81,7 +82,7 @@ class Taps:
 
 @dataclass(frozen=True, eq=False)
 class _Tile:
-    """Some texels (g,), those around them (u,), and how much each of these counts (g, u)."""
+    """Some texels (g,), the texels around them (u,), and the kernel's weights (g, u)."""
 
     texels: Ints
     around: Ints
@@ -90,9 +91,9 @@ class _Tile:
 
 @dataclass
 class Neighbours:
-    """The texels around each of a plan's, on the same piece of surface.
+    """The texels around each of a plan's texels, on the same piece of surface.
 
-    Where texels have `few` samples, all sums are pooled widely.
+    If texels have `few` samples, all sums are pooled widely.
     """
 
     plan: CapturePlan
@@ -102,10 +103,10 @@ class Neighbours:
     def pool(
         self, table: Floats, wide: bool = False, solve: Callable[[Floats], Floats] = lambda sums: sums
     ) -> Floats:
-        """Each texel's sums (C, K, m) with its neighbours', at the same world direction.
+        """Add to each texel's sums (C, K, m) its neighbours', weighted, at the same world direction.
 
-        A Gaussian of one texel; `wide`: of about three. `solve` turns the pooled sums of some texels,
-        (C, g, m), into what is wanted of them, (D, g, m).
+        The weights are a Gaussian with a sigma of one texel, or if `wide` of about three. `solve` turns the
+        pooled sums of some texels, (C, g, m), into the result, (D, g, m).
         """
         if not (wide or self.few):
             return self._pooled(table, 1, solve)
@@ -121,7 +122,7 @@ class Neighbours:
         return result
 
     def _tiles(self, step: int) -> list[_Tile]:
-        """All texels, for a kernel whose taps are `step` texels apart: those of a tile share many."""
+        """All texels in tiles that share many neighbours, for a kernel whose taps are `step` texels apart."""
         if step not in self._found:
             other, weight = self._around(step)
             j, i = np.divmod(self.plan.texel, self.plan.layout.width)
@@ -172,7 +173,7 @@ def _tile(texels: Ints, other: Ints, weight: Floats) -> _Tile:
 
 @cache
 def _upsampling(n: int, finer: int) -> Floats:
-    """How much of each of n x n cells the cells of a finer bucket take: (n*n, finer*finer)."""
+    """The weight of each of n x n cells in each cell of a finer bucket: (n*n, finer*finer)."""
     share = np.zeros((n * n, finer * finer), dtype=np.float32)
     for cell, weight in octahedron_taps(cell_places(finer), n):
         share[cell, np.arange(finer * finer)] += weight
@@ -180,7 +181,7 @@ def _upsampling(n: int, finer: int) -> Floats:
 
 
 def upsampled(table: Floats, finer: int) -> Floats:
-    """Buckets of n x n cells looked up at the cells of finer ones: (C, K, n*n) -> (C, K, finer*finer)."""
+    """Interpolate buckets of n x n cells to finer x finer cells: (C, K, n*n) -> (C, K, finer*finer)."""
     channels, texels, cells = table.shape
     n = round(cells**0.5)
     if n == finer:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a running job says of itself."""
+"""Progress reports of a running job."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _Other = TypeVar("_Other")
 
 
 class Stage(StrEnum):
-    """The job's way, in order."""
+    """The stages of a job, in order."""
 
     EVALUATE = "evaluate"
     UNWRAP = "unwrap"
@@ -32,7 +32,7 @@ class Stage(StrEnum):
 
 @dataclass(frozen=True)
 class Progress:
-    """`done` of `total` units of a stage are finished; a stage that knows no parts goes from 0 to 1."""
+    """`done` of `total` units of a stage are finished; a stage without units goes from 0 to 1."""
 
     stage: Stage
     done: int
@@ -52,7 +52,7 @@ def finished(steps: Generator[object, None, _Result]) -> _Result:
 def relayed(
     steps: Generator[_Step, None, _Result], each: Callable[[_Step], _Other]
 ) -> Generator[_Other, None, _Result]:
-    """Pass another generator's steps on, through `each`, and return its value; closed with it."""
+    """Yield `each` of another generator's steps, and return its value; closing this closes `steps`."""
     with closing(steps):
         while True:
             try:

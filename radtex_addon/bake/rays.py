@@ -1,24 +1,24 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the shared layout spends its paths."""
+"""The numbers of paths in the shared layout."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import ceil, sqrt
 
-FINER = 4  # times as many texels along each side has the diffuse colour, which needs no light
-PROBE_CELLS = 4  # along a side of the buckets that tell hidden directions
-PROBES = 2  # rays for each of their cells; one is hidden if all of them are
+FINER = 4  # the diffuse colour has so many times the texels along each side, as it needs no light
+PROBE_CELLS = 4  # cells along a side of the buckets that find hidden directions
+PROBES = 2  # rays for each of these cells, which is hidden if all of them meet back faces
 
-_SAMPLES = 16  # of a plain bake whose 8 x 8 cells cost as much as the rays below
-_FEWEST = {"light": 4, "ends": 2, "around": 2, "panorama": 1}  # below, there is nothing to fit
-_LARGEST_PANORAMA = 64  # a render of 2048 x 2048; more noise comes from the single texels
+_SAMPLES = 16  # samples of a plain bake with 8 x 8 cells that costs as much as the default `Rays`
+_FEWEST = {"light": 4, "ends": 2, "around": 2, "panorama": 1}  # with fewer there is nothing to fit
+_LARGEST_PANORAMA = 64  # paths per cell, a render of 2048 x 2048: then the texels' own noise is larger
 
 
 @dataclass(frozen=True)
 class Rays:
-    """How many paths a texel spends: `light`², and `ends`² and `around`² twice; `panorama` a cell, twice.
+    """Numbers of paths: `light`² per texel, `ends`² and `around`² per texel twice, `panorama` per cell twice.
 
     The panorama has `size` x `size` cells, for all texels together.
     """
@@ -31,7 +31,7 @@ class Rays:
 
     @classmethod
     def of(cls, samples: int) -> Rays:
-        """About as many paths as a plain bake spends on 8 x 8 cells of so many samples each: 64 a texel."""
+        """About as many paths as a plain bake with 8 x 8 cells takes: 64 times `samples` per texel."""
         most = cls()
         share = samples / _SAMPLES
         return cls(
@@ -43,14 +43,14 @@ class Rays:
 
     @property
     def of_texel(self) -> int:
-        """Paths of one texel, but for its share of the panorama."""
+        """Paths of one texel, without its share of the panorama."""
         return self.light**2 + 2 * self.ends**2 + 2 * self.around**2
 
     @property
     def of_panorama(self) -> int:
-        """Paths of both panoramas; Cycles takes a cell's as a square."""
+        """Paths of both panoramas; the number per cell is rounded up to a square."""
         return 2 * self.size**2 * ceil(sqrt(self.panorama)) ** 2
 
     def most(self, texels: int) -> int:
-        """All paths of a bake that covers so many texels, if none of them is hidden."""
+        """All paths of a bake that covers `texels` texels, if none of them is hidden."""
         return texels * (self.of_texel + FINER**2 + PROBES * PROBE_CELLS**2) + self.of_panorama

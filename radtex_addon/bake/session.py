@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The session: asks a capture for tile after tile, and gives each to a keeper."""
+"""The session: captures tile after tile, and stores each with a keeper."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .progress import Progress, Stage
 from .thumbnail import Thumbnail
 
 BYTES_PER_PIXEL = 112  # of a tile: Cycles's buffers, the render result, the file, our copy (measured peak)
-SECONDS_PER_TILE = 2.0  # a tile this long reports often and still hides the cost of a render call
+SECONDS_PER_TILE = 2.0  # short enough for frequent progress, long against the cost of a render call
 
 
 def fill_atlas(
@@ -35,7 +35,7 @@ def fill_atlas(
     channels: int = WHOLE,
     uncut: bool = False,
 ) -> Generator[Progress, None, Floats]:
-    """What `capture_bands` makes, as one image (H*n, W*n, `channels`) float32, row 0 at the bottom."""
+    """As `capture_bands`, but returns one image (H*n, W*n, `channels`) float32, row 0 at the bottom."""
     steps = capture_bands(plan, capture, memory_mb, hidden, keeper, thumbnail, channels, uncut)
     bands = yield from steps
     layout, n = plan.layout, plan.layout.bucket
@@ -57,10 +57,10 @@ def capture_bands(
 ) -> Generator[Progress, None, Bands]:
     """Capture the plan's texels, find what fills gutters and `hidden` cells, and yield progress in texels.
 
-    Of `hidden` cells of the plan's texels the captured value is not used. The `keeper` is given each tile;
-    rows that it has kept are not captured again. The `thumbnail` is shown all. Tiles stay below `memory_mb`
-    and near SECONDS_PER_TILE, for their heights do not change the bits; where they would, they are to be
-    `uncut`, whole sheets. Raises BakeError for cells that are not numbers, and where a tile cannot be kept.
+    The captured values of `hidden` cells are not used. The `keeper` stores each tile; rows that it already
+    has are not captured again. The `thumbnail` gets all light. Tiles take less than `memory_mb` and about
+    SECONDS_PER_TILE, as their height does not change the result; where it would, set `uncut` to render whole
+    sheets. Raises BakeError for cells that are not numbers, and where a tile cannot be stored.
     """
     keeper = keeper if keeper.keeps else Pile()
     cells = Cells(plan, keeper, channels)
@@ -69,7 +69,7 @@ def capture_bands(
     count, of_pixel = len(plan.texel), BYTES_PER_PIXEL * channels // WHOLE
     most = max(1, memory_mb * 2**20 // (plan.columns * plan.layout.bucket**2 * of_pixel))
     yield Progress(Stage.CAPTURE, cells.texels, count)
-    height = plan.sheet_rows if uncut else 1  # the first tile also loads the scene, and tells the pace
+    height = plan.sheet_rows if uncut else 1  # the first tile loads the scene, and measures the speed
     while (tile := cells.missing(height)) is not None:
         started = perf_counter()
         found = _captured(capture, plan, tile, channels)
@@ -86,7 +86,7 @@ def capture_bands(
 
 
 def _captured(capture: Capture, plan: CapturePlan, tile: Tile, channels: int) -> Floats:
-    """A tile's cells. Raises BakeError for what cannot be."""
+    """Capture a tile's cells. Raises BakeError for a wrong shape, and values that are not numbers."""
     cells, n = capture.render(tile), plan.layout.bucket
     shape = (len(plan.texels_of(tile)), n, n, channels)
     if cells.shape != shape:

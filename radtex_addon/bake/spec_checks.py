@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of a specification does not go together, or cannot be baked: refused by name."""
+"""Check a specification: refuse settings that contradict each other, or cannot be baked."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from .spec import BakeSpec
 
 _MOST_SHARED_SAMPLES = 2**12  # 177 thousand paths a texel
-_TARGETS = (10.0, 60.0)  # dB; textures of 8 bits come no nearer
+_TARGETS = (10.0, 60.0)  # dB; textures of 8 bits are no more accurate
 
-LEAST_MEMORY, MOST_MEMORY = 16, 2**24  # MiB that a bake may be allowed
+LEAST_MEMORY, MOST_MEMORY = 16, 2**24  # limits of --memory, in MiB
 
-# What a whole number may be; Cycles's own bounds for samples and seed.
+# Limits of whole numbers; those of samples and seed are Cycles's own.
 _LIMITS = {
     "texels": (1, MAX_IMAGE_SIDE),
     "bucket": (2, 256),
@@ -36,14 +36,14 @@ _LIMITS = {
     "unwrap_at": (0, 1048574),
 }
 _OPTIONAL = ("budget", "frame", "unwrap_at", "memory_mb")
-_LEAST_TILE = 32 << 20  # bytes that a render takes at least, where there is so much to render
-_OF_PIXEL = 112  # of a render (`session.BYTES_PER_PIXEL`)
+_LEAST_TILE = 32 << 20  # bytes that must be left for a render, unless the whole atlas needs less
+_OF_PIXEL = 112  # bytes per pixel of a render (`session.BYTES_PER_PIXEL`)
 
 
 def check(spec: BakeSpec) -> None:
-    """Raises InputError for what cannot be baked; enums and the number of cells are settled before.
+    """Raises InputError for what cannot be baked; enums and the number of cells must be set before.
 
-    Where all is well but for the memory, that is a MemoryLimitError.
+    If only the memory does not suffice, that is a MemoryLimitError.
     """
     for name, (least, most) in _LIMITS.items():
         if name not in _OPTIONAL or getattr(spec, name) is not None:
@@ -58,7 +58,7 @@ def check(spec: BakeSpec) -> None:
     if spec.condensed:
         _check_condensed(spec)
     _check_size(spec)
-    _check_memory(spec)  # the last: that one alone depends on the machine
+    _check_memory(spec)  # last, because only this check depends on the machine
 
 
 def _check_kind(spec: BakeSpec) -> None:
@@ -108,7 +108,7 @@ def _check_source(spec: BakeSpec) -> None:
 
 
 def _check_reach(spec: BakeSpec) -> None:
-    """How far from the surface the source is looked for."""
+    """Check how far from the surface the source is searched for."""
     if spec.extrusion is not None and not 0 < spec.extrusion < inf:
         raise InputError(f"extrusion {spec.extrusion:g}: give a distance above 0, in scene units")
     if spec.cage == "":
@@ -133,7 +133,7 @@ def _check_lights(spec: BakeSpec) -> None:
 
 
 def _check_surfaces(spec: BakeSpec) -> None:
-    """Of which objects the atlas is, and of which part of them."""
+    """Check which objects share the atlas, and which part of the surface it is of."""
     if spec.objects:
         if len(spec.objects) < 2:
             raise InputError(f"object '{spec.objects[0]}' is alone: name others to share its atlas")

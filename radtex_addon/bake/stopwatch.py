@@ -22,25 +22,25 @@ class Stopwatch:
         self._since = 0.0
 
     def start(self, stage: Stage) -> Progress:
-        """Enter a stage that knows no parts."""
+        """Enter a stage without units; returns its first progress."""
         self.enter(stage)
         return Progress(stage, 0, 1)
 
     def enter(self, stage: Stage) -> None:
-        """Leave the stage that runs, if any, for this one."""
+        """Leave the current stage, if any, and enter this one."""
         if stage is not self._stage:
             self.stop()
             self._stage, self._since = stage, perf_counter()
 
     def stop(self) -> None:
-        """Leave the stage that runs."""
+        """Leave the current stage."""
         if self._stage is not None:
             spent = perf_counter() - self._since
             self.seconds[self._stage] = self.seconds.get(self._stage, 0.0) + spent
             self._stage = None
 
     def over(self, steps: Generator[Progress, None, _Result]) -> Generator[Progress, None, _Result]:
-        """Pass another generator's steps on, and enter their stages; closed with it."""
+        """Yield another generator's steps, and enter their stages; closing this closes `steps`."""
 
         def entered(step: Progress) -> Progress:
             self.enter(step.stage)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The surroundings, from samples of the light that arrives: sharp, and ever more blurred."""
+"""Maps of the surroundings, from samples of the arriving light: a sharp one, and ever more blurred copies."""
 
 from __future__ import annotations
 
@@ -21,24 +21,22 @@ from .light_samples import SurroundingsSamples
 from .pooling import Taps, corner_cells, corners
 
 NEARNESS_SIZE = 64
-_SMOOTH = (
-    4.8  # cells, all but: the standard deviation of a level's blur times its size, so that no cells show
-)
-_KNOWN = 0.05  # samples in a cell, below which a neighbour's light is taken
+_SMOOTH = 4.8  # a level's blur (standard deviation, radians) times its cells along a side: hides the cells
+_KNOWN = 0.05  # samples in a cell: with fewer, it takes a neighbour's light
 _BLUR_TAPS = 64
-_MEETINGS = 6  # iterations by which a ray finds what it meets
+_MEETINGS = 6  # iterations until a ray has found what it meets
 
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """Levels as in `core.shared.SharedAtlas`; the sharpest is blurred by no more than its own cells."""
+    """Levels as in `core.shared.SharedAtlas`; the sharpest is blurred by its own cells only."""
 
     levels: tuple[Floats, ...]
     sharpest: float
 
     @classmethod
     def of(cls, samples: SurroundingsSamples, size: int) -> Surroundings:
-        """The means of the samples in size x size cells, and their blurred copies."""
+        """Average the samples in size x size cells, and make the blurred copies."""
         sharpest = (_SMOOTH / size) ** 2
         levels = [_means(samples, size)]
         for number, side in enumerate(level_sizes(size, level_count(size))):
@@ -50,7 +48,7 @@ class Surroundings:
     def look(self, direction: Floats, spread: Floats) -> Floats:
         """The light around directions (P, 3), blurred by variances (P,): (P, 3) float32.
 
-        As `core.shared.sample_surroundings`, quicker for many.
+        Like `core.shared.sample_surroundings`, but faster for many directions.
         """
         place = direction_to_octahedron(direction).T
         last = len(self.levels) - 1
@@ -68,9 +66,9 @@ class Surroundings:
 
 @dataclass(frozen=True, eq=False)
 class _Maps:
-    """Octahedral maps for many lookups: of each corner, the four cells around it (4, C, corners).
+    """Octahedral maps for many lookups: `around` (4, C, corners) has the four cells around each corner.
 
-    The maps' corners lie one after another; `first` and `size` of each map.
+    The corners of all maps follow each other; `first` is each map's first corner, `size` its cells on a side.
     """
 
     around: Floats
@@ -79,14 +77,14 @@ class _Maps:
 
     @classmethod
     def of(cls, maps: Sequence[Floats]) -> _Maps:
-        """Of maps (M, M, C), whose M may differ."""
+        """From maps (M, M, C), whose M may differ."""
         size = np.array([len(image) for image in maps])
         around = [planes(image.reshape(len(image) ** 2, -1))[:, corner_cells(len(image))] for image in maps]
         first = np.concatenate([[0], np.cumsum((size + 1) ** 2)[:-1]])
         return cls(np.ascontiguousarray(np.concatenate(around, axis=2).swapaxes(0, 1)), first, size)
 
     def look(self, place: Floats, number: Ints | int) -> Floats:
-        """The maps of these numbers (P,), or all of the same, at places (2, P): (C, P)."""
+        """Look places (2, P) up, each in the map with its `number` (P,), or all in one map: (C, P)."""
         corner, weights = corners(place, self.size[number])
         corner = corner + self.first[number]
         light = np.zeros((self.around.shape[1], place.shape[1]), dtype=np.float32)
@@ -96,7 +94,10 @@ class _Maps:
 
 
 def nearness_map(samples: SurroundingsSamples, far: float) -> Floats:
-    """One over the distance from the middle of what lies in each direction, the median: (D, D) float32."""
+    """For each direction from the middle, one over the samples' median distance: (D, D) float32.
+
+    Distances are at most `far`; directions without samples take a neighbour's.
+    """
     cell = octahedron_cell(direction_to_octahedron(samples.direction), NEARNESS_SIZE)
     near = np.maximum(samples.nearness, 1 / far)
     order = np.lexsort((near, cell))
@@ -104,7 +105,7 @@ def nearness_map(samples: SurroundingsSamples, far: float) -> Floats:
         np.searchsorted(cell[order], np.arange(NEARNESS_SIZE**2), side=side) for side in ("left", "right")
     )
     known = last > first
-    if not known.any():  # the object sees nothing but itself
+    if not known.any():  # all rays met the object itself
         return np.full((NEARNESS_SIZE, NEARNESS_SIZE), 1 / far, dtype=np.float32)
     nearness = np.zeros(NEARNESS_SIZE**2, dtype=np.float32)
     nearness[known] = near[order][(first + last - 1)[known] // 2]
@@ -113,11 +114,11 @@ def nearness_map(samples: SurroundingsSamples, far: float) -> Floats:
 
 
 def meet_surroundings(nearness: Floats, middle: Floats, position: Floats, direction: Floats) -> Floats:
-    """Directions from the middle (K, 3), unit, of what rays from positions along unit directions (K, 3) meet.
+    """What rays from positions (K, 3) along unit directions (K, 3) meet, as unit directions from the middle.
 
-    `nearness` (D, D) as of `nearness_map`. The ray is cut with the sphere that is as large as what lies in
-    the direction found last, again and again: Szirmay-Kalos et al., "Approximate Ray-Tracing on the GPU with
-    Distance Impostors" (2005).
+    Returns (K, 3). `nearness` (D, D) is a `nearness_map`. Iterates: intersect the ray with a sphere
+    around the middle whose radius is the distance in the direction found last. Szirmay-Kalos et al.,
+    "Approximate Ray-Tracing on the GPU with Distance Impostors" (2005).
     """
     offset, direction = (planes(vectors).T for vectors in (position - middle, direction))
     along = np.sum(offset * direction, axis=1)
@@ -143,7 +144,7 @@ def _means(samples: SurroundingsSamples, size: int) -> Floats:
 
 
 def _blurred(image: Floats, size: int, variance: float) -> Floats:
-    """The image (M, M, 3) blurred by a von Mises-Fisher lobe of a variance an axis: (size, size, 3)."""
+    """The image (M, M, 3) blurred by a von Mises-Fisher lobe, `variance` along each axis: (size, size, 3)."""
     direction = cell_directions(size)
     tangent, bitangent, _ = orthonormal_frame(direction, fallback_tangent(direction), np.ones(len(direction)))
     share = (np.arange(_BLUR_TAPS) + 0.5) / _BLUR_TAPS

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A small picture of what is baked so far: each texel's mean light, as a display shows it."""
+"""A small picture of a running bake: each texel's mean light, encoded for a display."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ log = logging.getLogger(__name__)
 _SIDE = 256  # pixels at most, along the longer side
 _EVERY = 1.0  # seconds between two pictures, at least
 _GAMMA = 2.2
-_NOT_YET = 0.05  # linear grey of texels that have no light yet, or never will
+_NOT_YET = 0.05  # linear grey of texels without light, yet or ever
 
 
 class Thumbnail:
-    """Writes `path`, a PNG, as light comes in, at most once a second, and tells `written` of it."""
+    """Writes the PNG `path` while light comes in, at most once a second, and calls `written` each time."""
 
     def __init__(self, path: Path, written: Callable[[Path], None]) -> None:
         self._path, self._written = path, written
@@ -35,7 +35,7 @@ class Thumbnail:
         self._works = True
 
     def add(self, layout: AtlasLayout, texel: Ints, light: Floats) -> None:
-        """Light (k, 3), scene-linear, of the texels with these flat indices (k,)."""
+        """Add the scene-linear light (k, 3) of the texels with these flat indices (k,)."""
         if self._light is None:
             self._light = np.full((layout.height * layout.width, 3), _NOT_YET, dtype=np.float32)
         self._light[texel] = light
@@ -48,7 +48,7 @@ class Thumbnail:
         try:
             with replacing(self._path, lasting=False) as beside:
                 beside.write_bytes(picture)
-        except BakeError as error:  # a bake is worth more than its picture
+        except BakeError as error:  # no reason to stop the bake
             log.warning(str(error))
             self._works = False
             return
@@ -56,7 +56,7 @@ class Thumbnail:
 
 
 def _smaller(light: Floats) -> Floats:
-    """Means of so many texels that no side is above _SIDE; what is left over at the far sides is dropped."""
+    """Average blocks of texels so that no side exceeds _SIDE; incomplete blocks at the end are dropped."""
     by = -(-max(light.shape[:2]) // _SIDE)
     height, width = (max(1, size // by) for size in light.shape[:2])
     down, across = (min(by, size) for size in light.shape[:2])

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the light under suns that stand still in the world to buckets that turn with the surface.
+"""Turn the light under suns, which are fixed in the world, into buckets in each texel's own frame.
 
-Every texel was captured under the same suns. Between them its light is interpolated once, in the world: by
-kriging, of means over the suns' discs, which also undoes the blur that the discs make. Each bucket is then
-the octahedral map whose bilinear lookup comes nearest to that in the texel's own frame, in the sense of least
-squares. To blend between suns, and between cells again at the lookup, would blur twice. An odd
-number of cells suits octahedral maps better, for their creases then run through cells' middles: of a cosine,
-lookups are off by 0.030 RMS at 8 x 8 cells, by 0.020 at 9 x 9.
+Every texel was captured under the same suns. Its light is interpolated between them once, in world space: by
+kriging from means over the suns' discs, which also removes the blur of the discs. Each bucket is then the
+octahedral map whose bilinear lookup comes nearest to this light in the texel's frame, by least squares.
+Blending between suns, and again between cells in the lookup, would blur twice. An odd number of cells suits
+octahedral maps better, as their creases then run through the middles of cells: lookups of a cosine have an
+RMS error of 0.030 at 8 x 8 cells, of 0.020 at 9 x 9.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ from ..core.transfer import lookup_solid_angles_sr
 from .plan import CapturePlan
 from .progress import Progress, Stage
 
-_FINER = 2  # as many cells along the world's map, and places in each cell along a side that are fitted to
-_DISC = 37  # points that stand for a sun's disc: with 7, energy differs by 2 % from way to way
+_FINER = 2  # cells of the world's map, and fitted places, along the side of a bucket's cell
+_DISC = 37  # points that represent a sun's disc: with 7, energy varies by 2 % with the direction
 _GOLDEN = np.pi * (3 - np.sqrt(5))
-_CONSTANT = 10.0  # how freely light's mean over all directions may differ, against its variance around that
-_NOISE = 1e-3  # of the captured light, in the same unit
-_SMOOTHNESS = 1e-3  # of steps between neighbouring cells, against that of the light
-_ENERGY = 10.0  # against all places' light together
+_CONSTANT = 10.0  # prior variance of the light's mean over directions, relative to that around the mean
+_NOISE = 1e-3  # variance of the captured light's noise, in the same unit
+_SMOOTHNESS = 1e-3  # weight of differences between neighbouring cells, against errors of the light
+_ENERGY = 10.0  # weight of a bucket's total energy, against the light at all places together
 _ROUNDS = 8
-_CHUNK_VALUES = 1 << 23  # of looked-up light in hand at once
+_CHUNK_VALUES = 1 << 23  # values of looked-up light in memory at once
 
 
 def sun_directions(count: int) -> Floats:
-    """World-space unit directions to suns that share the sphere evenly, (count, 3) float64: a spiral."""
+    """World-space unit directions to suns spread evenly over the sphere in a spiral, (count, 3) float64."""
     index = np.arange(count)
     z = 1 - (2 * index + 1) / count
     across, angle = np.sqrt(1 - z * z), index * _GOLDEN
@@ -48,9 +48,9 @@ def sun_directions(count: int) -> Floats:
 
 
 def sun_radius(count: int) -> float:
-    """Half the angle across a sun, in radians, at which `count` suns have the whole sphere's area together.
+    """Angular radius of a sun, in radians, at which `count` suns together have the area of the sphere.
 
-    Smaller ones leave shadows' edges between them unseen.
+    Smaller suns would miss shadow edges that fall between them.
     """
     return 2 / float(np.sqrt(count))
 
@@ -58,8 +58,8 @@ def sun_radius(count: int) -> float:
 def fit_buckets(plan: CapturePlan, light: Floats, cells: int) -> Generator[Progress, None, Floats]:
     """Turn the light under suns into buckets: (K, cells * cells, 3) float32, never below 0.
 
-    `light` (S, K, 3) is what each of the plan's texels shows under each of `sun_directions(S)`, of
-    `sun_radius(S)` and irradiance 1. Yields progress in texels.
+    `light` (S, K, 3) is what each of the plan's texels shows under each of the suns at `sun_directions(S)`,
+    with `sun_radius(S)` and irradiance 1. Yields progress in texels.
     """
     count, side = light.shape[1], _FINER * cells
     between = _between_suns(len(light), side) @ _common(light)
@@ -80,11 +80,11 @@ def fit_buckets(plan: CapturePlan, light: Floats, cells: int) -> Generator[Progr
 
 
 def _common(light: Floats) -> Floats:
-    """What rids light under suns (S, K, 3) of noise that texels do not have in common: (S, S) float32.
+    """A filter (S, S) float32 that removes noise from the light under suns (S, K, 3).
 
-    A Wiener filter in the texels' own principal components. Neighbouring suns do much the same to most
-    texels, so that light lies in few of them, and noise evenly in all: those of the lower half, which have
-    little else, tell how much of it.
+    A Wiener filter in the light's own principal components. Neighbouring suns light most texels alike, so
+    light is in few components, but noise is equal in all: it is measured in the weaker half of them, which
+    hold little else.
     """
     flat = light.reshape(len(light), -1).astype(np.float32)
     power, components = np.linalg.eigh((flat @ flat.T).astype(np.float64))
@@ -96,10 +96,10 @@ def _common(light: Floats) -> Floats:
 
 
 def _between_suns(suns: int, side: int) -> Floats:
-    """What each sun counts in each cell of a map of the world's directions: (side * side, S) float32.
+    """The weight of each sun in each cell of a map of world directions: (side * side, S) float32.
 
-    Kriging: the light is taken for a Gaussian process whose covariance is `_covariance`; what is known of it
-    are its means over discs, which Cycles scales so that a plane that faces one has the irradiance 1.
+    Kriging: the light is modelled as a Gaussian process with the covariance `_covariance`; known are its
+    means over the discs, which Cycles scales so that a plane facing a sun has the irradiance 1.
     """
     middle = sun_directions(suns)
     discs = _discs(middle, sun_radius(suns))
@@ -116,13 +116,13 @@ def _between_suns(suns: int, side: int) -> Floats:
 
 
 def _covariance(a: Floats, b: Floats) -> Floats:
-    """Of light from two directions, (A, 3) and (B, 3): (A, B). Matérn's, of smoothness 3/2, by the chord."""
+    """Covariance (A, B) of light from directions (A, 3) and (B, 3): Matérn's of smoothness 3/2, by chord."""
     chord = np.sqrt(3 * np.maximum(2 - 2 * (a @ b.T), 0))
     return np.asarray(_CONSTANT + (1 + chord) * np.exp(-chord))
 
 
 def _discs(suns: Floats, radius: float) -> Floats:
-    """Unit directions (S, _DISC, 3) all over each sun's disc, evenly."""
+    """Unit directions (S, _DISC, 3), spread evenly over each sun's disc."""
     upright = np.where(np.abs(suns[:, 2:]) < 0.9, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
     x = np.cross(suns, upright)
     x /= np.linalg.norm(x, axis=1, keepdims=True)
@@ -135,7 +135,7 @@ def _discs(suns: Floats, radius: float) -> Floats:
 
 
 def _seen(world: Floats, frame: Floats, places: Floats, side: int) -> Floats:
-    """What maps of the world's directions, (k, side * side, 3), hold at each texel's own places, (k, P, 3).
+    """Look maps of world directions, (k, side * side, 3), up at places in each texel's frame: (k, P, 3).
 
     `places` (P, 3) are directions in the frame, whose axes T, Bt, N are the rows of `frame` (k, 3, 3).
     """
@@ -147,12 +147,12 @@ def _seen(world: Floats, frame: Floats, places: Floats, side: int) -> Floats:
 
 
 class _Fit:
-    """From light at `places`, directions (P, 3) in the frame, to cells: the same for all texels."""
+    """Fits cells to the light at `places`, directions (P, 3) in the frame; the same for all texels."""
 
     def __init__(self, places: Floats, lookup: Floats, cells: int) -> None:
-        """`lookup` (P, cells * cells) is what a lookup at each place takes of each cell."""
+        """`lookup` (P, cells * cells) is the weight of each cell in a lookup at each place."""
         self.places = places.astype(np.float32)
-        area = np.abs(places).sum(axis=1) ** 3  # that a place stands for: see lookup_solid_angles_sr
+        area = np.abs(places).sum(axis=1) ** 3  # around each place: see lookup_solid_angles_sr
         weighed = lookup * (area / area.sum() * cells**2)[:, None]
         normal = lookup.T @ weighed + _SMOOTHNESS * _roughness(cells)
         share = lookup_solid_angles_sr(cells) / (4 * np.pi)
@@ -174,9 +174,9 @@ class _Fit:
     def buckets(self, seen: Floats) -> Floats:
         """The cells (k, C, 3) >= 0 whose lookups come nearest to light (k, P, 3) at the places.
 
-        Where light ends, what is free to be negative is; to cut that off adds energy. So the free solution's
-        energy is asked for as well, and cells move on by accelerated projected gradients (Beck and Teboulle,
-        2009).
+        Where light ends abruptly, the unconstrained solution has negative cells, and clipping them would add
+        energy. So the fit also aims at the unconstrained solution's energy, by accelerated projected
+        gradients (Beck and Teboulle, 2009).
         """
         light = seen.transpose(1, 0, 2).reshape(seen.shape[1], -1)
         free = self._free @ light
@@ -192,7 +192,7 @@ class _Fit:
 
 
 def _roughness(cells: int) -> Floats:
-    """Lᵀ L, L being a cell's difference from its four neighbours on the sphere, summed: (cells², cells²)."""
+    """Lᵀ L, where L sums each cell's differences from its four neighbours on the sphere: (cells², cells²)."""
     total = cells**2
     differences = np.zeros((total, total))
     for neighbour in _neighbours(cells):
@@ -202,7 +202,7 @@ def _roughness(cells: int) -> Floats:
 
 
 def _neighbours(cells: int) -> list[Ints]:
-    """Of every cell the index of its neighbour at each of four sides; beyond an edge it is folded over."""
+    """For every cell the index of its neighbour on each of four sides; beyond an edge the map is folded."""
     places = cell_places(cells).astype(np.float64)
     sides = ((1, 0), (-1, 0), (0, 1), (0, -1))
     return [octahedron_cell(_folded(places + np.array(side) / cells), cells) for side in sides]

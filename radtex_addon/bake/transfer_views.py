@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From where the texels of a `transfer` are looked at: see `bake.choices.View`."""
+"""The directions from which a `transfer` bake looks at its texels: see `bake.choices.View`."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from .choices import View
 from .plan import CapturePlan
 
 _AROUND = 3  # views along a bucket's side
-_STRAIGHT = 0.51  # along the normal, all but: the very middle of a bucket has no azimuth
+_STRAIGHT = 0.51  # almost along the normal: the exact middle of a bucket has no azimuth
 
 
 @dataclass(frozen=True)
 class Eye:
-    """A camera's place in world space; if it is `far`, as an orthographic one, the unit direction to it."""
+    """A camera's place in world space; if `far`, as for an orthographic camera, the unit direction to it."""
 
     place: tuple[float, float, float]
     far: bool = False
@@ -32,16 +32,16 @@ class Eye:
 
 
 def views_along(view: View) -> int:
-    """Views along a bucket's side: as many, squared, are captured."""
+    """The number of views along a bucket's side; its square is captured."""
     return _AROUND if view is View.AROUND else 1
 
 
 def view_shift(plan: CapturePlan, eye: Eye | None = None) -> Floats:
-    """Where each of the plan's texels is looked at from, in its cells: (K, 2) float32, 0 to 1 along a side.
+    """The place in its cells from which each texel is looked at: (K, 2) float32, 0 to 1 along a side.
 
-    Without an `eye` from the cells' middles, which of a plan of one cell is along the normal. A texel that
-    faces away from the eye is looked at from where the eye is mirrored in its plane: near a silhouette that
-    is all but the same, and far from it nobody looks.
+    Without an `eye` it is the cells' middle, which for buckets of one cell is along the normal. A texel that
+    faces away from the eye is looked at from the eye's mirror image in its plane: near a silhouette that is
+    almost the same direction, and elsewhere nobody sees such texels.
     """
     count = len(plan.texel)
     if eye is None:

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files of a bake between their writing and their places: all of them get there, or none.
+"""Output files that wait until all of a bake's files are written: all get their final names, or none.
 
-They are written into a folder inside the unfinished bake's. Once all are whole its key says so, and they are
-moved out, one rename each. Killed amid these, the bake is gone on with by moving the rest.
+They are written into a folder inside the unfinished bake's folder. Once all are complete the key records it,
+and they are moved out by one rename each. If the bake is killed meanwhile, resuming it moves the others.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _FOLDER = "written"
 
 
 def waiting_place(unfinished: Path, path: Path) -> Path:
-    """Where the file is written that is to become `path`, in a folder that is made if need be.
+    """Where to write the file that will become `path`; makes the folder if need be.
 
     Raises BakeError where the system refuses.
     """
@@ -32,14 +32,14 @@ def waiting_place(unfinished: Path, path: Path) -> Path:
 
 
 def named_by_places(words: str, unfinished: Path) -> str:
-    """What was said of files that wait, said of the places that they are to have."""
+    """Replace the waiting files' paths in a message by their final ones."""
     return words.replace(str(unfinished / _FOLDER), str(unfinished.parent))
 
 
 def move_out(unfinished: Path, names: Collection[str]) -> None:
-    """Give those of the waiting files that have one of these `names` their places, the sidecar last.
+    """Move the waiting files with these `names` to their final places, the sidecar last; delete the others.
 
-    The disk has the new names before this returns. Raises BakeError where the system refuses.
+    The new names are on disk before this returns. Raises BakeError where the system refuses.
     """
     folder = unfinished / _FOLDER
     if folder.is_symlink() or not folder.is_dir():
@@ -58,7 +58,7 @@ def move_out(unfinished: Path, names: Collection[str]) -> None:
 
 
 def drop_waiting(unfinished: Path) -> None:
-    """Remove what waits, and what a killed process was writing there. Raises OSError."""
+    """Delete the waiting files, and temporary files of killed processes beside them. Raises OSError."""
     folder = unfinished / _FOLDER
     if folder.is_dir() and not folder.is_symlink():
         shutil.rmtree(folder)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The parts that captures are put together from: planes and boxes for chosen rays, a camera, float images."""
+"""Building blocks of captures: planes and boxes that only some rays see, a camera, renders, float images."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ class Extent:
 
     @classmethod
     def of_pixels(cls, width: int, height: int) -> Extent:
-        """The shape of an image, its longer side 2."""
+        """The extent with an image's aspect ratio whose longer side is 2."""
         longest = max(width, height)
         return cls(2 * width / longest, 2 * height / longest)
 
 
 def above_everything(scene: bpy.types.Scene) -> float:
-    """A height that no object or instance reaches: rays that climb would meet the plane's back."""
+    """A height above all objects and instances, where rising rays do not meet a plane from behind."""
     layer = next(layer for layer in scene.view_layers if layer.use)
     layer.update()
     top = 0.0
@@ -58,7 +58,7 @@ def plane(
     material: bpy.types.Material,
     visible: str,
 ) -> None:
-    """Add a rectangle at `height` that only rays of the kind `visible` can see."""
+    """Add a rectangle at `height` that only rays of the kind `visible` see."""
     x, y = extent.width / 2, extent.height / 2
     corners = [(-x, -y, 0.0), (x, -y, 0.0), (x, y, 0.0), (-x, y, 0.0)]
     item = _mesh_object(scene, name, corners, [(0, 1, 2, 3)], material, {visible})
@@ -68,7 +68,7 @@ def plane(
 def box(
     scene: bpy.types.Scene, name: str, half: float, material: bpy.types.Material, visible: set[str]
 ) -> bpy.types.Object:
-    """Add a cube of half side `half` around its origin that only the `visible` kinds of rays can see."""
+    """Add a cube of half side `half` around its origin that only the `visible` kinds of rays see."""
     corners = [(x, y, z) for x in (-half, half) for y in (-half, half) for z in (-half, half)]
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     return _mesh_object(scene, name, corners, faces, material, visible)
@@ -112,9 +112,9 @@ def render_image(scene: bpy.types.Scene, file: Path) -> Floats:
 
 
 def render_layers(scene: bpy.types.Scene, file: Path) -> Passes:
-    """The same with every pass that is kept, each (H, W, C).
+    """Like `render_image`, but returns every pass that is kept, each (H, W, C).
 
-    Where some lamps alone are lit (`scene.lamps`), the combined one has their light, and the alpha of all.
+    Where only some lamps are lit (`scene.lamps`), the combined pass has their light and the render's alpha.
     """
     file.unlink(missing_ok=True)
     try:
@@ -137,7 +137,7 @@ def render_layers(scene: bpy.types.Scene, file: Path) -> Passes:
 
 
 def read_layers(file: Path) -> Passes:
-    """What `render_layers` gives, of a picture that was rendered before. Raises FormatError for none."""
+    """Read the passes of a picture that `render_layers` wrote. Raises FormatError for any other file."""
     passes = {name.rpartition(".")[2]: image for name, image in read_render(file).items()}
     light = passes.pop(f"Combined_{GROUP}", None)
     if light is not None:
@@ -162,12 +162,12 @@ def mirror(build: NodeBuilder) -> bpy.types.NodeSocket:
 
 
 def float_image(name: str, field: Floats) -> bpy.types.Image:
-    """Vectors (rows, columns, 3) as a float image, row 0 at the bottom, exactly as they are."""
+    """Store vectors (rows, columns, 3) unchanged in a float image, row 0 at the bottom."""
     rows, columns = field.shape[:2]
     image = bpy.data.images.new(name, columns, rows, alpha=True, float_buffer=True, is_data=True)
     image.alpha_mode = "CHANNEL_PACKED"
     pixels = np.ones((rows, columns, 4), dtype=np.float32)
     pixels[..., :3] = field
-    cast(Any, image.pixels).foreach_set(pixels.ravel())  # the stubs know lists only
+    cast(Any, image.pixels).foreach_set(pixels.ravel())  # the stubs allow lists only
     image.update()
     return image

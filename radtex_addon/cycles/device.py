@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which device renders: the CPU, or whatever GPU Cycles and the user's preferences know."""
+"""Choose the device that renders: the CPU, or a GPU that Cycles supports."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ GPU_TYPES = ("OPTIX", "CUDA", "HIP", "METAL", "ONEAPI")  # in the order in which
 
 @contextmanager
 def use_device(scene: bpy.types.Scene, wish: str) -> Iterator[str]:
-    """Let `scene` render on the device `wish`, and give the preferences back as they were.
+    """Let `scene` render on the device `wish`, and restore Blender's preferences afterwards.
 
-    `auto` takes the GPU that Blender's preferences have switched on, else the CPU; `cpu`; `gpu` any GPU; or
-    one of Cycles's own types, such as `optix`. Yields the name of the type that renders, "CPU" included.
-    Raises InputError, with what there is, if the wish cannot be met.
+    `wish` is `auto` (the GPU that is switched on in Blender's preferences, else the CPU), `cpu`, `gpu` (any
+    GPU), or one of Cycles's types, such as `optix`. Yields the type that renders, such as "CPU" or "OPTIX".
+    Raises InputError if there is no such device.
     """
     preferences = _cycles_preferences()
     before = preferences.compute_device_type
@@ -34,19 +34,19 @@ def use_device(scene: bpy.types.Scene, wish: str) -> Iterator[str]:
         if preferences.compute_device_type != before:
             preferences.compute_device_type = before
         for index, device in reversed(list(enumerate(preferences.devices))):
-            if device.id not in switches:  # Cycles lists those that it was asked for
+            if device.id not in switches:  # listed only because we asked for its type
                 preferences.devices.remove(index)
             elif device.use != switches[device.id]:
                 device.use = switches[device.id]
 
 
 def preferred_device() -> str:
-    """What `auto` means here, as a wish for another Blender that does not know these preferences."""
+    """The device that `auto` means here, for another Blender process that does not have these preferences."""
     return _choose(_cycles_preferences(), "AUTO").lower()
 
 
 def _cycles_preferences() -> Any:
-    """The preferences of Cycles's add-on, which no stub knows."""
+    """The preferences of Cycles's add-on. Raises InputError where it is switched off."""
     addon = bpy.context.preferences.addons.get("cycles")
     if addon is None:
         raise InputError("Cycles is switched off: enable its add-on in Blender's preferences")

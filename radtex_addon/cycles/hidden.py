@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cells that nobody can see: a viewer in their direction would stand inside the mesh.
+"""Find hidden cells: a viewer in their direction would stand inside the mesh.
 
-Where one part of a mesh is stuck into another, such as an eye into a head, texels lie in the dark beside
-visible ones, and blending would draw dark dots along the line where the parts meet. A ray that leaves for
-such a viewer meets the mesh from behind: a few rays for every cell, by the portal capture itself, tell.
+Where one part of a mesh is stuck into another, such as an eye into a head, dark texels lie beside visible
+ones, and blending would draw dark dots along the line where the parts meet. A ray from such a texel towards
+the viewer meets the mesh from behind: the portal capture tests each cell with a few rays.
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ def find_hidden(
     keeper: Keeper = KEEPS_NOTHING,
     owner: Ints | None = None,
 ) -> Generator[Progress, None, HiddenCells]:
-    """Which cells of the plan's texels look out of their own mesh's inside.
+    """Find the cells of the plan's texels whose viewers would stand inside the texel's own mesh.
 
-    `meshes` are baked copies and their objects' matrices (4, 4); of several, `owner` (K,) numbers the one
-    that each texel lies on, for another's far side hides nothing that is before it. `folder` takes temporary
-    files, the `keeper` what is found, tile by tile. None is hidden where every cell would be. Yields progress
-    in texels. Raises BakeError where Cycles fails.
+    `meshes` are baked copies and their objects' matrices (4, 4). With several, `owner` (K,) is the number of
+    the mesh that each texel lies on: each is tested against its own mesh alone, as another mesh's back faces
+    hide nothing. `folder` is for temporary files; the `keeper` stores the result tile by tile. If all cells
+    would be hidden, none is. Yields progress in texels. Raises BakeError where Cycles fails.
     """
     if owner is None:
         bits = yield from _probe(*meshes[0], plan, folder, Drawer(keeper, "hidden-"))
@@ -66,7 +66,7 @@ def find_hidden(
 def _probe(
     mesh: bpy.types.Mesh, matrix_world: Floats, plan: CapturePlan, folder: Path, keeper: Keeper
 ) -> Generator[Progress, None, npt.NDArray[np.uint8]]:
-    """Bits of the plan's texels, as `HiddenCells` has them; those that the keeper has are not looked for."""
+    """The `bits` of `HiddenCells` for the plan's texels; tiles that the keeper has are not rendered again."""
     height = max(1, _TILE_PIXELS // (plan.columns * plan.layout.bucket**2))
     tiles = [Tile(row, min(height, plan.rows - row)) for row in range(0, plan.rows, height)]
     kept = {tile: keeper.found(_name(tile)) for tile in tiles}
@@ -88,7 +88,7 @@ def _name(tile: Tile) -> str:
 
 @contextmanager
 def _probe_scene(mesh: bpy.types.Mesh, matrix_world: Floats) -> Iterator[bpy.types.Scene]:
-    """A scene that shows a mesh alone, its far sides bright."""
+    """A scene that shows only a mesh, whose back faces emit light."""
     scene = bpy.data.scenes.new("RadTex probe")
     world, _ = open_world("RadTex dark")
     copy = cast("bpy.types.Mesh", mesh.copy())
@@ -109,7 +109,10 @@ def _probe_scene(mesh: bpy.types.Mesh, matrix_world: Floats) -> Iterator[bpy.typ
 
 
 def _shows_back_faces(twins: bool) -> bpy.types.Material:
-    """Bright from behind; if there are `twins`, faces that have one are not, for their backs are seen."""
+    """A material that emits light from back faces.
+
+    With `twins` (`scene.backs`), faces that have one emit none, as their backs can be seen from outside.
+    """
     material, build = open_material("RadTex back faces")
     bright = build.geometry("Backfacing")
     if twins:

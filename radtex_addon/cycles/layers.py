@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Radiance with its light passes, from the same paths."""
+"""Capture radiance together with its light passes, from the same paths."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .settings import keep_passes
 
 
 class LayeredCapture:
-    """Captures a kind of radiance in a scratch scene, and with it the passes that layers are made of."""
+    """Captures a kind of radiance in a scratch scene, with the passes that layers are made of."""
 
     def __init__(
         self,
@@ -33,7 +33,7 @@ class LayeredCapture:
         folder: Path,
         whole: bool = False,
     ) -> None:
-        """As for the portal; `layers` are those that the bake shall have."""
+        """Arguments as for `PortalCapture`; `layers` are the layers of the bake."""
         self._layers = captured(layers)
         self._portal = PortalCapture(scene, plan, kind, samples, seed, folder, whole=whole)
         keep_passes(scene, tuple(name for layer in self._layers for name in attributes_of(layer)))

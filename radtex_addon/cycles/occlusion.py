@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which directions are blocked: camera rays that start where shadow rays do, and end where they hit.
+"""Capture which directions are blocked, by camera rays that start like shadow rays and end at the first hit.
 
-The film is transparent and the world empty, so that alpha says how much of a ray was stopped. Lamps do not
-stop camera rays. No light is looked at.
+The film is transparent and the world empty, so that alpha is the share of a ray that was stopped. Lamps do
+not stop camera rays. No light is computed.
 
-Where only what is near counts, every ray goes to a known place of its cell, and tells where it ended. (A ray
-through a portal has no length that a camera could limit.)
+If only near objects count, each ray goes to a known point of its cell, and the position pass tells where it
+ended. (A camera's clipping distance does not limit rays behind a portal.)
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ from ..scene.casters import casters_seen, may_be_clear, show_all_collections
 from .portal import Aim, PortalCapture
 from .settings import first_hit_only
 
-CLEAR_SAMPLES = 16  # rays that vote on a bit where something lets some of them through
+CLEAR_SAMPLES = 16  # rays that vote on a bit where a material may let some of them through
 
 
 _POSITION = "use_pass_position"
-_MOST_PIXELS = 1 << 19  # of a render whose rays tell where they ended
+_MOST_PIXELS = 1 << 19  # of a render with the position pass
 
 
 class OcclusionCapture:
-    """Captures `shadow` and `ao` in a scratch scene: the share of each cell's rays that nothing stops."""
+    """Captures `shadow` and `ao` in a scratch scene: the share of each cell's rays that are not blocked."""
 
     def __init__(
         self,
@@ -49,11 +49,11 @@ class OcclusionCapture:
         folder: Path,
         distance: float | None = None,
     ) -> None:
-        """`scene` is a scratch scene, written freely; `folder` takes the files that tiles pass through.
+        """`scene` is a scratch scene, which is changed; `folder` is for the temporary files of tiles.
 
-        For `shadow` all rays go to the middles of cells, `samples` of them only where anything is clear. With
-        a `distance`, in scene units, `ao` counts what is farther as open, and has `rays` a cell: the next
-        square number from `samples` on, if a picture of so many pixels can be.
+        For `shadow` all rays go to the middles of cells: one, or CLEAR_SAMPLES where a material may be clear.
+        With a `distance`, in scene units, `ao` counts everything farther as open, and takes `rays` per cell:
+        `samples` rounded up to a square, or fewer where the picture would become too large.
         """
         _look_for_casters_only(scene)
         self._scene, self._users = scene, {item.session_uid for item in bpy.data.objects}
@@ -74,7 +74,7 @@ class OcclusionCapture:
     def render(self, tile: Tile) -> Floats:
         """Cells of the tile's texels, (k, n, n, 1) float32, [texel, q, p]: 1 is open, 0 is blocked.
 
-        Of `shadow` every cell is one or the other. Raises BakeError where Cycles fails.
+        For `shadow` there are no values in between. Raises BakeError where Cycles fails.
         """
         with casters_seen(self._scene, self._users):
             if self._distance is not None:
@@ -97,7 +97,10 @@ class OcclusionCapture:
         return np.concatenate(found)
 
     def _stopped_within(self, distance: float, tile: Tile, ends: Floats) -> Bools:
-        """Whether rays ended near, if they did, at `ends` (k, n, n, 3); those below the facet always do."""
+        """Which rays ended within `distance`: (k, n, n), for their `ends` (k, n, n, 3).
+
+        Rays below the facet count as stopped; the result does not matter for rays that hit nothing.
+        """
         plan, aim = self._plan, cast(Aim, self._aim)
         texels = slice(tile.first_row * plan.columns, tile.first_row * plan.columns + len(ends))
         frame = np.stack([plan.tangent, plan.bitangent, plan.normal]).reshape(3, -1, 3)[:, texels]
@@ -118,6 +121,6 @@ def _look_for_casters_only(scene: bpy.types.Scene) -> None:
 
 
 def _finer(plan: CapturePlan, samples: int) -> int:
-    """Rays along a cell's side: as many as `samples` want, and as a picture's sides have room for."""
+    """Rays along a cell's side: enough for `samples`, but no more than a picture's largest side allows."""
     most = MAX_IMAGE_SIDE // (max(plan.rows, plan.columns) * plan.layout.bucket)
     return max(1, min(ceil(sqrt(samples)), most))

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The paper's capture, to the letter: at every texel a fisheye-equisolid camera of 180 degrees.
 
-It looks along the normal, and outwards only. It is slow, and it is the ground truth for the portal. The disc
-that the camera sees is resampled to the square, uniformly in B. Cycles hides lamps from camera rays, so the
-camera sits in a tiny box whose inside sends each ray straight back as a mirror would; the opposite wall, a
-portal that glossy rays alone see, turns it round again and lets it out.
+It looks along the normal, outwards only. It is slow, and the ground truth for the portal. The disc that the
+camera sees is resampled to the square, uniformly in B. Cycles hides lamps from camera rays, so the camera is
+in a tiny box whose walls mirror each camera ray straight back, which makes it a glossy ray; for glossy rays
+the opposite wall is a portal, which turns the ray round again and lets it out.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from ..scene.nodes import open_material
 from .apparatus import box, mirror, render_image
 from .settings import allow_more_bounces, apply_capture_settings
 
-_SENSOR = 36.0  # mm; any size serves
-_FINEST = 64  # disc pixels per cell's side, at most: below that, each pixel takes one sample
-_RIM_STEPS = 32  # of the integral over a pixel that the disc's rim crosses
+_SENSOR = 36.0  # mm; any size works
+_FINEST = 64  # disc pixels along a cell's side, at most; up to that, each pixel takes one sample
+_RIM_STEPS = 32  # steps of the integral over a pixel on the disc's rim
 
 
 class PanoramicCapture:
@@ -40,9 +40,10 @@ class PanoramicCapture:
     def __init__(
         self, scene: bpy.types.Scene, plan: CapturePlan, kind: Kind, samples: int, seed: int, folder: Path
     ) -> None:
-        """As for the portal; `samples` per cell are spread over the disc's pixels, one each at least.
+        """Arguments as for `PortalCapture`.
 
-        Raises InputError for `radiance`, which a camera on the surface cannot see.
+        A cell's `samples` are spread over its disc pixels, at least one each. Raises InputError for
+        `radiance`, which a camera on the surface cannot see.
         """
         if kind is Kind.RADIANCE:
             raise InputError("the panoramic capture looks outwards only: bake radiance with --capture portal")
@@ -77,7 +78,7 @@ class PanoramicCapture:
             field.reshape(-1, 3)[k]
             for field in (plan.normal, plan.bitangent, plan.tangent, plan.facet, plan.position)
         )
-        # A camera looks along -z; with y along Bt its x is -T where the frame is right-handed.
+        # A camera looks along -z; with y along Bt, its x is -T if the frame is right-handed.
         x = np.cross(bitangent, -normal)
         place = position + facet * self._offset
         matrix = np.eye(4)
@@ -106,7 +107,7 @@ def _camera(scene: bpy.types.Scene, offset: float) -> bpy.types.Object:
 
 
 def _box(scene: bpy.types.Scene, half: float) -> bpy.types.Object:
-    """The box around the camera: a mirror that faces every ray, then a portal at the far wall, out of it."""
+    """The box around the camera: a mirror facing each camera ray, and a portal out for glossy rays."""
     material, build = open_material("RadTex box")
     back = build.geometry("Incoming")
     reflect = mirror(build)
@@ -126,7 +127,7 @@ def _box(scene: bpy.types.Scene, half: float) -> bpy.types.Object:
 
 @dataclass(frozen=True)
 class _Resampling:
-    """Which disc pixels make a cell, and how much of each: entries sorted by cell, `first` of every cell."""
+    """The disc pixels of each cell and their weights: entries sorted by cell, `first` of each cell."""
 
     pixel: Ints
     weight: Floats
@@ -140,9 +141,9 @@ class _Resampling:
 
 
 def _resampling(bucket: int, side: int, turned: bool) -> _Resampling:
-    """Weights uniform in B, by counting a fine grid of sub-samples of every cell.
+    """The weights for means uniform in B, by counting sub-samples on a fine grid in every cell.
 
-    `turned` looks along the mirror direction, which is half a turn about the normal.
+    `turned` is for the mirror direction, which is half a turn about the normal away.
     """
     fine = 8 * -(-side // bucket)  # sub-samples per cell's side
     b = (2 * np.arange(bucket * fine) + 1 - bucket * fine) / (bucket * fine)
@@ -166,7 +167,7 @@ def _resampling(bucket: int, side: int, turned: bool) -> _Resampling:
 
 
 def _share_inside_disc(side: int) -> Floats:
-    """How much of each pixel lies in the unit disc, (side*side): a pixel at the rim is dark by as much."""
+    """The share of each pixel that lies in the unit disc, (side*side): pixels on the rim are partly black."""
     edge = (2 * np.arange(side + 1) - side) / side
     low, high = edge[:-1, None, None], edge[1:, None, None]
     steps = side * _RIM_STEPS

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles's light passes: how a view layer is asked for them, and what a render calls them.
+"""Cycles's light passes: the view layer's settings that enable them, and their names in a render.
 
-Here, and nowhere else, the colours of renders become Rec.709: Blender writes pictures of several layers in
-the colour space that the .blend works in.
+Only here are the colours of renders converted to Rec.709: Blender writes pictures of several layers in the
+.blend's working space.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from ..core.arrays import Floats
 from ..core.colour_spaces import converted
 
-# Blender 5's names, and 4.5's
+# Names in Blender 5, and in 4.5
 _LOBES = {
     "diffuse": ("Diffuse", "Diff"),
     "glossy": ("Glossy", "Gloss"),
@@ -29,14 +29,14 @@ _SINGLE = {
     "environment": ("use_pass_environment", ("Environment", "Env")),
     "normal": ("use_pass_normal", ("Normal",)),
 }
-_VECTORS = frozenset({"normal"})  # no colours, to be left as they are
+_VECTORS = frozenset({"normal"})  # not colours: not converted
 
 
 @dataclass(frozen=True, eq=False)
 class Passes:
-    """A render's passes as Blender wrote them, `raw`: (..., C) by the names that it gives them.
+    """A render's passes as Blender wrote them: `raw` has arrays (..., C) under Blender's names for them.
 
-    The combined one comes first. `to_rec709` (3, 3) takes their colours to Rec.709, None where they are that.
+    The combined pass comes first. `to_rec709` (3, 3) converts colours to Rec.709; None if they already are.
     """
 
     raw: dict[str, Floats]
@@ -44,7 +44,7 @@ class Passes:
 
     @property
     def raw_whole(self) -> Floats:
-        """The combined pass in the space that the .blend works in: for what is coded in colours."""
+        """The combined pass in the .blend's working space: for data that is encoded as colours."""
         return next(iter(self.raw.values()))
 
     @property
@@ -56,19 +56,19 @@ class Passes:
         return np.concatenate([self.in_rec709(raw[..., :3]), raw[..., 3:]], axis=-1)
 
     def in_rec709(self, colours: Floats) -> Floats:
-        """Colours (..., 3) of these passes, or of products of them, in Rec.709."""
+        """Convert colours (..., 3) of these passes, or products of them, to Rec.709."""
         return converted(colours, self.to_rec709)
 
     def mapped(self, change: Callable[[Floats], Floats]) -> Passes:
-        """The same with each pass changed."""
+        """A copy with `change` applied to each pass."""
         return replace(self, raw={name: change(pixels) for name, pixels in self.raw.items()})
 
 
 def attributes_of(name: str) -> tuple[str, ...]:
-    """What to switch on in a view layer for a lobe's light, or for one of emission, environment, normal."""
+    """The view layer's attributes to switch on for a lobe's light, or for emission, environment or normal."""
     if name in _SINGLE:
         return (_SINGLE[name][0],)
-    if name == "volume":  # which has no colour to be divided by
+    if name == "volume":  # has no colour pass
         return "cycles.use_pass_volume_direct", "cycles.use_pass_volume_indirect"
     return tuple(f"use_pass_{name}_{part}" for part in _PARTS)
 
@@ -80,9 +80,9 @@ def light_of(passes: Passes, name: str) -> Floats:
 
 
 def raw_light_of(passes: Passes, name: str) -> Floats:
-    """What `light_of` gives, in the space that the .blend works in.
+    """Like `light_of`, but in the .blend's working space.
 
-    Cycles divides its lobes' passes by their colour, channel by channel in that space.
+    Cycles divides a lobe's passes by its colour, channel by channel in that space.
     """
     if name in _SINGLE:
         return _found(passes, _SINGLE[name][1])
@@ -96,7 +96,7 @@ def colour_of(passes: Passes, lobe: str) -> Floats:
 
 
 def _part_of(passes: Passes, lobe: str, part: str) -> Floats:
-    """One of a lobe's passes, `part` being direct, indirect or color: (..., 3)."""
+    """One of a lobe's passes, (..., 3); `part` is direct, indirect or color."""
     pairs = zip(_LOBES[lobe], _PARTS[part], strict=True)
     return _found(passes, tuple(first + last for first, last in pairs))
 

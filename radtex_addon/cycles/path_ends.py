@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene in which light says where it comes from: everything but the baked object emits its own direction.
+"""A scene whose light encodes where it comes from: everything but the baked object emits its own direction.
 
-The object keeps its materials, so paths go through it as they do in the user's scene; but what they bring
-back is the direction, seen from the object's middle, of the point where they left it for good. The same
-paths, traced again where everything emits white, bring back what the object lets through. Light of the
-object's own is put out, and lamps are left out, so that there is nothing else to be brought back.
+The object keeps its materials, so paths go through it as in the user's scene; but the light that they return
+is the direction, from the object's middle, of the point that they hit after leaving the object. The same
+paths, traced again with everything emitting white, return how much the object lets through. The object's own
+emission and all lamps are removed, so that no other light is returned.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from ..scene.nodes import NodeBuilder, close_group, open_group, open_material, o
 from ..scene.scratch import remove_scene
 from ..scene.surrounding_shapes import RAYS, Beside, Placed, Shape
 
-TURNS = 3  # of red, green and blue among a direction's components
-_DARK = 1e-4  # of a weight's brightest channel: nothing can be read in one that is darker
+TURNS = 3  # ways to assign a direction's components to red, green and blue
+_DARK = 1e-4  # of a weight's brightest channel: no component can be read in a darker one
 
 
 class PathEnds:
-    """The scene, and what everything but the baked object emits in it."""
+    """The scene, and the light that everything but the baked object emits in it."""
 
     def __init__(
         self,
@@ -43,9 +43,9 @@ class PathEnds:
 
     @contextmanager
     def named_alike(self) -> Iterator[None]:
-        """Let the copy bear the object's name for a render: Cycles makes the object's random number of it."""
+        """Give the copy the object's name during a render: Cycles derives the random number from it."""
         original, name, own = self._original, self._original.name, self._baked.name
-        local = original.library is None  # a library's names are apart from the file's
+        local = original.library is None  # names of linked objects cannot clash with the file's own
         try:
             if local:
                 original.name = "RadTex original"
@@ -57,7 +57,7 @@ class PathEnds:
                 original.name = name
 
     def blacken_object(self) -> None:
-        """End, from now on, all paths that meet the object."""
+        """Make the object black, so that paths end where they meet it."""
         mesh = cast(bpy.types.Mesh, cast(bpy.types.ID, self._baked.data).copy())
         mesh.materials.clear()
         material, build = open_material("RadTex black")
@@ -67,7 +67,7 @@ class PathEnds:
         self._baked.data = mesh
 
     def emit_directions(self, turn: int) -> None:
-        """Emit directions d as d / 2 + 1/2, components moved on by `turn` among red, green and blue."""
+        """Emit directions d as d / 2 + 1/2, with components rotated by `turn` among red, green and blue."""
         self._write(0.0, turn)
 
     def emit_white(self) -> None:
@@ -82,15 +82,15 @@ class PathEnds:
 
 
 def any_dark(white: Floats) -> bool:
-    """Whether weights (..., 3) have channels too dark to read a direction's component in."""
+    """Whether any weight (..., 3) has a channel too dark to read a direction's component in."""
     brightest = white.max(axis=-1, keepdims=True)
     return bool(((white < _DARK * brightest) & (brightest > _DARK)).any())
 
 
 def from_directions(emitted: Sequence[Floats], white: Floats) -> Floats:
-    """Directions (..., 3), not of unit length where paths differ, 0 where there were none.
+    """Decode directions (..., 3): not of unit length where a sample mixes several, 0 where there is none.
 
-    `white` (..., 3) is what white light brought back, `emitted` what directions did, at turn 0, or at all
+    `white` (..., 3) is the render with white light; `emitted` are those with directions, at turn 0, or at all
     TURNS: then each component is read in the brightest channel.
     """
     shares = np.stack([_share(light, white) for light in emitted], axis=-2)
@@ -98,7 +98,7 @@ def from_directions(emitted: Sequence[Floats], white: Floats) -> Floats:
         first: Floats = shares[..., 0, :] * 2 - 1
         return first
     brightest = white.argmax(axis=-1)[..., None]
-    turn = (brightest - np.arange(3)) % TURNS  # the one that puts a component into that channel
+    turn = (brightest - np.arange(3)) % TURNS  # puts each component into the brightest channel
     by_turn_and_channel = shares.reshape(*white.shape[:-1], TURNS * 3)
     read: Floats = np.take_along_axis(by_turn_and_channel, turn * 3 + brightest, axis=-1) * 2 - 1
     return read
@@ -112,10 +112,10 @@ def _share(light: Floats, white: Floats) -> Floats:
 def path_ends(
     scratch: bpy.types.Scene, baked: bpy.types.Object, mesh: bpy.types.Mesh, beside: Beside, middle: Floats
 ) -> Iterator[PathEnds]:
-    """Build the scene from `scratch`, a scratch scene: a copy of `baked` that shows `mesh`, and all else.
+    """Build the scene from the scratch scene `scratch`: a copy of `baked` with `mesh`, and everything else.
 
-    `beside` is what `scratch` shows beside `baked`; `middle` (3,) is the point that directions are seen from.
-    What is made is removed with the scratch scene's other data.
+    `beside` is what `scratch` renders apart from `baked`; directions are from the point `middle` (3,). New
+    data is removed together with the scratch scene's.
     """
     group = _light_group()
     scene = cast(bpy.types.Scene, scratch.copy())
@@ -137,7 +137,7 @@ def path_ends(
 
 
 def _stand_in(baked: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
-    """A copy of the object that does not glow, and that nothing moves."""
+    """A copy of the object that emits no light, without animation and constraints."""
     dark = cast(bpy.types.Mesh, mesh.copy())
     for index, material in enumerate(dark.materials):
         if material is not None:
@@ -153,14 +153,14 @@ def _stand_in(baked: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object
 
 
 def _render_layer_of(baked: bpy.types.Object, mesh: bpy.types.Mesh) -> None:
-    """Textures that name no UV layer lie on the one that renders: the object's own, not the baked one."""
+    """Let textures without a named UV layer use the object's own render layer, not the baked one."""
     for layer in getattr(baked.data, "uv_layers", ()):
         if layer.active_render and layer.name in mesh.uv_layers:
             cast(Any, mesh).uv_layers[layer.name].active_render = True
 
 
 def _place(item: bpy.types.Object, anchor: bpy.types.Object, matrix: Floats) -> None:
-    """Put an object where `matrix` (4, 4) says, to the last bit: its own properties would lose shear."""
+    """Give an object exactly this `matrix` (4, 4), through its parent: its own transform would lose shear."""
     item.parent, item.parent_type = anchor, "OBJECT"
     item.matrix_basis = Matrix.Identity(4)
     item.delta_location, item.delta_scale = (0, 0, 0), (1, 1, 1)
@@ -171,7 +171,7 @@ def _place(item: bpy.types.Object, anchor: bpy.types.Object, matrix: Floats) -> 
 def _link_others(
     scene: bpy.types.Scene, anchor: bpy.types.Object, others: Sequence[Placed], glow: bpy.types.Material
 ) -> None:
-    """Put what else renders into the scene, glowing."""
+    """Add everything else that renders to the scene, with the emitting material `glow`."""
     meshes: dict[Shape, bpy.types.Mesh] = {}
     for placed in others:
         mesh = meshes.get(placed.shape)
@@ -187,7 +187,7 @@ def _link_others(
 
 
 def _light_group() -> bpy.types.ShaderNodeTree:
-    """Colour to emit for the unit direction of a point."""
+    """A node group: the colour to emit for the unit direction of a point."""
     build, (direction,) = open_group("RadTex ends", Direction="Vector")
     coded = build.vector("MULTIPLY_ADD", direction, (0.5, 0.5, 0.5), (0.5, 0.5, 0.5))
     x, y, z = build.separate(coded)
@@ -212,7 +212,7 @@ def _world(group: bpy.types.ShaderNodeTree) -> bpy.types.World:
     (emission,) = build.group(group, direction)
     background = build.node("ShaderNodeBackground", emission, 1.0)
     build.node("ShaderNodeOutputWorld", background.outputs[0])
-    cast(Any, world).cycles.sampling_method = "NONE"  # paths end where they go, no light is looked for
+    cast(Any, world).cycles.sampling_method = "NONE"  # light is only found where paths hit it
     return world
 
 

@@ -3,9 +3,9 @@
 """The fast capture: one orthographic camera looks at a plane of Ray Portals, and a tile is one render call.
 
 The plane's material turns its own position into texel and cell, looks the texel's frame up in float images,
-and sends the camera's ray to P and I. To Cycles it still is a camera ray. Light kinds must see lamps, which
-Cycles hides from camera rays: there the camera looks at a sharp mirror, and portals above it catch the glossy
-rays.
+and sends the camera's ray to P and I. To Cycles it is still a camera ray. Light kinds must see lamps, which
+Cycles hides from camera rays: for them the camera looks at a sharp mirror, and portals above it catch the
+glossy rays.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ from .settings import allow_more_bounces, apply_capture_settings, keep_passes, l
 
 @dataclass(frozen=True, eq=False)
 class Aim:
-    """Rays aimed at one known point of every cell, and the passes that are kept of them.
+    """Aim rays at one known point of every cell, and keep some of their passes.
 
-    `shift` (K, 2): where in its cells each of the plan's texels aims, from 0 to 1 along both sides. `passes`
-    are attributes of a view layer. With light kinds, rays whose passes are kept do not see lamps.
+    `shift` (K, 2): this point in the cells of each of the plan's texels, from 0 to 1 along both sides.
+    `passes` are attributes of a view layer. If there are any, rays of light kinds do not see lamps.
     """
 
     shift: Floats
@@ -57,23 +57,26 @@ class Aim:
         return aimed
 
     def offset(self, plan: CapturePlan) -> Floats:
-        """From a cell's centre to its point, in buckets, as the plan's fields lie: (rows, columns, 3)."""
+        """From a cell's centre to its point, in units of a bucket's side, packed as the plan's fields.
+
+        Its shape is (rows, columns, 3).
+        """
         offset = np.zeros((plan.rows * plan.columns, 3), dtype=np.float32)
         offset[: len(self.shift), :2] = (self.shift - 0.5) / plan.layout.bucket
         return offset.reshape(plan.rows, plan.columns, 3)
 
 
-FIRST_ROW = "RadTex first row"  # the node's label: half a row above the first that the images show
+FIRST_ROW = "RadTex first row"  # label of the node with the sheet's first row in the images, plus 0.5
 _FRAME = ("position", "tangent", "bitangent", "normal", "facet")
-_LIGHT = (Kind.INCIDENT, Kind.REFLECTION)  # what arrives, from lamps too
-_OCCLUSION = (Kind.SHADOW, Kind.AO)  # what is in the way
-_GAP = 0.01  # between camera and plane: in a world volume, light must not be lost on the way
+_LIGHT = (Kind.INCIDENT, Kind.REFLECTION)  # arriving light, lamps' included
+_OCCLUSION = (Kind.SHADOW, Kind.AO)
+_GAP = 0.01  # between camera and plane: short, so that a world volume absorbs no light on the way
 
 
 class PortalCapture:
     """Captures `radiance`, `incident` and `reflection` in a scratch scene, tile by tile.
 
-    Of `shadow` and `ao` it sends the rays, as camera rays that see no lamps; what goes below the facet is
+    For `shadow` and `ao` it only sends the rays, as camera rays that see no lamps; rays below the facet are
     black and opaque.
     """
 
@@ -89,10 +92,11 @@ class PortalCapture:
         first: int = 0,
         whole: bool = False,
     ) -> None:
-        """`scene` is a scratch scene, written freely; `folder` takes the files that tiles pass through.
+        """`scene` is a scratch scene, which is changed; `folder` is for the temporary files of tiles.
 
-        `first` is the number of the first of `samples`, where others were taken before. With `whole` images
-        the scene can render any sheet, by its seed and the node FIRST_ROW; tiles it is then not asked for.
+        `first` is the number of the first of `samples`, if earlier ones were already taken. With `whole` the
+        float images hold all sheets: the scene then renders any of them, depending on its seed and the node
+        FIRST_ROW, but `render` must not be called.
         """
         self._scene, self._plan, self._seed, self._sheet = scene, plan, seed, 0
         self._file = folder / "tile.exr"
@@ -124,7 +128,7 @@ class PortalCapture:
         return self.render_passes(tile).whole
 
     def render_passes(self, tile: Tile) -> Passes:
-        """Every pass that is kept: each (k, n, n, C), [texel, q, p]."""
+        """Render a tile, and return every pass that is kept: each (k, n, n, C), [texel, q, p]."""
         parts = [self._render_part(sheet, part) for sheet, part in self._plan.in_sheets(tile)]
         if len(parts) == 1:
             return parts[0]
@@ -132,13 +136,13 @@ class PortalCapture:
         return replace(parts[0], raw=joined)
 
     def _render_part(self, sheet: int, tile: Tile) -> Passes:
-        """The same of a tile that lies in one sheet."""
+        """Like `render_passes`, for a tile that lies in one sheet."""
         plan, n, height = self._plan, self._plan.layout.bucket, self._plan.sheet_rows
         self._show(sheet)
-        rows = max(tile.rows, -(-MIN_IMAGE_SIDE // n))  # a lower picture is not to be had
+        rows = max(tile.rows, -(-MIN_IMAGE_SIDE // n))  # Blender renders no lower picture
         first = min(tile.first_row, height - rows)
         render = self._scene.render
-        # The packed image's row 0 is its bottom one; a quarter of a pixel keeps rounding honest.
+        # Row 0 of the packed image is at the bottom; a quarter of a pixel keeps rounding safe.
         total = height * n
         render.border_min_x, render.border_max_x = 0.0, 1.0
         render.border_min_y = (first * n + 0.25) / total if first else 0.0
@@ -155,12 +159,12 @@ class PortalCapture:
         return render_layers(self._scene, self._file).mapped(cells_of)
 
     def reseed(self, seed: int) -> None:
-        """Let the next renders have other noise."""
+        """Set the seed of the next renders, for different noise."""
         self._seed = seed
         cast(Any, self._scene).cycles.seed = sheet_seed(seed, self._sheet)
 
     def _show(self, sheet: int) -> None:
-        """Let the next render be of another sheet."""
+        """Set the sheet of the next renders."""
         if sheet == self._sheet:
             return
         self._sheet = sheet
@@ -169,7 +173,7 @@ class PortalCapture:
 
 
 class _Fields:
-    """The float images that say where rays start, and how their buckets are turned: of one sheet, or all."""
+    """The float images with rays' starts and buckets' orientation: of one sheet, or if `whole` of all."""
 
     def __init__(self, plan: CapturePlan, aim: Aim | None, whole: bool) -> None:
         self._plan, self._whole = plan, whole
@@ -181,7 +185,7 @@ class _Fields:
         self.images = self._images(0)
 
     def show(self, sheet: int) -> None:
-        """Let other images stand in these ones' places: Cycles would keep what it has of the same ones."""
+        """Replace the image data-blocks by the sheet's: Cycles caches images by identity."""
         before, self.images = self.images, self._images(sheet)
         for name, image in before.items():
             image.user_remap(self.images[name])
@@ -189,7 +193,7 @@ class _Fields:
 
     @property
     def rows(self) -> int:
-        """Of the images."""
+        """The number of rows of the images."""
         return self._plan.rows if self._whole else self._plan.sheet_rows
 
     def _images(self, sheet: int) -> dict[str, bpy.types.Image]:
@@ -202,7 +206,7 @@ class _Fields:
 def _portal_material(
     plan: CapturePlan, kind: Kind, extent: Extent, reach: float, fields: _Fields
 ) -> bpy.types.Material:
-    """Ray Portals that start rays of `kind` for rays from within `reach`; clear to the scene's own."""
+    """Ray Portals that send on rays that come from within `reach`, as `kind` needs; others pass through."""
     material, build = open_material("RadTex portals")
     uv = build.vector(
         "MULTIPLY_ADD",
@@ -242,9 +246,9 @@ def _portal_material(
 
 
 def _texel_and_cell(build: NodeBuilder, plan: CapturePlan, uv: Socket, rows: int) -> tuple[Socket, Socket]:
-    """The place in the bucket, 0 to 1 along both sides, and where images with so many `rows` have the texel.
+    """The place in the bucket, 0 to 1 along both sides, and the texel's UV in images with `rows` rows.
 
-    Both come of the same whole number, so that a ray on a texel's edge has one texel's frame and place.
+    Both use the same rounded texel, so that a ray on a texel's edge does not mix two texels.
     """
     size = (float(plan.columns), float(plan.sheet_rows), 1.0)
     place = build.vector("MULTIPLY", uv, size)
@@ -257,7 +261,7 @@ def _texel_and_cell(build: NodeBuilder, plan: CapturePlan, uv: Socket, rows: int
 
 
 def _local_direction(build: NodeBuilder, bucket: Socket, kind: Kind) -> tuple[Socket, Socket, Socket]:
-    """Where a ray of `kind` goes in the frame, from a place in the bucket, 0 to 1 along both sides."""
+    """A ray's direction in the frame, for a place in the bucket, 0 to 1 along both sides."""
     if kind is Kind.AO:
         return _cosine_direction(build, bucket)
     a, i_z, q = _inverse_projection(build, bucket)
@@ -267,12 +271,12 @@ def _local_direction(build: NodeBuilder, bucket: Socket, kind: Kind) -> tuple[So
 
 
 def _cosine_direction(build: NodeBuilder, bucket: Socket) -> tuple[Socket, Socket, Socket]:
-    """The same spread by the cosine: `core.occlusion.square_to_cosine`."""
+    """Like `_local_direction`, but distributed by the cosine: `core.occlusion.square_to_cosine`."""
     b = build.vector("MULTIPLY_ADD", bucket, (2.0, 2.0, 0.0), (-1.0, -1.0, 0.0))
     x, y, _ = build.separate(b)
     wide, high, _ = build.separate(build.vector("ABSOLUTE", b))
     radius = build.math("MAXIMUM", wide, high)
-    ratio = build.math("DIVIDE", build.math("MINIMUM", wide, high), radius)  # nodes have 0 for 0 / 0
+    ratio = build.math("DIVIDE", build.math("MINIMUM", wide, high), radius)  # in nodes, 0 / 0 is 0
     near = build.math("MULTIPLY", ratio, pi / 4)
     along = build.math("MULTIPLY", radius, build.math("COSINE", near))
     across = build.math("MULTIPLY", radius, build.math("SINE", near))
@@ -301,9 +305,9 @@ def _inverse_projection(build: NodeBuilder, bucket: Socket) -> tuple[Socket, Soc
 def _above_facet(
     build: NodeBuilder, direction: Socket, facet: Socket, height: Socket, least: float
 ) -> Socket:
-    """A smooth normal's hemisphere dips below the facet: such a ray is lifted to the facet's own horizon.
+    """Lift a direction below the facet to its horizon, as a smooth normal's hemisphere reaches below it.
 
-    `height` is the direction's above the facet.
+    `height` is the cosine between direction and facet normal, `least` the smallest allowed.
     """
     sunk = build.math("SUBTRACT", least, height)
     lift = build.vector("SCALE", facet, build.math("MAXIMUM", sunk, 0.0))

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the shared layout is fitted to: light in many directions, paths' ends, the surroundings, the colour.
+"""Capture what the shared layout is fitted to: light in many directions, path ends, surroundings, colour.
 
-All are the portal's rays, aimed at known points of their cells. Each capture takes a scratch scene of its
-own, which it fills with its apparatus.
+All use the portal's rays, aimed at known points of their cells. Each capture needs a scratch scene of its
+own, to which it adds its planes and camera.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ from .portal import Aim, PortalCapture
 from .settings import first_hit_only
 
 _TILE_PIXELS = 3 << 20
-_ITSELF = 0.1  # a sum of coded components that no direction has: the object itself, black
-_LOBES = {"diffuse": "diffuse", "mirrored": "glossy", "through": "transmission"}  # as Cycles calls them
+_ITSELF = 0.1  # a sum of encoded components below that of any direction: the object itself, black
+_LOBES = {"diffuse": "diffuse", "mirrored": "glossy", "through": "transmission"}  # Cycles's names
 _DIFFUSE, _MIRRORED, _THROUGH = map(attributes_of, _LOBES.values())
 
 
@@ -53,8 +53,8 @@ def capture_samples(
 ) -> Generator[Progress, None, LightSamples]:
     """Trace one path in each of the plan's cells.
 
-    `hidden` (K, m, m) marks directions, by coarser cells, that no viewer sees. Yields progress in texels.
-    Raises BakeError where Cycles fails.
+    `hidden` (K, m, m) marks, in coarser cells, directions without viewers. Yields progress in texels. Raises
+    BakeError where Cycles fails.
     """
     count, cells = len(plan.texel), plan.layout.bucket**2
     aim = Aim(spread_shifts(count, seed), _DIFFUSE + _THROUGH)
@@ -110,7 +110,7 @@ def _trace_ends(ends: PathEnds, capture: PortalCapture, tile: Tile) -> Arrays:
     with ends.named_alike():
         white = capture.render_passes(tile)
     weights = {lobe: raw_light_of(white, _LOBES[lobe]) for lobe in ("mirrored", "through")}
-    deep = any(any_dark(weight) for weight in weights.values())  # colours that lack a channel altogether
+    deep = any(any_dark(weight) for weight in weights.values())  # colours with an almost black channel
     emitted = []
     for turn in range(TURNS if deep else 1):
         ends.emit_directions(turn)
@@ -118,7 +118,7 @@ def _trace_ends(ends: PathEnds, capture: PortalCapture, tile: Tile) -> Arrays:
             emitted.append(capture.render_passes(tile))
     found: Arrays = {}
     for lobe, weight in weights.items():
-        coded = [raw_light_of(passes, _LOBES[lobe]) for passes in emitted]  # directions, and no colours
+        coded = [raw_light_of(passes, _LOBES[lobe]) for passes in emitted]  # directions, not colours
         end = from_directions(coded, weight)
         found[f"{lobe}_weight"] = np.maximum(white.in_rec709(weight), 0).astype(np.float16)
         found[f"{lobe}_end"] = end.astype(np.float16)
@@ -135,11 +135,11 @@ def capture_surroundings(
     keeper: Keeper = KEEPS_NOTHING,
     name: str = "around",
 ) -> SurroundingsSamples:
-    """Look from the object into each of the plan's cells, as if it were a perfect mirror.
+    """Look from the object in the mirror direction of each of the plan's cells.
 
-    `middle` (3,) is the object's, in world space. `scene` is a scratch scene and `ends` are the paths' ends
-    in it; both are spent afterwards. Rays that meet the object itself bring nothing. The `keeper`'s pieces
-    begin with `name`. Raises BakeError where Cycles fails.
+    `middle` (3,) is the object's, in world space. `scene` is a scratch scene and `ends` its path ends; both
+    are unusable afterwards. Rays that meet the object itself give no sample. The names of the `keeper`'s
+    pieces begin with `name`. Raises BakeError where Cycles fails.
     """
     count = len(plan.texel)
     shift = _straight(count) if plan.layout.bucket == 1 else spread_shifts(count, seed + 1)
@@ -178,7 +178,7 @@ def _trace_around(capture: PortalCapture, tile: Tile, coded: bool) -> Arrays:
 def capture_colour(
     scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder: Path, keeper: Keeper = KEEPS_NOTHING
 ) -> Floats:
-    """The diffuse colour along the normal, for a plan of one cell a bucket: (H, W, 3), gutter filled."""
+    """Capture the diffuse colour along the normal: (H, W, 3), gutter filled; buckets have one cell."""
     aim = Aim(_straight(len(plan.texel)), _DIFFUSE)
     capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
     first_hit_only(scene)
@@ -198,7 +198,7 @@ def _name(what: str, tile: Tile) -> str:
 
 
 def _straight(count: int) -> Floats:
-    """Shifts that aim along the normal, all but: the very middle of a bucket has no azimuth."""
+    """Shifts that aim almost along the normal: the exact middle of a bucket has no azimuth."""
     return np.full((count, 2), 0.51)
 
 
@@ -212,6 +212,6 @@ def _light(passes: Passes, lobe: str) -> Floats:
 
 
 def _half(light: Floats) -> Floats:
-    """Within half floats; a sample that is no number, one of a shader's faults, is black."""
+    """Light as half floats, limited to their range; NaN, which faulty shaders return, becomes black."""
     limited: Floats = np.clip(np.nan_to_num(light, nan=0.0), 0, 65504).astype(np.float16)
     return limited

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Render settings under which Cycles measures: everything that would blur, reuse, crop or grade is off.
+"""Render settings for captures: everything that would blur, reuse, crop or grade is off.
 
-They are written on the scratch scene only. What decides how light travels (bounces, clamps, caustics, light
+They are set on the scratch scene only. What decides how light travels (bounces, clamps, caustics, light
 tree, the film's transparency) stays the user's.
 """
 
@@ -21,15 +21,16 @@ log = logging.getLogger(__name__)
 def apply_capture_settings(scene: bpy.types.Scene, samples: int, seed: int, first: int = 0) -> None:
     """Make `scene` render raw, unfiltered, scene-linear Rec.709 at exactly `samples` per pixel.
 
-    They are those from the number `first` on. Of the pattern TABULATED_SOBOL 4 and the next 4 are the first 8
-    (beyond 256 the sequence is another whenever their number doubles); others have one for each number.
+    The samples start at number `first` of Cycles's sequence. With the pattern TABULATED_SOBOL, 4 samples and
+    the next 4 equal the first 8 (but beyond 256 the sequence changes whenever the total doubles); other
+    patterns have a different sequence for each total.
     """
     _measure_evenly(cast(Any, scene).cycles, samples, seed, first)
     _output(scene.render)
     if any(GROUP in layer.lightgroups for layer in scene.view_layers):
-        keep_passes(scene, ())  # the lamps' own
+        keep_passes(scene, ())  # light groups are written to multi-layer files only
     render = scene.render
-    cast(Any, render).engine = "CYCLES"  # the stubs know no add-on's engine
+    cast(Any, render).engine = "CYCLES"  # the stubs lack add-ons' engines
     render.use_motion_blur = False
     render.use_compositing = render.use_sequencer = render.use_freestyle = False
     render.use_multiview = render.use_stamp = False
@@ -52,15 +53,15 @@ def _measure_evenly(cycles: Any, samples: int, seed: int, first: int) -> None:
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0  # or neighbouring cells bleed into each other
     cycles.film_exposure = 1.0
     cycles.use_auto_tile = False
-    cycles.texture_limit_render = "OFF"  # Simplify's: it would shrink the images that say where rays start
+    cycles.texture_limit_render = "OFF"  # Simplify would shrink the images with the rays' starts
     if hasattr(cycles, "texture_resolution_render"):  # Blender 5
         cycles.texture_resolution_render = 100
-    cycles.use_camera_cull = cycles.use_distance_cull = False  # they ask a camera that is none of the scene's
+    cycles.use_camera_cull = cycles.use_distance_cull = False  # the capture's camera is not the user's
 
 
 def _output(render: bpy.types.RenderSettings) -> None:
     image = render.image_settings
-    if hasattr(image, "media_type"):  # Blender 5: to be set before the format
+    if hasattr(image, "media_type"):  # Blender 5; must be set before the format
         image.media_type = "IMAGE"
     image.file_format, image.color_mode, image.color_depth = "OPEN_EXR", "RGBA", "32"
     image.exr_codec = "NONE"
@@ -90,24 +91,24 @@ def keep_passes(scene: bpy.types.Scene, passes: tuple[str, ...]) -> None:
 
 
 def denoise(scene: bpy.types.Scene) -> None:
-    """Let OpenImageDenoise clean the picture, where this Blender was built with it."""
+    """Denoise the picture with OpenImageDenoise, if this Blender has it; else log a warning."""
     cycles = cast(Any, scene).cycles
     try:
         cycles.denoiser = "OPENIMAGEDENOISE"
-    except TypeError:  # of a choice that is not among those there are
+    except TypeError:  # not among the enum's choices
         log.warning("this Blender has no OpenImageDenoise: pictures stay noisy, take more samples")
         return
     cycles.use_denoising = True
 
 
 def first_hit_only(scene: bpy.types.Scene) -> None:
-    """Let paths end where they first meet something: for passes that know nothing of light."""
+    """End paths at their first hit, for passes that do not depend on light."""
     cycles = cast(Any, scene).cycles
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = 0
 
 
 def allow_more_bounces(scene: bpy.types.Scene, transparent: int, glossy: int) -> None:
-    """Pay for what the apparatus spends of a path: portals are transparent bounces, mirrors glossy ones."""
+    """Add the bounces that the capture itself uses: portals are transparent bounces, mirrors glossy ones."""
     cycles = cast(Any, scene).cycles
     cycles.transparent_max_bounces += transparent
     cycles.glossy_bounces += glossy

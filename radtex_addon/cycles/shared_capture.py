@@ -25,12 +25,12 @@ from .hidden import find_hidden
 from .path_ends import path_ends
 from .sampling import capture_colour, capture_ends, capture_samples, capture_surroundings
 
-_OUTSIDE = 1.05  # of the object's reach from its middle: beyond it
+_OUTSIDE = 1.05  # times the object's radius: outside it
 
 
 @dataclass(frozen=True, eq=False)
 class SharedCapture:
-    """What `fit_shared` takes, and the `paths` that it cost."""
+    """The input of `fit_shared`, and the number of camera `paths` that it took."""
 
     light: LightSamples
     ends: EndSamples
@@ -59,9 +59,9 @@ def capture_shared(
     """Capture the scratch scene's object `baked` for the shared layout.
 
     `mesh` is the baked copy's, `matrix_world` (4, 4) its object's; `texels` are the atlas's, `finer` those of
-    the diffuse colour. `folder` takes temporary files, the `keeper` every finished render; the
-    `thumbnail` is shown the light. Yields progress in texels, then in paths. Raises InputError
-    where no texel is covered, BakeError where Cycles fails.
+    the diffuse colour. `folder` is for temporary files, the `keeper` stores every finished render, the
+    `thumbnail` gets the light. Yields progress in texels, then in paths. Raises InputError where no texel is
+    covered, BakeError where Cycles fails.
     """
     probe = plan_capture(texels, PROBE_CELLS)
     hidden = yield from find_hidden([(mesh, matrix_world)], probe, folder, keeper)
@@ -103,7 +103,7 @@ def capture_shared(
 
 
 def _reach(plan: CapturePlan) -> tuple[Floats, float]:
-    """The middle of the plan's points, (3,) float32, and a radius around it beyond all of them."""
+    """The middle of the plan's points, (3,) float32, and the radius of a sphere around all of them."""
     places = plan.points
     middle: Floats = ((places.min(axis=0) + places.max(axis=0)) / 2).astype(np.float32)
     return middle, _OUTSIDE * max(float(np.linalg.norm(places - middle, axis=1).max()), 1e-6)

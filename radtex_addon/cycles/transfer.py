@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The captures of kind `transfer`: what every texel shows to its viewers, under one sun after another.
+"""The capture of kind `transfer`: what every texel shows to its viewers, under one sun after another.
 
-The scene stays loaded, and only the sun turns. Its light is told from all other by a light group of its own,
-so that what materials emit, and lamps that something instances, leave no trace.
+The scene stays loaded, and only the sun turns. The sun has its own light group, whose pass leaves out light
+that materials and instanced lamps emit.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _MOST = 65504.0  # pieces are half floats
 
 @dataclass(frozen=True, eq=False)
 class Lit:
-    """What K texels show to V viewers: `light` (S, K, V, 3) under each of S suns, `alpha` (K, V); float16."""
+    """What V viewers see of K texels: `light` (S, K, V, 3) under each of S suns, `alpha` (K, V); float16."""
 
     light: Floats
     alpha: Floats
@@ -56,10 +56,10 @@ def capture_under_suns(
 ) -> Generator[Progress, None, Lit]:
     """Look at each texel of a plan under `sun_directions(suns)`, of irradiance 1.
 
-    From each cell of a bucket one ray goes, at `shift` (K, 2) in the cell, as `bake.transfer_views` says.
-    `scene` is a copy of a scratch scene, which is spent afterwards; `folder` takes temporary files, the
-    `keeper` each render, the `thumbnail` is shown the mean of the suns so far. Yields progress in texels
-    under suns. Raises BakeError where Cycles fails, or brings what is no number.
+    Each cell of a bucket is one viewer, at `shift` (K, 2) in the cell (see `bake.transfer_views`). `scene` is
+    a copy of a scratch scene and unusable afterwards; `folder` is for temporary files, the `keeper` stores
+    each render, the `thumbnail` gets the mean of the suns so far. Yields progress in texels times suns.
+    Raises BakeError where Cycles fails or returns values that are not numbers.
     """
     take_light_away(scene)
     sun = _add_sun(scene, sun_radius(suns))
@@ -71,7 +71,7 @@ def capture_under_suns(
     total = np.zeros((count, 3), dtype=np.float32)
     for number, direction in enumerate(sun_directions(suns)):
         _turn(sun, direction)
-        capture.reseed((seed + number) % 2**31)  # or all suns had the same noise
+        capture.reseed((seed + number) % 2**31)  # otherwise all suns would have the same noise
         for tile in tiles:
             first = tile.first_row * plan.columns
             yield Progress(Stage.CAPTURE, number * count + first, suns * count)
@@ -79,7 +79,7 @@ def capture_under_suns(
             some = slice(first, first + len(found["alpha"]))
             lit.light[number, some], lit.alpha[some] = found["light"], found["alpha"]
         total += lit.light[number].mean(axis=1, dtype=np.float32)
-        if thumbnail is not None:  # under white surroundings, as far as they are known
+        if thumbnail is not None:  # as lit by white surroundings, estimated from the suns so far
             thumbnail.add(plan.layout, plan.texel, total * np.float32(4 * np.pi / (number + 1)))
     yield Progress(Stage.CAPTURE, suns * count, suns * count)
     return lit
@@ -98,7 +98,7 @@ def _add_sun(scene: bpy.types.Scene, radius: float) -> bpy.types.Object:
 
 
 def _turn(sun: bpy.types.Object, direction: Floats) -> None:
-    """Let the sun shine from a direction: its own z axis points there."""
+    """Let the sun shine from `direction`, by pointing its z axis there."""
     sun.rotation_euler = Vector(direction.tolist()).to_track_quat("Z", "Y").to_euler()
 
 
