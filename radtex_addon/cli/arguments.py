@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the batch understands."""
+"""Arguments of a bake from the command line."""
 
 from __future__ import annotations
 
@@ -61,9 +61,9 @@ exit codes:
 
 @dataclass(frozen=True)
 class Request:
-    """One run of the batch. `scene` is the .blend to open; None bakes the file that Blender has open.
+    """One bake run. `scene` is the .blend to open; None bakes the file that Blender has open.
 
-    Where the line left the layout open, `spec` has layout buckets until `job.choose_layout` settles it.
+    If no layout was named, `spec` has layout buckets until `job.choose_layout` chooses one.
     """
 
     scene: Path | None
@@ -88,22 +88,22 @@ class Request:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What atlases are called: each object has its own, or all have one."""
+        """Names of the atlases: one for each object, or one that all share."""
         return (self.together,) if self.together is not None else self.objects or (OBJECT,)
 
     @property
     def specs(self) -> tuple[BakeSpec, ...]:
-        """What is baked of each object under each of its lights: all frames, or the one of the file."""
+        """Specifications for each object and each of `lights`: one per frame, or one at the file's frame."""
         return of_frames(self.spec, self.frames) or (self.spec,)
 
 
 def parse(arguments: list[str], inside_blender: bool) -> Request:
-    """Read a command line. Raises InputError; `--help` and `--version` print and raise SystemExit(0)."""
+    """Parse a command line. Raises InputError; `--help` and `--version` print and raise SystemExit(0)."""
     return read_request(_parser(inside_blender).parse_args(arguments), inside_blender)
 
 
 def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
-    """What was asked for by what a parser with all of a bake's options found. Raises InputError."""
+    """Make a request from a namespace that has all options of a bake. Raises InputError."""
     demo = found.scene == DEMO
     if not inside_blender and found.scene is None:
         raise InputError(f"which file? give a .blend, or the word {DEMO} (--help lists everything)")
@@ -156,7 +156,7 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
 
 
 def _sharing(together: str | None, objects: tuple[str, ...], demo: bool) -> tuple[str, ...]:
-    """The objects that share an atlas called `together`; none without such a name."""
+    """The objects that share the atlas `together`; empty if that is None. Raises InputError."""
     if together is None:
         return ()
     if not together.strip():

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A run of `bake.py assemble`."""
+"""Run `bake.py assemble`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .reporting import Report
 
 
 def run_assemble(request: AssembleRequest, report: Report, interruption: Interruption) -> None:
-    """Check and join the frames, and say what was made. Raises RadTexError."""
+    """Check and join the farm's frames, and report the result. Raises RadTexError."""
     if request.parent_pipe:
         interruption.ask_when_input_ends()
     manifest = read_manifest(FarmFiles(request.farm))

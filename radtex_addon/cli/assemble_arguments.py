@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `bake.py assemble` understands."""
+"""Arguments of `bake.py assemble`."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ exit codes: as of a bake; 1 where frames are not as they should be"""
 
 @dataclass(frozen=True)
 class AssembleRequest:
-    """The `farm`'s folder, and where its atlas goes; without `out` beside the folder."""
+    """Parsed arguments: `farm` is the folder; `out` is None for the folder that contains it."""
 
     farm: Path
     out: Path | None
@@ -39,7 +39,7 @@ class AssembleRequest:
 
 
 def parse_assemble(arguments: list[str], inside_blender: bool) -> AssembleRequest:
-    """Read what follows the word. Raises InputError; `--help` prints and raises SystemExit(0)."""
+    """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
     found = _parser(inside_blender).parse_args(arguments)
     return AssembleRequest(
         farm=Path(found.farm),

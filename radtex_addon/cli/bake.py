@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A run that bakes."""
+"""Run a bake from the command line."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ from .opening import open_scene
 from .reporting import Report
 from .variants import titled, variants
 
-_NAME = 255  # bytes of a file's name that systems take
+_NAME = 255  # most bytes in a file name
 
 
 def run_bake(request: Request, report: Report, interruption: Interruption) -> None:
-    """Bake each object, and say what was made. Raises RadTexError."""
+    """Bake each object and report the results. Raises RadTexError."""
     if request.parent_pipe:
         interruption.ask_when_input_ends()
     scene = open_scene(request.scene, request.demo, request.in_scene)
@@ -59,7 +59,7 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
             report.event("note", message=f"all {len(asked)} bakes are finished: nothing is left to do")
     if remark := passed_over(asked, wanted):
         report.event("warning", message=remark)
-    for name, spec in wanted:  # all of them, before the first bake
+    for name, spec in wanted:  # check all before the first bake starts
         check_request(
             scene,
             name,
@@ -127,12 +127,12 @@ def _bake(
         return interruption.between(steps, partial(report.progress, title))
     except InputError:
         raise
-    except (Exception, KeyboardInterrupt) as raised:  # of all that can end a bake
+    except (Exception, KeyboardInterrupt) as raised:  # whatever ends the bake, mention --resume
         raise _with_the_way_on(as_ours(raised), name, spec, request) from raised
 
 
 def _with_the_way_on(failure: RadTexError, name: str, spec: BakeSpec, request: Request) -> RadTexError:
-    """The same, which also says that a bake can be gone on with, if it can."""
+    """The same error; mentions --resume if an unfinished bake was kept."""
     files = OutputFiles.of(name, spec, request.out, preview=False)
     if not is_unfinished(files.unfinished):
         return failure
@@ -141,7 +141,7 @@ def _with_the_way_on(failure: RadTexError, name: str, spec: BakeSpec, request: R
 
 
 def _pictures(request: Request, result: BakeResult) -> list[Path]:
-    """The demo shows itself: a picture of the saved preview."""
+    """For the demo, render a picture of the saved preview; returns its path, or nothing."""
     if not request.demo or result.files.preview is None:
         return []
     picture = result.files.preview.with_suffix(".png")
@@ -150,7 +150,7 @@ def _pictures(request: Request, result: BakeResult) -> list[Path]:
 
 
 def summary_of(title: str, spec: BakeSpec, result: BakeResult) -> str:
-    """A line about a bake that is done."""
+    """One line on a finished bake, for people."""
     if result.was_there:
         return f"{title}: was baked already, and now has all that is made of it"
     layout = result.layout
@@ -178,7 +178,7 @@ def _condensed(result: BakeResult) -> str:
 
 
 def facts_of(spec: BakeSpec, result: BakeResult, others: list[Path]) -> dict[str, object]:
-    """The same for programs; `others` are files beside the bake's own."""
+    """The facts of a finished bake, for programs; `others` are files in addition to the bake's own."""
     return {
         "files": [str(path) for path in (*result.files.all, *others)],
         "layout": str(spec.layout),

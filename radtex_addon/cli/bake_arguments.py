@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake's command line has: each option with its help."""
+"""The options of a bake's command line, with their help."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _DEFAULT = BakeSpec()
 
 
 def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
-    """Add which light of which object is baked, onto what."""
+    """Add options for the light and the objects to bake, and the surface to bake onto."""
     file = "left out: the file that Blender has open is baked" if inside_blender else "a .blend file"
     group.add_argument(
         "scene",
@@ -175,7 +175,7 @@ def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
 
 
 def add_quality(group: argparse._ArgumentGroup) -> None:
-    """Add how fine, how sharp and how clean the bake is."""
+    """Add options for texels, cells, samples, and the textures' size (`--budget`, `--target`)."""
     _number(group, "--texels", "texels", "N", "texels along the atlas's longer side")
     _number(
         group,
@@ -236,7 +236,7 @@ def _decibels(word: str) -> float:
 
 
 def add_how(group: argparse._ArgumentGroup) -> None:
-    """Add how Cycles goes about it."""
+    """Add options for how Cycles renders."""
     add_choice(
         group,
         "--capture",
@@ -260,7 +260,7 @@ def add_how(group: argparse._ArgumentGroup) -> None:
 
 
 def add_files(group: argparse._ArgumentGroup) -> None:
-    """Add where files go, and what is in them."""
+    """Add options for the output files and their contents."""
     group.add_argument(
         "--out",
         metavar="DIR",
@@ -294,7 +294,7 @@ def add_files(group: argparse._ArgumentGroup) -> None:
 
 
 def add_course(group: argparse._ArgumentGroup) -> None:
-    """Add what of an atlas is baked, and what is made beside it and after it."""
+    """Add options for partial and resumed bakes, exports and the thumbnail."""
     group.add_argument(
         "--accumulate",
         action="store_true",
@@ -339,6 +339,6 @@ def add_course(group: argparse._ArgumentGroup) -> None:
 def _number(
     group: argparse._ArgumentGroup, flag: str, field: str, metavar: str, text: str, default: str = ""
 ) -> None:
-    """An option for a number; a field whose `default` wants words is left to the specification."""
+    """Add an option for a whole number. `default` is the help's text if BakeSpec computes the default."""
     known = None if default else getattr(_DEFAULT, field)
     add_number(group, flag, field, metavar, f"{text} (default: {default or known})", known)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A run of `bake.py compare`."""
+"""Run `bake.py compare`."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from .reporting import Report
 
 
 def run_compare(request: CompareRequest, report: Report, interruption: Interruption) -> None:
-    """Render both pictures and say how they differ. Raises RadTexError."""
+    """Render both pictures and report how they differ. Raises RadTexError."""
     if request.parent_pipe:
         interruption.ask_when_input_ends()
     check_writable(request.out)
@@ -55,10 +55,10 @@ def run_compare(request: CompareRequest, report: Report, interruption: Interrupt
 
 
 def _object(scene: bpy.types.Scene, name: str) -> bpy.types.Object:
-    """The object of that name, or that its preview stands in for. Raises InputError."""
+    """The object called `name`; for a preview, its original. Raises InputError."""
     item = scene.objects.get(name)
     if item is None:
-        return find_object(scene, name)  # which says what there is instead
+        return find_object(scene, name)  # raises, and lists the objects that exist
     check_only_one(scene.objects, name)
     return original_of(item) or item
 

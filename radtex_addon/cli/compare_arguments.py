@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `bake.py compare` understands."""
+"""Arguments of `bake.py compare`."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ exit codes: as of a bake"""
 
 @dataclass(frozen=True)
 class CompareRequest:
-    """One comparison. `scene` is the .blend to open; None looks at the file that Blender has open.
+    """One comparison. `scene` is the .blend to open; None uses the file that Blender has open.
 
     `bake` is a folder or a sidecar; `eye` is None for the scene's camera.
     """
@@ -63,7 +63,7 @@ class CompareRequest:
 
 
 def parse_compare(arguments: list[str], inside_blender: bool) -> CompareRequest:
-    """Read what follows the word. Raises InputError; `--help` prints and raises SystemExit(0)."""
+    """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
     found = _parser(inside_blender).parse_args(arguments)
     demo = found.scene == DEMO
     if not inside_blender and found.scene is None:

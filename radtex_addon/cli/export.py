@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A run of `bake.py export`."""
+"""Run `bake.py export`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .reporting import Report
 
 
 def run_export(request: ExportRequest, report: Report, interruption: Interruption) -> None:
-    """Make the folder and say what is in it. Raises RadTexError."""
+    """Export the bakes and report the folders. Raises RadTexError."""
     if request.parent_pipe:
         interruption.ask_when_input_ends()
     sidecars = find_bakes(request.bake, request.object, "exported", tuple(Kind))
@@ -50,7 +50,7 @@ def _export(sidecar: Path, request: ExportRequest, report: Report, interruption:
 def export_baked(
     sidecar: Path, targets: Iterable[Target], overwrite: bool, interruption: Interruption
 ) -> list[Path]:
-    """Make a folder for each target of a bake just made, in silence; returns them. Raises RadTexError."""
+    """Export a new bake for each target, without progress; returns the folders. Raises RadTexError."""
     folders = []
     for target in targets:
         steps = export_steps(sidecar, ExportSpec(target), overwrite=overwrite)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `bake.py export` understands."""
+"""Arguments of `bake.py export`."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ exit codes: as of a bake"""
 
 @dataclass(frozen=True)
 class ExportRequest:
-    """One export. `bake` is a folder or a sidecar; `out` is None for the place beside the bake."""
+    """One export. `bake` is a folder or a sidecar; `out` is None for a folder beside the bake."""
 
     bake: Path
     object: str | None
@@ -53,7 +53,7 @@ class ExportRequest:
 
 
 def parse_export(arguments: list[str], inside_blender: bool) -> ExportRequest:
-    """Read what follows the word. Raises InputError; `--help` prints and raises SystemExit(0)."""
+    """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
     found = _parser(inside_blender).parse_args(arguments)
     if found.bake is None:
         raise InputError("which bake? name its folder, or its sidecar (--help lists everything)")

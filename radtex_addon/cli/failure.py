@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whatever ends a run, as one of our errors."""
+"""Convert any exception that ends a run to a RadTexError."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .terminal import show_traceback
 
 
 def as_ours(raised: BaseException) -> RadTexError:
-    """What to tell the user; a mistake of our own shows its traceback too."""
+    """The error to show to the user; for an unexpected exception, also print the traceback."""
     if isinstance(raised, RadTexError):
         return raised
     if isinstance(raised, KeyboardInterrupt):

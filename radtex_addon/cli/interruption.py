@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ctrl-C that Blender cannot swallow.
+"""Handle Ctrl-C in a way that works inside Blender.
 
-Cycles renders inside a Python callback, and what is raised there Blender prints and forgets: a
-KeyboardInterrupt would be lost, and the bake go on. So a signal leaves a mark, and the run looks at it
-between its steps.
+Cycles renders inside a Python callback, and Blender prints exceptions raised there and ignores them: a
+KeyboardInterrupt would be lost and the bake would continue. So a signal only sets a flag, and the run checks
+the flag between its steps.
 """
 
 from __future__ import annotations
@@ -25,25 +25,25 @@ _Step = TypeVar("_Step")
 _Result = TypeVar("_Result")
 
 INTERRUPTED = "interrupted: nothing unfinished is left"
-_GRACE = 3.0  # seconds that a step has to end when nobody is there any more
-_SIGNALS = (signal.SIGINT, signal.SIGTERM)  # Ctrl-C, and how a farm ends a job
+_GRACE = 3.0  # seconds that a step has to end after standard input has closed
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)  # Ctrl-C, and the signal by which farms stop a job
 
 
 class Interruption:
-    """Whether somebody wants the run to end."""
+    """A flag: whether the run should be cancelled."""
 
     def __init__(self) -> None:
         self._asked = False
 
     def ask(self, number: int, _frame: FrameType | None) -> None:
-        """A signal's handler. The second signal ends the process at once, as if we were not there."""
+        """Signal handler: request cancellation. A second signal ends the process at once."""
         self._asked = True
         signal.signal(number, signal.SIG_DFL)
 
     def ask_when_input_ends(self) -> None:
-        """End the run when our standard input does: who started us has cancelled, or has died.
+        """Cancel the run when standard input closes: the parent process has cancelled it, or has died.
 
-        A step that goes on after that, such as a long render, is ended with the process.
+        If a step, such as a long render, does not end within `_GRACE` seconds, the process exits.
         """
 
         def watch() -> None:
@@ -56,14 +56,14 @@ class Interruption:
         Thread(target=watch, daemon=True).start()
 
     def check(self) -> None:
-        """Raise Cancelled if the run shall end."""
+        """Raise Cancelled if cancellation was requested."""
         if self._asked:
             raise Cancelled(INTERRUPTED)
 
     def between(self, steps: Generator[_Step, None, _Result], tell: Callable[[_Step], None]) -> _Result:
-        """Run a generator to its end, `tell` of each of its steps, and return its value.
+        """Run a generator to its end, call `tell` with each of its steps, and return its value.
 
-        Raises Cancelled, and closes it, if the run shall end before that.
+        Raises Cancelled, after closing the generator, if cancellation is requested before its end.
         """
 
         def told(step: _Step) -> None:
@@ -76,7 +76,7 @@ class Interruption:
 
 @contextmanager
 def interruptible() -> Iterator[Interruption]:
-    """Listen for signals, but for those that whoever started us has silenced; only in the main thread."""
+    """Handle signals, except those that the parent process set to be ignored. Main thread only."""
     interruption = Interruption()
     before = {number: signal.getsignal(number) for number in _SIGNALS}
     heard = [number for number, handler in before.items() if handler is not signal.SIG_IGN]
@@ -86,5 +86,5 @@ def interruptible() -> Iterator[Interruption]:
         yield interruption
     finally:
         for number in heard:
-            handler = before[number]  # None for Blender's own, which Python cannot put back
+            handler = before[number]  # None if set by Blender's C code: Python cannot restore that
             signal.signal(number, signal.SIG_DFL if handler is None else handler)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A run of the batch, from arguments to exit code."""
+"""Entry point of the command line: from arguments to exit code."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from .terminal import tell
 
 
 class _Command(NamedTuple):
-    """How its words become a request, and what is done with that."""
+    """A command: the parser of its arguments, and the function that runs the request."""
 
     parse: Callable[[list[str], bool], Any]
     run: Callable[[Any, Report, Interruption], None]
@@ -48,7 +48,7 @@ _BAKE = _Command(parse, run_bake)
 
 
 def main(arguments: list[str], inside_blender: bool) -> int:
-    """Run the batch with `arguments`; returns the exit code. An error is one line on standard error."""
+    """Run a command with `arguments`; returns the exit code. An error is one line on standard error."""
     named = arguments[0] if arguments else ""
     command = _COMMANDS.get(named, _BAKE)
     try:
@@ -60,7 +60,7 @@ def main(arguments: list[str], inside_blender: bool) -> int:
             with scripts_off(inside_blender), _warnings_to(report), interruptible() as interruption:
                 command.run(request, report, interruption)
                 report.check()
-        except (Exception, KeyboardInterrupt) as raised:  # noqa: BLE001  # or Blender went on, and left with 0
+        except (Exception, KeyboardInterrupt) as raised:  # noqa: BLE001  # else Blender would go on and exit with 0
             failure = as_ours(raised)
             report.event("error", message=str(failure), exit_code=failure.exit_code)
             report.close()
@@ -75,7 +75,7 @@ def _complain(error: RadTexError) -> int:
 
 @contextmanager
 def _warnings_to(report: Report) -> Iterator[None]:
-    """Hand the library's warnings to the report, each once."""
+    """Send the library's log warnings to the report, each message once."""
     library = logging.getLogger(__name__.rpartition(".cli.")[0])
     handler = _Warnings(report)
     library.addHandler(handler)

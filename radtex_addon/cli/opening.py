@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene that a run is about."""
+"""Open the scene of a run."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ log = logging.getLogger(__name__)
 
 @contextmanager
 def scripts_off(inside_blender: bool) -> Iterator[None]:
-    """Run no script and no driver's Python of any .blend, whatever the preferences say.
+    """Context manager that disables Python scripts and drivers of .blend files, whatever the preferences say.
 
-    Inside Blender that is the choice of who started it: `--enable-autoexec`, or not.
+    Inside Blender nothing changes: Blender's own `--enable-autoexec` and preferences apply.
     """
     if inside_blender:
         yield
         return
-    context: Any = bpy.context  # to the stubs, there may be no preferences
+    context: Any = bpy.context  # the stubs type preferences as optional
     before = context.preferences.filepaths.use_scripts_auto_execute
-    context.preferences.filepaths.use_scripts_auto_execute = False  # of this process: nobody saves them
+    context.preferences.filepaths.use_scripts_auto_execute = False  # preferences are not saved
     try:
         yield
     finally:
@@ -40,9 +40,9 @@ def scripts_off(inside_blender: bool) -> Iterator[None]:
 
 
 def open_scene(path: Path | None, demo: bool, name: str | None = None) -> bpy.types.Scene:
-    """The demo, the scene of the .blend `path`, or of the file that is open. Raises InputError.
+    """The demo scene, the scene of the .blend `path`, or of the open file. Raises InputError.
 
-    Of several scenes the one called `name`, or the one that the file opens with.
+    `name` selects one of several scenes; the default is the file's active scene.
     """
     if demo:
         return build_demo_scene()
@@ -54,23 +54,23 @@ def open_scene(path: Path | None, demo: bool, name: str | None = None) -> bpy.ty
     if name is not None:
         return _named(name)
     scene = bpy.context.scene
-    assert scene is not None  # there is one, but while Blender starts
+    assert scene is not None  # None only while Blender starts
     return scene
 
 
 def _named(name: str) -> bpy.types.Scene:
-    """A scene of the open file, made the one it shows."""
+    """Make the scene called `name` the active one. Raises InputError if there is none."""
     scene = bpy.data.scenes.get(name)
     if scene is None:
         known = ", ".join(f"'{scene.name}'" for scene in bpy.data.scenes)
         raise InputError(f"there is no scene '{name}' in the file: it has {known}")
-    assert bpy.context.window is not None  # there is one in the background too
+    assert bpy.context.window is not None  # exists in background mode too
     bpy.context.window.scene = scene
     return scene
 
 
 def _open(path: Path) -> None:
-    """Open a .blend; scripts inside it are never run."""
+    """Open a .blend without running its scripts. Raises InputError."""
     check_for_blender(path)
     try:
         if path.is_dir():
@@ -84,6 +84,6 @@ def _open(path: Path) -> None:
     except RuntimeError as error:
         reason = " ".join(str(error).removeprefix("Error:").split())
         raise InputError(f"{path} does not open as a .blend: {reason}; name another") from error
-    major, minor, _ = cast("tuple[int, int, int]", bpy.data.version)  # the stubs know no items of it
+    major, minor, _ = cast("tuple[int, int, int]", bpy.data.version)  # the stubs do not type its items
     if (major, minor) > bpy.app.version[:2]:
         log.warning("%s was saved by Blender %d.%d, newer than this: some of it is lost", path, major, minor)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Words and options that the batch's commands share."""
+"""Names and options shared by the subcommands of `bake.py`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PREPARE = "prepare"
 ASSEMBLE = "assemble"
 
 MIB = 2**20
-_DIGITS = 12  # no machine has as much
+_DIGITS = 12  # longest number accepted: no machine has that much memory
 
 _PLACES = (
     "scene",
@@ -39,7 +39,7 @@ _PLACES = (
 
 
 class ProgressStyle(StrEnum):
-    """How a run says where it is."""
+    """How a run reports its progress."""
 
     BAR = "bar"
     JSON = "json"
@@ -47,7 +47,7 @@ class ProgressStyle(StrEnum):
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, as every other error; no name is one that nothing can have."""
+    """Argument parser that raises InputError, and refuses empty paths and invalid Unicode."""
 
     def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
         for word in args or ():
@@ -62,7 +62,7 @@ class Parser(argparse.ArgumentParser):
         return found
 
     def _print_message(self, message: str, file: Any = None) -> None:
-        """Print the help; where that cannot be, say so, as argparse does not. Raises BakeError."""
+        """Print the help. Raises BakeError if that fails, where argparse would ignore the error."""
         try:
             print(message, end="", file=sys.stdout if file is None else file, flush=True)
         except OSError as error:
@@ -73,7 +73,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def add_progress(group: argparse._ArgumentGroup) -> None:
-    """How a run says where it is."""
+    """Add the options of progress and messages."""
     add_choice(
         group,
         "--progress",
@@ -86,7 +86,7 @@ def add_progress(group: argparse._ArgumentGroup) -> None:
 
 
 def add_parent(group: argparse._ArgumentGroup, *, of_scene: bool) -> None:
-    """How a program speaks with the run that it has started, and what of its scene no file holds."""
+    """Add options for a parent process: cancellation by pipe and, if `of_scene`, its unsaved images."""
     group.add_argument(
         "--parent-pipe",
         action="store_true",
@@ -102,7 +102,7 @@ def add_parent(group: argparse._ArgumentGroup, *, of_scene: bool) -> None:
 
 
 def add_device(group: argparse._ArgumentGroup) -> None:
-    """Which device renders."""
+    """Add the choice of the rendering device."""
     group.add_argument(
         "--device",
         metavar="NAME",
@@ -113,7 +113,7 @@ def add_device(group: argparse._ArgumentGroup) -> None:
 
 
 def add_help(group: argparse._ArgumentGroup) -> None:
-    """What every command says of itself."""
+    """Add `--help` and `--version`."""
     group.add_argument("-h", "--help", action="help", help="show this text")
     group.add_argument(
         "--version", action="version", version=f"RadTex {VERSION}", help="show RadTex's version"
@@ -130,9 +130,10 @@ def add_choice(
     action: str = "store",
     metavar: str | None = None,
 ) -> None:
-    """An option for one of a few words; without a default it may be left out, or `text` says what then.
+    """Add an option whose value is one of an enum's words.
 
-    The words are shown, or where they are too many a `metavar`.
+    If `default` is None, the option may be omitted; `text` may say what happens then. The help shows the
+    words, or `metavar` if there are too many.
     """
 
     def chosen(word: str) -> StrEnum:
@@ -154,7 +155,7 @@ def add_choice(
 
 
 def add_memory(group: argparse._ArgumentGroup, text: str, known: int | None, least: int = 1) -> None:
-    """How much memory may be taken, in whole MiB, `least` or more, which is `known` without the option."""
+    """Add `--memory`: how much memory may be used, in whole MiB, at least `least`; `known` is the default."""
 
     def memory(word: str) -> int:
         found = _memory(word)
@@ -176,9 +177,9 @@ def add_memory(group: argparse._ArgumentGroup, text: str, known: int | None, lea
 
 
 def parse_size(flag: str, word: str, examples: str) -> int:
-    """Bytes, at least one, of a size as people write it: 800KB, 1.5 GiB; KB is 1000 of them, KiB 1024.
+    """Parse a size such as 800KB or 1.5 GiB to bytes, at least one; KB is 1000 bytes, KiB 1024.
 
-    Raises InputError, which names the option `flag` and gives the `examples`.
+    Raises InputError, which names the option `flag` and shows the `examples`.
     """
     found = re.fullmatch(r"(\d{1,12}(?:\.\d{1,12})?)\s*([KMGT]?)(i?)B?", word.strip(), re.IGNORECASE)
     unit = 1024 if found and found[3] else 1000
@@ -197,7 +198,7 @@ def _memory(word: str) -> int:
 def add_number(
     group: argparse._ArgumentGroup, flag: str, field: str, metavar: str, text: str, known: int | None
 ) -> None:
-    """An option for a whole number, which `known` is without it."""
+    """Add an option for a whole number; `known` is its default."""
 
     def number(word: str) -> int:
         try:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A run of `bake.py prepare`."""
+"""Run `bake.py prepare`."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from .options import ASSEMBLE
 from .reporting import Report
 from .variants import variants
 
-_LISTED = 20  # files that the summary names
+_LISTED = 20  # most files listed in the summary
 
 
 def run_prepare(request: Request, report: Report, interruption: Interruption) -> None:
-    """Write the farm's folder and say how it is rendered. Raises RadTexError."""
+    """Write the farm's folder and print the commands that render it. Raises RadTexError."""
     if request.parent_pipe:
         interruption.ask_when_input_ends()
     scene = open_scene(request.scene, request.demo, request.in_scene)
@@ -67,7 +67,7 @@ def _summary(name: str, farm: Farm) -> tuple[str, ...]:
 
 
 def _carried(farm: Farm) -> list[str]:
-    """A line for each file of this machine that travels with the farm, and one before them."""
+    """A heading, and a line for each file of this machine that is included with the farm's folder."""
     lines = [f"  {each}" for each in farm.carried[:_LISTED]]
     if not lines:
         return ["no other file of this machine goes along with its folder"]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `bake.py prepare` understands: a bake's options, but for those of what happens while it renders."""
+"""Arguments of `bake.py prepare`: a bake's options, except those that apply while it renders."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _ELSEWHERE = {"accumulate": False, "refresh": False, "resume": False, "where": N
 
 
 def parse_prepare(arguments: list[str], inside_blender: bool) -> Request:
-    """Read what follows the word. Raises InputError; `--help` prints and raises SystemExit(0)."""
+    """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
     request = read_request(_parser(inside_blender).parse_args(arguments), inside_blender)
     for count, what in ((len(request.names), "object"), (len(request.specs), "frame")):
         if count > 1:

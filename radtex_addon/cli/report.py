@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A run of `bake.py report`."""
+"""Run `bake.py report`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .reporting import Report
 
 
 def run_report(request: ReportRequest, report: Report, interruption: Interruption) -> None:
-    """Judge the bake and say what was found. Raises RadTexError."""
+    """Measure the bake's quality and report the results. Raises RadTexError."""
     sidecar = find_bake(request.bake, request.object)
     name = object_of(sidecar)
     out = request.out or report_path(sidecar)

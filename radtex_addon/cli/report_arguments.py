@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `bake.py report` understands."""
+"""Arguments of `bake.py report`."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ exit codes: as of a bake"""
 
 @dataclass(frozen=True)
 class ReportRequest:
-    """One report. `bake` is a folder or a sidecar; `out` is the page, None for the place beside the bake.
+    """One report. `bake` is a folder or a sidecar; `out` is the page, None for a page beside the bake.
 
-    `scene` is the .blend to open; None looks at the file that Blender has open.
+    `scene` is the .blend to open; None uses the file that Blender has open.
     """
 
     bake: Path
@@ -57,7 +57,7 @@ class ReportRequest:
 
 
 def parse_report(arguments: list[str], inside_blender: bool) -> ReportRequest:
-    """Read what follows the word. Raises InputError; `--help` prints and raises SystemExit(0)."""
+    """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
     found = _parser(inside_blender).parse_args(arguments)
     if found.bake is None:
         raise InputError("which bake? name its folder, or its sidecar (--help lists everything)")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a run is: a bar on a terminal, or JSON lines for a pipeline."""
+"""Report a run's progress and results: a bar on a terminal, or JSON lines for programs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from ..report.progress import Task
 from .options import ProgressStyle
 from .terminal import Output, draw, tell
 
-_WIDTH = 28  # of the bar, in characters
+_WIDTH = 28  # width of the bar, in characters
 _SAYS: dict[StrEnum, str] = {
     Stage.EVALUATE: "reading the mesh",
     Stage.UNWRAP: "unwrapping",
@@ -50,7 +50,7 @@ _SAYS: dict[StrEnum, str] = {
 
 
 class Reached(Protocol):
-    """Where a run is: `done` of `total` units of a stage."""
+    """Progress of a run: `done` of `total` units of a stage."""
 
     @property
     def stage(self) -> StrEnum: ...
@@ -63,37 +63,37 @@ class Reached(Protocol):
 
 
 class Report(Protocol):
-    """Hears of a run."""
+    """Receives the progress and the events of a run."""
 
     def progress(self, name: str, step: Reached) -> None:
-        """Object `name` has come to `step`."""
+        """Object `name` has reached `step`."""
         ...
 
     def event(self, kind: str, **facts: object) -> None:
-        """Something that happened once: `done`, `warning`, `note`, `error`, `picture`.
+        """Report an event of a `kind`: `done`, `warning`, `note`, `error`, `picture`.
 
-        What is done has a `summary`, a line or several, and a list of `files`.
+        `done` has a `summary`, a string or a tuple of lines, and a list of `files`.
         """
         ...
 
     def check(self) -> None:
-        """Raise BakeError if something could not be said."""
+        """Raise BakeError if any output was lost."""
         ...
 
     def close(self) -> None:
-        """Leave the terminal tidy."""
+        """Clear the progress bar."""
         ...
 
 
 @contextmanager
 def reporting(style: ProgressStyle, verbose: bool) -> Iterator[Report]:
-    """A report on this process's standard output, kept free of Blender's chatter.
+    """A report on this process's standard output, without Blender's own messages.
 
-    That goes nowhere, or if `verbose` to standard error.
+    Those are discarded, or sent to standard error if `verbose`.
     """
     sys.stdout.flush()
     descriptor = os.dup(sys.stdout.fileno())
-    # Names that are no Unicode (Linux allows them) become escapes, which JSON understands.
+    # Escape file names that are not valid Unicode (Linux allows them); the escapes are valid JSON.
     with (
         os.fdopen(descriptor, "w", encoding="utf-8", errors="backslashreplace") as ours,
         _others_redirected(verbose),
@@ -110,7 +110,7 @@ def reporting(style: ProgressStyle, verbose: bool) -> Iterator[Report]:
 
 @contextmanager
 def _others_redirected(to_stderr: bool) -> Iterator[None]:
-    """Send what others print to standard error, or nowhere: Blender's C code, and Python's `print`."""
+    """Redirect all other output on stdout, of Blender's C code and Python's `print`, to stderr or nowhere."""
     before = os.dup(1)
     with Path(os.devnull).open("w") as nowhere, redirect_stdout(sys.stderr if to_stderr else nowhere):
         os.dup2(2 if to_stderr else nowhere.fileno(), 1)
@@ -122,14 +122,14 @@ def _others_redirected(to_stderr: bool) -> Iterator[None]:
 
 
 class _Clock:
-    """Time left of a stage, from the pace since its first part: that one pays for setting up."""
+    """Estimate a stage's time left from the pace after its first unit, which includes the set-up time."""
 
     def __init__(self) -> None:
         self._key: tuple[str, StrEnum] | None = None
         self._first: tuple[int, float] | None = None
 
     def left(self, name: str, step: Reached) -> float | None:
-        """Seconds until the stage is done; None while nothing is known."""
+        """Seconds until the stage is done; None while unknown."""
         if self._key != (name, step.stage):
             self._key, self._first = (name, step.stage), None
         if step.done == step.total:
@@ -145,7 +145,7 @@ class _Clock:
 
 
 class _Lines:
-    """One JSON object a line, on standard output."""
+    """Report that prints one JSON object per line on standard output."""
 
     def __init__(self, output: Output) -> None:
         self._output, self._clock = output, _Clock()
@@ -153,7 +153,7 @@ class _Lines:
 
     def progress(self, name: str, step: Reached) -> None:
         left = self._clock.left(name, step)
-        if self._said == (name, step):  # a stage that knows no parts only says that it lives
+        if self._said == (name, step):  # repeated step, from a stage that cannot count its progress
             return
         self._said = (name, step)
         self.event(
@@ -178,7 +178,7 @@ class _Lines:
 
 
 class _Bar:
-    """A bar on standard error, or a line a stage if that is no terminal; results on standard output."""
+    """Report with a bar on stderr, or one line per stage if that is no terminal; results on stdout."""
 
     def __init__(self, output: Output, shown: bool) -> None:
         self._output, self._shown, self._clock = output, shown, _Clock()
@@ -201,14 +201,14 @@ class _Bar:
         self._draw(f"{name}  {_SAYS[step.stage]:<20} [{bar:<{_WIDTH}}] {share:4.0%}{wait}")
 
     def event(self, kind: str, **facts: object) -> None:
-        if kind == "picture":  # the bar shows enough
+        if kind == "picture":  # not shown beside the bar
             return
         self.close()
         if kind == "done":
             files: Any = facts["files"]
             lines = [*_summary(facts), *(f"  {path}" for path in files if path)]
             self._output.say(map(printable, lines))
-        elif kind != "error":  # an error's line is the batch's own
+        elif kind != "error":  # main() prints the error
             tell(f"radtex: {kind}: {facts.get('message')}")
 
     def check(self) -> None:
@@ -221,7 +221,7 @@ class _Bar:
             self._drawn = 0
 
     def _draw(self, text: str) -> None:
-        text = printable(text)[: shutil.get_terminal_size().columns - 1]  # what wraps cannot be drawn over
+        text = printable(text)[: shutil.get_terminal_size().columns - 1]  # wrapped lines cannot be redrawn
         draw(f"\r{text:<{self._drawn}}")
         self._drawn = len(text)
 
@@ -232,6 +232,6 @@ def _clock_face(seconds: float) -> str:
 
 
 def _summary(facts: dict[str, object]) -> tuple[str, ...]:
-    """Its lines."""
+    """The lines of a summary."""
     summary = facts["summary"]
     return tuple(map(str, summary)) if isinstance(summary, tuple) else (str(summary),)

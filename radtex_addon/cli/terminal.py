@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The one place where the batch prints: no name drives a terminal, and no lost line ends a run."""
+"""All printing of the command line: escapes control characters, and survives an unwritable terminal."""
 
 from __future__ import annotations
 
@@ -17,42 +17,42 @@ from ..core.printable import printable
 
 
 def tell(text: str) -> None:
-    """Print a line on standard error, if it can be written."""
+    """Print a line on standard error; does nothing if that cannot be written."""
     _print(f"{printable(text)}\n")
 
 
 def draw(text: str) -> None:
-    r"""Write over the line of standard error that was drawn before; the text may begin with \r."""
+    r"""Print text on standard error without a line end; a leading \r overwrites the current line."""
     _print("\r" * text.startswith("\r") + printable(text.removeprefix("\r")))
 
 
 def _print(text: str) -> None:
-    """Print on standard error; where that takes nothing (any more), the rest goes nowhere."""
+    """Print on standard error; if writing fails, discard this and all later output."""
     if sys.stderr is None:
         return
     try:
         print(text, end="", file=sys.stderr, flush=True)
-    except (OSError, ValueError):  # full, without a reader, or closed
+    except (OSError, ValueError):  # the disk is full, the reader has gone, or the stream is closed
         with suppress(OSError, ValueError):
             _send_nowhere(sys.stderr)
 
 
 def show_traceback(raised: BaseException) -> None:
-    """Print where an error of our own came from."""
+    """Print the traceback of an unexpected error."""
     for part in traceback.format_exception(raised):
         for line in part.splitlines():
             tell(line)
 
 
 class Output:
-    """Our standard output. Where it can no longer be written, as on a full disk, that is said at the end."""
+    """Our standard output. If a write fails, as on a full disk, `check` reports it at the end of the run."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
         self._lost: OSError | None = None
 
     def say(self, lines: Iterable[str]) -> None:
-        """Print lines that are fit to print. Raises Cancelled where whoever read them has gone (`| head`)."""
+        """Print escaped lines. Raises Cancelled if the reader has closed the pipe (`| head`)."""
         try:
             print(*lines, sep="\n", file=self._stream, flush=True)
         except BrokenPipeError:
@@ -66,7 +66,7 @@ class Output:
             self._lost = self._lost or error
 
     def check(self) -> None:
-        """Raise BakeError if something could not be said."""
+        """Raise BakeError if any output was lost."""
         if self._lost is not None:
             reason = self._lost.strerror or self._lost
             raise BakeError(
@@ -76,6 +76,6 @@ class Output:
 
 
 def _send_nowhere(stream: TextIO) -> None:
-    """Let the null device take what a stream still holds, and all that follows."""
+    """Redirect a stream to the null device, with its unwritten buffer and all later output."""
     with Path(os.devnull).open("w") as nowhere:
         os.dup2(nowhere.fileno(), stream.fileno())

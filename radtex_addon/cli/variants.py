@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes of one object that differ in their light: how they are asked for, and what they are called."""
+"""Variants of a bake with different lights: parse `--lights`, make specifications and titles."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from ..scene.scratch import find_view_layer
 
 
 def parse_lights(words: str) -> tuple[str, ...]:
-    """Names that commas part; one with a comma stands in double quotes. Raises InputError for none."""
+    """Parse names separated by commas; a name with a comma needs double quotes. Raises InputError."""
     try:
         names = tuple(name.strip() for name in next(csv.reader([words], skipinitialspace=True), []))
-    except csv.Error:  # a line's end in it, or a name without one
+    except csv.Error:  # malformed, such as a line break in a name
         names = ()
     if not names or not all(names):
         raise InputError(f"--lights {words}: give names of lamps or of collections, such as Key,Fill")
@@ -30,7 +30,7 @@ def parse_lights(words: str) -> tuple[str, ...]:
 
 
 def lit(spec: BakeSpec, lights: tuple[tuple[str, ...], ...]) -> BakeSpec:
-    """The bake with the first of `lights`, if there are some. Raises InputError where one does not fit."""
+    """`spec` with the first of `lights`, if any. Raises InputError if any of them does not fit `spec`."""
     found = [spec if names == (ALL,) else replace(spec, lights=names) for names in lights]
     return found[0] if found else spec
 
@@ -38,9 +38,10 @@ def lit(spec: BakeSpec, lights: tuple[tuple[str, ...], ...]) -> BakeSpec:
 def variants(
     specs: tuple[BakeSpec, ...], lights: tuple[tuple[str, ...], ...], scene: bpy.types.Scene
 ) -> tuple[BakeSpec, ...]:
-    """Each of `specs` with each of the `lights` that are asked for, none twice.
+    """Each of `specs` with each of `lights`, without duplicates.
 
-    Raises InputError where each lamp is meant, and there is none.
+    EACH stands for every lamp alone, and all light without lamps. Raises InputError if EACH is given and the
+    scene renders no lamp.
     """
     meant: dict[tuple[str, ...], None] = {}
     for names in lights:
@@ -50,7 +51,7 @@ def variants(
 
 
 def titled(name: str, spec: BakeSpec, number: int, count: int) -> str:
-    """What a run of `count` bakes calls the one with that number, from 0 on."""
+    """Title of bake `number` (from 0) in a run of `count` bakes."""
     words = [f"{spec.split} {spec.part}"] if spec.part is not None else []
     if variant := variant_of(spec):
         words.append(variant)

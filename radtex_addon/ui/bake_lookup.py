@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which objects an operator is about, and where their bakes are."""
+"""Find the objects that an operator works on, and their bakes."""
 
 from __future__ import annotations
 
@@ -18,10 +18,11 @@ if TYPE_CHECKING:
 def originals(
     layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene | None = None, bake: str = ""
 ) -> list[bpy.types.Object]:
-    """The object called `name`; without one the selected meshes, or else the active one.
+    """The object called `name`; if empty, the selected meshes, or else the active one.
 
-    With the `scene`, a name may also be that of a `bake` which several objects share. A preview counts for
-    what it stands in for, unless that was deleted. Raises InputError for none, and a name that several bear.
+    If `scene` is given, `name` may also be the name of a shared atlas in `bake`: then its objects. Previews
+    are replaced by their originals, unless these were deleted. Raises InputError if no object is found, or
+    several have the name.
     """
     from ..core.errors import InputError
     from ..preview.swap import original_of
@@ -43,7 +44,7 @@ def originals(
 
 
 def sharing(layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene, bake: str) -> tuple[str, ...]:
-    """The objects of the atlas called `name`; none where there is no such, or an object is called so."""
+    """Names of the objects of the shared atlas `name`; empty if there is none, or an object has that name."""
     from ..core.errors import RadTexError
     from ..formats.sidecar import read_facts
     from ..job.variants import variants_in
@@ -62,15 +63,16 @@ def sharing(layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene, bake:
 
 
 def bake_called(layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene, bake: str) -> str:
-    """Where to look for the bakes that an operator is about: `bake`, or the sidecar of the atlas `name`.
+    """Where an operator looks for bakes: the sidecar of the shared atlas `name` if there is one, else `bake`.
 
-    Each of the objects that share one may have a bake of its own beside it. Raises RadTexError.
+    The sidecar, because objects of a shared atlas may have their own bakes in the same folder. Raises
+    RadTexError.
     """
     return str(sidecar_of(scene, name, bake)) if sharing(layer, name, scene, bake) else bake
 
 
 def selected_meshes(layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
-    """The selected meshes by name, or else the active one."""
+    """The selected meshes, sorted by name, or else the active one."""
     found = [item for item in layer.objects.selected if item.type == "MESH"]
     active = layer.objects.active
     if not found and active is not None and active.type == "MESH":
@@ -79,7 +81,10 @@ def selected_meshes(layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
 
 
 def has_meshes(operator: type[bpy.types.Operator], context: bpy.types.Context | None) -> bool:
-    """Whether there is something to show; the operator says why not. A script may name any object."""
+    """Poll: whether a mesh is selected, in Object Mode; sets the operator's message if not.
+
+    In the background no selection is needed: scripts may name any object.
+    """
     layer = context.view_layer if context is not None else None
     if layer is None or not (bpy.app.background or selected_meshes(layer)):
         operator.poll_message_set("Select a mesh object that was baked")
@@ -93,7 +98,7 @@ def has_meshes(operator: type[bpy.types.Operator], context: bpy.types.Context | 
 def sidecar_of(scene: bpy.types.Scene, name: str, bake: str) -> Path:
     """The sidecar of a bake called `name`, of any kind: `bake` itself, or in that folder, or in the scene's.
 
-    Raises InputError where there is none, FormatError for a file that is no sidecar.
+    Raises InputError if there is none, FormatError for a file that is not a sidecar.
     """
     from ..report.shown import shown_bake
 
@@ -101,9 +106,9 @@ def sidecar_of(scene: bpy.types.Scene, name: str, bake: str) -> Path:
 
 
 def place_of(scene: bpy.types.Scene, bake: str) -> Path:
-    """The folder or file that `bake` names; the scene's output folder, if it is empty.
+    """The folder or file that `bake` names; the scene's output folder if it is empty.
 
-    Raises InputError, also where that folder is not there yet, or the system refuses to look.
+    Raises InputError if the output folder does not exist yet, or the path cannot be read.
     """
     from ..core.errors import InputError
     from .preferences import preferred
@@ -125,9 +130,9 @@ def place_of(scene: bpy.types.Scene, bake: str) -> Path:
 def sidecars_of(
     scene: bpy.types.Scene, items: Iterable[bpy.types.Object], bake: str
 ) -> tuple[dict[bpy.types.Object, Path], list[RadTexError]]:
-    """The bakes of those objects that have one, and why the others have none.
+    """The sidecars of all objects that have a bake, and the errors for the others.
 
-    Raises the first error where no object has a bake.
+    Raises the first error if no object has a bake.
     """
     from ..core.errors import RadTexError
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What can be chosen from lists: identifier, name and tooltip, as Blender wants them."""
+"""Items of the enum properties: identifier, name and tooltip, in Blender's format."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ KINDS = (
     ),
 )
 
-BUCKETS_ONLY = ("proxy", "shadow", "ao", "transfer")  # kinds that have one layout
-LIGHTLESS = ("shadow", "ao")  # kinds that see no light
-ACCUMULATED = ("radiance", "incident", "reflection", "proxy")  # kinds that take more samples
-LAYERED = ("radiance", "proxy")  # kinds that fall into layers
+BUCKETS_ONLY = ("proxy", "shadow", "ao", "transfer")  # kinds without a choice of layout
+LIGHTLESS = ("shadow", "ao")  # kinds that do not record light
+ACCUMULATED = ("radiance", "incident", "reflection", "proxy")  # kinds that support accumulate and refresh
+LAYERED = ("radiance", "proxy")  # kinds that can be split into light layers
 
-SOURCED = ("radiance", "incident", "reflection", "shadow", "ao")  # kinds that another object can give
+SOURCED = ("radiance", "incident", "reflection", "shadow", "ao")  # kinds with the setting From
 
 VIEWS = (
     (
@@ -93,7 +93,7 @@ AUTOMATIC = (
     "Automatic",
     "Shared within 2 MB where that goes, or else Buckets; which, and why, is said below",
 )
-# Saved files hold the numbers.
+# The numbers are explicit because .blend files store them.
 LAYOUTS_OR_AUTOMATIC = (
     (*AUTOMATIC, "NONE", 2),
     *((*layout, "NONE", number) for number, layout in enumerate(LAYOUTS)),
@@ -120,7 +120,7 @@ COMPRESSIONS = (
     ("dwaa", "DWAA", "Much smaller, and a little light is lost where it differs little"),
 )
 
-# How many bytes the shared layout's textures may take.
+# How the size of the shared layout's textures is limited.
 LIMITS = (
     ("none", "Full", "Every texel keeps buckets of its own: the best picture, and the largest files"),
     ("budget", "Size", "Texels that are alike share buckets, until the textures take no more than this"),

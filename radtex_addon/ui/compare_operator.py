@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The current view path traced and baked, side by side."""
+"""Operators that render the current view with the object and with its bake, and show the difference."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
 
     bl_idname = "radtex.compare"
     bl_label = "Compare with Cycles"
-    bl_options = {"REGISTER"}  # its pictures are a step to undo, when they are there
+    bl_options = {"REGISTER"}  # the undo step is pushed when the images arrive
 
-    if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         pixels: int
         samples: int
         view_matrix: tuple[float, ...]
@@ -89,7 +89,7 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
             bake = bake_called(layer, self.object, scene, self.bake)
             bakes, place = self._bakes(scene, items, bake)
             spec = ComparisonSpec(self.pixels, self.samples, preferred().device)
-            with at_frame(scene, frame_of(scene, bakes)):  # where an animated camera is then
+            with at_frame(scene, frame_of(scene, bakes)):  # the camera may be animated
                 eye = self._eye(context)
             if self.at_once:
                 self._compare(scene, bakes, eye, spec)
@@ -103,9 +103,9 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
     def _bakes(
         self, scene: bpy.types.Scene, items: list[bpy.types.Object], bake: str
     ) -> tuple[_Bakes, Path | None]:
-        """The sidecar of each object's bake, None where its preview is on; and the place of those sidecars.
+        """The sidecar of each object's bake, None if its preview is on; and the folder or file searched.
 
-        Raises RadTexError.
+        That folder is None if all previews are on. Raises RadTexError.
         """
         from ..preview.swap import is_on
         from ..report.shown import bakes_of
@@ -116,7 +116,7 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         return bakes_of(items, place), place
 
     def _compare(self, scene: bpy.types.Scene, bakes: _Bakes, eye: Eye, spec: ComparisonSpec) -> None:
-        """Compare now, and report it. Raises RadTexError."""
+        """Compare in this process and report the result. Raises RadTexError."""
         from ..bake.progress import finished
         from ..report.side_by_side import compare_steps
         from .comparison import make_images, show_images
@@ -129,7 +129,7 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         )
 
     def _eye(self, context: bpy.types.Context | None) -> Eye:
-        """The view that was named, or the 3D view's, or the camera's. Raises InputError."""
+        """The view from the operator's matrices, else the 3D view's, else the camera's. Raises InputError."""
         import numpy as np
 
         from ..report.eye import Eye
@@ -149,7 +149,7 @@ class RADTEX_OT_show_comparison(bpy.types.Operator):
 
     bl_idname = "radtex.show_comparison"
     bl_label = "Show Pictures"
-    bl_options = {"INTERNAL"}  # images that have gone meanwhile are a step to undo by themselves
+    bl_options = {"INTERNAL"}  # loading images again pushes its own undo step
 
     if TYPE_CHECKING:
         number: int
@@ -177,9 +177,9 @@ class RADTEX_OT_show_comparison(bpy.types.Operator):
 
 
 def submit(scene: bpy.types.Scene, bakes: _Bakes, place: Path | None, eye: Eye, spec: ComparisonSpec) -> None:
-    """Let a worker compare, while the window stays alive; the bakes are in `place`.
+    """Queue a comparison with the bakes in `place` as a background job.
 
-    Raises BakeError where the scene cannot be saved.
+    Raises BakeError if the scene cannot be saved.
     """
     from ..worker.handover import hand_over
     from ..worker.orders import order_comparison
@@ -193,7 +193,7 @@ def submit(scene: bpy.types.Scene, bakes: _Bakes, place: Path | None, eye: Eye, 
 
 
 def _arrival(scene: bpy.types.Scene) -> Callable[[Job], None]:
-    """What puts the pictures of a comparison of `scene` into its file, if that is still open."""
+    """A callback that loads a comparison's pictures, if the file of `scene` is still open."""
     number = scene.session_uid
 
     def arrived(job: Job) -> None:
@@ -201,7 +201,7 @@ def _arrival(scene: bpy.types.Scene) -> Callable[[Job], None]:
         from .comparison import load_images, show_images
 
         if all(other.session_uid != number for other in bpy.data.scenes):
-            return  # the pictures are there by the button
+            return  # the button can still load the pictures
         try:
             show_images(load_images(job.facts))
         except RadTexError as error:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A comparison's pictures as images of the file, its figures in words, and the windows that show images."""
+"""Show a comparison: pictures as Blender images, figures as text, and a window for them."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from ..report.metrics import Picture
 
 TRACED, BAKED, DIFFERENCE = "RadTex Path Traced", "RadTex Baked", "RadTex Difference"
-_OURS = "radtex_comparison"  # of an image: which of the three it is
-_SOURCE = "radtex_source"  # of an image: the file that it came from
+_OURS = "radtex_comparison"  # custom property of an image: which of the three it is
+_SOURCE = "radtex_source"  # custom property of an image: its source file
 
 
 def make_images(traced: Picture, baked: Picture, source: str = "") -> list[bpy.types.Image]:
-    """Path traced, baked and the difference, packed; those of an earlier comparison go.
+    """Create packed images of path traced, baked and difference; replaces those of an earlier comparison.
 
-    That is one step to undo.
+    Pushes one undo step.
     """
     from ..report.side_by_side import difference
 
@@ -39,7 +39,7 @@ def make_images(traced: Picture, baked: Picture, source: str = "") -> list[bpy.t
 
 
 def load_images(facts: Mapping[str, Any]) -> list[bpy.types.Image]:
-    """The same of the files that a worker speaks of, unless they are there already. Raises FormatError."""
+    """The same images from the files in a worker's `facts`, unless already loaded. Raises FormatError."""
     from ..report.comparison_files import read_picture
 
     source = str(facts["traced"])
@@ -50,7 +50,7 @@ def load_images(facts: Mapping[str, Any]) -> list[bpy.types.Image]:
 
 
 def figures(facts: Mapping[str, Any]) -> Iterator[str]:
-    """What a comparison found, a line each."""
+    """The results of a comparison, one line each."""
     yield iface_("{:.1f} dB (at 40 dB hardly anybody sees a difference)").format(facts["psnr"])
     if facts["flip"] is not None:
         yield iface_("FLIP {:.3f} (0 is alike)").format(facts["flip"])
@@ -58,9 +58,9 @@ def figures(facts: Mapping[str, Any]) -> Iterator[str]:
 
 
 def show_images(images: Sequence[bpy.types.Image]) -> bool:
-    """Show them, the difference first, in the Image Editors that are empty, unless they are seen already.
+    """Show images in empty Image Editors, the difference first, unless they are shown already.
 
-    Returns whether any is seen.
+    Returns whether any of them is visible.
     """
     seen = {editor.image.name for editor in _editors() if editor.image in images}
     unseen = [image for image in reversed(images) if image.name not in seen]
@@ -71,8 +71,8 @@ def show_images(images: Sequence[bpy.types.Image]) -> bool:
 
 
 def open_window(images: Sequence[bpy.types.Image]) -> None:
-    """Show them side by side in a window of their own."""
-    context: Any = bpy.context  # as above
+    """Show images side by side in a new window."""
+    context: Any = bpy.context  # the stubs do not type temp_override as a context manager
     with in_a_window():
         bpy.ops.wm.window_new()
     window = context.window_manager.windows[-1]
@@ -80,13 +80,13 @@ def open_window(images: Sequence[bpy.types.Image]) -> None:
     for left in range(len(images) - 1, 0, -1):
         with context.temp_override(window=window, area=window.screen.areas[0]):
             bpy.ops.screen.area_split(direction="VERTICAL", factor=1 / (left + 1))
-    last, *others = window.screen.areas  # each split made one on the left; their x is set when they are drawn
+    last, *others = window.screen.areas  # each split adds one on the left; x is not set before drawing
     for area, image in zip([*others, last], images, strict=True):
         area.spaces.active.image = image
 
 
 def _editors() -> list[Any]:
-    """The Image Editors that are open."""
+    """The spaces of all open Image Editors."""
     manager = bpy.context.window_manager
     windows = manager.windows if manager is not None and not bpy.app.background else ()
     areas = (area for window in windows for area in window.screen.areas)
@@ -94,21 +94,22 @@ def _editors() -> list[Any]:
 
 
 def _ours(name: str) -> Any:
-    """The image that is one of the three, None if there is none."""
+    """The comparison image called `name`; None if there is none."""
     every = cast("list[Any]", list(bpy.data.images))
     return next((image for image in every if image.get(_OURS) == name), None)
 
 
 def _image(name: str, picture: Picture, data: bool) -> bpy.types.Image:
-    """A new image of the picture (H, W, 3), row 0 at the bottom, in the place of the one before.
+    """Create an image of the picture (H, W, 3), row 0 at the bottom, which replaces the earlier one.
 
-    `data` is shown as it is. (Of an image that is written over, an undo brings no pixels back.)
+    `data` images have no colour management. (Undo does not restore the pixels of an overwritten image, so a
+    new one is made.)
     """
     height, width = picture.shape[:2]
     before = _ours(name)
     image: Any = bpy.data.images.new(name, width, height, float_buffer=True, is_data=data)
     if not data:
-        image.colorspace_settings.name = REC_709  # or it would be of the space that the file works in
+        image.colorspace_settings.name = REC_709  # the default is the file's working space
     pixels = np.ones((height, width, 4), dtype=np.float32)
     pixels[..., :3] = picture
     image.pixels.foreach_set(pixels.ravel())

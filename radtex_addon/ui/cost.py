@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the bake will cost, before it is started."""
+"""Panel with the estimated cost of the bake: files, memory, paths and time."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
 
 
 def figures(cost: Cost) -> list[tuple[str, str]]:
-    """A cost as names and figures, in the panel's order."""
+    """Label and value of each of a cost's figures, in the panel's order."""
     return [
         (iface_("Largest image"), f"{cost.side} × {cost.side}"),
         (iface_("On disk"), size(cost.disk)),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""New files start from the preset that the preferences name; files that were saved keep what they have."""
+"""Apply the preferences' default preset to new files; saved files keep their settings."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from .settings import NAMES
 _log = logging.getLogger(__name__)
 
 
-@persistent  # type: ignore[untyped-decorator]  # the stubs say nothing of it
+@persistent  # type: ignore[untyped-decorator]  # untyped in the stubs
 def apply_default(*_: object) -> None:
-    """Give a new file's scene the default preset, unless somebody has set anything."""
+    """Handler: apply the default preset to a new file's scene, unless any setting was already changed."""
     name = preferred().preset
     settings = bpy.context.scene.radtex  # type: ignore[union-attr]  # ours, not Blender's
     if bpy.data.filepath or not name or any(settings.is_property_set(one) for one in NAMES):
         return
     try:
         apply_preset(name)
-    except InputError as error:  # the user's file is open all the same
+    except InputError as error:  # the file is loaded anyway, so only warn
         _log.warning("%s", error)
 
 
 def register() -> None:
-    """Wait for new files."""
+    """Add the load handler."""
     bpy.app.handlers.load_post.append(apply_default)
 
 
 def unregister() -> None:
-    """Wait no more."""
-    if apply_default in bpy.app.handlers.load_post:  # others may have emptied the list
+    """Remove the load handler."""
+    if apply_default in bpy.app.handlers.load_post:  # other add-ons may have cleared the list
         bpy.app.handlers.load_post.remove(apply_default)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The button that finds out how long a bake will take."""
+"""Operator that estimates how long a bake will take."""
 
 from __future__ import annotations
 
@@ -56,6 +56,6 @@ class RADTEX_OT_estimate(bpy.types.Operator):
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
         seconds = estimates.seconds_known(scene, bakes)
-        assert seconds is not None  # just found out
+        assert seconds is not None  # probe_now has just probed every bake
         self.report({"INFO"}, f"About {duration(seconds)}")
         return {"FINISHED"}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How long bakes will take, by small ones: made here and now, or by a worker while the window stays alive."""
+"""Estimate how long bakes take, from two small probe bakes: made in this process or by a worker."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from ..worker.job import Job
     from ..worker.queue import Queue
 
-    Key = tuple[int, str, tuple[BakeSpec, BakeSpec]]  # scene, object, what was baked
+    Key = tuple[int, str, tuple[BakeSpec, BakeSpec]]  # scene, object, specifications of its probes
 
-_PULSE = 0.25  # seconds between two looks at the worker
+_PULSE = 0.25  # seconds between two polls of the worker
 
 
 @dataclass
 class _Asked:
-    """Two jobs of the worker's, and whose they are."""
+    """The job numbers of the two probe bakes of one object."""
 
     key: Key
     numbers: tuple[int, ...]
@@ -47,7 +47,7 @@ _session = _Session()
 
 
 def seconds_known(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> float | None:
-    """How long all these bakes of objects take; None unless each was probed."""
+    """Estimated seconds for all these bakes together; None unless all of them were probed."""
     from ..bake.estimate import seconds_needed
 
     total = None
@@ -60,7 +60,7 @@ def seconds_known(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> float | None
 
 
 def probe_now(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> None:
-    """Make the small bakes, and wait for them; errors as of a bake."""
+    """Make the probe bakes in this process. Raises the errors of a bake."""
     from ..job.estimate import probe_object
 
     for name, spec in bakes:
@@ -69,7 +69,7 @@ def probe_now(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> None:
 
 
 def ask(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> None:
-    """Let a worker make them. Raises BakeError where the scene cannot be handed over."""
+    """Queue the probe bakes for a worker. Raises BakeError if the scene cannot be saved for it."""
     from ..bake.estimate import probe_specs
     from ..worker.handover import hand_over, this_program
     from ..worker.orders import order_bake
@@ -90,17 +90,17 @@ def ask(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> None:
 
 
 def asking() -> bool:
-    """Whether a worker is at it."""
+    """Whether a worker is making probe bakes."""
     return _session.queue is not None
 
 
 def message() -> str:
-    """Why the last one failed; empty if it did not."""
+    """Why the last estimate failed; empty if it did not."""
     return _session.message
 
 
 def advance() -> bool:
-    """Hear the worker; returns whether there is more to come."""
+    """Read the worker's messages; returns whether it is still running."""
     queue = _session.queue
     if queue is None:
         return False
@@ -115,7 +115,7 @@ def advance() -> bool:
 
 
 def unregister() -> None:
-    """End the worker, and forget."""
+    """End the worker and clear all estimates."""
     if bpy.app.timers.is_registered(_pulse):
         bpy.app.timers.unregister(_pulse)
     _end()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A finished bake made into a folder for an engine or a browser."""
+"""Operator that exports a finished bake to a folder for an engine or a browser."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
     bl_label = "Export Bake"
     bl_options = {"REGISTER"}
 
-    if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         target: str
         format: str
         zstd: bool
@@ -119,7 +119,7 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
             if sharing(layer, self.object, scene, self.bake):
                 names = [self.object]
             places = [place for name in names for place in self._places(scene, name, spec)]
-            places = list({place.sidecar: place for place in places}.values())  # objects may share one
+            places = list({place.sidecar: place for place in places}.values())  # objects may share an atlas
             if self.directory and len(places) > 1:
                 raise InputError("several bakes do not fit in one folder: leave the folder out")
             if self.at_once:
@@ -144,9 +144,9 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         )
 
     def _places(self, scene: bpy.types.Scene, called: str, spec: ExportSpec) -> list[Place]:
-        """Where the bakes called so, one for each part or variant, and their exports are.
+        """The sidecars of the bakes named `called`, one for each part or variant, and their export folders.
 
-        Raises RadTexError for what would fail at once.
+        Raises RadTexError if an export would fail immediately.
         """
         from ..bake.spec import Kind
         from ..export.run import check_export, export_path
@@ -168,7 +168,7 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         return places
 
     def _export(self, places: list[Place], spec: ExportSpec) -> None:
-        """Export now, and report each object. Raises RadTexError."""
+        """Export in this process and report each object. Raises RadTexError."""
         from ..bake.progress import finished
         from ..export.run import export_steps
         from .labels import size
@@ -179,7 +179,7 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
 
 
 def submit(places: Iterable[Place], spec: ExportSpec, *, overwrite: bool) -> None:
-    """Let workers export, while the window stays alive. Raises BakeError where no folder can be made."""
+    """Queue the exports as background jobs. Raises BakeError if no work folder can be created."""
     from ..worker.handover import work_folder
     from ..worker.orders import order_export
     from .preferences import preferred

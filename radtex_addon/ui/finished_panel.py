@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What to do with a finished bake: look at it, compare it, take it elsewhere."""
+"""Panel for finished bakes: show, compare, export."""
 
 from __future__ import annotations
 

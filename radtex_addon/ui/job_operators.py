@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What can be done with jobs that wait, run or have ended."""
+"""Operators to cancel jobs, clear the list and open output folders."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The window's jobs: a queue of workers, and a timer that hears them while there is anything to hear."""
+"""The session's background jobs: a queue of worker processes, polled by a timer while any job is active."""
 
 from __future__ import annotations
 
@@ -21,12 +21,15 @@ if TYPE_CHECKING:
     from ..worker.queue import Queue
     from .request import BakeRequest
 
-_PULSE = 0.25  # seconds between two looks at the workers
+_PULSE = 0.25  # seconds between two polls of the workers
 
 
 @dataclass(frozen=True)
 class Sequel:
-    """What comes after a job: `arrived` is called when it is done; `results` goes when it is forgotten."""
+    """Callback after a job: `arrived` is called when it is done.
+
+    The folder `results` is deleted when the job is removed from the list.
+    """
 
     arrived: Callable[[Job], None]
     results: TemporaryDirectory[str]
@@ -34,9 +37,10 @@ class Sequel:
 
 @dataclass
 class _Session:
-    """There is no queue before the first job, so that enabling RadTex loads nothing.
+    """State of the jobs of this Blender session.
 
-    `sequels` are those of jobs by number.
+    `queue` is None before the first job, so that enabling RadTex does not import the worker modules. `shown`
+    is the last snapshot of the jobs; `sequels` maps job numbers to sequels.
     """
 
     queue: Queue | None = None
@@ -48,10 +52,10 @@ _session = _Session()
 
 
 def submit(scene: bpy.types.Scene, names: Iterable[str], request: BakeRequest) -> float:
-    """Hand the scene over as it is now, and let a bake of each object wait its turn.
+    """Save a copy of the scene in its current state and queue a bake of each object.
 
-    Returns how long the session stood still for it, in seconds. Raises InputError where one of them waits or
-    runs already, BakeError where the scene cannot be saved.
+    Returns how long the window was blocked by that, in seconds. Raises InputError if one of the bakes is
+    already queued or running, BakeError if the scene cannot be saved.
     """
     from ..core.sampler import Filter
     from ..worker.handover import hand_over
@@ -80,9 +84,9 @@ def submit(scene: bpy.types.Scene, names: Iterable[str], request: BakeRequest) -
 
 
 def _free(bakes: tuple[tuple[str, BakeSpec], ...], request: BakeRequest) -> tuple[tuple[str, BakeSpec], ...]:
-    """Those that are not being baked already; where it goes on with several, others of them may be.
+    """The bakes that are not already queued or running.
 
-    Raises InputError where one may not, or all are.
+    Raises InputError if all are, or if any is and the request does not resume.
     """
     from ..core.errors import InputError
     from ..job.variants import variant_of
@@ -104,7 +108,7 @@ def _free(bakes: tuple[tuple[str, BakeSpec], ...], request: BakeRequest) -> tupl
 
 
 def add(orders: Iterable[Order], sequel: Sequel | None = None) -> None:
-    """Let jobs wait their turn, each with that sequel."""
+    """Queue jobs, all with the same sequel."""
     for order in orders:
         number = _queue().add(order)
         if sequel is not None:
@@ -113,17 +117,17 @@ def add(orders: Iterable[Order], sequel: Sequel | None = None) -> None:
 
 
 def snapshot() -> tuple[Job, ...]:
-    """All jobs as they were at the last pulse, those that have ended too."""
+    """The state of all jobs at the last poll, including ended ones."""
     return _session.shown
 
 
 def busy() -> bool:
-    """Whether a job runs or waits."""
+    """Whether any job is running or waiting."""
     return any(not job.ended for job in _session.shown)
 
 
 def cancel(number: int | None = None) -> None:
-    """End one job politely, or all."""
+    """Ask one job to stop, or all of them."""
     if _session.queue is None:
         return
     if number is None:
@@ -134,7 +138,7 @@ def cancel(number: int | None = None) -> None:
 
 
 def forget_ended() -> None:
-    """Leave jobs that have ended out of the panel."""
+    """Remove ended jobs from the panel's list, and delete their `results`."""
     if _session.queue is not None:
         _session.queue.forget_ended()
         _look()
@@ -143,7 +147,7 @@ def forget_ended() -> None:
 
 
 def advance() -> bool:
-    """Hear the workers, and start what waits; returns whether there is more to come."""
+    """Read the workers' messages and start waiting jobs; returns whether any job is still active."""
     if _session.queue is None:
         return False
     more = _session.queue.advance()
@@ -159,7 +163,7 @@ def advance() -> bool:
 
 
 def unregister() -> None:
-    """End all workers, and forget them."""
+    """End all workers and clear the state."""
     if bpy.app.timers.is_registered(_pulse):
         bpy.app.timers.unregister(_pulse)
     if _session.queue is not None:
@@ -181,7 +185,7 @@ def _queue() -> Queue:
 
 
 def _look() -> None:
-    """See at once what has changed, and go on looking."""
+    """Poll now, and keep polling while jobs are active."""
     _pulse()
     if busy() and not bpy.app.timers.is_registered(_pulse):
         bpy.app.timers.register(_pulse, first_interval=_PULSE, persistent=True)

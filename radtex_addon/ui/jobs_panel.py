@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes, comparisons and exports that wait, run or have ended, each with what is known of it."""
+"""Panel that lists jobs (bakes, comparisons, exports) with their progress or results."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _TITLES = {"bake": "{}", "comparison": "{}, compared", "export": "{} for {}"}
 _TARGETS = {identifier: name for identifier, name, _ in TARGETS}
 _KINDS = {identifier: name for identifier, name, _ in KINDS}
 
-_PICTURE = 8.0  # times a button's height
+_PICTURE = 8.0  # size of a job's thumbnail, relative to a button's height
 
 
 class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
@@ -52,7 +52,7 @@ class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
 
 
 def title(job: Job) -> str:
-    """Whom a job is about, and what is done."""
+    """The job's title: object, part, kind and variant, and the work."""
     about = job.order.about
     kind = iface_(_KINDS[about]) if about in _KINDS else ""
     name = ", ".join(filter(None, (job.object, job.order.part, kind, job.order.variant)))
@@ -60,7 +60,7 @@ def title(job: Job) -> str:
 
 
 def phrase(job: Job) -> str:
-    """Where a job is, in a few words."""
+    """The job's state or stage, and the time left if known."""
     if job.cancelling and not job.ended:
         return iface_("Stopping")
     if job.state != "running":
@@ -79,7 +79,7 @@ def _draw_job(column: Any, job: Job) -> None:
         if picture := pictures.icon(job):
             column.template_icon(picture, scale=_PICTURE)
         return
-    if job.state == "done":  # as the icon says
+    if job.state == "done":  # the icon shows the state, so no text
         _OFFERS[job.work](column, job)
     else:
         row.label(text=phrase(job), translate=False)
@@ -93,7 +93,7 @@ def _draw_job(column: Any, job: Job) -> None:
 
 
 def _offer_bake(column: Any, job: Job) -> None:
-    """The switch between object and bake, and its folder."""
+    """Draw the preview button and the folder button of a finished bake."""
     if any(path.name.endswith(".preview.blend") for path in job.files):
         item = bpy.data.objects.get((job.order.shared or (job.object,))[0])
         switch = draw_show(column) if job.order.variant else draw_switch(column, item)
@@ -103,7 +103,7 @@ def _offer_bake(column: Any, job: Job) -> None:
 
 
 def _offer_comparison(column: Any, job: Job) -> None:
-    """Its figures, and its pictures."""
+    """Draw the figures of a finished comparison and the button for its pictures."""
     from .comparison import figures
 
     for line in figures(job.facts):
@@ -112,7 +112,7 @@ def _offer_comparison(column: Any, job: Job) -> None:
 
 
 def _offer_export(column: Any, job: Job) -> None:
-    """The folder that it made."""
+    """Draw a button for each exported folder."""
     for folder in job.files:
         column.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(folder)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Figures and errors in the panel's words."""
+"""Format numbers and translate error messages into the panel's labels."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from bpy.app import translations
 
 from .choices import COMPRESSIONS, LAYOUTS, SPLITS, UNWRAPS
 
-_translations: Any = translations  # whose stubs say that nothing comes back
+_translations: Any = translations  # the stubs type its functions as returning None
 
-# By this name Blender's tools find what is to be translated.
+# Blender's translation tools look for calls of this name.
 iface_: Callable[[str], str] = _translations.pgettext_iface
 
-# What the panel calls the batch's options. One that is not here is not in the window either.
+# Panel labels of the command line's options. Options that are missing here have no setting in the panel.
 LABELS = {
     "ao-distance": "Distance",
     "arrangement": "Arrangement",
@@ -51,7 +51,7 @@ LABELS = {
     "unwrap": "Unwrap",
     "uv": "UV Layer",
 }
-STAGES = {  # what a worker is doing, by the names that bakes, exports and comparisons give it
+STAGES = {  # labels of the stages of bakes, exports and comparisons
     "evaluate": "Reading the mesh",
     "unwrap": "Unwrapping",
     "raster": "Placing texels",
@@ -70,7 +70,7 @@ STAGES = {  # what a worker is doing, by the names that bakes, exports and compa
     "compare": "Comparing",
 }
 _CHOICES = {"split": SPLITS, "layout": LAYOUTS, "unwrap": UNWRAPS, "compression": COMPRESSIONS}
-_LEFT_OUT = {"uv": "empty", "from": "empty", "resume": "off"}  # the others stay as they are
+_LEFT_OUT = {"uv": "empty", "from": "empty", "resume": "off"}  # text for other options: "as it was"
 
 _OPTION = r"(?<![\w/.-])--([a-z][a-z-]*)"
 _ASIDE = re.compile(r" \(([^()]*--[a-z][^()]*)\)")
@@ -78,7 +78,7 @@ _LEAVE = re.compile(r"leave ((?:--[a-z-]+(?: and )?)+) out")
 _VALUE = re.compile(_OPTION + r" ([a-z]+)\b")
 _NAME = re.compile(_OPTION)
 _FORMAT = re.compile(r"\b(ktx2|dds)-(rgba16f|rgb9e5|bc6h)\b")
-_FIELD = re.compile(r"\bbucket (?=\d)")  # as specifications name what the panel calls cells
+_FIELD = re.compile(r"\bbucket (?=\d)")  # specifications say bucket where the panel says Cells
 
 
 def size(count: float) -> str:
@@ -90,7 +90,7 @@ def size(count: float) -> str:
 
 
 def number(count: float) -> str:
-    """Rounded to what people read: 16777216 is "16.8 million"."""
+    """A count, rounded to be readable: 16777216 is "16.8 million"."""
     if count >= 1e9:
         return iface_("{:.3g} billion").format(count / 1e9)
     if count >= 1e6:
@@ -99,7 +99,7 @@ def number(count: float) -> str:
 
 
 def duration(seconds: float) -> str:
-    """A time that nobody takes for exact."""
+    """An approximate duration, with its unit."""
     if seconds < 1:
         return iface_("under a second")
     if seconds < 90:
@@ -110,14 +110,14 @@ def duration(seconds: float) -> str:
 
 
 def stage(name: str | None) -> str:
-    """What a worker is doing; None is before it says so."""
+    """Label of a worker's stage; None means that it is still starting."""
     return iface_(STAGES[name] if name is not None else "Starting")
 
 
 def remark(message: object, folder: Path | None = None) -> str:
-    """An error as the panel shows it: in its own labels, and beginning with a capital.
+    """A message as the panel shows it: options replaced by the panel's labels, first letter a capital.
 
-    What lies in `folder` is called by its name, for the sidebar is narrow.
+    Paths in `folder` are shortened to file names, because the sidebar is narrow.
     """
     text = str(message)
     if folder is not None:
@@ -131,7 +131,7 @@ def remark(message: object, folder: Path | None = None) -> str:
 
 
 def _aside(found: re.Match[str]) -> str:
-    """In brackets only what the words before do not say already, or what only the batch knows."""
+    """Relabel a bracketed remark on options; drop it if the text before names them or the panel has none."""
     names = _NAME.findall(found[1])
     before = found.string[: found.start()].lower()
     if not all(name in LABELS for name in names) or all(LABELS[name].lower() in before for name in names):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which layout the chosen objects get where that is automatic, and the line that says so."""
+"""Choose the layout of the selected objects when it is automatic, and describe the choice in one line."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ def chosen_layouts(
     spec: BakeSpec,
     patience: float = inf,
 ) -> Chosen:
-    """The bake of each atlas of the objects `names` with its layout, by the atlas's name.
+    """Pairs of atlas name and `Choice`, one for each atlas of the objects `names`.
 
-    Parts and lamps are left out, which have the layout of the whole.
-    Without an object it is what one without anything odd gets, called "". After `patience` seconds no further
-    object is looked at. Raises InputError as `job.choose_layout` does.
+    Parts and single lamps have no pairs of their own: their layout is that of the whole object.
+    Without `names` the result is one pair called "", for an object without special properties. After
+    `patience` seconds no more objects are examined. Raises InputError as `job.choose_layout` does.
     """
     from ..job import choose_layout
     from .preferences import preferred
@@ -61,7 +61,7 @@ def chosen_layouts(
 
 
 def told_layouts(values: Mapping[str, Any], chosen: Chosen) -> str:
-    """What an automatic layout came to, in one line; empty where the layout was chosen."""
+    """One line on which layout was chosen automatically; empty if the user chose the layout."""
     from .values import open_layout_of
 
     if open_layout_of(values) is None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Messages in the sidebar: wrapped, and what settles them right below."""
+"""Draw messages in the sidebar: wrapped text, with buttons that fix the problem right below."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from .panel_state import Outlook
 from .settings import BakeSettings
 
 _UI_FONT = 0
-_BESIDE = 86.0  # pixels of the sidebar that messages leave free: margins, icon, tabs
-_NARROW = 160.0  # pixels that a message has at least, and where there is no sidebar
+_BESIDE = 86.0  # pixels of the sidebar's width not available to text: margins, icon, tabs
+_NARROW = 160.0  # minimum text width in pixels; also used where there is no region
 
 
 def draw_text(layout: Any, text: str, icon: str) -> None:
-    """A message over as many lines as it needs; labels do not wrap by themselves."""
+    """Draw a message on as many lines as needed; Blender's labels do not wrap."""
     column = layout.column(align=True)
     column.scale_y = 0.85
     for number, line in enumerate(wrapped(text, _room())):
@@ -27,7 +27,7 @@ def draw_text(layout: Any, text: str, icon: str) -> None:
 
 
 def wrapped(text: str, room: float) -> list[str]:
-    """The text in lines of at most `room` pixels, at a scale of one; words longer than that stay whole."""
+    """Split the text into lines of at most `room` pixels at UI scale 1; longer words are not broken."""
     preferences = bpy.context.preferences
     assert preferences is not None  # only restricted contexts have none
     blf.size(_UI_FONT, preferences.ui_styles[0].widget.points)
@@ -42,7 +42,7 @@ def wrapped(text: str, room: float) -> list[str]:
 
 
 def draw_remarks(layout: Any, settings: BakeSettings, found: Outlook) -> None:
-    """What would fail, with what settles it, and what to know."""
+    """Draw errors, the settings that would fix them, and warnings."""
     if found.shown and len(found.errors) == len(found.shown):
         draw_text(layout.box(), iface_("The bake is shown here. Switch it off to bake anew"), "HIDE_OFF")
     else:
@@ -60,7 +60,7 @@ def draw_remarks(layout: Any, settings: BakeSettings, found: Outlook) -> None:
 
 
 def _draw_remedies(column: Any, settings: BakeSettings, found: Outlook) -> None:
-    """Each a setting, or a button that does it at once."""
+    """Draw each remedy as a setting, or as a button that applies it at once."""
     if "directory" in found.remedies:
         column.operator("wm.save_as_mainfile", text="Save File…", icon="FILE_TICK")
         column.prop(settings, "directory", text="Folder")
@@ -75,7 +75,7 @@ def _draw_remedies(column: Any, settings: BakeSettings, found: Outlook) -> None:
 
 
 def _room() -> float:
-    """How many pixels a line of a message may take in the sidebar that is drawn."""
+    """Width available to a message line in the current region, in pixels at UI scale 1."""
     region, preferences = bpy.context.region, bpy.context.preferences
     if region is None or preferences is None:
         return _NARROW

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The bake as an operator: what a click does, a script does too."""
+"""The bake operator, for the panel's button and for scripts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from .request import BakeRequest
 
-_PATIENCE = 1.0  # seconds for looking at the objects; each bake will look at its own again
+_PATIENCE = 1.0  # seconds that the check before queuing may take; each bake checks its object again
 
 
 class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
@@ -28,7 +28,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
     bl_label = "Bake Radiance Texture"
     bl_options = {"REGISTER"}
 
-    if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         object: str
         wait: bool
     else:
@@ -50,7 +50,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         return can_bake(cls, context)
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
-        # Imported here, so that OpenEXR loads with the first bake and not with Blender.
+        # Imported here so that OpenEXR is loaded with the first bake, not when Blender starts.
         from ..core.errors import RadTexError
         from .request import BakeRequest, values_with
 
@@ -73,7 +73,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         return {"FINISHED"}
 
     def _bake(self, scene: bpy.types.Scene, names: tuple[str, ...], request: BakeRequest) -> None:
-        """Bake now, and report each object."""
+        """Bake in this process and report each object."""
         from ..core.sampler import Filter
         from ..job import bake_object
         from ..job.unwrapping import Unwraps
@@ -100,7 +100,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             self.report({"INFO"}, ", ".join(word for word in told if word))
 
     def _submit(self, scene: bpy.types.Scene, names: tuple[str, ...], request: BakeRequest) -> None:
-        """Let workers bake, while the window stays alive."""
+        """Queue the bakes as background jobs."""
         from . import jobs
 
         _check(scene, names, request)
@@ -108,7 +108,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
 
 
 def can_bake(operator: type[bpy.types.Operator], context: bpy.types.Context | None) -> bool:
-    """Whether there is a mesh to bake; the operator says so if not."""
+    """Poll: whether there is a mesh to bake; sets the operator's message if not."""
     layer = context.view_layer if context is not None else None
     if layer is None or not chosen_objects(layer):
         operator.poll_message_set("Select a mesh object to bake its radiance texture")
@@ -123,7 +123,7 @@ def shown(context: bpy.types.Context | None) -> tuple[bpy.types.Scene, bpy.types
 
 
 def _check(scene: bpy.types.Scene, names: tuple[str, ...], request: BakeRequest) -> None:
-    """Refuse at once what would fail later. Raises InputError with the first reason."""
+    """Check for errors before baking. Raises InputError with the first one found."""
     from ..core.errors import InputError
 
     if errors := request.foreseen(scene, names, _PATIENCE).errors:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What operators on finished bakes have in common: whose bake, where it is, and asking first."""
+"""Mixins for operators on finished bakes: choice of the bake, waiting, and the settings dialog."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 
 class OfBake:
-    """Not registered itself: operators take its properties, and its poll."""
+    """Mixin with the properties that name a bake, and a poll; not registered itself."""
 
-    if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         object: str
         bake: str
     else:
@@ -36,14 +36,14 @@ class OfBake:
 
     @classmethod
     def poll(cls, context: bpy.types.Context | None) -> bool:
-        """Whether there is something to show."""
-        return has_meshes(cls, context)  # type: ignore[arg-type]  # who takes this is an operator
+        """Whether a mesh is selected, in Object Mode."""
+        return has_meshes(cls, context)  # type: ignore[arg-type]  # the class that uses the mixin is an operator
 
 
 class MayWait:
-    """Not registered itself: operators that let a worker work take its property."""
+    """Mixin with the property `wait`, for operators that use a worker; not registered itself."""
 
-    if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotation below
+    if TYPE_CHECKING:  # type of the property that Blender creates from the annotation below
         wait: bool
     else:
         wait: BoolProperty(
@@ -56,17 +56,17 @@ class MayWait:
 
     @property
     def at_once(self) -> bool:
-        """Whether to work here and now."""
+        """Whether to work in this process, and not in a worker."""
         return bpy.app.background or self.wait
 
 
 class AsksFirst:
-    """Not registered itself: a click opens the operator's settings, a script runs it at once."""
+    """Mixin that opens a dialog with the operator's settings on a click; scripts run it directly."""
 
     def invoke(
         self, context: bpy.types.Context | None, event: bpy.types.Event | None
     ) -> set[OperatorReturnItems]:
-        """Ask for the settings."""
+        """Open the settings dialog."""
         assert context is not None  # Blender always gives one
-        assert context.window_manager is not None  # there is one wherever a click comes from
+        assert context.window_manager is not None  # a click implies a window
         return context.window_manager.invoke_props_dialog(self)  # type: ignore[arg-type]  # an operator, as above

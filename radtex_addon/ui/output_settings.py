@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a bake's files go, which there are, and what becomes of those that are there."""
+"""Settings for a bake's output files: folder, contents, and what to do with existing files."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..scene.named_regions import places_on
 from .choices import COMPRESSIONS, LAYERS, TARGETS
 from .update_callbacks import NOTICED, notice
 
-# Of the mixin below, in the panel's order.
+# Property names of the mixin below, in the panel's order.
 NAMES = (
     "layers",
     "directory",
@@ -31,7 +31,7 @@ NAMES = (
 
 
 def places(_: OutputSettings, around: bpy.types.Context, typed: str) -> Iterator[tuple[str, str]]:
-    """What the active object has to accumulate or refresh on, and what each is."""
+    """Search function: the active object's named regions that match `typed`, each with its type."""
     item = around.object
     if item is not None and item.type == "MESH":
         for name, kind in places_on(item).items():
@@ -40,9 +40,9 @@ def places(_: OutputSettings, around: bpy.types.Context, typed: str) -> Iterator
 
 
 class OutputSettings:
-    """Not registered itself: the other settings take its properties."""
+    """Mixin with the output properties; not registered itself."""
 
-    if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         layers: set[str]
         directory: str
         full_floats: bool

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sidebar's tab "RadTex": what to bake, and the button. Draws what is known, and finds out nothing."""
+"""The sidebar's tab "RadTex". Panels only draw the cached `Outlook`: they compute nothing."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .switch import LARGE, draw_shading, draw_switch
 
 
 class Sidebar:
-    """Where RadTex's panels are."""
+    """Mixin that places a panel in the 3D view's sidebar, tab RadTex."""
 
     bl_space_type: Any = "VIEW_3D"
     bl_region_type: Any = "UI"
@@ -117,7 +117,7 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
 
 
 def _draw_kind(column: bpy.types.UILayout, settings: BakeSettings) -> None:
-    """The kind, and what belongs to it alone."""
+    """Draw the kind and its own settings."""
     column.prop(settings, "kind")
     if settings.kind == "transfer":
         column.prop(settings, "view")
@@ -132,14 +132,14 @@ def _draw_kind(column: bpy.types.UILayout, settings: BakeSettings) -> None:
 
 
 def is_plain(settings: BakeSettings) -> bool:
-    """Whether every texel keeps a bucket of its own."""
+    """Whether the settings may bake in layout buckets: chosen, automatic, or the kind's only layout."""
     return settings.atlas_layout != "shared" or settings.kind in BUCKETS_ONLY
 
 
 def drawn(
     panel: bpy.types.Panel, context: bpy.types.Context | None
 ) -> tuple[Any, BakeSettings, Outlook | None]:
-    """What every panel draws into, and from: its layout, the scene's settings, what is known of the bake."""
+    """The panel's layout with our options set, the scene's settings, and the cached outlook, if any."""
     assert context is not None  # Blender always gives one
     scene, view_layer = cast(bpy.types.Scene, context.scene), cast(bpy.types.ViewLayer, context.view_layer)
     layout: Any = panel.layout
@@ -161,7 +161,7 @@ def _draw_objects(layout: Any, found: Outlook | None) -> None:
 
 
 def _draw_preview(layout: Any, found: Outlook, context: bpy.types.Context | None) -> None:
-    """The next step where there is a bake already, unless the list of bakes offers it; and how to see it."""
+    """Draw the preview button if a bake exists and the job list does not offer it; and shading buttons."""
     assert context is not None  # Blender always gives one
     offered = {job.object for job in jobs.snapshot() if job.state == "done" and job.work == "bake"}
     if (found.baked or found.shown) and not offered.intersection(found.objects):

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel shows of a bake before it starts, worked out between drawings and kept until a change.
+"""Cache of what the panel shows about the next bake: errors, warnings, cost. Computed outside of drawing.
 
-Handlers only mark it stale; a timer works it out anew once nothing has changed for a moment.
+Handlers only mark the cache stale; a timer recomputes it once nothing has changed for a moment.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ if TYPE_CHECKING:
     from ..bake.spec import BakeSpec
     from .settings import BakeSettings
 
-_QUIET = 0.3  # seconds without a change, so that dragging stays fluid
-_PATIENCE = 0.05  # seconds for looking at the objects
+_QUIET = 0.3  # seconds without a change before recomputing, so that dragging stays fluid
+_PATIENCE = 0.05  # seconds that examining the objects may take
 
 
 @dataclass(frozen=True)
 class Outlook:
-    """A bake of the chosen objects: what would fail, what to know, and what each of them costs at most.
+    """What to expect of a bake of the chosen objects: errors, warnings, and the most that any of them costs.
 
-    `spec` and `cost` are None where the settings cannot be; `seconds`, of all objects, where nobody has
-    estimated them, or they have no atlases of their own; `folder` where there is none. `remedies` are names
-    of settings that, switched, would settle errors; `baked` is true where nothing is wrong but that there are
-    bakes already, `forgets` where an unfinished one would be thrown away that one could go on with. `shown`
-    are those of the objects whose bakes are shown in their places. `layout` says what an automatic one came
-    to, and why; empty where one was chosen.
+    `spec` and `cost` are None if the settings are invalid. `seconds` is the time of all objects; None if it
+    was not estimated, or if objects share or split their atlases. `folder` is None if there is no output
+    folder. `remedies` are names of settings that would remove errors if toggled. `baked`: the only errors are
+    that bakes already exist. `forgets`: an unfinished bake that could be resumed would be discarded. `shown`
+    are the objects whose bake is shown in their place. `layout` describes the automatically chosen layout and
+    the reason; empty if the user chose the layout.
     """
 
     objects: tuple[str, ...]
@@ -57,14 +57,14 @@ class Outlook:
 class _Cache:
     found: dict[tuple[int, str], Outlook]
     changed: float = 0.0
-    looking: bool = False  # then Blender tells of what it brings up to date for that
+    looking: bool = False  # ignore the depsgraph updates that our own evaluation causes
 
 
 _cache = _Cache({})
 
 
 def chosen_objects(view_layer: bpy.types.ViewLayer) -> tuple[str, ...]:
-    """What the button bakes, by name: the selected meshes, or else the active one; not their previews."""
+    """Names of the objects to bake: the selected meshes, or else the active one; originals, not previews."""
     from ..preview.swap import original_of
 
     found = (original_of(item) or item for item in selected_meshes(view_layer))
@@ -72,12 +72,12 @@ def chosen_objects(view_layer: bpy.types.ViewLayer) -> tuple[str, ...]:
 
 
 def outlook_of(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outlook | None:
-    """What was last worked out; None before the first time, and then soon there."""
+    """The cached outlook; None if the timer has not computed it yet."""
     return _cache.found.get(_key(scene, view_layer))
 
 
 def refresh(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outlook:
-    """Work it out anew, and keep it."""
+    """Compute the outlook and cache it."""
     _cache.looking = True
     try:
         found = _cache.found[_key(scene, view_layer)] = _work_out(scene, view_layer)
@@ -86,9 +86,9 @@ def refresh(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outlook:
     return found
 
 
-@persistent  # type: ignore[untyped-decorator]  # the stubs say nothing of it
+@persistent  # type: ignore[untyped-decorator]  # untyped in the stubs
 def mark_stale(*_: object) -> None:
-    """Something changed: what is kept will be worked out anew, soon. Any handler's arguments will do."""
+    """Handler: recompute the cache soon. Accepts the arguments of any handler."""
     if _cache.looking:
         return
     _cache.changed = monotonic()
@@ -97,16 +97,16 @@ def mark_stale(*_: object) -> None:
 
 
 def register() -> None:
-    """Listen to all that may change it."""
+    """Add the handlers that mark the cache stale."""
     for handlers in _lists():
         handlers.append(mark_stale)
     mark_stale()
 
 
 def unregister() -> None:
-    """Listen no more, and forget."""
+    """Remove the handlers and clear the cache."""
     for handlers in _lists():
-        if mark_stale in handlers:  # others may have emptied the list
+        if mark_stale in handlers:  # other add-ons may have cleared the list
             handlers.remove(mark_stale)
     if bpy.app.timers.is_registered(_tick):
         bpy.app.timers.unregister(_tick)
@@ -127,7 +127,7 @@ def _tick() -> float | None:
 
 def _lists() -> tuple[list[object], ...]:
     events = bpy.app.handlers
-    return (  # type: ignore[return-value]  # lists of functions, to the stubs of one event each
+    return (  # type: ignore[return-value]  # the stubs give each list another type
         events.depsgraph_update_post,
         events.undo_post,
         events.redo_post,

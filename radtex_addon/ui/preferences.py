@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What holds for every file: the device, folders, the memory, and what new files start from."""
+"""Add-on preferences: device, folders, memory limit, and the preset of new files."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from .choices import DEVICES
 from .labels import iface_
 from .presets import STOCK
 
-# "bl_ext.user_default.radtex", where Blender has installed it.
+# "bl_ext.user_default.radtex" when installed as an extension.
 ADDON = __package__.rpartition(".radtex_addon")[0] or "radtex_addon"
 
 
 @dataclass(frozen=True)
 class Preferred:
-    """The preferences; a folder or a limit is None where nobody chose one, a preset is an empty word."""
+    """The preferences' values; folders and the memory limit are None if not set, `preset` is empty."""
 
     device: str = "auto"
     output: Path | None = None
@@ -35,7 +35,7 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
 
     bl_idname = ADDON
 
-    if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         device: str
         output_folder: str
         cache_folder: str
@@ -77,7 +77,7 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout = self.layout
-        assert layout is not None  # Blender gives one to draw into
+        assert layout is not None  # Blender always sets it for drawing
         text = iface_("To bake, press N over a 3D view and open the sidebar's tab RadTex")
         layout.label(text=text, icon="INFO", translate=False)
         layout.use_property_split = True
@@ -86,7 +86,7 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
 
 
 def preferred() -> Preferred:
-    """The preferences as they are now; the defaults where RadTex is not installed as an add-on."""
+    """The current preferences; defaults if RadTex is not installed as an add-on."""
     assert bpy.context.preferences is not None  # only restricted contexts have none
     addon = bpy.context.preferences.addons.get(ADDON)
     if addon is None or addon.preferences is None:

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets: RadTex's own, and the user's by Blender's preset menu.
+"""RadTex's presets, and the user's in Blender's preset menu.
 
-A preset is a script that sets the scene's settings, as all of Blender's.
+A preset is a Python script that sets the scene's settings, like Blender's own presets.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
 SUBDIR = "radtex"
-_FOLDER = Path(__file__).with_name("stock")  # holds presets/radtex/*.py, as Blender wants it
+_FOLDER = Path(__file__).with_name("stock")  # contains presets/radtex/*.py, as Blender expects
 
-# By file name, in the order of rising cost; then by what is baked.
+# File name, label and tooltip: first by increasing cost, then by material.
 STOCK = (
     ("draft", "Draft", "A first look in seconds: coarse, and noisy"),
     ("preview", "Preview", "Good enough to judge the light"),
@@ -38,7 +38,7 @@ STOCK = (
     ),
 )
 
-# What a preset says: quality, not the object, its UV layer or a folder.
+# Settings stored in a preset: quality, but no object, UV layer or folder.
 PRESET_NAMES = (
     "kind",
     "atlas_layout",
@@ -65,7 +65,7 @@ class RADTEX_PT_presets(PresetPanel, bpy.types.Panel):
     preset_add_operator = "radtex.preset_add"
 
     def draw(self, context: bpy.types.Context | None) -> None:
-        """RadTex's own by their names and in their order; below them the user's."""
+        """Draw RadTex's presets in the order of `STOCK`, and the user's below them."""
         layout: Any = self.layout
         layout.emboss = "PULLDOWN_MENU"
         for name, label, _ in STOCK:
@@ -74,14 +74,14 @@ class RADTEX_PT_presets(PresetPanel, bpy.types.Panel):
         super().draw(context)
 
     def path_menu(self, searchpaths: Sequence[str], operator: str, **choices: Any) -> None:
-        """As Blender's, of the user's presets."""
+        """Blender's menu, without RadTex's presets."""
         others = [path for path in searchpaths if not Path(path).is_relative_to(_FOLDER)]
-        if not others:  # of no path at all, Blender would complain
+        if not others:  # Blender shows '* Missing Paths *' for an empty list
             choices["filter_path"] = lambda _: False
         cast(Any, PresetPanel).path_menu(self, others or searchpaths, operator, **choices)
 
 
-class RADTEX_OT_preset_add(AddPresetBase, bpy.types.Operator):  # type: ignore[misc]  # Blender's own stubs
+class RADTEX_OT_preset_add(AddPresetBase, bpy.types.Operator):  # type: ignore[misc]  # as Blender's stubs type the base
     """Keep these settings as a preset of your own, or remove one"""
 
     bl_idname = "radtex.preset_add"
@@ -97,7 +97,7 @@ class RADTEX_OT_preset_apply(bpy.types.Operator):
 
     bl_idname = "radtex.preset_apply"
     bl_label = "Apply RadTex Preset"
-    bl_options = {"REGISTER", "INTERNAL"}  # it pushes its own step to undo, also where a script calls it
+    bl_options = {"REGISTER", "INTERNAL"}  # pushes its own undo step: see undo.py
 
     if TYPE_CHECKING:
         name: str
@@ -106,7 +106,7 @@ class RADTEX_OT_preset_apply(bpy.types.Operator):
 
     @classmethod
     def description(cls, _: bpy.types.Context | None, properties: Any) -> str:
-        """What a preset of RadTex's is for."""
+        """The tooltip of a RadTex preset."""
         return next((told for name, _, told in STOCK if name == properties.name), "")
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
@@ -120,8 +120,8 @@ class RADTEX_OT_preset_apply(bpy.types.Operator):
 
 
 def apply_preset(name: str) -> None:
-    """Give the open scene a preset's settings. Raises InputError for a name that is not there."""
-    utils: Any = bpy.utils  # to the stubs of 4.5, nothing is found ever
+    """Apply a preset to the current scene. Raises InputError if no preset has that name."""
+    utils: Any = bpy.utils  # the 4.5 stubs type preset_find as returning None
     found = utils.preset_find(name, SUBDIR) or utils.preset_find(name, SUBDIR, display_name=True)
     if found is None:
         raise InputError(f"there is no preset '{name}': choose one from the panel's preset menu")
@@ -129,10 +129,10 @@ def apply_preset(name: str) -> None:
 
 
 def register() -> None:
-    """Let Blender find RadTex's own presets."""
+    """Add RadTex's presets to Blender's search path."""
     bpy.utils.register_preset_path(str(_FOLDER))
 
 
 def unregister() -> None:
-    """Let it forget them."""
+    """Remove them from the search path."""
     bpy.utils.unregister_preset_path(str(_FOLDER))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The switch between an object and its bake."""
+"""Operator that switches between an object and the preview of its bake."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
 
     bl_idname = "radtex.preview_toggle"
     bl_label = "Preview Bake"
-    bl_options = {"REGISTER"}  # it pushes its own step to undo, also where a script calls it
+    bl_options = {"REGISTER"}  # pushes its own undo step: see undo.py
 
-    if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         action: str
         layer: str
     else:
@@ -71,7 +71,7 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
         return {"FINISHED"}
 
     def _switch_on(self, scene: bpy.types.Scene, items: list[bpy.types.Object], bake: str) -> None:
-        """Show every bake that there is in `bake`, or none. Raises RadTexError."""
+        """Show every bake found in `bake`; if one fails, switch the others off again. Raises RadTexError."""
         from ..core.errors import RadTexError
         from ..preview.swap import is_on, switch_all_on, switch_off
 

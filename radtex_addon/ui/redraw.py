@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Telling Blender that the panel has something new to show."""
+"""Redraw the panel when its contents have changed."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import bpy
 
 
 def redraw() -> None:
-    """Let every 3D view's sidebar be drawn again; the scene in it is not."""
+    """Redraw the sidebar of every 3D view, but not the view itself."""
     manager = bpy.context.window_manager
     for window in manager.windows if manager is not None else ():
         for area in window.screen.areas:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender learns when the extension is enabled, in order; disabling forgets it in reverse."""
+"""Register all classes and handlers when the extension is enabled; unregister in reverse order."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from .preferences import RADTEX_preferences
 from .presets import RADTEX_OT_preset_add, RADTEX_OT_preset_apply, RADTEX_PT_presets
 from .settings import RADTEX_PG_settings
 
-_scene: Any = bpy.types.Scene  # the stubs know no property of ours
-_props: Any = bpy.props  # and those of 4.5 say that nothing comes back
+_scene: Any = bpy.types.Scene  # the stubs lack our property
+_props: Any = bpy.props  # the 4.5 stubs type property functions as returning None
 
 CLASSES = (
     RADTEX_preferences,
@@ -40,7 +40,7 @@ CLASSES = (
     RADTEX_OT_preset_apply,
     RADTEX_PT_presets,
     RADTEX_PT_bake,
-    RADTEX_PT_jobs,  # right below the button, where one looks after pressing it
+    RADTEX_PT_jobs,  # right below the button, where users look after pressing it
     RADTEX_PT_quality,
     RADTEX_PT_cost,
     RADTEX_PT_output,
@@ -49,7 +49,7 @@ CLASSES = (
 
 
 def register() -> None:
-    """Register every class, in order; then the scene's settings, and what listens."""
+    """Register every class in order, then the scene's settings, presets, key bindings and handlers."""
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     _scene.radtex = _props.PointerProperty(type=RADTEX_PG_settings)
@@ -60,7 +60,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take it all back, last one first."""
+    """Undo `register`, in reverse order."""
     panel_state.unregister()
     estimates.unregister()
     jobs.unregister()

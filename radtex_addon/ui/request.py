@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings made into what the library takes: checked, and no longer Blender's."""
+"""A bake request made from the settings: validated, and independent of Blender's properties."""
 
 from __future__ import annotations
 
@@ -31,14 +31,15 @@ if TYPE_CHECKING:
 
 __all__ = ["BakeRequest", "has_folder", "output_folder", "spec_of", "values_of", "values_with"]
 
-_HOPELESS = 1 << 30  # errors, where nothing can be baked
+_HOPELESS = 1 << 30  # number of errors to report if nothing can be baked
 
 
 @dataclass(frozen=True)
 class BakeRequest:
-    """A bake as it was asked for: what, how, and where to. Objects may have a `shared` atlas of that name.
+    """A bake as the user requested it: specification, output and variants.
 
-    With an `open_layout` the specification has layout buckets until the layout is settled for each object.
+    `shared` is the name of the atlas that all objects share; None if each has its own. If `open_layout` is
+    not None, `spec` has layout buckets until the layout is chosen for each object.
     """
 
     spec: BakeSpec
@@ -54,7 +55,7 @@ class BakeRequest:
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> BakeRequest:
-        """What `values`, by the names of the settings, ask for. Raises InputError for what cannot be."""
+        """The request for `values` (by setting name). Raises InputError for invalid settings."""
         spec = spec_of(values)
         targets = tuple(target for target in Target if target.value in values["export_targets"])
         if targets and not values["preview"]:
@@ -73,7 +74,7 @@ class BakeRequest:
         )
 
     def foreseen(self, scene: bpy.types.Scene, names: Iterable[str], patience: float) -> Foresight:
-        """What can be said of baking these objects beforehand; `patience` is in seconds."""
+        """Errors and warnings known before baking these objects; stops looking after `patience` seconds."""
         from ..job.output_collisions import check_files_apart
         from ..job.preflight import Foresight, foresee
 
@@ -106,24 +107,24 @@ class BakeRequest:
     def bakes(
         self, scene: bpy.types.Scene, names: Sequence[str], *, guess: bool = False
     ) -> tuple[tuple[str, BakeSpec], ...]:
-        """What is baked of these objects, by the names of the atlases; errors as in `choices`."""
+        """Atlas name and specification of each bake of these objects; raises as `choices` does."""
         return tuple((name, choice.spec) for name, choice in self.choices(scene, names, guess=guess))
 
     def choices(
         self, scene: bpy.types.Scene, names: Sequence[str], *, guess: bool = False
     ) -> tuple[tuple[str, Choice], ...]:
-        """What is baked, each with its layout; `surfaces.bakes_of` says how, `job.choose_layout` in which.
+        """Atlas name and `Choice` of each bake, from `surfaces.bakes_of` and `job.choose_layout`.
 
-        Where it goes on with several objects, variants or parts, those that are not finished. Raises
-        InputError where all are, unless parts are a `guess` that may lack some; where lamps have no atlases
-        of their own, and where there are none.
+        When resuming several objects, variants or parts: only the unfinished ones. Raises InputError if all
+        are finished, unless a `guess` may have missed parts; if lamps cannot be baked one by one, or there
+        are none.
         """
         chosen = self._chosen(scene, names, guess)
         wanted = self._left(scene, names, tuple(chosen), guess) if self._goes_on(scene, names) else chosen
         return tuple((bake[0], chosen[bake]) for bake in wanted)
 
     def _chosen(self, scene: bpy.types.Scene, names: Sequence[str], guess: bool) -> dict[Bake, Choice]:
-        """All variants and parts, finished or not, each with its layout."""
+        """The layout choice of every variant and part, finished or not."""
         from ..job import choose_layouts
 
         asked = self._asked(scene, names, guess)
@@ -134,7 +135,7 @@ class BakeRequest:
     def _left(
         self, scene: bpy.types.Scene, names: Sequence[str], asked: tuple[Bake, ...], guess: bool
     ) -> tuple[Bake, ...]:
-        """Those of several objects, variants or parts that are not finished; errors as in `choices`."""
+        """The unfinished bakes among `asked`; raises as `choices` does."""
         from ..job.variants import left_to_do
 
         unsure = guess and may_lack_parts(scene, names, self.spec)
@@ -150,21 +151,21 @@ class BakeRequest:
         return found
 
     def left_out(self, scene: bpy.types.Scene, names: Sequence[str]) -> str:
-        """What to know of bakes that going on leaves out; empty if nothing. Raises InputError as `bakes`."""
+        """A remark on the bakes that resuming skips; empty if none. Raises InputError as `bakes`."""
         from ..job.variants import passed_over
 
         if not (self._goes_on(scene, names) and (self.spec.accumulate or self.spec.refresh)):
-            return ""  # without looking for parts
+            return ""  # decided without evaluating objects to find their parts
         asked = tuple(self._chosen(scene, names, guess=False))
         return passed_over(asked, self._left(scene, names, asked, guess=False))
 
     def layouts_told(self, scene: bpy.types.Scene, names: Sequence[str]) -> tuple[str, ...]:
-        """A line for each object that gets layout buckets though it was not chosen. Raises InputError."""
+        """A line for each object for which automatic chose layout buckets, and why. Raises InputError."""
         choices = self.choices(scene, names, guess=True)
         return tuple(dict.fromkeys(choice.told(name) for name, choice in choices if choice.reason))
 
     def _goes_on(self, scene: bpy.types.Scene, names: Sequence[str]) -> bool:
-        """Whether it goes on with those of several objects, variants or parts that are left to do."""
+        """Whether this resumes several objects, variants or parts: then only unfinished ones are baked."""
         split = self.spec.split is not None and self.spec.part is None
         several = len(self.specs(scene)) > 1 or split or (len(names) > 1 and self.shared is None)
         return self.resume and not self.overwrite and several
@@ -172,37 +173,37 @@ class BakeRequest:
     def _asked(
         self, scene: bpy.types.Scene, names: Sequence[str], guess: bool
     ) -> tuple[tuple[str, BakeSpec], ...]:
-        """All variants and parts, finished or not."""
+        """Atlas name and specification of every variant and part, finished or not."""
         specs = self.specs(scene)
         return tuple(bake for spec in specs for bake in bakes_of(scene, names, spec, self.shared, guess))
 
     def specs(self, scene: bpy.types.Scene) -> tuple[BakeSpec, ...]:
-        """The bake in all its variants. Raises InputError as `bakes` does."""
+        """The specification of each variant (frame or lamp). Raises InputError as `bakes` does."""
         if self.each_lamp:
             lights = each_light(find_view_layer(scene, None))
             return tuple(replace(self.spec, lights=one) for one in lights)
         return of_frames(self.spec, self.frames) or (self.spec,)
 
     def remedies(self, scene: bpy.types.Scene, names: Sequence[str], patience: float) -> dict[str, int]:
-        """Settings that, switched, would leave fewer errors than are foreseen now, and how many."""
+        """Settings that would reduce the number of errors if toggled, with the number of errors left."""
         present = self._errors_with((), scene, names, patience)
         for ways in ((("overwrite",), ("resume",)), (("overwrite", "resume"),)):
             left = {way: self._errors_with(way, scene, names, patience) for way in ways}
             found = {name: count for way, count in left.items() for name in way if count < present}
-            if not self._goes_on_with_some(scene, names):  # but with a finished one, for what it lacks
+            if not self._goes_on_with_some(scene, names):  # no unfinished bake to resume
                 found.pop("resume", None)
             if found:
                 return found
         return {}
 
     def forgets(self, scene: bpy.types.Scene, names: Sequence[str], patience: float) -> bool:
-        """Whether it would throw away an unfinished bake that one could go on with."""
+        """Whether this would discard an unfinished bake that could be resumed."""
         if self.resume or not self.overwrite or not self._unfinished(scene, names):
             return False
         return self._errors_with(("resume",), scene, names, patience) == 0
 
     def _unfinished(self, scene: bpy.types.Scene, names: Sequence[str]) -> int:
-        """How many of its bakes were begun and not finished."""
+        """How many of the requested bakes were started and not finished."""
         from ..bake.key import is_unfinished
         from ..job.files import OutputFiles
 
@@ -214,11 +215,11 @@ class BakeRequest:
         return sum(is_unfinished(one.unfinished) for one in files)
 
     def _goes_on_with_some(self, scene: bpy.types.Scene, names: Sequence[str]) -> bool:
-        """Whether resuming goes on with an unfinished bake, or with those of several that are not there."""
+        """Whether resuming would continue an unfinished bake, or bake the missing ones of several."""
         anew = replace(self, resume=True, overwrite=False)
         try:
             return anew._goes_on(scene, names) or self._unfinished(scene, names) > 0  # noqa: SLF001
-        except InputError:  # there is nothing to bake
+        except InputError:  # nothing can be baked
             return False
 
     def _errors_with(
@@ -228,15 +229,15 @@ class BakeRequest:
         request = replace(self, **values)
         try:
             request.bakes(scene, names, guess=True)
-        except InputError:  # one error, but of all: to go on where all is finished is no remedy
+        except InputError:  # nothing to bake: never a remedy
             return _HOPELESS if switched else 1
         return len(request.foreseen(scene, names, patience).errors)
 
 
 def output_folder(directory: str, instead: Path | None) -> Path:
-    """The folder that `directory` names; `instead` is for files that were never saved.
+    """The absolute path of `directory`; `instead` if that is empty, or relative to an unsaved file.
 
-    Raises InputError where there is none.
+    Raises InputError if neither can be used.
     """
     if directory.strip() and (bpy.data.filepath or not directory.startswith("//")):
         return Path(bpy.path.abspath(directory))
@@ -248,7 +249,7 @@ def output_folder(directory: str, instead: Path | None) -> Path:
 
 
 def has_folder(values: Mapping[str, Any]) -> bool:
-    """Whether bakes asked for by `values` have a place to go to."""
+    """Whether `values` or the preferences name a usable output folder."""
     try:
         output_folder(values["directory"], preferred().output)
     except InputError:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is chosen for a bake: the panel's, kept with the scene, and the operator's keyword arguments."""
+"""A bake's settings: stored with the scene for the panel, and keyword arguments of the bake operator."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .choices import (
 from .panel_state import mark_stale
 from .update_callbacks import NOTICED
 
-# Of the mixin below, in the panel's order.
+# Property names of the mixin below, in the panel's order.
 NAMES = (
     "kind",
     "view",
@@ -51,13 +51,13 @@ NAMES = (
 )
 
 
-_OWN_CELLS = "radtex_cells"  # of a scene's settings: numbers of cells that were chosen, by what has them
+_OWN_CELLS = "radtex_cells"  # custom property: the user's bucket size for each `_sort_of_cells`
 
 
 def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
-    """In the panel, kind and layout bring the cells that suit them, or were chosen for such before.
+    """Update callback of kind, layout and limit: restore the bucket size last used with them, or the default.
 
-    Keyword arguments mean what they say.
+    Only for the panel: an operator's keyword arguments are not adjusted.
     """
     if isinstance(settings, bpy.types.PropertyGroup):
         from .values import suited_bucket
@@ -68,7 +68,7 @@ def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
 
 
 def _keep_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
-    """Remember the number of cells for when such are asked for again."""
+    """Update callback: remember the bucket size for the current `_sort_of_cells`."""
     if isinstance(settings, bpy.types.PropertyGroup):
         known = dict(cast(Any, settings).get(_OWN_CELLS, {}))
         cast(Any, settings)[_OWN_CELLS] = known | {_sort_of_cells(settings): settings.bucket}
@@ -76,7 +76,7 @@ def _keep_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
 
 
 def _sort_of_cells(settings: BakeSettings) -> str:
-    """What has a number of cells of its own; `ao` has no cells, whose number is that of its rays' grid."""
+    """Key of the remembered bucket size; for `ao`, which has no buckets, that is its grid of rays."""
     if settings.kind in ("transfer", "ao"):
         return settings.kind
     if settings.kind in BUCKETS_ONLY or settings.atlas_layout == "buckets":
@@ -87,9 +87,9 @@ def _sort_of_cells(settings: BakeSettings) -> str:
 
 
 class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
-    """Not registered itself: the scene's settings and the operator take its properties."""
+    """Mixin with all bake properties, for the scene's settings and the operator; not registered itself."""
 
-    if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         kind: str
         view: str
         content: str
@@ -233,7 +233,7 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
             description="Cells along each side of a texel's bucket: more keep sharper reflections and "
             "highlights. In the Buckets layout, twice as many cost four times as much. Automatic takes other "
             "numbers than 6, 10, 14 and 18 for Buckets",
-            default=14,  # which suit the layout that is chosen for itself (`job.layout_choice`)
+            default=14,  # the default of the automatic layout (`job.layout_choice`)
             min=2,
             max=256,
             soft_max=32,

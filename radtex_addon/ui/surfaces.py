@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which surfaces go into which atlas: settings for it, and the bakes that come of them."""
+"""Settings that assign surfaces to atlases (shared or split), and the bakes that result."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from .update_callbacks import NOTICED
 if TYPE_CHECKING:
     from ..bake.spec import BakeSpec
 
-NAMES = ("together", "atlas_name", "split", "part")  # of the mixin below
+NAMES = ("together", "atlas_name", "split", "part")  # property names of the mixin below
 
 
 class SurfaceSettings:
-    """Not registered itself: the other settings take its properties."""
+    """Mixin with the properties of atlases; not registered itself."""
 
-    if TYPE_CHECKING:  # what an instance holds; Blender makes it from the annotations below
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         together: bool
         atlas_name: str
         split: str
@@ -56,7 +56,7 @@ class SurfaceSettings:
 
 
 def draw_surfaces(column: Any, settings: Any, several: bool, plain: bool) -> None:
-    """The settings, where they make a difference: for `several` objects, in the plain layout."""
+    """Draw the settings that apply; a shared atlas needs `several` objects and layout buckets (`plain`)."""
     if several and plain and settings.kind != "proxy":
         column.prop(settings, "together")
         if settings.together:
@@ -71,10 +71,11 @@ def draw_surfaces(column: Any, settings: Any, several: bool, plain: bool) -> Non
 def bakes_of(
     scene: bpy.types.Scene, names: Sequence[str], spec: BakeSpec, shared: str | None, guess: bool
 ) -> tuple[tuple[str, BakeSpec], ...]:
-    """What is baked of the objects, by the names of the atlases: one each, one for all, one for each part.
+    """Atlas name and specification of each bake: one for each object, for each part, or one for all.
 
-    Several share the atlas called `shared`, if that is not None. Parts are found by evaluating the objects;
-    to `guess` them is quick. Raises InputError for a shared atlas without a name, and what cannot be split.
+    If `shared` is not None, several objects share the atlas of that name. Parts are found by evaluating the
+    objects; with `guess` they are taken from the material slots, which is quick. Raises InputError for a
+    shared atlas without a name, and for objects that cannot be split.
     """
     from ..core.errors import InputError
     from ..job import part_specs
@@ -92,7 +93,7 @@ def bakes_of(
 
 
 def shared_name(values: Mapping[str, Any], spec: BakeSpec) -> str | None:
-    """What the atlas is called that all objects share; None where each has its own."""
+    """Name of the atlas that all objects share; None if each object has its own."""
     from ..bake.spec import Kind, Layout
 
     fits = spec.layout is Layout.BUCKETS and spec.kind is not Kind.PROXY
@@ -101,12 +102,12 @@ def shared_name(values: Mapping[str, Any], spec: BakeSpec) -> str | None:
 
 
 def have_own_atlases(values: Mapping[str, Any], spec: BakeSpec, count: int) -> bool:
-    """Whether each of `count` objects has one atlas, all its own."""
+    """Whether each of `count` objects has exactly one atlas, not shared."""
     return spec.split is None and (count < 2 or shared_name(values, spec) is None)
 
 
 def may_lack_parts(scene: bpy.types.Scene, names: Sequence[str], spec: BakeSpec) -> bool:
-    """Whether there may be parts that a guess does not know: tiles, what nodes make, and empty slots."""
+    """Whether a guess may miss parts: UDIM tiles, materials set by geometry nodes, and empty slots."""
     from ..bake.spec import Split
     from ..scene.objects import find_object
 
@@ -121,7 +122,7 @@ def _may_lack(item: bpy.types.Object) -> bool:
 
 
 def _guessed(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> Iterable[BakeSpec]:
-    """The parts as the objects' slots have it, or the first tile, without evaluating anything."""
+    """One specification for each material in the objects' slots, or for the first tile; evaluates nothing."""
     from ..bake.parts import FIRST_TILE
     from ..bake.spec import Split
     from ..scene.objects import find_object

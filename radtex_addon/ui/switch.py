@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The switch between objects and their bakes, and the shading in which one sees the difference."""
+"""Draw the buttons that show a bake instead of its object, and those that change the viewport shading."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import bpy
 from .labels import iface_
 from .messages import draw_text
 
-LARGE = 1.5  # of a button that is the next step: times another's height
-_BLIND = ("WIREFRAME", "SOLID")  # shadings that know no materials
+LARGE = 1.5  # height of the button for the next step, relative to a normal button
+_BLIND = ("WIREFRAME", "SOLID")  # viewport shadings that do not show materials
 
 
 def draw_switch(layout: Any, item: bpy.types.Object | None) -> Any:
-    """The button, pressed where the bake of `item` is shown; returns its operator's properties."""
+    """Draw the preview button, pressed if the bake of `item` is shown; returns its operator's properties."""
     from ..preview.swap import is_on
 
     pressed = item is not None and is_on(item)
@@ -26,7 +26,7 @@ def draw_switch(layout: Any, item: bpy.types.Object | None) -> Any:
 
 
 def draw_layers(layout: Any, item: bpy.types.Object | None) -> None:
-    """A menu of layers to show alone, where the bake of `item` is shown and has some."""
+    """Draw a menu to show a single layer, if the bake of `item` is shown and has layers."""
     from ..preview.swap import copy_of
     from ..preview.variant import kept_variant
 
@@ -36,14 +36,14 @@ def draw_layers(layout: Any, item: bpy.types.Object | None) -> None:
 
 
 def draw_show(layout: Any) -> Any:
-    """The button that shows one of several bakes of an object; returns its operator's properties."""
+    """Draw a button that shows one of several bakes of an object; returns its operator's properties."""
     switch = layout.operator("radtex.preview_toggle", icon="HIDE_OFF")
     switch.action = "ON"
     return switch
 
 
 def draw_shading(layout: Any, space: bpy.types.Space | None) -> None:
-    """Blender's shading buttons, where a bake that is shown cannot be seen for the shading."""
+    """Draw Blender's shading buttons if the current shading does not show materials, and so no bake."""
     if not isinstance(space, bpy.types.SpaceView3D) or space.shading.type not in _BLIND:
         return
     draw_text(layout, iface_("Seen in these shadings only:"), "INFO")

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Steps to undo that operators push themselves.
+"""Push undo steps from operators.
 
-Blender pushes one where an operator with the option UNDO was clicked, but none where a script called it: data
-that came and went unnoticed makes it crash at a later undo. So operators that change the file have no such
-option, and push their step by whatever way they were called.
+Blender pushes an undo step when the user clicks an operator with the option UNDO, but not when a script calls
+it. Data-blocks created or removed without an undo step make Blender crash at a later undo. So operators
+that change the file do not set UNDO, and always push the step themselves.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ import bpy
 
 
 def push_step(message: str) -> None:
-    """Make what was done till now one step to undo, called `message`."""
+    """Push an undo step called `message` for all changes since the last one."""
     with in_a_window():
         bpy.ops.ed.undo_push(message=message)
 
 
 @contextmanager
 def in_a_window() -> Iterator[None]:
-    """A context for operators that want a window, which timers have none of."""
-    context: Any = bpy.context  # to the stubs, an override is no context manager
+    """Context manager that sets a window for operators that need one: timers run without a window."""
+    context: Any = bpy.context  # the stubs do not type temp_override as a context manager
     windows = context.window_manager.windows
     if context.window is not None or not windows:
         yield

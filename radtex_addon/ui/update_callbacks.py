@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What settings have in common: the panel shows what is no longer so, once one of them has changed."""
+"""Update callback that settings share: a change makes the panel's cached outlook stale."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from .panel_state import mark_stale
 
 
 def notice(_: Any, __: bpy.types.Context) -> None:
-    """Of what scripts change, Blender tells no handler."""
+    """Mark the panel's state stale: Blender calls no handler when a script changes a property."""
     mark_stale()
 
 
-NOTICED: dict[str, Any] = {"update": notice, "options": {"SKIP_SAVE"}}  # of a property
+NOTICED: dict[str, Any] = {"update": notice, "options": {"SKIP_SAVE"}}  # arguments of a property

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings as values by name, and the specification that they make."""
+"""Settings as a dict of values by name, and the bake specification made from them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..job import OpenLayout
 
 _MEGABYTE = 1e6
-_BUCKET_NAMED = "bucket_named"  # among values: the cells were said, be they those that suit or not
+_BUCKET_NAMED = "bucket_named"  # key in values: true if the number of cells was given explicitly
 
 
 def values_of(settings: BakeSettings) -> dict[str, Any]:
@@ -27,7 +27,10 @@ def values_of(settings: BakeSettings) -> dict[str, Any]:
 
 
 def values_with(settings: BakeSettings, arguments: BakeSettings, given: Iterable[str]) -> dict[str, Any]:
-    """A scene's settings, but for the `arguments` that were `given`; a layout brings its cells."""
+    """A scene's settings, overridden by the names in `given` from `arguments`.
+
+    If kind, layout, limit, budget or target is overridden but not the cells, the cells get the new default.
+    """
     named = set(given)
     values = values_of(settings) | {name: getattr(arguments, name) for name in NAMES if name in named}
     if "atlas_layout" not in named and values["atlas_layout"] == "auto":
@@ -40,7 +43,7 @@ def values_with(settings: BakeSettings, arguments: BakeSettings, given: Iterable
 
 
 def _size_shared(values: dict[str, Any], named: set[str]) -> None:
-    """A size or a quality that is given without a layout is the shared one's."""
+    """Select the shared layout if a size or quality limit is given without a layout; else set no limit."""
     if "limit" not in named:
         values["limit"] = next((name for name in ("budget", "target") if name in named), "none")
     if values["limit"] != "none":
@@ -48,9 +51,9 @@ def _size_shared(values: dict[str, Any], named: set[str]) -> None:
 
 
 def open_layout_of(values: Mapping[str, Any]) -> OpenLayout | None:
-    """What is to be settled of the layout; None where one was chosen, or the kind has but one.
+    """The automatic layout choice to make; None if a layout was chosen, or the kind has only one.
 
-    The number of cells that the panel brings by itself was not chosen.
+    The default number of cells that the panel sets does not count as the user's choice.
     """
     from ..job import OpenLayout
 
@@ -62,7 +65,7 @@ def open_layout_of(values: Mapping[str, Any]) -> OpenLayout | None:
 
 
 def suited_bucket(kind: str, layout: str, limit: str) -> int:
-    """Cells along a bucket's side where nobody says."""
+    """Default bucket size for this kind, layout and limit, in cells along a side."""
     if kind in BUCKETS_ONLY:
         return BakeSpec(texels=1, kind=parse_kind(kind)).bucket
     if layout == "auto":
@@ -75,9 +78,9 @@ def suited_bucket(kind: str, layout: str, limit: str) -> int:
 
 
 def spec_of(values: Mapping[str, Any]) -> BakeSpec:
-    """What to bake, without where to; in layout buckets where `open_layout_of` leaves the layout open.
+    """The bake specification of the settings; in layout buckets if `open_layout_of` is not None.
 
-    Raises InputError for what cannot be.
+    Raises InputError for invalid settings.
     """
     wishes = preferred()
     open_layout = open_layout_of(values)
@@ -93,7 +96,7 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
         kind=values["kind"],
         layout=layout,
         texels=values["texels"],
-        bucket=cast(int, cells),  # None is for the specification to settle
+        bucket=cast(int, cells),  # None lets BakeSpec use its default
         samples=values["samples"],
         seed=values["seed"],
         uv_layer=values["uv_layer"] or None,
