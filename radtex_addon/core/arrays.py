@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names for the arrays that travel through RadTex, and the one check that each of them gets."""
+"""Types of the arrays used throughout RadTex, and the check of their shape and type."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def as_floats(name: str, values: npt.ArrayLike, components: int) -> Floats:
     """`values` as a float array of shape (..., components).
 
     float32 and float64 stay as they are, everything else becomes float64.
-    Raises ShapeError, with `name`, for another last axis or values that are not real numbers.
+    Raises ShapeError, with `name` in the message, for another last axis or values that are not real numbers.
     """
     array = np.asarray(values)
     if array.dtype.kind not in "fiu":

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Matrix products whose bits do not depend on how many cores there are."""
+"""Matrix products whose results do not depend on the number of cores."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from pathlib import Path
 
 import numpy as np
 
-# As OpenBLAS calls them, NumPy's wheels, and builds for long indices.
+# OpenBLAS's function names: "scipy_" is the prefix in NumPy's wheels, "64_" the suffix for 64-bit indices.
 _NAMES = [f"{first}openblas_{{}}_num_threads{last}" for first in ("scipy_", "") for last in ("64_", "")]
 
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Let NumPy's OpenBLAS work in one thread, and as before afterwards; another BLAS is left alone.
+    """Limit NumPy's OpenBLAS to one thread, and restore its setting at exit; other BLAS are left alone.
 
-    It cuts matrices into as many pieces as it has threads, and adds up otherwise along the cuts.
+    OpenBLAS cuts matrices into one piece per thread, so that rounding depends on the number of threads.
     """
     openblas = _openblas()
     if openblas is None:
@@ -36,10 +36,10 @@ def one_blas_thread() -> Iterator[None]:
 
 
 def _openblas() -> tuple[ctypes.CDLL, str] | None:
-    """The library, and what its functions are called; None where NumPy has none."""
+    """The OpenBLAS library and the pattern of its function names; None if NumPy uses no OpenBLAS."""
     linked = import_module("numpy.linalg._umath_linalg").__file__
     beside = Path(np.__file__).parent.with_name("numpy.libs").glob("*openblas*.dll")
-    for path in (linked, *beside):  # Windows does not look names up in what a library is linked to
+    for path in (linked, *beside):  # Windows does not search a library's dependencies for names
         with suppress(OSError, TypeError):
             library = ctypes.CDLL(str(path))
             for name in _NAMES:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Linear colour spaces that a .blend may work in, and how their colours become Rec.709."""
+"""The linear working spaces of .blend files, and their conversion to Rec.709."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _BRADFORD = np.array([(0.8951, 0.2664, -0.1614), (-0.7502, 1.7135, 0.0367), (0.0
 def matrix_to_rec709(space: str) -> Floats:
     """(3, 3) float32 from colours of one of the KNOWN spaces to Rec.709; white stays white.
 
-    By SMPTE RP 177 from the primaries, and Bradford's adaptation between whites, as OpenColorIO has it.
+    By SMPTE RP 177 from the primaries, with Bradford adaptation of the white point, as in OpenColorIO.
     """
     source, white = _to_xyz(_CHROMATICITIES[space])
     target, wanted = _to_xyz(REC_709)
@@ -31,10 +31,10 @@ def matrix_to_rec709(space: str) -> Floats:
 
 
 def converted(colours: Floats, matrix: Floats | None) -> Floats:
-    """Colours (..., 3) by a matrix (3, 3); None leaves them as they are."""
+    """Colours (..., 3) multiplied by a matrix (3, 3), or unchanged if it is None."""
     if matrix is None:
         return colours
-    # channel by channel: what a matrix product makes of a colour may depend on how many there are
+    # channel by channel: a matrix product may round a colour differently depending on the number of colours
     red, green, blue = np.moveaxis(colours, -1, 0)
     mixed = [row[0] * red + row[1] * green + row[2] * blue for row in matrix.astype(colours.dtype)]
     return np.stack(mixed, axis=-1)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Commands in messages, so that a shell into which they are copied calls what is meant, and nothing else."""
+"""Quote commands in messages, so that they can be pasted safely into a shell."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ import shlex
 import sys
 from collections.abc import Sequence
 
-_PLAIN = re.compile(r"[\w@%+=:,./-]+", re.ASCII)  # what no shell of POSIX looks at, as shlex has it
-_WINDOWS_PLAIN = re.compile(r"[\w@+:./\\-]+", re.ASCII)  # of what neither PowerShell nor cmd looks at
+_PLAIN = re.compile(r"[\w@%+=:,./-]+", re.ASCII)  # safe unquoted in POSIX shells, as in shlex
+_WINDOWS_PLAIN = re.compile(r"[\w@+:./\\-]+", re.ASCII)  # safe unquoted in PowerShell and cmd
 
 
 def quoted(words: Sequence[str], windows: bool = sys.platform == "win32") -> str:
-    r"""A line for a shell: POSIX's, or `windows`'s PowerShell, where the program's name stays bare.
+    r"""A command line for a POSIX shell, or for PowerShell with `windows`.
 
-    What would end a line, or drive a terminal, is $'\012' and the like on POSIX; Windows has no such file
-    names. cmd, the older shell there, knows no single quotes: in it, names with spaces want double ones.
+    In PowerShell a quoted program name would not run, so the program's name should need no quotes. Line
+    breaks and control characters are escaped as in $'\012' on POSIX; Windows has no such file names. In cmd,
+    which does not understand single quotes, names with spaces need double quotes instead.
     """
     return " ".join(_windows_word(word) if windows else _word(word) for word in words)
 
@@ -32,7 +33,7 @@ def _word(word: str) -> str:
 
 
 def _escaped(character: str) -> str:
-    """A character as bash's, zsh's and POSIX 2024's $'…' has it, byte by byte if it is not printable."""
+    """Escape a character for $'…' (bash, zsh, POSIX 2024): each byte in octal if it is not printable."""
     if character.isprintable():
         return character
     how = "surrogateescape" if "\udc80" <= character <= "\udcff" else "surrogatepass"

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shared layout condensed: texels that are alike share a few buckets, of which each texel is a mixture.
+"""The condensed form of the shared layout: a cluster of similar texels shares a few buckets, which they mix.
 
     bucket(texel) = base[cluster(texel), 0] + sum over k of  weight(texel, k) base[cluster(texel), k]
 
-Shift, spread, gain and rest have the same clusters and weights. A lookup blends buckets linearly, so it may
-blend the mixtures instead: what is looked up in a condensed atlas is what is looked up in the expanded one.
+Shift, spread, gain and rest use the same clusters and weights. Lookups blend buckets linearly, so a lookup in
+a condensed atlas gives the same result as one in the expanded atlas.
 Sloan et al., "Clustered Principal Components for Precomputed Radiance Transfer" (2003).
 """
 
@@ -25,8 +25,8 @@ class CondensedLobe:
     """A lobe whose texels belong to C clusters of 1 + r buckets each.
 
     `cluster` (H, W) int32, 0 to C - 1; `weights` (H, W, r) float32. `ends` (C, 1 + r, n, n, 4), `gain` and
-    `rest` (C, 1 + r, n, n, 3) float32, the first of each cluster taken wholly. Raises ShapeError if shapes do
-    not fit, or a cluster is named that is not there.
+    `rest` (C, 1 + r, n, n, 3) float32; the first bucket of each cluster always has the weight 1. Raises
+    ShapeError if shapes do not fit, or a value of `cluster` is out of range.
     """
 
     axis: Axis
@@ -54,7 +54,7 @@ class CondensedLobe:
 
     @property
     def rank(self) -> int:
-        """How many weights a texel has."""
+        """Number of weights of a texel."""
         return int(self.ends.shape[1]) - 1
 
     def expanded(self) -> Lobe:
@@ -74,7 +74,7 @@ class CondensedLobe:
 
 @dataclass(frozen=True, eq=False)
 class CondensedAtlas:
-    """As `SharedAtlas`, but for its lobes."""
+    """Like `SharedAtlas`, but with condensed lobes."""
 
     colour: Floats
     irradiance: Floats

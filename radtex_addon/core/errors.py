@@ -1,19 +1,19 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every error that RadTex raises on purpose: one line that names the thing and says what to do."""
+"""The errors that RadTex raises on purpose: one line that names the object, file or value and the remedy."""
 
 from __future__ import annotations
 
 from .printable import printable
 
-_HEAD, _TAIL = 4500, 500  # characters of a message that quotes something endless
+_HEAD, _TAIL = 4500, 500  # characters kept from the start and the end of an overlong message
 
 
 class RadTexError(Exception):
-    """Root of our errors; `exit_code` is what the batch leaves with.
+    """Base class of our errors; `exit_code` is the exit status of the batch.
 
-    Whatever names the message quotes, it is one line: what would end it, or drive a terminal, is escaped. Of
-    one that is longer than any path the middle is left out.
+    The message is always one line: line breaks and terminal control characters in quoted names are escaped.
+    The middle of an overlong message (more than any path has) is left out.
     """
 
     exit_code = 2
@@ -29,11 +29,11 @@ class InputError(RadTexError):
 
 
 class MemoryLimitError(InputError):
-    """What was asked for needs more memory than the machine has, or than is allowed."""
+    """The job needs more memory than the machine has, or than the user allows."""
 
 
 class FormatError(RadTexError):
-    """A file is not what it should be."""
+    """A file is missing, damaged, or of another format or bake than expected."""
 
 
 class ShapeError(RadTexError, ValueError):

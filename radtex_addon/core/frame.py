@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The surface frame (T, Bt, N) at a fragment, chosen the same way by the bake and by every shader."""
+"""The surface frame (T, Bt, N) at a fragment, computed in the same way by the bake and by every shader."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from .arrays import Floats, as_floats
 from .errors import ShapeError
 
-DEGENERATE = 1e-8  # squared sine of the angle between T and N below which T is no direction
+DEGENERATE = 1e-8  # T is degenerate if the squared sine of its angle to N is smaller
 
 
 def _dot(a: Floats, b: Floats) -> Floats:
@@ -35,7 +35,7 @@ def orthonormal_frame(normal: Floats, tangent: Floats, sign: Floats) -> tuple[Fl
     """(T, Bt, N) from interpolated normals and tangents (..., 3) and bitangent signs (...): (..., 3) each.
 
     Vectors may have any length. N and T are normalised, T is made orthogonal to N and normalised again,
-    Bt = sign * cross(N, T); a degenerate T gives way to `fallback_tangent`. Raises ShapeError where the signs
+    Bt = sign * cross(N, T); a degenerate T is replaced by `fallback_tangent`. Raises ShapeError if the signs
     do not fit the normals.
     """
     normal = normalised(as_floats("normal", normal, 3))

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The gutter: texels that no island touches take the value of the nearest one that does.
+"""The gutter: texels that no island touches get the value of the nearest covered texel.
 
-Without it, bilinear lookups across an island's edge would see black.
+Without this dilation, bilinear lookups across an island's edge would see black.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ import numpy.typing as npt
 from .arrays import Bools, Floats, Ints
 from .errors import InputError, ShapeError
 
-LEAST_AGREEMENT = 0.85  # another UV layer's gutter agrees less with a bake
+LEAST_AGREEMENT = 0.85  # with a lower `gutter_agreement` a bake belongs to another UV layer
 
-_LOOKED_AT = 4096  # of the gutter's texels
+_LOOKED_AT = 4096  # gutter texels are sampled, about so many of them
 
 Nearest: TypeAlias = tuple[Ints, Ints]
 
 
 def nearest_covered(covered: Bools) -> Nearest:
-    """For every texel the nearest covered one: rows j and columns i, (H, W) int32 both.
+    """The nearest covered texel of every texel: rows j and columns i, (H, W) int32 both.
 
-    `covered` is (H, W). Distances are Euclidean, in texels, and exact; of equally near texels the one of the
-    lowest column, then of the lowest row is taken. A covered texel is its own nearest.
+    `covered` is (H, W). Distances are Euclidean, in texels, and exact; between equally near texels the lowest
+    column wins, then the lowest row. A covered texel is its own nearest.
     Raises InputError if no texel is covered, ShapeError for another number of axes.
 
     Meijster, Roerdink and Hesselink, "A General Algorithm for Computing Distance Transforms in Linear Time"
-    (2000): along columns first, then along rows; here all rows go in step, one numpy call for each column.
+    (2000): along columns first, then along rows; here all rows at once, one numpy call for each column.
     """
     if covered.ndim != 2:
         raise ShapeError(f"covered: expected shape (H, W), got {covered.shape}")
@@ -53,17 +53,17 @@ def dilate(values: npt.NDArray[Any], nearest: Nearest) -> npt.NDArray[Any]:
     if values.shape[:2] != j.shape:
         raise ShapeError(f"values: expected shape {(*j.shape, '...')}, got {values.shape}")
     columns = np.arange(j.shape[1])
-    for row in range(j.shape[0]):  # row by row, for an atlas may be as large as memory
+    for row in range(j.shape[0]):  # row by row, since an atlas may be as large as memory
         gutter = np.flatnonzero((j[row] != row) | (i[row] != columns))
         values[row, gutter] = values[j[row, gutter], i[row, gutter]]
     return values
 
 
 def gutter_agreement(covered: Bools, texels: Floats, loss: float = 0.0) -> float:
-    """How well a UV layer, which has these texels `covered` (H, W), agrees with a bake's `texels` (H, W, K).
+    """How well a UV layer that covers the texels `covered` (H, W) agrees with a bake's `texels` (H, W, K).
 
-    The share of the gutter's values that are copies of the nearest covered texel's, 0 to 1; they may differ
-    by `loss`, over the larger. Raises ShapeError if the sizes differ.
+    Returns the share of the gutter's values that are copies of the nearest covered texel's, 0 to 1. Values
+    count as copies if they differ by at most `loss` times the larger. Raises ShapeError if the sizes differ.
     """
     if texels.shape[:2] != covered.shape:
         raise ShapeError(f"texels: expected shape {(*covered.shape, '...')}, got {texels.shape}")
@@ -81,7 +81,7 @@ def gutter_agreement(covered: Bools, texels: Floats, loss: float = 0.0) -> float
 
 
 def _nearest_in_column(covered: Bools) -> Ints:
-    """Row of the nearest covered texel of the column, the lower of two; of an empty column any row."""
+    """Row of the nearest covered texel in the same column, the lower of two; any row in an empty column."""
     height = len(covered)
     rows = np.arange(height, dtype=np.int32)[:, None]
     far = np.int32(2 * height)
@@ -92,10 +92,10 @@ def _nearest_in_column(covered: Bools) -> Ints:
 
 
 def _nearest_column(gap: Ints) -> Ints:
-    """For every texel the column i' of least (i - i')^2 + gap^2; `gap` (W, H), the result (H, W).
+    """For every texel the column i' with the least (i - i')^2 + gap^2; `gap` (W, H), the result (H, W).
 
-    The lower envelope of each row's parabolas: `column[q]` is the q-th one's, `start[q]` where it begins to
-    be the lowest, `top` the index of the last.
+    Builds the lower envelope of each row's parabolas: parabola q belongs to `column[q]` and is the lowest
+    from `start[q]` on; `top` is the last q.
     """
     width, height = gap.shape
     square = gap.astype(np.int64) ** 2

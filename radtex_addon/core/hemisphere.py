@@ -4,8 +4,7 @@
 
 Fober, "Radiance Textures for Rasterizing Ray-Traced Data" (2023), section "Methodology". Vectors lie on the
 last axis and are unit vectors; `incidence` points from the surface towards the viewer, in the surface frame
-(T, Bt, N) unless a function says otherwise. float32 stays float32, and a NaN comes out only where one went
-in.
+(T, Bt, N) unless a function says otherwise. float32 stays float32; results are NaN only for NaN inputs.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ import numpy as np
 from .arrays import Floats, as_floats
 from .errors import ShapeError
 
-_TINY = 1e-30  # keeps 0/0 away; no unit vector is disturbed by it
+_TINY = 1e-30  # avoids 0/0; too small to change the result for a unit vector
 
 
 def _dot(a: Floats, b: Floats) -> Floats:
@@ -24,7 +23,7 @@ def _dot(a: Floats, b: Floats) -> Floats:
 
 
 def _length(v: Floats) -> Floats:
-    """Length of 2-vectors without underflow, shape (..., 1): |B| = 1e-30 is not 0."""
+    """Length of 2-vectors, shape (..., 1), without underflow: |B| = 1e-30 does not become 0."""
     length: Floats = np.hypot(v[..., 0], v[..., 1])[..., None]
     return length
 
@@ -38,7 +37,7 @@ def equisolid(incidence: Floats) -> Floats:
     """Project directions in the frame onto the unit disc, equal area: (..., 3) -> A (..., 2).
 
     A = sqrt(2) I.xy / |I + (0,0,1)|, which for a unit I is I.xy / sqrt(1 + I.z); |A| = sqrt(2) sin(theta/2).
-    Directions below the horizon land on the rim at their own azimuth, and I = -N, which has none, at A = 0.
+    Directions below the horizon are clamped to the rim at their azimuth; I = -N has no azimuth: A = 0.
     """
     incidence = as_floats("incidence", incidence, 3)
     a = incidence[..., :2] / np.sqrt(np.maximum(1 + incidence[..., 2:], _TINY))
@@ -47,10 +46,10 @@ def equisolid(incidence: Floats) -> Floats:
 
 
 def equisolid_inverse(a: Floats) -> Floats:
-    """Direction in the frame of a point of the unit disc: A (..., 2) -> I (..., 3).
+    """Direction in the frame for a point of the unit disc: A (..., 2) -> I (..., 3).
 
-    I = (A.x q, A.y q, 1 - |A|^2), q = sqrt(2 - |A|^2). Beyond the disc (|A| > 1) the direction lies below
-    the horizon; beyond sqrt(2) there is none, and q stops at 0.
+    I = (A.x q, A.y q, 1 - |A|^2), q = sqrt(2 - |A|^2). Outside the disc (|A| > 1) the direction lies below
+    the horizon; for |A| > sqrt(2) there is no direction, and q is clamped to 0.
     """
     a = as_floats("A", a, 2)
     r2 = _dot(a, a)
@@ -58,7 +57,7 @@ def equisolid_inverse(a: Floats) -> Floats:
 
 
 def equisolid_half(incidence: Floats, tangent: Floats, bitangent: Floats, normal: Floats) -> Floats:
-    """The same projection of directions in any space, by the half vector: (..., 3) four times -> A (..., 2).
+    """`equisolid` for vectors in any space, by the half vector: four times (..., 3) -> A (..., 2).
 
     H = normalize(I + N), A = sqrt(2) (H.T, H.Bt); H.N = cos(theta/2). Horizon and I = -N as in `equisolid`.
     """
@@ -70,7 +69,7 @@ def equisolid_half(incidence: Floats, tangent: Floats, bitangent: Floats, normal
 
 
 def equisolid_half_inverse(a: Floats, tangent: Floats, bitangent: Floats, normal: Floats) -> Floats:
-    """Direction in the space of the frame's vectors: A (..., 2), frame (..., 3) each -> I (..., 3).
+    """Inverse of `equisolid_half`, in the space of the frame: A (..., 2), frame (..., 3) each -> I (..., 3).
 
     H = (A.x T + A.y Bt) / sqrt(2) + sqrt(1 - |A|^2 / 2) N, I = 2 (H.N) H - N.
     """
@@ -106,12 +105,12 @@ def direction_to_square(incidence: Floats) -> Floats:
 
 
 def square_to_direction(b: Floats) -> Floats:
-    """Direction in the frame of bucket coordinates: B (..., 2) -> I (..., 3)."""
+    """Directions in the frame for bucket coordinates: B (..., 2) -> I (..., 3)."""
     return equisolid_inverse(square_to_disc(b))
 
 
 def mirror_direction(incidence: Floats) -> Floats:
-    """Where a mirror sends a ray that arrives from I, in the frame: R = (-I.x, -I.y, I.z), (..., 3) both."""
+    """Mirror direction of I in the frame: R = (-I.x, -I.y, I.z), both (..., 3)."""
     incidence = as_floats("incidence", incidence, 3)
     mirrored: Floats = incidence * np.array([-1, -1, 1], dtype=incidence.dtype)
     return mirrored

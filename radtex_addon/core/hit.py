@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rays that end in an atlas: what a ray finds where it hits a baked surface, instead of being traced on.
+"""Radiance for rays that hit a baked surface, looked up in its atlas instead of traced further.
 
-The surface shows a ray what it would show a viewer where the ray comes from. At a slant a smooth normal turns
-away from rays that do hit the front: these take the rim, the light that leaves at grazing angles. A ray that
-meets a facet's back is no hit; of a closed object none does that comes from outside.
+A ray gets the radiance that a viewer at its origin would see. At grazing angles an interpolated normal may
+point away from a ray that hits the facet's front: such a ray gets the value at the horizon. A ray that meets
+a facet's back is not a hit; on a closed object that never happens to rays from outside.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ def sample_hit(
     sign: Floats,
     kind: Filter,
 ) -> Floats:
-    """Radiance that rays find where they hit the surface, (K, C).
+    """Radiance for rays at their hit points on the surface, (K, C).
 
-    `image`, `uv` (K, 2) and `kind` as in `sampler.sample`. `ray`, which leads to the surface, `normal` and
-    `tangent` (K, 3), in one space, of any length but zero, and `sign` (K,), the bitangent's, as in
+    `image`, `uv` (K, 2) and `kind` as in `sampler.sample`. `ray` points towards the surface; `ray`, `normal`
+    and `tangent` (K, 3) are in the same space, of any length but zero. `sign` (K,) is the bitangent's, as in
     `frame.orthonormal_frame`. Raises ShapeError for shapes that do not fit.
     """
     ray = as_floats("ray", ray, 3)
@@ -43,14 +43,14 @@ def sample_hit(
 
 
 def sample_shared_hit(atlas: SharedAtlas, uv: Floats, normal: Floats, ray: Floats) -> Floats:
-    """The same of the shared layout, (K, 3) float32: unit `normal` and unit `ray` (K, 3) in world space."""
+    """`sample_hit` for the shared layout, (K, 3) float32; unit `normal` and `ray` (K, 3) in world space."""
     return sample_shared(atlas, uv, normal, hit_viewer(ray, normal))
 
 
 def hit_viewer(ray: Floats, normal: Floats) -> Floats:
-    """Unit directions to the viewers whose places rays take, on or above the horizon; all (K, 3), unit.
+    """Unit directions from the surface back along rays, clamped to the horizon; all (K, 3), unit.
 
-    A ray along the normal itself comes from no side, and gives what rounding makes of zero.
+    A ray exactly along the normal (from behind) has no azimuth: its result is zero or rounding noise.
     """
     along = np.sum(as_floats("ray", ray, 3) * normal, axis=-1, keepdims=True)
     return normalised(np.maximum(along, 0) * normal - ray)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keeping points off the edges of their triangles.
+"""Keep points away from the edges of their triangles.
 
-A ray that is aimed exactly at an edge hits or misses by the luck of rounding. Inside a mesh the neighbour
-catches it, but along the rim of an open one (a card, a leaf, a floor) texels would show what lies behind.
+Whether a ray aimed exactly at an edge hits depends on rounding. Inside a mesh the neighbouring triangle
+catches the ray, but along the border of an open mesh (a card, a leaf, a floor) it would see what lies behind.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from .arrays import Floats
 from .surface import SurfaceMesh
 from .texel_map import TexelMap
 
-_CHUNK = 1 << 18  # texels in hand at once
+_CHUNK = 1 << 18  # texels processed at once
 
 
 def inset(texels: TexelMap, surface: SurfaceMesh, distance: float | Floats) -> TexelMap:
     """The texel map of `surface` with each position at least `distance` away from its triangle's edges.
 
-    `distance` is in world units, one for all or one for each triangle, (F,). Points that are far enough stay
-    to the bit, and so do those of triangles without area; a triangle too small for the distance is met in its
-    middle. Frames stay as they are.
+    `distance` is in world units, a scalar or one for each triangle, (F,). Points that are far enough away,
+    and those of triangles without area, are not changed at all; in a triangle too small for the distance the
+    point moves towards the middle. Frames stay as they are.
     """
     covered = np.flatnonzero(texels.covered)
     distances = np.broadcast_to(np.asarray(distance, dtype=np.float64), (len(surface.triangles),))
@@ -40,9 +40,10 @@ def inset(texels: TexelMap, surface: SurfaceMesh, distance: float | Floats) -> T
 
 
 def _weights(point: Floats, corner: Floats, distance: Floats) -> tuple[Floats, Floats]:
-    """Barycentric weights (K, 3) of points (K, 3) in triangles (K, 3, 3), and of those `distance` off edges.
+    """Barycentric weights (K, 3) of points (K, 3) in triangles (K, 3, 3), and the least ones allowed.
 
-    A corner's weight is the point's distance from the opposite edge over the corner's own: its altitude.
+    A corner's weight is the point's distance from the opposite edge over the corner's (its altitude), so the
+    least one is `distance` over the altitude.
     """
     ahead, behind = np.roll(corner, -1, axis=1), np.roll(corner, -2, axis=1)
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])[:, None]
@@ -57,7 +58,7 @@ def _weights(point: Floats, corner: Floats, distance: Floats) -> tuple[Floats, F
 
 
 def _at_least(weight: Floats, least: Floats) -> Floats:
-    """Weights (K, 3) raised to `least`, at the cost of those that are above, so that they sum to 1 again."""
+    """Raise weights (K, 3) to `least` and lower those above it, so that they sum to 1 again."""
     above = np.maximum(weight - least, 0)
     total, left = above.sum(axis=1, keepdims=True), 1 - least.sum(axis=1, keepdims=True)
     raised: Floats = least + above * np.divide(left, total, out=np.zeros_like(left), where=total > 0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Islands of a UV layer: which triangles hang together, which overlap, and where."""
+"""Islands of a UV layer: which triangles are connected, which overlap, and where."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ EDGE_MARGIN = 1e-6  # in grid cells: a sample this close to an edge lies inside 
 class Overlap:
     """How much of a UV layer is covered more than once.
 
-    `fraction` of the covered area, the deepest place's uv, and how many triangles lie there.
+    `fraction` is the share of the covered area that has more than one triangle. `worst_uv` is the point with
+    the most triangles, `depth` their number.
     """
 
     fraction: float
@@ -30,7 +31,7 @@ class Overlap:
 
 
 def weld(rows: Floats | Ints) -> Ints:
-    """For each row of (N, C) the number of the first kind of equal rows: (N,) int64, 0 and -0 being equal."""
+    """Label the rows of (N, C) so that equal rows get equal labels: (N,) int64; 0 and -0 are equal."""
     table: npt.NDArray[Any] = np.asarray(rows)
     if table.ndim != 2:
         raise ShapeError(f"weld: expected shape (N, C), got {table.shape}")
@@ -89,7 +90,7 @@ def surface_areas(corners: Floats) -> Floats:
 def find_overlap(uv: Floats, resolution: int = 1024) -> Overlap:
     """Overlap of uv triangles (F, 3, 2) within the unit square, found at resolution² sample points.
 
-    A point counts for every triangle that holds it strictly inside, so that shared edges never overlap.
+    A point counts for every triangle that contains it strictly, so that shared edges never overlap.
     """
     depth = coverage_depth(uv, resolution)
     covered = int(np.count_nonzero(depth))
@@ -100,7 +101,7 @@ def find_overlap(uv: Floats, resolution: int = 1024) -> Overlap:
 
 
 def coverage_depth(uv: Floats, resolution: int) -> Ints:
-    """How many triangles hold each sample point strictly inside: (resolution, resolution) int32.
+    """How many triangles contain each sample point strictly: (resolution, resolution) int32.
 
     Points lie at the centres of a grid over the unit square, row 0 at the bottom. Each triangle adds one
     span to each row that it crosses.
@@ -121,7 +122,7 @@ def coverage_depth(uv: Floats, resolution: int) -> Ints:
 
 
 def _add_spans(steps: Ints, grid: Floats, low: Ints, rows: Ints) -> None:
-    """Add +1 where a span of a triangle's row begins and -1 behind its end."""
+    """Add +1 to `steps` where a triangle's span in a row begins, and -1 after its end."""
     triangle = np.repeat(np.arange(len(rows)), rows)
     row = np.arange(len(triangle)) - np.repeat(np.cumsum(rows) - rows, rows) + low[triangle]
     left = np.full(len(row), -np.inf)

@@ -1,10 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The bucket matrix with levels, for objects far away: mip level L averages blocks of texels, cell by cell.
+"""Mip levels of the bucket matrix, for distant objects: level L averages blocks of texels, cell by cell.
 
-Every level is a matrix of n x n cells a texel again. Stored, the atlas is padded so that each level is
-exactly half the one before, which makes the levels a legal mip chain. Images have row 0 at the bottom (v =
-0).
+Every level is again a matrix of n x n cells per texel. The stored atlas is padded so that each level is
+exactly half as large as the one before: a valid mip chain. Images have row 0 at the bottom (v = 0).
 """
 
 from __future__ import annotations
@@ -20,13 +19,13 @@ from .hemisphere import direction_to_square
 from .row_chain import Halving
 from .sampler import Filter, blend_buckets, checked_lookups
 
-PADDING = 0.25  # of the pixels: what padding for a further level may add
+PADDING = 0.25  # share of the pixels that the padding for another level may add
 
 
 def padded_layout(layout: AtlasLayout, levels: int) -> AtlasLayout:
     """The stored layout: width and height rounded up to multiples of 2^(levels - 1) texels.
 
-    Raises ShapeError where there is no such number of levels.
+    Raises ShapeError for fewer than 1 or more than 16 levels.
     """
     if not 1 <= levels <= 16:
         raise ShapeError(f"levels: expected 1 to 16, got {levels}")
@@ -35,7 +34,7 @@ def padded_layout(layout: AtlasLayout, levels: int) -> AtlasLayout:
 
 
 def fitting_levels(layout: AtlasLayout) -> int:
-    """The most levels, down to one texel on the shorter side, whose padding adds a quarter at most."""
+    """The most levels, down to one texel on the shorter side, whose padding adds at most a quarter."""
     affordable = layout.width * layout.height * (1 + PADDING)
     count = 1
     while (1 << count) <= min(layout.width, layout.height):
@@ -47,10 +46,10 @@ def fitting_levels(layout: AtlasLayout) -> int:
 
 
 def pad(image: Floats, layout: AtlasLayout, stored: AtlasLayout) -> Floats:
-    """The atlas (H*n, W*n, C) of `layout` within that of `stored`, filled with the last texels' buckets.
+    """Pad an atlas (H*n, W*n, C) from `layout` to the larger `stored` by repeating the last texels' buckets.
 
-    Texels are added at the right (high u) and at the top (high v), each a copy of the nearest texel that the
-    atlas has. The dtype stays. Raises ShapeError where `stored` is smaller or has other buckets.
+    Texels are added at the right (high u) and at the top (high v), each a copy of the nearest texel of the
+    atlas. The dtype stays. Raises ShapeError if `stored` is smaller or has buckets of another size.
     """
     if stored.bucket != layout.bucket or stored.width < layout.width or stored.height < layout.height:
         raise ShapeError(f"pad: {layout} does not fit into {stored}")
@@ -62,9 +61,8 @@ def level_chain(image: Floats, layout: AtlasLayout, levels: int) -> list[Floats]
     """The stored mip chain of an atlas (H*n, W*n, C): the padded image, then each level half the one before.
 
     Level L has (W_stored >> L) * n x (H_stored >> L) * n pixels; its texel is the plain mean of 2^L x 2^L
-    stored texels, cell by cell (premultiplied colours; what padding repeated counts like any texel).
-    float64 stays, all else becomes float32. Raises ShapeError for an image or a number of levels that does
-    not fit.
+    stored texels, cell by cell (premultiplied colours; padding counts like any texel). float64 stays, all
+    other types become float32. Raises ShapeError for an image or a number of levels that does not fit.
     """
     stored = padded_layout(layout, levels)
     exact = image if image.dtype == np.float64 else image.astype(np.float32)
@@ -76,9 +74,9 @@ def level_chain(image: Floats, layout: AtlasLayout, levels: int) -> list[Floats]
 
 
 def halved(image: Floats, layout: AtlasLayout) -> Floats:
-    """An atlas of half as many texels each way: the mean of every 2 x 2 of them, cell by cell.
+    """Halve an atlas's texels along both axes: the mean of every 2 x 2 texels, cell by cell.
 
-    Raises ShapeError where the layout's width or height is odd.
+    Raises ShapeError if the layout's width or height is odd.
     """
     if layout.width % 2 or layout.height % 2:
         raise ShapeError(f"halved: {layout.width} x {layout.height} texels have no half; pad them")
@@ -89,7 +87,7 @@ def halved(image: Floats, layout: AtlasLayout) -> Floats:
 
 
 def bucket_halving(layout: AtlasLayout) -> Halving:
-    """What a level of `layout` gives to the next one of `level_chain`, for a `RowChain`."""
+    """The step of a `RowChain` from a level of `layout` to the next level of `level_chain`."""
 
     def some(_first: int, rows: Floats) -> tuple[Floats, int]:
         texels = len(rows) // layout.bucket // 2 * 2
@@ -106,11 +104,11 @@ def sample_level(
 ) -> Floats:
     """Quadrilinear lookups at a fractional level: linear between the levels below and above.
 
-    `chain` from `level_chain`, `layout` that of the atlas before it was padded, `uv` and `incidence` as in
-    `sampler.sample`, `level` (K,), clamped to [0, levels - 1]. At the level L a place is uv (W, H) / 2^L in
-    texels, of which ceil((W, H) / 2^L) are looked up; W and H are the layout's. Returns (K, C), float32 or
-    float64 as `uv` is; NaN where `uv`, `incidence` or `level` is NaN. Raises ShapeError for shapes that do
-    not fit.
+    `chain` is from `level_chain`, `layout` is the atlas's before padding, `uv` and `incidence` are as in
+    `sampler.sample`, `level` is (K,), clamped to [0, levels - 1]. At level L the position in texels is
+    uv (W, H) / 2^L, clamped to the first ceil((W, H) / 2^L) texels; W and H are the layout's. Returns (K, C),
+    float32 or float64 as `uv` is; NaN where `uv`, `incidence` or `level` is NaN. Raises ShapeError for shapes
+    that do not fit.
     """
     uv, incidence = checked_lookups(uv, incidence)
     level = np.broadcast_to(np.asarray(level, dtype=uv.dtype), len(uv))

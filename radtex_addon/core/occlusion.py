@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ambient occlusion and the bent normal, from a grid of cells that each stand for as much of the cosine.
+"""Ambient occlusion and the bent normal, from a grid of cells of equal cosine-weighted solid angle.
 
-Buckets weigh their cells by solid angle and cosine, which within a cell at the horizon differ so much that a
-low wall would count half again too much. So ambient rays have a grid of their own: the square mapped to the
-disc by Shirley and Chiu, "A Low Distortion Map Between Disk and Square" (1997), which keeps area, and the
-disc lifted straight up to the hemisphere (Malley), which turns area into the cosine times solid angle.
+In a bucket the cosine varies so much within a cell at the horizon that a low wall would count half as much
+again as it should. So ambient rays have a grid of their own: the square mapped to the disc by Shirley and
+Chiu, "A Low Distortion Map Between Disk and Square" (1997), which preserves area, and the disc projected up
+to the hemisphere (Malley's method), which turns area into the cosine times solid angle.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from .hemisphere import cell_centres
 
 
 def square_to_cosine(b: Floats) -> Floats:
-    """Directions in the frame of points of the square: B (..., 2) in [-1, 1]^2 -> I (..., 3), unit.
+    """Directions in the frame for points of the square: B (..., 2) in [-1, 1]^2 -> I (..., 3), unit.
 
-    Equal areas of the square are equal integrals of the cosine: a cell of n x n has pi / n^2 sr.
+    Equal areas of the square have equal cosine-weighted solid angles: a cell of n x n has pi / n^2 sr.
     """
     b = as_floats("B", b, 2)
     size = np.abs(b)
@@ -37,10 +37,10 @@ def square_to_cosine(b: Floats) -> Floats:
 def occlusion(visibility: Floats) -> tuple[Floats, Floats]:
     """The bent normal (..., 3) and the ambient visibility (...), 0 to 1, of grids (..., n, n), [q, p].
 
-    A cell's `visibility` is the share of its directions by `square_to_cosine` that nothing blocks. The second
-    is its mean over the hemisphere, weighted by the cosine: 1 in the open. The first is a unit vector in the
-    frame (T, Bt, N), the mean direction of what is visible with the same weights, each cell standing for its
-    centre; where nothing is visible it is the normal, (0, 0, 1). Float64. Raises ShapeError for other shapes.
+    A cell's `visibility` is the share of its directions by `square_to_cosine` that nothing blocks. The
+    ambient visibility is its cosine-weighted mean over the hemisphere: 1 in the open. The bent normal is the
+    mean visible direction with the same weights, taken at cell centres: a unit vector in the frame (T, Bt,
+    N); where nothing is visible it is the normal, (0, 0, 1). Float64. Raises ShapeError for other shapes.
     """
     if visibility.ndim < 2 or visibility.shape[-1] != visibility.shape[-2]:
         raise ShapeError(f"visibility: expected shape (..., n, n), got {visibility.shape}")

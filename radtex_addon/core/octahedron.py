@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All directions on one square: the octahedral map, and bilinear lookups that know what lies beyond an edge.
+"""The octahedral map: all directions on one square, and bilinear lookups that wrap around its edges.
 
 Meyer et al., "On Floating-Point Normal Vectors" (2010): the unit sphere is projected onto the octahedron
 |x| + |y| + |z| = 1 and its lower half folded outwards. +z is the square's middle, -z its four corners.
@@ -15,7 +15,7 @@ import numpy as np
 from .arrays import Floats, Ints, as_floats
 from .errors import ShapeError
 
-_TINY = 1e-30  # keeps 0/0 away: the zero vector lands in the middle
+_TINY = 1e-30  # avoids 0/0: the zero vector maps to the middle
 
 
 def direction_to_octahedron(direction: Floats) -> Floats:
@@ -39,13 +39,13 @@ def octahedron_to_direction(place: Floats) -> Floats:
 
 
 def cell_places(size: int) -> Floats:
-    """The middles of a map of size x size cells on the square, row by row: (size * size, 2) float32."""
+    """Centres of size x size cells on the square, row by row: (size * size, 2) float32."""
     middle = ((np.arange(size) + 0.5) / size).astype(np.float32)
     return np.stack(np.meshgrid(middle, middle), axis=-1).reshape(-1, 2)
 
 
 def cell_directions(size: int) -> Floats:
-    """The unit directions of the middles of a map of size x size cells, (size * size, 3) float32."""
+    """Unit directions of the centres of size x size cells: (size * size, 3) float32."""
     return octahedron_to_direction(cell_places(size))
 
 
@@ -58,9 +58,10 @@ def octahedron_cell(place: Floats, size: int) -> Ints:
 
 
 def octahedron_taps(place: Floats, size: int) -> Iterator[tuple[Ints, Floats]]:
-    """The four cells around each place (..., 2) and their weights, both (...).
+    """Yield the four cells around each place (..., 2), by flat index, and their weights, both (...).
 
-    A cell beyond an edge is the one that lies there on the sphere: the same edge's, mirrored at its middle.
+    A cell beyond an edge is replaced by its neighbour on the sphere: on the same edge, mirrored about the
+    edge's middle.
     """
     place = as_floats("place", place, 2)
     position = place * place.dtype.type(size) - place.dtype.type(0.5)

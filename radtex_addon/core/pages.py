@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bucket matrix larger than a device's textures, cut into pages of texels: layers of one array texture.
+"""A bucket matrix that is larger than a device's textures, cut into pages: layers of one array texture.
 
 Texel (i, j) lies in the layer floor(j / height) * columns + floor(i / width), at (i mod width, j mod
 height). Images have row 0 at the bottom (v = 0), and pages are counted from the bottom left.
@@ -21,7 +21,7 @@ from .slices import LAYERS
 
 @dataclass(frozen=True)
 class Pages:
-    """columns x rows pages of width x height texels each: the shader's ivec4, in this order."""
+    """columns x rows pages of width x height texels each; the shader gets them as an ivec4 in this order."""
 
     columns: int
     rows: int
@@ -33,13 +33,13 @@ class Pages:
         return self.columns * self.rows
 
     def stored(self, bucket: int) -> AtlasLayout:
-        """The layout of all pages together, with the texels that fill the last ones."""
+        """The layout of all pages together, including the padding of the last ones."""
         return AtlasLayout(self.columns * self.width, self.rows * self.height, bucket)
 
     def at_level(self, level: int) -> Pages:
-        """The pages of a mip level: as many, of width >> level x height >> level texels.
+        """The pages of a mip level: the same number, of (width >> level) x (height >> level) texels.
 
-        Raises ShapeError where a page has no such level, as its size is no multiple of 2^level.
+        Raises ShapeError if the pages' size is not a multiple of 2^level.
         """
         if self.width % (1 << level) or self.height % (1 << level):
             raise ShapeError(f"pages: {self.width} x {self.height} texels have no level {level}")
@@ -47,10 +47,10 @@ class Pages:
 
 
 def fitting_pages(layout: AtlasLayout, limit: int, levels: int = 1) -> Pages:
-    """As few pages as fit textures of limit x limit pixels, of about one size.
+    """The fewest pages that each fit into a texture of limit x limit pixels; all have the same size.
 
-    A page's width and height are multiples of 2^(levels - 1) texels. Raises InputError where not even one
-    such multiple fits, or too many layers would be needed.
+    A page's width and height are multiples of 2^(levels - 1) texels. Raises InputError if not even the
+    smallest such page fits, or if more layers are needed than textures have.
     """
     unit = 1 << (levels - 1)
     most = limit // layout.bucket // unit * unit
@@ -76,9 +76,8 @@ def fitting_pages(layout: AtlasLayout, limit: int, levels: int = 1) -> Pages:
 def split_pages(image: Floats, layout: AtlasLayout, pages: Pages) -> Floats:
     """An atlas (H*n, W*n, C) as pages (layers, height*n, width*n, C).
 
-    What the last ones lack is filled as `levels.pad` does. A mip level of a padded atlas is split alike, by
-    its own layout and `pages.at_level`. The dtype stays. Raises ShapeError where the pages do not hold the
-    layout.
+    The last pages are padded as in `levels.pad`. To split a mip level of a padded atlas, give its own layout
+    and `pages.at_level`. The dtype stays. Raises ShapeError if the layout does not fit into the pages.
     """
     stored = pages.stored(layout.bucket)
     page_height, page_width = pages.height * layout.bucket, pages.width * layout.bucket
@@ -90,8 +89,8 @@ def split_pages(image: Floats, layout: AtlasLayout, pages: Pages) -> Floats:
 def page_chain(image: Floats, layout: AtlasLayout, pages: Pages, levels: int) -> list[Floats]:
     """The pages of an atlas (H*n, W*n, C) and their mip levels, (layers, (height >> L)*n, (width >> L)*n, C).
 
-    They are the pages of `levels.level_chain`, whose dtype they have. Raises ShapeError as `split_pages`, and
-    where the pages' sizes are no multiples of 2^(levels - 1) texels.
+    The levels and their dtype are those of `levels.level_chain`. Raises ShapeError as `split_pages` does, and
+    if the pages' size is not a multiple of 2^(levels - 1) texels.
     """
     pages.at_level(levels - 1)
     page = AtlasLayout(pages.width, pages.height, layout.bucket)
@@ -100,9 +99,9 @@ def page_chain(image: Floats, layout: AtlasLayout, pages: Pages, levels: int) ->
 
 
 def join_pages(stack: Floats, layout: AtlasLayout, pages: Pages) -> Floats:
-    """The atlas (H*n, W*n, C) of its pages (layers, height*n, width*n, C), without what fills the last ones.
+    """Join pages (layers, height*n, width*n, C) into the atlas (H*n, W*n, C), without the padding.
 
-    Raises ShapeError where the pages have another shape or do not hold the layout.
+    Raises ShapeError if the pages have another shape or the layout does not fit into them.
     """
     page_height, page_width = pages.height * layout.bucket, pages.width * layout.bucket
     if stack.ndim != 4 or stack.shape[:3] != (pages.layers, page_height, page_width):

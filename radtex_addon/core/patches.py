@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mesh cut into patches, each with all triangles around it, for work that looks no further."""
+"""Cut a mesh into patches with their neighbouring triangles, for work that needs no others."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ import numpy as np
 
 from .arrays import Floats, Ints
 
-_BITS = 10  # of a place along each axis, on the curve that patches follow
-_LEAST = 16  # a patch is not cut finer than this part of what it may have
+_BITS = 10  # of each coordinate in a Morton number
+_LEAST = 16  # a patch with `most` / _LEAST triangles or fewer is not split further
 
 
 def patches(vertex: Ints, place: Floats, most: int) -> Iterator[tuple[Ints, Ints]]:
-    """Cut triangles, whose corners (F, 3) are numbered vertices from 0 on, into patches: yields (own, whole).
+    """Cut triangles with vertex indices `vertex` (F, 3) into patches: yields (own, whole).
 
-    Both are rising numbers of triangles. Each triangle is among one patch's `own`; `whole` are these and
-    those that share a vertex with them, `most` of them but for where far more meet at one vertex. `place`
-    (F, 3) says where triangles are, so that a patch's lie together.
+    Both are ascending triangle indices. Each triangle is in the `own` of exactly one patch; `whole` are the
+    own triangles and all that share a vertex with them. `whole` has at most `most` triangles, except where
+    very many meet at one vertex. `place` (F, 3) are the triangles' positions: a patch's triangles are close.
     """
     order = np.argsort(_along_a_curve(place), kind="stable")
     corner = np.argsort(vertex, axis=None, kind="stable")
@@ -39,7 +39,7 @@ def patches(vertex: Ints, place: Floats, most: int) -> Iterator[tuple[Ints, Ints
 
 
 def _along_a_curve(place: Floats) -> Ints:
-    """Morton's number of each place (F, 3): neighbours in space are mostly near in it, (F,)."""
+    """Morton number (Z-order) of each position (F, 3): (F,), mostly similar for neighbours in space."""
     low, high = place.min(axis=0, initial=np.inf), place.max(axis=0, initial=-np.inf)
     size = np.maximum(high - low, 1e-30)
     cell = np.minimum((place - low) / size * 2**_BITS, 2**_BITS - 1).astype(np.int64)

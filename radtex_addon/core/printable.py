@@ -1,19 +1,19 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Text that quotes names which others chose, made safe to show: names may hold what drives a terminal."""
+"""Make text with foreign names safe to print: a name may contain terminal control characters."""
 
 from __future__ import annotations
 
 import unicodedata
 
-# Control characters, lone surrogates, ends of lines and paragraphs, and what formats without being seen: that
-# lets text run from right to left, so that a name reads as another.
+# Control characters, lone surrogates, line and paragraph separators, and invisible format characters: these
+# can reverse the direction of text, so that a name looks like another.
 _UNSEEN = {"Cc", "Cf", "Cs", "Zl", "Zp"}
-_JOINERS = "\u200c\u200d"  # which scripts and emojis are written with
+_JOINERS = "\u200c\u200d"  # invisible too, but some scripts and emojis need them
 
 
 def printable(text: str) -> str:
-    r"""The text as one line: what would end it, drive a terminal or turn it around is written as \x1b is."""
+    r"""The text as one line: line breaks, control and direction characters are escaped, such as \x1b."""
     if text.isprintable():
         return text
     return "".join(map(_shown, text))
@@ -26,7 +26,7 @@ def _shown(character: str) -> str:
 
 
 def printable_json(text: str) -> str:
-    r"""JSON in one line, whose strings hold such characters as \u001b: it says the same."""
+    r"""JSON text as one line: the same characters are escaped as in \u001b, so that it parses to the same."""
     if text.isprintable():
         return text
     return "".join(

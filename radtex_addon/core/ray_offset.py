@@ -8,9 +8,9 @@ import numpy as np
 
 from .arrays import Floats
 
-GRAZING = 0.01  # least cosine between a ray and the facet it starts at
-_OF_SIZE = 5e-4  # of the object's diagonal: below a texel, above what smooth shading bends
-_OF_COORDINATE = 5e-5  # of the largest coordinate: eight float32 steps of height at a grazing ray
+GRAZING = 0.01  # least cosine between a ray and the normal of the facet that it starts from
+_OF_SIZE = 5e-4  # times the object's diagonal: less than a texel, more than smooth shading deviates
+_OF_COORDINATE = 5e-5  # times the largest coordinate: lifts a grazing ray's start by eight float32 steps
 
 
 def ray_offset(position: Floats) -> float:

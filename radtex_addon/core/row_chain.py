@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mip levels of an image that comes a band of rows at a time, for it may be larger than memory."""
+"""Mip levels of an image that arrives in bands of rows, since it may be larger than memory."""
 
 from __future__ import annotations
 
@@ -12,16 +12,17 @@ import numpy as np
 from .arrays import Floats
 
 Halving: TypeAlias = Callable[[int, Floats], tuple[Floats, int]]
-"""Of a level's rows, from a number on: the next level's rows that they make, and how many that uses up."""
+"""Halves rows of a level: (first row's number, rows) -> (rows of the next level, number of rows used up)."""
 
 Take: TypeAlias = Callable[[int, int, Floats], None]
-"""Takes a level's number, that of its first row, and rows (..., k, W, C)."""
+"""Receives rows: (level, number of the first row, rows (..., k, W, C))."""
 
 
 class RowChain:
-    """Hands each level's rows on, in their order, as soon as there are any.
+    """Compute mip levels from bands of rows; `take` receives each level's rows in order, as soon as possible.
 
-    `halvings` are one for each level but the last. A level holds back no more rows than its halving needs.
+    There is one of the `halvings` for each level but the last. A level buffers only the rows that its halving
+    has not used up.
     """
 
     def __init__(self, halvings: Sequence[Halving], take: Take) -> None:
@@ -30,7 +31,7 @@ class RowChain:
         self._held: list[Floats | None] = [None] * len(halvings)
 
     def push(self, rows: Floats, level: int = 0) -> None:
-        """Add rows (..., k, W, C), float32, to those of the largest level."""
+        """Append rows (..., k, W, C), float32, to the level, by default the largest one."""
         if not rows.shape[-3]:
             return
         self._take(level, self._first[level], rows)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The reference sampler: what every shader must return for a texture coordinate and an incidence vector."""
+"""The reference sampler: the radiance that every shader must return for a uv and an incidence vector."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Filter(StrEnum):
 
 
 def sample(image: Floats, layout: AtlasLayout, uv: Floats, incidence: Floats, kind: Filter) -> Floats:
-    """Radiance seen at texture coordinates from directions.
+    """Radiance at texture coordinates, seen from the given directions.
 
     `image` (H*n, W*n, C), row 0 at the bottom; `uv` (K, 2), clamped to the atlas's edge; `incidence` (K, 3)
     unit vectors in the frame. Returns (K, C) in the image's unit, float32 or float64 as `uv` is. A NaN in
@@ -50,10 +50,10 @@ def checked_lookups(uv: Floats, incidence: Floats) -> tuple[Floats, Floats]:
 
 
 def blend_buckets(buckets: Floats, position: Floats, b: Floats, texels: Floats, kind: Filter) -> Floats:
-    """Values (K, C) of `buckets` (H, W, n, n, C), [j, i, q, p], at positions in texels and in buckets.
+    """Look up `buckets` (H, W, n, n, C), [j, i, q, p], at positions in texels and in buckets: (K, C).
 
-    `position` (K, 2), x first: texel (i, j) has its middle at (i + 0.5, j + 0.5). `b` (K, 2) is B.
-    Of the buckets only the first `texels` (2,), x first, are looked up: beyond them lies the atlas's edge.
+    `position` (K, 2), x first: texel (i, j) has its centre at (i + 0.5, j + 0.5). `b` (K, 2) is B.
+    Lookups are clamped to the first `texels` (2,), x first, where the atlas's edge is; the rest is padding.
     """
     n = buckets.shape[2]
     total = np.zeros((len(position), buckets.shape[4]), dtype=position.dtype)
@@ -65,7 +65,7 @@ def blend_buckets(buckets: Floats, position: Floats, b: Floats, texels: Floats, 
 
 
 def _texels(position: Floats, size: Floats, blend: bool) -> Iterator[tuple[Ints, Floats]]:
-    """The texel that holds each position (in texels), or the four around it, with their weights."""
+    """The texel that contains each position (in texels), or the four around it, with their weights."""
     if blend:
         yield from four_texels(position, size)
         return
@@ -79,7 +79,7 @@ def four_texels(position: Floats, size: Floats) -> Iterator[tuple[Ints, Floats]]
 
 
 def _cells(b: Floats, n: int, blend: bool) -> Iterator[tuple[Ints, Floats]]:
-    """The cell that holds each B, or the four around it within the bucket, with their weights."""
+    """The cell that contains each B, or the four around it within the bucket, with their weights."""
     if blend:
         yield from four_cells(b, n)
         return

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shadows in one bit a cell: how they are packed, and how lights look them up.
+"""Shadows with one bit per cell: packing them, and looking up the visibility of lights.
 
 A bit is 1 where the direction of its cell's centre is blocked. A visibility is 1 where nothing blocks.
 """
@@ -25,12 +25,12 @@ _GOLDEN = np.pi * (3 - np.sqrt(5))
 
 
 def word_count(bucket: int) -> int:
-    """How many 32-bit words hold a texel's bits."""
+    """Number of 32-bit words for a texel's bits."""
     return -(-bucket * bucket // WORD)
 
 
 def pack_bits(blocked: Bools) -> npt.NDArray[np.uint32]:
-    """Cells (..., n, n), [q, p], as words (..., `word_count`(n)): bit q * n + p, the least significant first.
+    """Pack cells (..., n, n), [q, p], into words (..., `word_count`(n)): bit q * n + p, lowest bit first.
 
     Bits beyond the last cell are 0. Raises ShapeError for another shape.
     """
@@ -44,7 +44,7 @@ def pack_bits(blocked: Bools) -> npt.NDArray[np.uint32]:
 
 
 def unpack_bits(words: Ints, bucket: int) -> Bools:
-    """What `pack_bits` packed: (..., n, n). Raises ShapeError for another number of words."""
+    """Inverse of `pack_bits`: cells (..., n, n). Raises ShapeError for another number of words."""
     count = word_count(bucket)
     if words.ndim < 1 or words.shape[-1] != count or words.dtype.kind not in "iu":
         raise ShapeError(f"words: expected whole numbers of shape (..., {count}), got {words.shape}")
@@ -55,11 +55,11 @@ def unpack_bits(words: Ints, bucket: int) -> Bools:
 
 
 def visibility(words: Ints, layout: AtlasLayout, uv: Floats, direction: Floats, kind: Filter) -> Floats:
-    """Whether a light is seen at texture coordinates, 0 to 1: (K,), float32 or float64 as `uv` is.
+    """Visibility of a light at texture coordinates, 0 to 1: (K,), float32 or float64 as `uv` is.
 
     `words` (H, W, w), row 0 at the bottom; `uv` (K, 2); `direction` (K, 3), unit vectors to the light in the
-    frame, below whose horizon the rim answers. The cells' visibilities are blended as `core.sampler` blends
-    radiance: `nearest` is 0 or 1. Raises ShapeError for shapes that do not fit.
+    frame, clamped to the horizon. The cells' visibilities are blended as `core.sampler` blends radiance:
+    `nearest` gives 0 or 1. Raises ShapeError for shapes that do not fit.
     """
     buckets = _buckets(words, layout)
     uv, direction = checked_lookups(uv, direction)
@@ -67,16 +67,16 @@ def visibility(words: Ints, layout: AtlasLayout, uv: Floats, direction: Floats, 
 
 
 def soft_visibility(words: Ints, layout: AtlasLayout, uv: Floats, lights: Floats, weight: Floats) -> Floats:
-    """Which share of a light's irradiance arrives, 0 to 1: (K,).
+    """Share of an area light's irradiance that arrives, 0 to 1: (K,).
 
-    `lights` (K, S, 3) are unit directions in the frame to points of the light, `weight` (K, S) what light of
-    each would arrive, were nothing in the way; the others are as in `visibility`. Where all weights are 0 the
+    `lights` (K, S, 3) are unit directions in the frame to points of the light, `weight` (K, S) the irradiance
+    from each if nothing blocks it; the other arguments are as in `visibility`. Where all weights are 0 the
     share is 0.
 
-    A shadow's edge crosses the middles of neighbouring cells at neighbouring places, which bits know well,
-    while of its direction between two cells they know nothing. So bits are blended wide, over nine texels and
-    four cells, where the edge lies about where the blend is a half, and then sharpened, twice as steep: the
-    edge wanders from cell to cell instead of jumping, and what is blocked stays so.
+    The bits locate a shadow's edge well across texels, for the directions of cell centres, but not at all for
+    directions between them. So they are blended widely, over nine texels and four cells, which puts the edge
+    near a blend of one half; then the slope is doubled. The edge moves smoothly from cell to cell instead of
+    jumping, and blocked areas stay blocked.
     """
     buckets, (lights, weight) = _buckets(words, layout), _checked_lights(lights, weight)
     uv, _ = checked_lookups(uv, lights[:, 0])
@@ -96,9 +96,10 @@ def soft_visibility(words: Ints, layout: AtlasLayout, uv: Floats, lights: Floats
 def cell_visibility(
     words: Ints, layout: AtlasLayout, uv: Floats, lights: Floats, weight: Floats, kind: Filter
 ) -> Floats:
-    """`soft_visibility` by whole cells, of which the light's own size blends many.
+    """`soft_visibility` without blending between cells: the light's size averages over many cells anyway.
 
-    It reads far less, and with more than 8 x 8 cells is about as good. `kind` says whether it blends texels.
+    It reads far less data, and with more than 8 x 8 cells is about as good. Texels are blended if `kind` is
+    quadrilinear.
     """
     buckets, (lights, weight) = _buckets(words, layout), _checked_lights(lights, weight)
     arrives = np.zeros(len(lights), dtype=lights.dtype)
@@ -126,8 +127,8 @@ def _share(arrives: Floats, weight: Floats) -> Floats:
 def _nine_texels(position: Floats, size: Floats) -> Iterator[tuple[Ints, Floats]]:
     """The nine texels (K, 2) around each position (K, 2), in texels, x first, and their weights (K,).
 
-    Along an axis they are (1/2 - g, 1, 1/2 + g) / 2 where the position is g beyond the nearest middle: a box
-    of one texel's width, blurred by one of two.
+    Along an axis the weights are (1/2 - g, 1, 1/2 + g) / 2, g being the offset from the nearest centre: a box
+    of one texel's width, blurred by a box of two.
     """
     nearest = np.floor(position)
     beyond = position - nearest - 0.5
@@ -139,9 +140,9 @@ def _nine_texels(position: Floats, size: Floats) -> Iterator[tuple[Ints, Floats]
 
 
 def sun_directions(to_sun: Floats, angle: float, count: int) -> Floats:
-    """Directions (..., S, 3), even in solid angle, over a sun's disc, in the space of `to_sun` (..., 3).
+    """Directions (..., S, 3) over a sun's disc, uniform in solid angle, in the space of `to_sun` (..., 3).
 
-    `angle` is the disc's diameter in radians, as Blender's sun has it. One direction is its middle.
+    `angle` is the disc's diameter in radians, as of Blender's sun. A `count` of 1 gives the centre.
     """
     to_sun = as_floats("to_sun", to_sun, 3)
     across = fallback_tangent(to_sun)
@@ -156,24 +157,25 @@ def sun_directions(to_sun: Floats, angle: float, count: int) -> Floats:
 
 
 def sun_weight(angle: float) -> float:
-    """What a sun's irradiance at a right angle is to the mean cosine over `sun_directions`: 2 / (1 + cos).
+    """Factor from the mean cosine over `sun_directions` to irradiance, which is 1 at normal incidence.
 
-    Of its disc of even radiance L, that is L pi sin² over L times its solid angle times the mean cosine.
+    It is 2 / (1 + cos(angle / 2)): the mean cosine over a disc that is faced is (1 + cos(angle / 2)) / 2.
+    For a uniform radiance L that is the irradiance L pi sin²(angle / 2) over L times the solid angle.
     """
     return float(2 / (1 + np.cos(angle / 2)))
 
 
 def disc_points(count: int) -> Iterator[tuple[float, float]]:
-    """Points of the unit disc, each standing for as much of its area: a sunflower's seeds (Vogel, 1979)."""
+    """Points on the unit disc, each for an equal share of its area: Vogel's sunflower spiral (1979)."""
     for index in range(count):
         radius, turn = np.sqrt((index + 0.5) / count), index * _GOLDEN
         yield float(radius * np.cos(turn)), float(radius * np.sin(turn))
 
 
 def square_points(count: int) -> Iterator[tuple[float, float]]:
-    """Points of the square [-1, 1]^2, each standing for as much of its area.
+    """Points on the square [-1, 1]^2, each for an equal share of its area.
 
-    Roberts's sequence of plastic numbers (2018): steps of 1/g and 1/g^2, g^3 = g + 1.
+    Roberts's R2 sequence (2018), by the plastic number g: steps of 1/g and 1/g^2, g^3 = g + 1.
     """
     golden = 1.32471795724474602596
     for index in range(count):
@@ -183,9 +185,9 @@ def square_points(count: int) -> Iterator[tuple[float, float]]:
 def area_weights(position: Floats, normal: Floats, points: Floats, axis: Floats) -> tuple[Floats, Floats]:
     """Directions (K, S, 3) and weights (K, S) of points of a flat light, for `soft_visibility`.
 
-    `position` and `normal` (K, 3), the light's `points` (S, 3), which it shines from along its unit `axis`
-    (3,), in one space. A weight is cos at the surface times cos at the light over the squared distance, 0
-    where either faces away.
+    `position` and `normal` (K, 3) of the surface, the light's `points` (S, 3) and the unit `axis` (3,) along
+    which it shines are in the same space. A weight is cos at the surface times cos at the light over the
+    squared distance, 0 where either faces away.
     """
     toward = points[None] - position[:, None]
     squared = np.maximum(np.sum(toward * toward, axis=-1), 1e-30)
@@ -206,7 +208,7 @@ def _buckets(words: Ints, layout: AtlasLayout) -> Floats:
 def _seen(
     buckets: Floats, layout: AtlasLayout, uv: Floats, direction: Floats, kind: Filter, whole: bool = False
 ) -> Floats:
-    """Blended visibilities; of `whole` cells only where `kind` blends texels."""
+    """Blended visibilities (K,); with `whole` cells are not blended, only texels if `kind` does so."""
     texels, n = np.array([layout.width, layout.height], dtype=uv.dtype), layout.bucket
     b = direction_to_square(direction)
     if whole:

@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shared layout: what all texels see in common is kept once, sharp; a texel keeps what is its own.
+"""The shared layout: one sharp picture of the surroundings, and how each texel reflects or transmits it.
 
     radiance = colour(uv) irradiance(uv) falloff(N.V)
              + for each lobe:  gain(uv, A) surroundings(A + shift(uv, A), spread(uv, A)) + rest(uv, A)
 
 A lobe's axis A is a world direction at the fragment: the mirror direction of the viewer, or straight through
-the surface. Light that leaves along the lobe comes from elsewhere in the surroundings, from around the
-direction A + shift, blurred by `spread`: a near thing, another part of the object that mirrors in turn, what
-stands behind glass. `surroundings` is one picture of them for all texels, ever more blurred from level to
-level. Shift, spread, gain and rest are buckets, over the octahedron of A: neighbouring texels are blended at
-the same world direction, not at the same angle to their normals, so that a curved surface blurs nothing.
+the surface. The lobe's light is looked up in the surroundings around the direction A + shift, blurred by
+`spread`: shift accounts for nearby things, for further reflections at the object and for refraction.
+`surroundings` is one picture for all texels, more blurred at each level. Shift, spread, gain and rest are
+buckets over the octahedron of A: neighbouring texels are blended at the same world direction, not at the same
+angle to their normals, so that blending on a curved surface does not blur reflections.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ LEAST_LEVEL = 8  # cells along a side of the most blurred surroundings
 
 
 class Axis(StrEnum):
-    """What a lobe's buckets turn with: the viewer's mirror direction, or the way the viewer looks."""
+    """The direction that indexes a lobe's buckets: the viewer's mirror direction or the line of sight."""
 
     MIRROR = "mirror"
     THROUGH = "through"
@@ -37,10 +37,10 @@ class Axis(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Lobe:
-    """One lobe's buckets, by [j, i, y, x], the last two on the octahedron of its axis; float32.
+    """One lobe's buckets, indexed [j, i, y, x], the last two on the octahedron of its axis; float32.
 
-    `ends` (H, W, n, n, 4): shift, then spread, the variance in radians² along each of two axes. `gain` and
-    `rest` (H, W, n, n, 3), linear RGB. Raises ShapeError if shapes do not fit.
+    `ends` (H, W, n, n, 4): shift (3), then spread (1), the variance in radians² along each of two axes.
+    `gain` and `rest` (H, W, n, n, 3), linear RGB. Raises ShapeError if shapes do not fit.
     """
 
     axis: Axis
@@ -59,7 +59,7 @@ class Lobe:
 
 @dataclass(frozen=True, eq=False)
 class SharedAtlas:
-    """A bake in the shared layout; float32, scene-linear Rec.709, row 0 at v = 0, space the world's.
+    """A bake in the shared layout; float32, scene-linear Rec.709, row 0 at v = 0, world space.
 
     `colour` (H', W', 3), `irradiance` (H, W, 3), and `falloff` (B, 3) at N.V = (k + 0.5) / B. `surroundings`:
     level l is (max(M / 2^l, 8),) * 2 + (3,), on the octahedron of directions, blurred by a variance of
@@ -88,12 +88,12 @@ class SharedAtlas:
 
 
 def level_count(size: int) -> int:
-    """How many levels surroundings of `size` cells a side have: ever half as large, down to the least."""
+    """Number of levels of surroundings with `size` cells a side: each half as large, down to LEAST_LEVEL."""
     return max(size // LEAST_LEVEL, 1).bit_length()
 
 
 def level_sizes(size: int, count: int) -> list[int]:
-    """Sides of the surroundings' `count` levels, the sharpest of `size` cells."""
+    """Cells along a side of each of `count` levels of the surroundings, the sharpest having `size`."""
     return [max(size >> level, LEAST_LEVEL) for level in range(count)]
 
 
@@ -119,7 +119,7 @@ def sample_shared(atlas: SharedAtlas, uv: Floats, normal: Floats, viewer: Floats
 def sample_surroundings(
     surroundings: tuple[Floats, ...], sharpest: float, direction: Floats, spread: Floats
 ) -> Floats:
-    """Surroundings around directions (K, 3), of any length, blurred by variances (K,): (K, 3)."""
+    """The surroundings in directions (K, 3), of any length, blurred by variances (K,): (K, 3)."""
     place = direction_to_octahedron(direction)
     light = np.zeros((len(direction), 3), dtype=np.float32)
     for level, weight in level_weights(spread, sharpest, len(surroundings)):
@@ -136,7 +136,7 @@ def level_weights(spread: Floats, sharpest: float, count: int) -> Iterator[tuple
 
 
 def sample_falloff(falloff: Floats, cosine: Floats) -> Floats:
-    """The curve (B, 3) at cosines (K,), linear between its points: (K, 3)."""
+    """The falloff curve (B, 3) at cosines (K,), interpolated linearly: (K, 3)."""
     place = np.clip(cosine * len(falloff) - 0.5, 0, len(falloff) - 1)
     low = np.minimum(place.astype(np.int32), len(falloff) - 2)
     part = (place - low)[:, None].astype(falloff.dtype)
@@ -145,7 +145,7 @@ def sample_falloff(falloff: Floats, cosine: Floats) -> Floats:
 
 
 def bilinear_texels(uv: Floats, width: int, height: int) -> Iterator[tuple[Ints, Floats]]:
-    """The four texels around texture coordinates (K, 2), by flat index, clamped at the edge, and weights."""
+    """Yield the four texels around uv (K, 2), as flat indices clamped at the edge, and their weights."""
     position = uv * np.array([width, height], dtype=uv.dtype) - uv.dtype.type(0.5)
     corner = np.floor(position)
     fraction = position - corner
@@ -171,7 +171,7 @@ def _sample_lobe(atlas: SharedAtlas, lobe: Lobe, uv: Floats, axis: Floats) -> Fl
 
 
 def bilinear(image: Floats, uv: Floats) -> Floats:
-    """An image (H, W, C) at texture coordinates (K, 2), filtered and clamped at its edges: (K, C) float32."""
+    """Bilinear lookup in an image (H, W, C) at uv (K, 2), clamped at the edges: (K, C) float32."""
     height, width = image.shape[:2]
     flat = image.reshape(height * width, -1)
     total = np.zeros((len(uv), flat.shape[1]), dtype=np.float32)

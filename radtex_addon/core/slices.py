@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The atlas as slices: one image a cell, all texels in it, so that a GPU's own filters and mipmaps work.
+"""The atlas as slices: one image of all texels per cell, so that a GPU's own filters and mipmaps work.
 
 Layer q*n + p holds the cell (p, q) of every texel: W x H pixels. Images have row 0 at the bottom (v = 0).
 """
@@ -19,13 +19,13 @@ from .hemisphere import direction_to_square
 from .row_chain import Halving
 from .sampler import Filter, blend_buckets, checked_lookups
 
-LAYERS = 2048  # that desktop GPUs have in an array texture; WebGL 2 and WebGPU promise 256
+LAYERS = 2048  # the limit of an array texture on desktop GPUs; WebGL 2 and WebGPU guarantee 256
 
 
 def to_slices(image: Floats, layout: AtlasLayout) -> Floats:
     """An atlas (H*n, W*n, C) as slices (n*n, H, W, C); the dtype stays.
 
-    Raises ShapeError for an image that does not fit, and for more cells a bucket than a texture has layers.
+    Raises ShapeError for an image that does not fit, and as `check_slices` does.
     """
     n = layout.bucket
     check_slices(n)
@@ -34,25 +34,25 @@ def to_slices(image: Floats, layout: AtlasLayout) -> Floats:
 
 
 def check_slices(bucket: int) -> None:
-    """Raise ShapeError for more cells a bucket than a texture has layers."""
+    """Raise ShapeError if a bucket has more cells than an array texture can have layers."""
     if bucket * bucket > LAYERS:
         cells = f"{bucket} x {bucket} cells need {bucket * bucket} layers"
         raise ShapeError(f"slices: {cells}, textures have {LAYERS}; export the matrix")
 
 
 def from_slices(slices: Floats) -> Floats:
-    """The atlas (H*n, W*n, C) of slices (n*n, H, W, C). Raises ShapeError where the layers are no square."""
+    """Inverse of `to_slices`, (H*n, W*n, C). Raises ShapeError if the number of layers is no square."""
     buckets = _to_buckets(slices)
     height, width, bucket = buckets.shape[:3]
     return AtlasLayout(width, height, bucket).from_buckets(buckets)
 
 
 def mip_chain(slices: Floats) -> list[Floats]:
-    """Slices (n*n, H, W, C) and all their mip levels, down to 1 x 1 pixel: the box filter.
+    """Slices (n*n, H, W, C) and all their mip levels, down to 1 x 1 pixel, by a box filter.
 
-    A level has max(1, floor(size / 2)) pixels each way, and a pixel is the mean over its own area of the
-    level before: of 2 x 2 pixels where that is even, of three with the weights of their overlaps where it
-    is odd. So no level is shifted, and all have the same mean. float64 stays, all else becomes float32.
+    A level has max(1, floor(size / 2)) pixels along each axis. A pixel is the mean of the level before over
+    its own area: of two pixels along an axis of even size, of three, weighted by their overlap, along one of
+    odd size. So no level is shifted, and all have the same mean. float64 stays, other types become float32.
     """
     chain = [slices if slices.dtype == np.float64 else slices.astype(np.float32)]
     while max(chain[-1].shape[1:3]) > 1:
@@ -61,7 +61,7 @@ def mip_chain(slices: Floats) -> list[Floats]:
 
 
 def image_halving(height: int) -> Halving:
-    """What a level of `height` rows gives to the next one of `mip_chain`, for a `RowChain`."""
+    """The step of a `RowChain` from a level of `height` rows to the next level of `mip_chain`."""
 
     def halved(first: int, rows: Floats) -> tuple[Floats, int]:
         if height == 1:
@@ -74,13 +74,12 @@ def image_halving(height: int) -> Halving:
 
 
 def sample_slices(chain: Sequence[Floats], uv: Floats, incidence: Floats, level: Floats) -> Floats:
-    """What four hardware lookups return: quadrilinear, linear between two mip levels.
+    """The result of four trilinear GPU lookups: quadrilinear, linear between two mip levels.
 
-    `chain` from `mip_chain`, `uv` (K, 2), clamped to the edge, `incidence` (K, 3) unit vectors in the
-    frame, `level` (K,), clamped to [0, len(chain) - 1]: the ideal trilinear filter, with exact weights. The
-    four cells around B, kept inside the bucket (`bleed_guard`), are blended bilinearly. Returns (K, C),
-    float32 or float64 as `uv` is; NaN where `uv`, `incidence` or `level` is NaN. Raises ShapeError for
-    shapes that do not fit.
+    `chain` is from `mip_chain`, `uv` (K, 2) is clamped to the edge, `incidence` (K, 3) are unit vectors in
+    the frame, `level` (K,) is clamped to [0, len(chain) - 1]. Filter weights are exact. The four cells around
+    B, kept inside the bucket (`bleed_guard`), are blended bilinearly. Returns (K, C), float32 or float64 as
+    `uv` is; NaN where `uv`, `incidence` or `level` is NaN. Raises ShapeError for shapes that do not fit.
     """
     uv, incidence = checked_lookups(uv, incidence)
     level = np.broadcast_to(np.asarray(level, dtype=uv.dtype), len(uv))
@@ -112,9 +111,10 @@ def _to_buckets(slices: Floats) -> Floats:
 
 
 def _halved(values: Floats, axis: int, size: int | None = None, begin: int = 0) -> Floats:
-    """The box filter along one axis: floor(size / 2) means, each over its own share of the axis.
+    """Box filter along one axis: floor(size / 2) means, each over an equal share of the axis.
 
-    Of an axis that has `size` places `values` may be those from the one before the mean `begin`'s share on.
+    `values` may be a part of an axis of `size` elements, from element 2 * `begin` on; `begin` is then the
+    number of its first mean.
     """
     along = np.moveaxis(values, axis, -1)
     size = size or along.shape[-1]
@@ -123,7 +123,7 @@ def _halved(values: Floats, axis: int, size: int | None = None, begin: int = 0) 
         return values
     if size % 2 == 0:
         mean = (along[..., 0::2] + along[..., 1::2]) / 2
-    else:  # pixel k covers [k, k + 1] * size / half: parts of the pixels 2k and 2k + 2, and 2k + 1 wholly
+    else:  # pixel k covers [k, k + 1] * size / half: parts of pixels 2k and 2k + 2, all of 2k + 1
         k = np.arange(begin, begin + count, dtype=values.dtype)
         mean = ((half - k) * along[..., 0:-1:2] + half * along[..., 1::2] + (k + 1) * along[..., 2::2]) / size
     return np.moveaxis(mean, -1, axis)

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solid angles of a bucket's cells, in closed form.
 
-The projection keeps area, so that a solid angle is twice an area on the disc; the square map does not. Where
-|B.x| >= |B.y| it has the Jacobian x^2 / (x^2 + y^2), whose integral over a rectangle is elementary.
+The projection preserves area: a solid angle is twice its area on the disc. The map to the square does not:
+where |B.x| >= |B.y| it has the Jacobian x^2 / (x^2 + y^2), whose integral over a rectangle is elementary.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The baked surface as arrays: all that the raster needs to know of a mesh."""
+"""The baked surface as arrays: the mesh data that rasterisation needs."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .arrays import Floats, Ints
 class SurfaceMesh:
     """A triangulated surface in world space, with the frame of its baked UV layer at every corner.
 
-    V vertices, F triangles: `position` (V, 3), `triangles` (F, 3) vertex indices, `normal` and `tangent`
-    (F, 3, 3), the tangent MikkTSpace's, of the lengths that the object's matrix gives them: shaders
-    interpolate before they normalise, and so must the raster; `sign` (F, 3) of the bitangent, +1 or -1,
-    already times the sign of the object matrix's determinant, `uv` (F, 3, 2) with v up.
+    V vertices, F triangles: `position` (V, 3); `triangles` (F, 3) vertex indices; `normal` and MikkTSpace's
+    `tangent` (F, 3, 3), transformed by the object's matrix but not normalised: shaders interpolate before
+    they normalise, and so must rasterisation; `sign` (F, 3) of the bitangent, +1 or -1, already multiplied by
+    the sign of the object matrix's determinant; `uv` (F, 3, 2) with v up.
     """
 
     position: Floats

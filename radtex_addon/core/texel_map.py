@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The texel map: which surface point and which frame every texel of the baked UV layer stands for.
+"""The texel map: the surface point and the frame of every texel of the baked UV layer.
 
-The raster is conservative: a shader that looks up any point of an island finds a covered texel. It works in
-float64 and texel units, texel (i, j) being the square [i, i + 1] x [j, j + 1], and by elementwise operations
-only, so that its result does not depend on how the work is cut into chunks.
+The rasterisation is conservative: every point of an island lies in a covered texel. It works in float64 and
+texel units, texel (i, j) being the square [i, i + 1] x [j, j + 1], and uses elementwise operations only, so
+that its result does not depend on how the work is cut into chunks.
 """
 
 from __future__ import annotations
@@ -21,21 +21,22 @@ from .errors import ShapeError
 from .frame import normalised, orthonormal_frame
 from .surface import SurfaceMesh
 
-_CHUNK = 1 << 18  # triangles, (triangle, row) or (triangle, texel) pairs, or texels in hand at once
+_CHUNK = 1 << 18  # triangles, (triangle, row) or (triangle, texel) pairs, or texels processed at once
 _SLACK = 1e-6  # texels: a square that a triangle misses by less counts as touched
-_BROKEN = 1e60  # texels: no float32 UV is so far out, and the squares of what is below are finite
-_FLAT = 1e-6  # a triangle's doubled area over its longest edge squared: below, it has no normal of its own
+_BROKEN = 1e60  # texels: beyond any float32 UV; the squares of smaller values are finite
+_FLAT = 1e-6  # doubled area over longest edge squared: a triangle below this has no usable normal
 
 
 @dataclass(frozen=True)
 class TexelMap:
-    """The surface at every texel, row 0 at v = 0; float32 unless said, zero where no island touches.
+    """The surface at every texel, row 0 at v = 0; float32 unless stated, zero where no island touches.
 
     `position` (H, W, 3) in world space; `normal` and `tangent` (H, W, 3) unit and orthogonal, and the
     bitangent's `sign` (H, W), +1 or -1; `facet` (H, W, 3) unit normal of the triangle itself, on the shading
     normal's side; `triangle` (H, W) int32, -1 where no island touches; `inside` (H, W) bool, True where the
     texel's centre lies in an island (elsewhere its point is the island's nearest to the centre). `offset`
-    (H, W) is how far from the surface rays start, in scene units, where that is not the same for all.
+    (H, W) is the distance from the surface at which rays start, in scene units; None if it is the same for
+    all texels.
     """
 
     position: Floats
@@ -58,13 +59,13 @@ def rasterise(
 ) -> TexelMap:
     """Find the point and the frame of every texel that an island touches.
 
-    A texel whose centre lies in a triangle takes that point; else the nearest point of the nearest triangle
-    among those that touch it; of equals, the triangle of the smallest index. What lies beyond UV 0..1 is
-    clipped away; triangles without area in UV, or with UVs that are not finite, are skipped.
+    A texel whose centre lies in a triangle takes the point at the centre; any other takes the nearest point
+    of the nearest triangle that touches it. Between equally near triangles the smallest index wins. Texels
+    outside UV 0..1 are left out; triangles without area in UV, or with UVs that are not finite, are skipped.
 
     `reach` is half the side, in texels, of the square around the centre that a triangle must touch: 0.5 is
-    the texel itself, 1 is all that a bilinear lookup reads. `chunk` bounds the memory, and changes no bit.
-    Raises ShapeError for arrays that do not fit together or a size below 1 x 1.
+    the texel itself, 1 is all that a bilinear lookup reads. `chunk` limits the memory without changing the
+    result. Raises ShapeError for arrays that do not fit together or a size below 1 x 1.
     """
     triangle = _nearest_triangle(surface, width, height, reach, chunk)
     texels = _empty_map(width, height)
@@ -76,12 +77,12 @@ def rasterise(
 
 
 def covered_texels(surface: SurfaceMesh, width: int, height: int) -> Bools:
-    """True where an island touches the texel (H, W): what `rasterise` calls covered, in less memory."""
+    """True where an island touches the texel (H, W): `TexelMap.covered` of `rasterise`, in less memory."""
     return (_nearest_triangle(surface, width, height, 0.5, _CHUNK) >= 0).reshape(height, width)
 
 
 def _nearest_triangle(surface: SurfaceMesh, width: int, height: int, reach: float, chunk: int) -> Ints:
-    """Of every texel (H * W,) the triangle that it belongs to, -1 of none; as `rasterise` says."""
+    """Index of each texel's triangle (H * W,), chosen as in `rasterise`; -1 for none."""
     _check(surface, width, height)
     distance = np.full(width * height, np.inf)
     triangle = np.full(width * height, -1, dtype=np.int32)
@@ -96,8 +97,8 @@ def _nearest_triangle(surface: SurfaceMesh, width: int, height: int, reach: floa
 class _Edges:
     """Edges of F triangles, each array (3, F): edge k joins corners k and k + 1.
 
-    `a` is the lower end (then the left one), whichever corner that is: two triangles that share an edge
-    compute the very same numbers, so no centre falls between them, and equal distances are equal bits.
+    `a` is always the lower end (of equally low ones the left). So two triangles that share an edge compute
+    exactly the same numbers: no centre falls between them, and equal distances are equal to the bit.
     """
 
     ax: Floats
@@ -119,7 +120,7 @@ class _Edges:
         return side
 
     def nearest(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
-        """Place on each edge, 0 at a and 1 at b, of the nearest point to (x, y), and its squared distance."""
+        """Nearest point of each edge to (x, y), as a fraction from 0 at a to 1 at b; its squared distance."""
         px, py = x - self.ax, y - self.ay
         length = self.dx * self.dx + self.dy * self.dy
         unbounded = np.divide(px * self.dx + py * self.dy, length, out=np.zeros_like(px), where=length > 0)
@@ -141,7 +142,7 @@ def _check(surface: SurfaceMesh, width: int, height: int) -> None:
 
 
 def _edges_in_texels(uv: Floats, width: int, height: int) -> tuple[_Edges, Ints]:
-    """Edges of the triangles that have an area, and those triangles' indices."""
+    """Edges of the finite triangles with an area in UV, and the indices of these triangles."""
     corner = uv.astype(np.float64) * (width, height)
     owner = np.flatnonzero((np.abs(corner) < _BROKEN).all(axis=(1, 2)))
     (x0, y0), (x1, y1), (x2, y2) = corner[owner].transpose(1, 2, 0)
@@ -156,7 +157,10 @@ def _edges_in_texels(uv: Floats, width: int, height: int) -> tuple[_Edges, Ints]
 
 
 def _runs(counts: Ints, limit: int) -> Iterator[tuple[Ints, Ints]]:
-    """Members of runs as (run, place in the run), in order, at most `limit` at once; a run may be cut."""
+    """Yield (run, place in the run) for the members of all runs, in order, `limit` at most at once.
+
+    Run r has counts[r] members; they may come in several yields.
+    """
     ends = np.cumsum(counts, dtype=np.int64)
     total = int(ends[-1]) if len(ends) else 0
     for start in range(0, total, limit):
@@ -170,7 +174,7 @@ def _runs(counts: Ints, limit: int) -> Iterator[tuple[Ints, Ints]]:
 
 
 def _between(low: Floats, high: Floats, reach: float, count: int) -> tuple[Ints, Ints]:
-    """First index, and how many, of the `count` texels in a row whose squares meet the interval low..high."""
+    """First index and number of the texels, of `count` in a row, whose squares meet low..high."""
     reach += _SLACK
     first = np.ceil(np.clip(low - 0.5 - reach, 0, count)).astype(np.int64)
     last = np.floor(np.clip(high - 0.5 + reach, -1, count - 1)).astype(np.int64)
@@ -182,8 +186,8 @@ def _touched(
 ) -> Iterator[tuple[Ints, Ints, Ints]]:
     """All (triangle, i, j) whose square and triangle meet, by triangle, then row, then column.
 
-    A row of squares is a band, and triangle and band have a convex part in common: a square of the row meets
-    it exactly where their x intervals meet. So a long thin triangle costs only what it touches.
+    The intersection of a triangle with a row of squares is convex: a square of the row meets it exactly if
+    their x intervals meet. So the cost of a long thin triangle grows only with the squares that it touches.
     """
     low, high = edges.ay.min(axis=0, initial=np.inf), (edges.ay + edges.dy).max(axis=0, initial=-np.inf)
     first_row, rows = _between(low, high, reach, height)
@@ -196,11 +200,11 @@ def _touched(
 
 
 def _span(edges: _Edges, centre: Floats, half: float) -> tuple[Floats, Floats]:
-    """Least and largest x of each triangle within the band centre - half .. centre + half of y: (F,) both."""
+    """Least and largest x of each triangle in the band y = centre - half .. centre + half: both (F,)."""
     below, above = centre - half - edges.ay, centre + half - edges.ay
     meets = (above >= 0) & (below <= edges.dy)
     steep = edges.dy > 0
-    with np.errstate(over="ignore"):  # infinity is clipped as well
+    with np.errstate(over="ignore"):  # infinities are clipped too
         enter = np.clip(np.divide(below, edges.dy, out=np.zeros_like(below), where=steep), 0.0, 1.0)
         leave = np.clip(np.divide(above, edges.dy, out=np.ones_like(above), where=steep), 0.0, 1.0)
     x, other = edges.ax + enter * edges.dx, edges.ax + leave * edges.dx
@@ -212,12 +216,15 @@ def _span(edges: _Edges, centre: Floats, half: float) -> tuple[Floats, Floats]:
 def _keep_nearest(
     distance: Floats, triangle: Ints, texel: Ints, edges: _Edges, index: Ints, i: Ints, j: Ints
 ) -> None:
-    """Let each pair take its texel if its triangle is nearer than the one there; `index` must ascend."""
+    """Store the triangle of each pair in its texel if it is nearer than the stored one.
+
+    `index`, the triangles' indices, must ascend.
+    """
     x, y = i + 0.5, j + 0.5
     outside = np.flatnonzero((edges.sides(x, y) < 0).any(axis=0))
     squared = np.zeros(len(texel))
     to_edge = edges.take(outside).nearest(x[outside], y[outside])[1]
-    squared[outside] = np.maximum(to_edge.min(axis=0), np.finfo(np.float64).tiny)  # 0 is for inside alone
+    squared[outside] = np.maximum(to_edge.min(axis=0), np.finfo(np.float64).tiny)  # 0 means inside
     nearer = np.flatnonzero(squared < distance[texel])
     texel, squared, index = texel[nearer], squared[nearer], index[nearer]
     np.minimum.at(distance, texel, squared)
@@ -255,7 +262,7 @@ def _fill(texels: TexelMap, surface: SurfaceMesh, texel: Ints) -> None:
 
 
 def _weights(edges: _Edges, x: Floats, y: Floats) -> tuple[Floats, Bools]:
-    """Barycentric weights (K, 3) of each triangle's nearest point to (x, y), and whether that is (x, y)."""
+    """Barycentric weights (K, 3) of each triangle's nearest point to (x, y), and whether (x, y) is inside."""
     sides = edges.sides(x, y)
     inside: Bools = (sides >= 0).all(axis=0)
     total = sides.sum(axis=0)
@@ -277,7 +284,7 @@ def _blend(weight: Floats, corner: Floats) -> Floats:
 
 
 def _facet(corner: Floats) -> Floats:
-    """Unit normals of triangles (K, 3, 3), by their corners' order; zero for those without area."""
+    """Unit normals of triangles (K, 3, 3), oriented by the corners' order; zero for those without area."""
     one, two = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     three = two - one
     area = np.cross(one, two)

@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The reference sampler of kind `transfer`: what a texel shows under a light from any direction.
+"""The reference sampler of kind `transfer`: a texel's radiance under a light from any direction.
 
-A bucket is an octahedral map (`core.octahedron`) of the directions to the light in the texel's frame, its
-middle along the normal, its corners the light behind the surface. A cell holds the radiance that leaves the
-texel under a directional light that gives an irradiance of 1 on a plane facing it. Light is linear: what
-several lights do adds up.
+A bucket is an octahedral map (`core.octahedron`) of the directions to the light in the texel's frame: its
+middle is the normal, its corners are the direction opposite to it. A cell holds the radiance that leaves the
+texel under a directional light that gives an irradiance of 1 on a plane facing it. Light is linear: the
+contributions of several lights add up.
 
-Where a texel was looked at from k x k views, it has as many buckets, and the atlas W k x H k of them: that of
-the view (a, b) is number (i k + a, j k + b). Views lie in a square as the cells of a bucket of radiance do.
+A texel captured from k x k views has k x k buckets, and the atlas has W k x H k: the bucket of view (a, b) is
+number (i k + a, j k + b). Views are arranged in a square like the cells of a bucket of radiance.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .sampler import checked_lookups, four_cells, four_texels
 
 
 def with_views(layout: AtlasLayout, views: int) -> AtlasLayout:
-    """The atlas's own layout, of texels that have `views` x `views` buckets each."""
+    """The layout of the stored atlas, whose texels have `views` x `views` buckets each."""
     return AtlasLayout(layout.width * views, layout.height * views, layout.bucket)
 
 
@@ -38,12 +38,12 @@ def sample_transfer(
     viewer: Floats | None = None,
     views: int = 1,
 ) -> Floats:
-    """What texture coordinates show under unit light: between four texels, each between four cells.
+    """Radiance at texture coordinates under a light of irradiance 1, bilinear in texels and in cells.
 
     `image` (H*k*n, W*k*n, C), k being `views`, row 0 at the bottom; `uv` (K, 2), clamped to the atlas's edge;
-    `light` (K, 3) the directions to the light in the frame, of any length but zero. With several `views` it
-    is seen by a `viewer` in unit directions (K, 3), between the four views around those. Returns (K, C),
-    float32 or float64 as `uv` is. Raises ShapeError for shapes that do not fit.
+    `light` (K, 3) the directions to the light in the frame, of any length but zero. With several `views`,
+    `viewer` (K, 3) are unit directions to the viewer in the frame, and the four views around each are
+    blended. Returns (K, C), float32 or float64 as `uv` is. Raises ShapeError for shapes that do not fit.
     """
     uv, light = checked_lookups(uv, light)
     n, texels = layout.bucket, np.array([layout.width, layout.height], dtype=uv.dtype)
@@ -79,8 +79,8 @@ def relight(
 ) -> Floats:
     """Radiance (K, 3) at texture coordinates (K, 2) under several lights, the rest as in `sample_transfer`.
 
-    Each of the `lights` is its directions (K, 3), to the light in the frame, and its irradiance on a plane
-    facing it: (3,), or (K, 3) where it differs from point to point, as a point lamp's does.
+    Each of the `lights` is a pair: directions (K, 3) to the light in the frame, and its irradiance on a plane
+    facing it, (3,), or (K, 3) if it varies from point to point, as a point lamp's does.
     """
     total = np.zeros((len(uv), 3), dtype=as_floats("uv", uv, 2).dtype)
     for direction, irradiance in lights:
@@ -89,10 +89,10 @@ def relight(
 
 
 def lookup_solid_angles_sr(size: int, finer: int = 16) -> Floats:
-    """What each cell of a map counts in the integral of bilinear lookups over the sphere: (size * size,).
+    """Weight of each cell of a map in the integral of bilinear lookups over the sphere: (size * size,).
 
-    By `finer` x `finer` directions for each cell: one's share of the sphere goes with 1 / |p|^3, p being its
-    point on |x| + |y| + |z| = 1. The sum is 4 pi.
+    Computed from `finer` x `finer` directions for each cell. A direction's solid angle is proportional to
+    1 / |p|^3, p being its point on |x| + |y| + |z| = 1. The sum is 4 pi.
     """
     direction = cell_directions(size * finer).astype(np.float64)
     share = np.abs(direction).sum(axis=-1) ** 3
@@ -103,10 +103,10 @@ def lookup_solid_angles_sr(size: int, finer: int = 16) -> Floats:
 
 
 def mean_over_lights(image: Floats, layout: AtlasLayout, views: int = 1) -> Floats:
-    """What texels show under white surroundings of radiance 1: (H, W, C) of an atlas, float32.
+    """Radiance of texels under white surroundings of radiance 1: (H, W, C), float32, the mean of all views.
 
-    A sky's piece of solid angle w gives an irradiance of w on a plane facing it. Of several views it is the
-    mean. Raises ShapeError where the image does not fit the layout.
+    A piece of sky of solid angle w gives an irradiance of w on a plane facing it. Raises ShapeError if the
+    image does not fit the layout.
     """
     n, stored = layout.bucket, with_views(layout, views)
     if image.shape[:2] != (stored.pixel_height, stored.pixel_width):

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files: atlas and sidecar, written whole or not at all. Rows are flipped here and nowhere else."""
+"""File formats: atlas and sidecar, written atomically. Rows are flipped here and nowhere else."""

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files appear whole or not at all: written beside their place, then renamed.
+"""Write files atomically: under a temporary name in the same folder, then rename.
 
-The disk has a file before its name changes, and the name before we go on: a power cut leaves it whole, too.
+The file is flushed to disk (fsync) before the rename, its folder after, so that a power cut does no harm.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from ..core.errors import BakeError, InputError, RadTexError
 from .hidden_folder import LOCK, hidden_folder, mark_of
 from .path_checks import nearest_folder
 
-_BESIDE = re.compile(r"\.radtex-\d+-[0-9a-f]{16}")  # names that `replacing` yields
+_BESIDE = re.compile(r"\.radtex-\d+-[0-9a-f]{16}")  # the temporary names of `replacing`
 _REASONS = [os.strerror(code) for code in (errno.ENOSPC, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO)]
 
 
 @contextmanager
 def replacing(path: Path, lasting: bool = True) -> Iterator[Path]:
-    """Yield a new name in `path`'s folder; what is written under it takes the name `path` when all went well.
+    """Yield a temporary path in `path`'s folder; the file written there is renamed to `path` on success.
 
-    After any error or interruption nothing is left and `path` is what it was. Makes the folder if need be.
-    What is not `lasting` need not outlive a power cut. Raises BakeError where the system refuses.
+    After any error or interruption the temporary file is removed and `path` unchanged. Creates the folder if
+    needed. Without `lasting` the file is not flushed to disk. Raises BakeError where the system refuses.
     """
     beside = path.with_name(f"{mark_of(os.getpid())}{secrets.token_hex(8)}{path.suffix}")
     try:
@@ -47,17 +47,17 @@ def replacing(path: Path, lasting: bool = True) -> Iterator[Path]:
             beside.unlink(missing_ok=True)
     except OSError as error:
         if beside.name not in str(error) and _BESIDE.search(str(error)):
-            raise  # it is of another file, whose turn comes
+            raise  # the error is of another file, whose own `replacing` handles it
         raise BakeError(refusal(path, error).replace(str(beside), str(path))) from error
 
 
 @contextmanager
 def replacing_together(path: Path) -> Iterator[Path]:
-    """Yield `path`'s name in a new folder beside it; all that is written there moves out when all went well.
+    """Yield a path named like `path` in a new hidden folder; all files written there move out on success.
 
-    `path` itself moves last, so that it speaks of no file that is not there. After any error or interruption
-    before that nothing is left and all is what it was; our errors then name the files by their places. Makes
-    the folder if need be. Raises BakeError where the system refuses.
+    `path` itself moves last, so that it never refers to missing files. After an error or interruption before
+    the move everything is as it was; messages of our errors name the final paths. Creates the folder if
+    needed. Raises BakeError where the system refuses.
     """
     place = None
     try:
@@ -83,13 +83,13 @@ def replacing_together(path: Path) -> Iterator[Path]:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write `text` to `path` in UTF-8, whole or not at all. Raises BakeError where the system refuses."""
+    """Write `text` to `path` in UTF-8, atomically. Raises BakeError where the system refuses."""
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8", newline="\n")
 
 
 def remove_unfinished(folder: Path, pid: int) -> None:
-    """Remove what the process `pid`, which was killed, has not finished in `folder`."""
+    """Remove the temporary files that the killed process `pid` left in `folder`."""
     for path in folder.glob(f"{mark_of(pid)}*"):
         with suppress(OSError):
             if path.is_dir():
@@ -99,7 +99,7 @@ def remove_unfinished(folder: Path, pid: int) -> None:
 
 
 def check_writable(folder: Path) -> None:
-    """Make sure that files can be put into `folder`, which need not exist yet; leaves nothing there.
+    """Make sure that files can be written to `folder`, which need not exist yet; leaves nothing there.
 
     Raises InputError if not.
     """
@@ -113,22 +113,22 @@ def check_writable(folder: Path) -> None:
 
 
 def check_absent(paths: Iterable[Path], overwrite: bool) -> None:
-    """Make sure that writing `paths` destroys nothing, or may. Raises InputError for the first in the way."""
+    """Raise InputError for the first of `paths` that is a folder, or exists while `overwrite` is off."""
     for path in paths:
         if path.is_dir():
             raise InputError(f"{path} is a folder where a file must go: move it, or choose another folder")
-        if os.path.lexists(path) and not overwrite:  # a link that leads nowhere is there, too
+        if os.path.lexists(path) and not overwrite:  # broken links count too
             raise InputError(f"{path} is already there: overwrite it (--overwrite), or choose another folder")
 
 
 def _settle(file: Path) -> None:
-    """Wait until the disk has what is in the file; some systems say only now that it is full."""
-    with file.open("r+b") as stream:  # Windows settles nothing that is open for reading alone
+    """Flush the file's contents to disk; some systems report only now that the disk is full."""
+    with file.open("r+b") as stream:  # Windows cannot flush a file that is opened for reading only
         os.fsync(stream.fileno())
 
 
 def settle_names(folder: Path) -> None:
-    """Wait until the disk has the names in the folder, where the system can be asked for that."""
+    """Flush the names in the folder to disk, where the system supports it."""
     if sys.platform == "win32":
         return
     with suppress(OSError):
@@ -140,7 +140,7 @@ def settle_names(folder: Path) -> None:
 
 
 def refusal(path: Path, error: OSError) -> str:
-    """What to say where the system does not let us write `path`; libraries wrap its reason in words."""
+    """Message for a failure to write `path`; finds the system's reason also within a library's message."""
     said = str(error)
     reason = error.strerror or next((known for known in _REASONS if known in said), said)
     return f"{path} could not be written: {reason}; free its disk, or choose another"

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""BC6H without signs (UF16), by the mode that Direct3D calls 11: light in a byte a pixel.
+"""Unsigned BC6H (UF16), by the mode that Direct3D calls 11: light in one byte per pixel.
 
 Format: Khronos Data Format Specification 1.3, chapter "BPTC Compressed Texture Image Formats", section
 "BC6H", https://registry.khronos.org/DataFormat/specs/1.3/dataformat.1.3.html#BPTC
 
-A line's ends are ten bits a channel, spread over 0..65535; a value x on the line is the half float whose bits
-are floor(31 x / 64). So the fit happens on the bits of half floats: about logarithmic, linear below 6e-5.
+A line's ends have ten bits per channel, spread over 0..65535; a value x on the line is the half float whose
+bits are floor(31 x / 64). So the fit works on the bits of half floats: about logarithmic, linear below 6e-5.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ _BITS_PER_UNIT = 31 / 64  # a half float's bits in one of a line's 65535 units
 
 
 def encode_bc6h(image: Floats) -> Blocks:
-    """Blocks (H/4, W/4, 16) of an image (H, W, 3), linear; clamped to 0..65504, infinities included.
+    """Encode a linear image (H, W, 3), clamped to 0..65504, as blocks (H/4, W/4, 16).
 
-    What is made small is the squared error of the half floats' bits, of which ends are 31 apart: a 66th to a
-    33rd of a value. A block of one value from 1e-4 to 3e4 comes back exactly, rounded to a half float. Raises
+    Minimises the squared error of the half floats' bits. Neighbouring ends are 31 of these apart: a 66th to a
+    33rd of a value. A block of one value from 1e-4 to 3e4 decodes exactly, rounded to a half float. Raises
     ShapeError for another shape or a size that is no multiple of 4, InputError for values that are not
     numbers.
     """
@@ -53,7 +53,7 @@ def encode_bc6h(image: Floats) -> Blocks:
 
 
 def decode_bc6h(blocks: Blocks) -> Floats:
-    """The image (H, W, 3) float32 of blocks (H/4, W/4, 16) of mode 11, to the bit as a GPU has it.
+    """Decode blocks (H/4, W/4, 16) of mode 11 exactly as a GPU does: an image (H, W, 3) float32.
 
     Raises ShapeError for another shape or type, FormatError for blocks of the other modes.
     """
@@ -69,7 +69,7 @@ def decode_bc6h(blocks: Blocks) -> Floats:
 
 
 def _words(pixels: Floats) -> Words:
-    """Words of linear pixels (3, 16, N) in 0..MOST."""
+    """Encode linear pixels (3, 16, N) in 0..MOST as words."""
     bits = pixels.astype(np.float16).view(np.uint16).astype(np.float32)
     values = (bits + 0.5) / np.float32(_BITS_PER_UNIT) - np.float32(0.5)  # the middle of what becomes `bits`
     ends, indices = fitted(values, [(_grid, _grid)], _flats)
@@ -82,7 +82,7 @@ def _words(pixels: Floats) -> Words:
 
 
 def _unquantised(codes: Floats) -> Floats:
-    """Ends in 0..65535 of codes in 0..1023: the middles of 1024 steps, but for the first and the last."""
+    """Ends in 0..65535 for codes in 0..1023: the middles of 1024 steps; the first is 0, the last 65535."""
     middles = codes * np.float32(_STEP) + np.float32(_STEP / 2)
     return np.where(codes <= 0, 0, np.where(codes >= _LAST_CODE, 65535, middles)).astype(np.float32)
 
@@ -93,7 +93,7 @@ def _grid(ends: Floats) -> tuple[Floats, Floats]:
 
 
 def _flats(value: Floats) -> list[Floats]:
-    """Ends of a line that has `value` at FLAT_INDEX, as far as the range allows."""
+    """Ends of a line whose level FLAT_INDEX is `value`, as far as the range allows."""
     code = np.clip(np.rint((value - _STEP / 2) / _STEP), 0, _LAST_CODE)
     off = np.clip(np.rint(value - _unquantised(code)), -_STEP / 2, _STEP / 2).astype(np.int64)
     steps = _mixtures()[:, off + int(_STEP) // 2]
@@ -102,9 +102,9 @@ def _flats(value: Floats) -> list[Floats]:
 
 @cache
 def _mixtures() -> Ints:
-    """Steps (2, 65) of both ends away from a code, which together move FLAT_INDEX by -32 .. 32 units.
+    """Steps (2, 65) of both ends away from a code, so that level FLAT_INDEX moves by -32 .. 32 units.
 
-    The weights there, 43 and 21, have no common divisor: every number of units has such steps.
+    The ends' weights, 43 and 21, have no common divisor, so that such steps exist for every number of units.
     """
     second = int(WEIGHTS[FLAT_INDEX])
     reach = np.arange(-int(_STEP) // 2, int(_STEP) // 2 + 1)

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""BC7 by its mode 6, and what BC6H shares with it: pixels of a square on one line of levels.
+"""BC7 by its mode 6, and the code shared with BC6H: a block's pixels are levels on one line between two ends.
 
 Format: Khronos Data Format Specification 1.3, chapter "BPTC Compressed Texture Image Formats", section "BC7",
 https://registry.khronos.org/DataFormat/specs/1.3/dataformat.1.3.html#BPTC
 
 A block is 4 x 4 pixels, a line has sixteen levels. Here N blocks are arrays (C, 16, N) of channel, pixel and
-block, the pixels row by row; a line's two ends are (2, C, N) and the pixels' places on it, their indices, are
+block, the pixels row by row; a line's two ends are (2, C, N), and the pixels' indices (level numbers) are
 (16, N).
 """
 
@@ -27,33 +27,33 @@ Blocks: TypeAlias = npt.NDArray[np.uint8]  # (rows, columns, 16): the bytes of e
 Words: TypeAlias = npt.NDArray[np.uint64]  # (2, N): the low and the high half of each block
 
 Grid: TypeAlias = Callable[[Floats], tuple[Floats, Floats]]
-"""What an end can be: the representable values below and above; beyond the range both are the last one."""
+"""Rounds ends: the next representable values below and above; outside the range both are the last one."""
 
-SIDE, PIXELS, LAST = 4, 16, 15  # of a block, its pixels, their greatest index
+SIDE, PIXELS, LAST = 4, 16, 15  # pixels along a block's side, pixels in a block, greatest index
 WEIGHTS = np.array((0, 4, 9, 13, 17, 21, 26, 30, 34, 38, 43, 47, 51, 55, 60, 64), np.float32)  # 64ths
-FLAT_INDEX = 5  # of blocks of one value, which its weight of 21 can mix from ends further away
+FLAT_INDEX = 5  # for blocks of one value: its weight of 21 mixes values between representable ends
 
 _MODE_BIT = 6  # mode 6 is six zeros and a one
 _MOST = 255.0
-_AT_ONCE = 4096  # blocks: what is at work stays in the processor's cache
-_FIRSTS, _LASTS = (0.0, 1.0, 2.0), (13.0, 14.0, 15.0)  # indices of the outermost pixels, as tried
-_ROUNDS = 3  # of least squares; more gain nothing that could be measured
+_AT_ONCE = 4096  # blocks: so few that they stay in the processor's cache
+_FIRSTS, _LASTS = (0.0, 1.0, 2.0), (13.0, 14.0, 15.0)  # indices tried for the outermost pixels
+_ROUNDS = 3  # of least squares; more bring no measurable gain
 
 
 def encode_bc7(image: Floats) -> Blocks:
-    """Blocks (H/4, W/4, 16) of an image (H, W, 4) in 0..1; what lies outside is clamped.
+    """Encode an image (H, W, 4) in 0..1 as blocks (H/4, W/4, 16); values outside are clamped.
 
-    Each block is of mode 6: one line through RGBA, ends of seven bits a channel and one that its channels
-    share, indices of four bits. Channels count alike, so that they may hold any data; what is made small is
-    the sum of squared errors. A block of one value comes back as the nearest 8-bit one; only where it has
-    both 0 and 255 in it one of them is a step off. Raises ShapeError for another shape or a size that is no
-    multiple of 4, InputError for values that are not numbers.
+    Each block uses mode 6: one line through RGBA, ends with seven bits per channel and one that the channels
+    share, indices of four bits. The sum of squared errors is minimised with equal weights, so that channels
+    may hold any data. A block of one value decodes to the nearest 8-bit values; only if these include both 0
+    and 255, one of the two is a step off. Raises ShapeError for another shape or a size that is no multiple
+    of 4, InputError for values that are not numbers.
     """
     return encoded(image, 4, 1.0, _words)
 
 
 def decode_bc7(blocks: Blocks) -> Floats:
-    """The image (H, W, 4) float32 in 0..1 of blocks (H/4, W/4, 16) of mode 6, as a GPU has it: whole 255ths.
+    """Decode blocks (H/4, W/4, 16) of mode 6 as a GPU does: an image (H, W, 4) float32 in 0..1, in 255ths.
 
     Raises ShapeError for another shape or type, FormatError for blocks of the other modes.
     """
@@ -70,9 +70,9 @@ def decode_bc7(blocks: Blocks) -> Floats:
 
 
 def encoded(image: Floats, channels: int, most: float, words: Callable[[Floats], Words]) -> Blocks:
-    """Blocks (H/4, W/4, 16) of an image (H, W, channels) clamped to 0..most.
+    """Encode an image (H, W, channels), clamped to 0..most, as blocks (H/4, W/4, 16).
 
-    `words` packs some pixels (channels, 16, N) float32 at a time.
+    `words` encodes blocks of pixels (channels, 16, N) float32, some at a time.
 
     Raises ShapeError and InputError as `encode_bc7` does.
     """
@@ -99,7 +99,7 @@ def words_of(blocks: Blocks) -> Words:
 
 
 def image_of(values: Floats, blocks: Blocks) -> Floats:
-    """The image (H, W, C) of `values` (C, 16, N), the pixels of `blocks`."""
+    """Arrange `values` (C, 16, N), the decoded pixels of `blocks`, as an image (H, W, C)."""
     rows, columns = blocks.shape[:2]
     squares = values.reshape(-1, SIDE, SIDE, rows, columns).transpose(3, 1, 4, 2, 0)
     return squares.reshape(rows * SIDE, columns * SIDE, -1)
@@ -108,10 +108,10 @@ def image_of(values: Floats, blocks: Blocks) -> Floats:
 def fitted(
     values: Floats, grids: Sequence[tuple[Grid, Grid]], flats: Callable[[Floats], Sequence[Floats]]
 ) -> tuple[Floats, Ints]:
-    """Ends and indices that come near `values` (C, 16, N) float32; the first pixel's index is below 8.
+    """Fit ends and indices to `values` (C, 16, N) float32; the first pixel's index is below 8.
 
-    The line begins along the principal axis and is then moved by least squares. `grids` are the choices for
-    the two ends, each of which is tried. `flats` gives ends for blocks of one value (C, N) at FLAT_INDEX.
+    The line begins along the principal axis and is then refined by least squares. `grids` are the choices of
+    grids for the two ends; all are tried. `flats` gives ends for blocks of one value (C, N) at FLAT_INDEX.
     """
     mean = values.mean(axis=1)
     middle = np.full(values.shape[1:], FLAT_INDEX, np.uint8)
@@ -130,9 +130,9 @@ def fitted(
 
 
 def mixed(ends: Floats, weights: Floats) -> Floats:
-    """The values (C, 16, N) between ends at weights (16, N) in 64ths, rounded as the specification says.
+    """Interpolate between ends at weights (16, N) in 64ths, rounded as in the specification: (C, 16, N).
 
-    All of it is whole numbers below 2^24, which float32 holds exactly.
+    All numbers are integers below 2^24, which float32 represents exactly.
     """
     first, last = ends[0, :, None], ends[1, :, None]
     values: Floats = (last - first) * weights
@@ -142,7 +142,7 @@ def mixed(ends: Floats, weights: Floats) -> Floats:
 
 
 def nearest(values: Floats, ends: Floats) -> Ints:
-    """Indices (16, N) uint8 of the levels nearest to the values' feet on the line."""
+    """Indices (16, N) uint8 of the levels nearest to the values' projections onto the line."""
     along = ends[1] - ends[0]
     scale = LAST / np.maximum((along * along).sum(axis=0), np.float32(1e-12))
     along = along * scale
@@ -157,7 +157,7 @@ def nearest(values: Floats, ends: Floats) -> Ints:
 
 
 def indices_word(indices: Ints) -> npt.NDArray[np.uint64]:
-    """The high word (N,) without its lowest bit: the first index has three bits, the others have four."""
+    """The high word (N,), its lowest bit 0: the first index has three bits, the others have four."""
     word: npt.NDArray[np.uint64] = indices[0].astype(np.uint64) << np.uint64(1)
     for pixel in range(1, PIXELS):
         word |= indices[pixel].astype(np.uint64) << np.uint64(4 * pixel)
@@ -173,12 +173,12 @@ def indices_of(high: npt.NDArray[np.uint64]) -> Ints:
 
 
 def described(array: npt.NDArray[np.generic]) -> str:
-    """For messages, such as "(4, 4, 16) of uint8"."""
+    """Shape and type for messages, such as "(4, 4, 16) of uint8"."""
     return f"{array.shape} of {array.dtype}"
 
 
 class _Best:
-    """The ends and indices with the least squared error of those that were offered, for each block."""
+    """For each block, the ends and indices with the least squared error among the candidates offered."""
 
     def __init__(self, values: Floats) -> None:
         channels, pixels, count = values.shape
@@ -199,16 +199,16 @@ class _Best:
 
 
 def _weights(indices: Ints) -> Floats:
-    """WEIGHTS[indices], float32, by arithmetic: several times as fast as looking it up."""
+    """WEIGHTS[indices], float32, computed, which is several times as fast as a lookup."""
     weights = indices * np.float32(64 / LAST)
     return np.rint(weights, out=weights)
 
 
 def _start(centred: Floats) -> Ints:
-    """Indices along the axis of greatest variance of values about their mean.
+    """Initial indices: levels along the axis of greatest variance; `centred` are values minus their mean.
 
-    The outermost pixels need not have the outermost levels: of several spreads the one is taken whose best
-    line leaves the least error.
+    The outermost pixels need not have the outermost levels: several choices of their indices are tried, and
+    the one whose least-squares line leaves the least error is taken.
     """
     channels, _, count = centred.shape
     covariance = np.empty((count, channels, channels), np.float32)
@@ -231,11 +231,11 @@ def _start(centred: Floats) -> Ints:
 
 
 def _least_squares(centred: Floats, indices: Ints) -> tuple[Floats, Floats, Floats]:
-    """The ends (2, C, N) that suit the indices best, what errors in them cost, and what they explain.
+    """Least-squares ends (2, C, N) for the indices; also the cost of errors in the ends, and the gain.
 
     An error of (x, y) in a channel's ends costs form[0] x² + 2 form[1] x y + form[2] y², form being (3, N).
-    Explained (N,) is by how much the sum of squares is less than about the mean. `centred` are values about
-    their mean; where all indices are alike both ends are that mean.
+    The gain (N,) is the reduction of the squared error compared with that about the mean. `centred` are
+    values minus their mean; where all indices are equal both ends are the mean.
     """
     second = _weights(indices)
     second *= 1 / 64
@@ -244,7 +244,7 @@ def _least_squares(centred: Floats, indices: Ints) -> tuple[Floats, Floats, Floa
     form = np.stack([PIXELS - 2 * total + square, total - square, square])
     right = (centred * second).sum(
         axis=1
-    )  # about the mean the sum at the first end is minus that at the last
+    )  # values about the mean sum to 0: the first end's right-hand side is minus the last one's
     determinant = form[0] * form[2] - form[1] ** 2
     scale = np.where(determinant > 1e-3, right / np.maximum(determinant, np.float32(1e-3)), 0)
     ends = np.stack([-(form[2] + form[1]) * scale, (form[0] + form[1]) * scale])
@@ -252,7 +252,7 @@ def _least_squares(centred: Floats, indices: Ints) -> tuple[Floats, Floats, Floa
 
 
 def _rounded(line: Floats, form: Floats, grids: tuple[Grid, Grid]) -> Floats:
-    """Representable ends (2, C, N) about those of `line`: of the four each channel can have, the cheapest."""
+    """Round the ends (2, C, N) of `line` to representable ones: per channel, the cheapest of four pairs."""
     best: Floats = np.empty_like(line)
     least = np.full(line.shape[1:], np.inf, np.float32)
     for first, last in product(grids[0](line[0]), grids[1](line[1])):
@@ -266,13 +266,13 @@ def _rounded(line: Floats, form: Floats, grids: tuple[Grid, Grid]) -> Floats:
 
 
 def _anchored(ends: Floats, indices: Ints) -> tuple[Floats, Ints]:
-    """The same, its ends exchanged where the first index would need its fourth bit, which is not stored."""
+    """Swap the ends where the first index would need its fourth bit, which is not stored."""
     turned: Bools = indices[0] > LAST // 2
     return np.where(turned, ends[::-1], ends), np.where(turned, LAST - indices, indices)
 
 
 def _words(pixels: Floats) -> Words:
-    """Words of pixels (4, 16, N) in 0..1."""
+    """Encode pixels (4, 16, N) in 0..1 as words."""
     values = pixels * np.float32(_MOST)
     grids = [partial(_grid, shared=shared) for shared in range(2)]
     ends, indices = fitted(values, list(product(grids, grids)), _flats)
@@ -286,13 +286,13 @@ def _words(pixels: Floats) -> Words:
 
 
 def _grid(ends: Floats, shared: int) -> tuple[Floats, Floats]:
-    """Ends in 255ths whose lowest bit is `shared`."""
+    """Round ends down and up to 255ths whose lowest bit is `shared`."""
     below = np.floor((ends - shared) / 2) * 2 + shared
     return np.clip(below, shared, 254 + shared), np.clip(below + 2, shared, 254 + shared)
 
 
 def _flats(value: Floats) -> list[Floats]:
-    """Ends about `value` in whole 255ths: a step to both sides where its lowest bit is not the shared one."""
+    """Ends for a constant `value`: in 255ths itself, or a step below and above if its lowest bit differs."""
     whole = np.rint(value)
     apart = [np.abs(whole % 2 - shared) for shared in range(2)]
     return [
@@ -313,7 +313,7 @@ def _check_image(image: Floats, channels: int) -> None:
 
 
 def _check_mode(low: npt.NDArray[np.uint64]) -> None:
-    """Raises FormatError for the first block of another mode, which is the number of zeros before a one."""
+    """Raise FormatError for a block of another mode, whose number is the position of the lowest set bit."""
     others = np.flatnonzero((low & np.uint64(127)) != 1 << _MODE_BIT)
     if others.size:
         word = int(low[others[0]]) & 255

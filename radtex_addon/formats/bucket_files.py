@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files of a bake in buckets: a sidecar `<name>.<kind>.json`, its atlas, and its layers beside them."""
+"""The files of a bake in the bucket layout: a sidecar `<name>.<kind>.json`, the atlas and its layers."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from .exr_bands import BandWriter
 from .shared_files import layer_path
 from .sidecar import Sidecar, read_sidecar
 
-BASE = "base"  # the one layer that has a value for a texel, and no buckets
-_NO_LIGHT = ("normal", "rest")  # signed: dwaa's losses are made for light
+BASE = "base"  # the only layer with one value per texel instead of a bucket
+_NO_LIGHT = ("normal", "rest")  # have signed values, while DWAA's losses are meant for light
 _COLOURS = 3
 
 
@@ -32,7 +32,7 @@ def write_buckets(
     half: bool = True,
     compression: Compression = Compression.ZIP,
 ) -> Sidecar:
-    """Write what `write_bands` does of an atlas (H*n, W*n, 1, 3 or 4) and layers that are whole."""
+    """`write_bands` for an atlas (H*n, W*n, 1, 3 or 4) and layers that are completely in memory."""
     images = {"": atlas, **layers}
     steps = write_bands(path, lambda: iter([images]), tuple(layers), bake, half, compression)
     while True:
@@ -51,20 +51,21 @@ def write_bands(
     half: bool = True,
     compression: Compression = Compression.ZIP,
 ) -> Generator[int, None, Sidecar]:
-    """Write the sidecar to `path`, the atlas and its layers beside it; all, or none. Yields rows of texels.
+    """Write the sidecar to `path`, the atlas and its layers beside it: all files, or none.
 
-    `bands` makes rows of texels from the top down, each a part of the atlas, called "", and of the `layers`:
-    (h*n, W*n, 1, 3 or 4) and (h*n, W*n, 3), of the base (h, W, 3); row 0 is the lowest, light is scene-linear
-    Rec.709. Values beyond the files' range, infinities included, are clamped to it. Returns `bake` with the
-    layers' names and the number of clamped values. Raises ShapeError for an image of another size, BakeError
-    for values that are not numbers and where the system refuses.
+    Yields the number of rows of texels done. `bands` returns bands of rows from the top down, each a part of
+    the atlas, named "", and of all `layers`: (h*n, W*n, 1, 3 or 4) and (h*n, W*n, 3), for the base (h, W, 3);
+    row 0 is the lowest, light is scene-linear Rec.709. It is called again if values were clamped. Values
+    beyond the files' range, infinities included, are clamped to it. Returns `bake` with the layers' names and
+    the number of clamped values. Raises ShapeError for an image of another size, BakeError for values that
+    are not numbers and where the system refuses.
     """
     sidecar = replace(bake, layers=tuple(layers))
-    with ExitStack() as files:  # what is entered first is left last: the sidecar takes its place at the end
+    with ExitStack() as files:  # entered first, left last: the sidecar is renamed after its images
         text = files.enter_context(replacing(path))
         images = {name: files.enter_context(replacing(image_path(path, name))) for name in ("", *layers)}
         clamped = yield from _fill(path, images, bands(), sidecar, half, compression)
-        if clamped:  # the headers hold their number, and come first: once more, now that it is known
+        if clamped:  # the headers, at the beginning of the files, must hold the number: write all again
             sidecar = replace(sidecar, clamped=clamped)
             yield from _fill(path, images, bands(), sidecar, half, compression)
         text.write_text(sidecar.to_json(), encoding="utf-8", newline="\n")
@@ -79,7 +80,7 @@ def _fill(
     half: bool,
     compression: Compression,
 ) -> Generator[int, None, int]:
-    """Write all images; yields how many rows of texels are done, returns how many values were clamped."""
+    """Write all images; yields the number of rows of texels done, returns that of clamped values."""
     writers: dict[str, BandWriter] = {}
     done = 0
     for band in bands:
@@ -118,7 +119,7 @@ def _check_shape(name: str, image: Floats, sidecar: Sidecar, rows: int) -> None:
 
 
 def read_layer(path: Path, layer: str) -> Floats:
-    """A layer of the bake whose sidecar is the file `path`, as it is stored, row 0 at the bottom.
+    """Read a layer of the bake whose sidecar is the file `path`, as it is stored, row 0 at the bottom.
 
     (H*n, W*n, 3), or (H, W, 3) for the base. Raises FormatError, with the path, for a layer that the bake
     does not have, and as `exr.read_buckets` does.
@@ -135,7 +136,7 @@ def read_layer(path: Path, layer: str) -> Floats:
 
 
 def image_path(path: Path, layer: str) -> Path:
-    """The image of a layer beside the sidecar `path`; of the atlas itself for none."""
+    """The path of a layer's image beside the sidecar `path`; of the atlas for the layer ""."""
     return layer_path(path, layer) if layer else path.with_suffix(".exr")
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake in buckets has in its images, to be read a band of rows at a time."""
+"""Read the images of a bake in the bucket layout in bands of rows."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ _COLOURS = 3
 
 
 def open_buckets(path: Path) -> tuple[ImageRows, Sidecar]:
-    """What `exr.read_buckets` reads for the sidecar's file `path`. Raises FormatError as that does."""
+    """`exr.read_buckets` for reading in bands of rows. Raises FormatError as that does."""
     sidecar = read_sidecar(path)
     return open_rows(_checked(path, sidecar, ""), *size_of(sidecar, "")), sidecar
 
 
 def open_layer(path: Path, layer: str) -> ImageRows:
-    """What `bucket_files.read_layer` reads. Raises FormatError as that does."""
+    """`bucket_files.read_layer` for reading in bands of rows. Raises FormatError as that does."""
     sidecar = read_sidecar(path)
     if layer not in sidecar.layers:
         known = ", ".join(sidecar.layers) or "none"
@@ -31,7 +31,7 @@ def open_layer(path: Path, layer: str) -> ImageRows:
 
 
 def _checked(path: Path, sidecar: Sidecar, layer: str) -> Path:
-    """The image of a layer, once its header says that it belongs to the sidecar."""
+    """The path of a layer's image. Raises FormatError if its header does not match the sidecar."""
     image = image_path(path, layer)
     if Sidecar.from_json(header_text(image), f"the header of {image}") != sidecar:
         raise FormatError(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A condensed atlas to and from textures as a GPU takes them."""
+"""Convert a condensed atlas to and from GPU textures."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ from .packing import (
 from .regular import open_regular
 from .shared_sidecar import SharedSidecar
 
-# What values a texture holds; tiles have a range of their own within theirs.
+# The range of values that a texture can hold; each lobe's tiles have a narrower range of their own.
 LIMITS = {
     DdsFormat.BC6H_UF16: (0.0, HALF_MOST),
     DdsFormat.R8G8B8A8_UNORM: (-1.0, 1.0),
     DdsFormat.BC5_UNORM: (-HALF_MOST, HALF_MOST),
     DdsFormat.BC7_UNORM: (-HALF_MOST, HALF_MOST),
 }
-_ALIKE = 1e-6  # by how much the values of one colour may differ
+_ALIKE = 1e-6  # a colour image whose values differ by no more is one colour
 
 _SIDE = DdsFormat.BC6H_UF16.side  # pixels along a block's side
 _DECODERS = {
@@ -65,10 +65,10 @@ _DECODED = 16  # bytes of a pixel: four floats
 
 @dataclass(frozen=True, eq=False)
 class StoredAtlas:
-    """What an atlas's textures hold, within their limits but not yet rounded.
+    """The contents of an atlas's textures, clamped to their limits but not yet encoded.
 
-    `atlas` has a small image of its colour if that is one. `values` are its `layer_values`, shared out among
-    the textures, `clamped` is how many of them were beyond the limits. `facts` lack the digests.
+    `atlas` has a small colour image if the colour is the same everywhere. `values` are its `layer_values`,
+    split by texture; `clamped` is the number of values that were beyond the limits. `facts` lack the digests.
     """
 
     atlas: CondensedAtlas
@@ -78,7 +78,7 @@ class StoredAtlas:
 
     @classmethod
     def of(cls, atlas: CondensedAtlas, file_of: Callable[[str], Path]) -> StoredAtlas:
-        """What is stored of `atlas`; `file_of` a layer is named in errors.
+        """Prepare `atlas` for storing; `file_of` gives a layer's path, for errors.
 
         Raises ShapeError if its maps do not fit each other, BakeError for values that are not numbers.
         """
@@ -102,7 +102,7 @@ class StoredAtlas:
         return cls(atlas, values, CondensedFacts(rank, columns, tiles, digests={}), clamped)
 
     def textures(self) -> Iterator[tuple[str, Blocks]]:
-        """Each layer and its texture's blocks, in the files' order."""
+        """Yield each layer's name and its texture's blocks, in the files' order."""
         for layer in (COLOUR, IRRADIANCE, SURROUNDINGS):
             yield layer, encode_bc6h(_filled_up(self.values[layer]))
         for lobe in self.atlas.lobes:
@@ -116,14 +116,14 @@ class StoredAtlas:
 
 
 def stored_colour(colour: Floats) -> Floats:
-    """The image (H, W, C) that is stored of a colour: of one block's size where it is one colour."""
+    """The colour image (H, W, C) to store: reduced to a block's size if it is the same everywhere."""
     if not colour.size or not np.isfinite(colour).all() or np.ptp(colour, axis=(0, 1)).max() > _ALIKE:
         return colour
     return np.broadcast_to(colour[:1, :1], (_SIDE, _SIDE, colour.shape[2]))
 
 
 def read_texture(path: Path, layer: str, width: int, height: int) -> Any:
-    """A texture's pixels (height, width, C): light and tiles in 0..1 float32, weights as bytes.
+    """Read a texture's pixels (height, width, C): light and tiles (in 0..1) as float32, weights as bytes.
 
     Raises FormatError, with the path, for a file that is missing, damaged, or of another format or size.
     """
@@ -144,10 +144,10 @@ def read_texture(path: Path, layer: str, width: int, height: int) -> Any:
 
 
 def read_textures(path: Path, sidecar: SharedSidecar, file_of: Callable[[str], Path]) -> CondensedAtlas:
-    """The atlas of the condensed bake that `sidecar`, the file `path`, describes; float32.
+    """Read the atlas of the condensed bake with this `sidecar`, which is the file `path`; float32.
 
-    `file_of` a layer is its texture's. Raises FormatError, with the path, for a sidecar of another form, for
-    textures too large for this machine's memory, for one of another bake, and as `read_texture` does.
+    `file_of` gives the path of a layer's texture. Raises FormatError, with the path, for a bake that is not
+    condensed, for textures too large for this machine's memory or of another bake, and as `read_texture`.
     """
     facts = sidecar.condensed
     if facts is None:
@@ -188,7 +188,7 @@ def _lobe(
     facts: CondensedFacts,
     file_of: Callable[[str], Path],
 ) -> CondensedLobe:
-    """The lobe whose textures' `pixels` these are, by layer."""
+    """Make a lobe from its textures' `pixels`, which are by layer."""
     tiles, named = facts.lobes[axis], lobe_layer(axis, WEIGHTS)
     cluster, weights = unpack_weights(pixels[named], facts.rank)
     if cluster.max() >= tiles.clusters:
@@ -208,7 +208,7 @@ def _lobe(
 
 
 def _within_limits(path: Path, values: Floats, kind: DdsFormat) -> tuple[Floats, int]:
-    """Values clamped to what a texture holds, and how many had to be. Raises BakeError for no numbers."""
+    """Values clamped to a texture's limits, and how many were beyond. Raises BakeError for NaN."""
     low, high = LIMITS[kind]
     if wrong := int(np.count_nonzero(np.isnan(values))):
         raise BakeError(f"{path} was not written: {wrong} of its values are not numbers; bake it again")
@@ -216,12 +216,12 @@ def _within_limits(path: Path, values: Floats, kind: DdsFormat) -> tuple[Floats,
 
 
 def _part_layers(axis: Axis) -> dict[str, list[str]]:
-    """The textures of each part of a lobe."""
+    """The texture layers of each part of a lobe."""
     return {part: [lobe_layer(axis, texture) for texture in textures] for part, textures in TEXTURES.items()}
 
 
 def _by_texture(atlas: CondensedAtlas) -> dict[str, Floats]:
-    """The atlas's `layer_values`, a part's channels shared out among its textures."""
+    """The atlas's `layer_values`, with each part's channels split among its textures."""
     values = layer_values(atlas)
     for axis in dict.fromkeys(lobe.axis for lobe in atlas.lobes):  # two of one axis are refused later
         for part, layers in _part_layers(axis).items():
@@ -231,13 +231,13 @@ def _by_texture(atlas: CondensedAtlas) -> dict[str, Floats]:
 
 
 def _encoded(grid: Floats, kind: DdsFormat) -> Blocks:
-    """The blocks of a grid of tiles (H, W, channels), with an alpha of 1 where there is one."""
+    """Encode a grid of tiles (H, W, channels) as blocks; alpha, where the format has it, is 1."""
     if kind is DdsFormat.BC5_UNORM:
         return encode_bc5(grid)
     return encode_bc7(np.pad(grid, ((0, 0), (0, 0), (0, 4 - grid.shape[2])), constant_values=1))
 
 
 def _filled_up(image: Floats) -> Floats:
-    """An image (H, W, C) with its last row and column repeated until blocks are whole."""
+    """Pad an image (H, W, C) to whole blocks by repeating its last row and column."""
     height, width = image.shape[:2]
     return np.pad(image, ((0, -height % _SIDE), (0, -width % _SIDE), (0, 0)), mode="edge")

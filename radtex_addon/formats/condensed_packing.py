@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A condensed lobe as textures: a grid of its clusters' tiles, and what each texel mixes them by.
+"""A condensed lobe as textures: a grid of its clusters' tiles, and each texel's cluster and weights.
 
-A tile is a bucket with the border that it has in the dense form. Row 0 is at the bottom.
+A tile is a bucket with a border, as in the dense form. Row 0 is at the bottom.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from .packing import WEIGHTS, lobe_layer, pack, stored_parts, with_border
 
 Bytes = npt.NDArray[np.uint8]
 
-_ZERO, _ONE = 128, 127  # a weight of 0, and how many steps one of 1 lies above
+_ZERO, _ONE = 128, 127  # the byte of a weight of 0, and the number of steps from there to a weight of 1
 
 
 def layer_values(atlas: CondensedAtlas) -> dict[str, Floats]:
-    """What an atlas's textures hold, before it is rounded: by layer, in the files' order, float32.
+    """The values of an atlas's textures before encoding: by layer, in the files' order, float32.
 
     The images (rows, columns, 3), each lobe's weights (H, W, r), and the stored values of its tiles,
     (C, 1 + r, n, n, channels), without borders. Raises ShapeError if the atlas's maps do not fit each other.
@@ -48,7 +48,7 @@ def layer_values(atlas: CondensedAtlas) -> dict[str, Floats]:
 
 
 def pack_weights(cluster: Ints, weights: Floats) -> Bytes:
-    """Clusters (H, W) below 65536 and weights (H, W, r) within [-1, 1] as pixels (H, W*q, 4)."""
+    """Pack clusters (H, W) below 65536 and weights (H, W, r) within [-1, 1] into pixels (H, W*q, 4)."""
     height, width, rank = weights.shape
     texels = np.zeros((height, width, texel_pixels(rank) * 4), dtype=np.uint8)
     texels[..., :rank] = np.rint(weights * _ONE) + _ZERO
@@ -58,7 +58,7 @@ def pack_weights(cluster: Ints, weights: Floats) -> Bytes:
 
 
 def unpack_weights(pixels: Bytes, rank: int) -> tuple[Ints, Floats]:
-    """The clusters (H, W) int32 and weights (H, W, r) float32 that `pack_weights` put into pixels."""
+    """Inverse of `pack_weights`: clusters (H, W) int32 and weights (H, W, r) float32."""
     texels = pixels.reshape(len(pixels), -1, texel_pixels(rank) * 4)
     cluster = texels[..., -2].astype(np.int32) | texels[..., -1].astype(np.int32) << 8
     weights: Floats = (texels[..., :rank].astype(np.float32) - _ZERO) / np.float32(_ONE)
@@ -68,7 +68,7 @@ def unpack_weights(pixels: Bytes, rank: int) -> tuple[Ints, Floats]:
 def value_range(tiles: Floats) -> Floats:
     """The least and greatest values of tiles (C, 1 + r, n, n, channels): (4, channels).
 
-    Low and high of the tiles taken wholly, then of the weighted ones, over all clusters.
+    Low and high of the first tiles, whose weight is always 1, then of the weighted ones, over all clusters.
     """
     over = (0, 1, 2, 3)
     base, others = tiles[:, :1], tiles[:, 1:]
@@ -76,10 +76,9 @@ def value_range(tiles: Floats) -> Floats:
 
 
 def pack_tiles(tiles: Floats, limits: Floats, columns: int) -> Floats:
-    """Tiles (C, 1 + r, n, n, channels) with borders, as a grid (rows*(n+2), columns*(n+2), channels).
+    """Join tiles (C, 1 + r, n, n, channels) with borders to a grid (rows*(n+2), columns*(n+2), channels).
 
-    It is in [0, 1]: `limits` (4, channels) say what 0 and 1 stand for, as `value_range` has them. Places
-    without a tile are 0.
+    The grid is in [0, 1], scaled by `limits` (4, channels) from `value_range`. Places without a tile are 0.
     """
     low, span = _low_and_span(limits, tiles.shape[1])
     bordered = with_border((tiles - low) / np.where(span > 0, span, 1))
@@ -91,9 +90,9 @@ def pack_tiles(tiles: Floats, limits: Floats, columns: int) -> Floats:
 
 
 def unpack_tiles(image: Floats, limits: Floats, clusters: int, rank: int, columns: int) -> Floats:
-    """The tiles (C, 1 + r, n, n, channels), float32, of a grid that `pack_tiles` made, without borders.
+    """Inverse of `pack_tiles`: tiles (C, 1 + r, n, n, channels), float32, without borders.
 
-    The grid may have further channels than `limits`: an alpha, which says nothing.
+    The grid may have more channels than `limits`: an alpha, which is ignored.
     """
     side, channels = image.shape[1] // columns, limits.shape[1]
     grid = AtlasLayout(columns, image.shape[0] // side, side).to_buckets(image)
@@ -105,7 +104,7 @@ def unpack_tiles(image: Floats, limits: Floats, clusters: int, rank: int, column
 
 
 def _low_and_span(limits: Floats, tiles: int) -> tuple[Floats, Floats]:
-    """What 0 stands for, and how far above it 1 lies, in a cluster's tiles: both (1 + r, 1, 1, channels)."""
+    """Offset and scale of a cluster's tiles, (1 + r, 1, 1, channels) both: values are low + span * stored."""
     kind = np.minimum(np.arange(tiles), 1)[:, None, None]
     low, high = limits[0::2][kind], limits[1::2][kind]
     return low, high - low

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a sidecar of the shared layout says of its condensed form: the object "condensed" in "shared"."""
+"""The part of a sidecar for the condensed form of the shared layout: the object "condensed" in "shared"."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .json_reader import Facts
 from .packing import LOBE_CHANNELS
 from .texture import MOST_PIXELS
 
-# The least and the greatest value of each channel: of the tiles taken wholly, then of the weighted ones.
+# The least and the greatest value of each channel: of the first tiles (weight 1), then of the weighted ones.
 Range: TypeAlias = tuple[tuple[float, ...], ...]
 
 _MOST = float(np.finfo(np.float32).max)
@@ -25,7 +25,7 @@ _MOST = float(np.finfo(np.float32).max)
 
 @dataclass(frozen=True)
 class Tiles:
-    """A lobe's clusters, and for each part of it what a texture's 0 and 1 stand for.
+    """The number of a lobe's clusters, and for each of its parts the values that 0 and 1 in a texture mean.
 
     Each range has four rows: low and high of the tiles k = 0, low and high of the others.
     """
@@ -38,8 +38,8 @@ class Tiles:
 class CondensedFacts:
     """Facts about a condensed bake's textures.
 
-    `rank` weights a texel, `columns` of tiles in the lobes' images; `digests` are the SHA-256 of the files by
-    layer, in hexadecimal digits.
+    `rank` is the number of weights of a texel, `columns` that of tiles side by side in the lobes' images;
+    `digests` are the files' SHA-256 by layer, in hexadecimal digits.
     """
 
     rank: int
@@ -48,7 +48,7 @@ class CondensedFacts:
     digests: dict[str, str]
 
     def facts(self) -> dict[str, Any]:
-        """What the JSON says, in its order."""
+        """The JSON's keys and values, in order."""
         return {
             "rank": self.rank,
             "columns": self.columns,
@@ -62,7 +62,7 @@ class CondensedFacts:
 
     @classmethod
     def from_facts(cls, shared: Facts, lobes: Iterable[Axis], layers: Iterable[str]) -> CondensedFacts:
-        """Read what `facts` wrote, in the object `shared` of a bake with these lobes and layers.
+        """Inverse of `facts`: read the object `shared` of a bake with these lobes and layers.
 
         Raises FormatError for a missing or mistyped key.
         """
@@ -77,17 +77,17 @@ class CondensedFacts:
 
 
 def as_range(rows: Floats) -> Range:
-    """Four rows of float32 values as numbers that read as the same."""
+    """Four rows of float32 values as the shortest numbers that are read as the same float32."""
     return tuple(tuple(shortest(value) for value in row) for row in rows)
 
 
 def shortest(value: np.floating[Any]) -> float:
-    """The shortest number that a float32 reads as `value`."""
+    """The number with the fewest digits that is read as the same float32 as `value`."""
     return float(str(np.float32(value)))
 
 
 class _Facts(Facts):
-    """Facts within facts, among them ranges."""
+    """Facts with a reader for ranges, also in nested objects."""
 
     def inner(self, key: str) -> _Facts:
         return _Facts(super().inner(key).values, f'{self.source.rstrip(",")}, in "{key}",')
@@ -107,6 +107,6 @@ def _tiles(facts: _Facts) -> Tiles:
 
 
 def _is_row(row: object, channels: int) -> bool:
-    """Whether floats hold all of a row; whole numbers in JSON are of any length."""
+    """Whether `row` has this many numbers within float32's range; integers in JSON may have any length."""
     numbers = isinstance(row, list) and len(row) == channels and all(type(n) in (int, float) for n in row)
     return numbers and all(-_MOST <= n <= _MOST for n in row)  # type: ignore[attr-defined]

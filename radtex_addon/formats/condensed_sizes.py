@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How large the textures of a condensed bake are, so that its clusters can be chosen for a budget."""
+"""Sizes of the textures of a condensed bake, for choosing the number of clusters that fits a budget."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ from .packing import (
 )
 from .texture import MOST_PIXELS
 
-MOST_CLUSTERS = 65536  # of a lobe: two bytes name one
+MOST_CLUSTERS = 65536  # of a lobe: a cluster's index has two bytes
 
 Shapes = dict[str, tuple[int, int, int]]
 
 
 @dataclass(frozen=True)
 class CondensedSizes:
-    """What decides how large a condensed bake's textures are.
+    """The parameters that determine the sizes of a condensed bake's textures.
 
     `width` x `height` texels of the irradiance and the lobes, `bucket` cells along a side of a bucket without
-    its border; `colour` is that image's width and height, `surroundings` the cells along a side of the
-    sharpest of `levels`; `clusters` of each lobe, of 1 + `rank` tiles.
+    its border; `colour` is the colour image's width and height, `surroundings` the cells along a side of the
+    sharpest of `levels`; `clusters` is the number of each lobe's clusters, each of 1 + `rank` tiles.
     """
 
     width: int
@@ -49,11 +49,11 @@ class CondensedSizes:
 
     @property
     def columns(self) -> int:
-        """How many tiles RadTex puts side by side."""
+        """Number of tiles side by side in textures that RadTex writes."""
         return columns_of(self.clusters.values(), self.rank)
 
     def shapes(self, columns: int) -> Shapes:
-        """Each texture's width, height and channels, in the files' order; blocks not filled up."""
+        """Each texture's width, height and channels, in the files' order, without padding to whole blocks."""
         shapes: Shapes = {
             COLOUR: (*self.colour, 3),
             IRRADIANCE: (self.width, self.height, 3),
@@ -84,17 +84,17 @@ class CondensedSizes:
 
 
 def columns_of(clusters: Iterable[int], rank: int) -> int:
-    """How many tiles side by side make the largest lobe's images near-square; `clusters` of each lobe."""
+    """Number of tiles side by side for near-square images of the largest lobe; `clusters` of each lobe."""
     return math.isqrt(max(clusters, default=1) * (1 + rank) - 1) + 1
 
 
 def texel_pixels(rank: int) -> int:
-    """Pixels of four bytes that a texel's weights and the two bytes of its cluster take."""
+    """Number of 4-byte pixels for a texel's weights and its cluster's two bytes."""
     return -(-(rank + 2) // 4)
 
 
 def texture_format(layer: str) -> DdsFormat:
-    """How a layer's texture is stored."""
+    """The format of a layer's texture."""
     if layer in (COLOUR, IRRADIANCE, SURROUNDINGS):
         return DdsFormat.BC6H_UF16
     texture = layer.partition("_")[2]
@@ -118,9 +118,9 @@ def condensed_bytes(sizes: CondensedSizes) -> int:
 
 
 def clusters_within(budget: int, sizes: CondensedSizes) -> int:
-    """The most clusters, the same for each lobe, whose textures take at most `budget` bytes; at least 1.
+    """The greatest number of clusters, the same for each lobe, whose textures fit `budget` bytes; at least 1.
 
-    `sizes` says the rest, and which lobes there are. A lobe has no more clusters than texels, nor more than a
+    `sizes` gives the lobes and everything else. A lobe has no more clusters than texels, nor more than a
     texture can hold.
     """
     tiles = (MOST_PIXELS // (sizes.bucket + 2)) ** 2

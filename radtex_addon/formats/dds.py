@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""DDS files of one texture: blocks as a GPU takes them, behind 148 bytes of header.
+"""DDS files of one texture: 148 bytes of header, then blocks as a GPU takes them.
 
 Format: https://learn.microsoft.com/windows/win32/direct3ddds/dds-header and .../dds-header-dxt10
 """
@@ -26,7 +26,7 @@ from .texture import MOST_PIXELS, Encoded, Form, PixelFormat, Texture, blocks_sh
 
 
 class DdsFormat(IntEnum):
-    """What a file holds, by its number in DXGI_FORMAT."""
+    """Pixel formats of a file, by their numbers in DXGI_FORMAT."""
 
     R8G8B8A8_UNORM = 28
     BC5_UNORM = 83
@@ -36,7 +36,7 @@ class DdsFormat(IntEnum):
 
     @property
     def pixel_format(self) -> PixelFormat:
-        """The same as other files call it."""
+        """The same format as a PixelFormat."""
         return _PIXEL_FORMATS[self]
 
     @property
@@ -61,7 +61,7 @@ _DDS_FORMATS = {theirs: ours for ours, theirs in _PIXEL_FORMATS.items()}
 
 
 class _Header(NamedTuple):
-    """DDS_HEADER and DDS_HEADER_DXT10, field by field, but for the reserved ones in the middle."""
+    """The fields of DDS_HEADER and DDS_HEADER_DXT10, without the reserved ones in the middle."""
 
     magic: bytes
     size: int
@@ -94,7 +94,7 @@ class _Header(NamedTuple):
 _LAYOUT = struct.Struct("<4s7I44x2I4s5I5I5I")
 _MAGIC, _SIZE, _PIXEL_SIZE = b"DDS ", 124, 32
 _FLAGS = 0x1 | 0x2 | 0x4 | 0x1000  # the header has capabilities, height, width, a pixel format
-_PITCH, _LINEAR_SIZE = 0x8, 0x80000  # and the bytes of a row, or of all
+_PITCH, _LINEAR_SIZE = 0x8, 0x80000  # flags too: `pitch` is the bytes of a row, or of the whole image
 _FOUR_CC, _DX10 = 0x4, b"DX10"
 _TEXTURE = 0x1000
 _MIPMAPPED, _MIPMAPS = 0x20000, 0x8 | 0x400000  # in flags, and in caps: one of several surfaces, with mipmaps
@@ -105,9 +105,9 @@ _TEXTURE_2D, _CUBE = 3, 0x4
 def write_dds(path: Path, blocks: Blocks, texture_format: DdsFormat) -> None:
     """Write one 2D texture without mipmaps: (H/4, W/4, 16) uint8 of blocks, or (H, W, bytes) of pixels.
 
-    Rows are stored as given: whether the first is the picture's top or bottom is the caller's business. On
-    failure `path` is what it was. Raises ShapeError for another shape or type, or more than 16384 pixels a
-    side, BakeError where the system refuses.
+    Rows are stored in the given order, top or bottom first. On failure an existing file `path` is unchanged.
+    Raises ShapeError for another shape or type, or more than 16384 pixels a side, BakeError where the system
+    refuses.
     """
     kind = texture_format
     if blocks.ndim != 3 or blocks.shape[2] != kind.block_bytes or blocks.dtype != np.uint8 or not blocks.size:
@@ -120,10 +120,10 @@ def write_dds(path: Path, blocks: Blocks, texture_format: DdsFormat) -> None:
 
 
 def write_texture(path: Path, texture: Encoded) -> None:
-    """Write a texture, with its layers and mip levels, rows as they are stored.
+    """Write a texture with its layers and mip levels; rows stay in their order.
 
-    On failure `path` is what it was. Raises InputError for a format that DDS does not know, or for blocks
-    that reach beyond the edge, which Direct3D refuses; BakeError where the system refuses.
+    On failure an existing file `path` is unchanged. Raises InputError for a format that is not written to
+    DDS, or if blocks reach beyond the edge, which Direct3D refuses; BakeError where the system refuses.
     """
     form = texture.form
     kind = _DDS_FORMATS.get(form.format)
@@ -140,17 +140,17 @@ def write_texture(path: Path, texture: Encoded) -> None:
 
 
 def read_dds(path: Path) -> tuple[DdsFormat, Blocks, int, int]:
-    """What `write_dds` wrote: format, blocks with their rows as stored, width and height in pixels.
+    """Read a file of `write_dds`: format, blocks with their rows as stored, width and height in pixels.
 
     The last blocks of a row and a column may reach beyond the width and height. Raises FormatError, with the
-    path, for a file that is missing, cut short, no DDS, or holds anything else than one 2D texture of ours.
+    path, for a file that is missing, cut short, no DDS, or holds anything but one 2D texture of our formats.
     """
     kind, texture = _read(path, alone=True)
     return kind, texture.levels[0][0], texture.width, texture.height
 
 
 def read_texture(path: Path) -> Texture:
-    """What `write_texture` wrote; one layer is read as no array.
+    """Read a file of `write_texture`; a single layer is never read as an array.
 
     Raises FormatError as `read_dds` does, and for a file too large for this machine's memory.
     """
@@ -158,7 +158,7 @@ def read_texture(path: Path) -> Texture:
 
 
 def _read(path: Path, alone: bool) -> tuple[DdsFormat, Texture]:
-    """The texture of a file; `alone` refuses layers and mip levels."""
+    """The texture of a file; with `alone`, layers and mip levels are refused."""
     try:
         with open_regular(path) as file:
             size = os.fstat(file.fileno()).st_size
@@ -196,18 +196,18 @@ def _header(kind: DdsFormat, form: Form) -> _Header:
         dimension=_TEXTURE_2D,
         misc=0,
         layers=form.layers,
-        misc2=0,  # what alpha means is unknown: old readers refuse anything else
+        misc2=0,  # the meaning of alpha is unspecified: old readers refuse anything else
     )
 
 
 def _shapes(header: _Header, kind: DdsFormat) -> list[tuple[int, int, int, int]]:
-    """Those of the levels' blocks; a file may say that it has no mipmaps by their number 0."""
+    """Shapes of the levels' blocks; a file without mipmaps may give their number as 0."""
     width, height, count = header.width, header.height, max(1, header.mipmaps)
     return [blocks_shape(kind.pixel_format, width, height, header.layers, level) for level in range(count)]
 
 
 def _checked(path: Path, head: bytes, size: int, alone: bool) -> tuple[_Header, DdsFormat]:
-    """The header and format of a file of `size` bytes that begins with `head`, once nothing is amiss."""
+    """Check the header of a file of `size` bytes that begins with `head`; returns it and the format."""
     if head[: len(_MAGIC)] != _MAGIC[: len(head)] or not head:
         raise FormatError(f"{path} is not a DDS file")
     if len(head) < _LAYOUT.size:

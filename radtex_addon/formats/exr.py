@@ -32,15 +32,15 @@ from .sidecar import Sidecar, read_sidecar
 HALF_MOST = 65504.0  # the largest finite half float
 ATTRIBUTE = "radtex"  # the header attribute that holds the sidecar's JSON
 
-CHANNELS = {4: "RGBA", 3: "RGB", 1: "Y"}  # names, by their number
+CHANNELS = {4: "RGBA", 3: "RGB", 1: "Y"}  # channel names by the number of channels
 _MAGIC = bytes((0x76, 0x2F, 0x31, 0x01))
-_ORDER = "RGBXYZWUVA"  # of a group's channels
+_ORDER = "RGBXYZWUVA"  # order of a layer's channels
 _FLAT = (OpenEXR.scanlineimage, OpenEXR.tiledimage)  # not deep
-_ROWS = 64  # converted at once
+_ROWS = 64  # rows converted at once
 
 
 class Compression(StrEnum):
-    """How the atlas is packed: `dwaa` loses a little and is small, the others lose nothing."""
+    """Compression of the atlas: `dwaa` is lossy and small, the others are lossless."""
 
     ZIP = "zip"
     PIZ = "piz"
@@ -63,10 +63,10 @@ def write_atlas(
 ) -> Sidecar:
     """Write an atlas (H*n, W*n, C), row 0 at the bottom, scene-linear Rec.709; C is 1, 3 or 4.
 
-    Values beyond the file's range, infinities included, are clamped to it. Returns the sidecar with their
-    number in it: it is what the header holds, and what belongs beside the file. On failure `path` is what it
-    was. Raises ShapeError if pixels and sidecar differ in size, BakeError for values that are not numbers and
-    where the system refuses.
+    Values beyond the file's range, infinities included, are clamped to it. Returns the sidecar with the
+    number of clamped values, as in the header; write that beside the image. On failure an existing file
+    `path` is unchanged. Raises ShapeError if pixels and sidecar differ in size, BakeError for values that are
+    not numbers and where the system refuses.
     """
     expected = (sidecar.height * sidecar.bucket, sidecar.width * sidecar.bucket)
     if pixels.ndim != 3 or pixels.shape[:2] != expected or pixels.shape[2] not in CHANNELS:
@@ -79,7 +79,7 @@ def write_atlas(
 
 
 def read_atlas(path: Path) -> tuple[Floats, Sidecar]:
-    """Pixels (H*n, W*n, C) of an atlas, float16 or float32 as they are stored, and its sidecar.
+    """Read an atlas's pixels (H*n, W*n, C), float16 or float32 as stored, and the sidecar in its header.
 
     Row 0 is at the bottom. Raises FormatError, with the path, for a file that is missing, cut short, too
     large for this machine's memory, not an EXR, not ours, of a newer version, or not as its header says.
@@ -90,7 +90,7 @@ def read_atlas(path: Path) -> tuple[Floats, Sidecar]:
 
 
 def read_buckets(path: Path) -> tuple[Floats, Sidecar]:
-    """What `read_atlas` gives for the sidecar's file `path`. FormatError if its atlas is of another bake."""
+    """`read_atlas` for the sidecar's file `path`. Raises FormatError if its atlas is of another bake, too."""
     sidecar, image = read_sidecar(path), path.with_suffix(".exr")
     pixels, inner = read_atlas(image)
     if inner != sidecar:
@@ -101,7 +101,7 @@ def read_buckets(path: Path) -> tuple[Floats, Sidecar]:
 
 
 def header_text(path: Path) -> str:
-    """The JSON in the header of an image of ours. Raises FormatError as `read_atlas` does."""
+    """The sidecar's JSON in the header of a RadTex image. Raises FormatError as `read_atlas` does."""
     header = headers_of(path)[0]
     if ATTRIBUTE not in header:
         raise FormatError(f'{path} has no header attribute "{ATTRIBUTE}": it is no RadTex atlas')
@@ -118,16 +118,16 @@ def stored_size(path: Path) -> tuple[int, int]:
 
 
 def stored_compression(path: Path) -> Compression | None:
-    """How an image is packed, None if by none of ours. Raises FormatError as `read_atlas` does."""
+    """An image's compression, None if RadTex does not use it. Raises FormatError as `read_atlas` does."""
     packed = headers_of(path)[0].get("compression")
     return next((ours for ours, theirs in _COMPRESSIONS.items() if theirs == packed), None)
 
 
 def read_pixels(path: Path, width: int, height: int, channels: Iterable[int] = CHANNELS) -> Floats:
-    """Pixels (height, width, C) of an image of ours, float16 or float32 as they are stored.
+    """Read the pixels (height, width, C) of a RadTex image, float16 or float32 as stored.
 
-    Row 0 is at the bottom. `channels` are the numbers of them that it may have. Raises FormatError as
-    `read_atlas` does.
+    Row 0 is at the bottom. `channels` are the allowed numbers of channels. Raises FormatError as `read_atlas`
+    does.
     """
     headers = headers_of(path)
     count = check_channels(path, headers, channels)
@@ -139,17 +139,17 @@ def read_pixels(path: Path, width: int, height: int, channels: Iterable[int] = C
 
 
 def read_render(path: Path) -> dict[str, Floats]:
-    """All layers of an image that Blender wrote: name -> (H, W, C) float32, row 0 at the bottom.
+    """Read all layers of an image that Blender wrote: name -> (H, W, C) float32, row 0 at the bottom.
 
-    Channels are joined by what stands before their last dot, such as "ViewLayer.Combined", in the order RGBA,
-    XYZW or UV; an image without layers is called "". Raises FormatError as `read_atlas` does.
+    A layer's name is its channels' names up to the last dot, such as "ViewLayer.Combined"; its channels are
+    in the order RGBA, XYZW or UV. An image without layers is called "". Raises FormatError as `read_atlas`.
     """
     layers = _layers(path, headers_of(path))
     return {name: pixels[::-1].astype(np.float32, copy=False) for name, pixels in layers.items()}
 
 
 def read_stamps(path: Path) -> dict[str, str]:
-    """The words in the header of an image that Blender wrote, by their names: "Note", "Frame", "Software".
+    """Read the text metadata of an image that Blender wrote, by name: "Note", "Frame", "Software".
 
     Raises FormatError as `read_atlas` does.
     """
@@ -160,9 +160,10 @@ def read_stamps(path: Path) -> dict[str, str]:
 
 
 def read_whole(path: Path) -> tuple[npt.NDArray[Any], list[str]]:
-    """Pixels (H, W, C) of an image of one layer, as they are stored, and its channels' names, sorted.
+    """Read the pixels (H, W, C) of an image of one layer, as stored, and its channels' names, sorted.
 
-    Row 0 is at the bottom; loose channels come in that order. Raises FormatError as `read_atlas` does.
+    Row 0 is at the bottom; channels other than RGBA come in the sorted order. Raises FormatError as
+    `read_atlas` does.
     """
     headers = headers_of(path)
     names = _channel_names(headers)
@@ -173,9 +174,9 @@ def read_whole(path: Path) -> tuple[npt.NDArray[Any], list[str]]:
 
 
 def stored_rows(path: Path, pixels: Floats, half: bool) -> tuple[Floats, int]:
-    """Pixels (H, W, C) as `write_rows` stores them in `path`, and how many values had to be clamped.
+    """Convert pixels (H, W, C) to the rows for `write_rows`, and count the values that had to be clamped.
 
-    Raises BakeError for values that are not numbers.
+    `path` is for errors only. Raises BakeError for values that are not numbers.
     """
     kind = np.float16 if half else np.float32
     most = HALF_MOST if half else float(np.finfo(np.float32).max)
@@ -192,7 +193,7 @@ def stored_rows(path: Path, pixels: Floats, half: bool) -> tuple[Floats, int]:
 
 
 def write_rows(path: Path, rows: Floats, text: str, compression: Compression) -> None:
-    """Write what `stored_rows` made, straight to `path`, and `text` into its header.
+    """Write the rows of `stored_rows` directly to `path`, with the sidecar's `text` in the header.
 
     Raises OSError where the system refuses.
     """
@@ -203,7 +204,7 @@ def write_rows(path: Path, rows: Floats, text: str, compression: Compression) ->
         "type": OpenEXR.scanlineimage,
     }
     channels = CHANNELS[rows.shape[2]]
-    image = np.ascontiguousarray(rows[..., 0] if channels == "Y" else rows)  # the module reads bare memory
+    image = np.ascontiguousarray(rows[..., 0] if channels == "Y" else rows)  # OpenEXR ignores strides
     try:
         OpenEXR.File(header, {channels: image}).write(str(path))
     except RuntimeError as error:
@@ -211,12 +212,12 @@ def write_rows(path: Path, rows: Floats, text: str, compression: Compression) ->
 
 
 def listed(names: list[str]) -> str:
-    """Names of channels for a message, the first and the last of many."""
+    """Channel names for a message; of many only the first and the last."""
     return ", ".join(names) if len(names) < 5 else f"{names[0]} … {names[-1]}"
 
 
 def check_channels(path: Path, headers: Iterable[dict[str, Any]], counts: Iterable[int]) -> int:
-    """How many channels an image has: one of the `counts`, and by our names. Raises FormatError if not."""
+    """Number of channels of an image. Raises FormatError if it is none of `counts`, or for other names."""
     named = _channel_names(headers)
     allowed = [CHANNELS[count] for count in counts]
     if named not in (sorted(names) for names in allowed):
@@ -225,12 +226,15 @@ def check_channels(path: Path, headers: Iterable[dict[str, Any]], counts: Iterab
 
 
 def _channel_names(headers: Iterable[dict[str, Any]]) -> list[str]:
-    """Those of all parts, sorted. Raises UnicodeDecodeError."""
+    """Channel names of all parts, sorted. Raises UnicodeDecodeError."""
     return sorted(channel.name for header in headers for channel in header["channels"])
 
 
 def headers_of(path: Path) -> list[dict[str, Any]]:
-    """The parts' headers, once the file is known to be an EXR whose pixels fit into it."""
+    """Read the parts' headers, and check that the file is a flat EXR large enough for its pixels.
+
+    Raises FormatError, with the path, if not.
+    """
     try:
         with open_regular(path) as file:
             magic = file.read(len(_MAGIC))
@@ -256,7 +260,7 @@ def headers_of(path: Path) -> list[dict[str, Any]]:
 def _layers(path: Path, headers: list[dict[str, Any]]) -> dict[str, Floats]:
     """Images of all parts, name -> (H, W, C), as stored and with the top row first.
 
-    The module joins R, G, B and A itself; the other channels come one by one.
+    OpenEXR's module joins R, G, B and A itself; other channels come separately and are joined here.
     """
     check_memory_for(path, headers)
     try:
@@ -264,7 +268,7 @@ def _layers(path: Path, headers: list[dict[str, Any]]) -> dict[str, Floats]:
             parts: list[Any] = OpenEXR.File(str(path)).parts
     except (RuntimeError, ValueError) as error:
         raise FormatError(f"{path} is damaged: {one_line(error)}") from error
-    if len(parts) != len(headers):  # how the module tells that it could not read a part's pixels
+    if len(parts) != len(headers):  # the module drops parts whose pixels it cannot read
         raise FormatError(f"{path} is damaged: its pixels cannot be read; it may be cut short")
     layers: dict[str, Floats] = {}
     loose: dict[str, dict[str, Floats]] = {}
@@ -284,7 +288,7 @@ def _layers(path: Path, headers: list[dict[str, Any]]) -> dict[str, Floats]:
 
 @contextmanager
 def hushed() -> Iterator[None]:
-    """Keep OpenEXR from talking of damaged files, as its module and its C code do: we say it ourselves."""
+    """Suppress what OpenEXR's module and C code print about damaged files: our errors report them."""
     with redirect_stdout(io.StringIO()), _hushed_errors():
         yield
 
@@ -308,5 +312,5 @@ def _hushed_errors() -> Iterator[None]:
 
 
 def one_line(error: Exception) -> str:
-    """What an error of the module says, in one line."""
+    """The message of OpenEXR's error as one line."""
     return " ".join(str(error).split()).rstrip(".") or type(error).__name__

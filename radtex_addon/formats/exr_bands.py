@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An OpenEXR file written from its top row downwards, however large: only some rows are ever in memory."""
+"""Write an OpenEXR file in bands from the top row downwards, so that it may be larger than memory."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ _COMPRESSIONS = {
     Compression.PIZ: Imath.Compression.PIZ_COMPRESSION,
     Compression.DWAA: Imath.Compression.DWAA_COMPRESSION,
 }
-# The module of OpenEXR writes zeros for them when it writes by rows.
+# OpenEXR's module writes zeros as chromaticities when it writes by rows.
 _NO_CHROMATICITIES = b"chromaticities\0chromaticities\0" + struct.pack("<i8f", 32, *[0.0] * 8)
-_HEADER_BYTES = 1 << 20  # beyond any header of ours
+_HEADER_BYTES = 1 << 20  # more than any header of ours
 
 
 class BandWriter:
-    """Writes `height` rows of `width` pixels of ours straight to `path`, and `text` into the header.
+    """Writes `height` rows of `width` pixels directly to `path`, with the sidecar's `text` in the header.
 
     Raises OSError where the system refuses.
     """
@@ -36,7 +36,7 @@ class BandWriter:
     def __init__(
         self, path: Path, width: int, height: int, channels: int, text: str, half: bool, packing: Compression
     ) -> None:
-        """`channels` are 1, 3 or 4."""
+        """Begin the file; the number of `channels` is 1, 3 or 4."""
         self.clamped = 0
         self._path, self._names, self._height = path, CHANNELS[channels], height
         self._dtype = np.float16 if half else np.float32
@@ -51,7 +51,7 @@ class BandWriter:
             self._file = OpenEXR.OutputFile(str(path), header)
 
     def write(self, rows: Floats) -> None:
-        """The rows (h, W, C) below those before, row 0 the lowest; what is beyond the file is clamped."""
+        """Write rows (h, W, C) below the previous ones, row 0 the lowest; values are clamped to the range."""
         self.clamped += int(np.count_nonzero(np.abs(rows) > self._most))
         stored = np.clip(rows[::-1], -self._most, self._most).astype(self._dtype)
         pixels = {name: stored[..., place].tobytes() for place, name in enumerate(self._names)}
@@ -59,7 +59,7 @@ class BandWriter:
             self._file.writePixels(pixels, len(rows))
 
     def close(self) -> None:
-        """Finish the file, and see that it is whole: of what is written last, nobody says that it was not."""
+        """Finish the file, and check that it is complete: OpenEXR does not report failures of last writes."""
         with _as_os_errors():
             self._file.close()
             _set_chromaticities(self._path)
@@ -70,7 +70,7 @@ class BandWriter:
 
 @contextmanager
 def _as_os_errors() -> Iterator[None]:
-    """OpenEXR's own kinds depend on where in it something fails."""
+    """Turn errors into OSError: OpenEXR raises several types, depending on where it fails."""
     try:
         yield
     except (RuntimeError, TypeError, ValueError) as error:

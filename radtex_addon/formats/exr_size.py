@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether an EXR is as large as what its header promises, asked before memory is taken for that.
+"""Check that an EXR file can hold the pixels that its header announces, before memory is allocated for them.
 
 Format: https://openexr.com/en/latest/OpenEXRFileLayout.html
 """
@@ -16,18 +16,18 @@ import OpenEXR
 from ..core.errors import FormatError
 from .memory import check_memory
 
-_CHUNK = 16  # bytes that one takes at least: its place in the table, its row and its length
+_CHUNK = 16  # least bytes of a chunk: its offset in the table, its row number and its length
 _LEAST, _MOST = 2, 4  # bytes of a value
-_TILE = 1024  # pixels along a side, to which tiles may reach beyond the image
-_DEFLATE = 1032  # the most bytes that one byte of it can hold
+_TILE = 1024  # pixels along a side up to which a tile may be larger than the image
+_DEFLATE = 1032  # highest compression ratio of deflate
 
-# Rows of a chunk, and how many bytes one byte of it can hold at most.
+# Rows of a chunk, and the highest compression ratio.
 _PACKED = {
     OpenEXR.NO_COMPRESSION: (1, 1),
     OpenEXR.RLE_COMPRESSION: (1, 64),  # two bytes repeat one up to 128 times
     OpenEXR.ZIPS_COMPRESSION: (1, _DEFLATE),
     OpenEXR.ZIP_COMPRESSION: (16, _DEFLATE),
-    OpenEXR.PXR24_COMPRESSION: (16, 2 * _DEFLATE),  # which drops bits before
+    OpenEXR.PXR24_COMPRESSION: (16, 2 * _DEFLATE),  # drops bits before deflating
     OpenEXR.PIZ_COMPRESSION: (32, 512),  # ten bits repeat two bytes up to 256 times
     OpenEXR.B44_COMPRESSION: (32, 11),  # three bytes hold 4 x 4 halves
     OpenEXR.B44A_COMPRESSION: (32, 11),
@@ -38,7 +38,7 @@ _OTHERS = (256, None)  # newer ones
 
 
 def check_size(path: Path, headers: Iterable[Mapping[str, Any]]) -> None:
-    """Make sure that the file `path` can hold the parts with these headers.
+    """Make sure that the file `path` is large enough for the parts with these headers.
 
     Raises FormatError, with the path, if not, or if the file cannot be read.
     """
@@ -61,7 +61,7 @@ def check_size(path: Path, headers: Iterable[Mapping[str, Any]]) -> None:
 
 
 def _check_tiles(path: Path, header: Mapping[str, Any], width: int, height: int) -> None:
-    """OpenEXR takes memory for whole tiles, however little of them lies in the image."""
+    """Refuse huge tiles: OpenEXR allocates memory for whole tiles, even for a small image."""
     if "tiles" in header:
         x, y = int(header["tiles"].xSize), int(header["tiles"].ySize)
         if x > max(width, _TILE) or y > max(height, _TILE):
@@ -69,7 +69,7 @@ def _check_tiles(path: Path, header: Mapping[str, Any], width: int, height: int)
 
 
 def check_memory_for(path: Path, headers: Iterable[Mapping[str, Any]]) -> None:
-    """Make sure that memory can hold all pixels of the file `path` at once. Raises FormatError if not."""
+    """Make sure that all pixels of the file `path` fit into memory at once. Raises FormatError if not."""
     sizes = ((_extent(header), len(header["channels"])) for header in headers)
     check_memory(str(path), sum(width * height * count * _MOST for (width, height), count in sizes))
 

@@ -35,7 +35,7 @@ Values = npt.NDArray[Any]
 
 @dataclass(eq=False)
 class Glb:
-    """A glTF document, and the buffer that its buffer views lie in; `source` names it in errors."""
+    """A glTF document and the buffer of its buffer views; `source` names it in errors."""
 
     document: dict[str, Any]
     buffer: bytearray
@@ -43,7 +43,7 @@ class Glb:
 
     @classmethod
     def read(cls, path: Path) -> Glb:
-        """Read a .glb. Raises FormatError, with the path, for what is none, or more than memory holds."""
+        """Read a .glb. Raises FormatError, with the path, if it is damaged, no .glb, or too large."""
         try:
             with open_regular(path) as file:
                 chunks = _read_chunks(path, file)
@@ -58,16 +58,16 @@ class Glb:
         return cls(document, chunks.get(_BINARY, bytearray()), str(path))
 
     def write(self, path: Path) -> None:
-        """Write the file, straight to `path`. Raises OSError where the system refuses."""
+        """Write the file directly to `path`. Raises OSError where the system refuses."""
         self.document["buffers"] = [{"byteLength": len(self.buffer)}]
         text = json.dumps(self.document, separators=(",", ":"), ensure_ascii=False).encode()
         chunks = _chunk(_JSON, text, b" ") + _chunk(_BINARY, bytes(self.buffer), b"\0")
         path.write_bytes(struct.pack("<4sII", _MAGIC, _VERSION, 12 + len(chunks)) + chunks)
 
     def accessor(self, index: int) -> Values:
-        """The values of an accessor: (N,) of a scalar, else (N, components); not sparse, not interleaved.
+        """The values of an accessor: (N,) for scalars, else (N, components); not sparse, not interleaved.
 
-        Raises FormatError, with the source, for one that the document lacks, or the buffer does not hold.
+        Raises FormatError, with the source, if the document has no such accessor or the buffer is too short.
         """
         try:
             accessor = self.document["accessors"][index]
@@ -90,7 +90,7 @@ class Glb:
         )
 
     def add_view(self, data: bytes, **facts: object) -> int:
-        """Append bytes to the buffer, at a multiple of four; returns the index of their view."""
+        """Append bytes to the buffer, aligned to four bytes; returns the index of their view."""
         self.buffer.extend(b"\0" * (-len(self.buffer) % 4))
         views = self.document.setdefault("bufferViews", [])
         views.append({"buffer": 0, "byteOffset": len(self.buffer), "byteLength": len(data), **facts})
@@ -100,7 +100,7 @@ class Glb:
     def add_vertices(self, values: Values, bounds: bool = False) -> int:
         """Append an attribute of vertices (N, 2 to 4), as float32; returns the index of its accessor.
 
-        With `bounds` the accessor says the least and the greatest of each component.
+        With `bounds` the accessor has the minimum and maximum of each component.
         """
         kind = {width: name for name, width in _COMPONENTS.items()}[values.shape[1]]
         stored = np.ascontiguousarray(values, dtype="<f4")
@@ -117,7 +117,7 @@ class Glb:
         return len(accessors) - 1
 
     def compact(self) -> None:
-        """Leave out accessors and buffer views that no primitive and no image uses."""
+        """Remove accessors and buffer views that no primitive and no image uses."""
         primitives = [part for mesh in self.document["meshes"] for part in mesh["primitives"]]
         used: list[int] = []
         for part in primitives:
@@ -145,7 +145,7 @@ class Glb:
 
 
 def _read_chunks(path: Path, file: BufferedReader) -> dict[bytes, bytearray]:
-    """The document and the buffer of a file. Raises FormatError for what is no .glb, OSError."""
+    """Read the JSON and the binary chunk. Raises FormatError if the file is no .glb, OSError."""
     size = os.fstat(file.fileno()).st_size
     head = file.read(12)
     if size < 20 or head[:4] != _MAGIC or struct.unpack_from("<I", head, 4)[0] != _VERSION:

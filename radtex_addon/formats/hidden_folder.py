@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hidden folders beside what is being made, on its disk: the next one there removes what a kill left."""
+"""Hidden temporary folders beside the output, on the same disk; the next bake removes what a kill left."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from pathlib import Path
 from .lock import HeldError, Lock, take_lock
 
 _ENDING = ".folder"
-LOCK = "lock"  # whose folder it is, has this file in it locked
+LOCK = "lock"  # a file in the folder, locked by the process that owns the folder
 
 
 def mark_of(pid: int) -> str:
-    """How names begin of what the process `pid` has not finished."""
+    """The prefix of the names of unfinished files and folders of the process `pid`."""
     return f".radtex-{pid}-"
 
 
 @contextmanager
 def hidden_folder(parent: Path) -> Iterator[Path]:
-    """Yield a new hidden folder in `parent`, which is made if need be; the new one goes away at exit.
+    """Yield a new hidden folder in `parent`, which is created if needed; the new folder is removed at exit.
 
-    The file LOCK is in it. Folders beside it whose names differ in their endings go away with it, and so does
-    all that processes left which are no more. Raises OSError where the system refuses.
+    It contains the file LOCK. Folders beside it with the same stem and other suffixes are removed with it.
+    Folders that dead processes left in `parent` are removed first. Raises OSError where the system refuses.
     """
     parent.mkdir(parents=True, exist_ok=True)
     _remove_left(parent)
@@ -39,7 +39,7 @@ def hidden_folder(parent: Path) -> Iterator[Path]:
 
 
 def _remove(folder: Path, lock: Lock) -> None:
-    """The folder itself goes last: killed before that, the next one removes the rest."""
+    """Remove the folder last: if this process is killed before that, another one can find and remove it."""
     for path in folder.parent.glob(f"{folder.stem}.*"):
         if path != folder:
             shutil.rmtree(path, ignore_errors=True)
@@ -53,7 +53,7 @@ def _make(parent: Path) -> tuple[Path, Lock]:
         folder.mkdir()
         try:
             return folder, take_lock(folder / LOCK)
-        except (HeldError, FileNotFoundError):  # another found it before it was locked
+        except (HeldError, FileNotFoundError):  # another process took or removed it before
             continue
         except OSError:
             shutil.rmtree(folder, ignore_errors=True)
@@ -72,5 +72,5 @@ def _remove_left(parent: Path) -> None:
 
 
 def _is_own(folder: Path) -> bool:
-    """Whether it is this user's: others may write to the same place."""
+    """Whether this user owns the folder: others may write to the same place."""
     return not hasattr(os, "getuid") or folder.stat().st_uid == os.getuid()

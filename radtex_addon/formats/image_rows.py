@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images of ours, read a band of rows at a time: an atlas may be larger than memory."""
+"""Read RadTex's images in bands of rows: an atlas may be larger than memory."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from ..core.errors import FormatError
 from .exr import CHANNELS, check_channels, headers_of, hushed, one_line
 from .memory import check_memory
 
-_BAND_BYTES = 1 << 24  # of a band as float32
-_CHUNK = 32  # rows that most compressions pack together: bands of as many are unpacked once
+_BAND_BYTES = 1 << 24  # size of a band as float32
+_CHUNK = 32  # rows that most compressions pack together: bands of whole chunks are unpacked only once
 _TYPES: dict[str, type[np.floating[Any]]] = {"HALF": np.float16, "FLOAT": np.float32}
 
 
 @dataclass(frozen=True)
 class ImageRows:
-    """An image (height, width, channels) in the file `path`, of which nothing is in memory."""
+    """An image (height, width, channels) in the file `path`, not in memory."""
 
     path: Path
     width: int
@@ -33,9 +33,10 @@ class ImageRows:
     channels: int
 
     def bands(self, cells: int = 1) -> Iterator[tuple[int, Floats]]:
-        """All rows, float16 or float32 as stored, from the bottom up: the first's number, and rows (k, W, C).
+        """Yield bands from the bottom up: the first row's number, and rows (k, W, C).
 
-        A band is whole texels of `cells` rows. Raises FormatError, with the path, for a damaged file.
+        float16 or float32 as stored. A band has whole texels of `cells` rows. Raises FormatError, with the
+        path, for a damaged file.
         """
         row_bytes, names = self.width * self.channels * 4, list(CHANNELS[self.channels])
         step = _step(row_bytes, cells)
@@ -53,10 +54,10 @@ class ImageRows:
 
 
 def open_rows(path: Path, width: int, height: int, channels: Iterable[int] = tuple(CHANNELS)) -> ImageRows:
-    """The image `path`, which must be one of `width` x `height` pixels with as many `channels`.
+    """Open the image `path`, which must have `width` x `height` pixels and one of the numbers of `channels`.
 
-    Its pixels are not looked at yet. Raises FormatError, with the path, as `exr.read_pixels` does for a
-    header, and for a file in several parts.
+    Checks only the header. Raises FormatError, with the path, as `exr.read_pixels` does for a header, and for
+    a file in several parts.
     """
     headers = headers_of(path)
     count = check_channels(path, headers, channels)
@@ -74,14 +75,14 @@ def open_rows(path: Path, width: int, height: int, channels: Iterable[int] = tup
 
 
 def _step(row_bytes: int, cells: int) -> int:
-    """Rows of a band: whole texels, whole chunks where that is not too much."""
+    """Rows of a band: whole texels, and whole chunks if that is not too large."""
     most = _BAND_BYTES // row_bytes
     unit = int(np.lcm(cells, _CHUNK))
     return most // unit * unit or max(cells, most // cells * cells)
 
 
 def _stored(header: dict[str, Any]) -> tuple[type[np.floating[Any]], int]:
-    """What all channels hold, and the number of the top row. Raises ValueError for what is not ours."""
+    """The type of all channels, and the top row's number. Raises ValueError for images that are not ours."""
     kinds = {str(channel.type) for channel in header["channels"].values()}
     steps = {channel.xSampling * channel.ySampling for channel in header["channels"].values()}
     if len(kinds) > 1 or not kinds <= set(_TYPES) or steps != {1}:
@@ -99,7 +100,7 @@ def _opened(path: Path) -> Iterator[Any]:
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """Say of what file the module's errors are; keep it from talking of them itself."""
+    """Turn OpenEXR's errors into FormatErrors with the path, and suppress its own messages."""
     try:
         with hushed():
             yield

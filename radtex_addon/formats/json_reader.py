@@ -11,23 +11,23 @@ from typing import Any
 
 from ..core.errors import FormatError
 
-_MOST = 2**64 - 1  # of whole numbers, of which ours are far smaller
-_MOST_VALUES = 1_000_000  # of a text: each takes up to a hundred times its own bytes
+_MOST = 2**64 - 1  # limit of whole numbers; ours are far smaller
+_MOST_VALUES = 1_000_000  # limit of values in a text: in memory each takes up to a hundred times its bytes
 
 
 def shown(text: str, most: int = 40) -> str:
-    """Text of a file for a message, its first `most` characters if it is longer."""
+    """Text of a file for a message, truncated to `most` characters."""
     return text if len(text) <= most else text[:most] + "…"
 
 
 def json_text(facts: dict[str, Any]) -> str:
-    """The contract's JSON, in ASCII and with a newline at its end."""
+    """JSON as in the files, in ASCII and with a newline at its end."""
     return json.dumps(facts, indent=2) + "\n"
 
 
 @dataclass(frozen=True)
 class Facts:
-    """A JSON object whose keys are read with their types; `source` names it in errors, `what` is its kind.
+    """A JSON object whose values are read with type checks; `source` names it in errors, `what` is its kind.
 
     Every method raises FormatError for a missing or mistyped key.
     """
@@ -38,7 +38,7 @@ class Facts:
 
     @classmethod
     def parse(cls, text: str, source: str, what: str = "RadTex sidecar") -> Facts:
-        """Read what `json_text` wrote. Raises FormatError for what is no JSON object."""
+        """Inverse of `json_text`. Raises FormatError if it is no JSON object, or has too many values."""
         if sum(map(text.count, ",[{")) > _MOST_VALUES:
             raise FormatError(f"{source} has more values than any {what}: bake it again")
         try:
@@ -134,7 +134,7 @@ class Facts:
 
 
 def _is_number(value: object) -> bool:
-    """Whether a double holds `value`: JSON knows NaN, Infinity and whole numbers of any length."""
+    """Whether `value` is a finite double: JSON files may have NaN, Infinity and integers of any length."""
     if type(value) not in (int, float):
         return False
     try:

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a file is what it is taken for, by its first bytes: an image, a font, a volume, a lamp's shape.
+"""Check by its first bytes that a file is an image, a font, a volume or an IES file, as a scene says.
 
-A .blend from elsewhere may call any file of this machine an image. Blender packs it unread.
+An untrusted .blend may name any file on this machine as an image, and Blender packs it without a check.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from typing import BinaryIO
 
 from .regular import open_regular
 
-_HEAD = 64  # bytes that are enough for all but lamps' shapes
-_IES_MOST = 1 << 20  # bytes of a lamp's shape, of which the largest have some ten thousand
+_HEAD = 64  # bytes that are enough to identify all but IES files
+_IES_MOST = 1 << 20  # bytes; even large IES files have only some ten thousand
 _TILT = re.compile(rb"^TILT ?=", re.MULTILINE)
 
 _IMAGES = (
@@ -39,12 +39,12 @@ _FONTS = (
     *(b"\0\x01\0\0", b"OTTO", b"ttcf\0", b"true\0", b"typ1\0", b"wOFF", b"wOF2"),
     *(b"%!PS-AdobeFont", b"%!FontType", b"\x80\x01"),
 )
-_BITMAPS = (12, 16, 40, 52, 56, 64, 108, 124)  # bytes of the headers that Windows's bitmaps have
+_BITMAPS = (12, 16, 40, 52, 56, 64, 108, 124)  # header sizes of Windows bitmaps, in bytes
 _VOLUME = b" BDV\0\0\0\0"  # of OpenVDB
 
 
 class FileKind(StrEnum):
-    """What a scene takes a file for."""
+    """The kind of file that a scene expects."""
 
     IMAGE = "image"
     FONT = "font"
@@ -53,9 +53,9 @@ class FileKind(StrEnum):
 
 
 def open_of_kind(path: Path, kind: FileKind) -> BinaryIO:
-    """Open a regular file that begins as files of its kind do.
+    """Open a regular file after checking its first bytes.
 
-    Raises OSError for what cannot be opened or is no file, ValueError, with a reason, for another kind.
+    Raises OSError if it cannot be opened or is no regular file, ValueError, with a reason, for another kind.
     """
     file = open_regular(path)
     try:
@@ -89,7 +89,7 @@ def _is(file: BinaryIO, kind: FileKind) -> bool:
 
 
 def _is_targa(head: bytes, size: int) -> bool:
-    """Targa has no first bytes of its own: its header must be possible, and the file hold what it says."""
+    """Whether a file may be Targa, which has no magic bytes: check its header and size."""
     if len(head) < 18:
         return False
     _, palette, kind, _, colours, bits = struct.unpack_from("<BBBHHB", head)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""KTX 2.0 files: textures of light, 2D and 2D arrays, with mip levels, packed by Zstandard or not.
+"""KTX 2.0 files: 2D textures and arrays with mip levels, optionally compressed by Zstandard.
 
 Format: KTX File Format Specification 2.0, https://registry.khronos.org/KTX/specs/2.0/ktxspec.v2.html
-The first row is the bottom one, which the file says: KTXorientation is "ru".
+The first row is the bottom one: KTXorientation is "ru".
 """
 
 from __future__ import annotations
@@ -44,14 +44,14 @@ _TYPE_SIZES = {
 _MAGIC = b"\xabKTX 20\xbb\r\n\x1a\n"
 _NONE, _ZSTD = 0, 2  # supercompression schemes
 _EFFORT = 9  # Zstandard's level
-_AT_ONCE = 1 << 25  # bytes of a level that are packed in one piece
-_MOST_IN_A_BYTE = 1 << 15  # Zstandard's blocks have at least 4 bytes and hold at most 128 KiB
+_AT_ONCE = 1 << 25  # bytes: smaller levels are compressed in one piece
+_MOST_IN_A_BYTE = 1 << 15  # highest compression ratio: 4 bytes or more of Zstandard hold 128 KiB at most
 _MOST_KEYS = 1 << 16  # bytes of key/value data that are read
 _ORIENTATION, _UPWARDS = b"KTXorientation", b"ru"
 
 
 class _Header(NamedTuple):
-    """What a file begins with, up to the level index."""
+    """The header of a file, up to the level index."""
 
     magic: bytes
     vk_format: int
@@ -72,7 +72,7 @@ class _Header(NamedTuple):
 
 
 class _Level(NamedTuple):
-    """Where a mip level lies."""
+    """A mip level's entry in the level index: place and length in the file, uncompressed length."""
 
     offset: int
     length: int
@@ -84,10 +84,11 @@ _LEVEL_LAYOUT = struct.Struct("<3Q")
 
 
 def write_ktx2(path: Path, texture: Encoded, zstd: bool = True, premultiplied: bool = True) -> None:
-    """Write a texture of one of VK_FORMATS, its rows as they are; ours begin with the bottom one.
+    """Write a texture of one of VK_FORMATS, its rows in their order, which must begin at the bottom.
 
-    `zstd` packs it without loss; `premultiplied` says that RGBA16F has associated alpha. On failure `path`
-    is what it was. Raises InputError for another format, BakeError where the system refuses.
+    `zstd` compresses it without loss; `premultiplied` declares that RGBA16F has associated alpha. On failure
+    an existing file `path` is unchanged. Raises InputError for another format, BakeError where the system
+    refuses.
     """
     form = texture.form
     kind = form.format
@@ -119,7 +120,7 @@ def write_ktx2(path: Path, texture: Encoded, zstd: bool = True, premultiplied: b
     with replacing(path) as beside, beside.open("wb") as file:
         file.seek(dfd_offset)
         file.write(dfd + kvd)
-        for level in reversed(range(form.levels)):  # the smallest lies first
+        for level in reversed(range(form.levels)):  # the smallest comes first in the file
             file.write(bytes(-file.tell() % alignment))
             begin, size = file.tell(), form.nbytes(level)
             parts = (part for layer in range(form.layers) for part in texture.parts(level, layer))
@@ -131,7 +132,7 @@ def write_ktx2(path: Path, texture: Encoded, zstd: bool = True, premultiplied: b
 
 
 def _packed(parts: Iterable[memoryview], size: int) -> Iterator[bytes]:
-    """What Zstandard makes of `size` bytes; of few at once, which packs them a little better."""
+    """Compress `size` bytes by Zstandard; small levels in one piece, which compresses a little better."""
     packer = zstandard.ZstdCompressor(level=_EFFORT, write_checksum=True, write_content_size=True)
     if size <= _AT_ONCE:
         yield packer.compress(b"".join(parts))
@@ -143,10 +144,10 @@ def _packed(parts: Iterable[memoryview], size: int) -> Iterator[bytes]:
 
 
 def read_ktx2(path: Path) -> Texture:
-    """What `write_ktx2` wrote.
+    """Read a file of `write_ktx2`.
 
     Raises FormatError, with the path, for a file that is missing, cut short, no KTX2, too large for this
-    machine's memory, or holds anything else than a texture of ours.
+    machine's memory, or holds anything but a texture as RadTex writes it.
     """
     try:
         with open_regular(path) as file:
@@ -162,7 +163,7 @@ def read_ktx2(path: Path) -> Texture:
 
 
 def _key_values(values: dict[bytes, bytes]) -> bytes:
-    """Key/value data, sorted by key, each value ended by a NUL and filled up to a multiple of 4."""
+    """Key/value data, sorted by key, each value ended by a NUL, each pair padded to a multiple of 4 bytes."""
     data = b""
     for key, value in sorted(values.items()):
         pair = key + b"\0" + value + b"\0"
@@ -192,7 +193,7 @@ def _read_header(path: Path, file: BinaryIO) -> tuple[_Header, PixelFormat]:
 
 
 def _read_index(path: Path, file: BinaryIO, header: _Header, kind: PixelFormat, size: int) -> list[_Level]:
-    """The levels' places in a file of `size` bytes, all of which it has, once they fit into memory."""
+    """Read and check the level index of a file of `size` bytes, and that the levels fit into memory."""
     length = header.levels * _LEVEL_LAYOUT.size
     data = file.read(length)
     if len(data) < length:
@@ -233,7 +234,7 @@ def _check_orientation(path: Path, file: BinaryIO, header: _Header) -> None:
 
 
 def _pairs(data: bytes) -> Iterator[tuple[bytes, bytes]]:
-    """Keys and values, as far as they are whole."""
+    """Keys and values; a truncated last value is cut off."""
     place = 0
     while place + 4 <= len(data):
         (length,) = struct.unpack_from("<I", data, place)

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a KTX2 file says of its pixels: the basic data format descriptor.
+"""The basic data format descriptor of a KTX2 file, which describes its pixels.
 
-Format: Khronos Data Format Specification 1.3, chapter 5 "Khronos Basic Data Format Descriptor Block", and of
+Format: Khronos Data Format Specification 1.3, chapter 5 "Khronos Basic Data Format Descriptor Block", for
 RGB9E5 its section "Shared exponent example"; https://registry.khronos.org/DataFormat/specs/1.3/dataformat.1.3.html
 """
 
@@ -16,13 +16,13 @@ from .texture import PixelFormat
 _VERSION = 2  # of the descriptor block
 _RGBSDA, _BC6H = 1, 133  # colour models
 _BT709, _LINEAR = 1, 1  # primaries, transfer function
-_PREMULTIPLIED = 1  # the one flag
-_ALPHA = 15  # a channel; red, green and blue are 0, 1 and 2, and so is all of a BC6H block
-_EXPONENT, _SIGNED, _FLOAT = 0x20, 0x40, 0x80  # qualifiers, beside the channel
+_PREMULTIPLIED = 1  # the only flag
+_ALPHA = 15  # channel number; red, green and blue are 0, 1 and 2, the whole of a BC6H block is 0
+_EXPONENT, _SIGNED, _FLOAT = 0x20, 0x40, 0x80  # qualifiers, in the same byte as the channel
 
 
 class _Sample(NamedTuple):
-    """Bits of a pixel or block that mean something; `lower` and `upper` stand for 0 or -1, and for 1."""
+    """One component in a pixel or block; its values `lower` and `upper` mean 0 or -1, and 1."""
 
     offset: int
     bits: int
@@ -32,9 +32,9 @@ class _Sample(NamedTuple):
 
 
 def descriptor(pixel_format: PixelFormat, premultiplied: bool) -> bytes:
-    """The descriptor of Rec.709's linear light in RGBA16F, RGB9E5 or BC6H, or of words, its total size first.
+    """The descriptor, its total size first, for linear Rec.709 in RGBA16F, RGB9E5 or BC6H, or for words.
 
-    It is the same for packed files, as the KTX specification has it since its revision 4.
+    It is the same for supercompressed files, as in the KTX specification since revision 4.
     """
     samples = _SAMPLES[pixel_format]
     size = 24 + 16 * len(samples)
@@ -51,7 +51,7 @@ def descriptor(pixel_format: PixelFormat, premultiplied: bool) -> bytes:
         *(side - 1, side - 1, 0, 0),
         *(pixel_format.block_bytes, 0, 0, 0, 0, 0, 0, 0),  # bytes of each plane
     )
-    for sample in samples:  # of which all lie at the pixel's corner: positions are 0
+    for sample in samples:  # all lie at the pixel's corner: positions are 0
         block += struct.pack(
             "<HBB4x2I", sample.offset, sample.bits - 1, sample.channel, sample.lower, sample.upper
         )
@@ -64,7 +64,7 @@ def _float_bits(value: float) -> int:
 
 
 def _shared_exponent() -> tuple[_Sample, ...]:
-    """Each channel's mantissa, of which 8448 at the exponent 15 is 1 by the specification, and exponent."""
+    """Each channel's mantissa and exponent; by the specification 8448 at the exponent 15 means 1."""
     samples: tuple[_Sample, ...] = ()
     for channel in range(3):
         mantissa = _Sample(9 * channel, 9, channel, 0, 8448)

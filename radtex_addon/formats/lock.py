@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Locks on files: one process has it, and the system takes it back from one that dies, however it dies.
+"""File locks: one process holds a lock, and the system releases it when that process ends, however it ends.
 
-A process's number would not do: numbers come again, and mean nothing on another machine.
+A file with a process id would not do: ids are reused, and mean nothing on another machine.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ if sys.platform == "win32":
 else:
     import fcntl
 
-_TRIES, _PAUSE = 4, 0.05  # seconds; whoever only looks has the lock for a moment
-_FAR = 1 << 30  # what Windows locks nobody else can read: a byte far behind the text
-_OWN = b"process "  # how the text in a lock's file begins
+_TRIES, _PAUSE = 4, 0.05  # seconds; `holder` in another process takes the lock for a moment
+_FAR = 1 << 30  # on Windows other processes cannot read locked bytes: lock one far behind the text
+_OWN = b"process "  # the beginning of a lock file's text
 _FLAGS = os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0)
 
 
 class HeldError(Exception):
-    """Another has the lock; the message says who, such as "process 12 on tower"."""
+    """Another process holds the lock; the message names it, such as "process 12 on tower"."""
 
 
 class NoLockError(OSError):
-    """Something else has a lock's name; the message is one line that says what to do."""
+    """The lock's path is not a lock file; the message is one line that says what to do."""
 
 
 class Lock:
-    """A lock that is ours until it is released, or nobody refers to it any more; its file goes away then.
+    """A lock that we hold until it is released or garbage-collected; its file is then removed.
 
-    `is_sure` is False where the filesystem knows no locks: then others believe that they have it, too.
+    `is_sure` is False if the filesystem has no locks: then several processes may hold it at once.
     """
 
     def __init__(self, path: Path, descriptor: int, is_sure: bool) -> None:
@@ -46,15 +46,15 @@ class Lock:
         self._end = weakref.finalize(self, _give_back, path, descriptor)
 
     def release(self) -> None:
-        """Let others have it."""
+        """Release the lock and remove its file."""
         self._end()
 
 
 def take_lock(path: Path) -> Lock:
-    """Lock the file `path`, which need not be there, in a folder that is.
+    """Lock the file `path`, which is created if missing; its folder must exist.
 
-    Raises HeldError where another has it, NoLockError where something else has that name (nothing is written
-    behind a link, and into no file but a lock's), OSError where the system refuses.
+    Raises HeldError if another process holds the lock, NoLockError if `path` is something else than a lock
+    file (links are not followed, and other files not overwritten), OSError where the system refuses.
     """
     for left in reversed(range(_TRIES)):
         try:
@@ -67,7 +67,7 @@ def take_lock(path: Path) -> Lock:
 
 
 def holder(path: Path) -> str | None:
-    """Who has the lock on the file `path`, None for nobody. Raises NoLockError for something else."""
+    """The process that holds the lock `path`, or None. Raises NoLockError if it is not a lock file."""
     try:
         descriptor = _opened(path)
     except NoLockError:
@@ -97,12 +97,12 @@ def _take(path: Path) -> Lock:
         except BaseException:
             os.close(descriptor)
             raise
-        os.close(descriptor)  # it was removed while we waited: another file has its name
+        os.close(descriptor)  # the file was removed or replaced before we locked it: try again
 
 
 def _opened(path: Path, more: int = 0) -> int:
-    """A descriptor of a file called so, of no link, pipe, device or folder. Raises NoLockError, OSError."""
-    with suppress(FileNotFoundError):  # Windows has no flag for links, and devices are better not opened
+    """Open `path` if it is a regular file. Raises NoLockError for a link, pipe, device or folder; OSError."""
+    with suppress(FileNotFoundError):  # Windows has no O_NOFOLLOW, and opening a device may have effects
         _refuse_others(path, path.lstat())
     descriptor = os.open(path, _FLAGS | more, 0o666)
     try:
@@ -114,7 +114,7 @@ def _opened(path: Path, more: int = 0) -> int:
 
 
 def _refuse_others(path: Path, found: os.stat_result) -> None:
-    """Raises NoLockError for what is no file, or has other names too, behind which others' files may be."""
+    """Raise NoLockError if it is no regular file, or a symbolic or hard link, possibly to another file."""
     if stat.S_ISLNK(found.st_mode) or found.st_nlink > 1:
         raise NoLockError(f"{path} is a link, where RadTex keeps a lock: remove it")
     if not stat.S_ISREG(found.st_mode):
@@ -122,7 +122,7 @@ def _refuse_others(path: Path, found: os.stat_result) -> None:
 
 
 def _refuse_text(path: Path, descriptor: int) -> None:
-    """Raises NoLockError for a file that holds no lock's text, nor what a kill left of one."""
+    """Raise NoLockError if the file holds anything but a lock's text or an interrupted part of one."""
     text = _text(descriptor).rstrip(b"\0")
     if not text.startswith(_OWN[: len(text)]):
         raise NoLockError(f"{path} is somebody's file, where RadTex keeps a lock: move it away")
@@ -140,7 +140,7 @@ def _is_file(path: Path, descriptor: int) -> bool:
 
 
 def _lock(descriptor: int) -> bool:
-    """False where the filesystem knows no locks. Raises HeldError."""
+    """Try to lock; False if the filesystem has no locks. Raises HeldError if another process holds it."""
     try:
         if sys.platform == "win32":
             os.lseek(descriptor, _FAR, os.SEEK_SET)
@@ -158,7 +158,7 @@ def _lock(descriptor: int) -> bool:
 
 
 def _give_back(path: Path, descriptor: int) -> None:
-    """Remove the file while it is ours; Windows removes none that is open."""
+    """Remove the file while it is still locked; Windows cannot remove open files, so close it first there."""
     if sys.platform == "win32":
         os.close(descriptor)
     with suppress(OSError):

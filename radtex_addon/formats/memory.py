@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much memory the machine has, so that what cannot fit is refused before it is tried."""
+"""The machine's memory: refuse jobs and files that do not fit, before starting."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..core.errors import FormatError, InputError
 
 
 def physical_memory() -> int | None:
-    """Bytes of memory that the machine has; None where the system does not tell."""
+    """The machine's physical memory in bytes; None if the system does not report it."""
     if sys.platform == "win32":
         return _windows_memory()
     try:
@@ -22,7 +22,7 @@ def physical_memory() -> int | None:
 
 
 def readable_size(count: float) -> str:
-    """Bytes for people: 1610612736 is "1.5 GiB"."""
+    """A number of bytes in readable units: 1610612736 is "1.5 GiB"."""
     for unit in ("bytes", "KiB", "MiB"):
         if count < 1024:
             return f"{count:.0f} {unit}"
@@ -39,9 +39,9 @@ def check_memory(what: str, needed: int) -> None:
 
 
 def check_allowed(what: str, needed: int, allowed_mb: int | None) -> None:
-    """Make sure that `needed` bytes for `what` are no more than the user allows, in MiB, or the machine has.
+    """Make sure that `needed` bytes for `what` exceed neither the user's limit, in MiB, nor the memory.
 
-    Raises InputError where the user does not, FormatError where the machine has less.
+    Raises InputError for the user's limit, FormatError for the machine's memory.
     """
     if allowed_mb is not None and needed > allowed_mb * 2**20:
         needs, allowed = readable_size(needed), readable_size(allowed_mb * 2**20)

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""numpy's files (.npz, .npy), from anywhere: every size is checked before memory is taken.
+"""Read untrusted numpy files (.npz, .npy): every size is checked before memory is allocated.
 
-numpy's own `load` takes as much memory as a header says, and raises whatever its parsers meet.
+numpy's own `load` allocates as much memory as a header says, and may raise any exception.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ _FORMAT: Any = np.lib.format  # which older stubs leave untyped
 
 
 def read_npz(path: Path, wanted: Mapping[str, str], most: int) -> dict[str, npt.NDArray[Any]]:
-    """The arrays of these names, whose types are of these kinds, such as "iu" for whole numbers.
+    """Read the `wanted` arrays: names with the dtype kinds allowed, such as "iu" for whole numbers.
 
-    None has more than `most` bytes. Raises FormatError, with the path, for what is none of that.
+    Each may have about `most` bytes at most. Raises FormatError, with the path, for any other file.
     """
     try:
         with open_regular(path) as file, zipfile.ZipFile(file) as archive:
             return {name: _member(archive, name, kinds, most) for name, kinds in wanted.items()}
-    except Exception as error:  # numpy and zipfile raise whatever they meet
+    except Exception as error:  # numpy and zipfile may raise anything
         raise _damaged(path, error) from error
 
 
 def read_npy(path: Path, kinds: str) -> npt.NDArray[Any]:
-    """The array of a file, whose type is one of these `kinds`.
+    """Read the array of a file, whose dtype must be of one of the `kinds`.
 
-    Raises FormatError, with the path, for another, for what is damaged, and for more than memory holds.
+    Raises FormatError, with the path, for another dtype, a damaged file, or one too large for memory.
     """
     try:
         with open_regular(path) as file:
@@ -49,7 +49,7 @@ def read_npy(path: Path, kinds: str) -> npt.NDArray[Any]:
             return _array(file, size, kinds)
     except FormatError:
         raise
-    except Exception as error:  # numpy's parser of headers raises whatever it meets
+    except Exception as error:  # numpy's header parser may raise anything
         raise _damaged(path, error) from error
 
 
@@ -60,7 +60,7 @@ def _member(archive: zipfile.ZipFile, name: str, kinds: str, most: int) -> npt.N
 
 
 def _array(stream: IO[bytes], size: int, kinds: str) -> npt.NDArray[Any]:
-    """An array that takes `size` bytes of the stream at most. Raises ValueError, and what numpy raises."""
+    """Read an array of at most `size` bytes from the stream. Raises ValueError, and any error of numpy."""
     version = _FORMAT.read_magic(stream)
     shape, by_columns, dtype = _FORMAT.read_array_header_1_0(stream)
     length = prod(shape) * dtype.itemsize

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Folders whose names no file can be put under: found out before anything is made."""
+"""Preflight checks of paths: names that the system, Blender or OpenEXR cannot handle."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from pathlib import Path
 
 from ..core.errors import InputError
 
-_ROOM = 256  # bytes that names of our files may take in a folder, a slash and their marks among them
-_TEMPORARY_ROOM = 64  # bytes of the names of temporary folders and the pictures in them
-_NAME, _PATH = 255, 4096  # bytes of a name and of a path where the system does not say
-_BLENDER = 1023  # bytes of a path that Blender handles
+_ROOM = 256  # bytes reserved for our file names in a folder, with the slash and temporary prefixes
+_TEMPORARY_ROOM = 64  # bytes reserved for the names of temporary folders and images in them
+_NAME, _PATH = 255, 4096  # default limits of a name and of a path, in bytes
+_BLENDER = 1023  # Blender's limit of a path, in bytes
 
 
 def nearest_folder(folder: Path) -> Path:
-    """The folder, or of those above it the nearest that is there.
+    """The folder itself if it exists, or its nearest existing parent.
 
-    Raises InputError where it is no folder, and where the names of those below cannot be given.
+    Raises InputError if that is not a folder, or if names or the path are too long or not Unicode.
     """
     place = folder.absolute()
     check_unicode(folder)
@@ -42,7 +42,7 @@ def nearest_folder(folder: Path) -> Path:
 
 
 def check_unicode(path: Path) -> None:
-    """Raises InputError for a path that is no Unicode: Linux allows it, Blender and OpenEXR do not."""
+    """Raise InputError for a path that is not Unicode: Linux allows it, Blender and OpenEXR do not."""
     try:
         str(path).encode("utf-8")
     except UnicodeEncodeError as error:
@@ -52,7 +52,7 @@ def check_unicode(path: Path) -> None:
 
 
 def check_for_blender(path: Path, room: int = 0) -> None:
-    """Raises InputError for a file whose path, with `room` bytes more, Blender would cut off."""
+    """Raise InputError if Blender would truncate the path, made longer by `room` bytes."""
     check_unicode(path)
     length = _length(path) + room
     if length > _BLENDER:
@@ -62,7 +62,7 @@ def check_for_blender(path: Path, room: int = 0) -> None:
 
 
 def check_saveable(path: Path) -> None:
-    """Raises InputError for a .blend that Blender would not save, or not find its images from."""
+    """Raise InputError for a .blend's path that Blender could not save to, or find images relative to."""
     check_for_blender(path, _ROOM)
     if os.sep != "\\" and "\\" in str(path.absolute()):
         raise InputError(
@@ -71,20 +71,20 @@ def check_saveable(path: Path) -> None:
 
 
 def one_root(path: str) -> str:
-    """A path without a second slash at its beginning: to Blender that would mean the open file's folder.
+    """Reduce leading slashes to one: for Blender "//" means the folder of the open file.
 
-    On Windows it begins a server's name, and stays.
+    On Windows "//" begins a server's name, and stays.
     """
     return f"/{path.lstrip('/')}" if os.sep == "/" and path.startswith("//") else path
 
 
 def render_path(path: Path) -> str:
-    """A file as Blender's path of a render's output, in which it would take braces for a template's."""
+    """A path as Blender's render output: braces are doubled, as single ones mean templates there."""
     return str(path.absolute()).replace("{", "{{").replace("}", "}}")
 
 
 def check_rendered_into(folder: Path) -> None:
-    """Raises InputError for a folder into which Blender would render under another name."""
+    """Raise InputError for a folder whose name Blender would change when it renders into it."""
     check_for_blender(folder, _TEMPORARY_ROOM)
     if os.sep != "\\" and "\\" in str(folder.absolute()):
         raise InputError(f"{folder}: Blender takes a backslash for a slash: choose another")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""PNG: pictures for people, inside a page."""
+"""Encode PNG images, to embed them in HTML pages."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ _COLOUR_TYPES = {3: 2, 4: 6}  # by channels: RGB, RGBA
 
 
 def encode_png(picture: Floats) -> bytes:
-    """A file's bytes of a picture (H, W, 3 or 4) of display values in 0..1, the top row first.
+    """Encode a picture (H, W, 3 or 4) of display values in 0..1, the top row first, as a file's bytes.
 
-    The fourth channel is alpha, by which colours are not multiplied. Raises ShapeError for another shape.
+    The fourth channel is alpha, not premultiplied. Raises ShapeError for another shape.
     Format: https://www.w3.org/TR/png-3
     """
     if picture.ndim != 3 or picture.shape[2] not in _COLOUR_TYPES or 0 in picture.shape:

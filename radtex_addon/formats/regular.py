@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that somebody else may have put there: regular ones alone are opened, and read up to a limit.
+"""Open untrusted files safely: only regular files, and read no more than a limit.
 
-A pipe (FIFO) would keep us waiting for ever, a device has no end, and a sparse file says that it is larger
-than any memory.
+A pipe (FIFO) could block for ever, a device may have no end, and a sparse file may be larger than memory.
 """
 
 from __future__ import annotations
@@ -16,9 +15,9 @@ from pathlib import Path
 
 from .memory import readable_size
 
-MOST_TEXT = 64 << 20  # bytes of a sidecar, a manifest or another text of ours; nearly all have a few thousand
+MOST_TEXT = 64 << 20  # bytes of a sidecar, a manifest or another text; nearly all have a few thousand
 
-FOLDER = "a folder"  # as `other_kind` says it
+FOLDER = "a folder"  # result of `other_kind` for a folder
 
 _KINDS = (
     (stat.S_ISDIR, FOLDER),
@@ -31,9 +30,9 @@ _FLAGS = os.O_RDONLY | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0) 
 
 
 def other_kind(path: Path) -> str | None:
-    """What is at `path` (or where a link there leads) if that is no regular file, such as "a pipe".
+    """The kind of thing at `path` (links are followed) if it is no regular file, such as "a pipe".
 
-    None for a file, and where nothing is, or where access is refused.
+    None for a regular file, and if nothing is there or access is refused.
     """
     try:
         return _kind(path.stat().st_mode)
@@ -42,14 +41,14 @@ def other_kind(path: Path) -> str | None:
 
 
 def open_regular(path: Path) -> BufferedReader:
-    """Open a regular file for reading, and never wait for one.
+    """Open a regular file for reading, without blocking.
 
-    Raises OSError for what cannot be opened, and for what is none.
+    Raises OSError if it cannot be opened, or is no regular file.
     """
-    _refuse(path, path.stat())  # to open some devices does something
+    _refuse(path, path.stat())  # merely opening some devices has effects
     descriptor = os.open(path, _FLAGS | getattr(os, "O_NONBLOCK", 0))
     try:
-        _refuse(path, os.fstat(descriptor))  # another may have come in its place
+        _refuse(path, os.fstat(descriptor))  # it may have been replaced since the first check
         return os.fdopen(descriptor, "rb")
     except BaseException:
         os.close(descriptor)
@@ -57,9 +56,9 @@ def open_regular(path: Path) -> BufferedReader:
 
 
 def read_regular(path: Path, most: int = MOST_TEXT) -> bytes:
-    """All bytes of a regular file, which are `most` at most.
+    """Read a regular file of at most `most` bytes.
 
-    Raises OSError as `open_regular` does, and for a file that is larger.
+    Raises OSError as `open_regular` does, and for a larger file.
     """
     with open_regular(path) as file:
         size = os.fstat(file.fileno()).st_size

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""RGB9E5: light in four bytes a pixel, three mantissas of nine bits that share an exponent of five.
+"""RGB9E5: light in four bytes per pixel, three mantissas of nine bits that share an exponent of five bits.
 
 Format: Khronos Data Format Specification 1.3, section "Shared exponent formats",
 https://registry.khronos.org/DataFormat/specs/1.3/dataformat.1.3.html; OpenGL's EXT_texture_shared_exponent
@@ -16,15 +16,15 @@ from ..core.errors import FormatError, InputError, ShapeError
 
 MOST = 65408.0  # 511/512 of 2^16
 
-_BITS, _BIAS, _LAST = 9, 15, 511  # of a mantissa, of the exponent, and a mantissa's greatest value
-_AT_ONCE = 1 << 16  # pixels: what is at work stays in the processor's cache
+_BITS, _BIAS, _LAST = 9, 15, 511  # a mantissa's bits, the exponent's bias, a mantissa's greatest value
+_AT_ONCE = 1 << 16  # pixels: so few that they stay in the processor's cache
 
 
 def encode_rgb9e5(image: Floats) -> npt.NDArray[np.uint8]:
-    """Pixels (H, W, 4), the words' bytes, low one first, of an image (H, W, 3), linear; clamped to 0..65408.
+    """Encode a linear image (H, W, 3), clamped to 0..65408, as bytes (H, W, 4) of little-endian words.
 
-    A value is off by at most 1/511 of the pixel's greatest one, or 2^-25 in pixels below 2^-16: the
-    greatest by 0.003 stops. Raises ShapeError for another shape, InputError for values that are not numbers.
+    The error is at most 1/511 of the pixel's greatest value (for that value 0.003 stops), or 2^-25 in pixels
+    below 2^-16. Raises ShapeError for another shape, InputError for values that are not numbers.
     """
     if image.ndim != 3 or image.shape[2] != 3 or image.dtype.kind != "f":
         raise ShapeError(f"image: expected shape (H, W, 3) of floats, got {image.shape} of {image.dtype}")
@@ -39,7 +39,7 @@ def encode_rgb9e5(image: Floats) -> npt.NDArray[np.uint8]:
 
 
 def decode_rgb9e5(pixels: npt.NDArray[np.uint8]) -> Floats:
-    """The image (H, W, 3) float32 of pixels (H, W, 4). Raises FormatError for another shape or type."""
+    """Decode pixels (H, W, 4) uint8 to an image (H, W, 3) float32. FormatError for another shape or type."""
     if pixels.ndim != 3 or pixels.shape[2] != 4 or pixels.dtype != np.uint8:
         raise FormatError(f"pixels: expected (H, W, 4) of uint8, got {pixels.shape} of {pixels.dtype}")
     words = np.ascontiguousarray(pixels).view("<u4")
@@ -63,5 +63,5 @@ def _words(light: Floats) -> npt.NDArray[np.uint32]:
 
 
 def _scale(exponent: npt.NDArray[np.int32]) -> Floats:
-    """By what mantissas are multiplied: 2^(9 - exponent), a float32 without a fraction of its own."""
+    """The factor from light to mantissas, 2^(9 - exponent), made from a float32's exponent bits."""
     return ((_BITS + 127 - exponent) << np.int32(23)).view(np.float32)

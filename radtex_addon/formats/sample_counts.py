@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How many samples each texel has, where some were given more than others: a line of text in the sidecar.
+"""The number of samples of each texel, if they differ, as a line of text in the sidecar.
 
-Runs of texels with as many, row after row from the bottom: "16x1200 24x30 16x15018" are 1200 texels of 16
-samples a cell, then 30 of 24, and so on.
+Run-length encoded, row by row from the bottom: "16x1200 24x30 16x15018" means 1200 texels with 16 samples per
+cell, then 30 with 24, and so on.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _RUN = re.compile(r"([1-9]\d{0,8})x([1-9]\d{0,9})")
 
 
 def count_text(counts: Ints) -> str:
-    """The text of samples (H, W), row 0 at v = 0; empty where all are equal."""
+    """Encode samples (H, W), row 0 at v = 0, as text; empty if all are equal."""
     flat = counts.ravel()
     starts = np.flatnonzero(np.concatenate([[True], flat[1:] != flat[:-1]]))
     if len(starts) == 1:
@@ -29,7 +29,7 @@ def count_text(counts: Ints) -> str:
 
 
 def read_counts(text: str, width: int, height: int, source: str) -> Ints:
-    """The samples (H, W) that a text tells. Raises FormatError, with the `source`, where it does not."""
+    """Inverse of `count_text`: samples (H, W). Raises FormatError, with the `source`, if malformed."""
     runs = [_RUN.fullmatch(word) for word in text.split(" ")]
     pairs = [(int(run[1]), int(run[2])) for run in runs if run is not None]
     told = sum(length for _, length in pairs)

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The file of a `shadow` bake: W x H pixels whose channels are 32-bit words, a bit for each cell.
+"""The file of a `shadow` bake: W x H pixels whose channels are 32-bit words, one bit per cell.
 
-Channels are called word0000, word0001 …, so that their names sort as their bits do.
+Channels are called word0000, word0001 …, so that sorting by name keeps the order of bits.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ def channel_names(bucket: int) -> list[str]:
 def write_shadow(
     path: Path, words: Words, sidecar: Sidecar, compression: Compression = Compression.ZIP
 ) -> None:
-    """Write words (H, W, w) as `core.shadow.pack_bits` makes them, row 0 at the bottom.
+    """Write words (H, W, w) of `core.shadow.pack_bits`, row 0 at the bottom.
 
-    The header holds the sidecar. On failure `path` is what it was. Raises ShapeError if words and sidecar
-    differ in size, InputError for a compression that loses bits, BakeError where the system refuses.
+    The header holds the sidecar. On failure an existing file `path` is unchanged. Raises ShapeError if words
+    and sidecar differ in size, InputError for a lossy compression, BakeError where the system refuses.
     """
     expected = (sidecar.height, sidecar.width, word_count(sidecar.bucket))
     if words.shape != expected or words.dtype != np.uint32:
@@ -58,7 +58,7 @@ def write_shadow(
     }
     rows = words[::-1]
     channels: dict[str, Any] = {
-        name: np.ascontiguousarray(rows[..., index])  # the module reads bare memory
+        name: np.ascontiguousarray(rows[..., index])  # OpenEXR ignores strides
         for index, name in enumerate(channel_names(sidecar.bucket))
     }
     with replacing(path) as beside:
@@ -69,10 +69,10 @@ def write_shadow(
 
 
 def read_shadow(path: Path) -> tuple[Words, Sidecar]:
-    """The words (H, W, w) of a shadow's EXR, row 0 at the bottom, and its sidecar.
+    """Read a shadow's EXR: words (H, W, w), row 0 at the bottom, and the sidecar.
 
     Raises FormatError, with the path, for a file that is missing, damaged, of another kind, or whose size,
-    channels or pixels are not those that its header says.
+    channels or pixels do not match its header.
     """
     sidecar = Sidecar.from_json(header_text(path), f"the header of {path}")
     if sidecar.kind != KIND:
@@ -91,7 +91,7 @@ def read_shadow(path: Path) -> tuple[Words, Sidecar]:
 
 
 def visible_buckets(path: Path) -> tuple[Floats, Sidecar]:
-    """A shadow as `exr.read_buckets` gives light: (H*n, W*n, 1) float32, 1 where nothing blocks."""
+    """Read a shadow as visibilities, like `exr.read_buckets`: (H*n, W*n, 1) float32, 1 is visible."""
     words, facts = read_shadow_of(path)
     layout = AtlasLayout(facts.width, facts.height, facts.bucket)
     seen = (~unpack_bits(words, facts.bucket)).astype(np.float32)[..., None]
@@ -99,7 +99,7 @@ def visible_buckets(path: Path) -> tuple[Floats, Sidecar]:
 
 
 def read_shadow_of(path: Path) -> tuple[Words, Sidecar]:
-    """What `read_shadow` gives for the sidecar's file `path`. FormatError if its EXR is of another bake."""
+    """`read_shadow` for the sidecar's file `path`. Raises FormatError if its EXR is of another bake, too."""
     sidecar, image = read_sidecar(path), path.with_suffix(".exr")
     words, inner = read_shadow(image)
     if inner != sidecar:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The files of a bake in the shared layout: a sidecar `<name>.<kind>.json` and its images beside it.
 
-Those are EXRs, or textures as GPUs take them if the bake is condensed.
+The images are EXRs, or GPU textures (DDS) if the bake is condensed.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from .sidecar import Sidecar, read_text
 
 
 def layer_path(sidecar: Path, layer: str) -> Path:
-    """The image of `layer` beside a sidecar's file: Vase.radiance.json has Vase.radiance.colour.exr."""
+    """The EXR of `layer` beside a sidecar's file: Vase.radiance.json has Vase.radiance.colour.exr."""
     return sidecar.with_name(f"{sidecar.stem}.{layer}.exr")
 
 
@@ -58,10 +58,10 @@ def write_shared(
 ) -> SharedSidecar:
     """Write the sidecar to `path` and the atlas's images beside it; all of them, or none.
 
-    `bake` says what the atlas does not know of itself; its `layers` and `clamped` are found here, and are in
-    the returned sidecar. Values beyond the files' range, infinities included, are clamped to it. Raises
-    ShapeError if the atlas does not fit `bake` or the files, BakeError for values that are not numbers and
-    where the system refuses.
+    `bake` holds the facts that are not in the atlas; its `layers` and `clamped` are replaced in the returned
+    sidecar. Values beyond the files' range, infinities included, are clamped to it. Raises ShapeError if the
+    atlas does not fit `bake` or the files, BakeError for values that are not numbers and where the system
+    refuses.
     """
     sidecar = SharedSidecar.of(atlas, bake)
     stored: dict[str, Floats] = {}
@@ -71,12 +71,12 @@ def write_shared(
         clamped += beyond
     sidecar = replace(sidecar, bake=replace(sidecar.bake, clamped=clamped))
     text = sidecar.to_json()
-    # What is entered first is left last: the sidecar takes its place once all its images are in theirs.
+    # Entered first, left last: the sidecar is renamed after all its images.
     with ExitStack() as files:
         files.enter_context(replacing(path)).write_text(text, encoding="utf-8", newline="\n")
         for layer, rows in stored.items():
             beside = files.enter_context(replacing(layer_path(path, layer)))
-            # Dwaa's losses are made for light, which ends do not hold.
+            # DWAA's losses are meant for light, but ends are shifts and variances.
             no_light = layer.endswith(ENDS)
             lossless = no_light and compression is Compression.DWAA
             write_rows(beside, rows, text, Compression.ZIP if lossless else compression)
@@ -86,10 +86,10 @@ def write_shared(
 def write_condensed(path: Path, atlas: CondensedAtlas, bake: Sidecar) -> SharedSidecar:
     """Write the sidecar to `path` and the atlas's textures beside it; all of them, or none.
 
-    `bake` says what the atlas does not know of itself, as in `write_shared`. Values that the textures cannot
+    `bake` holds the facts that are not in the atlas, as in `write_shared`. Values that the textures cannot
     hold are clamped and counted: light below 0 or above 65504, other values beyond ±65504, weights beyond ±1.
-    A colour that is the same everywhere is stored once. Raises ShapeError if the atlas does not fit itself,
-    `bake` or the textures, BakeError for values that are not numbers and where the system refuses.
+    A colour that is the same everywhere is stored once. Raises ShapeError if the atlas's maps do not fit each
+    other, `bake` or the textures, BakeError for values that are not numbers and where the system refuses.
     """
     for _ in writing_condensed(path, atlas, bake):
         pass
@@ -97,9 +97,9 @@ def write_condensed(path: Path, atlas: CondensedAtlas, bake: Sidecar) -> SharedS
 
 
 def writing_condensed(path: Path, atlas: CondensedAtlas, bake: Sidecar) -> Generator[str, None, None]:
-    """Write as `write_condensed` does, yielding each layer once its texture is made.
+    """`write_condensed` as a generator, which yields each layer's name after writing its texture.
 
-    The files take their places after the last; closed before that, it leaves nothing.
+    The files get their final names after the last layer; a generator closed before that leaves no files.
     """
     stored = StoredAtlas.of(atlas, partial(texture_path, path))
     sidecar = SharedSidecar.of(stored.atlas, replace(bake, clamped=stored.clamped), stored.facts)
@@ -120,14 +120,14 @@ def writing_condensed(path: Path, atlas: CondensedAtlas, bake: Sidecar) -> Gener
 
 
 def read_shared(path: Path) -> tuple[SharedAtlas, SharedSidecar]:
-    """The bake whose sidecar is the file `path`, condensed or not; float32.
+    """Read the bake whose sidecar is the file `path`, condensed or not; float32.
 
     Raises FormatError, with the path, for a sidecar or an image that is missing, damaged, not ours, of a
     newer version, of another bake, not of the size that the sidecar says, or too large for this machine's
     memory.
     """
     sidecar = read_shared_sidecar(path)
-    with np.errstate(over="ignore", invalid="ignore"):  # of a damaged file's values
+    with np.errstate(over="ignore", invalid="ignore"):  # a damaged file may hold any values
         return _read_atlas(path, sidecar), sidecar
 
 
@@ -149,7 +149,7 @@ def _read_atlas(path: Path, sidecar: SharedSidecar) -> SharedAtlas:
 
 
 def read_condensed(path: Path) -> tuple[CondensedAtlas, SharedSidecar]:
-    """The condensed bake whose sidecar is the file `path`, its texels not expanded; float32.
+    """Read the condensed bake whose sidecar is the file `path`, without expanding it; float32.
 
     Raises FormatError as `read_shared` does, and for a bake that is not condensed.
     """
@@ -163,7 +163,7 @@ def read_shared_sidecar(path: Path) -> SharedSidecar:
 
 
 def read_layer(path: Path, sidecar: SharedSidecar, layer: str) -> Floats:
-    """An image (H, W, C) of the sidecar at `path`, as it is stored, row 0 at the bottom.
+    """Read a layer's EXR (H, W, C) of the sidecar at `path`, as it is stored, row 0 at the bottom.
 
     Raises FormatError as `read_shared` does.
     """
@@ -177,6 +177,6 @@ def read_layer(path: Path, sidecar: SharedSidecar, layer: str) -> Floats:
 
 
 def expanded_bytes(sidecar: SharedSidecar) -> int:
-    """The memory that all texels' buckets take."""
+    """Bytes of memory for all texels' own buckets."""
     values = sidecar.bake.width * sidecar.bake.height * sidecar.bake.bucket**2 * sum(LOBE_CHANNELS.values())
     return 4 * values * len(sidecar.lobes)

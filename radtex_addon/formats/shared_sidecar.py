@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sidecar of a bake in the shared layout: the plain one's keys, and an object "shared" with its own."""
+"""The sidecar of a bake in the shared layout: the keys of the plain sidecar, and an object "shared"."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ MOST_LEVELS = 32
 class SharedSidecar:
     """Facts about one bake in the shared layout.
 
-    `bake` holds what every layout has: `width` x `height` texels of the irradiance and the lobes, `bucket`
-    the cells along a side of a lobe's buckets, borders not counted, and `layers` the images. `colour` is that
-    image's width and height, `surroundings` the cells along a side of the sharpest of `levels`. `condensed`
-    is None where each texel has buckets of its own.
+    `bake` holds the facts of every layout: `width` x `height` texels of the irradiance and the lobes,
+    `bucket` cells along a side of a lobe's buckets without borders, and the images as `layers`. `colour` is
+    the colour image's width and height, `surroundings` the cells along a side of the sharpest of `levels`.
+    `condensed` is None in the dense form, in which each texel has its own buckets.
     """
 
     bake: Sidecar
@@ -52,11 +52,12 @@ class SharedSidecar:
     def of(
         cls, atlas: SharedAtlas | CondensedAtlas, bake: Sidecar, condensed: CondensedFacts | None = None
     ) -> SharedSidecar:
-        """The facts about `atlas`; `bake` says the rest, but for its `layers`.
+        """The facts about `atlas`, the rest from `bake`, whose `layers` are replaced.
 
-        `condensed` says what only that form has.
-        Raises ShapeError where the two differ in size, for two lobes of one axis, for more levels than files
-        can have and for what no textures hold; BakeError if the falloff or `sharpest` is no finite number.
+        `condensed` are the additional facts of the condensed form.
+        Raises ShapeError if atlas and `bake` differ in size, for two lobes of one axis, for more levels than
+        files can have and for sizes that textures cannot have; BakeError if the falloff or `sharpest` is not
+        finite.
         """
         lobes = tuple(lobe.axis for lobe in atlas.lobes)
         expected = (bake.height, bake.width)
@@ -91,7 +92,7 @@ class SharedSidecar:
 
     @property
     def shapes(self) -> dict[str, tuple[int, int, int]]:
-        """Each layer's width, height and channels; of a condensed bake's colours blocks are not filled up."""
+        """Each layer's width, height and channels; textures of a condensed bake without padding to blocks."""
         if self.condensed is not None:
             return self._sizes(self.condensed).shapes(self.condensed.columns)
         bake, side = self.bake, self.bake.bucket + 2
@@ -106,7 +107,7 @@ class SharedSidecar:
         }
 
     def to_json(self) -> str:
-        """The contract's JSON, in ASCII and with a newline at its end."""
+        """The sidecar's JSON, in ASCII and with a newline at its end."""
         shared = {
             "colour": list(self.colour),
             "surroundings": self.surroundings,
@@ -121,9 +122,9 @@ class SharedSidecar:
 
     @classmethod
     def from_json(cls, text: str, source: str = "the sidecar") -> SharedSidecar:
-        """Read `to_json`'s text; `source` names it in errors. Keys that it does not know are ignored.
+        """Read the text of `to_json`; `source` names it in errors. Unknown keys are ignored.
 
-        Raises FormatError for what is no JSON object, another version or layout, a missing or mistyped key.
+        Raises FormatError if it is no JSON object, for another version or layout, a missing or mistyped key.
         """
         facts = Facts.parse(text, source)
         bake = Sidecar.from_facts(facts, LAYOUT)
@@ -147,7 +148,7 @@ class SharedSidecar:
         return sidecar
 
     def _misfit(self) -> str | None:
-        """Why there can be no such textures; None if there can."""
+        """Why textures of these sizes are impossible; None if they are possible."""
         if self.condensed is None:
             return None
         return self._sizes(self.condensed).misfit(self.condensed.columns)

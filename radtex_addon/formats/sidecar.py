@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sidecar: what a reader must know of an atlas, as JSON beside the image and in its header.
+"""The sidecar: the facts that a reader needs about an atlas, as JSON beside the image and in its header.
 
-Its keys are a contract with other programs: version 1 of it is DESIGN.md, section 3.
+Its keys are a contract with other programs: version 1 is in DESIGN.md, section 3.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ TANGENTS = "mikktspace; Bt = sign * cross(N, T)"
 COLOR_SPACE = "Linear Rec.709"
 ALPHA = "premultiplied"
 
-_NAME_BYTES = 100  # leaves room for .kind.layer.exr in the 143 bytes of the narrowest filesystem in use
+_NAME_BYTES = 100  # leaves room for .kind.layer.exr in 143 bytes, the smallest limit of a filesystem in use
 _UNSAFE = re.compile(r'[<>:"/\\|?*]')
 _UNSAFE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}  # control, invisible, lone surrogates, line separators
 _RESERVED = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|com[0-9¹²³]|lpt[0-9¹²³]) *(\.|$)", re.IGNORECASE)
@@ -33,10 +33,10 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|com[0-9¹²³]|lpt[0-
 
 @dataclass(frozen=True)
 class Source:
-    """The object whose light an atlas holds where it is not the one that wears it.
+    """The object whose light was baked, if it is not the object with the atlas (a bake from one to another).
 
-    It was looked for within the `extrusion`, in scene units, or from a `cage` that stands off as far at most;
-    `missed` texels found nothing of it.
+    Rays looked for it within the `extrusion`, in scene units, or from a `cage`, whose greatest distance is
+    then the `extrusion`; `missed` is the number of texels whose rays did not hit it.
     """
 
     object_name: str
@@ -47,9 +47,9 @@ class Source:
 
 @dataclass(frozen=True)
 class Part:
-    """The part of an object that an atlas is of, where others have atlases of their own.
+    """The part of an object that an atlas covers, if each part has an atlas of its own.
 
-    It is called `name` and has the number `index` among the parts; `by` is what they are split by.
+    `name` is the part's name, `index` its number among the parts; `by` tells how the object was split.
     """
 
     by: str
@@ -59,9 +59,9 @@ class Part:
 
 @dataclass(frozen=True)
 class Content:
-    """What a hull shows: the `objects` of a collection, or, where that is "", those within the hull.
+    """What a hull shows: the `objects` of a collection; if `collection` is "", those within the hull.
 
-    With "*" in the place of a collection's name it is all that there is, and nothing is listed.
+    If `collection` is "*" the hull shows everything, and `objects` is empty.
     """
 
     collection: str
@@ -72,12 +72,12 @@ class Content:
 class Sidecar:
     """Facts about one atlas: `width` x `height` texels of `bucket` x `bucket` cells.
 
-    `kind` and `capture` are words, for a reader need not know how to bake them; `clamped` counts the values
-    that were beyond the file's range; `layers` are the files of one bake beyond the first. `mesh` is a digest
-    of the baked copy's shape and UVs, empty where nobody has said. Where `objects` share the atlas,
-    `object_name` is what it is called. What was farther than the `ao_distance` counts as open.
-    Where `texel_samples` (`formats.sample_counts`) tells of texels with more, `samples` are the fewest.
-    `fireflies` is the share of the light that a fit lost, 0 to 1.
+    `kind` and `capture` are plain strings, so that readers accept kinds that they do not know; `clamped`
+    counts the values that were beyond the file's range; `layers` are the bake's images besides the first.
+    `mesh` is a digest of the baked copy's shape and UVs, empty if unknown. If several `objects` share the
+    atlas, `object_name` is the atlas's name. Anything farther than the `ao_distance` does not occlude. If
+    `texel_samples` (`formats.sample_counts`) is given, `samples` is its smallest number. `fireflies` is the
+    share of the light that a fit lost, 0 to 1.
     """
 
     object_name: str
@@ -106,15 +106,15 @@ class Sidecar:
 
     @property
     def surfaces(self) -> tuple[str, ...]:
-        """The objects that the atlas is of."""
+        """The objects that the atlas covers."""
         return self.objects or (self.object_name,)
 
     def to_json(self) -> str:
-        """The contract's JSON, in ASCII and with a newline at its end."""
+        """The sidecar's JSON, in ASCII and with a newline at its end."""
         return json_text(self.facts())
 
     def facts(self, layout: str = LAYOUT) -> dict[str, Any]:
-        """What the JSON says, in its order, of an atlas in the given layout."""
+        """The JSON's keys and values, in order, for an atlas in the given layout."""
         facts: dict[str, Any] = {
             "version": VERSION,
             "kind": self.kind,
@@ -164,15 +164,15 @@ class Sidecar:
 
     @classmethod
     def from_json(cls, text: str, source: str = "the sidecar") -> Sidecar:
-        """Read `to_json`'s text; `source` names it in errors. Keys that it does not know are ignored.
+        """Read the text of `to_json`; `source` names it in errors. Unknown keys are ignored.
 
-        Raises FormatError for what is no JSON object, another version, and a missing or mistyped key.
+        Raises FormatError if it is no JSON object, for another version, and for a missing or mistyped key.
         """
         return cls.from_facts(Facts.parse(text, source))
 
     @classmethod
     def from_facts(cls, facts: Facts, layout: str = LAYOUT) -> Sidecar:
-        """Read what `facts` wrote. Raises FormatError as `from_json` does, and for another layout."""
+        """Inverse of `facts`. Raises FormatError as `from_json` does, and for another layout."""
         version = facts.whole_number("version", 1)
         if version != VERSION:
             raise FormatError(
@@ -218,7 +218,7 @@ def _source(facts: Facts) -> Source:
 
 
 def part_in(facts: Facts) -> Part | None:
-    """Which part of an object a sidecar's `facts` are of, None for all of it. Raises FormatError."""
+    """The part of an object in a sidecar's `facts`, None if it is all of it. Raises FormatError."""
     if "part" not in facts.values:
         return None
     found = facts.inner("part")
@@ -226,7 +226,7 @@ def part_in(facts: Facts) -> Part | None:
 
 
 def content_in(facts: Facts) -> Content | None:
-    """What the hull shows of whose bake `facts` are, None for another kind. Raises FormatError."""
+    """The content of a hull in a sidecar's `facts`, None for other kinds. Raises FormatError."""
     if "content" not in facts.values:
         return None
     found = facts.inner("content")
@@ -237,7 +237,7 @@ _CONSTANTS = {"tangents": TANGENTS, "color_space": COLOR_SPACE, "alpha": ALPHA}
 
 
 def write_sidecar(path: Path, sidecar: Sidecar) -> None:
-    """Write the sidecar's file, whole or not at all. Raises BakeError where the system refuses."""
+    """Write the sidecar's file atomically. Raises BakeError where the system refuses."""
     write_text(path, sidecar.to_json())
 
 
@@ -247,14 +247,14 @@ def read_sidecar(path: Path) -> Sidecar:
 
 
 def read_facts(path: Path) -> Facts:
-    """What a sidecar's file says, of any layout and kind. Raises FormatError, with the path."""
+    """Read a sidecar's file of any layout and kind. Raises FormatError, with the path."""
     return Facts.parse(read_text(path), str(path))
 
 
 def preview_path(path: Path, kind: str, part: Part | None = None) -> Path:
-    """Where the preview of the bake lies whose sidecar is the file `path`, if one was saved.
+    """The path of the preview, if one was saved, of the bake whose sidecar is the file `path`.
 
-    Parts of an object have one in common.
+    All parts of an object share one preview.
     """
     stem = path.name.removesuffix(f".{kind}.json")
     if part is not None:
@@ -263,9 +263,9 @@ def preview_path(path: Path, kind: str, part: Part | None = None) -> Path:
 
 
 def read_text(path: Path) -> str:
-    """The text of a sidecar's file, or of another of ours. Raises FormatError, with the path.
+    """Read the text of a sidecar or another text file of ours.
 
-    That is for a file that cannot be read, or is far larger than any of ours.
+    Raises FormatError, with the path, if it cannot be read, is not UTF-8 or is far larger than any of ours.
     """
     try:
         return read_regular(path).decode("utf-8")
@@ -286,10 +286,10 @@ def file_name(
 
 
 def safe_name(name: str) -> str:
-    """Make `name` one that every filesystem takes, in Unicode's form NFC; what is safe stays as it is.
+    """Make `name` valid in every filesystem, in Unicode's form NFC; a valid name stays as it is.
 
-    A name that had to be altered gets a hash of the original, so that two names rarely become one. Names
-    that differ only in case stay apart, though some filesystems join them.
+    A changed name gets a hash of the original, so that two names hardly ever become the same. Names that
+    differ only in case stay different, though some filesystems treat them as the same.
     """
     name = unicodedata.normalize("NFC", name)
     cleaned = "".join("_" if unicodedata.category(c) in _UNSAFE_CATEGORIES else c for c in name)

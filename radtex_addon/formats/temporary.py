@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Folders for temporary files, which outlive no process for long: the next one removes what a kill left."""
+"""Temporary folders; each process also removes those that killed processes left."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .lock import HeldError, Lock, take_lock
 from .path_checks import check_rendered_into, one_root
 
 PREFIX = "radtex-temporary-"
-_LOCK = "lock"  # whose folder it is, has this file in it locked
+_LOCK = "lock"  # a file in the folder, locked by the process that owns the folder
 
 
 @contextmanager
 def temporary_folder() -> Iterator[Path]:
-    """Yield a new folder, which goes away at exit. Blender can render into it.
+    """Yield a new folder, which is removed at exit. Blender can render into it.
 
-    Raises InputError for a place whose name Blender would change, BakeError where the system refuses it.
+    Raises InputError if Blender would change the folder's path, BakeError where the system refuses it.
     """
     root = Path(one_root(tempfile.gettempdir()))
     try:
@@ -50,7 +50,7 @@ def _make(root: Path) -> tuple[Path, Lock]:
         folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=root))
         try:
             return folder, take_lock(folder / _LOCK)
-        except (HeldError, FileNotFoundError):  # another found it before it was locked
+        except (HeldError, FileNotFoundError):  # another process took or removed it before
             continue
         except OSError:
             shutil.rmtree(folder, ignore_errors=True)
@@ -58,7 +58,7 @@ def _make(root: Path) -> tuple[Path, Lock]:
 
 
 def _remove_left(root: Path) -> None:
-    """Remove the folders of processes that are no more."""
+    """Remove the folders of processes that have ended."""
     for folder in root.glob(f"{PREFIX}*"):
         with suppress(OSError, HeldError):
             if not _is_own(folder):
@@ -70,7 +70,7 @@ def _remove_left(root: Path) -> None:
 
 
 def _is_own(folder: Path) -> bool:
-    """Whether it is a folder, no link to one, and this user's: others may write to the same place."""
+    """Whether it is a folder (no link) and owned by this user: others may write to the same place."""
     if folder.is_symlink() or not folder.is_dir():
         return False
     return not hasattr(os, "getuid") or folder.stat().st_uid == os.getuid()

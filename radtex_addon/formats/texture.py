@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A texture as a GPU takes it: format, mip levels, layers; encoded from images and decoded again."""
+"""GPU textures: pixel format, mip levels and layers; encoding from images and decoding."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from .bc6h import MOST, decode_bc6h, encode_bc6h
 from .bc7 import Blocks, described
 from .rgb9e5 import decode_rgb9e5, encode_rgb9e5
 
-MOST_PIXELS = 16384  # a side, as in Direct3D 11 and what every GPU of its time takes
-MOST_LAYERS = 2048  # of an array, likewise
+MOST_PIXELS = 16384  # a side: the limit of Direct3D 11 and of every GPU that supports it
+MOST_LAYERS = 2048  # of an array: the same
 
 _PACKED = ("BC5", "BC6H", "BC7")
 _BYTES = {
@@ -32,7 +32,7 @@ _BYTES = {
 
 
 class PixelFormat(StrEnum):
-    """What a pixel or a block of pixels is. BC6H is the one without signs; UI are whole numbers."""
+    """How pixels or blocks are stored. BC6H is the unsigned variant; UI are unsigned integers."""
 
     RGBA16F = "RGBA16F"
     RGB9E5 = "RGB9E5"
@@ -54,14 +54,14 @@ class PixelFormat(StrEnum):
         return _BYTES.get(self, 16)
 
 
-ENCODED = (PixelFormat.RGBA16F, PixelFormat.RGB9E5, PixelFormat.BC6H)  # what holds light
+ENCODED = (PixelFormat.RGBA16F, PixelFormat.RGB9E5, PixelFormat.BC6H)  # the formats for light
 
 
 @dataclass(frozen=True)
 class Form:
-    """A texture but for what is in it: `layers` x `levels` images, the largest of width x height pixels.
+    """A texture without its contents: `layers` x `levels` images, the largest of width x height pixels.
 
-    Level L has max(1, width >> L) x max(1, height >> L) pixels. Raises ShapeError for what GPUs do not take.
+    Level L has max(1, width >> L) x max(1, height >> L) pixels. Raises ShapeError beyond the limits of GPUs.
     """
 
     format: PixelFormat
@@ -78,7 +78,7 @@ class Form:
             raise ShapeError(f"texture: {self.layers} layers make an array")
 
     def shape(self, level: int) -> tuple[int, int, int, int]:
-        """Of a level's blocks: layers, rows, columns, bytes of a block."""
+        """Shape of a level's blocks: layers, rows, columns, bytes of a block."""
         return blocks_shape(self.format, self.width, self.height, self.layers, level)
 
     def nbytes(self, level: int) -> int:
@@ -87,14 +87,14 @@ class Form:
 
 
 class Encoded(Protocol):
-    """A texture whose blocks can be had piece by piece."""
+    """A texture whose blocks can be read piece by piece."""
 
     @property
     def form(self) -> Form:
-        """What it is."""
+        """Format, size, layers and levels."""
 
     def parts(self, level: int, layer: int) -> Iterator[memoryview]:
-        """The bytes of a layer of a level, from its first row on."""
+        """Yield the bytes of one layer of a level in pieces, from the first row on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,8 +102,8 @@ class Texture:
     """A 2D texture, or an array of such, of `width` x `height` pixels.
 
     `levels` are the mip levels, the largest first, each (layers, rows, columns, bytes of a block) uint8. Rows
-    are as they are stored: ours begin with the bottom one. Raises ShapeError for levels that are no such
-    texture or that GPUs do not take.
+    are in the order of the file: ours begin with the bottom one. Raises ShapeError for levels of other shapes
+    and beyond the limits of GPUs.
     """
 
     format: PixelFormat
@@ -121,32 +121,32 @@ class Texture:
 
     @property
     def form(self) -> Form:
-        """What it is, but for what is in it."""
+        """Format, size, layers and levels."""
         count = len(self.levels)
         return Form(self.format, self.width, self.height, self.layers, count, self.is_array)
 
     @property
     def layers(self) -> int:
-        """How many images a level has: 1 of what is no array."""
+        """Number of images of a level: 1 if the texture is no array."""
         return len(self.levels[0]) if self.levels else 0
 
     @property
     def nbytes(self) -> int:
-        """Bytes on a GPU."""
+        """Bytes of GPU memory."""
         return sum(blocks.nbytes for blocks in self.levels)
 
     def parts(self, level: int, layer: int) -> Iterator[memoryview]:
-        """The bytes of a layer of a level."""
+        """The bytes of one layer of a level, in one piece."""
         yield np.ascontiguousarray(self.levels[level][layer]).data
 
 
 def most_levels(width: int, height: int) -> int:
-    """How many mip levels there are down to 1 x 1 pixel."""
+    """Number of mip levels down to 1 x 1 pixel."""
     return max(width, height).bit_length()
 
 
 def size_misfit(width: int, height: int, layers: int, levels: int) -> str | None:
-    """Why GPUs do not take such a texture; None if they do."""
+    """Why GPUs refuse a texture of this size; None if they accept it."""
     if not (1 <= width <= MOST_PIXELS and 1 <= height <= MOST_PIXELS):
         return f"{width} x {height} pixels, expected 1 to {MOST_PIXELS} a side"
     if not 1 <= layers <= MOST_LAYERS:
@@ -166,12 +166,12 @@ def blocks_shape(
 
 
 def encode_texture(images: Sequence[Floats], pixel_format: PixelFormat, is_array: bool = False) -> Texture:
-    """The texture of mip levels (layers, H, W, C), the largest first, scene-linear; C is 3 or 4.
+    """Encode mip levels (layers, H, W, C), the largest first, scene-linear; C is 3 or 4.
 
-    Where C is 3, RGBA16F gets an alpha of 1; where it is 4, the others lose alpha. Values beyond the format
-    are clamped, below 0 too where it has no sign. Blocks that reach beyond an edge repeat the last pixels.
-    Raises ShapeError for images of other shapes, InputError for values that are not numbers and for formats
-    that do not hold light.
+    With 3 channels, RGBA16F gets an alpha of 1; with 4, the other formats drop alpha. Values beyond the
+    format's range are clamped, also below 0 if it is unsigned. Blocks that reach beyond an edge repeat the
+    last pixels. Raises ShapeError for images of other shapes, InputError for values that are not numbers and
+    for formats that do not hold light.
     """
     if pixel_format not in ENCODED:
         raise InputError(f"{pixel_format} does not hold light: choose {', '.join(ENCODED)}")
@@ -184,7 +184,7 @@ def encode_texture(images: Sequence[Floats], pixel_format: PixelFormat, is_array
 
 
 def decode_texture(texture: Texture) -> list[Floats]:
-    """The mip levels (layers, H, W, C), float32; C is 4 of RGBA16F, else 3.
+    """Decode the mip levels (layers, H, W, C), float32; C is 4 for RGBA16F, else 3.
 
     Raises FormatError for blocks that RadTex does not write, InputError for formats that do not hold light.
     """
@@ -198,7 +198,7 @@ def decode_texture(texture: Texture) -> list[Floats]:
 
 
 def encode_rows(image: Floats, pixel_format: PixelFormat) -> Blocks:
-    """The blocks of an image (H, W, 3 or 4), or of some rows of one, as `encode_texture` makes them."""
+    """Encode an image (H, W, 3 or 4), or some of its rows, as blocks, as `encode_texture` does."""
     if pixel_format is PixelFormat.RGB9E5:
         return encode_rgb9e5(image[..., :3])
     if pixel_format is PixelFormat.BC6H:
@@ -213,7 +213,7 @@ def encode_rows(image: Floats, pixel_format: PixelFormat) -> Blocks:
 
 
 def _decoded(blocks: Blocks, pixel_format: PixelFormat) -> Floats:
-    """The image of one layer's blocks."""
+    """Decode one layer's blocks to an image."""
     if pixel_format is PixelFormat.RGB9E5:
         return decode_rgb9e5(blocks)
     if pixel_format is PixelFormat.BC6H:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A texture that is encoded a band of rows at a time, and waits on disk until it is whole."""
+"""A texture that is encoded in bands of rows, and stored in a temporary file until it is complete."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _PIECE = 1 << 22  # bytes that are read at once
 
 
 class TextureFile:
-    """The blocks of a texture of the given `form`; each image's rows come in their order, from the first on.
+    """The blocks of a texture of the given `form`; each image's rows must be added in order.
 
     Blocks that reach beyond an edge repeat the last pixels, as in `encode_texture`.
     """
@@ -30,10 +30,10 @@ class TextureFile:
         self.form, self._file = form, file
         ends = np.cumsum([0, *(form.nbytes(level) for level in range(form.levels))])
         self._begins = [int(end) for end in ends[:-1]]
-        self._waiting: dict[tuple[int, int], Floats] = {}  # pixel rows that make no block yet
+        self._waiting: dict[tuple[int, int], Floats] = {}  # pixel rows that do not fill a block yet
 
     def put(self, level: int, layer: int, first: int, rows: Floats) -> None:
-        """Add rows (k, W, 3 or 4), from the number `first` on. Raises InputError as `encode_texture` does."""
+        """Add rows (k, W, 3 or 4), from row number `first` on. Raises InputError as `encode_texture` does."""
         held = self._waiting.pop((level, layer), rows[:0])
         rows, first = np.concatenate([held, rows]) if len(held) else rows, first - len(held)
         side = self.form.format.side
@@ -47,7 +47,7 @@ class TextureFile:
             self._file.write(np.ascontiguousarray(blocks).data)
 
     def parts(self, level: int, layer: int) -> Iterator[memoryview]:
-        """The bytes of a layer of a level, all rows of which have been put."""
+        """Yield the bytes of one layer of a level, after all its rows were added."""
         begin, size = self._begin(level, layer), prod(self.form.shape(level)[1:])
         for place in range(0, size, _PIECE):
             self._file.seek(begin + place)
@@ -59,9 +59,9 @@ class TextureFile:
 
 @contextmanager
 def texture_file(form: Form, folder: Path) -> Iterator[TextureFile]:
-    """An empty texture on the disk of `folder`, made if need be, where nothing is left of it.
+    """Yield an empty texture in a temporary file in `folder`, which is created if needed.
 
-    Raises BakeError where the system refuses.
+    The file is removed at exit. Raises BakeError where the system refuses.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)

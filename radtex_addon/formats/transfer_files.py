@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The files of a bake of kind `transfer`: `<name>.transfer.exr`, and its sidecar beside it.
 
-The layout has a word of its own, for a reader of hemispherical buckets would make nonsense of it.
+The layout has a name of its own ("sphere"), so that readers of hemispherical buckets refuse it.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ from .json_reader import Facts, json_text
 from .sidecar import Sidecar, read_text
 
 LAYOUT = "sphere"
-NORMAL, CAMERA, AROUND = VIEWS = ("normal", "camera", "around")  # from where texels were looked at
+NORMAL, CAMERA, AROUND = VIEWS = ("normal", "camera", "around")  # where texels were captured from
 _MOST_VIEWS = 16
 
 
 @dataclass(frozen=True)
 class TransferSidecar:
-    """Facts about one bake: what every layout has, and how many `suns` it was captured under.
+    """Facts about one bake: those of every layout, and the number of `suns` it was captured under.
 
-    `view` is from where: along the normals, from a camera, whose `eye` is (x, y, z, 1) in the bake's world,
-    or if it is far away (x, y, z, 0), the direction to it; or from all around, by `views` x `views` views.
+    `view` is the viewpoint: along the normals; from a camera at `eye`, (x, y, z, 1) in the bake's world, or
+    (x, y, z, 0) for the direction to a camera at infinity; or from all around, by `views` x `views` views.
     """
 
     bake: Sidecar
@@ -43,7 +43,7 @@ class TransferSidecar:
 
     @property
     def layout(self) -> AtlasLayout:
-        """The atlas's layout, were there one view."""
+        """The atlas's layout with one view."""
         return AtlasLayout(self.bake.width, self.bake.height, self.bake.bucket)
 
     @property
@@ -52,7 +52,7 @@ class TransferSidecar:
         return with_views(self.layout, self.views)
 
     def facts(self) -> dict[str, Any]:
-        """What the JSON says, in its order."""
+        """The JSON's keys and values, in order."""
         transfer: dict[str, Any] = {"view": self.view, "suns": self.suns}
         if self.eye is not None:
             transfer["eye"] = list(self.eye)
@@ -61,14 +61,14 @@ class TransferSidecar:
         return self.bake.facts(LAYOUT) | {"transfer": transfer}
 
     def to_json(self) -> str:
-        """The contract's JSON, in ASCII and with a newline at its end."""
+        """The sidecar's JSON, in ASCII and with a newline at its end."""
         return json_text(self.facts())
 
     @classmethod
     def from_facts(cls, facts: Facts) -> TransferSidecar:
-        """Read what `facts` wrote; keys that it does not know are ignored.
+        """Inverse of `facts`; unknown keys are ignored.
 
-        Raises FormatError for another version or layout, a missing or mistyped key, and another view.
+        Raises FormatError for another version or layout, a missing or mistyped key, and an unknown view.
         """
         bake, transfer = Sidecar.from_facts(facts, LAYOUT), facts.inner("transfer")
         view = transfer.choice("view", VIEWS)
@@ -95,14 +95,14 @@ def write_transfer(
     image = path.with_suffix(".exr")
     rows, clamped = stored_rows(image, pixels, half)
     sidecar = replace(sidecar, bake=replace(sidecar.bake, clamped=clamped))
-    with ExitStack() as files:  # what is entered first is left last
+    with ExitStack() as files:  # entered first, left last: the sidecar is renamed after the image
         files.enter_context(replacing(path)).write_text(sidecar.to_json(), encoding="utf-8", newline="\n")
         write_rows(files.enter_context(replacing(image)), rows, sidecar.to_json(), compression)
     return sidecar
 
 
 def read_transfer(path: Path) -> tuple[Floats, TransferSidecar]:
-    """Pixels, as `stored` says, of the bake whose sidecar is the file `path`, as stored, row 0 at the bottom.
+    """Read the bake whose sidecar is the file `path`: pixels in the layout `stored`, row 0 at the bottom.
 
     Raises FormatError, with the path, for a sidecar or an image that is missing, damaged, not ours, of a
     newer version, of another bake, or not of the size that the sidecar says.
@@ -112,7 +112,7 @@ def read_transfer(path: Path) -> tuple[Floats, TransferSidecar]:
 
 
 def open_transfer(path: Path) -> tuple[ImageRows, TransferSidecar]:
-    """What `read_transfer` reads, to be read a band of rows at a time. Raises as that does."""
+    """`read_transfer` for reading in bands of rows. Raises as that does."""
     sidecar, image = read_transfer_sidecar(path), path.with_suffix(".exr")
     inner = TransferSidecar.from_facts(Facts.parse(header_text(image), f"the header of {image}"))
     if inner != sidecar:

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The colour space in which Blender wrote a render.
 
-A .blend works in linear Rec.709, or from Blender 5 on in Rec.2020 or ACEScg. Pictures of one layer are
-converted when Blender writes them, those of several layers are not; each part says what its values are.
+A .blend works in linear Rec.709, or from Blender 5 on also in Rec.2020 or ACEScg. Blender converts images of
+one layer when it writes them, but not multilayer images; each part's header names its colour space.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ _NO_COLOUR = "data"
 
 
 def render_matrix(path: Path) -> Floats | None:
-    """From the colours in a picture that Blender rendered to Rec.709, (3, 3); None where they are that.
+    """Matrix (3, 3) from the colours of an image that Blender rendered to Rec.709; None if they are Rec.709.
 
-    Raises FormatError for a file that is no EXR, or whose colours are of a space that is not known.
+    Raises FormatError for a file that is no EXR, and for an unknown colour space or a mixture of several.
     """
     named = {str(header.get(_ATTRIBUTE, "")) for header in headers_of(path)} - {_NO_COLOUR, ""}
     if unknown := named - KNOWN:
