@@ -9,43 +9,9 @@ from typing import TypeVar
 
 from ..core.errors import InputError
 from ..formats.exr import Compression
+from .kinds import Kind, Layout
 from .layers import Layer
 from .parts import Split
-
-
-class Kind(StrEnum):
-    """What a bucket holds."""
-
-    RADIANCE = "radiance"
-    INCIDENT = "incident"
-    REFLECTION = "reflection"
-    PROXY = "proxy"
-    SHADOW = "shadow"
-    AO = "ao"
-    TRANSFER = "transfer"
-
-
-LEAVING = (Kind.RADIANCE, Kind.PROXY)  # light that a viewer sees, of the object or through it
-ARRIVING = (Kind.INCIDENT, Kind.REFLECTION)
-OCCLUSION = (Kind.SHADOW, Kind.AO)  # visibility only, no light
-SOURCED = (
-    Kind.RADIANCE,
-    Kind.INCIDENT,
-    Kind.REFLECTION,
-    *OCCLUSION,
-)  # can be baked from another object's surface
-
-
-class Layout(StrEnum):
-    """How an atlas stores its light."""
-
-    BUCKETS = "buckets"
-    SHARED = "shared"
-
-    @property
-    def cells(self) -> int:
-        """The default bucket size: cells along a side."""
-        return 16 if self is Layout.SHARED else 8
 
 
 class CaptureMethod(StrEnum):

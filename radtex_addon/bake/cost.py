@@ -12,7 +12,7 @@ from ..formats.condensed_sizes import CondensedSizes, Shapes, clusters_within, c
 from ..formats.packing import COLOUR, IRRADIANCE, LOBE_CHANNELS, SURROUNDINGS, lobe_layer, surroundings_size
 from .layers import OF_LAYER, WHOLE, Layer
 from .rays import FINER
-from .spec import BakeSpec, Layout
+from .spec import BakeSpec
 
 _LARGEST_BUDGET = 2**40
 _GPU_CHANNELS = 4  # a GPU texture of three channels takes as much
@@ -50,7 +50,7 @@ def cost_of(spec: BakeSpec) -> Cost:
 
 def _shapes(spec: BakeSpec) -> Shapes:
     """Width, height and channels of each image, assuming a square atlas with both lobes."""
-    if spec.layout is Layout.BUCKETS:
+    if not spec.form.by_paths:
         side = spec.pixels_a_side
         layers: Shapes = {
             layer: (*((spec.texels,) * 2 if layer is Layer.BASE else (side,) * 2), OF_LAYER)

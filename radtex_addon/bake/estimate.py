@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from .progress import Stage
-from .spec import BakeSpec, Layout
+from .spec import BakeSpec
 
 _TEXELS = 96  # of a small bake, at most; fewer may not do for a mesh of many islands
 _SAMPLES = (1, 3)
@@ -48,7 +48,7 @@ def probe_specs(spec: BakeSpec) -> tuple[BakeSpec, BakeSpec]:
 def paths_needed(spec: BakeSpec, probe: Probe) -> int:
     """Camera paths of a bake of `spec`, if the covered share of its atlas is the same as the probe's."""
     covered = round(probe.covered * _growth(spec, probe))
-    if spec.layout is Layout.SHARED:
+    if spec.form.by_paths:
         return spec.rays.most(covered)
     return covered * spec.bucket**2 * spec.samples
 

@@ -5,17 +5,16 @@
 from __future__ import annotations
 
 from math import inf
-from typing import TYPE_CHECKING
 
 from ..core.errors import InputError, MemoryLimitError
 from ..formats.exr import Compression
 from ..formats.memory import physical_memory, readable_size
-from .choices import ARRIVING, LEAVING, OCCLUSION, SOURCED, CaptureMethod, Kind, Layout, View
+from .choices import CaptureMethod, View
+from .forms import FormTraits
+from .kinds import KINDS, Light, form_in
 from .parts import Split
 from .plan import MAX_IMAGE_SIDE
-
-if TYPE_CHECKING:
-    from .spec import BakeSpec
+from .spec_fields import SpecFields
 
 _MOST_SHARED_SAMPLES = 2**12  # 177 thousand paths a texel
 _TARGETS = (10.0, 60.0)  # dB; textures of 8 bits are no more accurate
@@ -40,7 +39,7 @@ _LEAST_TILE = 32 << 20  # bytes that must be left for a render, unless the whole
 _OF_PIXEL = 112  # bytes per pixel of a render (`session.BYTES_PER_PIXEL`)
 
 
-def check(spec: BakeSpec) -> None:
+def check(spec: SpecFields) -> None:
     """Raises InputError for what cannot be baked; enums and the number of cells must be set before.
 
     If only the memory does not suffice, that is a MemoryLimitError.
@@ -53,7 +52,7 @@ def check(spec: BakeSpec) -> None:
     if spec.uv_layer == "":
         raise InputError("the UV layer's name is empty: name one of the object's, or none to unwrap anew")
     _check_kind(spec)
-    if spec.layout is Layout.SHARED:
+    if _asked(spec).by_paths:
         _check_shared(spec)
     if spec.condensed:
         _check_condensed(spec)
@@ -61,33 +60,39 @@ def check(spec: BakeSpec) -> None:
     _check_memory(spec)  # last, because only this check depends on the machine
 
 
-def _check_kind(spec: BakeSpec) -> None:
-    if spec.capture is CaptureMethod.PANORAMIC and spec.kind in LEAVING:
+def _asked(spec: SpecFields) -> FormTraits:
+    """The form of the layout that is asked for, even if the kind has a form of its own."""
+    return form_in(spec.layout, spec.condensed)
+
+
+def _check_kind(spec: SpecFields) -> None:
+    kind = spec.kind.traits
+    if spec.capture is CaptureMethod.PANORAMIC and kind.light is Light.LEAVING:
         raise InputError(
             f"capture panoramic only looks outwards and cannot bake {spec.kind}: "
             "capture by portal, or bake incident or reflection"
         )
-    if spec.layers and spec.kind not in LEAVING:
+    if spec.layers and not kind.layers:
         raise InputError(f"{spec.kind} has no layers: bake radiance, or leave the layers out")
     if spec.accumulate or spec.refresh:
         _check_earlier(spec)
     if spec.where is not None:
         _check_where(spec)
-    if spec.content is not None and spec.kind is not Kind.PROXY:
+    if spec.content is not None and not kind.content:
         raise InputError(f"{spec.kind} shows the object itself: bake a proxy, or leave the content out")
-    if spec.view is not View.NORMAL and spec.kind is not Kind.TRANSFER:
+    if spec.view is not View.NORMAL and not kind.views:
         raise InputError(f"{spec.kind} is not baked for a view: leave {spec.view} (--view) out")
-    if spec.kind is Kind.TRANSFER:
+    if kind.light is Light.RESPONSE:
         _check_transfer(spec)
     _check_source(spec)
     _check_lights(spec)
     _check_surfaces(spec)
     _check_distance(spec)
-    if spec.kind in OCCLUSION:
+    if kind.light is Light.OCCLUSION:
         _check_occlusion(spec)
 
 
-def _check_source(spec: BakeSpec) -> None:
+def _check_source(spec: SpecFields) -> None:
     if spec.source is None:
         for word, given in (("extrusion", spec.extrusion), ("cage", spec.cage)):
             if given is not None:
@@ -98,16 +103,16 @@ def _check_source(spec: BakeSpec) -> None:
         return
     if not spec.source:
         raise InputError("the name of the object to bake from is empty: name one, or none")
-    if spec.kind not in SOURCED:
+    if not spec.kind.traits.source:
         raise InputError(f"{spec.kind} is not baked from another object: leave --from out")
-    if spec.layout is not Layout.BUCKETS:
-        raise InputError("the shared layout is not baked from another object: choose layout buckets")
+    if not _asked(spec).source:
+        raise InputError(f"{_asked(spec).title} is not baked from another object: choose layout buckets")
     if spec.capture is not CaptureMethod.PORTAL:
         raise InputError(f"capture {spec.capture} bakes from no other object: capture by portal")
     _check_reach(spec)
 
 
-def _check_reach(spec: BakeSpec) -> None:
+def _check_reach(spec: SpecFields) -> None:
     """Check how far from the surface the source is searched for."""
     if spec.extrusion is not None and not 0 < spec.extrusion < inf:
         raise InputError(f"extrusion {spec.extrusion:g}: give a distance above 0, in scene units")
@@ -117,14 +122,14 @@ def _check_reach(spec: BakeSpec) -> None:
         raise InputError("a cage and an extrusion contradict each other: give one of them")
 
 
-def _check_lights(spec: BakeSpec) -> None:
+def _check_lights(spec: SpecFields) -> None:
     if not spec.lights:
         return
     if not all(spec.lights):
         raise InputError("a light's name is empty: name lamps, or collections of lamps")
     for asked, wrong, remedy in (
-        (f"kind {spec.kind}", spec.kind not in (*LEAVING, *ARRIVING), "bake radiance"),
-        ("the shared layout", spec.layout is not Layout.BUCKETS, "choose layout buckets"),
+        (f"kind {spec.kind}", not spec.kind.traits.lamps, "bake radiance"),
+        (_asked(spec).title, not _asked(spec).lamps, "choose layout buckets"),
         ("layers", bool(spec.layers), "leave the layers out"),
         ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, "capture by portal"),
     ):
@@ -132,14 +137,14 @@ def _check_lights(spec: BakeSpec) -> None:
             raise InputError(f"{asked} cannot be baked for some lamps alone (--lights): {remedy}")
 
 
-def _check_surfaces(spec: BakeSpec) -> None:
+def _check_surfaces(spec: SpecFields) -> None:
     """Check which objects share the atlas, and which part of the surface it is of."""
     if spec.objects:
         if len(spec.objects) < 2:
             raise InputError(f"object '{spec.objects[0]}' is alone: name others to share its atlas")
         for asked, wrong, remedy in (
-            ("the shared layout", spec.layout is Layout.SHARED, "choose layout buckets"),
-            ("a proxy", spec.kind is Kind.PROXY, "bake hulls one by one"),
+            (_asked(spec).title, not _asked(spec).shared_atlas, "choose layout buckets"),
+            (f"a {spec.kind}", not spec.kind.traits.shared_atlas, "bake hulls one by one"),
             ("what another object shows (--from)", spec.source is not None, "bake these one by one"),
         ):
             if wrong:
@@ -150,18 +155,18 @@ def _check_surfaces(spec: BakeSpec) -> None:
         raise InputError(f"part '{spec.part}' of what? Split by {' or '.join(Split)}, or leave it out")
 
 
-def _check_distance(spec: BakeSpec) -> None:
+def _check_distance(spec: SpecFields) -> None:
     if spec.ao_distance is None:
         return
-    if spec.kind is not Kind.AO:
+    if not spec.kind.traits.ao_distance:
         raise InputError(f"{spec.kind} looks as far as there is: bake ao, or leave --ao-distance out")
     if not 0 < spec.ao_distance < inf:
         raise InputError(f"ao distance {spec.ao_distance:g}: give one above 0, in scene units")
 
 
-def _check_transfer(spec: BakeSpec) -> None:
+def _check_transfer(spec: SpecFields) -> None:
     for asked, wrong, remedy in (
-        ("shared layout", spec.layout is not Layout.BUCKETS, "choose layout buckets"),
+        ("shared layout", _asked(spec).by_paths, "choose layout buckets"),
         ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, "capture by portal"),
         ("budget or target", spec.condensed, "leave it out"),
     ):
@@ -169,25 +174,25 @@ def _check_transfer(spec: BakeSpec) -> None:
             raise InputError(f"kind transfer knows no {asked}: {remedy}")
 
 
-def _check_occlusion(spec: BakeSpec) -> None:
+def _check_occlusion(spec: SpecFields) -> None:
     kind = spec.kind
-    if spec.layout is not Layout.BUCKETS:
-        raise InputError(f"the shared layout holds light, not {kind}: choose layout buckets")
+    if _asked(spec).by_paths:
+        raise InputError(f"{_asked(spec).title} holds light, not {kind}: choose layout buckets")
     if spec.capture is not CaptureMethod.PORTAL:
         raise InputError(f"capture {spec.capture} cannot bake {kind}: capture by portal")
-    if spec.compression is Compression.DWAA:
+    if spec.compression is Compression.DWAA and not kind.traits.lossy:
         raise InputError(f"compression dwaa is for light and spoils {kind}: choose zip or piz")
-    if kind is Kind.SHADOW and not spec.half:
+    if not (spec.half or kind.traits.full_floats):
         raise InputError("shadow holds bits, not floats: leave 32-bit floats (--float) out")
 
 
-def _check_earlier(spec: BakeSpec) -> None:
+def _check_earlier(spec: SpecFields) -> None:
     if spec.accumulate and spec.refresh:
         raise InputError("to accumulate and to refresh contradict each other: choose one of them")
     done = "accumulated" if spec.accumulate else "refreshed"
     for asked, wrong, remedy in (
-        (f"kind {spec.kind}", spec.kind not in (*LEAVING, *ARRIVING), "bake it anew"),
-        ("the shared layout", spec.layout is not Layout.BUCKETS, "choose layout buckets"),
+        (f"kind {spec.kind}", not spec.kind.traits.accumulates, "bake it anew"),
+        (_asked(spec).title, not _asked(spec).accumulates, "choose layout buckets"),
         ("layers", bool(spec.layers), "leave the layers out"),
         ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, "capture by portal"),
     ):
@@ -195,7 +200,7 @@ def _check_earlier(spec: BakeSpec) -> None:
             raise InputError(f"{asked} cannot be {done}: {remedy}")
 
 
-def _check_where(spec: BakeSpec) -> None:
+def _check_where(spec: SpecFields) -> None:
     if not spec.where:
         raise InputError("the name of where is empty: name a vertex group, an attribute or a material")
     if not (spec.accumulate or spec.refresh):
@@ -205,23 +210,25 @@ def _check_where(spec: BakeSpec) -> None:
         )
 
 
-def _check_shared(spec: BakeSpec) -> None:
-    for name, found, only in (
-        ("kind", spec.kind, Kind.RADIANCE),
-        ("capture", spec.capture, CaptureMethod.PORTAL),
-    ):
-        if found is not only:
-            raise InputError(
-                f"the shared layout knows {name} {only} only, not {found}: bake that in layout buckets"
-            )
+def _check_shared(spec: SpecFields) -> None:
+    if not spec.kind.traits.looks_at_surface:
+        only = ", ".join(kind for kind, traits in KINDS.items() if traits.looks_at_surface)
+        raise InputError(
+            f"the shared layout knows kind {only} only, not {spec.kind}: bake that in layout buckets"
+        )
+    if spec.capture is not CaptureMethod.PORTAL:
+        raise InputError(
+            f"the shared layout knows capture {CaptureMethod.PORTAL} only, not {spec.capture}: "
+            "bake that in layout buckets"
+        )
     if spec.layers:
         raise InputError("the shared layout has no layers: bake those in layout buckets")
     _check_whole_number("samples in the shared layout", spec.samples, 1, _MOST_SHARED_SAMPLES)
 
 
-def _check_condensed(spec: BakeSpec) -> None:
+def _check_condensed(spec: SpecFields) -> None:
     asked = "a budget" if spec.target is None else "a target"
-    if spec.layout is not Layout.SHARED:
+    if not _asked(spec).condenses:
         raise InputError(f"{asked} needs the shared layout: choose --layout shared, or leave it out")
     if spec.budget is not None and spec.target is not None:
         raise InputError("a budget and a target contradict each other: give one of them")
@@ -237,7 +244,7 @@ def _check_condensed(spec: BakeSpec) -> None:
         )
 
 
-def _check_size(spec: BakeSpec) -> None:
+def _check_size(spec: SpecFields) -> None:
     side = spec.pixels_a_side
     if side > MAX_IMAGE_SIDE:
         raise InputError(
@@ -245,7 +252,7 @@ def _check_size(spec: BakeSpec) -> None:
         )
 
 
-def _check_memory(spec: BakeSpec) -> None:
+def _check_memory(spec: SpecFields) -> None:
     asked = _size_of(spec)
     memory, most = physical_memory(), spec.atlas_bytes + min(_LEAST_TILE, spec.pixel_count * _OF_PIXEL)
     needed = readable_size(most)
@@ -261,7 +268,7 @@ def _check_memory(spec: BakeSpec) -> None:
         )
 
 
-def _size_of(spec: BakeSpec) -> str:
+def _size_of(spec: SpecFields) -> str:
     return f"texels {spec.texels} with bucket {spec.bucket}"
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import bpy
 
 from ..bake.key import is_unfinished
-from ..bake.spec import BakeSpec, Layout
+from ..bake.spec import BakeSpec
 from ..bake.thumbnail import Thumbnail
 from ..core.errors import InputError, RadTexError
 from ..formats.atomic import check_writable
@@ -156,7 +156,7 @@ def summary_of(title: str, spec: BakeSpec, result: BakeResult) -> str:
     layout = result.layout
     seconds = sum(result.seconds.values())
     size = readable_size(sum(path.stat().st_size for path in result.files.images))
-    shared = ", shared," if spec.layout is Layout.SHARED else ""
+    shared = ", shared," if spec.form.by_paths else ""
     lost = f", {result.fireflies:.1%} of the light lost as fireflies" if result.fireflies > 5e-4 else ""
     clamped = f", {result.clamped} values clamped to what the file holds" if result.clamped else ""
     return (

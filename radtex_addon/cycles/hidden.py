@@ -21,10 +21,10 @@ from mathutils import Matrix
 
 from ..bake.hidden import HiddenCells
 from ..bake.keeper import KEEPS_NOTHING, Drawer, Keeper
+from ..bake.kinds import Kind
 from ..bake.plan import CapturePlan, Tile, plan_of_some
 from ..bake.progress import Progress, Stage
 from ..bake.rays import PROBES
-from ..bake.spec import Kind
 from ..core.arrays import Floats, Ints
 from ..scene.backs import TWIN
 from ..scene.nodes import open_material, open_world

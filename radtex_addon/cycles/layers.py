@@ -10,9 +10,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ..bake.kinds import Kind
 from ..bake.layers import Layer, captured
 from ..bake.plan import CapturePlan, Tile
-from ..bake.spec import Kind
 from ..core.arrays import Floats
 from .passes import attributes_of, light_of
 from .portal import PortalCapture

@@ -19,9 +19,9 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
+from ..bake.kinds import Kind
 from ..bake.light_samples import spread_shifts
 from ..bake.plan import MAX_IMAGE_SIDE, CapturePlan, Tile
-from ..bake.spec import Kind
 from ..core.arrays import Bools, Floats
 from ..core.atlas import AtlasLayout
 from ..core.occlusion import square_to_cosine
@@ -57,7 +57,7 @@ class OcclusionCapture:
         """
         _look_for_casters_only(scene)
         self._scene, self._users = scene, {item.session_uid for item in bpy.data.objects}
-        self._whole, self._distance = kind is Kind.SHADOW, distance
+        self._whole, self._distance = not kind.traits.samples, distance
         self._finer, aim = 1, None
         if self._whole:
             aim = Aim(np.full((len(plan.texel), 2), 0.5))

@@ -19,8 +19,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ..bake.kinds import Kind, Rays
 from ..bake.plan import MIN_IMAGE_SIDE, CapturePlan, Tile
-from ..bake.spec import Kind
 from ..core.arrays import Floats, Ints
 from ..core.errors import InputError
 from ..core.hemisphere import square_to_disc
@@ -45,7 +45,7 @@ class PanoramicCapture:
         A cell's `samples` are spread over its disc pixels, at least one each. Raises InputError for
         `radiance`, which a camera on the surface cannot see.
         """
-        if kind is Kind.RADIANCE:
+        if kind.traits.rays is Rays.INWARDS:
             raise InputError("the panoramic capture looks outwards only: bake radiance with --capture portal")
         self._scene, self._plan, self._seed = scene, plan, seed
         self._file = folder / "texel.exr"
@@ -62,7 +62,8 @@ class PanoramicCapture:
         self._camera = _camera(scene, self._offset)
         self._box = _box(scene, self._offset / 4)
         scene.camera = self._camera
-        self._resampling = _resampling(plan.layout.bucket, self._side, turned=kind is Kind.REFLECTION)
+        turned = kind.traits.rays is Rays.MIRRORED
+        self._resampling = _resampling(plan.layout.bucket, self._side, turned)
 
     def render(self, tile: Tile) -> Floats:
         """Cells of the tile's texels: see `Capture.render`."""

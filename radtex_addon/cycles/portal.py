@@ -18,8 +18,8 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
+from ..bake.kinds import Kind, Light, Rays
 from ..bake.plan import MIN_IMAGE_SIDE, CapturePlan, Tile, sheet_seed
-from ..bake.spec import Kind
 from ..core.arrays import Floats
 from ..core.errors import BakeError
 from ..core.hemisphere import cell_centres
@@ -68,8 +68,6 @@ class Aim:
 
 FIRST_ROW = "RadTex first row"  # label of the node with the sheet's first row in the images, plus 0.5
 _FRAME = ("position", "tangent", "bitangent", "normal", "facet")
-_LIGHT = (Kind.INCIDENT, Kind.REFLECTION)  # arriving light, lamps' included
-_OCCLUSION = (Kind.SHADOW, Kind.AO)
 _GAP = 0.01  # between camera and plane: short, so that a world volume absorbs no light on the way
 
 
@@ -111,7 +109,7 @@ class PortalCapture:
         extent = Extent.of_pixels(*size)
         height = above_everything(scene)
         gap = max(_GAP, 1e-5 * height)
-        light = kind in _LIGHT and (aim is None or not aim.passes)
+        light = kind.traits.light is Light.ARRIVING and (aim is None or not aim.passes)
         allow_more_bounces(scene, transparent=1, glossy=int(light))
         self._fields = _Fields(plan, aim, whole)
         material = _portal_material(plan, kind, extent, 4 * gap, self._fields)
@@ -224,16 +222,17 @@ def _portal_material(
     direction = build.vector("ADD", direction, build.vector("SCALE", bitangent, y))
     direction = build.vector("ADD", direction, build.vector("SCALE", normal, i_z))
     height = build.vector("DOT_PRODUCT", direction, facet)
-    direction = _above_facet(build, direction, facet, height, GRAZING if kind is Kind.RADIANCE else 0.0)
-    lift = direction if kind is Kind.RADIANCE else facet
+    inwards = kind.traits.rays is Rays.INWARDS
+    direction = _above_facet(build, direction, facet, height, GRAZING if inwards else 0.0)
+    lift = direction if inwards else facet
     offset = images.get("offset", (float(ray_offset(plan.position)),) * 3)
     start = build.vector("MULTIPLY_ADD", lift, offset, position)
-    way = build.vector("SCALE", direction, -1.0) if kind is Kind.RADIANCE else direction
+    way = build.vector("SCALE", direction, -1.0) if inwards else direction
     portal = build.node("ShaderNodeBsdfRayPortal")
     build.feed(portal.inputs["Position"], start)
     build.feed(portal.inputs["Direction"], way)
     surface = portal.outputs[0]
-    if kind in _OCCLUSION:
+    if kind.traits.light is Light.OCCLUSION:
         black = build.node("ShaderNodeEmission", (0.0, 0.0, 0.0, 1.0), 0.0).outputs[0]
         surface = build.node(
             "ShaderNodeMixShader", build.math("LESS_THAN", height, 0.0), surface, black
@@ -262,10 +261,11 @@ def _texel_and_cell(build: NodeBuilder, plan: CapturePlan, uv: Socket, rows: int
 
 def _local_direction(build: NodeBuilder, bucket: Socket, kind: Kind) -> tuple[Socket, Socket, Socket]:
     """A ray's direction in the frame, for a place in the bucket, 0 to 1 along both sides."""
-    if kind is Kind.AO:
+    if kind.traits.rays is Rays.COSINE:
         return _cosine_direction(build, bucket)
     a, i_z, q = _inverse_projection(build, bucket)
-    across = build.vector("SCALE", a, build.math("MULTIPLY", q, -1.0) if kind is Kind.REFLECTION else q)
+    mirrored = kind.traits.rays is Rays.MIRRORED
+    across = build.vector("SCALE", a, build.math("MULTIPLY", q, -1.0) if mirrored else q)
     x, y, _ = build.separate(across)
     return x, y, i_z
 

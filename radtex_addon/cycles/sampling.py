@@ -16,6 +16,7 @@ import bpy
 import numpy as np
 
 from ..bake.keeper import KEEPS_NOTHING, Keeper
+from ..bake.kinds import Kind
 from ..bake.light_samples import (
     EndSamples,
     LightSamples,
@@ -28,7 +29,6 @@ from ..bake.light_samples import (
 from ..bake.pieces import Arrays
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
-from ..bake.spec import Kind
 from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Bools, Floats
 from .passes import Passes, attributes_of, colour_of, light_of, raw_light_of

@@ -19,10 +19,10 @@ import numpy as np
 from mathutils import Vector
 
 from ..bake.keeper import KEEPS_NOTHING, Keeper
+from ..bake.kinds import Kind
 from ..bake.pieces import Arrays
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
-from ..bake.spec import Kind
 from ..bake.thumbnail import Thumbnail
 from ..bake.transfer import sun_directions, sun_radius
 from ..core.arrays import Floats

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..bake.choices import LEAVING
+from ..bake.kinds import KINDS, Kind, Light
 from ..core.arrays import Bools, Floats
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError
@@ -38,7 +38,6 @@ from .progress import Step, Task
 DIRECTIONS = 64  # that a texel of the shared layout is looked at from
 _EACH = 8  # directions between two signs of life
 _GOLDEN = np.pi * (3 - np.sqrt(5))
-_AMBIENT = "ao"
 _ROUNDED = 1e-4  # by how much the means of equal buckets may differ
 _RGBA = 4
 _OPAQUE = 0.999  # alpha: half floats' means fall a trifle short of 1
@@ -66,8 +65,9 @@ def flat_buckets(sidecar: Path, surface: SurfaceMesh) -> Floats:
 
 def _means(image: ImageRows, facts: Sidecar) -> Floats:
     """The means of an image's buckets, of what is opaque all over without alpha."""
-    used = slice(3, None) if facts.kind == _AMBIENT else slice(3)
-    if facts.kind in LEAVING and image.channels == _RGBA and _is_clear(image):
+    light = KINDS[Kind(facts.kind)].light
+    used = slice(3, None) if light is Light.OCCLUSION else slice(3)
+    if light is Light.LEAVING and image.channels == _RGBA and _is_clear(image):
         used = slice(_RGBA)
     means = []
     for _, band in image.bands(facts.bucket):

@@ -6,24 +6,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..bake.spec import LEAVING, Kind
+from ..bake.kinds import KINDS, Kind
 from ..core.errors import InputError
 from .spec import Target
-
-_SEEN = (*LEAVING, Kind.INCIDENT, Kind.REFLECTION)  # looked up by the viewer's direction: everybody can
-_TAKERS: dict[Kind, tuple[Target, ...]] = {
-    **dict.fromkeys(_SEEN, tuple(Target)),
-    Kind.SHADOW: (Target.WEB, Target.RAW, Target.GLTF),
-    Kind.AO: (Target.WEB, Target.RAW, Target.GLTF),
-    Kind.TRANSFER: (Target.WEB, Target.RAW, Target.GLTF, Target.UNITY, Target.UNREAL),
-}
 
 
 def check_target(bake: Path | str, kind: str, target: Target) -> None:
     """Raise InputError, naming the `bake`, where it is to go to who does not show its kind."""
     if kind not in tuple(Kind):
         raise InputError(f"{bake} is of kind {kind}, which this RadTex does not export: update RadTex")
-    takers = _TAKERS[Kind(kind)]
+    takers = KINDS[Kind(kind)].exports
     if target not in takers:
         words = ", ".join(takers)
         raise InputError(f"{bake} is of kind {kind}, which {target} does not show: choose {words}")

@@ -14,8 +14,9 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import numpy as np
 
 from ..bake.hidden import HiddenCells
+from ..bake.kinds import KINDS
 from ..bake.plan import CapturePlan
-from ..bake.spec import BakeSpec, CaptureMethod, Kind, Layout
+from ..bake.spec import BakeSpec, CaptureMethod, Layout
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError, RadTexError
 from ..core.sampler import Filter
@@ -29,7 +30,6 @@ from .files import FarmFiles
 
 VERSION = 1
 _WHAT = "farm's manifest"
-_KINDS = (Kind.RADIANCE, Kind.INCIDENT, Kind.REFLECTION, Kind.PROXY)
 _MOST_FRAMES = 1048574  # of an animation in Blender
 _MOST_FLOAT = 1e300  # of numbers in a specification: larger ones and NaN are refused
 
@@ -265,9 +265,10 @@ def _copies(facts: Facts) -> Copies:
 
 def check_farmable(spec: BakeSpec) -> None:
     """Raises InputError for what a farm cannot bake, with what to do instead."""
-    if spec.kind not in _KINDS:
-        raise InputError(f"a farm bakes {', '.join(_KINDS)}, not {spec.kind}: bake that without a farm")
-    if spec.layout is not Layout.BUCKETS:
+    if not spec.kind.traits.farm:
+        fit = ", ".join(kind for kind, traits in KINDS.items() if traits.farm)
+        raise InputError(f"a farm bakes {fit}, not {spec.kind}: bake that without a farm")
+    if not spec.form.farm:
         raise InputError(
             f"a farm bakes the layout {Layout.BUCKETS}, not {spec.layout}: bake that without a farm"
         )

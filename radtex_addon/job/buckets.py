@@ -17,7 +17,7 @@ from ..bake.layers import WHOLE, split_layers
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage, relayed
 from ..bake.session import BYTES_PER_PIXEL, capture_bands
-from ..bake.spec import BakeSpec, CaptureMethod, Kind
+from ..bake.spec import BakeSpec, CaptureMethod
 from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
@@ -62,7 +62,7 @@ def bake_buckets(
         steps = join_buckets(plan, capture, hidden, spec, files, facts, keeper, thumbnail, uncut)
         return (yield from steps)
     chosen = chosen_texels(plan, texels, prepared.chosen, spec.where)
-    again = Again(scratch, spec, _rays(spec), texels, plan, hidden, earlier, chosen, folder)
+    again = Again(scratch, spec, spec.kind, texels, plan, hidden, earlier, chosen, folder)
     work = refreshed if spec.refresh else accumulated
     image, paths, counts = yield from work(again, keeper, thumbnail)
     whole = [_images(image, plan.layout, spec)]
@@ -145,7 +145,7 @@ def plan_buckets(
     """What to capture in a scene that then shows nothing else, which cells nobody sees, and what that is."""
     facts = prepared.facts(spec)
     plan, hidden = yield from _plan(prepared, texels, spec, folder, keeper)
-    if spec.kind is Kind.PROXY:
+    if spec.kind.traits.content:
         named = show_content_only(scratch, prepared.original, spec.content)
         facts = replace(facts, content=Content(spec.content or "", named))
     return plan, hidden, facts
@@ -156,7 +156,7 @@ def _plan(
 ) -> Generator[Progress, None, tuple[CapturePlan, HiddenCells | None]]:
     """What to capture, and which cells of it nobody sees; texels that nobody sees at all cost no path."""
     plan = plan_capture(texels, spec.bucket, sheet=spec.sheet)
-    if spec.kind is not Kind.RADIANCE:
+    if not spec.kind.traits.looks_at_surface:
         return plan, None
     hidden = yield from prepared.hidden(plan, texels, folder, keeper)
     buried = hidden.buried
@@ -165,16 +165,11 @@ def _plan(
     return plan, hidden.of_texels(~buried)
 
 
-def _rays(spec: BakeSpec) -> Kind:
-    """A proxy's rays are radiance's, in a scene without it."""
-    return Kind.RADIANCE if spec.kind is Kind.PROXY else spec.kind
-
-
 def capture_of(
     scratch: bpy.types.Scene, plan: CapturePlan, spec: BakeSpec, folder: Path, whole: bool = False
 ) -> Capture:
     """Set a scratch scene up to capture a plan; `whole` is the portal's."""
-    kind = _rays(spec)
+    kind = spec.kind
     if spec.layers:
         return LayeredCapture(scratch, plan, kind, spec.layers, spec.samples, spec.seed, folder, whole)
     if spec.capture is CaptureMethod.PANORAMIC:

@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 
 from ..bake.rays import FINER
-from ..bake.spec import OCCLUSION, BakeSpec, CaptureMethod, Kind, Layout, View
+from ..bake.spec import BakeSpec, CaptureMethod, Kind, Layout, View
 from ..bake.transfer_views import views_along
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
@@ -98,9 +98,9 @@ def _warnings(
 ) -> list[str]:
     """What bakes, but hardly as it is meant."""
     warnings = [*lacking(), *camera_dependent(layer)]
-    if spec.kind is Kind.RADIANCE:
+    if spec.kind.traits.looks_at_surface:
         warnings.extend(line for item in items for line in camera_materials(item))
-    if spec.kind not in (*OCCLUSION, Kind.TRANSFER) and not spec.lights and is_dark(scene, layer):
+    if spec.kind.traits.needs_light and not spec.lights and is_dark(scene, layer):
         warnings.append(f"scene '{scene.name}' has no light: no lamp, a black world, nothing that emits")
     if spec.capture is CaptureMethod.PORTAL:
         warnings.extend(
@@ -124,7 +124,7 @@ def _check_names(
         check_seen(scene, layer, items, spec)
     if spec.view is View.CAMERA:
         find_eye(scene)
-    if spec.kind is Kind.PROXY:
+    if spec.kind.traits.content:
         find_content(layer, item, spec.content)
     if spec.source is not None:
         find_source(scene, item, spec.source, layer.name)
@@ -146,7 +146,7 @@ def check_seen(
 
     Light that arrives, occlusion and hulls do not depend on camera visibility. Raises InputError.
     """
-    if spec.kind not in (Kind.RADIANCE, Kind.TRANSFER):
+    if not spec.kind.traits.needs_camera_rays:
         return
     for item in items if spec.source is None else [find_source(scene, items[0], spec.source, layer.name)]:
         refuse_unseen(layer, item)

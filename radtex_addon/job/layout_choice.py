@@ -16,7 +16,7 @@ from typing import Any, cast
 import bpy
 
 from ..bake.key import is_unfinished, read_key
-from ..bake.spec import BakeSpec, Kind, Layout, shared_bytes
+from ..bake.spec import BakeSpec, Layout, shared_bytes
 from ..core.errors import FormatError, InputError, MemoryLimitError
 from ..formats.memory import readable_size
 from ..formats.sidecar import read_facts
@@ -77,7 +77,7 @@ def choose_layout(
     if wish is None:
         return Choice(spec)
     again = spec.accumulate or spec.refresh
-    if folder is not None and spec.kind is Kind.RADIANCE and (resume or again):
+    if folder is not None and spec.kind.traits.looks_at_surface and (resume or again):
         begun = _begun([bake, *(one for one in others if one[0] == name)], folder, overwrite and not again)
         if begun is not None:
             return Choice(_as_begun(bake, begun, wish, folder))

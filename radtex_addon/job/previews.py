@@ -78,7 +78,7 @@ def save_preview_of(
         original = scene.objects[name]
         stand_ins.append(StandIn(original, copy_object(original, piece.mesh), slots))
     hidden: tuple[bpy.types.Object, ...] = ()
-    if spec.kind is Kind.PROXY and spec.content != EVERYTHING:
+    if spec.kind.traits.content and spec.content != EVERYTHING:
         hull = scene.objects[prepared.name]
         hidden = find_content(find_view_layer(scene, view_layer), hull, spec.content)
     if spec.source is not None:
@@ -145,9 +145,9 @@ def _material(
         return preview_shared_material(title, sidecar, uv_layer, spec.half)
     if spec.kind is Kind.SHADOW:
         return preview_shadow_material(title, sidecar, uv_layer, scene, preview)
-    clear = spec.kind is Kind.RADIANCE and scene.render.film_transparent
+    clear = spec.kind.traits.looks_at_surface and scene.render.film_transparent
     closed = clear and all(is_closed(piece.mesh) for piece in prepared.pieces)
-    hull = spec.kind is Kind.PROXY or closed  # its far side is seen through it
+    hull = spec.kind.traits.content or closed  # its far side is seen through it
     facts = read_facts(sidecar)
     layout = AtlasLayout(*facts.size("texels"), facts.whole_number("bucket", 1))
     if spec.kind is Kind.TRANSFER:

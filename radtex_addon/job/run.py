@@ -16,8 +16,9 @@ import bpy
 from ..bake.beginning import settle_earlier
 from ..bake.checkpoint import Checkpoint
 from ..bake.keeper import KEEPS_NOTHING, Keeper
+from ..bake.kinds import Light
 from ..bake.progress import Progress, Stage, finished
-from ..bake.spec import OCCLUSION, BakeSpec, Kind, Layout, View
+from ..bake.spec import BakeSpec, Kind, Layout, View
 from ..bake.stopwatch import Stopwatch
 from ..bake.thumbnail import Thumbnail
 from ..bake.written import named_by_places
@@ -319,6 +320,6 @@ def bake_and_keep(
 def _baker(spec: BakeSpec) -> Baker:
     if spec.kind is Kind.TRANSFER:
         return bake_transfer
-    if spec.kind in OCCLUSION:
+    if spec.kind.traits.light is Light.OCCLUSION:
         return bake_occlusion
     return bake_shared if spec.layout is Layout.SHARED else bake_buckets

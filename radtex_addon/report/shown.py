@@ -9,14 +9,14 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.spec import ARRIVING, OCCLUSION, Kind
+from ..bake.kinds import KINDS, Kind
 from ..core.errors import InputError
 from ..formats.sidecar import file_name
 from ..preview.swap import copy_of, is_on
 from ..preview.variant import Variant, kept_variant, read_variant
 from .finished import find_bake, find_bakes
 
-_UNSEEN = (*ARRIVING, *OCCLUSION)  # kinds whose previews show what no camera would
+_UNSEEN = [kind for kind, traits in KINDS.items() if not traits.judged]
 
 
 def shown_bake(place: Path, name: str) -> Path:

@@ -4,38 +4,9 @@
 
 from __future__ import annotations
 
-KINDS = (
-    ("radiance", "Radiance", "The light that leaves the surface, as a viewer in each direction sees it"),
-    ("incident", "Incident", "The light that arrives at the surface from each direction"),
-    ("reflection", "Reflection", "The light that arrives from where a mirror would send each view"),
-    (
-        "proxy",
-        "Proxy",
-        "What is inside a hull, such as fur or leaves, or the room behind a window, drawn in its place",
-    ),
-    (
-        "shadow",
-        "Shadow",
-        "Which directions are blocked, in one bit each: real-time lamps cast shadows with it, soft ones too",
-    ),
-    (
-        "ao",
-        "Ambient Occlusion",
-        "How much of the sky each place sees, and in which direction most of it lies",
-    ),
-    (
-        "transfer",
-        "Transfer",
-        "How the object answers to light from each direction: lamps that move light it, even through wax",
-    ),
-)
+from ..bake.kinds import KINDS as _TABLE
 
-BUCKETS_ONLY = ("proxy", "shadow", "ao", "transfer")  # kinds without a choice of layout
-LIGHTLESS = ("shadow", "ao")  # kinds that do not record light
-ACCUMULATED = ("radiance", "incident", "reflection", "proxy")  # kinds that support accumulate and refresh
-LAYERED = ("radiance", "proxy")  # kinds that can be split into light layers
-
-SOURCED = ("radiance", "incident", "reflection", "shadow", "ao")  # kinds with the setting From
+KINDS = tuple((kind.value, traits.title, traits.tooltip) for kind, traits in _TABLE.items())
 
 VIEWS = (
     (

@@ -8,8 +8,8 @@ from typing import Any, cast
 
 import bpy
 
+from ..bake.kinds import Kind
 from . import jobs
-from .choices import ACCUMULATED, BUCKETS_ONLY, LAYERED, SOURCED
 from .labels import iface_
 from .messages import draw_remarks, draw_text
 from .panel_state import Outlook, outlook_of
@@ -45,7 +45,7 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
             layout.column(), settings, found is not None and len(found.objects) > 1, is_plain(settings)
         )
         _draw_uv(layout, settings, context)
-        if settings.kind in SOURCED and is_plain(settings):
+        if Kind(settings.kind).traits.source and is_plain(settings):
             column = layout.column()
             assert context is not None  # Blender always gives one
             column.prop_search(settings, "source", context.scene, "objects")
@@ -75,10 +75,11 @@ class RADTEX_PT_quality(Sidebar, bpy.types.Panel):
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, settings, _ = drawn(self, context)
         column = layout.column(align=True)
-        for name in ("texels", "bucket", "samples"):
-            if (name, settings.kind) not in (("samples", "shadow"), ("bucket", "ao")):  # one ray; no cells
+        kind = Kind(settings.kind).traits
+        for name, shown in (("texels", True), ("bucket", kind.cells), ("samples", kind.samples)):
+            if shown:
                 column.prop(settings, name)
-        if settings.atlas_layout == "shared" and settings.kind not in BUCKETS_ONLY:
+        if not is_plain(settings):
             column = layout.column(align=True)
             column.prop(settings, "limit")
             if settings.limit != "none":
@@ -99,18 +100,18 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
         column = layout.column(heading="Files")
         column.prop(settings, "resume")
         column.prop(settings, "overwrite")
-        plain = is_plain(settings)
-        if plain and settings.kind in ACCUMULATED:
+        plain, kind = is_plain(settings), Kind(settings.kind).traits
+        if plain and kind.accumulates:
             column.prop(settings, "accumulate")
             column.prop(settings, "refresh")
             if settings.accumulate or settings.refresh:
                 column.prop(settings, "where")
         column.prop(settings, "preview")
         if settings.limit == "none" or plain:
-            if settings.kind != "shadow":
+            if kind.full_floats:
                 column.prop(settings, "full_floats")
             layout.prop(settings, "compression")
-        if plain and settings.kind in LAYERED:
+        if plain and kind.layers:
             layout.column().prop(settings, "layers")
         layout.column().prop(settings, "export_targets")
         layout.operator("radtex.open_folder", icon="FILE_FOLDER")
@@ -119,21 +120,22 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
 def _draw_kind(column: bpy.types.UILayout, settings: BakeSettings) -> None:
     """Draw the kind and its own settings."""
     column.prop(settings, "kind")
-    if settings.kind == "transfer":
+    kind = Kind(settings.kind).traits
+    if kind.views:
         column.prop(settings, "view")
-    if settings.kind == "proxy":
+    if kind.content:
         column.prop(settings, "content")
         if settings.content == "collection":
             column.prop_search(settings, "content_collection", bpy.data, "collections")
-    if settings.kind == "ao":
+    if kind.ao_distance:
         column.prop(settings, "ao_distance")
-    if settings.kind not in BUCKETS_ONLY:
+    if kind.form is None:
         column.prop(settings, "atlas_layout")
 
 
 def is_plain(settings: BakeSettings) -> bool:
     """Whether the settings may bake in layout buckets: chosen, automatic, or the kind's only layout."""
-    return settings.atlas_layout != "shared" or settings.kind in BUCKETS_ONLY
+    return settings.atlas_layout != "shared" or Kind(settings.kind).traits.form is not None
 
 
 def drawn(

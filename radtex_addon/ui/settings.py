@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, cast
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from ..bake.kinds import USUAL_KIND, Kind
 from . import output_settings, surfaces
 from .choices import (
-    BUCKETS_ONLY,
     CONTENTS,
     KINDS,
     LAYOUTS_OR_AUTOMATIC,
@@ -77,12 +77,13 @@ def _keep_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
 
 def _sort_of_cells(settings: BakeSettings) -> str:
     """Key of the remembered bucket size; for `ao`, which has no buckets, that is its grid of rays."""
-    if settings.kind in ("transfer", "ao"):
+    kind = Kind(settings.kind).traits
+    if kind.views or kind.ao_distance:
         return settings.kind
-    if settings.kind in BUCKETS_ONLY or settings.atlas_layout == "buckets":
+    if kind.form is not None or settings.atlas_layout == "buckets":
         return "buckets"
     if settings.atlas_layout == "auto":
-        return "auto" if settings.kind == "radiance" else "buckets"
+        return "auto" if kind.looks_at_surface else "buckets"
     return "shared" if settings.limit == "none" else "condensed"
 
 
@@ -116,7 +117,7 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
             name="Kind",
             description="Which light each texel keeps",
             items=KINDS,
-            default="radiance",
+            default=USUAL_KIND.value,
             update=_suit_bucket,
             options={"SKIP_SAVE"},
         )

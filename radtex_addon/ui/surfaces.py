@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
+from ..bake.kinds import Kind
 from .choices import SPLITS
 from .update_callbacks import NOTICED
 
@@ -57,7 +58,7 @@ class SurfaceSettings:
 
 def draw_surfaces(column: Any, settings: Any, several: bool, plain: bool) -> None:
     """Draw the settings that apply; a shared atlas needs `several` objects and layout buckets (`plain`)."""
-    if several and plain and settings.kind != "proxy":
+    if several and plain and Kind(settings.kind).traits.shared_atlas:
         column.prop(settings, "together")
         if settings.together:
             column.prop(settings, "atlas_name")
@@ -94,9 +95,7 @@ def bakes_of(
 
 def shared_name(values: Mapping[str, Any], spec: BakeSpec) -> str | None:
     """Name of the atlas that all objects share; None if each object has its own."""
-    from ..bake.spec import Kind, Layout
-
-    fits = spec.layout is Layout.BUCKETS and spec.kind is not Kind.PROXY
+    fits = spec.form.shared_atlas and spec.kind.traits.shared_atlas
     name: str = values["atlas_name"]
     return name if values["together"] and fits else None
 

@@ -7,10 +7,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, cast
 
-from ..bake.spec import BakeSpec, Compression, Kind, Layer, Layout, View, parse_kind, parse_layout
+from ..bake.kinds import KindTraits, Layout, form_in
+from ..bake.spec import BakeSpec, Compression, Layer, View, parse_kind, parse_layout
 from ..core.errors import InputError
 from ..scene.proxy_content import EVERYTHING
-from .choices import ACCUMULATED, BUCKETS_ONLY, LAYERED, SOURCED
 from .preferences import preferred
 from .settings import NAMES, BakeSettings
 
@@ -57,7 +57,7 @@ def open_layout_of(values: Mapping[str, Any]) -> OpenLayout | None:
     """
     from ..job import OpenLayout
 
-    if values["atlas_layout"] != "auto" or values["kind"] in BUCKETS_ONLY:
+    if values["atlas_layout"] != "auto" or _kind_in(values).form:
         return None
     cells: int = values["bucket"]
     brought = suited_bucket(values["kind"], "auto", "none")
@@ -66,15 +66,14 @@ def open_layout_of(values: Mapping[str, Any]) -> OpenLayout | None:
 
 def suited_bucket(kind: str, layout: str, limit: str) -> int:
     """Default bucket size for this kind, layout and limit, in cells along a side."""
-    if kind in BUCKETS_ONLY:
-        return BakeSpec(texels=1, kind=parse_kind(kind)).bucket
+    traits = parse_kind(kind).traits
+    if traits.form is not None:
+        return traits.form.cells
     if layout == "auto":
         from ..job.layout_choice import SHARED_CELLS
 
-        return SHARED_CELLS if kind == Kind.RADIANCE else Layout.BUCKETS.cells
-    chosen = parse_layout(layout)
-    condensed = chosen is Layout.SHARED and limit != "none"
-    return BakeSpec(texels=1, layout=chosen, target=40.0 if condensed else None).bucket
+        return SHARED_CELLS if traits.looks_at_surface else Layout.BUCKETS.cells
+    return form_in(parse_layout(layout), condensed=limit != "none").cells
 
 
 def spec_of(values: Mapping[str, Any]) -> BakeSpec:
@@ -84,14 +83,15 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
     """
     wishes = preferred()
     open_layout = open_layout_of(values)
-    plain_only = values["kind"] in BUCKETS_ONLY or open_layout is not None
+    kind = _kind_in(values)
+    plain_only = kind.form is not None or open_layout is not None
     layout = Layout.BUCKETS if plain_only else parse_layout(values["atlas_layout"])
     cells = values["bucket"] if open_layout is None else open_layout.cells
-    plain = layout is Layout.BUCKETS
-    lasting = plain and values["kind"] in ACCUMULATED
-    layered = plain and values["kind"] in LAYERED
-    sourced = layout is Layout.BUCKETS and values["kind"] in SOURCED and values["source"]
-    limit = values["limit"] if layout is Layout.SHARED else "none"
+    asked = form_in(layout, condensed=False)
+    lasting = asked.accumulates and kind.accumulates
+    layered = asked.layers and kind.layers
+    sourced = asked.source and kind.source and values["source"]
+    limit = values["limit"] if asked.condenses else "none"
     return BakeSpec(
         kind=values["kind"],
         layout=layout,
@@ -106,21 +106,25 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
         memory_mb=wishes.memory_mb,
         budget=round(values["budget"] * _MEGABYTE) if limit == "budget" else None,
         target=values["target"] if limit == "target" else None,
-        half=limit != "none" or values["kind"] == "shadow" or not values["full_floats"],
+        half=limit != "none" or not kind.full_floats or not values["full_floats"],
         compression=Compression.ZIP if limit != "none" else values["compression"],
         layers=tuple(layer for layer in Layer if layer.value in values["layers"]) if layered else (),
         split=None if values["split"] == "none" else values["split"],
         part=values["part"] or None if values["split"] != "none" else None,
         accumulate=values["accumulate"] and lasting,
         refresh=values["refresh"] and lasting,
-        view=View(values["view"] if values["kind"] == "transfer" else "normal"),
+        view=View(values["view"] if kind.views else "normal"),
         where=values["where"] or None if lasting and (values["accumulate"] or values["refresh"]) else None,
-        ao_distance=values["ao_distance"] or None if values["kind"] == "ao" else None,
-        content=_content_of(values) if values["kind"] == "proxy" else None,
+        ao_distance=values["ao_distance"] or None if kind.ao_distance else None,
+        content=_content_of(values) if kind.content else None,
         source=values["source"] if sourced else None,
         extrusion=values["extrusion"] or None if sourced and not values["cage"] else None,
         cage=values["cage"] or None if sourced else None,
     )
+
+
+def _kind_in(values: Mapping[str, Any]) -> KindTraits:
+    return parse_kind(values["kind"]).traits
 
 
 def _content_of(values: Mapping[str, Any]) -> str | None:

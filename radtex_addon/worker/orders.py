@@ -13,8 +13,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..bake.kinds import USUAL_KIND
 from ..bake.progress import Stage
-from ..bake.spec import BakeSpec, Kind, Layout
+from ..bake.spec import BakeSpec
 from ..core.sampler import Filter
 from ..export.progress import Task as ExportTask
 from ..export.spec import Arrangement, ExportSpec
@@ -115,7 +116,7 @@ def order_bake(
 
 def kind_of(spec: BakeSpec) -> str:
     """What tells a bake from others of the same object: its kind, unless it is the usual one."""
-    return "" if spec.kind is Kind.RADIANCE else str(spec.kind)
+    return "" if spec.kind is USUAL_KIND else str(spec.kind)
 
 
 def order_export(
@@ -219,7 +220,7 @@ def _comma_separated(names: Sequence[str]) -> str:
 
 def _stages(spec: BakeSpec, preview: bool) -> dict[str, float]:
     """The part of each stage of such a bake; together 1."""
-    absent = {Stage.FILL} if spec.layout is Layout.SHARED else {Stage.FIT}
+    absent = {Stage.FILL} if spec.form.by_paths else {Stage.FIT}
     if not spec.condensed:
         absent.add(Stage.CONDENSE)
     if not preview:

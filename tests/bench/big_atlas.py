@@ -20,7 +20,7 @@ from typing import Any
 
 import bpy
 
-from radtex_addon.bake.choices import Kind
+from radtex_addon.bake.kinds import Kind
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.job import bake_object
 from tests.blender import stage

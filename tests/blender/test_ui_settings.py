@@ -13,7 +13,8 @@ from typing import Any, cast
 import bpy
 import pytest
 
-from radtex_addon.bake.spec import SOURCED, BakeSpec, Compression, Kind, Layer, Layout, Unwrap
+from radtex_addon.bake.kinds import KINDS, Light
+from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout, Unwrap
 from radtex_addon.core.errors import InputError
 from radtex_addon.cycles.device import GPU_TYPES
 from radtex_addon.export.spec import Target
@@ -102,7 +103,7 @@ def test_a_layout_brings_the_cells_that_suit_it(layout: str, limit: str, cells: 
     assert spec_of(values_of(settings())).bucket == cells
 
 
-@pytest.mark.parametrize("kind", choices.BUCKETS_ONLY)
+@pytest.mark.parametrize("kind", [kind for kind, traits in KINDS.items() if traits.form is not None])
 def test_a_kind_brings_the_cells_that_suit_it(kind: str) -> None:
     settings().atlas_layout, settings().bucket = "shared", 5
     settings().kind = kind
@@ -230,7 +231,6 @@ def test_what_another_object_shows_is_asked_for_where_it_can_be_had() -> None:
         asked = spec_of(values_of(settings()))
         assert (asked.source, asked.extrusion) == (None, None)
         setattr(settings(), name, before)
-    assert set(choices.SOURCED) == set(SOURCED)
 
 
 def test_layers_are_for_light_in_buckets() -> None:
@@ -272,7 +272,7 @@ def test_what_a_layout_does_not_take_is_left_out() -> None:
     assert (condensed.target, condensed.half, condensed.compression) == (40.0, True, Compression.ZIP)
 
 
-@pytest.mark.parametrize("kind", choices.LIGHTLESS)
+@pytest.mark.parametrize("kind", [kind for kind, traits in KINDS.items() if traits.light is Light.OCCLUSION])
 def test_what_a_kind_without_light_does_not_take_is_left_out(kind: str) -> None:
     settings().kind, settings().atlas_layout, settings().limit = kind, "shared", "budget"
     settings().full_floats = True

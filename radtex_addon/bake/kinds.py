@@ -1,0 +1,225 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The table of kinds: what a bake can hold, which options each kind has, and where it can be exported to.
+
+The panel's choices, the checks of a specification, the refusals and the documentation's matrix come from it.
+A new kind is a member of `Kind` and a row in `KINDS`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum, StrEnum, auto
+
+from .forms import AMBIENT, BITS, BUCKETS, CONDENSED, SHARED, SPHERE, FormTraits
+
+
+class Kind(StrEnum):
+    """What a bucket holds."""
+
+    RADIANCE = "radiance"
+    INCIDENT = "incident"
+    REFLECTION = "reflection"
+    PROXY = "proxy"
+    SHADOW = "shadow"
+    AO = "ao"
+    TRANSFER = "transfer"
+
+    @property
+    def traits(self) -> KindTraits:
+        """The kind's row in the table."""
+        return KINDS[self]
+
+
+class Layout(StrEnum):
+    """How an atlas stores light, where that is a choice: see `KindTraits.form`."""
+
+    BUCKETS = "buckets"
+    SHARED = "shared"
+
+    @property
+    def cells(self) -> int:
+        """The default bucket size: cells along a side."""
+        return form_in(self, condensed=False).cells
+
+
+class Light(Enum):
+    """Which light a kind records."""
+
+    LEAVING = auto()  # what a viewer sees, of the object or through it
+    ARRIVING = auto()  # what reaches the surface
+    OCCLUSION = auto()  # no light, only what is blocked
+    RESPONSE = auto()  # how the object answers to light from each direction
+
+
+class Rays(Enum):
+    """Where a cell's rays go from their texel."""
+
+    INWARDS = auto()  # against the cell's direction, at the surface, as a viewer looks
+    OUTWARDS = auto()  # in the cell's direction
+    MIRRORED = auto()  # where a mirror would send a viewer's look
+    COSINE = auto()  # outwards, as many in each cell as count for ambient light
+
+
+_SHADERS = ("web", "raw", "gltf")
+_ENGINES = ("unity", "unreal")
+_ALL_TARGETS = ("web", "godot", "gltf", "unity", "unreal", "raw")
+
+
+@dataclass(frozen=True)
+class KindTraits:
+    """One row: facts about a kind.
+
+    * `title`, `tooltip`: what the panel calls it. `light`, `rays`: what it records, and how it is captured.
+    * `form`: how its atlas is stored; None where the specification's layout and budget decide.
+    * Options that it can be baked with: `layers`; a `source` (from another object); single `lamps`;
+      `accumulates` (and refreshes); on a `farm`; several objects in a `shared_atlas`; by the `panoramic`
+      capture; in `full_floats`; with `lossy` compression.
+    * Settings that few kinds have: `content` (of a hull), `views`, `ao_distance`; or that some lack:
+      `samples`, `cells`.
+    * `needs_camera_rays`: the baked object must be visible to cameras. `needs_light`: a scene without light
+      is worth a warning. `looks_at_surface`: records the light of the object's own surface, so that cells
+      which nobody can see are skipped. `judged`: a path-traced picture can be compared with its preview.
+    * `exports`: names of the targets that show it, and `include`: its shader include, beside radtex's own.
+    """
+
+    title: str
+    tooltip: str
+    light: Light
+    rays: Rays
+    form: FormTraits | None = BUCKETS
+    layers: bool = False
+    source: bool = False
+    lamps: bool = False
+    accumulates: bool = False
+    farm: bool = False
+    shared_atlas: bool = True
+    panoramic: bool = False
+    full_floats: bool = True
+    lossy: bool = True
+    content: bool = False
+    views: bool = False
+    ao_distance: bool = False
+    samples: bool = True
+    cells: bool = True
+    needs_camera_rays: bool = False
+    needs_light: bool = True
+    looks_at_surface: bool = False
+    judged: bool = True
+    exports: tuple[str, ...] = _ALL_TARGETS
+    include: str | None = None
+
+
+KINDS: dict[Kind, KindTraits] = {
+    Kind.RADIANCE: KindTraits(
+        title="Radiance",
+        tooltip="The light that leaves the surface, as a viewer in each direction sees it",
+        light=Light.LEAVING,
+        rays=Rays.INWARDS,
+        form=None,
+        layers=True,
+        source=True,
+        lamps=True,
+        accumulates=True,
+        farm=True,
+        needs_camera_rays=True,
+        looks_at_surface=True,
+    ),
+    Kind.INCIDENT: KindTraits(
+        title="Incident",
+        tooltip="The light that arrives at the surface from each direction",
+        light=Light.ARRIVING,
+        rays=Rays.OUTWARDS,
+        form=None,
+        source=True,
+        lamps=True,
+        accumulates=True,
+        farm=True,
+        panoramic=True,
+        judged=False,
+    ),
+    Kind.REFLECTION: KindTraits(
+        title="Reflection",
+        tooltip="The light that arrives from where a mirror would send each view",
+        light=Light.ARRIVING,
+        rays=Rays.MIRRORED,
+        form=None,
+        source=True,
+        lamps=True,
+        accumulates=True,
+        farm=True,
+        panoramic=True,
+        judged=False,
+    ),
+    Kind.PROXY: KindTraits(
+        title="Proxy",
+        tooltip="What is inside a hull, such as fur or leaves, or the room behind a window, "
+        "drawn in its place",
+        light=Light.LEAVING,
+        rays=Rays.INWARDS,
+        layers=True,
+        lamps=True,
+        accumulates=True,
+        farm=True,
+        shared_atlas=False,
+        content=True,
+    ),
+    Kind.SHADOW: KindTraits(
+        title="Shadow",
+        tooltip="Which directions are blocked, in one bit each: real-time lamps cast shadows with it, "
+        "soft ones too",
+        light=Light.OCCLUSION,
+        rays=Rays.OUTWARDS,
+        form=BITS,
+        source=True,
+        full_floats=False,
+        lossy=False,
+        samples=False,
+        needs_light=False,
+        judged=False,
+        exports=_SHADERS,
+        include="radtex_shadow",
+    ),
+    Kind.AO: KindTraits(
+        title="Ambient Occlusion",
+        tooltip="How much of the sky each place sees, and in which direction most of it lies",
+        light=Light.OCCLUSION,
+        rays=Rays.COSINE,
+        form=AMBIENT,
+        source=True,
+        lossy=False,
+        ao_distance=True,
+        cells=False,
+        needs_light=False,
+        judged=False,
+        exports=_SHADERS,
+    ),
+    Kind.TRANSFER: KindTraits(
+        title="Transfer",
+        tooltip="How the object answers to light from each direction: lamps that move light it, "
+        "even through wax",
+        light=Light.RESPONSE,
+        rays=Rays.INWARDS,
+        form=SPHERE,
+        views=True,
+        needs_camera_rays=True,
+        needs_light=False,
+        exports=(*_SHADERS, *_ENGINES),
+        include="radtex_transfer",
+    ),
+}
+
+
+USUAL_KIND = Kind.RADIANCE  # the default; bakes of it are named first
+
+
+def form_of(kind: Kind, layout: Layout, condensed: bool) -> FormTraits:
+    """How a bake is stored; the layout and whether it is condensed count where the kind leaves a choice."""
+    return kind.traits.form or form_in(layout, condensed)
+
+
+def form_in(layout: Layout, condensed: bool) -> FormTraits:
+    """How a bake in a layout is stored, for kinds that leave the choice."""
+    if layout is Layout.SHARED:
+        return CONDENSED if condensed else SHARED
+    return BUCKETS
