@@ -14,14 +14,16 @@ from dataclasses import dataclass
 class FormTraits:
     """Facts about one way to store a bake.
 
-    `layout` is its name in the sidecar, `title` the one in messages. `cells`: the default bucket size;
-    `border`: pixels around a bucket, both sides together. `channels`: of a cell while it is baked, None for
-    light and its layers. `streams`: cells lie on disk during the bake, unless an earlier atlas is read.
+    `name` tells it from others, `layout` is what the sidecar has, `title` is for messages. `cells`: the
+    default bucket size; `border`: pixels around a bucket, both sides together. `channels`: of a cell while it
+    is baked, None for light and its layers. `streams`: cells lie on disk during the bake, unless an earlier
+    atlas is read.
     `by_paths`: fitted to single paths, whose number does not depend on the cells. Options: a `source`,
     single `lamps`, a `shared_atlas`, `layers`, `accumulates`, a `farm`, the `panoramic` capture, and a limit
-    of size or quality (`condenses`).
+    of size or quality (`condenses`), which a bake of this form has (`limited`).
     """
 
+    name: str
     layout: str
     title: str
     cells: int = 8
@@ -37,12 +39,14 @@ class FormTraits:
     farm: bool = True
     panoramic: bool = True
     condenses: bool = False
+    limited: bool = False
 
 
-def _shared(title: str, cells: int) -> FormTraits:
+def _shared(name: str, cells: int, limited: bool) -> FormTraits:
     return FormTraits(
+        name=name,
         layout="shared",
-        title=title,
+        title="the shared layout",
         cells=cells,
         border=2,
         streams=False,
@@ -55,14 +59,22 @@ def _shared(title: str, cells: int) -> FormTraits:
         farm=False,
         panoramic=False,
         condenses=True,
+        limited=limited,
     )
 
 
-BUCKETS = FormTraits("buckets", "layout buckets")
-BITS = FormTraits("buckets", "bits", channels=1, panoramic=False)
-AMBIENT = FormTraits("buckets", "ambient occlusion", channels=1, panoramic=False)
+BUCKETS = FormTraits("buckets", "buckets", "layout buckets")
+BITS = FormTraits("bits", "buckets", "bits", channels=1, panoramic=False)
+AMBIENT = FormTraits("ambient", "buckets", "ambient occlusion", channels=1, panoramic=False)
 # 9 cells: odd, so that the creases of octahedral maps run through the middles of cells.
-SPHERE = FormTraits("sphere", "spheres", cells=9, streams=False, panoramic=False)
-SHARED = _shared("the shared layout", cells=16)
+SPHERE = FormTraits("sphere", "sphere", "spheres", cells=9, streams=False, layers=False, panoramic=False)
+SHARED = _shared("shared", cells=16, limited=False)
 # 14 cells: with its border a bucket is 16 pixels wide, whole blocks of a compressed texture.
-CONDENSED = _shared("the shared layout", cells=14)
+CONDENSED = _shared("condensed", cells=14, limited=True)
+
+FORMS = (BUCKETS, BITS, AMBIENT, SPHERE, SHARED, CONDENSED)
+
+
+def layers_apart(layout: str) -> bool:
+    """Whether "layers" in a sidecar with this layout are parts of the light that were asked for."""
+    return any(form.layout == layout and form.layers for form in FORMS)

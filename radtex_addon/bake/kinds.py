@@ -210,7 +210,12 @@ KINDS: dict[Kind, KindTraits] = {
 }
 
 
-USUAL_KIND = Kind.RADIANCE  # the default; bakes of it are named first
+USUAL_KIND = Kind.RADIANCE  # the default
+
+
+def is_usual(kind: str) -> bool:
+    """Whether a bake's kind is the default one, which goes without saying, and before others."""
+    return kind == USUAL_KIND
 
 
 def form_of(kind: Kind, layout: Layout, condensed: bool) -> FormTraits:

@@ -14,9 +14,9 @@ from ..core.command_lines import quoted
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..export.kinds import check_target
-from ..export.spec import Target
 from ..job import OpenLayout
 from ..scene.demo import OBJECT
+from ..textures.spec import Target
 from .bake_arguments import add_course, add_files, add_how, add_quality, add_what
 from .options import (
     ASSEMBLE,

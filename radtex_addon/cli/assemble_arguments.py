@@ -8,7 +8,7 @@ import argparse
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..export.spec import Target
+from ..textures.spec import Target
 from .options import ASSEMBLE, Parser, ProgressStyle, add_choice, add_help, add_parent, add_progress
 
 _DESCRIPTION = """\

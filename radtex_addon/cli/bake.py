@@ -20,8 +20,8 @@ from ..formats.memory import readable_size
 from ..formats.path_checks import check_unicode
 from ..job import BakeResult, OutputFiles, bake_steps, check_request, choose_layouts, part_specs
 from ..job.output_collisions import check_files_apart
-from ..job.unwrapping import Unwraps
 from ..job.variants import announce_all, left_to_do, passed_over, tidy
+from ..prepare.unwrapping import Unwraps
 from ..preview.picture import render_picture
 from ..worker.images import load_unsaved
 from .arguments import Request

@@ -13,8 +13,8 @@ from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layer, Layou
 from ..bake.spec_checks import LEAST_MEMORY
 from ..core.errors import InputError
 from ..core.sampler import Filter
-from ..export.spec import Target
 from ..job.layout_choice import SHARED_CELLS
+from ..textures.spec import Target
 from .options import DEMO, add_choice, add_device, add_memory, add_number, add_progress, parse_size
 
 _DEFAULT = BakeSpec()

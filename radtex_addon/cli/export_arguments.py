@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..bake.layers import Layer
 from ..core.errors import InputError
-from ..export.spec import Arrangement, ExportSpec, Target, TextureFormat
+from ..textures.spec import Arrangement, ExportSpec, Target, TextureFormat
 from .options import (
     EXPORT,
     Parser,

@@ -10,11 +10,9 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from ..formats.bucket_files import BASE
-from ..formats.transfer_files import LAYOUT as SPHERE
-from .manifest import Arranged, Container, TextureEntry
+from ..textures.entry import Container, TextureEntry
+from ..textures.spec import Target
 from .pack import SHADERS, Pack
-from .spec import Target
 
 _LANGUAGES = {
     Target.GLTF: ("glsl",),
@@ -28,7 +26,6 @@ _WHERE = {
     Target.UNREAL: "Step by step: docs/unreal.md of RadTex. It was written by the manual, not run in Unreal.",
     Target.RAW: "The includes say at their top how they are called.",
 }
-_OWN = {"shadow": "radtex_shadow", "transfer": "radtex_transfer"}  # includes of kinds, beside radtex
 _FIRST_ROW = "first row: v = {}"
 
 
@@ -45,12 +42,7 @@ def write_engine(pack: Pack, folder: Path) -> None:
 
 def includes(target: Target, pack: Pack) -> list[Path]:
     """The shader files that look the bake up, in the languages of the target."""
-    bake = pack.manifest.bake
-    stems = ["radtex", *(own for kind, own in _OWN.items() if bake["kind"] == kind)]
-    if bake["layout"] == "shared":
-        stems.append("radtex_shared")
-        if "condensed" in bake["shared"]:
-            stems.append("radtex_condensed")
+    stems = pack.manifest.form.includes(pack.manifest.bake)
     found = [SHADERS / f"{stem}.{ending}" for ending in _LANGUAGES[target] for stem in stems]
     if "wgsl" in _LANGUAGES[target]:
         found.append(SHADERS / "radtex_pages.wgsl")
@@ -74,7 +66,7 @@ def readme(pack: Pack) -> str:
         "",
         *(_described(layer, entry) for layer, entry in manifest.textures.items()),
         "",
-        *_settings(pack),
+        *manifest.form.usage(bake, manifest.textures, target),
         "",
         "Import every texture as linear data (never sRGB), with no compression and no mipmaps but its own.",
         _WHERE[target],
@@ -88,48 +80,6 @@ def _described(layer: str, entry: TextureEntry) -> str:
     levels = f", {entry.levels} mip levels" if entry.levels > 1 else ""
     first = _FIRST_ROW.format("1, the top" if entry.container is Container.EXR else "0, the bottom")
     return f"{entry.file}: {layer}, {entry.format}, {width} x {height}{layers}{levels}; {first}"
-
-
-def _settings(pack: Pack) -> list[str]:
-    """How the lookup is called for these very textures."""
-    manifest = pack.manifest
-    bake = manifest.bake
-    if bake["layout"] == "shared":
-        return [
-            "Light is looked up in the world space of the bake, in Blender's axes (z up): docs/format.md,",
-            '"The shared layout". All numbers stand in the manifest under "bake".',
-        ]
-    entry = manifest.textures[bake["kind"]]
-    width, height = bake["texels"]
-    n = bake["bucket"]
-    if entry.arrangement is Arranged.WORDS:
-        layered = ["#define RADTEX_SHADOW_LAYERS"] if entry.layers > 1 else []
-        return [*layered, f"radtex_shadow(bits, ({width}, {height}), uv), then radtex_visible(…, {n}, I)"]
-    if entry.arrangement is Arranged.SLICES:
-        return [f"radtex_slices(slices, {n}, uv, I), of a texture array with {n} x {n} layers"]
-    columns, rows = entry.pages
-    defined: list[str] = []
-    if entry.layers > 1:
-        across, up = entry.page_texels
-        defined = [f"#define RADTEX_PAGES, pages = ({columns}, {rows}, {across}, {up})"]
-    if entry.container is Container.EXR and pack.spec.target is Target.UNREAL:
-        defined.append("#define RADTEX_TOP_DOWN")
-    size = f"({width}, {height})"
-    if bake["layout"] == SPHERE:
-        views = bake["transfer"].get("views", 1)
-        lookup = f"radtex_transfer(atlas, {size}, {n}, uv, L)"
-        if views > 1:
-            lookup = f"radtex_transfer_around(atlas, {size}, {views}, {n}, uv, I, L)"
-        return [*defined, f"{lookup}, L being the light's direction"]
-    lookups = [f"radtex_sample(atlas, {size}, {n}, uv, I, RADTEX_QUADRILINEAR)"]
-    if entry.levels > 1:
-        level = f"radtex_level(uv, {size}, {entry.levels})"
-        lookups.append(f"radtex_sample_level(atlas, {size}, {n}, uv, I, {level})")
-    if BASE in manifest.textures:
-        lookups.append(
-            "base: an image, looked up at uv by plain bilinear filtering; base + rest is the whole"
-        )
-    return [*defined, *lookups]
 
 
 def _copy_include(source: Path, folder: Path, target: Target) -> None:

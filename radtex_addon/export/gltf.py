@@ -20,6 +20,7 @@ import addon_utils
 import bpy
 import numpy as np
 
+from ..bake.kinds import Kind
 from ..core.arrays import Floats
 from ..core.errors import BakeError, InputError
 from ..core.frame import normalised
@@ -192,7 +193,7 @@ def _add_material(glb: Glb, flat: bytes, manifest: Manifest) -> None:
     document["materials"] = [
         {
             "name": f"{manifest.name} radiance",
-            "doubleSided": manifest.bake["kind"] != "proxy",
+            "doubleSided": not Kind(manifest.bake["kind"]).traits.content,
             "pbrMetallicRoughness": {
                 "baseColorTexture": {"index": 0, "texCoord": 0},
                 "metallicFactor": 0.0,

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..formats.glb import Glb
-from .godot_shader import GodotShader, bake_shader
+from ..textures.godot_shader import GodotShader
 from .pack import SHADERS, Pack
 
 TEMPLATES = Path(__file__).with_name("godot_project")
@@ -25,7 +25,7 @@ def write_godot(pack: Pack, folder: Path) -> None:
     """Make a pack's folder a project: the scene, a material with its shader, the includes, a README.txt."""
     manifest, name = pack.manifest, pack.name
     glb = Glb.read(folder / manifest.mesh)
-    shader = bake_shader(manifest, baked_matrix(glb))
+    shader = manifest.form.godot_shader(manifest.bake, manifest.textures, baked_matrix(glb))
     files = {"MATERIAL": f"{name}.material.tres", "SHADER": f"{name}.gdshader", "MESH": manifest.mesh}
     paths = {word: quoted(f"res://{file}") for word, file in files.items()}
     facts = paths | {"NAME": quoted(name), "MATERIAL_NAME": quoted(glb.document["materials"][0]["name"])}

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..bake.kinds import KINDS, Kind
 from ..core.errors import InputError
-from .spec import Target
+from ..textures.spec import Target
 
 
 def check_target(bake: Path | str, kind: str, target: Target) -> None:

@@ -7,8 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..textures.spec import ExportSpec
 from .manifest import Manifest
-from .spec import ExportSpec
 
 SHADERS = Path(__file__).parents[2] / "shaders"  # what games may ship
 

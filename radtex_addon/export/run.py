@@ -8,33 +8,26 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
-from ..core.surface import SurfaceMesh
 from ..formats.json_reader import Facts
 from ..formats.memory import check_allowed
-from ..formats.shared_files import read_shared_sidecar
-from ..formats.shared_sidecar import LAYOUT as SHARED
-from ..formats.sidecar import LAYOUT as BUCKETS
-from ..formats.sidecar import Sidecar, preview_path, read_facts, read_sidecar
-from ..formats.transfer_files import LAYOUT as SPHERE
-from ..formats.transfer_files import read_transfer_sidecar
+from ..formats.sidecar import Sidecar, preview_path, read_facts
+from ..forms import Form, form_in
 from ..scene.preview_file import baked_copy, check_preview, surface_of
+from ..textures.flat import flat_png
+from ..textures.progress import Step, Task
+from ..textures.spec import ExportSpec, Target
 from ..version import VERSION
 from .engines import write_engine
-from .flat import flat_buckets, flat_png, flat_shared, flat_sphere
 from .folder import check_out, files_in, replacing_folder
 from .gltf import check_exporter, write_gltf
 from .godot import write_godot
 from .kinds import check_target
 from .manifest import EXTENSION, Manifest, write_manifest
-from .needs import needed_bytes
 from .pack import Pack
-from .progress import Step, Task
-from .spec import ExportSpec, Target
-from .textures import write_textures
 from .web import check_page, write_web
 
+_LEAST_BYTES = 192 * 2**20  # of any export: a few bands of rows, the mesh, its file
 _WRITERS: dict[Target, Callable[[Pack, Path], None]] = {
     Target.WEB: write_web,
     Target.GODOT: write_godot,
@@ -62,32 +55,28 @@ class _Bake:
 
     sidecar: Path
     facts: Facts
+    form: Form
     bake: Sidecar
     name: str
 
     @classmethod
     def of(cls, sidecar: Path) -> _Bake:
         facts = read_facts(sidecar)
-        bake = _sidecar_of(facts.text("layout"), sidecar)
+        form = form_in(facts)
+        bake = form.read_sidecar(sidecar)
         ending = f".{bake.kind}.json"
         if not sidecar.name.endswith(ending):
             raise FormatError(f"{sidecar} is not called NAME{ending}: give the bake's files their names back")
-        return cls(sidecar, facts, bake, sidecar.name.removesuffix(ending))
+        return cls(sidecar, facts, form, bake, sidecar.name.removesuffix(ending))
 
     @property
     def preview(self) -> Path:
         return preview_path(self.sidecar, self.bake.kind, self.bake.part)
 
 
-def _sidecar_of(layout: str, sidecar: Path) -> Sidecar:
-    if layout == SHARED:
-        return read_shared_sidecar(sidecar).bake
-    return read_transfer_sidecar(sidecar).bake if layout == SPHERE else read_sidecar(sidecar)
-
-
 def _check_layers(bake: _Bake, spec: ExportSpec) -> None:
     """Raise InputError for a layer that the bake does not have."""
-    layers = bake.bake.layers if bake.facts.text("layout") == BUCKETS else ()
+    layers = bake.bake.layers if bake.form.traits.layers else ()
     for layer in spec.layers:
         if layer not in layers:
             known = ", ".join(layers) or "none"
@@ -117,7 +106,7 @@ def check_export(sidecar: Path, spec: ExportSpec, out: Path, *, overwrite: bool 
     bake = _Bake.of(sidecar)
     check_target(sidecar, bake.bake.kind, spec.target)
     _check_layers(bake, spec)
-    check_allowed(f"an export of {sidecar}", needed_bytes(sidecar, bake.facts), spec.memory_mb)
+    check_allowed(f"an export of {sidecar}", _LEAST_BYTES + bake.form.export_bytes(sidecar), spec.memory_mb)
     check_preview(bake.preview)
     check_writer(spec.target)
 
@@ -146,12 +135,12 @@ def export_steps(
 def _pack(bake: _Bake, spec: ExportSpec, folder: Path) -> Generator[Step, None, Pack]:
     """What all targets have."""
     yield Step(Task.TEXTURES, 0, 1)
-    textures = write_textures(bake.sidecar, spec, folder)
+    textures = bake.form.write_textures(bake.sidecar, spec, folder)
     layer = bake.bake.uv_map
     part = None if bake.bake.part is None else bake.bake.part.index
     with baked_copy(bake.preview, bake.bake.surfaces, layer, part) as (scene, copy):
         yield Step(Task.FLAT, 0, 1)
-        light = yield from _flat(bake, surface_of(copy, layer))
+        light = yield from bake.form.flat(bake.sidecar, surface_of(copy, layer))
         flat, scale = flat_png(light)
         clear = light.shape[2] > 3  # it has alpha
         manifest = Manifest(
@@ -168,11 +157,3 @@ def _pack(bake: _Bake, spec: ExportSpec, folder: Path) -> Generator[Step, None, 
         write_gltf(scene, copy, layer, flat, manifest, folder / manifest.mesh, clear)
     write_manifest(folder / f"{bake.name}.{EXTENSION}", manifest)
     return Pack(bake.name, manifest, folder, spec)
-
-
-def _flat(bake: _Bake, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
-    """What the flat lightmap shows (H, W, 3), or (H, W, 4) of what is clear."""
-    layout = bake.facts.text("layout")
-    if layout == SHARED:
-        return (yield from flat_shared(bake.sidecar, surface))
-    return (flat_sphere if layout == SPHERE else flat_buckets)(bake.sidecar, surface)

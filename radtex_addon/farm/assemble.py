@@ -21,14 +21,15 @@ from ..core.errors import FormatError, InputError
 from ..formats.atomic import check_writable
 from ..formats.json_reader import shown
 from ..formats.numpy_files import read_npz
-from ..job.buckets import join_buckets
+from ..forms.buckets.bake import join_buckets
+from ..job.bake_output import Made
 from ..job.files import OutputFiles
 from ..job.finished import images_of
-from ..job.prepare import Piece
 from ..job.previews import save_preview_of
 from ..job.run import BakeResult, errors_by_places, settle
 from ..job.unfinished import check_files as check_outputs
 from ..job.unfinished import open_checkpoint
+from ..prepare.prepared import Piece
 from ..scene.copy import MATRIX
 from .files import FarmFiles
 from .frames import FarmCapture, check_frames
@@ -79,9 +80,11 @@ def assemble_steps(
     ):  # cells are more than memory may hold
         cells.expect({_FARM: manifest.job})
         try:
-            made = yield from watch.over(
-                join_buckets(plan, capture, hidden, spec, outputs, manifest.facts, cells)
+            sidecar = outputs.sidecar
+            outcome = yield from watch.over(
+                join_buckets(plan, capture, hidden, spec, sidecar, manifest.facts, cells)
             )
+            made = Made.by(outcome, outputs, manifest.device, manifest.islands)
             settle(cells, outputs, made, earlier)
             if copies is not None:
                 yield watch.start(Stage.PREVIEW)

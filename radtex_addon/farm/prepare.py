@@ -26,13 +26,13 @@ from ..core.sampler import Filter
 from ..formats.condensed_files import digest
 from ..formats.hidden_folder import hidden_folder
 from ..formats.sidecar import Sidecar
-from ..job.bake_output import Made
-from ..job.buckets import capture_of, plan_buckets
+from ..forms.buckets.bake import capture_of, plan_buckets
+from ..forms.outcome import Outcome
 from ..job.checks import check_request
 from ..job.files import OutputFiles
 from ..job.parts import check_part
-from ..job.prepare import Prepared
 from ..job.run import Baked, bake_and_keep
+from ..prepare.prepared import Prepared
 from ..scene.frames import at_frame
 from ..scene.scratch import new_data_removed
 from .blend import check_images_saved, finish_blend, save_draft
@@ -74,12 +74,12 @@ class _Draft:
         self,
         scratch: bpy.types.Scene,
         spec: BakeSpec,
-        files: OutputFiles,
+        _sidecar: Path,
         prepared: Prepared,
         folder: Path,
         keeper: Keeper,
         _thumbnail: Thumbnail | None,
-    ) -> Generator[Progress, None, Made]:
+    ) -> Generator[Progress, None, Outcome]:
         """Set the capture up as a bake does, and save it in the place of rendering."""
         texels = prepared.texels()
         plan, hidden, facts = yield from plan_buckets(scratch, spec, prepared, texels, folder, keeper)
@@ -89,7 +89,7 @@ class _Draft:
         write_plan(self.plan_path, plan, hidden)
         self.found.append((plan, facts, looks, cached, scratch.name))
         count = len(plan.texel)
-        return Made(files, plan.layout, count, count * spec.bucket**2 * spec.samples, 0)
+        return Outcome((), plan.layout, count, count * spec.bucket**2 * spec.samples, 0)
 
 
 def prepare_steps(
@@ -158,7 +158,7 @@ def _manifest(
         rows=plan.rows,
         sheet_rows=plan.sheet_rows,
         sheet_side=plan.sheet,
-        device=baked.device,
+        device=baked.made.device,
         islands=baked.prepared.islands,
         digests={path.name: digest(path) for path in needed},
         copies=copies,

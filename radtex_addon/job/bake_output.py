@@ -12,16 +12,13 @@ from typing import Any
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError, ShapeError
 from ..formats.sidecar import read_facts
-from .condensed import Condensed
+from ..forms.outcome import Condensed, Outcome
 from .files import OutputFiles
 
 
 @dataclass(frozen=True)
 class Made:
-    """An atlas on disk: the `files` that there are, what it took, and how it was `condensed`, if it was.
-
-    `device` and `islands` are filled in by `job.run`.
-    """
+    """An atlas on disk: the `files` that there are, what it took, and how it was `condensed`, if it was."""
 
     files: OutputFiles
     layout: AtlasLayout
@@ -32,6 +29,34 @@ class Made:
     condensed: Condensed | None = None
     device: str = ""
     islands: int | None = None
+
+    @classmethod
+    def by(cls, outcome: Outcome, files: OutputFiles, device: str, islands: int | None) -> Made:
+        """What a form's bake came to, of whose `files` it has written some images."""
+        return cls(
+            files=replace(files, images=outcome.images),
+            layout=outcome.layout,
+            covered_texels=outcome.covered_texels,
+            paths=outcome.paths,
+            clamped=outcome.clamped,
+            fireflies=outcome.fireflies,
+            condensed=outcome.condensed,
+            device=device,
+            islands=islands,
+        )
+
+    @property
+    def outcome(self) -> Outcome:
+        """What the form's bake came to."""
+        return Outcome(
+            images=self.files.images,
+            layout=self.layout,
+            covered_texels=self.covered_texels,
+            paths=self.paths,
+            clamped=self.clamped,
+            fireflies=self.fireflies,
+            condensed=self.condensed,
+        )
 
     def told(self, earlier: Collection[Path] = ()) -> dict[str, Any]:
         """All of it as JSON takes it, of the files the images' names; and of the `earlier` bake's images."""

@@ -9,24 +9,15 @@ from pathlib import Path
 
 import bpy
 
-from ..bake.rays import FINER
-from ..bake.spec import BakeSpec, CaptureMethod, Kind, Layout, View
-from ..bake.transfer_views import views_along
-from ..core.atlas import AtlasLayout
+from ..bake.spec import BakeSpec, CaptureMethod, View
 from ..core.errors import InputError
-from ..core.shared import LEAST_LEVEL, Axis
-from ..core.transfer import with_views
-from ..export.spec import Target
 from ..formats.atomic import check_writable
 from ..formats.path_checks import check_saveable
-from ..formats.shared_sidecar import SharedSidecar
+from ..forms import form_for
 from ..preview.linked import check_replaceable
-from ..preview.node_group import check_previewable
-from ..preview.shared_group import check_shared_previewable
 from ..scene.active_camera import camera_dependent
 from ..scene.cage import find_cage
 from ..scene.camera_nodes import camera_materials
-from ..scene.copy import UV_LAYER
 from ..scene.enclosing_volumes import volumes_around
 from ..scene.eye import find_eye
 from ..scene.lamps import find_lamps
@@ -40,7 +31,8 @@ from ..scene.refusals import refuse_unseen
 from ..scene.scratch import find_view_layer
 from ..scene.source import find_source
 from ..scene.xatlas_process import check_xatlas
-from .files import OutputFiles, facts_of
+from ..textures.spec import Target
+from .files import OutputFiles
 from .finished import check_exports
 from .unfinished import check_files
 
@@ -84,7 +76,7 @@ def check_request(
     check_files(name, spec, files, overwrite, resume, targets)
     check_exports(spec, files, targets, overwrite, resume)
     if preview:
-        _check_previewable(name, spec)
+        form_for(spec).check_previewable(spec)
         check_replaceable(items)
     _check_names(scene, layer, items, spec)
     return _warnings(scene, layer, items, spec)
@@ -154,22 +146,3 @@ def check_seen(
 
 def _is_open(path: Path) -> bool:
     return bool(bpy.data.filepath) and path.resolve() == Path(bpy.data.filepath).resolve()
-
-
-def _check_previewable(name: str, spec: BakeSpec) -> None:
-    """Refuse what no GPU takes, were the atlas square."""
-    side = spec.texels
-    if spec.layout is Layout.BUCKETS:
-        layout = AtlasLayout(side, side, 1 if spec.kind is Kind.AO else spec.bucket)
-        check_previewable(with_views(layout, views_along(spec.view)))
-        return
-    largest = SharedSidecar(
-        bake=facts_of(name, spec, side, side, spec.uv_layer or UV_LAYER),
-        colour=(FINER * side, FINER * side),
-        surroundings=LEAST_LEVEL,
-        levels=1,
-        sharpest=1.0,
-        falloff=((1.0, 1.0, 1.0),),
-        lobes=() if spec.condensed else tuple(Axis),  # few tiles, not a bucket a texel
-    )
-    check_shared_previewable(largest)

@@ -5,26 +5,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import ceil, isqrt, sqrt
 from pathlib import Path
 from typing import Any
 
 from ..bake.key import is_unfinished, replaced_by
-from ..bake.plan import MAX_IMAGE_SIDE
-from ..bake.spec import BakeSpec, Kind, Layer, Layout
+from ..bake.spec import BakeSpec, Layer
 from ..core.errors import FormatError
 from ..core.shared import Axis
 from ..export.folder import check_out, is_whole
 from ..export.kinds import check_target
 from ..export.run import check_writer
-from ..export.spec import Target
 from ..formats.json_reader import Facts
 from ..formats.packing import layer_names
 from ..formats.shared_files import layer_path, texture_path
-from ..formats.shared_sidecar import LAYOUT as SHARED
-from ..formats.sidecar import LAYOUT as BUCKETS
 from ..formats.sidecar import read_facts
-from ..formats.transfer_files import LAYOUT as SPHERE
+from ..forms import form_for, form_in
+from ..textures.spec import Target
 from .files import OutputFiles
 
 _LAYERS = frozenset((*Layer, *layer_names(Axis), *layer_names(Axis, condensed=True)))
@@ -37,56 +33,28 @@ def is_finished(name: str, spec: BakeSpec, out: Path) -> bool:
         return False
     try:
         facts = read_facts(files.sidecar)
-        return _is_of(facts, name, spec) and _has_samples(facts, spec)
+        form = form_in(facts)
+        return form is form_for(spec) and _is_of(facts, name, spec) and form.is_of(facts, spec)
     except FormatError:
         return False
 
 
 def _is_of(facts: Facts, name: str, spec: BakeSpec) -> bool:
-    """Whether a sidecar's facts are those that a specification asks for, but for the samples."""
+    """Whether a sidecar's facts are those that a specification asks for, but for what its form asks for."""
     part, source = (facts.inner(key).values if key in facts.values else {} for key in ("part", "source"))
     asked: dict[str, Any] = {
         "object": name,
-        "layout": _layout_of(spec),
         "frame": spec.frame,
         "lights": list(spec.lights) or None,
         "seed": spec.seed,
         "objects": list(spec.objects) or None,
         "ao_distance": spec.ao_distance,
     }
-    if asked["layout"] == BUCKETS:
-        asked["layers"] = list(spec.layers)
     if spec.uv_layer is not None:
         asked["uv_map"] = spec.uv_layer
     same = all(facts.values.get(key) == value for key, value in asked.items())
-    if asked["layout"] == SHARED:
-        same = same and ("condensed" in facts.inner("shared").values) == spec.condensed
     same = same and (part.get("by"), part.get("name")) == (spec.split, spec.part)
     return same and source.get("object") == spec.source and max(facts.size("texels")) == spec.texels
-
-
-def _layout_of(spec: BakeSpec) -> str:
-    """What the sidecar calls it."""
-    if spec.kind is Kind.TRANSFER:
-        return SPHERE
-    return SHARED if spec.layout is Layout.SHARED else BUCKETS
-
-
-def _has_samples(facts: Facts, spec: BakeSpec) -> bool:
-    """Whether a sidecar says that all samples were taken in cells as many as asked for.
-
-    That of `ao` counts the rays of its one cell.
-    """
-    samples, cells = facts.whole_number("samples", 1), spec.bucket**2
-    if spec.kind is not Kind.AO:
-        return samples == spec.samples and facts.whole_number("bucket", 1) == spec.bucket
-    if spec.ao_distance is None:
-        return samples == cells * spec.samples
-    wanted, had = ceil(sqrt(spec.samples)), isqrt(samples // cells)  # a square of rays in each cell
-    if samples != cells * had**2 or had > wanted:
-        return False
-    largest = max(facts.size("texels")) * spec.bucket
-    return bool(had == wanted or (had + 1) * largest > MAX_IMAGE_SIDE)  # a picture had no room for more
 
 
 def samples_of(files: OutputFiles) -> int | None:

@@ -15,13 +15,16 @@ from typing import Any, cast
 
 import bpy
 
+from ..bake.forms import FormTraits
 from ..bake.key import is_unfinished, read_key
-from ..bake.spec import BakeSpec, Layout, shared_bytes
+from ..bake.kinds import Layout, form_in
+from ..bake.spec import BakeSpec, shared_bytes
 from ..core.errors import FormatError, InputError, MemoryLimitError
 from ..formats.memory import readable_size
 from ..formats.sidecar import read_facts
+from ..forms import form_in as form_of_facts
+from ..forms.condensed.condense import check_bytes
 from ..scene.see_through import why_see_through
-from .condensed import check_bytes
 from .files import OutputFiles
 from .variants import Bake
 
@@ -139,9 +142,9 @@ def _why_not_objects(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> str:
 
 @dataclass(frozen=True)
 class _Begun:
-    """The layout of a bake that is there, and what belongs to it."""
+    """How a bake that is there is stored, and what belongs to it."""
 
-    layout: Layout
+    form: FormTraits
     bucket: int
     budget: int | None
     target: float | None
@@ -164,12 +167,8 @@ def _from_key(facts: Mapping[str, str]) -> _Begun | None:
     """What an unfinished bake's key says; None for one that others than we wrote."""
     budget, target = (facts.get(name, "None") for name in ("budget", "target"))
     try:
-        return _Begun(
-            Layout(facts["layout"]),
-            int(facts["bucket"]),
-            None if budget == "None" else int(budget),
-            None if target == "None" else float(target),
-        )
+        limits = (None if budget == "None" else int(budget), None if target == "None" else float(target))
+        return _Begun(form_in(Layout(facts["layout"]), limits != (None, None)), int(facts["bucket"]), *limits)
     except (KeyError, ValueError):
         return None
 
@@ -177,23 +176,20 @@ def _from_key(facts: Mapping[str, str]) -> _Begun | None:
 def _from_sidecar(path: Path) -> _Begun | None:
     """What a finished bake's sidecar says: not for which budget or target it was condensed."""
     try:
-        values = read_facts(path).values
+        facts = read_facts(path)
+        form = form_of_facts(facts).traits
     except FormatError:
         return None
-    bucket: Any = values.get("bucket")
+    bucket: Any = facts.values.get("bucket")
     if not isinstance(bucket, int):
         return None
-    shared: Any = values.get("shared")
-    if shared is None:
-        return _Begun(Layout.BUCKETS, bucket, None, None)
-    condensed = isinstance(shared, dict) and "condensed" in shared
-    return _Begun(Layout.SHARED, bucket, DEFAULT_BUDGET if condensed else None, None)
+    return _Begun(form, bucket, DEFAULT_BUDGET if form.limited else None, None)
 
 
 def _as_begun(bake: Bake, begun: _Begun, wish: OpenLayout, folder: Path) -> BakeSpec:
     name, spec = bake
     cells = wish.cells or begun.bucket
-    if begun.layout is Layout.BUCKETS:
+    if begun.form.accumulates:
         return replace(spec, bucket=cells)
     if spec.accumulate or spec.refresh:
         done = "accumulated" if spec.accumulate else "refreshed"

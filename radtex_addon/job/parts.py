@@ -12,12 +12,12 @@ import bpy
 from ..bake.spec import BakeSpec
 from ..core.arrays import Bools
 from ..core.errors import InputError
+from ..prepare.unwrapping import split_surfaces
 from ..scene.evaluated import evaluate
 from ..scene.frames import at_frame
 from ..scene.named_regions import chosen_triangles
 from ..scene.objects import find_object
 from ..scene.scratch import scratch_scene
-from .unwrapping import split_surfaces
 
 
 def part_specs(

@@ -14,9 +14,9 @@ import bpy
 
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError
-from ..export.spec import Target
+from ..forms import form_for
+from ..textures.spec import Target
 from .checks import check_request
-from .condensed import check_budget
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def foresee(
         except InputError as error:
             errors[str(error)] = None
     try:
-        check_budget(spec, spec.texels, spec.texels)
+        form_for(spec).check_size(spec, spec.texels, spec.texels)
     except InputError as error:
         # The atlas of an unwrap is seldom square: it may yet fit.
         (warnings if spec.uv_layer is None else errors)[str(error)] = None

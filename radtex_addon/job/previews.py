@@ -11,26 +11,23 @@ from typing import Protocol
 import bpy
 import numpy as np
 
-from ..bake.spec import BakeSpec, Kind, Layout
-from ..bake.transfer_views import views_along
+from ..bake.spec import BakeSpec
 from ..core.arrays import Ints
-from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError
 from ..core.sampler import Filter
 from ..formats.json_reader import Facts
 from ..formats.sidecar import read_facts
 from ..formats.transfer_files import LAYOUT as TRANSFER
 from ..formats.transfer_files import TransferSidecar
-from ..preview.material import preview_material, preview_shared_material
-from ..preview.occlusion import preview_ambient_material, preview_shadow_material
+from ..forms import form_for
+from ..forms.form import PreviewOf
+from ..prepare.prepared import Piece
 from ..preview.save import TITLE, StandIn, save_preview
-from ..preview.sun import preview_transfer_material
 from ..scene.copy import copy_object
 from ..scene.proxy_content import EVERYTHING, find_content
 from ..scene.scratch import find_view_layer
 from ..scene.watertight import is_closed
 from .files import OutputFiles
-from .prepare import Piece
 
 
 class Shown(Protocol):
@@ -140,19 +137,9 @@ def _material(
     preview: Filter,
     scene: bpy.types.Scene,
 ) -> bpy.types.Material:
-    sidecar, atlas, uv_layer = files.sidecar.absolute(), files.atlas.absolute(), prepared.uv_layer
-    if spec.layout is Layout.SHARED:
-        return preview_shared_material(title, sidecar, uv_layer, spec.half)
-    if spec.kind is Kind.SHADOW:
-        return preview_shadow_material(title, sidecar, uv_layer, scene, preview)
     clear = spec.kind.traits.looks_at_surface and scene.render.film_transparent
     closed = clear and all(is_closed(piece.mesh) for piece in prepared.pieces)
     hull = spec.kind.traits.content or closed  # its far side is seen through it
-    facts = read_facts(sidecar)
-    layout = AtlasLayout(*facts.size("texels"), facts.whole_number("bucket", 1))
-    if spec.kind is Kind.TRANSFER:
-        views = views_along(spec.view)
-        return preview_transfer_material(title, atlas, layout, uv_layer, scene, spec.half, views)
-    if spec.kind is Kind.AO:
-        return preview_ambient_material(title, atlas, layout, uv_layer, spec.half)
-    return preview_material(title, atlas, layout, uv_layer, preview, spec.half, hull)
+    sidecar = files.sidecar.absolute()
+    of = PreviewOf(title, spec, sidecar, prepared.uv_layer, scene, preview, hull)
+    return form_for(spec).material(of)

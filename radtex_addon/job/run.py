@@ -7,7 +7,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Collection, Generator, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -16,9 +16,8 @@ import bpy
 from ..bake.beginning import settle_earlier
 from ..bake.checkpoint import Checkpoint
 from ..bake.keeper import KEEPS_NOTHING, Keeper
-from ..bake.kinds import Light
 from ..bake.progress import Progress, Stage, finished
-from ..bake.spec import BakeSpec, Kind, Layout, View
+from ..bake.spec import BakeSpec, View
 from ..bake.stopwatch import Stopwatch
 from ..bake.thumbnail import Thumbnail
 from ..bake.written import named_by_places
@@ -27,11 +26,13 @@ from ..core.blas import one_blas_thread
 from ..core.errors import InputError, RadTexError
 from ..core.sampler import Filter
 from ..cycles.device import use_device
-from ..export.progress import Step
 from ..export.run import export_steps
-from ..export.spec import ExportSpec, Target
 from ..formats.sidecar import read_facts
 from ..formats.temporary import temporary_folder
+from ..forms import form_for
+from ..forms.outcome import Condensed, Outcome
+from ..prepare.prepared import Prepared, prepare
+from ..prepare.unwrapping import Unwraps
 from ..scene.cage import take_cage_out
 from ..scene.eye import find_eye
 from ..scene.frames import at_frame
@@ -39,24 +40,19 @@ from ..scene.lamps import light_only
 from ..scene.objects import find_object
 from ..scene.proxy_content import EVERYTHING, show_content_only
 from ..scene.scratch import find_view_layer, new_data_removed, scratch_scene
+from ..textures.progress import Step
+from ..textures.spec import ExportSpec, Target
 from .bake_output import Made
-from .buckets import bake_buckets
 from .checks import check_request, check_seen
-from .condensed import Condensed
 from .files import OutputFiles
 from .finished import images_of, is_there, misses_preview, missing_exports
-from .occlusion import bake_occlusion
 from .parts import check_part
-from .prepare import Prepared, prepare
 from .previews import save_preview_of
-from .shared import bake_shared
-from .transfer import bake_transfer
 from .unfinished import open_checkpoint
-from .unwrapping import Unwraps
 
 log = logging.getLogger(__name__)
 
-Baker: TypeAlias = Callable[..., Generator[Progress, None, Made]]
+Baker: TypeAlias = Callable[..., Generator[Progress, None, Outcome]]
 BakeSteps: TypeAlias = "Generator[Progress | Step, None, BakeResult]"
 
 
@@ -190,7 +186,7 @@ def bake_steps(
                     baked = yield from bake_and_keep(
                         scene, name, spec, files, view_layer, watch, checkpoint, thumbnail, unwraps, baker
                     )
-                    made = replace(baked.made, device=baked.device, islands=baked.prepared.islands)
+                    made = baked.made
                     if known is None:
                         settle(checkpoint, files, made, earlier)
                     if shown is not None:
@@ -242,15 +238,15 @@ def _no_baker(known: Made) -> Baker:
     """In a baker's place, for a bake that is done. Raises InputError for a mesh that is another now."""
 
     def bake(
-        _scratch: bpy.types.Scene, _spec: BakeSpec, files: OutputFiles, prepared: Prepared, *_: Any
-    ) -> Generator[Progress, None, Made]:
-        if read_facts(files.sidecar).values.get("mesh") != prepared.digest:
+        _scratch: bpy.types.Scene, _spec: BakeSpec, sidecar: Path, prepared: Prepared, *_: Any
+    ) -> Generator[Progress, None, Outcome]:
+        if read_facts(sidecar).values.get("mesh") != prepared.digest:
             raise InputError(
-                f"object '{prepared.name}' or its unwrap is no longer what {files.sidecar} is of, so that no "
+                f"object '{prepared.name}' or its unwrap is no longer what {sidecar} is of, so that no "
                 "preview can be made: bake it anew (--overwrite)"
             )
         yield from ()
-        return known
+        return known.outcome
 
     return bake
 
@@ -272,7 +268,6 @@ class Baked:
 
     made: Made
     prepared: Prepared
-    device: str
 
 
 def bake_and_keep(
@@ -311,15 +306,7 @@ def bake_and_keep(
             take_cage_out(scratch, spec.cage)
         if spec.lights:
             light_only(scratch, spec.lights)
-        bake = baker or _baker(spec)
-        steps = bake(scratch, spec, files, prepared, temporary, keeper, thumbnail)
-        made = yield from watch.over(steps)
-    return Baked(made, prepared, device)
-
-
-def _baker(spec: BakeSpec) -> Baker:
-    if spec.kind is Kind.TRANSFER:
-        return bake_transfer
-    if spec.kind.traits.light is Light.OCCLUSION:
-        return bake_occlusion
-    return bake_shared if spec.layout is Layout.SHARED else bake_buckets
+        bake = baker or form_for(spec).bake
+        steps = bake(scratch, spec, files.sidecar, prepared, temporary, keeper, thumbnail)
+        outcome = yield from watch.over(steps)
+    return Baked(Made.by(outcome, files, device, prepared.islands), prepared)

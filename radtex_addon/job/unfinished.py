@@ -14,10 +14,10 @@ from ..bake.checkpoint import Checkpoint, remove_left
 from ..bake.key import DIGEST, check_free, is_announced, is_unfinished, replaced_by
 from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError
-from ..export.spec import Target
 from ..formats.atomic import check_absent
 from ..formats.condensed_files import digest
 from ..formats.sidecar import part_in, read_facts
+from ..textures.spec import Target
 from ..version import VERSION
 from .files import OutputFiles
 from .finished import is_finished, misses_preview, missing_exports, samples_of

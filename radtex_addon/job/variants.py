@@ -13,8 +13,8 @@ from ..bake.checkpoint import remove_left
 from ..bake.key import is_unfinished
 from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError
-from ..export.spec import Target
 from ..formats.sidecar import file_name, part_in, read_facts
+from ..textures.spec import Target
 from .files import OutputFiles
 from .finished import is_finished, misses_preview, missing_exports
 

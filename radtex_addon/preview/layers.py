@@ -10,9 +10,10 @@ from typing import Any, cast
 
 import bpy
 
+from ..bake.forms import layers_apart
 from ..core.errors import InputError
 from ..formats.bucket_files import image_path
-from ..formats.sidecar import LAYOUT, Sidecar, read_facts
+from ..formats.sidecar import Sidecar, read_facts
 from .load import OURS
 from .material import load_atlas
 from .save import images_of
@@ -23,7 +24,7 @@ _DATA = "normal"  # the one layer that is no light
 def check_layer(sidecar: Path, layer: str) -> None:
     """Raise InputError for a layer that the bake with this sidecar does not have, or that lacks its image."""
     facts = read_facts(sidecar)
-    layers = Sidecar.from_facts(facts).layers if facts.values.get("layout") == LAYOUT else ()
+    layers = Sidecar.from_facts(facts).layers if layers_apart(str(facts.values.get("layout"))) else ()
     if layer not in layers:
         known = ", ".join(layers) or "none"
         raise InputError(

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..bake.forms import layers_apart
 from ..formats.json_reader import Facts
-from ..formats.sidecar import LAYOUT, read_facts
+from ..formats.sidecar import read_facts
 
 _KEPT = "radtex_variant"  # of a copy: JSON, as in a sidecar
 _KEYS = ("kind", "layout", "frame", "lights", "layers")
@@ -51,5 +52,5 @@ def _variant_in(facts: Facts) -> Variant:
         facts.text("kind"),
         facts.whole_number("frame", 0) if "frame" in facts.values else None,
         facts.texts("lights") if "lights" in facts.values else (),
-        facts.texts("layers") if facts.text("layout") == LAYOUT else (),
+        facts.texts("layers") if layers_apart(facts.text("layout")) else (),
     )

@@ -14,7 +14,7 @@ from enum import StrEnum
 
 import bpy
 
-from ..bake.spec import BakeSpec, Layout
+from ..bake.spec import BakeSpec
 from ..bake.stopwatch import Stopwatch
 from ..core.errors import InputError
 from ..formats.temporary import temporary_folder
@@ -154,7 +154,7 @@ def first_change(bake: Finished, variants: Sequence[Variant]) -> str:
         done = "halving any" if bake.budget is None else "halving any, or condensing,"
         return (
             f"No setting matters much here: {done} costs less than {_MATTERS} dB. What is left lies in "
-            "the layout itself" + ("; try --layout shared." if bake.layout is Layout.BUCKETS else ".")
+            "the layout itself" + ("; try --layout shared." if not bake.form.traits.by_paths else ".")
         )
     flag, shows = worst.cause.flag, worst.shows.partition(":")[0]
     if worst.value is None:
@@ -177,7 +177,7 @@ def _price(cause: Cause, bake: Finished) -> str:
         return "twice the paths, and no bytes"
     paths = "about four times the paths"
     if cause is Cause.CELLS:
-        paths = "no paths" if bake.layout is Layout.SHARED else "four times the paths"
+        paths = "no paths" if bake.form.traits.by_paths else "four times the paths"
     if bake.budget is not None:
         return f"{paths}, and as many bytes as --budget allows"
     twice = gpu_bytes(bake, cells=2) if cause is Cause.CELLS else gpu_bytes(bake, texels=2)

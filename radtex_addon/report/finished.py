@@ -7,28 +7,17 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from ..bake.spec import BakeSpec, Compression, Kind, Layout, parse_capture, parse_kind
+from ..bake.kinds import USUAL_KIND, Kind, is_usual
+from ..bake.spec import BakeSpec, Compression, parse_capture, parse_kind, parse_layout
 from ..core.arrays import Floats
-from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError
-from ..core.sampler import Filter, sample
-from ..core.shared import SharedAtlas, sample_shared
-from ..formats.condensed_sizes import texture_bytes
-from ..formats.exr import read_buckets, stored_compression
-from ..formats.gutter_signature import loss_of, own_texels
-from ..formats.packing import IRRADIANCE
-from ..formats.shared_files import (
-    layer_path,
-    read_shared,
-    read_shared_sidecar,
-    texture_path,
-)
 from ..formats.sidecar import Sidecar, file_name, part_in, preview_path, read_facts
+from ..forms import Form, form_in
+from ..forms.form import Lookup
 from ..scene.copy import UV_LAYER
 from .gbuffer import Array, GBuffer
 
@@ -47,7 +36,7 @@ class Finished:
     """
 
     path: Path
-    layout: Layout
+    form: Form
     sidecar: Sidecar
     images: tuple[Path, ...]
     radiance: Callable[[GBuffer], Array]
@@ -71,7 +60,7 @@ class Finished:
         bake, source = self.sidecar, self.sidecar.source
         return BakeSpec(
             kind=parse_kind(bake.kind),
-            layout=self.layout,
+            layout=parse_layout(self.form.traits.layout),
             texels=max(bake.width, bake.height),
             bucket=bake.bucket,
             samples=bake.samples,
@@ -93,7 +82,7 @@ def find_bake(
     place: Path,
     object_name: str | None,
     purpose: str = "judged",
-    kinds: Collection[str] = (Kind.RADIANCE,),
+    kinds: Collection[str] = (USUAL_KIND,),
 ) -> Path:
     """The sidecar of a bake of one of the `kinds`: `place` itself, or the one in the folder `place`.
 
@@ -108,7 +97,7 @@ def find_bake(
 
 
 def find_bakes(
-    place: Path, object_name: str | None, purpose: str, kinds: Collection[str] = (Kind.RADIANCE,)
+    place: Path, object_name: str | None, purpose: str, kinds: Collection[str] = (USUAL_KIND,)
 ) -> list[Path]:
     """What `find_bake` finds, or where an object is split the sidecars of all parts that are there."""
     try:
@@ -122,12 +111,12 @@ def find_bakes(
         return [place]
     found = {path: identity for path in _json_files(place) if (identity := _identity_if_ours(path))}
     if not found:
-        raise InputError(f"{place} holds no bake: name a folder with a sidecar, NAME.{Kind.RADIANCE}.json")
+        raise InputError(f"{place} holds no bake: name a folder with a sidecar, NAME.{USUAL_KIND}.json")
     wanted = {path: identity for path, identity in found.items() if identity.is_of(object_name)}
     wanted = {path: wanted[path] for path in wanted if wanted[path].name == object_name} or wanted
     if not wanted:
         raise InputError(f"{place} holds no bake of '{object_name}': it has {_listed(found.values())}")
-    of_radiance = [path for path, identity in wanted.items() if identity.kind == Kind.RADIANCE]
+    of_radiance = [path for path, identity in wanted.items() if is_usual(identity.kind)]
     fitting = of_radiance or [path for path, identity in wanted.items() if identity.kind in kinds]
     if len({wanted[path].name for path in fitting}) > 1:
         raise InputError(f"{place} holds bakes of {_listed(wanted.values())}: name one (--object)")
@@ -234,79 +223,29 @@ def read_bake(path: Path) -> Finished:
 
     Raises FormatError, with the path, for files that are missing, damaged, or of different bakes.
     """
-    layout = read_facts(path).text("layout")
-    if layout == Layout.SHARED:
-        return _read_shared(path)
-    return _read_buckets(path)
-
-
-def _read_buckets(path: Path) -> Finished:
-    (pixels, sidecar), image = read_buckets(path), path.with_suffix(".exr")
-    atlas, compression = AtlasLayout(sidecar.width, sidecar.height, sidecar.bucket), stored_compression(image)
+    form = form_in(read_facts(path))
+    opened = form.open(path)
     return Finished(
         path=path,
-        layout=Layout.BUCKETS,
-        sidecar=sidecar,
-        images=(image,),
-        radiance=_looked_up(partial(_sample_buckets, pixels, atlas)),
-        texels=atlas.to_buckets(pixels)[..., :3].reshape(sidecar.height, sidecar.width, -1),
-        compression=compression,
-        loss=loss_of(compression),
+        form=form,
+        sidecar=opened.sidecar,
+        images=opened.images,
+        radiance=_looked_up(opened.lookup),
+        texels=opened.texels,
+        compression=opened.compression,
+        loss=opened.loss,
+        budget=opened.budget,
     )
 
 
-def _read_shared(path: Path) -> Finished:
-    facts = read_shared_sidecar(path)
-    if facts.condensed is not None:
-        return _read_condensed(path, texture_bytes(facts.shapes))
-    sidecar = facts.bake
-    images = tuple(layer_path(path, layer) for layer in sidecar.layers)
-    atlas, _ = read_shared(path)
-    texels, loss = own_texels(path, atlas, facts)
-    return Finished(
-        path=path,
-        layout=Layout.SHARED,
-        sidecar=sidecar,
-        images=images,
-        radiance=_looked_up(partial(_sample_shared, atlas)),
-        texels=texels,
-        compression=stored_compression(layer_path(path, IRRADIANCE)),
-        loss=loss,
-    )
-
-
-def _read_condensed(path: Path, budget: int) -> Finished:
-    atlas, facts = read_shared(path)
-    texels, loss = own_texels(path, atlas, facts)
-    return Finished(
-        path=path,
-        layout=Layout.SHARED,
-        sidecar=facts.bake,
-        images=tuple(texture_path(path, layer) for layer in facts.bake.layers),
-        radiance=_looked_up(partial(_sample_shared, atlas)),
-        texels=texels,
-        compression=None,
-        loss=loss,
-        budget=budget,
-    )
-
-
-def _sample_buckets(image: Floats, layout: AtlasLayout, buffer: GBuffer, some: slice) -> Floats:
-    uv, incidence = buffer.uv[buffer.hit][some], buffer.incidence[buffer.hit][some]
-    return sample(image, layout, uv, incidence, Filter.QUADRILINEAR)[:, :3]
-
-
-def _sample_shared(atlas: SharedAtlas, buffer: GBuffer, some: slice) -> Floats:
-    fragments = (buffer.uv, buffer.normal, buffer.incoming)
-    return sample_shared(atlas, *(part[buffer.hit][some].astype(np.float32) for part in fragments))
-
-
-def _looked_up(look: Callable[[GBuffer, slice], Floats]) -> Callable[[GBuffer], Array]:
+def _looked_up(lookup: Lookup) -> Callable[[GBuffer], Array]:
     """A lookup along all rays, which are many, a part at a time."""
 
     def radiance(buffer: GBuffer) -> Array:
-        parts = range(0, int(buffer.hit.sum()), _PER_LOOKUP)
-        seen = [look(buffer, slice(first, first + _PER_LOOKUP)) for first in parts]
+        hit = (buffer.uv, buffer.normal, buffer.incoming, buffer.incidence)
+        uv, normal, viewer, incidence = (part[buffer.hit] for part in hit)
+        parts = (slice(first, first + _PER_LOOKUP) for first in range(0, len(uv), _PER_LOOKUP))
+        seen = [lookup(uv[some], normal[some], viewer[some], incidence[some]) for some in parts]
         return buffer.spread(np.concatenate(seen) if seen else np.zeros((0, 3)))
 
     return radiance

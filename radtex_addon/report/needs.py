@@ -8,11 +8,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ..formats.memory import check_allowed
-from ..formats.shared_files import expanded_bytes, read_shared_sidecar
-from ..formats.shared_sidecar import LAYOUT as SHARED
 from ..formats.sidecar import read_facts
-from ..formats.transfer_files import LAYOUT as SPHERE
-from ..formats.transfer_files import read_transfer_sidecar
+from ..forms import form_in
 
 _JUDGED = 16  # bytes of a pixel, while a report reads it
 _SHOWN = 28  # as Blender has it, and Cycles beside
@@ -20,9 +17,7 @@ _SHOWN = 28  # as Blender has it, and Cycles beside
 
 def check_judged(sidecar: Path, allowed_mb: int | None) -> None:
     """Make sure that a bake may be read for a report. Raises as `check_allowed` does, and FormatError."""
-    needed = _pixels(sidecar) * _JUDGED
-    if read_facts(sidecar).text("layout") == SHARED:
-        needed += expanded_bytes(read_shared_sidecar(sidecar))
+    needed = _pixels(sidecar) * _JUDGED + form_in(read_facts(sidecar)).expanded_bytes(sidecar)
     check_allowed(f"a report on {sidecar}", needed, allowed_mb)
 
 
@@ -35,12 +30,5 @@ def check_shown(sidecars: Iterable[Path], allowed_mb: int | None) -> None:
 
 def _pixels(sidecar: Path) -> int:
     """Those of a bake's images, its layers left out."""
-    facts = read_facts(sidecar)
-    layout = facts.text("layout")
-    if layout == SHARED:
-        return sum(width * height for width, height, _ in read_shared_sidecar(sidecar).shapes.values())
-    if layout == SPHERE:
-        stored = read_transfer_sidecar(sidecar).stored
-        return stored.pixel_width * stored.pixel_height
-    width, height = facts.size("texels")
-    return width * height * facts.whole_number("bucket", 1) ** 2
+    shapes = form_in(read_facts(sidecar)).shapes(sidecar)
+    return sum(width * height for width, height, _ in shapes.values())

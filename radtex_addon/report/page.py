@@ -12,7 +12,6 @@ from html import escape
 
 import numpy as np
 
-from ..bake.spec import Layout
 from ..formats.memory import readable_size
 from ..formats.png import encode_png
 from ..job.variants import variant_of
@@ -87,7 +86,7 @@ def page(contents: Contents) -> str:
 
 def _facts(bake: Finished) -> str:
     facts = bake.sidecar
-    shared = "shared layout, " if bake.layout is Layout.SHARED else ""
+    shared = "shared layout, " if bake.form.traits.by_paths else ""
     condensed = "" if bake.budget is None else "condensed, "
     shows = [] if facts.source is None else [f"from {facts.source.object_name}"]
     shows += [word for word in (variant_of(bake.spec("auto")),) if word]

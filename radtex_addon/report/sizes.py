@@ -4,16 +4,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
 
-from ..bake.spec import Layout
 from ..core.arrays import Floats
 from ..formats.condensed_sizes import Shapes, texture_bytes, texture_format
 from ..formats.exr import read_pixels
-from ..formats.shared_files import read_shared_sidecar
 from .finished import Finished
 
 _HALF_PIXEL = 8  # bytes: four half floats, for no GPU has three
@@ -102,17 +100,7 @@ def gpu_bytes(bake: Finished, texels: int = 1, cells: int = 1) -> int:
 
 def _shapes(bake: Finished, texels: int = 1, cells: int = 1) -> Shapes:
     """Width, height and channels of each image by its layer, in the order of `bake.images`."""
-    facts = replace(
-        bake.sidecar,
-        width=bake.sidecar.width * texels,
-        height=bake.sidecar.height * texels,
-        bucket=bake.sidecar.bucket * cells,
-    )
-    if bake.layout is Layout.BUCKETS:
-        return {"": (facts.width * facts.bucket, facts.height * facts.bucket, 4)}
-    shared = read_shared_sidecar(bake.path)
-    width, height = shared.colour
-    return replace(shared, bake=facts, colour=(width * texels, height * texels)).shapes
+    return bake.form.shapes(bake.path, texels, cells)
 
 
 def _positive(pixels: Floats) -> bool:

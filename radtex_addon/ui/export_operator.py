@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
-    from ..export.spec import ExportSpec
+    from ..textures.spec import ExportSpec
 
 FORMATS = (
     ("auto", "Automatic", "What the target reads best"),
@@ -132,7 +132,7 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         return {"FINISHED"}
 
     def _spec(self) -> ExportSpec:
-        from ..export.spec import Arrangement, ExportSpec, Target, TextureFormat
+        from ..textures.spec import Arrangement, ExportSpec, Target, TextureFormat
 
         return ExportSpec(
             target=Target(self.target),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sidebar's tab "RadTex". Panels only draw the cached `Outlook`: they compute nothing."""
+"""The sidebar's tab "RadTex". Panels only draw the cached `Forecast`: they compute nothing."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Any, cast
 
 import bpy
 
-from ..bake.kinds import Kind
+from ..bake.kinds import Kind, Layout, form_in
 from . import jobs
 from .labels import iface_
 from .messages import draw_remarks, draw_text
-from .panel_state import Outlook, outlook_of
+from .panel_state import Forecast, cached_forecast
 from .presets import RADTEX_PT_presets
 from .settings import BakeSettings
 from .surfaces import draw_surfaces
@@ -135,23 +135,25 @@ def _draw_kind(column: bpy.types.UILayout, settings: BakeSettings) -> None:
 
 def is_plain(settings: BakeSettings) -> bool:
     """Whether the settings may bake in layout buckets: chosen, automatic, or the kind's only layout."""
-    return settings.atlas_layout != "shared" or Kind(settings.kind).traits.form is not None
+    if Kind(settings.kind).traits.form is not None or settings.atlas_layout not in tuple(Layout):
+        return True
+    return not form_in(Layout(settings.atlas_layout), condensed=False).condenses
 
 
 def drawn(
     panel: bpy.types.Panel, context: bpy.types.Context | None
-) -> tuple[Any, BakeSettings, Outlook | None]:
-    """The panel's layout with our options set, the scene's settings, and the cached outlook, if any."""
+) -> tuple[Any, BakeSettings, Forecast | None]:
+    """The panel's layout with our options set, the scene's settings, and the cached forecast, if any."""
     assert context is not None  # Blender always gives one
     scene, view_layer = cast(bpy.types.Scene, context.scene), cast(bpy.types.ViewLayer, context.view_layer)
     layout: Any = panel.layout
     layout.use_property_split = True
     layout.use_property_decorate = False  # a bake is not animated
     settings: BakeSettings = scene.radtex  # type: ignore[attr-defined]  # ours, not Blender's
-    return layout, settings, outlook_of(scene, view_layer)
+    return layout, settings, cached_forecast(scene, view_layer)
 
 
-def _draw_objects(layout: Any, found: Outlook | None) -> None:
+def _draw_objects(layout: Any, found: Forecast | None) -> None:
     names = found.objects if found is not None else ()
     if len(names) == 1:
         layout.label(text=names[0], icon="OUTLINER_OB_MESH", translate=False)
@@ -162,7 +164,7 @@ def _draw_objects(layout: Any, found: Outlook | None) -> None:
         layout.label(text="Select a mesh object", icon="INFO")
 
 
-def _draw_preview(layout: Any, found: Outlook, context: bpy.types.Context | None) -> None:
+def _draw_preview(layout: Any, found: Forecast, context: bpy.types.Context | None) -> None:
     """Draw the preview button if a bake exists and the job list does not offer it; and shading buttons."""
     assert context is not None  # Blender always gives one
     offered = {job.object for job in jobs.snapshot() if job.state == "done" and job.work == "bake"}

@@ -17,9 +17,9 @@ import bpy
 from ..bake.frames import of_frames, parse_frames
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError
-from ..export.spec import Target
 from ..scene.lamps import each_light
 from ..scene.scratch import find_view_layer
+from ..textures.spec import Target
 from .preferences import preferred
 from .surfaces import bakes_of, may_lack_parts, shared_name
 from .values import open_layout_of, spec_of, values_of, values_with

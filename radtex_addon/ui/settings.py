@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from ..bake.kinds import USUAL_KIND, Kind
+from ..bake.kinds import USUAL_KIND, Kind, Layout, form_in
 from . import output_settings, surfaces
 from .choices import (
     CONTENTS,
@@ -60,7 +60,7 @@ def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
     Only for the panel: an operator's keyword arguments are not adjusted.
     """
     if isinstance(settings, bpy.types.PropertyGroup):
-        from .values import suited_bucket
+        from .cells import suited_bucket
 
         own = cast(Any, settings).get(_OWN_CELLS, {}).get(_sort_of_cells(settings))
         settings.bucket = own or suited_bucket(settings.kind, settings.atlas_layout, settings.limit)
@@ -80,11 +80,9 @@ def _sort_of_cells(settings: BakeSettings) -> str:
     kind = Kind(settings.kind).traits
     if kind.views or kind.ao_distance:
         return settings.kind
-    if kind.form is not None or settings.atlas_layout == "buckets":
-        return "buckets"
-    if settings.atlas_layout == "auto":
-        return "auto" if kind.looks_at_surface else "buckets"
-    return "shared" if settings.limit == "none" else "condensed"
+    if kind.form is None and settings.atlas_layout in tuple(Layout):
+        return form_in(Layout(settings.atlas_layout), condensed=settings.limit != "none").name
+    return settings.atlas_layout if kind.looks_at_surface else Layout.BUCKETS.value
 
 
 class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):

@@ -11,6 +11,7 @@ from ..bake.kinds import KindTraits, Layout, form_in
 from ..bake.spec import BakeSpec, Compression, Layer, View, parse_kind, parse_layout
 from ..core.errors import InputError
 from ..scene.proxy_content import EVERYTHING
+from .cells import suited_bucket
 from .preferences import preferred
 from .settings import NAMES, BakeSettings
 
@@ -62,18 +63,6 @@ def open_layout_of(values: Mapping[str, Any]) -> OpenLayout | None:
     cells: int = values["bucket"]
     brought = suited_bucket(values["kind"], "auto", "none")
     return OpenLayout(cells if values.get(_BUCKET_NAMED) or cells != brought else None)
-
-
-def suited_bucket(kind: str, layout: str, limit: str) -> int:
-    """Default bucket size for this kind, layout and limit, in cells along a side."""
-    traits = parse_kind(kind).traits
-    if traits.form is not None:
-        return traits.form.cells
-    if layout == "auto":
-        from ..job.layout_choice import SHARED_CELLS
-
-        return SHARED_CELLS if traits.looks_at_surface else Layout.BUCKETS.cells
-    return form_in(parse_layout(layout), condensed=limit != "none").cells
 
 
 def spec_of(values: Mapping[str, Any]) -> BakeSpec:

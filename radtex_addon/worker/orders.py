@@ -13,14 +13,14 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..bake.kinds import USUAL_KIND
+from ..bake.kinds import is_usual
 from ..bake.progress import Stage
 from ..bake.spec import BakeSpec
 from ..core.sampler import Filter
-from ..export.progress import Task as ExportTask
-from ..export.spec import Arrangement, ExportSpec
 from ..job.variants import variant_of
 from ..report.progress import Task
+from ..textures.progress import Task as ExportTask
+from ..textures.spec import Arrangement, ExportSpec
 from .order import Handover, Order, Work, parts
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def order_bake(
 
 def kind_of(spec: BakeSpec) -> str:
     """What tells a bake from others of the same object: its kind, unless it is the usual one."""
-    return "" if spec.kind is USUAL_KIND else str(spec.kind)
+    return "" if is_usual(spec.kind) else str(spec.kind)
 
 
 def order_export(

@@ -18,7 +18,8 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.exr import read_buckets
 from radtex_addon.formats.sidecar import read_sidecar
-from radtex_addon.job import bake_object, buckets
+from radtex_addon.forms.buckets import bake as buckets
+from radtex_addon.job import bake_object
 from tests.blender import stage
 from tests.blender.conftest import PlannedError
 

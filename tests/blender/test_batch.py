@@ -30,7 +30,7 @@ from radtex_addon.cycles.portal import PortalCapture
 from radtex_addon.formats.exr import read_atlas
 from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.formats.sidecar import read_sidecar
-from radtex_addon.job import buckets
+from radtex_addon.forms.buckets import bake as buckets
 from radtex_addon.preview.picture import render_picture
 from tests.blender import stage
 from tests.blender.batch_process import BAKE, Batch, process, refusal

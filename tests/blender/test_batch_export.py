@@ -24,8 +24,8 @@ from radtex_addon.cli.options import ProgressStyle
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export import web
-from radtex_addon.export.spec import Arrangement, ExportSpec, Target, TextureFormat
 from radtex_addon.job import bake_object
+from radtex_addon.textures.spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.blender import stage
 from tests.blender.batch_process import BAKE, Outcome, process, refusal
 

@@ -29,8 +29,8 @@ from radtex_addon.cli.options import ProgressStyle
 from radtex_addon.cli.report_arguments import parse_report
 from radtex_addon.core.errors import Cancelled, InputError
 from radtex_addon.core.sampler import Filter
-from radtex_addon.export.spec import Target
 from radtex_addon.job import OpenLayout
+from radtex_addon.textures.spec import Target
 from radtex_addon.version import VERSION
 from tests.blender.batch_process import BAKE, process, refusal
 

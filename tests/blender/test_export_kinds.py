@@ -20,16 +20,17 @@ from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.cli import main as batch_module
 from radtex_addon.core.sampler import Filter
 from radtex_addon.core.transfer import mean_over_lights
-from radtex_addon.export.flat import srgb
 from radtex_addon.export.folder import files_in
-from radtex_addon.export.manifest import Arranged, Container, read_manifest
-from radtex_addon.export.spec import Target
+from radtex_addon.export.manifest import read_manifest
 from radtex_addon.formats.glb import Glb
 from radtex_addon.formats.ktx2 import read_ktx2
 from radtex_addon.formats.texture import PixelFormat
 from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
 from radtex_addon.job.preflight import foresee
+from radtex_addon.textures.entry import Arranged, Container
+from radtex_addon.textures.flat import srgb
+from radtex_addon.textures.spec import Target
 from tests.blender import stage
 from tests.blender.batch_process import Outcome, refusal
 

@@ -15,7 +15,7 @@ from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
-from radtex_addon.job.prepare import prepare
+from radtex_addon.prepare.prepared import prepare
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 from tests.bench.fidelity.layered.exits import capture_exits

@@ -20,7 +20,7 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.exr import read_buckets
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object
-from radtex_addon.job.unwrapping import Unwraps
+from radtex_addon.prepare.unwrapping import Unwraps
 from tests.blender import stage
 from tests.blender.batch_process import process
 from tests.blender.fingerprint import differences, fingerprint

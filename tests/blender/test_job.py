@@ -27,16 +27,16 @@ from radtex_addon.cycles.portal import PortalCapture
 from radtex_addon.formats import exr_bands
 from radtex_addon.formats.exr import read_atlas, read_render
 from radtex_addon.formats.sidecar import read_sidecar
+from radtex_addon.forms.buckets import bake as buckets
 from radtex_addon.job import (
     BakeResult,
     bake_object,
     bake_steps,
-    buckets,
     check_request,
-    prepare,
     run,
-    unwrapping,
 )
+from radtex_addon.prepare import prepared as prepare
+from radtex_addon.prepare import unwrapping
 from radtex_addon.version import VERSION
 from tests.blender import stage
 from tests.blender.conftest import PlannedError

@@ -132,7 +132,7 @@ def test_a_failure_while_it_is_measured_leaves_the_other_form(
         assert (out / "Ball.radiance.radtex-unfinished" / "written").is_dir(), "where the new files wait"
         raise PlannedError
 
-    monkeypatch.setattr("radtex_addon.job.condensed.agreement", fails)
+    monkeypatch.setattr("radtex_addon.forms.condensed.condense.agreement", fails)
     with pytest.raises(PlannedError):
         bake(out, spec(), overwrite=True)
     assert take_pieces(out)
@@ -163,7 +163,7 @@ def test_a_target_s_tries_are_made_once_each(out: Path, monkeypatch: pytest.Monk
         tried.append(clusters)
         return condense(atlas, plan, clusters)
 
-    monkeypatch.setattr("radtex_addon.job.condensed.condense", noted)
+    monkeypatch.setattr("radtex_addon.forms.condensed.condense.condense", noted)
     made = bake(out, spec(budget=None, target=60.0)).condensed
     assert made is not None
     assert len(tried) > 2

@@ -24,7 +24,8 @@ from radtex_addon.cycles import shared_capture
 from radtex_addon.formats.exr import read_render
 from radtex_addon.formats.packing import layer_names
 from radtex_addon.formats.shared_files import layer_path, read_shared
-from radtex_addon.job import BakeResult, bake_object, bake_steps, check_request, shared
+from radtex_addon.forms.shared import bake as shared
+from radtex_addon.job import BakeResult, bake_object, bake_steps, check_request
 from radtex_addon.preview.node_group import MAX_PIXELS
 from tests.blender import stage
 from tests.blender.conftest import PlannedError

@@ -20,7 +20,7 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.formats.exr import read_buckets
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, bake_steps
-from radtex_addon.job.unwrapping import Unwraps
+from radtex_addon.prepare.unwrapping import Unwraps
 from radtex_addon.report.eye import Eye
 from radtex_addon.report.finished import find_bake
 from radtex_addon.report.side_by_side import ComparisonSpec, compare_steps

@@ -225,7 +225,9 @@ def test_a_key_that_says_nothing_of_layouts_is_no_hindrance(out: Path) -> None:
 def finish(folder: Path, frame: int | None = None, **facts: object) -> None:
     folder.mkdir(exist_ok=True)
     name = "Card" if frame is None else f"Card-{frame:04d}"
-    (folder / f"{name}.radiance.json").write_text(json.dumps({"object": "Card", **facts}))
+    layout = "shared" if "shared" in facts else "buckets"
+    told = {"object": "Card", "kind": "radiance", "layout": layout, **facts}
+    (folder / f"{name}.radiance.json").write_text(json.dumps(told))
 
 
 @pytest.mark.parametrize("way", ["--accumulate", "--refresh"])

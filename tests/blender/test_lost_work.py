@@ -23,11 +23,12 @@ from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export import web
 from radtex_addon.export.folder import is_whole
-from radtex_addon.export.spec import Target
 from radtex_addon.formats.sidecar import read_sidecar
-from radtex_addon.job import bake_object, run, shared
+from radtex_addon.forms.shared import bake as shared
+from radtex_addon.job import bake_object, run
 from radtex_addon.job.finished import images_of
 from radtex_addon.job.preflight import foresee
+from radtex_addon.textures.spec import Target
 from tests.bench.renames import Bench, contents
 from tests.blender.batch_process import Outcome
 from tests.blender.room import fill_room, save_room

@@ -18,7 +18,8 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.formats.exr import read_buckets
 from radtex_addon.formats.sample_counts import read_counts
 from radtex_addon.formats.sidecar import read_sidecar
-from radtex_addon.job import bake_object, buckets
+from radtex_addon.forms.buckets import bake as buckets
+from radtex_addon.job import bake_object
 from radtex_addon.scene.named_regions import chosen_triangles
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage

@@ -18,9 +18,9 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import FormatError
 from radtex_addon.core.sampler import Filter
-from radtex_addon.export.spec import ExportSpec, Target
 from radtex_addon.job import bake_object
 from radtex_addon.preview.node_group import check_image
+from radtex_addon.textures.spec import ExportSpec, Target
 from radtex_addon.ui import registration
 from radtex_addon.worker import queue as queue_module
 from radtex_addon.worker.handover import work_folder

@@ -185,7 +185,7 @@ def test_what_is_finished_is_neither_traced_again_nor_overwritten(
         raise BakeError("the disk is full")
 
     with monkeypatch.context() as patch:
-        patch.setattr("radtex_addon.job.buckets.write_bands", full)
+        patch.setattr("radtex_addon.forms.buckets.bake.write_bands", full)
         with pytest.raises(BakeError, match="full"):
             bake_object(context.scene, "Ball", QUICK, out)
     seen = rendered(monkeypatch)

@@ -25,7 +25,7 @@ from radtex_addon.formats.bucket_files import size_of
 from radtex_addon.formats.exr import read_buckets
 from radtex_addon.formats.sidecar import Source, read_sidecar
 from radtex_addon.job import bake_object, bake_steps
-from radtex_addon.job.prepare import Prepared, prepare
+from radtex_addon.prepare.prepared import Prepared, prepare
 from radtex_addon.preview.swap import copy_of, originals_rendered, switch_off, switch_on
 from radtex_addon.report.eye import Eye
 from radtex_addon.report.side_by_side import Comparison, ComparisonSpec, compare_steps

@@ -19,11 +19,11 @@ from radtex_addon.bake.spec import BakeSpec, Split
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.run import export_steps
-from radtex_addon.export.spec import ExportSpec, Target
 from radtex_addon.formats.glb import Glb
 from radtex_addon.job import bake_object, part_specs
 from radtex_addon.preview.swap import is_on, switch_all_on, switch_off
 from radtex_addon.report.finished import check_whole, find_bake, find_bakes
+from radtex_addon.textures.spec import ExportSpec, Target
 from radtex_addon.ui import registration
 from radtex_addon.ui.request import BakeRequest, values_of
 from tests.blender.fingerprint import differences, fingerprint

@@ -19,7 +19,6 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.gltf import to_gltf
 from radtex_addon.export.run import export_steps
-from radtex_addon.export.spec import ExportSpec, Target
 from radtex_addon.formats.glb import Glb
 from radtex_addon.job import bake_object
 from radtex_addon.job.variants import variants_in
@@ -28,6 +27,7 @@ from radtex_addon.report.eye import Eye
 from radtex_addon.report.finished import find_bakes
 from radtex_addon.report.shown import bakes_of, shown_bake
 from radtex_addon.report.side_by_side import ComparisonSpec, compare_steps
+from radtex_addon.textures.spec import ExportSpec, Target
 from radtex_addon.ui import jobs_panel
 from radtex_addon.worker.handover import hand_over
 from radtex_addon.worker.job import Job, State

@@ -14,7 +14,7 @@ import bpy
 import pytest
 
 from radtex_addon.core.errors import InputError
-from radtex_addon.export.spec import Target
+from radtex_addon.textures.spec import Target
 from radtex_addon.ui import estimates, jobs, panel_state
 from radtex_addon.ui.jobs_panel import phrase
 from radtex_addon.ui.request import BakeRequest, spec_of, values_of

@@ -14,8 +14,8 @@ import blf
 import pytest
 
 from radtex_addon.bake.progress import Stage
-from radtex_addon.export.progress import Task as ExportTask
 from radtex_addon.report.progress import Task
+from radtex_addon.textures.progress import Task as ExportTask
 from radtex_addon.ui import labels, registration
 from radtex_addon.ui import messages as messages_module
 from radtex_addon.ui.labels import remark

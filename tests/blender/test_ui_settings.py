@@ -17,8 +17,8 @@ from radtex_addon.bake.kinds import KINDS, Light
 from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout, Unwrap
 from radtex_addon.core.errors import InputError
 from radtex_addon.cycles.device import GPU_TYPES
-from radtex_addon.export.spec import Target
 from radtex_addon.job.layout_choice import SHARED_CELLS, OpenLayout
+from radtex_addon.textures.spec import Target
 from radtex_addon.ui import choices, registration
 from radtex_addon.ui.output_settings import places
 from radtex_addon.ui.presets import STOCK, RADTEX_OT_preset_add

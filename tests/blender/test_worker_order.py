@@ -22,10 +22,10 @@ from radtex_addon.cli.compare_arguments import parse_compare
 from radtex_addon.cli.export_arguments import parse_export
 from radtex_addon.cli.options import ProgressStyle
 from radtex_addon.core.sampler import Filter
-from radtex_addon.export.progress import Task as ExportTask
-from radtex_addon.export.spec import Arrangement, ExportSpec, Target, TextureFormat
 from radtex_addon.report.eye import Eye
 from radtex_addon.report.side_by_side import ComparisonSpec
+from radtex_addon.textures.progress import Task as ExportTask
+from radtex_addon.textures.spec import Arrangement, ExportSpec, Target, TextureFormat
 from radtex_addon.worker.job import Job, State
 from radtex_addon.worker.order import Handover, Order, Program, Work, command_line
 from radtex_addon.worker.orders import order_bake, order_comparison, order_export

@@ -23,12 +23,12 @@ from mathutils import Matrix
 
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
-from radtex_addon.export.spec import ExportSpec, Target
 from radtex_addon.formats.exr import read_atlas
 from radtex_addon.preview.swap import switch_on
 from radtex_addon.report.comparison_files import read_picture
 from radtex_addon.report.eye import Eye
 from radtex_addon.report.side_by_side import ComparisonSpec
+from radtex_addon.textures.spec import ExportSpec, Target
 from radtex_addon.worker.handover import hand_over, this_program, work_folder
 from radtex_addon.worker.job import Job, State
 from radtex_addon.worker.order import Handover, Program

@@ -17,21 +17,25 @@ from radtex_addon.core.errors import FormatError, InputError, ShapeError
 from radtex_addon.core.levels import level_chain, padded_layout
 from radtex_addon.core.pages import Pages, join_pages
 from radtex_addon.core.slices import from_slices, mip_chain
-from radtex_addon.export.manifest import Arranged, Container, TextureEntry
-from radtex_addon.export.spec import Arrangement, ExportSpec, Target, TextureFormat
-from radtex_addon.export.textures import write_textures
 from radtex_addon.formats.bucket_files import write_buckets
 from radtex_addon.formats.dds import read_texture
 from radtex_addon.formats.exr import read_atlas, read_buckets, write_atlas
 from radtex_addon.formats.ktx2 import read_ktx2
 from radtex_addon.formats.packing import pack
 from radtex_addon.formats.shared_files import texture_path, write_condensed, write_shared
-from radtex_addon.formats.sidecar import Sidecar, write_sidecar
+from radtex_addon.formats.sidecar import Sidecar, read_facts, write_sidecar
 from radtex_addon.formats.texture import PixelFormat, Texture, decode_texture
+from radtex_addon.forms import form_in
+from radtex_addon.textures.entry import Arranged, Container, TextureEntry
+from radtex_addon.textures.spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.shared_atlases import facts_about, random_condensed_atlas, random_shared_atlas
 
 WEB = ExportSpec(Target.WEB)
 RAW = ExportSpec(Target.RAW)
+
+
+def write_textures(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+    return form_in(read_facts(sidecar)).write_textures(sidecar, spec, folder)
 
 
 def bake(folder: Path, width: int = 13, height: int = 6, bucket: int = 8, channels: int = 4) -> Path:

@@ -16,7 +16,7 @@ from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.sampler import Filter
-from radtex_addon.export.manifest import Arranged, Container, Manifest, TextureEntry, write_manifest
+from radtex_addon.export.manifest import Manifest, write_manifest
 from radtex_addon.farm.files import FarmFiles
 from radtex_addon.farm.manifest import Copies
 from radtex_addon.farm.manifest import Manifest as FarmManifest
@@ -31,6 +31,7 @@ from radtex_addon.formats.shared_files import write_condensed, write_shared
 from radtex_addon.formats.sidecar import Content, Part, Sidecar, Source, write_sidecar
 from radtex_addon.formats.texture import ENCODED, PixelFormat, encode_texture
 from radtex_addon.formats.transfer_files import TransferSidecar, write_transfer
+from radtex_addon.textures.entry import Arranged, Container, TextureEntry
 from tests.shared_atlases import facts_about, random_condensed_atlas, random_shared_atlas
 
 PAINTED = "Painted"  # the image of the open file

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Imports point one way.
 
-core <- formats <- bake <- scene <- cycles <- preview, export <- job <- report, farm <- worker <- ui, cli.
+core <- formats <- bake <- scene <- cycles <- preview, textures, prepare <- forms <- export <- job
+<- report, farm <- worker <- ui, cli.
 """
 
 from __future__ import annotations
@@ -26,7 +27,9 @@ ORDER = [
     {"bake"},
     {"scene"},
     {"cycles"},
-    {"preview", "export"},
+    {"preview", "textures", "prepare"},
+    {"forms"},
+    {"export"},
     {"job"},
     {"report", "farm"},
     {"worker"},
@@ -53,7 +56,21 @@ ALLOWED: dict[str, set[str]] = {
     "bake": {"numpy"},
     "scene": {"numpy"} | BLENDER,
 } | dict.fromkeys(
-    ("cycles", "preview", "export", "job", "report", "farm", "worker", "ui", "cli"), {"numpy"} | BLENDER
+    (
+        "cycles",
+        "preview",
+        "textures",
+        "prepare",
+        "forms",
+        "export",
+        "job",
+        "report",
+        "farm",
+        "worker",
+        "ui",
+        "cli",
+    ),
+    {"numpy"} | BLENDER,
 )
 
 # A script that runs in a process without Blender and without the rest of the package.

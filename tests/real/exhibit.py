@@ -125,7 +125,7 @@ class Bake:
     def picture(self, camera: Camera, kind: Filter = Filter.QUADRILINEAR) -> Picture:
         """Linear light (H, W, 3), rows from the top, black beside the head; `kind` is for plain bakes."""
         buffer = self.buffer(camera)
-        if self.finished.layout is Layout.SHARED:
+        if self.finished.form.traits.by_paths:
             return buffer.resolve(self.finished.radiance(buffer))
         pixels, facts = self._atlas
         layout = AtlasLayout(facts.width, facts.height, facts.bucket)

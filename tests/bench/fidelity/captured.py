@@ -19,7 +19,7 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.shared import bilinear
 from radtex_addon.cycles.shared_capture import SharedCapture, capture_shared
-from radtex_addon.job.prepare import Prepared, prepare
+from radtex_addon.prepare.prepared import Prepared, prepare
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene

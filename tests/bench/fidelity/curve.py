@@ -22,8 +22,9 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.shared_files import read_shared
-from radtex_addon.job.condensed import Condensed, check_budget, condense_steps
-from radtex_addon.job.files import facts_of
+from radtex_addon.forms.condensed.condense import check_budget, condense_steps
+from radtex_addon.forms.outcome import Condensed
+from radtex_addon.prepare.facts import facts_of
 
 from .fitted import fit_stage, quality
 from .references import views

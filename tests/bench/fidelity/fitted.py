@@ -14,8 +14,8 @@ import numpy as np
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.shared import SharedAtlas
-from radtex_addon.job.prepare import prepare
-from radtex_addon.job.shared import FittedBake, fit_bake
+from radtex_addon.forms.shared.bake import FittedBake, fit_bake
+from radtex_addon.prepare.prepared import prepare
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene

@@ -43,7 +43,7 @@ from radtex_addon.core.shadow import (
 from radtex_addon.formats.exr import read_render
 from radtex_addon.formats.shadow_files import Words, read_shadow_of
 from radtex_addon.job import bake_object
-from radtex_addon.job.prepare import prepare
+from radtex_addon.prepare.prepared import prepare
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
 from radtex_addon.report.metrics import Picture
 from radtex_addon.scene.nodes import open_world

@@ -24,7 +24,7 @@ from radtex_addon.core.transfer import relight
 from radtex_addon.formats.exr import read_render
 from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
-from radtex_addon.job.prepare import prepare
+from radtex_addon.prepare.prepared import prepare
 from radtex_addon.report.gbuffer import BakedSurface, Rays
 from radtex_addon.report.metrics import Picture
 from radtex_addon.scene.objects import find_object

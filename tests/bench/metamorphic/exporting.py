@@ -18,11 +18,11 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.manifest import read_manifest
 from radtex_addon.export.run import export_steps
-from radtex_addon.export.spec import ExportSpec, Target
 from radtex_addon.formats.exr import read_atlas
 from radtex_addon.formats.glb import Glb
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object
+from radtex_addon.textures.spec import ExportSpec, Target
 from tests.bench.metamorphic.scenes import BODY
 from tests.bench.metamorphic.trial import SPEC, Outcome, Relation, Trial
 

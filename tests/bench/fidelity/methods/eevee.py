@@ -24,7 +24,7 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.errors import BakeError
 from radtex_addon.formats.exr import read_render
-from radtex_addon.job.prepare import prepare
+from radtex_addon.prepare.prepared import prepare
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.report.metrics import Picture
 from radtex_addon.scene.objects import find_object

@@ -12,6 +12,7 @@ from typing import TypeVar, cast
 import bpy
 import numpy as np
 
+from radtex_addon.bake.keeper import KEEPS_NOTHING
 from radtex_addon.bake.progress import Progress, Stage, finished, relayed
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.shared import SharedAtlas, sample_shared
@@ -19,9 +20,8 @@ from radtex_addon.formats.condensed_sizes import texture_bytes
 from radtex_addon.formats.packing import pack
 from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.formats.shared_sidecar import SharedSidecar
-from radtex_addon.job.files import OutputFiles
-from radtex_addon.job.prepare import prepare
-from radtex_addon.job.shared import bake_shared
+from radtex_addon.forms import form_for
+from radtex_addon.prepare.prepared import prepare
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
@@ -51,16 +51,21 @@ class Shared:
     def bake(self, stage: Scene, folder: Path) -> Baked:
         scene = cast(bpy.types.Scene, bpy.context.scene)
         kept: list[bpy.types.ID] = []
-        files = OutputFiles.of(stage.subject.name, self.spec, folder, preview=False)
+        sidecar_path = folder / f"{stage.subject.name}.radiance.json"
         started = perf_counter()
         reached: dict[Stage, float] = {}
         with scratch_scene(scene, None, kept) as scratch:
             item = find_object(scratch, stage.subject.name)
             prepared = _finish(prepare(scratch, [item], self.spec, kept), reached)
-            made = _finish(bake_shared(scratch, self.spec, files, prepared, folder), reached)
+            made = _finish(
+                form_for(self.spec).bake(
+                    scratch, self.spec, sidecar_path, prepared, folder, KEEPS_NOTHING, None
+                ),
+                reached,
+            )
         ended = perf_counter()
         fitted = min(at for at in (*reached.values(), ended) if at > reached[Stage.FIT])
-        atlas, sidecar = read_shared(files.sidecar)
+        atlas, sidecar = read_shared(sidecar_path)
         print(
             f"{stage.name}: captured in {reached[Stage.FIT] - reached[Stage.PROBE]:.1f} s, "
             f"fitted in {fitted - reached[Stage.FIT]:.1f} s, "

@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The form of kind `ao`: an image of buckets of one cell, with a direction and an openness."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from math import ceil, isqrt, sqrt
+from pathlib import Path
+
+import bpy
+
+from ...bake.forms import AMBIENT, FormTraits
+from ...bake.keeper import Keeper
+from ...bake.kinds import KINDS, Kind
+from ...bake.plan import MAX_IMAGE_SIDE
+from ...bake.progress import Progress
+from ...bake.spec import BakeSpec
+from ...bake.thumbnail import Thumbnail
+from ...core.arrays import Floats
+from ...core.atlas import AtlasLayout
+from ...core.surface import SurfaceMesh
+from ...formats.json_reader import Facts
+from ...prepare.prepared import Prepared
+from ...preview.node_group import check_previewable
+from ...preview.occlusion import preview_ambient_material
+from ...textures.progress import Step
+from ..buckets.flat import flat_buckets
+from ..buckets.form import Buckets, layout_in
+from ..form import PreviewOf
+from ..outcome import Outcome
+from .bake import bake_ambient
+
+_OPENNESS = slice(3, None)  # the channel
+
+
+class Ambient(Buckets):
+    """One value a texel: see `forms.form.Form`."""
+
+    traits: FormTraits = AMBIENT
+
+    def bake(
+        self,
+        scratch: bpy.types.Scene,
+        spec: BakeSpec,
+        sidecar: Path,
+        prepared: Prepared,
+        folder: Path,
+        keeper: Keeper,
+        thumbnail: Thumbnail | None,
+    ) -> Generator[Progress, None, Outcome]:
+        return bake_ambient(scratch, spec, sidecar, prepared, folder, keeper, thumbnail)
+
+    def check_previewable(self, spec: BakeSpec) -> None:
+        check_previewable(AtlasLayout(spec.texels, spec.texels, 1))
+
+    def material(self, of: PreviewOf) -> bpy.types.Material:
+        layout, atlas = layout_in(of.sidecar), of.sidecar.with_suffix(".exr")
+        return preview_ambient_material(of.title, atlas, layout, of.uv_layer, of.spec.half)
+
+    def holds(self, facts: Facts) -> bool:
+        kind = facts.text("kind")
+        return kind in tuple(Kind) and KINDS[Kind(kind)].form == self.traits
+
+    def is_of(self, facts: Facts, spec: BakeSpec) -> bool:
+        """The samples are the rays of a texel: with a distance a square of them in each cell."""
+        samples, cells = facts.whole_number("samples", 1), spec.bucket**2
+        if facts.values.get("layers") != []:
+            return False
+        if spec.ao_distance is None:
+            return samples == cells * spec.samples
+        wanted, had = ceil(sqrt(spec.samples)), isqrt(samples // cells)
+        if samples != cells * had**2 or had > wanted:
+            return False
+        largest = max(facts.size("texels")) * spec.bucket
+        return had == wanted or (had + 1) * largest > MAX_IMAGE_SIDE  # a picture had no room for more
+
+    def flat(self, sidecar: Path, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+        yield from ()
+        return flat_buckets(sidecar, surface, _OPENNESS)

@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Kind `shadow`: which directions are blocked, one bit a cell."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ...bake.bands import Bands
+from ...bake.keeper import KEEPS_NOTHING, Keeper
+from ...bake.progress import Progress
+from ...bake.spec import BakeSpec
+from ...bake.thumbnail import Thumbnail
+from ...core.atlas import AtlasLayout
+from ...core.shadow import pack_bits
+from ...formats.atomic import replacing
+from ...formats.shadow_files import write_shadow
+from ...formats.sidecar import Sidecar
+from ...prepare.prepared import Prepared
+from ..occlusion import capture_occlusion
+from ..outcome import Outcome
+
+
+def bake_bits(
+    scratch: bpy.types.Scene,
+    spec: BakeSpec,
+    sidecar: Path,
+    prepared: Prepared,
+    folder: Path,
+    keeper: Keeper = KEEPS_NOTHING,
+    thumbnail: Thumbnail | None = None,
+) -> Generator[Progress, None, Outcome]:
+    """As `Form.bake`."""
+    captured = yield from capture_occlusion(scratch, spec, prepared, folder, keeper, thumbnail)
+    _write(keeper.place(sidecar), captured.bands, prepared.facts(spec), spec)
+    layout = captured.plan.layout
+    return Outcome(
+        images=(sidecar.with_suffix(".exr"),),
+        layout=AtlasLayout(layout.width, layout.height, spec.bucket),
+        covered_texels=len(captured.plan.texel),
+        paths=len(captured.plan.texel) * captured.rays,
+        clamped=0,
+    )
+
+
+def _write(path: Path, bands: Bands, facts: Sidecar, spec: BakeSpec) -> None:
+    """Write the sidecar to `path` and the bits beside it, both or neither."""
+    rows = [pack_bits(band.buckets[..., 0] < 0.5) for band in bands.downwards()]
+    words = np.concatenate(rows[::-1])
+    with replacing(path) as beside:  # left last: it takes its place once the bits are in theirs
+        beside.write_text(facts.to_json(), encoding="utf-8", newline="\n")
+        write_shadow(path.with_suffix(".exr"), words, facts, spec.compression)

@@ -1,0 +1,41 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Folding more samples into an atlas that is there."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+import numpy as np
+
+from ...bake.keeper import Keeper
+from ...bake.progress import Progress
+from ...bake.thumbnail import Thumbnail
+from ...core.arrays import Floats, Ints
+from .recapture import Again
+
+
+def accumulated(
+    again: Again, keeper: Keeper, thumbnail: Thumbnail | None
+) -> Generator[Progress, None, tuple[Floats, int, Ints]]:
+    """Give the chosen texels as many more samples as the specification says, each from where its own ended.
+
+    Returns the atlas (H*n, W*n, 4) float32, the mean over all samples of each texel; how many paths it took;
+    and how many samples a cell each texel has now, (H, W). Raises BakeError where Cycles fails.
+    """
+    plan, counts = again.plan, again.counts
+    more = np.where(again.chosen, again.spec.samples, 0)
+    before = again.buckets()
+    buckets = before.copy()
+    paths = yield from again.capture(buckets, more, counts, keeper, thumbnail)
+    some = plan.placed(again.chosen)
+    both = counts + more
+    new, old = (plan.placed(part / both).astype(np.float32)[some] for part in (more, counts))
+    buckets[some] = _weighted(buckets[some], new) + _weighted(before[some], old)
+    yield from again.fill(buckets)
+    return plan.layout.from_buckets(buckets), paths, plan.placed(both, gutter=True)
+
+
+def _weighted(buckets: Floats, share: Floats) -> Floats:
+    weighted: Floats = buckets * share[:, None, None, None]
+    return weighted

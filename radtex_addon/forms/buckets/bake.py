@@ -1,0 +1,182 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The plain layout: every texel's bucket is captured, cell by cell, and written; layers lie beside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+
+from ...bake.capture import Capture
+from ...bake.hidden import HiddenCells
+from ...bake.keeper import KEEPS_NOTHING, Keeper
+from ...bake.layers import WHOLE, split_layers
+from ...bake.plan import CapturePlan, plan_capture
+from ...bake.progress import Progress, Stage, relayed
+from ...bake.session import BYTES_PER_PIXEL, capture_bands
+from ...bake.spec import BakeSpec, CaptureMethod
+from ...bake.thumbnail import Thumbnail
+from ...core.arrays import Floats
+from ...core.atlas import AtlasLayout
+from ...core.errors import InputError
+from ...core.texel_map import TexelMap
+from ...cycles.layers import LayeredCapture
+from ...cycles.panoramic import PanoramicCapture
+from ...cycles.portal import PortalCapture
+from ...formats.bucket_files import write_bands
+from ...formats.memory import readable_size
+from ...formats.shared_files import layer_path
+from ...formats.sidecar import Content, Sidecar
+from ...prepare.prepared import Prepared
+from ...scene.enclosing_volumes import has_volumes
+from ...scene.proxy_content import show_content_only
+from ..outcome import Outcome
+from .accumulate import accumulated
+from .previous_atlas import read_earlier, with_counts
+from .recapture import Again, chosen_texels
+from .refresh import refreshed
+
+
+def bake_buckets(
+    scratch: bpy.types.Scene,
+    spec: BakeSpec,
+    sidecar: Path,
+    prepared: Prepared,
+    folder: Path,
+    keeper: Keeper = KEEPS_NOTHING,
+    thumbnail: Thumbnail | None = None,
+) -> Generator[Progress, None, Outcome]:
+    """Bake what is prepared; `folder` takes temporary files, the `keeper` every finished tile."""
+    facts = prepared.facts(spec)
+    earlier = read_earlier(sidecar, facts) if spec.accumulate or spec.refresh else None
+    texels = prepared.texels()
+    plan, hidden, facts = yield from plan_buckets(scratch, spec, prepared, texels, folder, keeper)
+    if earlier is None:
+        capture = capture_of(scratch, plan, spec, folder)
+        uncut = has_volumes(scratch)
+        if uncut:
+            _check_sheet(spec)
+        steps = join_buckets(plan, capture, hidden, spec, sidecar, facts, keeper, thumbnail, uncut)
+        return (yield from steps)
+    chosen = chosen_texels(plan, texels, prepared.chosen, spec.where)
+    again = Again(scratch, spec, spec.kind, texels, plan, hidden, earlier, chosen, folder)
+    work = refreshed if spec.refresh else accumulated
+    image, paths, counts = yield from work(again, keeper, thumbnail)
+    whole = [_images(image, plan.layout, spec)]
+    facts = with_counts(facts, counts)
+    return (yield from _write(plan, lambda: iter(whole), spec, sidecar, facts, paths, keeper))
+
+
+def join_buckets(
+    plan: CapturePlan,
+    capture: Capture,
+    hidden: HiddenCells | None,
+    spec: BakeSpec,
+    sidecar: Path,
+    facts: Sidecar,
+    keeper: Keeper = KEEPS_NOTHING,
+    thumbnail: Thumbnail | None = None,
+    uncut: bool = True,
+) -> Generator[Progress, None, Outcome]:
+    """Ask the capture for all tiles of the plan, and write the atlas with its layers, band by band.
+
+    What is written waits at the keeper's places for the files.
+    """
+    memory, channels = spec.tile_mb, spec.channels
+    steps = capture_bands(plan, capture, memory, hidden, keeper, thumbnail, channels, uncut)
+    bands = yield from steps
+    paths = len(plan.texel) * spec.bucket**2 * spec.samples
+
+    def images() -> Iterator[dict[str, Floats]]:
+        for band in bands.downwards():
+            layout = AtlasLayout(plan.layout.width, len(band.buckets), plan.layout.bucket)
+            yield _images(layout.from_buckets(band.buckets), layout, spec)
+
+    return (yield from _write(plan, images, spec, sidecar, facts, paths, keeper))
+
+
+def _check_sheet(spec: BakeSpec) -> None:
+    """Raises InputError where a sheet that cannot be cut takes more memory than is allowed."""
+    needed = spec.sheet**2 * BYTES_PER_PIXEL * spec.channels // WHOLE
+    if spec.memory_mb is not None and needed > spec.tile_mb << 20:
+        raise InputError(
+            f"pictures of a scene with volumes are not cut, and one of {spec.sheet} x {spec.sheet} pixels "
+            f"needs {readable_size(needed)} of memory: allow more (--memory), or take smaller ones (--sheet)"
+        )
+
+
+def bucket_images(spec: BakeSpec, sidecar: Path) -> tuple[Path, ...]:
+    """The atlas and its layers."""
+    return (sidecar.with_suffix(".exr"), *(layer_path(sidecar, layer) for layer in spec.layers))
+
+
+def _images(image: Floats, layout: AtlasLayout, spec: BakeSpec) -> dict[str, Floats]:
+    """An atlas or some of its rows, called "", and its layers by their names."""
+    return {"": image[..., :WHOLE], **split_layers(image, layout, spec.layers)}
+
+
+def _write(
+    plan: CapturePlan,
+    images: Callable[[], Iterator[dict[str, Floats]]],
+    spec: BakeSpec,
+    sidecar: Path,
+    facts: Sidecar,
+    paths: int,
+    keeper: Keeper,
+) -> Generator[Progress, None, Outcome]:
+    layout = plan.layout
+
+    def in_rows(done: int) -> Progress:
+        return Progress(Stage.WRITE, done, layout.height)
+
+    yield in_rows(0)
+    place = keeper.place(sidecar)
+    steps = write_bands(place, images, spec.layers, facts, spec.half, spec.compression)
+    written = yield from relayed(steps, in_rows)
+    return Outcome(bucket_images(spec, sidecar), layout, len(plan.texel), paths, written.clamped)
+
+
+def plan_buckets(
+    scratch: bpy.types.Scene,
+    spec: BakeSpec,
+    prepared: Prepared,
+    texels: TexelMap,
+    folder: Path,
+    keeper: Keeper = KEEPS_NOTHING,
+) -> Generator[Progress, None, tuple[CapturePlan, HiddenCells | None, Sidecar]]:
+    """What to capture in a scene that then shows nothing else, which cells nobody sees, and what that is."""
+    facts = prepared.facts(spec)
+    plan, hidden = yield from _plan(prepared, texels, spec, folder, keeper)
+    if spec.kind.traits.content:
+        named = show_content_only(scratch, prepared.original, spec.content)
+        facts = replace(facts, content=Content(spec.content or "", named))
+    return plan, hidden, facts
+
+
+def _plan(
+    prepared: Prepared, texels: TexelMap, spec: BakeSpec, folder: Path, keeper: Keeper
+) -> Generator[Progress, None, tuple[CapturePlan, HiddenCells | None]]:
+    """What to capture, and which cells of it nobody sees; texels that nobody sees at all cost no path."""
+    plan = plan_capture(texels, spec.bucket, sheet=spec.sheet)
+    if not spec.kind.traits.looks_at_surface:
+        return plan, None
+    hidden = yield from prepared.hidden(plan, texels, folder, keeper)
+    buried = hidden.buried
+    if buried.any():
+        plan = plan_capture(texels, spec.bucket, plan.texel[buried], spec.sheet)
+    return plan, hidden.of_texels(~buried)
+
+
+def capture_of(
+    scratch: bpy.types.Scene, plan: CapturePlan, spec: BakeSpec, folder: Path, whole: bool = False
+) -> Capture:
+    """Set a scratch scene up to capture a plan; `whole` is the portal's."""
+    kind = spec.kind
+    if spec.layers:
+        return LayeredCapture(scratch, plan, kind, spec.layers, spec.samples, spec.seed, folder, whole)
+    if spec.capture is CaptureMethod.PANORAMIC:
+        return PanoramicCapture(scratch, plan, kind, spec.samples, spec.seed, folder)
+    return PortalCapture(scratch, plan, kind, spec.samples, spec.seed, folder, whole=whole)

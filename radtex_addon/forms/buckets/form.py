@@ -1,0 +1,174 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The plain form, behind the interface of all forms."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Generator, Mapping
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ...bake.forms import BUCKETS, FormTraits
+from ...bake.keeper import Keeper
+from ...bake.kinds import KINDS, Kind, Light
+from ...bake.progress import Progress
+from ...bake.spec import BakeSpec
+from ...bake.thumbnail import Thumbnail
+from ...core.arrays import Floats
+from ...core.atlas import AtlasLayout
+from ...core.sampler import Filter, sample
+from ...core.surface import SurfaceMesh
+from ...formats.bucket_files import BASE
+from ...formats.condensed_sizes import Shapes
+from ...formats.exr import read_buckets, stored_compression
+from ...formats.gutter_signature import loss_of
+from ...formats.json_reader import Facts
+from ...formats.sidecar import Sidecar, read_sidecar
+from ...prepare.prepared import Prepared
+from ...preview.material import preview_material
+from ...preview.node_group import check_previewable
+from ...textures.entry import Arranged, Container, TextureEntry
+from ...textures.godot_shader import GodotShader
+from ...textures.progress import Step
+from ...textures.spec import ExportSpec, Target
+from ..form import Opened, PreviewOf
+from ..outcome import Outcome
+from .bake import bake_buckets, bucket_images
+from .flat import flat_buckets, light_channels
+from .godot import buckets_shader
+from .textures import write_buckets
+
+_TEXEL = 80  # bytes of one in an export, for the flat lightmap and what finds it out to be of this mesh
+
+
+class Buckets:
+    """Buckets in one image: see `forms.form.Form`."""
+
+    traits: FormTraits = BUCKETS
+
+    def images(self, spec: BakeSpec, sidecar: Path) -> tuple[Path, ...]:
+        return bucket_images(spec, sidecar)
+
+    def bake(
+        self,
+        scratch: bpy.types.Scene,
+        spec: BakeSpec,
+        sidecar: Path,
+        prepared: Prepared,
+        folder: Path,
+        keeper: Keeper,
+        thumbnail: Thumbnail | None,
+    ) -> Generator[Progress, None, Outcome]:
+        return bake_buckets(scratch, spec, sidecar, prepared, folder, keeper, thumbnail)
+
+    def check_size(self, spec: BakeSpec, width: int, height: int) -> None:
+        """Any size that a specification can have will do."""
+
+    def check_previewable(self, spec: BakeSpec) -> None:
+        check_previewable(AtlasLayout(spec.texels, spec.texels, spec.bucket))
+
+    def material(self, of: PreviewOf) -> bpy.types.Material:
+        layout, atlas = layout_in(of.sidecar), of.sidecar.with_suffix(".exr")
+        return preview_material(of.title, atlas, layout, of.uv_layer, of.filter, of.spec.half, of.hull)
+
+    def holds(self, facts: Facts) -> bool:
+        kind = facts.text("kind")  # a bake of an unknown kind is read as plain buckets
+        return kind not in tuple(Kind) or KINDS[Kind(kind)].form in (None, self.traits)
+
+    def is_of(self, facts: Facts, spec: BakeSpec) -> bool:
+        layers = facts.values.get("layers") == list(spec.layers)
+        return layers and has_samples_and_cells(facts, spec)
+
+    def read_sidecar(self, sidecar: Path) -> Sidecar:
+        return read_sidecar(sidecar)
+
+    def open(self, sidecar: Path) -> Opened:
+        pixels, facts = read_buckets(sidecar)
+        image, layout = sidecar.with_suffix(".exr"), AtlasLayout(facts.width, facts.height, facts.bucket)
+        compression = stored_compression(image)
+
+        def lookup(uv: Floats, normal: Floats, viewer: Floats, incidence: Floats) -> Floats:
+            return sample(pixels, layout, uv, incidence, Filter.QUADRILINEAR)[:, :3]
+
+        return Opened(
+            sidecar=facts,
+            images=(image,),
+            lookup=lookup,
+            texels=layout.to_buckets(pixels)[..., :3].reshape(facts.height, facts.width, -1),
+            compression=compression,
+            loss=loss_of(compression),
+        )
+
+    def shapes(self, sidecar: Path, texels: int = 1, cells: int = 1) -> Shapes:
+        facts = read_sidecar(sidecar)
+        side = facts.bucket * cells * texels
+        return {"": (facts.width * side, facts.height * side, 4)}
+
+    def expanded_bytes(self, sidecar: Path) -> int:
+        return 0
+
+    def export_bytes(self, sidecar: Path) -> int:
+        facts = read_sidecar(sidecar)
+        return _TEXEL * facts.width * facts.height
+
+    def textures_of(self, facts: Facts, present: Collection[str]) -> tuple[str, ...]:
+        kind = Sidecar.from_facts(facts).kind
+        return (kind, *(layer for layer in facts.texts("layers") if layer in present))
+
+    def flat(self, sidecar: Path, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+        yield from ()
+        leaves = Kind(read_sidecar(sidecar).kind).traits.light is Light.LEAVING
+        return flat_buckets(sidecar, surface, light_channels(sidecar) if leaves else slice(3))
+
+    def write_textures(self, sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+        return write_buckets(sidecar, spec, folder)
+
+    def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:
+        return ("radtex",)
+
+    def usage(
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
+    ) -> list[str]:
+        entry, n = textures[bake["kind"]], bake["bucket"]
+        if entry.arrangement is Arranged.SLICES:
+            return [f"radtex_slices(slices, {n}, uv, I), of a texture array with {n} x {n} layers"]
+        size = "({}, {})".format(*bake["texels"])
+        lookups = [f"radtex_sample(atlas, {size}, {n}, uv, I, RADTEX_QUADRILINEAR)"]
+        if entry.levels > 1:
+            level = f"radtex_level(uv, {size}, {entry.levels})"
+            lookups.append(f"radtex_sample_level(atlas, {size}, {n}, uv, I, {level})")
+        if BASE in textures:
+            lookups.append(
+                "base: an image, looked up at uv by plain bilinear filtering; base + rest is the whole"
+            )
+        return [*defines(entry, target), *lookups]
+
+    def godot_shader(
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], baked: Floats
+    ) -> GodotShader:
+        return buckets_shader(bake, textures)
+
+
+def layout_in(sidecar: Path) -> AtlasLayout:
+    """The atlas's layout, by its sidecar. Raises FormatError."""
+    facts = read_sidecar(sidecar)
+    return AtlasLayout(facts.width, facts.height, facts.bucket)
+
+
+def has_samples_and_cells(facts: Facts, spec: BakeSpec) -> bool:
+    """Whether a sidecar has the samples and cells of a specification. Raises FormatError."""
+    samples, cells = facts.whole_number("samples", 1), facts.whole_number("bucket", 1)
+    return (samples, cells) == (spec.samples, spec.bucket)
+
+
+def defines(entry: TextureEntry, target: Target) -> list[str]:
+    """What a shader defines for a matrix of buckets."""
+    lines = []
+    if entry.layers > 1:
+        columns, rows, across, up = (*entry.pages, *entry.page_texels)
+        lines.append(f"#define RADTEX_PAGES, pages = ({columns}, {rows}, {across}, {up})")
+    if entry.container is Container.EXR and target is Target.UNREAL:
+        lines.append("#define RADTEX_TOP_DOWN")
+    return lines

@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The atlas that is there, as one that more may be folded into, or that may be baked again in places."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ...core.arrays import Floats, Ints
+from ...core.errors import InputError
+from ...formats.exr import read_buckets
+from ...formats.sample_counts import count_text, read_counts
+from ...formats.sidecar import Sidecar
+
+
+@dataclass(frozen=True, eq=False)
+class Earlier:
+    """An earlier bake: its atlas (H*n, W*n, 4) float32, and each texel's samples a cell, (H, W)."""
+
+    pixels: Floats
+    counts: Ints
+
+
+def read_earlier(sidecar: Path, bake: Sidecar) -> Earlier:
+    """The atlas beside a `sidecar`, as one that `bake` may be folded into.
+
+    Raises InputError where it is of another mesh, size or capture, FormatError as `exr.read_buckets` does.
+    """
+    pixels, earlier = read_buckets(sidecar)
+    differs = _difference(earlier, bake)
+    if differs is None and pixels.shape[2] != 4:
+        differs = f"has {pixels.shape[2]} channels, not 4"
+    if differs is not None:
+        atlas = sidecar.with_suffix(".exr")
+        raise InputError(f"{atlas} {differs}: accumulate onto an atlas of its own, or bake anew")
+    counts: Ints = np.full((earlier.height, earlier.width), earlier.samples, dtype=np.int64)
+    if earlier.texel_samples:
+        counts = read_counts(earlier.texel_samples, earlier.width, earlier.height, str(sidecar))
+    return Earlier(pixels.astype(np.float32), counts)
+
+
+def with_counts(bake: Sidecar, counts: Ints) -> Sidecar:
+    """The sidecar of a bake whose texels have so many samples, (H, W): `samples` are the fewest."""
+    return replace(bake, samples=int(counts.min()), texel_samples=count_text(counts))
+
+
+def _difference(earlier: Sidecar, bake: Sidecar) -> str | None:  # noqa: PLR0911 (a line for each reason)
+    if not earlier.mesh:
+        return "does not say of which mesh it is, as bakes of older RadTexes do not"
+    if earlier.objects != bake.objects:
+        return "is of other objects, or names them in another order"
+    sizes = [(one.width, one.height, one.bucket) for one in (earlier, bake)]
+    if sizes[0] != sizes[1]:
+        told = ["{} x {} texels of {} cells".format(*size) for size in sizes]
+        return f"has {told[0]}, this bake {told[1]}"
+    if earlier.mesh != bake.mesh:
+        return "is of another mesh, or of the same unwrapped otherwise"
+    if earlier.source != bake.source:
+        return "shows what another object does, or was looked for at another distance"
+    if earlier.lights != bake.lights:
+        return "is of other lamps"
+    if earlier.layers:
+        return "has layers, which are not accumulated"
+    if earlier.capture != bake.capture:
+        return f"was captured by {earlier.capture}, not by {bake.capture}"
+    return None

@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Capturing texels of an atlas that is there, some or all, each with as many samples as it is to get."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ...bake.filling import fill_missing
+from ...bake.hidden import HiddenCells
+from ...bake.keeper import Drawer, Keeper
+from ...bake.plan import CapturePlan, plan_capture
+from ...bake.progress import Progress, Stage, relayed
+from ...bake.session import fill_atlas
+from ...bake.spec import BakeSpec, Kind
+from ...bake.thumbnail import Thumbnail
+from ...core.arrays import Bools, Floats, Ints
+from ...core.errors import InputError
+from ...core.texel_map import TexelMap
+from ...cycles.portal import PortalCapture
+from ...scene.enclosing_volumes import has_volumes
+from ...scene.scratch import scene_copied
+from .previous_atlas import Earlier
+
+
+@dataclass(frozen=True, eq=False)
+class Again:
+    """The texels of a `plan`, as a scratch scene shows them now, and the `earlier` atlas of them.
+
+    Nobody sees the `hidden` cells. The plan's texels that count are `chosen` (K,).
+    """
+
+    scene: bpy.types.Scene
+    spec: BakeSpec
+    kind: Kind
+    texels: TexelMap
+    plan: CapturePlan
+    hidden: HiddenCells | None
+    earlier: Earlier
+    chosen: Bools
+    folder: Path
+
+    @property
+    def counts(self) -> Ints:
+        """How many samples a cell the plan's texels have: (K,)."""
+        counts: Ints = self.earlier.counts.ravel()[self.plan.texel]
+        return counts
+
+    def buckets(self) -> Floats:
+        """The earlier atlas's, a copy: (H, W, n, n, 4)."""
+        copy: Floats = self.plan.layout.to_buckets(self.earlier.pixels).copy()
+        return copy
+
+    def part(self, some: Bools, bucket: int) -> CapturePlan:
+        """A plan of `some` (K,) of the texels alone, with buckets of so many cells a side."""
+        others = np.setdiff1d(np.flatnonzero(self.texels.covered), self.plan.texel[some])
+        return plan_capture(self.texels, bucket, others, self.spec.sheet)
+
+    def capture(
+        self, buckets: Floats, samples: Ints, first: Ints, keeper: Keeper, thumbnail: Thumbnail | None
+    ) -> Generator[Progress, None, int]:
+        """Put new cells of the plan's texels into `buckets` (H, W, n, n, 4); returns how many paths it took.
+
+        Each texel gets `samples` (K,), none where that is 0, from number `first` (K,) on. Raises BakeError
+        where Cycles fails.
+        """
+        layout, wanted = self.plan.layout, samples > 0
+        done, paths, total = 0, 0, int(wanted.sum())
+        for start, number in np.unique(np.stack([first, samples], axis=1)[wanted], axis=0).tolist():
+            some = (first == start) & (samples == number)
+            part = self.part(some, layout.bucket)
+            with scene_copied(self.scene) as scene:
+                capture = PortalCapture(
+                    scene, part, self.kind, number, self.spec.seed, self.folder, first=start
+                )
+                drawer = Drawer(keeper, f"{start}-{number}-")
+                memory, uncut = self.spec.tile_mb, has_volumes(scene)
+                steps = fill_atlas(part, capture, memory, None, drawer, thumbnail, uncut=uncut)
+                image = yield from relayed(steps, partial(_after, done, total))
+            buckets[part.covered] = layout.to_buckets(image)[part.covered]
+            done += len(part.texel)
+            paths += len(part.texel) * layout.bucket**2 * number
+        return paths
+
+    def fill(self, buckets: Floats) -> Generator[Progress, None, None]:
+        """Fill gutters and hidden cells from what is there, in place."""
+        hidden = self.hidden
+        marks = None if hidden is None else self.plan.placed(hidden.cells)
+        yield from fill_missing(buckets, self.plan.covered, marks)
+
+
+def chosen_texels(plan: CapturePlan, texels: TexelMap, triangles: Bools | None, where: str | None) -> Bools:
+    """The plan's texels (K,) that lie on chosen `triangles` (F,), or all for None.
+
+    Raises InputError where there are none, with the name of the place.
+    """
+    if triangles is None:
+        return np.ones(len(plan.texel), dtype=bool)
+    chosen: Bools = triangles[texels.triangle.ravel()[plan.texel]]
+    if not chosen.any():
+        raise InputError(f"the atlas shows no face of '{where}': name another place, or bake more texels")
+    return chosen
+
+
+def _after(done: int, total: int, step: Progress) -> Progress:
+    """A group's progress among that of all."""
+    return Progress(step.stage, done + step.done, total) if step.stage is Stage.CAPTURE else step

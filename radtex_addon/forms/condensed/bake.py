@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake in the shared layout within a size or quality: fitted as the shared one, then condensed."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from pathlib import Path
+
+import bpy
+
+from ...bake.keeper import KEEPS_NOTHING, Keeper
+from ...bake.progress import Progress
+from ...bake.spec import BakeSpec
+from ...bake.thumbnail import Thumbnail
+from ...formats.shared_files import texture_path
+from ...prepare.prepared import Prepared
+from ..outcome import Outcome
+from ..shared.bake import atlas_layout, facts_with_fireflies, fit_bake
+from .condense import check_budget, condense_steps
+
+
+def bake_condensed(
+    scratch: bpy.types.Scene,
+    spec: BakeSpec,
+    sidecar: Path,
+    prepared: Prepared,
+    folder: Path,
+    keeper: Keeper = KEEPS_NOTHING,
+    thumbnail: Thumbnail | None = None,
+) -> Generator[Progress, None, Outcome]:
+    """As `Form.bake`. Raises InputError for a budget that is too small for its texels."""
+    check_budget(spec, prepared.width, prepared.height)
+    fitted = yield from fit_bake(scratch, spec, prepared, folder, keeper, thumbnail)
+    facts = facts_with_fireflies(fitted, prepared.facts(spec))
+    steps = condense_steps(keeper.place(sidecar), fitted.atlas, fitted.plan, spec, facts)
+    written, condensed = yield from steps
+    return Outcome(
+        images=tuple(texture_path(sidecar, layer) for layer in written.bake.layers),
+        layout=atlas_layout(fitted, spec),
+        covered_texels=len(fitted.plan.texel),
+        paths=fitted.paths,
+        clamped=written.bake.clamped,
+        fireflies=fitted.fireflies,
+        condensed=condensed,
+    )

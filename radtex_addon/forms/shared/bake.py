@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shared layout: single paths are captured, an atlas is fitted to them, and written as several images."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Generator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import bpy
+
+from ...bake.fit import fit_shared
+from ...bake.keeper import KEEPS_NOTHING, Keeper
+from ...bake.plan import CapturePlan
+from ...bake.progress import Progress, Stage
+from ...bake.rays import FINER
+from ...bake.spec import BakeSpec
+from ...bake.thumbnail import Thumbnail
+from ...core.atlas import AtlasLayout
+from ...core.shared import SharedAtlas
+from ...cycles.shared_capture import capture_shared
+from ...formats.shared_files import layer_path, write_shared
+from ...formats.sidecar import Sidecar
+from ...prepare.prepared import Prepared
+from ..outcome import Outcome
+
+_TOLD = 0.01  # of the light: less of it lost needs no word
+_LOST = (
+    "%.1f %% of the light of '%s' is lost as fireflies, which single paths brought and no others: "
+    "take more samples, or a larger lamp"
+)
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class FittedBake:
+    """What a bake in the shared layout comes to before it is written: the `atlas` of the `plan`'s texels."""
+
+    atlas: SharedAtlas
+    plan: CapturePlan
+    paths: int
+    fireflies: float
+
+
+def bake_shared(
+    scratch: bpy.types.Scene,
+    spec: BakeSpec,
+    sidecar: Path,
+    prepared: Prepared,
+    folder: Path,
+    keeper: Keeper = KEEPS_NOTHING,
+    thumbnail: Thumbnail | None = None,
+) -> Generator[Progress, None, Outcome]:
+    """Bake what is prepared; `folder` takes temporary files, the `keeper` every render and the files."""
+    fitted = yield from fit_bake(scratch, spec, prepared, folder, keeper, thumbnail)
+    yield Progress(Stage.WRITE, 0, 1)
+    facts = facts_with_fireflies(fitted, prepared.facts(spec))
+    written = write_shared(keeper.place(sidecar), fitted.atlas, facts, spec.half, spec.compression)
+    return Outcome(
+        images=tuple(layer_path(sidecar, layer) for layer in written.bake.layers),
+        layout=atlas_layout(fitted, spec),
+        covered_texels=len(fitted.plan.texel),
+        paths=fitted.paths,
+        clamped=written.bake.clamped,
+        fireflies=fitted.fireflies,
+    )
+
+
+def atlas_layout(fitted: FittedBake, spec: BakeSpec) -> AtlasLayout:
+    """The atlas's size with the buckets of a specification."""
+    return AtlasLayout(fitted.plan.layout.width, fitted.plan.layout.height, spec.bucket)
+
+
+def facts_with_fireflies(fitted: FittedBake, facts: Sidecar) -> Sidecar:
+    """The sidecar with the share of light that the fit lost; much of it is worth a warning."""
+    if fitted.fireflies > _TOLD:
+        _log.warning(_LOST, 100 * fitted.fireflies, facts.object_name)
+    return replace(facts, fireflies=round(fitted.fireflies, 6))
+
+
+def fit_bake(
+    scratch: bpy.types.Scene,
+    spec: BakeSpec,
+    prepared: Prepared,
+    folder: Path,
+    keeper: Keeper = KEEPS_NOTHING,
+    thumbnail: Thumbnail | None = None,
+) -> Generator[Progress, None, FittedBake]:
+    """Capture the scratch scene's object and fit an atlas to it; errors as in `Form.bake`."""
+    texels = prepared.texels()
+    capture = yield from capture_shared(
+        scratch,
+        prepared.original,
+        prepared.mesh,
+        prepared.matrix_world,
+        texels,
+        prepared.texels(FINER),
+        spec.rays,
+        spec.seed,
+        folder,
+        keeper,
+        thumbnail,
+    )
+    fitted = yield from fit_shared(
+        capture.light, capture.ends, capture.surroundings, capture.colour, cells=spec.bucket
+    )
+    return FittedBake(fitted.atlas, capture.plan, capture.paths, fitted.fireflies)

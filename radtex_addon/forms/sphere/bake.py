@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Kind `transfer`: the object is captured under suns all around, and each texel's bucket fitted to them."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ...bake.keeper import KEEPS_NOTHING, Keeper
+from ...bake.plan import CapturePlan
+from ...bake.progress import Progress, Stage
+from ...bake.spec import BakeSpec, View
+from ...bake.thumbnail import Thumbnail
+from ...bake.transfer import fit_buckets
+from ...bake.transfer_views import view_shift, views_along
+from ...core.arrays import Floats
+from ...core.atlas import AtlasLayout
+from ...cycles.transfer import Lit, capture_under_suns
+from ...formats.transfer_files import TransferSidecar, write_transfer
+from ...prepare.prepared import Prepared
+from ...scene.eye import find_eye
+from ...scene.scratch import scene_copied
+from ..outcome import Outcome
+
+
+def bake_transfer(
+    scratch: bpy.types.Scene,
+    spec: BakeSpec,
+    sidecar: Path,
+    prepared: Prepared,
+    folder: Path,
+    keeper: Keeper = KEEPS_NOTHING,
+    thumbnail: Thumbnail | None = None,
+) -> Generator[Progress, None, Outcome]:
+    """Bake what is prepared; `folder` takes temporary files, the `keeper` every finished render."""
+    eye = find_eye(scratch) if spec.view is View.CAMERA else None
+    views = views_along(spec.view)
+    plan = yield from prepared.plan_of_seen(views, folder, keeper)
+    suns, shift = spec.bucket**2, view_shift(plan, eye)
+    with scene_copied(scratch) as scene:
+        lit = yield from capture_under_suns(
+            scene, plan, shift, suns, spec.samples, spec.seed, folder, keeper, thumbnail
+        )
+    atlas = yield from _atlas(plan, lit, spec.bucket)
+    yield Progress(Stage.WRITE, 0, 1)
+    layout = AtlasLayout(plan.layout.width, plan.layout.height, spec.bucket)
+    facts = prepared.facts(spec)
+    place = None if eye is None else (*eye.place, 0.0 if eye.far else 1.0)
+    described = TransferSidecar(facts, suns, spec.view, place, views)
+    written = write_transfer(keeper.place(sidecar), atlas, described, spec.half, spec.compression)
+    count = len(plan.texel)
+    paths = count * views**2 * suns * spec.samples
+    return Outcome((sidecar.with_suffix(".exr"),), layout, count, paths, written.bake.clamped)
+
+
+def _atlas(plan: CapturePlan, lit: Lit, n: int) -> Generator[Progress, None, Floats]:
+    """The image (H*k*n, W*k*n, 4) float32 of k x k views, gutter filled."""
+    layout, k = plan.layout, plan.layout.bucket
+    atlas = np.empty((layout.height, k, n, layout.width, k, n, 4), dtype=np.float32)
+    for view in range(k * k):
+        light = yield from fit_buckets(plan, lit.light[:, :, view], n)
+        alpha = np.repeat(lit.alpha[:, view, None, None].astype(np.float32), n * n, axis=1)
+        rgba = np.concatenate([light, alpha], axis=2).reshape(-1, n, n, 4)
+        atlas[:, view // k, :, :, view % k] = plan.placed(rgba, gutter=True).transpose(0, 2, 1, 3, 4)
+    return atlas.reshape(layout.height * k * n, layout.width * k * n, 4)

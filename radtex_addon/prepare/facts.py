@@ -1,0 +1,43 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The facts in the sidecar that do not depend on how a bake is stored."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..bake.spec import BakeSpec
+from ..formats.sidecar import Part, Sidecar, Source
+from ..version import VERSION
+
+
+def facts_of(
+    name: str,
+    spec: BakeSpec,
+    width: int,
+    height: int,
+    uv_layer: str,
+    mesh: str = "",
+    source: Source | None = None,
+    part: Part | None = None,
+) -> Sidecar:
+    """What the sidecar says of a bake called `name`, `width` x `height` texels large."""
+    return Sidecar(
+        object_name=name,
+        kind=spec.kind,
+        width=width,
+        height=height,
+        bucket=spec.bucket,
+        uv_map=uv_layer,
+        samples=spec.samples,
+        seed=spec.seed,
+        capture=spec.capture,
+        tool=f"RadTex {VERSION}",
+        blender=bpy.app.version_string,
+        mesh=mesh,
+        source=source,
+        frame=spec.frame,
+        lights=spec.lights,
+        objects=spec.objects,
+        part=part,
+    )

@@ -1,0 +1,38 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake's shader in Godot: a template of the project, and what fills it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .entry import TextureEntry
+
+
+@dataclass(frozen=True)
+class GodotShader:
+    """A template, what to write for its words, the material's `parameters`, and its textures by uniform.
+
+    `parameters` are written as Godot's text resources are.
+    """
+
+    template: str
+    words: Mapping[str, str]
+    includes: tuple[str, ...]
+    parameters: Mapping[str, str]
+    textures: Mapping[str, TextureEntry]
+
+
+def integers(values: Any) -> str:
+    """A vector of whole numbers as Godot's text resources have it."""
+    return f"Vector{len(values)}i({', '.join(str(int(value)) for value in values)})"
+
+
+def number_list(values: npt.ArrayLike) -> str:
+    """All numbers of an array, separated by commas."""
+    return ", ".join(repr(float(value)) for value in np.asarray(values, dtype=np.float64).ravel())
