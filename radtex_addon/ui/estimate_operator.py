@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import bpy
 
 from . import estimates
+from .forecast import chosen_objects
 from .labels import duration, remark
 from .operator import can_bake, shown
-from .panel_state import chosen_objects
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems

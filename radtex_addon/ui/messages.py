@@ -10,7 +10,7 @@ import blf
 import bpy
 
 from .labels import iface_, remark
-from .panel_state import Outlook
+from .panel_state import Forecast
 from .settings import BakeSettings
 
 _UI_FONT = 0
@@ -41,7 +41,7 @@ def wrapped(text: str, room: float) -> list[str]:
     return lines
 
 
-def draw_remarks(layout: Any, settings: BakeSettings, found: Outlook) -> None:
+def draw_remarks(layout: Any, settings: BakeSettings, found: Forecast) -> None:
     """Draw errors, the settings that would fix them, and warnings."""
     if found.shown and len(found.errors) == len(found.shown):
         draw_text(layout.box(), iface_("The bake is shown here. Switch it off to bake anew"), "HIDE_OFF")
@@ -59,7 +59,7 @@ def draw_remarks(layout: Any, settings: BakeSettings, found: Outlook) -> None:
         draw_text(layout.box(), remark(message, found.folder), "INFO")
 
 
-def _draw_remedies(column: Any, settings: BakeSettings, found: Outlook) -> None:
+def _draw_remedies(column: Any, settings: BakeSettings, found: Forecast) -> None:
     """Draw each remedy as a setting, or as a button that applies it at once."""
     if "directory" in found.remedies:
         column.operator("wm.save_as_mainfile", text="Save File…", icon="FILE_TICK")

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, cast
 import bpy
 from bpy.props import BoolProperty, StringProperty
 
+from .forecast import chosen_objects
 from .labels import remark
-from .panel_state import chosen_objects
 from .settings import NAMES, BakeSettings
 
 if TYPE_CHECKING:
@@ -76,8 +76,8 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         """Bake in this process and report each object."""
         from ..core.sampler import Filter
         from ..job import bake_object
-        from ..job.unwrapping import Unwraps
         from ..job.variants import announce_all, variant_of
+        from ..prepare.unwrapping import Unwraps
 
         _check(scene, names, request)
         preview = Filter.QUADRILINEAR if request.preview else None

@@ -7,28 +7,26 @@ Handlers only mark the cache stale; a timer recomputes it once nothing has chang
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import bpy
 from bpy.app.handlers import persistent
 
-from .bake_lookup import selected_meshes
 from .redraw import redraw
 
 if TYPE_CHECKING:
     from ..bake.cost import Cost
     from ..bake.spec import BakeSpec
-    from .settings import BakeSettings
 
 _QUIET = 0.3  # seconds without a change before recomputing, so that dragging stays fluid
-_PATIENCE = 0.05  # seconds that examining the objects may take
 
 
 @dataclass(frozen=True)
-class Outlook:
+class Forecast:
     """What to expect of a bake of the chosen objects: errors, warnings, and the most that any of them costs.
 
     `spec` and `cost` are None if the settings are invalid. `seconds` is the time of all objects; None if it
@@ -53,34 +51,31 @@ class Outlook:
     layout: str = ""
 
 
+Compute: TypeAlias = Callable[[bpy.types.Scene, bpy.types.ViewLayer], Forecast]
+
+
 @dataclass
 class _Cache:
-    found: dict[tuple[int, str], Outlook]
+    compute: Compute | None  # set while the add-on is registered
+    found: dict[tuple[int, str], Forecast]
     changed: float = 0.0
     looking: bool = False  # ignore the depsgraph updates that our own evaluation causes
 
 
-_cache = _Cache({})
+_cache = _Cache(None, {})
 
 
-def chosen_objects(view_layer: bpy.types.ViewLayer) -> tuple[str, ...]:
-    """Names of the objects to bake: the selected meshes, or else the active one; originals, not previews."""
-    from ..preview.swap import original_of
-
-    found = (original_of(item) or item for item in selected_meshes(view_layer))
-    return tuple(sorted({item.name for item in found}))
-
-
-def outlook_of(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outlook | None:
-    """The cached outlook; None if the timer has not computed it yet."""
+def cached_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Forecast | None:
+    """The cached forecast; None if the timer has not computed it yet."""
     return _cache.found.get(_key(scene, view_layer))
 
 
-def refresh(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outlook:
-    """Compute the outlook and cache it."""
+def refresh(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Forecast:
+    """Compute the forecast and cache it; the add-on must be registered."""
+    assert _cache.compute is not None
     _cache.looking = True
     try:
-        found = _cache.found[_key(scene, view_layer)] = _work_out(scene, view_layer)
+        found = _cache.found[_key(scene, view_layer)] = _cache.compute(scene, view_layer)
     finally:
         _cache.looking = False
     return found
@@ -96,8 +91,9 @@ def mark_stale(*_: object) -> None:
         bpy.app.timers.register(_tick, first_interval=_QUIET, persistent=True)
 
 
-def register() -> None:
-    """Add the handlers that mark the cache stale."""
+def register(compute: Compute) -> None:
+    """Add the handlers that mark the cache stale, and fill it by `compute` from now on."""
+    _cache.compute = compute
     for handlers in _lists():
         handlers.append(mark_stale)
     mark_stale()
@@ -111,6 +107,7 @@ def unregister() -> None:
     if bpy.app.timers.is_registered(_tick):
         bpy.app.timers.unregister(_tick)
     _cache.found.clear()
+    _cache.compute = None
 
 
 def _tick() -> float | None:
@@ -138,51 +135,3 @@ def _lists() -> tuple[list[object], ...]:
 
 def _key(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> tuple[int, str]:
     return scene.session_uid, view_layer.name
-
-
-def _work_out(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Outlook:
-    from ..bake.cost import cost_of
-    from ..core.errors import InputError
-    from ..preview.swap import is_on
-    from . import estimates
-    from .layouts import chosen_layouts, told_layouts
-    from .request import BakeRequest, has_folder, spec_of, values_of
-    from .surfaces import have_own_atlases
-
-    names = chosen_objects(view_layer)
-    settings: BakeSettings = scene.radtex  # type: ignore[attr-defined]  # ours, not Blender's
-    values = values_of(settings)
-    try:
-        asked = spec_of(values)
-        chosen = chosen_layouts(scene, names, values, asked, _PATIENCE)
-    except InputError as error:
-        return Outlook(names, (str(error),), ())
-    costs = {choice.spec: cost_of(choice.spec) for _, choice in chosen}
-    spec = max(costs, key=lambda one: costs[one].gpu)
-    cost, seconds, layout = costs[spec], None, told_layouts(values, chosen)
-    if have_own_atlases(values, asked, len(names)) and len(chosen) >= len(names):
-        seconds = estimates.seconds_known(scene, [(name, choice.spec) for name, choice in chosen if name])
-    try:
-        request = BakeRequest.of(values)
-    except InputError as error:
-        wanting = () if has_folder(values) else ("directory",)
-        return Outlook(names, (str(error),), (), spec, cost, seconds, remedies=wanting, layout=layout)
-    seen = request.foreseen(scene, names, _PATIENCE)
-    if seconds is not None and not seen.errors:
-        seconds *= len(request.specs(scene))
-    remedies = request.remedies(scene, names, _PATIENCE) if seen.errors else {}
-    forgets = not seen.errors and request.forgets(scene, names, _PATIENCE)
-    return Outlook(
-        names,
-        seen.errors,
-        seen.warnings,
-        spec,
-        cost,
-        seconds,
-        request.folder,
-        remedies=tuple(remedies),
-        baked=remedies == {"overwrite": 0},
-        forgets=forgets,
-        shown=tuple(name for name in names if is_on(scene.objects[name])),
-        layout=layout,
-    )

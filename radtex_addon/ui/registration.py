@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from . import defaults, estimates, finished_panel, jobs, keys, panel_state, presets
+from . import defaults, estimates, finished_panel, forecast, jobs, keys, panel_state, presets
 from .cost import RADTEX_PT_cost
 from .estimate_operator import RADTEX_OT_estimate
 from .job_operators import (
@@ -56,7 +56,7 @@ def register() -> None:
     presets.register()
     keys.register()
     defaults.register()
-    panel_state.register()
+    panel_state.register(forecast.compute_forecast)
 
 
 def unregister() -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Update callback that settings share: a change makes the panel's cached outlook stale."""
+"""Update callback that settings share: a change makes the panel's cached forecast stale."""
 
 from __future__ import annotations
 

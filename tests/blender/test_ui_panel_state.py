@@ -17,7 +17,7 @@ from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.job.preflight import foresee
 from radtex_addon.ui import estimates, panel_state
 from radtex_addon.ui.cost import figures
-from radtex_addon.ui.panel_state import Outlook
+from radtex_addon.ui.panel_state import Forecast
 from radtex_addon.ui.request import spec_of, values_of
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
@@ -39,15 +39,15 @@ def plane(name: str = "Card") -> None:
     context.object.data.materials.append(stage.material(name, "ShaderNodeBsdfGlossy", Roughness=0.3))
 
 
-def seen() -> Outlook:
+def seen() -> Forecast:
     return panel_state.refresh(context.scene, context.view_layer)
 
 
 def test_nothing_is_known_before_it_was_worked_out_and_then_it_is_kept() -> None:
     panel_state._cache.found.clear()
-    assert panel_state.outlook_of(context.scene, context.view_layer) is None
+    assert panel_state.cached_forecast(context.scene, context.view_layer) is None
     found = seen()
-    assert panel_state.outlook_of(context.scene, context.view_layer) is found
+    assert panel_state.cached_forecast(context.scene, context.view_layer) is found
 
 
 def test_the_selected_meshes_are_baked_or_else_the_active_one() -> None:
@@ -67,7 +67,7 @@ def test_the_selected_meshes_are_baked_or_else_the_active_one() -> None:
 def test_what_would_fail_is_said_in_place(tmp_path: Path) -> None:
     plane()
     spec, out = spec_of(values_of(settings())), tmp_path / "out"
-    assert seen() == Outlook(("Card",), (), (), spec, seen().cost, folder=out)
+    assert seen() == Forecast(("Card",), (), (), spec, seen().cost, folder=out)
     context.object.hide_render = True
     assert "is hidden from render" in seen().errors[0]
     context.object.hide_render = False

@@ -128,7 +128,7 @@ def test_variants_that_cannot_be_are_named(choice: dict[str, Any], words: str) -
         ops.radtex.bake(**choice)
 
 
-def test_the_outlook_looks_at_every_variant(out: Path) -> None:
+def test_the_forecast_looks_at_every_variant(out: Path) -> None:
     settings().variants = "lamps"
     assert panel_state.refresh(context.scene, context.view_layer).errors == ()
     assert ops.radtex.bake() == {"FINISHED"}
