@@ -50,6 +50,8 @@ def paths_needed(spec: BakeSpec, probe: Probe) -> int:
     covered = round(probe.covered * _growth(spec, probe))
     if spec.form.by_paths:
         return spec.rays.most(covered)
+    if not spec.kind.traits.samples:  # how many rays a cell sends depends on the scene, which the probe knows
+        return round(probe.paths * _growth(spec, probe))
     return covered * spec.bucket**2 * spec.samples
 
 

@@ -9,6 +9,7 @@ from math import ceil, sqrt
 
 FINER = 4  # the diffuse colour has so many times the texels along each side, as it needs no light
 PROBE_CELLS = 4  # cells along a side of the buckets that find hidden directions
+CLEAR_SAMPLES = 16  # rays that vote on a shadow's bit where a material may let some of them through
 PROBES = 2  # rays for each of these cells, which is hidden if all of them meet back faces
 
 _SAMPLES = 16  # samples of a plain bake with 8 x 8 cells that costs as much as the default `Rays`

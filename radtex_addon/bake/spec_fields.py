@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil, sqrt
 from typing import cast
 
 from ..formats.exr import Compression
@@ -14,7 +15,7 @@ from .kinds import USUAL_KIND, Kind, Layout, form_of
 from .layers import OF_LAYER, WHOLE, Layer, captured
 from .parts import Split
 from .plan import SHEET
-from .rays import Rays
+from .rays import CLEAR_SAMPLES, Rays
 from .transfer_views import views_along
 
 _BYTES_PER_CHANNEL = 8  # float32, twice: as cells, and joined to an image (measured: RGBA 33 to 35)
@@ -100,7 +101,14 @@ class SpecFields:
         """The most camera paths that the bake can take."""
         if self.form.by_paths:
             return self.rays.most(self.texels**2)
-        return self.pixel_count * self.samples
+        return self.pixel_count * self._rays_of_cell
+
+    @property
+    def _rays_of_cell(self) -> int:
+        """The most rays of a cell; with a distance they are a square number."""
+        if not self.kind.traits.samples:
+            return CLEAR_SAMPLES
+        return self.samples if self.ao_distance is None else ceil(sqrt(self.samples)) ** 2
 
     @property
     def streams(self) -> bool:

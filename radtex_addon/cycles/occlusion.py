@@ -22,15 +22,13 @@ import numpy as np
 from ..bake.kinds import Kind
 from ..bake.light_samples import spread_shifts
 from ..bake.plan import MAX_IMAGE_SIDE, CapturePlan, Tile
+from ..bake.rays import CLEAR_SAMPLES
 from ..core.arrays import Bools, Floats
 from ..core.atlas import AtlasLayout
 from ..core.occlusion import square_to_cosine
 from ..scene.casters import casters_seen, may_be_clear, show_all_collections
 from .portal import Aim, PortalCapture
 from .settings import first_hit_only
-
-CLEAR_SAMPLES = 16  # rays that vote on a bit where a material may let some of them through
-
 
 _POSITION = "use_pass_position"
 _MOST_PIXELS = 1 << 19  # of a render with the position pass

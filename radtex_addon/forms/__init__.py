@@ -3,25 +3,23 @@
 """Forms: the ways to hold a bake, each a folder of its own; and which one a bake has.
 
 A form's folder has all that depends on how a bake is stored: its files, capture, material, flat lightmap,
-textures and shaders. To add one, write a folder and its rows in `bake.forms` and `_FORMS`.
+textures and shaders. It is called as its row in `bake.forms.FORMS`, and its module `form` has the form, FORM:
+see docs/extending.md.
 """
 
 from __future__ import annotations
 
+from importlib import import_module
+
+from ..bake.forms import FORMS as _ROWS
 from ..bake.spec import BakeSpec
 from ..core.errors import FormatError
 from ..formats.json_reader import Facts, shown
-from .ambient.form import Ambient
-from .bits.form import Bits
-from .buckets.form import Buckets
-from .condensed.form import Condensed
 from .form import Form
-from .shared.form import Shared
-from .sphere.form import Sphere
 
 __all__ = ["FORMS", "Form", "form_for", "form_in"]
 
-FORMS: tuple[Form, ...] = (Buckets(), Bits(), Ambient(), Sphere(), Shared(), Condensed())
+FORMS: tuple[Form, ...] = tuple(import_module(f"{__name__}.{traits.name}.form").FORM for traits in _ROWS)
 
 
 def form_for(spec: BakeSpec) -> Form:

@@ -27,7 +27,7 @@ from ...preview.occlusion import preview_ambient_material
 from ...textures.progress import Step
 from ..buckets.flat import flat_buckets
 from ..buckets.form import Buckets, layout_in
-from ..form import PreviewOf
+from ..form import Form, PreviewOf
 from ..outcome import Outcome
 from .bake import bake_ambient
 
@@ -78,3 +78,6 @@ class Ambient(Buckets):
     def flat(self, sidecar: Path, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
         yield from ()
         return flat_buckets(sidecar, surface, _OPENNESS)
+
+
+FORM: Form = Ambient()

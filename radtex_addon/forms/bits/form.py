@@ -30,7 +30,7 @@ from ...textures.flat import check_means, mean_of_buckets
 from ...textures.progress import Step
 from ...textures.spec import ExportSpec, Target
 from ..buckets.form import Buckets
-from ..form import PreviewOf
+from ..form import Form, PreviewOf
 from ..outcome import Outcome
 from .bake import bake_bits
 from .texture import write_shadow_texture
@@ -85,3 +85,6 @@ class Bits(Buckets):
         (width, height), n = bake["texels"], bake["bucket"]
         layered = ["#define RADTEX_SHADOW_LAYERS"] if textures[bake["kind"]].layers > 1 else []
         return [*layered, f"radtex_shadow(bits, ({width}, {height}), uv), then radtex_visible(…, {n}, I)"]
+
+
+FORM: Form = Bits()

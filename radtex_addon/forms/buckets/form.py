@@ -33,7 +33,7 @@ from ...textures.entry import Arranged, Container, TextureEntry
 from ...textures.godot_shader import GodotShader
 from ...textures.progress import Step
 from ...textures.spec import ExportSpec, Target
-from ..form import Opened, PreviewOf
+from ..form import Form, Opened, PreviewOf
 from ..outcome import Outcome
 from .bake import bake_buckets, bucket_images
 from .flat import flat_buckets, light_channels
@@ -172,3 +172,6 @@ def defines(entry: TextureEntry, target: Target) -> list[str]:
     if entry.container is Container.EXR and target is Target.UNREAL:
         lines.append("#define RADTEX_TOP_DOWN")
     return lines
+
+
+FORM: Form = Buckets()

@@ -23,7 +23,7 @@ from ...formats.shared_files import read_shared_sidecar, texture_path
 from ...prepare.prepared import Prepared
 from ...textures.entry import TextureEntry
 from ...textures.spec import ExportSpec
-from ..form import Opened
+from ..form import Form, Opened
 from ..outcome import Outcome
 from ..shared.form import Shared, opened_shared
 from .bake import bake_condensed
@@ -73,3 +73,6 @@ class Condensed(Shared):
 
     def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:
         return ("radtex", "radtex_shared", "radtex_condensed")
+
+
+FORM: Form = Condensed()

@@ -45,7 +45,7 @@ from ...textures.godot_shader import GodotShader
 from ...textures.progress import Step
 from ...textures.spec import ExportSpec, Target
 from ..buckets.form import has_samples_and_cells
-from ..form import Opened, PreviewOf
+from ..form import Form, Opened, PreviewOf
 from ..outcome import Outcome
 from .bake import bake_shared
 from .flat import flat_shared
@@ -161,3 +161,6 @@ def opened_shared(sidecar: Path, images: tuple[Path, ...], budget: int | None = 
         return sample_shared(atlas, *(part.astype(np.float32) for part in (uv, normal, viewer)))
 
     return Opened(facts.bake, images, lookup, texels, None, loss, budget)
+
+
+FORM: Form = Shared()

@@ -31,7 +31,7 @@ from ...textures.entry import TextureEntry
 from ...textures.progress import Step
 from ...textures.spec import ExportSpec, Target
 from ..buckets.form import Buckets, defines, has_samples_and_cells
-from ..form import PreviewOf
+from ..form import Form, PreviewOf
 from ..outcome import Outcome
 from .bake import bake_transfer
 from .textures import flat_sphere, write_sphere
@@ -105,3 +105,6 @@ class Sphere(Buckets):
         if views > 1:
             lookup = f"radtex_transfer_around(atlas, {size}, {views}, {n}, uv, I, L)"
         return [*defines(textures[bake["kind"]], target), f"{lookup}, L being the light's direction"]
+
+
+FORM: Form = Sphere()

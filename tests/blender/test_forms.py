@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every form keeps to the interface: what it bakes is found, read, measured, exported, or refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import prod
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.bake.cost import cost_of
+from radtex_addon.bake.spec import BakeSpec, Kind, Layout
+from radtex_addon.core.errors import FormatError
+from radtex_addon.formats.exr import read_whole
+from radtex_addon.formats.sidecar import read_facts
+from radtex_addon.forms import FORMS, form_for, form_in
+from radtex_addon.job import bake_object
+from radtex_addon.job.finished import images_of, is_finished
+from radtex_addon.textures.spec import ExportSpec, Target, TextureFormat
+from tests.blender import stage
+
+context: Any = bpy.context  # to the stubs, every pointer may be None
+
+PLAIN = BakeSpec(texels=16, bucket=4, samples=2, uv_layer="UVMap")
+SPECS = {
+    "buckets": PLAIN,
+    "bits": replace(PLAIN, kind=Kind.SHADOW),
+    "ambient": replace(PLAIN, kind=Kind.AO),
+    "sphere": replace(PLAIN, kind=Kind.TRANSFER, bucket=3),
+    "shared": replace(PLAIN, layout=Layout.SHARED, samples=1),
+    "condensed": replace(PLAIN, layout=Layout.SHARED, samples=1, bucket=6, target=30.0),
+}
+
+
+@pytest.fixture(autouse=True)
+def scene() -> None:
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    stage.world((0.4, 0.6, 1.0))
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=8, ring_count=6)
+    context.object.name = "Ball"
+
+
+def test_every_form_is_here() -> None:
+    assert [form.traits.name for form in FORMS] == list(SPECS)
+    assert [form_for(spec).traits.name for spec in SPECS.values()] == list(SPECS)
+
+
+@pytest.mark.parametrize("name", SPECS)
+def test_a_form_keeps_to_the_interface(name: str, tmp_path: Path) -> None:
+    spec = SPECS[name]
+    form = form_for(spec)
+    result = bake_object(context.scene, "Ball", spec, tmp_path)
+    sidecar, images = result.files.sidecar, result.files.images
+    facts = read_facts(sidecar)
+    # found again, as what it is and nothing else
+    assert form_in(facts) is form
+    assert is_finished("Ball", spec, tmp_path)
+    assert not is_finished("Ball", replace(spec, texels=8), tmp_path)
+    assert set(images) <= set(form.images(spec, sidecar)) & images_of(sidecar)
+    assert all(path.is_file() for path in images)
+    # no dearer than was said before
+    cost = cost_of(spec)
+    assert result.paths <= cost.paths
+    assert sum(path.stat().st_size for path in images) <= 1.1 * cost.disk + 4096 * len(images)
+    # its images are of the sizes that it tells
+    shapes = form.shapes(sidecar)
+    for path, (width, height, _) in zip(images, shapes.values(), strict=True):
+        if path.suffix == ".exr" and name != "bits":
+            assert read_whole(path)[0].shape[:2] == (height, width)
+    assert prod(next(iter(form.shapes(sidecar, texels=2).values()))[:2]) == 4 * prod(
+        next(iter(shapes.values()))[:2]
+    )
+    # an export has the textures, includes and words that it tells
+    assert form.export_bytes(sidecar) > 0
+    folder = tmp_path / "export"
+    folder.mkdir()
+    entries = form.write_textures(sidecar, ExportSpec(Target.RAW, format=TextureFormat.AUTO), folder)
+    assert tuple(entries) == form.textures_of(facts, entries)
+    assert all((folder / entry.file).is_file() for entry in entries.values())
+    shaders = Path(__file__).resolve().parents[2] / "shaders"
+    assert all((shaders / f"{stem}.glsl").is_file() for stem in form.includes(facts.values))
+    assert form.usage(facts.values, entries, Target.RAW)
+    # what is damaged is refused
+    images[0].write_bytes(images[0].read_bytes()[:64])
+    with pytest.raises(FormatError, match=images[0].name):
+        form.write_textures(sidecar, ExportSpec(Target.RAW), folder)
+
+
+@pytest.mark.parametrize("name", ["buckets", "shared", "condensed"])
+def test_light_is_looked_up(name: str, tmp_path: Path) -> None:
+    sidecar = bake_object(context.scene, "Ball", SPECS[name], tmp_path).files.sidecar
+    opened = form_in(read_facts(sidecar)).open(sidecar)
+    up = np.tile([[0.0, 0.0, 1.0]], (3, 1))
+    light = opened.lookup(np.array([[0.3, 0.5], [0.5, 0.5], [0.7, 0.6]]), up, up, up)
+    assert light.shape == (3, 3)
+    assert np.isfinite(light).all()
+    assert (light > 0).all()
+    assert opened.texels.shape[:2] == (opened.sidecar.height, opened.sidecar.width)
