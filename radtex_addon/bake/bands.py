@@ -4,7 +4,7 @@
 
 A missing cell takes the value of the same cell in the nearest texel that has it, by distance in texels. Where
 cells are hidden, this texel differs from direction to direction: it is found for one direction after another,
-and stored by the keeper until its band is assembled.
+and stored by the store until its band is assembled.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..core.arrays import Bools, Floats, Ints
 from ..core.gutter import nearest_covered
 from .cells import Cells
 from .hidden import HiddenCells
-from .keeper import Keeper, Pile
+from .piece_store import MemoryStore, PieceStore
 from .plan import CapturePlan
 from .progress import Progress, Stage
 
@@ -47,14 +47,14 @@ class Bands:
     """Assembles the bands of an atlas.
 
     `nearest` (H*W,) int32: each texel's index in the plan, or for a gutter texel that of the nearest covered
-    one. `instead` has the directions [q, p] with hidden cells. For each, a piece of the keeper has pairs
+    one. `instead` has the directions [q, p] with hidden cells. For each, a piece of the store has pairs
     (E, 2): a texel's flat index, ascending, and the plan's index of the texel that fills this cell; the
     values of `instead` (H + 1,) say where each row's pairs begin.
     """
 
     plan: CapturePlan
     cells: Cells
-    keeper: Keeper
+    store: PieceStore
     nearest: Ints
     instead: dict[tuple[int, int], Ints]
 
@@ -97,18 +97,18 @@ class Bands:
         for (q, p), starts in self.instead.items():
             begin, count = int(starts[first]), int(starts[end] - starts[first])
             if count:
-                pairs.append(self.keeper.rows(_name(q, p), _PAIRS, begin, count))
+                pairs.append(self.store.rows(_name(q, p), _PAIRS, begin, count))
                 cells.append(np.full(count, q * self.plan.layout.bucket + p, dtype=np.int32))
         texel, source = np.concatenate(pairs).T
         return texel, np.concatenate(cells), source
 
 
 def find_bands(
-    plan: CapturePlan, cells: Cells, keeper: Keeper, hidden: HiddenCells | None
+    plan: CapturePlan, cells: Cells, store: PieceStore, hidden: HiddenCells | None
 ) -> Generator[Progress, None, Bands]:
     """Find what fills gutters and `hidden` cells; yields progress in directions.
 
-    A cell that is hidden in all texels keeps its value. Large results are stored by the `keeper`.
+    A cell that is hidden in all texels keeps its value. Large results are stored by the `store`.
     """
     layout = plan.layout
     place = np.zeros(layout.height * layout.width, dtype=np.int32)
@@ -117,17 +117,17 @@ def find_bands(
     instead: dict[tuple[int, int], Ints] = {}
     directions = [] if hidden is None else list(hidden.directions())
     if len(nearest) * len(directions) * 8 <= _HELD_BYTES:
-        keeper = Pile()
+        store = MemoryStore()
     for done, (q, p) in enumerate(directions):
         yield Progress(Stage.FILL, done, len(directions))
         assert hidden is not None  # or there were no directions
-        kept = keeper.found(_name(q, p))
+        kept = store.found(_name(q, p))
         if kept is None:
             kept = {_PAIRS: _pairs(plan, place, nearest, hidden.of_direction(q, p))}
-            keeper.keep(_name(q, p), kept)
+            store.keep(_name(q, p), kept)
         rows = np.arange(layout.height + 1) * layout.width
         instead[q, p] = np.searchsorted(kept[_PAIRS][:, 0], rows)
-    return Bands(plan, cells, keeper, nearest, instead)
+    return Bands(plan, cells, store, nearest, instead)
 
 
 def _pairs(plan: CapturePlan, place: Ints, nearest: Ints, hidden: Bools) -> npt.NDArray[np.int32]:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The captured cells of a plan's texels: stored by a keeper tile by tile, and read when needed."""
+"""The captured cells of a plan's texels: stored tile by tile, and read when needed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..core.arrays import Floats, Ints
-from .keeper import Keeper
+from .piece_store import PieceStore
 from .plan import CapturePlan, Tile
 
 _CELLS = "cells"  # the array's name in a tile's piece
@@ -21,9 +21,9 @@ _GAP = 16  # texels: gaps up to this are read too, which is faster than two read
 class Cells:
     """Cells (K, n, n, C) float32 of a plan's texels, in the plan's order; added in tiles of whole rows."""
 
-    def __init__(self, plan: CapturePlan, keeper: Keeper, channels: int) -> None:
+    def __init__(self, plan: CapturePlan, store: PieceStore, channels: int) -> None:
         self.channels = channels
-        self._plan, self._keeper = plan, keeper
+        self._plan, self._store = plan, store
         self._there = np.zeros(plan.rows, dtype=bool)
         self._starts: list[int] = []  # the tiles' first texels, in ascending order, and their pieces' names
         self._names: list[str] = []
@@ -36,13 +36,13 @@ class Cells:
     def restore(self) -> Iterator[tuple[Tile, Floats]]:
         """Use the tiles that an earlier session stored; yields each with its cells (k, n, n, C)."""
         shape = (self._plan.layout.bucket, self._plan.layout.bucket, self.channels)
-        for name in self._keeper.names():
+        for name in self._store.names():
             tile = _tile(name)
             if tile is None or not 0 < tile.end <= len(self._there):
                 continue
             if not tile.rows or self._there[tile.first_row : tile.end].any():
                 continue
-            kept = self._keeper.found(name)
+            kept = self._store.found(name)
             count = len(self._plan.texels_of(tile))
             cells = None if kept is None else kept.get(_CELLS)
             if cells is not None and cells.shape == (count, *shape) and cells.dtype == np.float32:
@@ -52,7 +52,7 @@ class Cells:
     def put(self, tile: Tile, cells: Floats) -> None:
         """Store a tile's cells (k, n, n, C). Raises BakeError where the system refuses."""
         name = f"tile-{tile.first_row:06d}-{tile.rows}"
-        self._keeper.keep(name, {_CELLS: np.ascontiguousarray(cells, dtype=np.float32)})
+        self._store.keep(name, {_CELLS: np.ascontiguousarray(cells, dtype=np.float32)})
         self._add(tile, name)
 
     def missing(self, most: int) -> Tile | None:
@@ -81,7 +81,7 @@ class Cells:
             breaks = np.flatnonzero(np.diff(of_tile) > _GAP) + 1
             for run in np.split(of_tile, breaks):
                 first = int(run[0])
-                rows = self._keeper.rows(self._names[place], _CELLS, first - start, int(run[-1]) - first + 1)
+                rows = self._store.rows(self._names[place], _CELLS, first - start, int(run[-1]) - first + 1)
                 found[done : done + len(run)] = rows[run - first]
                 done += len(run)
         return found

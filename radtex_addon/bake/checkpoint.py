@@ -24,7 +24,6 @@ from ..core.errors import BakeError, InputError
 from ..formats.atomic import refusal, remove_unfinished, replacing
 from ..formats.json_reader import shown
 from ..formats.lock import HeldError, Lock, NoLockError, holder, take_lock
-from .keeper import Keeper
 from .key import (
     KEY,
     LOCK,
@@ -37,13 +36,14 @@ from .key import (
     workers,
     write_key,
 )
+from .pending_files import drop_waiting, move_out, waiting_place
+from .piece_store import PieceStore
 from .pieces import PIECE, Arrays, read_piece, read_rows, write_piece
-from .written import drop_waiting, move_out, waiting_place
 
 log = logging.getLogger(__name__)
 
 
-class Checkpoint(Keeper):
+class Checkpoint(PieceStore):
     """Stores pieces in `folder`, which is created for the first of them and locked until `close`.
 
     The first piece that is stored or found raises InputError where another process works on the folder.
@@ -99,7 +99,7 @@ class Checkpoint(Keeper):
     def _begun(self) -> bool:
         return self._lock is not None
 
-    def expect(self, facts: Facts) -> None:
+    def set_facts(self, facts: Facts) -> None:
         self._facts.update(facts)
         if self._known is None:
             return
@@ -146,13 +146,13 @@ class Checkpoint(Keeper):
 
     @property
     def made(self) -> dict[str, Any] | None:
-        """The bake's result, as given to `settle`, once all its files are written; else None.
+        """The bake's result, as given to `publish`, once all its files are written; else None.
 
         The files may not have their final names yet.
         """
         return self._made
 
-    def settle(self, made: dict[str, Any]) -> None:
+    def publish(self, made: dict[str, Any]) -> None:
         """Record the bake's result `made`, and move its files, all of them written, to their final names.
 
         Resumed after this, the bake goes on with its preview and exports. Raises BakeError where the system

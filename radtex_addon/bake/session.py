@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The session: captures tile after tile, and stores each with a keeper."""
+"""The session: captures tile after tile, and stores each."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from .bands import Bands, find_bands
 from .capture import Capture
 from .cells import Cells
 from .hidden import HiddenCells
-from .keeper import KEEPS_NOTHING, Keeper, Pile
 from .layers import WHOLE
+from .piece_store import NO_STORE, MemoryStore, PieceStore
 from .plan import CapturePlan, Tile
 from .progress import Progress, Stage
 from .thumbnail import Thumbnail
@@ -30,13 +30,13 @@ def fill_atlas(
     capture: Capture,
     memory_mb: int,
     hidden: HiddenCells | None = None,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
     channels: int = WHOLE,
     uncut: bool = False,
 ) -> Generator[Progress, None, Floats]:
     """As `capture_bands`, but returns one image (H*n, W*n, `channels`) float32, row 0 at the bottom."""
-    steps = capture_bands(plan, capture, memory_mb, hidden, keeper, thumbnail, channels, uncut)
+    steps = capture_bands(plan, capture, memory_mb, hidden, store, thumbnail, channels, uncut)
     bands = yield from steps
     layout, n = plan.layout, plan.layout.bucket
     image = np.empty((layout.height, n, layout.width, n, channels), dtype=np.float32)
@@ -50,20 +50,20 @@ def capture_bands(
     capture: Capture,
     memory_mb: int,
     hidden: HiddenCells | None = None,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
     channels: int = WHOLE,
     uncut: bool = False,
 ) -> Generator[Progress, None, Bands]:
     """Capture the plan's texels, find what fills gutters and `hidden` cells, and yield progress in texels.
 
-    The captured values of `hidden` cells are not used. The `keeper` stores each tile; rows that it already
+    The captured values of `hidden` cells are not used. The `store` stores each tile; rows that it already
     has are not captured again. The `thumbnail` gets all light. Tiles take less than `memory_mb` and about
     SECONDS_PER_TILE, as their height does not change the result; where it would, set `uncut` to render whole
     sheets. Raises BakeError for cells that are not numbers, and where a tile cannot be stored.
     """
-    keeper = keeper if keeper.keeps else Pile()
-    cells = Cells(plan, keeper, channels)
+    store = store if store.keeps else MemoryStore()
+    cells = Cells(plan, store, channels)
     for restored, kept in cells.restore():
         _show(thumbnail, plan, plan.texels_of(restored), kept)
     count, of_pixel = len(plan.texel), BYTES_PER_PIXEL * channels // WHOLE
@@ -80,7 +80,7 @@ def capture_bands(
         if not uncut:
             height = max(1, min(most, 4 * height, int(tile.rows * SECONDS_PER_TILE / max(seconds, 1e-3))))
     yield Progress(Stage.FILL, 0, 1)
-    bands = yield from find_bands(plan, cells, keeper, hidden)
+    bands = yield from find_bands(plan, cells, store, hidden)
     yield Progress(Stage.FILL, 1, 1)
     return bands
 

@@ -20,8 +20,8 @@ import numpy.typing as npt
 from mathutils import Matrix
 
 from ..bake.hidden import HiddenCells
-from ..bake.keeper import KEEPS_NOTHING, Drawer, Keeper
 from ..bake.kinds import Kind
+from ..bake.piece_store import NO_STORE, PieceStore, PrefixedStore
 from ..bake.plan import CapturePlan, Tile, plan_of_some
 from ..bake.progress import Progress, Stage
 from ..bake.rays import PROBES
@@ -39,37 +39,37 @@ def find_hidden(
     meshes: Sequence[tuple[bpy.types.Mesh, Floats]],
     plan: CapturePlan,
     folder: Path,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     owner: Ints | None = None,
 ) -> Generator[Progress, None, HiddenCells]:
     """Find the cells of the plan's texels whose viewers would stand inside the texel's own mesh.
 
     `meshes` are baked copies and their objects' matrices (4, 4). With several, `owner` (K,) is the number of
     the mesh that each texel lies on: each is tested against its own mesh alone, as another mesh's back faces
-    hide nothing. `folder` is for temporary files; the `keeper` stores the result tile by tile. If all cells
+    hide nothing. `folder` is for temporary files; the `store` stores the result tile by tile. If all cells
     would be hidden, none is. Yields progress in texels. Raises BakeError where Cycles fails.
     """
     if owner is None:
-        bits = yield from _probe(*meshes[0], plan, folder, Drawer(keeper, "hidden-"))
+        bits = yield from _probe(*meshes[0], plan, folder, PrefixedStore(store, "hidden-"))
     else:
         n = plan.layout.bucket
         bits = np.zeros((len(plan.texel), -(-n * n // 8)), dtype=np.uint8)
         for number, (mesh, matrix_world) in enumerate(meshes):
             some = owner == number
             if some.any():
-                drawer = Drawer(keeper, f"hidden-{number}-")
+                drawer = PrefixedStore(store, f"hidden-{number}-")
                 bits[some] = yield from _probe(mesh, matrix_world, plan_of_some(plan, some), folder, drawer)
     hidden = HiddenCells(bits, plan.layout.bucket)
     return HiddenCells(np.zeros_like(bits), plan.layout.bucket) if hidden.buried.all() else hidden
 
 
 def _probe(
-    mesh: bpy.types.Mesh, matrix_world: Floats, plan: CapturePlan, folder: Path, keeper: Keeper
+    mesh: bpy.types.Mesh, matrix_world: Floats, plan: CapturePlan, folder: Path, store: PieceStore
 ) -> Generator[Progress, None, npt.NDArray[np.uint8]]:
-    """The `bits` of `HiddenCells` for the plan's texels; tiles that the keeper has are not rendered again."""
+    """The `bits` of `HiddenCells` for the plan's texels; tiles that the store has are not rendered again."""
     height = max(1, _TILE_PIXELS // (plan.columns * plan.layout.bucket**2))
     tiles = [Tile(row, min(height, plan.rows - row)) for row in range(0, plan.rows, height)]
-    kept = {tile: keeper.found(_name(tile)) for tile in tiles}
+    kept = {tile: store.found(_name(tile)) for tile in tiles}
     found = {tile: piece[_BITS] for tile, piece in kept.items() if piece is not None}
     if len(found) < len(tiles):
         with _probe_scene(mesh, matrix_world) as scene:
@@ -77,7 +77,7 @@ def _probe(
             for tile in (tile for tile in tiles if tile not in found):
                 yield Progress(Stage.PROBE, tile.first_row * plan.columns, len(plan.texel))
                 found[tile] = HiddenCells.of(capture.render(tile)[..., 0] > 0.99).bits
-                keeper.keep(_name(tile), {_BITS: found[tile]})
+                store.keep(_name(tile), {_BITS: found[tile]})
     yield Progress(Stage.PROBE, len(plan.texel), len(plan.texel))
     return np.concatenate([found[tile] for tile in tiles])
 

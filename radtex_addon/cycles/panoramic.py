@@ -26,7 +26,7 @@ from ..core.errors import InputError
 from ..core.hemisphere import square_to_disc
 from ..formats.path_checks import render_path
 from ..scene.nodes import open_material
-from .apparatus import box, mirror, render_image
+from .building_blocks import box, mirror, render_image
 from .settings import allow_more_bounces, apply_capture_settings
 
 _SENSOR = 36.0  # mm; any size works

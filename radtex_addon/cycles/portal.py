@@ -26,7 +26,7 @@ from ..core.hemisphere import cell_centres
 from ..core.ray_offset import GRAZING, ray_offset
 from ..formats.path_checks import render_path
 from ..scene.nodes import NodeBuilder, Socket, open_material
-from .apparatus import (
+from .building_blocks import (
     Extent,
     above_everything,
     camera_above,

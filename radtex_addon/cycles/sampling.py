@@ -15,7 +15,6 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..bake.keeper import KEEPS_NOTHING, Keeper
 from ..bake.kinds import Kind
 from ..bake.light_samples import (
     EndSamples,
@@ -26,6 +25,7 @@ from ..bake.light_samples import (
     mirrored,
     spread_shifts,
 )
+from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.pieces import Arrays
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
@@ -48,7 +48,7 @@ def capture_samples(
     hidden: Bools,
     seed: int,
     folder: Path,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, LightSamples]:
     """Trace one path in each of the plan's cells.
@@ -64,7 +64,7 @@ def capture_samples(
     for tile in _tiles(plan):
         first = tile.first_row * plan.columns
         yield Progress(Stage.CAPTURE, first, count)
-        found = keeper.once(_name("light", tile), partial(_trace_light, capture, tile, cells))
+        found = store.get_or_make(_name("light", tile), partial(_trace_light, capture, tile, cells))
         for name, whole in samples.items():
             whole[first : first + len(found[name])] = found[name]
         if thumbnail is not None:
@@ -87,7 +87,7 @@ def _trace_light(capture: PortalCapture, tile: Tile, cells: int) -> Arrays:
 
 
 def capture_ends(
-    ends: PathEnds, plan: CapturePlan, seed: int, folder: Path, keeper: Keeper = KEEPS_NOTHING
+    ends: PathEnds, plan: CapturePlan, seed: int, folder: Path, store: PieceStore = NO_STORE
 ) -> EndSamples:
     """Find where a path from each of the plan's cells ends, and how much of it the object lets through.
 
@@ -97,7 +97,8 @@ def capture_ends(
     aim = Aim(spread_shifts(count, seed + 2), _MIRRORED + _THROUGH)
     capture = PortalCapture(ends.scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
     found = [
-        keeper.once(_name("ends", tile), partial(_trace_ends, ends, capture, tile)) for tile in _tiles(plan)
+        store.get_or_make(_name("ends", tile), partial(_trace_ends, ends, capture, tile))
+        for tile in _tiles(plan)
     ]
     parts = {
         name: np.concatenate([tile[name] for tile in found]).reshape(count, cells, 3) for name in found[0]
@@ -132,13 +133,13 @@ def capture_surroundings(
     middle: Floats,
     seed: int,
     folder: Path,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     name: str = "around",
 ) -> SurroundingsSamples:
     """Look from the object in the mirror direction of each of the plan's cells.
 
     `middle` (3,) is the object's, in world space. `scene` is a scratch scene and `ends` its path ends; both
-    are unusable afterwards. Rays that meet the object itself give no sample. The names of the `keeper`'s
+    are unusable afterwards. Rays that meet the object itself give no sample. The names of the `store`'s
     pieces begin with `name`. Raises BakeError where Cycles fails.
     """
     count = len(plan.texel)
@@ -149,9 +150,9 @@ def capture_surroundings(
         capture = PortalCapture(shown, plan, Kind.REFLECTION, 1, seed, folder, aim)
         return np.concatenate(
             [
-                keeper.once(_name(f"{name}-{what}", tile), partial(_trace_around, capture, tile, coded))[
-                    "rgb"
-                ]
+                store.get_or_make(
+                    _name(f"{name}-{what}", tile), partial(_trace_around, capture, tile, coded)
+                )["rgb"]
                 for tile in _tiles(plan)
             ]
         )
@@ -176,14 +177,14 @@ def _trace_around(capture: PortalCapture, tile: Tile, coded: bool) -> Arrays:
 
 
 def capture_colour(
-    scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder: Path, keeper: Keeper = KEEPS_NOTHING
+    scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder: Path, store: PieceStore = NO_STORE
 ) -> Floats:
     """Capture the diffuse colour along the normal: (H, W, 3), gutter filled; buckets have one cell."""
     aim = Aim(_straight(len(plan.texel)), _DIFFUSE)
     capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
     first_hit_only(scene)
     tiles = [
-        keeper.once(_name("colour", tile), partial(_trace_colour, capture, tile))["colour"]
+        store.get_or_make(_name("colour", tile), partial(_trace_colour, capture, tile))["colour"]
         for tile in _tiles(plan)
     ]
     return plan.placed(np.concatenate(tiles), gutter=True)

@@ -11,8 +11,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..bake.keeper import KEEPS_NOTHING, Keeper
 from ..bake.light_samples import EndSamples, LightSamples, SurroundingsSamples, joined, panorama_plan
+from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage, relayed
 from ..bake.rays import PROBE_CELLS, PROBES, Rays
@@ -53,18 +53,18 @@ def capture_shared(
     rays: Rays,
     seed: int,
     folder: Path,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, SharedCapture]:
     """Capture the scratch scene's object `baked` for the shared layout.
 
     `mesh` is the baked copy's, `matrix_world` (4, 4) its object's; `texels` are the atlas's, `finer` those of
-    the diffuse colour. `folder` is for temporary files, the `keeper` stores every finished render, the
+    the diffuse colour. `folder` is for temporary files, the `store` stores every finished render, the
     `thumbnail` gets the light. Yields progress in texels, then in paths. Raises InputError where no texel is
     covered, BakeError where Cycles fails.
     """
     probe = plan_capture(texels, PROBE_CELLS)
-    hidden = yield from find_hidden([(mesh, matrix_world)], probe, folder, keeper)
+    hidden = yield from find_hidden([(mesh, matrix_world)], probe, folder, store)
     buried = hidden.buried
     without = probe.texel[buried]
 
@@ -78,25 +78,25 @@ def capture_shared(
     yield Progress(Stage.CAPTURE, 0, total)
     beside = read_beside(scratch, baked)
     with scene_copied(scratch) as scene, path_ends(scene, baked, mesh, beside, middle) as ends:
-        found = capture_ends(ends, plan(rays.ends), seed, folder, keeper)
+        found = capture_ends(ends, plan(rays.ends), seed, folder, store)
         done = 2 * count * rays.ends**2
         yield Progress(Stage.CAPTURE, done, total)
-        near = capture_surroundings(scene, ends, plan(rays.around), middle, seed, folder, keeper, "near")
+        near = capture_surroundings(scene, ends, plan(rays.around), middle, seed, folder, store, "near")
     done += 2 * count * rays.around**2
     yield Progress(Stage.CAPTURE, done, total)
     around = panorama_plan(near, middle, radius, rays.size, rays.panorama)
     with scene_copied(scratch) as scene, path_ends(scene, baked, mesh, beside, middle) as ends:
-        far = capture_surroundings(scene, ends, around, middle, seed, folder, keeper, "far")
+        far = capture_surroundings(scene, ends, around, middle, seed, folder, store, "far")
     done += all_around
 
     def in_paths(step: Progress) -> Progress:
         return Progress(step.stage, done + step.done * rays.light**2, total)
 
     with scene_copied(scratch) as scene:
-        steps = capture_samples(scene, lit, hidden.of_texels(~buried).cells, seed, folder, keeper, thumbnail)
+        steps = capture_samples(scene, lit, hidden.of_texels(~buried).cells, seed, folder, store, thumbnail)
         light = yield from relayed(steps, in_paths)
     with scene_copied(scratch) as scene:
-        colour = capture_colour(scene, fine, seed, folder, keeper)
+        colour = capture_colour(scene, fine, seed, folder, store)
     yield Progress(Stage.CAPTURE, total, total)
     probes = len(probe.texel) * PROBES * PROBE_CELLS**2
     return SharedCapture(light, found, joined(near, far), colour, total + probes)

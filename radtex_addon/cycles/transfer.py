@@ -18,8 +18,8 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from ..bake.keeper import KEEPS_NOTHING, Keeper
 from ..bake.kinds import Kind
+from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.pieces import Arrays
 from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
@@ -51,13 +51,13 @@ def capture_under_suns(
     samples: int,
     seed: int,
     folder: Path,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Lit]:
     """Look at each texel of a plan under `sun_directions(suns)`, of irradiance 1.
 
     Each cell of a bucket is one viewer, at `shift` (K, 2) in the cell (see `bake.transfer_views`). `scene` is
-    a copy of a scratch scene and unusable afterwards; `folder` is for temporary files, the `keeper` stores
+    a copy of a scratch scene and unusable afterwards; `folder` is for temporary files, the `store` stores
     each render, the `thumbnail` gets the mean of the suns so far. Yields progress in texels times suns.
     Raises BakeError where Cycles fails or returns values that are not numbers.
     """
@@ -75,7 +75,9 @@ def capture_under_suns(
         for tile in tiles:
             first = tile.first_row * plan.columns
             yield Progress(Stage.CAPTURE, number * count + first, suns * count)
-            found = keeper.once(f"sun-{number:04d}-{tile.first_row:06d}", partial(_trace, capture, tile))
+            found = store.get_or_make(
+                f"sun-{number:04d}-{tile.first_row:06d}", partial(_trace, capture, tile)
+            )
             some = slice(first, first + len(found["alpha"]))
             lit.light[number, some], lit.alpha[some] = found["light"], found["alpha"]
         total += lit.light[number].mean(axis=1, dtype=np.float32)

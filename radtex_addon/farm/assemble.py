@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..bake.beginning import settle_earlier
+from ..bake.announce import publish_earlier
 from ..bake.key import is_unfinished, read_key
 from ..bake.progress import Stage
 from ..bake.spec import BakeSpec
@@ -22,11 +22,11 @@ from ..formats.atomic import check_writable
 from ..formats.json_reader import shown
 from ..formats.numpy_files import read_npz
 from ..forms.buckets.bake import join_buckets
-from ..job.bake_output import Made
+from ..job.bake_output import BakeOutput
 from ..job.files import OutputFiles
 from ..job.finished import images_of
 from ..job.previews import save_preview_of
-from ..job.run import BakeResult, errors_by_places, settle
+from ..job.run import BakeResult, errors_by_places, publish
 from ..job.unfinished import check_files as check_outputs
 from ..job.unfinished import open_checkpoint
 from ..prepare.prepared import Piece
@@ -72,20 +72,20 @@ def assemble_steps(
     watch = Stopwatch()
     capture = FarmCapture(files, manifest, plan)
     replaces = overwrite or begun
-    settle_earlier(outputs.unfinished)
+    publish_earlier(outputs.unfinished)
     earlier = images_of(outputs.sidecar)
     with (
         open_checkpoint(manifest.name, spec, outputs, resume=False, overwrite=replaces) as cells,
         errors_by_places(outputs),
     ):  # cells are more than memory may hold
-        cells.expect({_FARM: manifest.job})
+        cells.set_facts({_FARM: manifest.job})
         try:
             sidecar = outputs.sidecar
             outcome = yield from watch.over(
                 join_buckets(plan, capture, hidden, spec, sidecar, manifest.facts, cells)
             )
-            made = Made.by(outcome, outputs, manifest.device, manifest.islands)
-            settle(cells, outputs, made, earlier)
+            made = BakeOutput.by(outcome, outputs, manifest.device, manifest.islands)
+            publish(cells, outputs, made, earlier)
             if copies is not None:
                 yield watch.start(Stage.PREVIEW)
                 _save_preview(files, manifest, copies, outputs)

@@ -17,7 +17,7 @@ from ..bake.layers import captured
 from ..bake.plan import CapturePlan, Tile
 from ..core.arrays import Floats
 from ..core.errors import BakeError, FormatError
-from ..cycles.apparatus import read_layers
+from ..cycles.building_blocks import read_layers
 from ..cycles.passes import light_of
 from ..formats.exr import read_stamps
 from .files import FarmFiles

@@ -15,7 +15,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..bake.keeper import Keeper
+from ..bake.piece_store import PieceStore
 from ..bake.plan import CapturePlan
 from ..bake.progress import Progress
 from ..bake.spec import BakeSpec
@@ -77,12 +77,12 @@ class _Draft:
         _sidecar: Path,
         prepared: Prepared,
         folder: Path,
-        keeper: Keeper,
+        store: PieceStore,
         _thumbnail: Thumbnail | None,
     ) -> Generator[Progress, None, Outcome]:
         """Set the capture up as a bake does, and save it in the place of rendering."""
         texels = prepared.texels()
-        plan, hidden, facts = yield from plan_buckets(scratch, spec, prepared, texels, folder, keeper)
+        plan, hidden, facts = yield from plan_buckets(scratch, spec, prepared, texels, folder, store)
         check_seed(spec.seed, plan.sheets)
         capture_of(scratch, plan, spec, folder, whole=True)
         looks, cached = save_draft(scratch, self.path)

@@ -12,7 +12,7 @@ from typing import Any, Protocol, TypeAlias
 import bpy
 
 from ..bake.forms import FormTraits
-from ..bake.keeper import Keeper
+from ..bake.piece_store import PieceStore
 from ..bake.progress import Progress
 from ..bake.spec import BakeSpec, Compression
 from ..bake.thumbnail import Thumbnail
@@ -87,10 +87,10 @@ class Form(Protocol):
         sidecar: Path,
         prepared: Prepared,
         folder: Path,
-        keeper: Keeper,
+        store: PieceStore,
         thumbnail: Thumbnail | None,
     ) -> Generator[Progress, None, Outcome]:
-        """Bake what is prepared; `folder` takes temporary files, the `keeper` finished pieces and files.
+        """Bake what is prepared; `folder` takes temporary files, the `store` finished pieces and files.
 
         Raises InputError for what cannot be baked, BakeError for what fails.
         """

@@ -11,7 +11,7 @@ from pathlib import Path
 import bpy
 
 from ..bake.bands import Bands
-from ..bake.keeper import Keeper
+from ..bake.piece_store import PieceStore
 from ..bake.plan import CapturePlan
 from ..bake.progress import Progress, Stage
 from ..bake.session import capture_bands
@@ -35,12 +35,12 @@ def capture_occlusion(
     spec: BakeSpec,
     prepared: Prepared,
     folder: Path,
-    keeper: Keeper,
+    store: PieceStore,
     thumbnail: Thumbnail | None,
 ) -> Generator[Progress, None, Captured]:
     """Capture what is prepared: arguments as in `Form.bake`."""
-    plan = yield from prepared.plan_of_seen(spec.bucket, folder, keeper)
+    plan = yield from prepared.plan_of_seen(spec.bucket, folder, store)
     capture = OcclusionCapture(scratch, plan, spec.kind, spec.samples, spec.seed, folder, spec.ao_distance)
-    bands = yield from capture_bands(plan, capture, spec.tile_mb, None, keeper, thumbnail, spec.channels)
+    bands = yield from capture_bands(plan, capture, spec.tile_mb, None, store, thumbnail, spec.channels)
     yield Progress(Stage.WRITE, 0, 1)
     return Captured(plan, bands, spec.bucket**2 * capture.rays)

@@ -17,7 +17,7 @@ from .files import OutputFiles
 
 
 @dataclass(frozen=True)
-class Made:
+class BakeOutput:
     """An atlas on disk: the `files` that there are, what it took, and how it was `condensed`, if it was."""
 
     files: OutputFiles
@@ -31,7 +31,7 @@ class Made:
     islands: int | None = None
 
     @classmethod
-    def by(cls, outcome: Outcome, files: OutputFiles, device: str, islands: int | None) -> Made:
+    def by(cls, outcome: Outcome, files: OutputFiles, device: str, islands: int | None) -> BakeOutput:
         """What a form's bake came to, of whose `files` it has written some images."""
         return cls(
             files=replace(files, images=outcome.images),
@@ -85,7 +85,7 @@ class Made:
         )
 
     @classmethod
-    def of(cls, told: Mapping[str, Any], files: OutputFiles) -> Made:
+    def of(cls, told: Mapping[str, Any], files: OutputFiles) -> BakeOutput:
         """What was `told` of a bake that has some of these `files`.
 
         Raises InputError for what `told` did not write.
@@ -109,7 +109,7 @@ class Made:
             ) from error
 
     @classmethod
-    def known(cls, files: OutputFiles) -> Made:
+    def known(cls, files: OutputFiles) -> BakeOutput:
         """Of a bake that was finished some time ago: its sidecar tells of no paths and covered texels.
 
         Raises FormatError as `read_facts` does.

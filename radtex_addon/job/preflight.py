@@ -20,14 +20,14 @@ from .checks import check_request
 
 
 @dataclass(frozen=True)
-class Foresight:
+class Preflight:
     """What would fail, and what would bake but hardly as it is meant; each a line, none twice."""
 
     errors: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
 
-def foresee(
+def run_preflight(
     scene: bpy.types.Scene,
     names: Iterable[str],
     spec: BakeSpec,
@@ -39,7 +39,7 @@ def foresee(
     targets: Iterable[Target] = (),
     view_layer: str | None = None,
     patience: float = inf,
-) -> Foresight:
+) -> Preflight:
     """What a bake of the objects `names` with exports for `targets` would meet. Changes nothing.
 
     After `patience` seconds no further object is looked at: in a large scene each may take 20 ms.
@@ -64,7 +64,7 @@ def foresee(
     except InputError as error:
         # The atlas of an unwrap is seldom square: it may yet fit.
         (warnings if spec.uv_layer is None else errors)[str(error)] = None
-    return Foresight(tuple(errors), tuple(warnings))
+    return Preflight(tuple(errors), tuple(warnings))
 
 
 def _check_uv(item: bpy.types.Object, spec: BakeSpec) -> None:

@@ -13,14 +13,14 @@ from typing import Any, TypeAlias
 
 import bpy
 
-from ..bake.beginning import settle_earlier
+from ..bake.announce import publish_earlier
 from ..bake.checkpoint import Checkpoint
-from ..bake.keeper import KEEPS_NOTHING, Keeper
+from ..bake.pending_files import named_by_places
+from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.progress import Progress, Stage, finished
 from ..bake.spec import BakeSpec, View
 from ..bake.stopwatch import Stopwatch
 from ..bake.thumbnail import Thumbnail
-from ..bake.written import named_by_places
 from ..core.atlas import AtlasLayout
 from ..core.blas import one_blas_thread
 from ..core.errors import InputError, RadTexError
@@ -42,7 +42,7 @@ from ..scene.proxy_content import EVERYTHING, show_content_only
 from ..scene.scratch import find_view_layer, new_data_removed, scratch_scene
 from ..textures.progress import Step
 from ..textures.spec import ExportSpec, Target
-from .bake_output import Made
+from .bake_output import BakeOutput
 from .checks import check_request, check_seen
 from .files import OutputFiles
 from .finished import images_of, is_there, misses_preview, missing_exports
@@ -80,7 +80,7 @@ class BakeResult:
 
     @classmethod
     def of(
-        cls, made: Made, seconds: dict[Stage, float], exported: tuple[Path, ...], was_there: bool
+        cls, made: BakeOutput, seconds: dict[Stage, float], exported: tuple[Path, ...], was_there: bool
     ) -> BakeResult:
         return cls(
             files=made.files,
@@ -170,7 +170,7 @@ def bake_steps(
     targets = missing_exports(files, exports) if was_there else tuple(exports)
     shown = None if was_there and not misses_preview(files) else preview
     if not resume:
-        settle_earlier(files.unfinished)
+        publish_earlier(files.unfinished)
     earlier = frozenset() if was_there else images_of(files.sidecar)
     watch = Stopwatch()
     with (
@@ -188,7 +188,7 @@ def bake_steps(
                     )
                     made = baked.made
                     if known is None:
-                        settle(checkpoint, files, made, earlier)
+                        publish(checkpoint, files, made, earlier)
                     if shown is not None:
                         yield watch.start(Stage.PREVIEW)
                         save_preview_of(scene, spec, made.files, baked.prepared, shown, view_layer)
@@ -214,27 +214,29 @@ def errors_by_places(files: OutputFiles) -> Iterator[None]:
         raise type(error)(said) from error
 
 
-def _made_before(checkpoint: Checkpoint, files: OutputFiles, was_there: bool) -> Made | None:
+def _made_before(checkpoint: Checkpoint, files: OutputFiles, was_there: bool) -> BakeOutput | None:
     """What a bake came to whose files are all written, which are in their places then; None for another."""
-    told = Made.known(files).told() if was_there else checkpoint.made
+    told = BakeOutput.known(files).told() if was_there else checkpoint.made
     if told is None:
         return None
-    known = Made.of(told, files)
-    settle(checkpoint, files, known, Made.replaced(told, files))
+    known = BakeOutput.of(told, files)
+    publish(checkpoint, files, known, BakeOutput.replaced(told, files))
     return known
 
 
-def settle(checkpoint: Checkpoint, files: OutputFiles, made: Made, earlier: Collection[Path] = ()) -> None:
+def publish(
+    checkpoint: Checkpoint, files: OutputFiles, made: BakeOutput, earlier: Collection[Path] = ()
+) -> None:
     """Give all files their places, and remove those that an overwritten bake had and this one has not.
 
     These are images that this layout may have, and the `earlier` bake's, which may be in another layout.
     """
-    checkpoint.settle(made.told(earlier))
+    checkpoint.publish(made.told(earlier))
     for path in {*files.images, *earlier} - set(made.files.images):
         path.unlink(missing_ok=True)
 
 
-def _no_baker(known: Made) -> Baker:
+def _no_baker(known: BakeOutput) -> Baker:
     """In a baker's place, for a bake that is done. Raises InputError for a mesh that is another now."""
 
     def bake(
@@ -266,7 +268,7 @@ def _export(
 class Baked:
     """What is on disk, and the mesh that it belongs to."""
 
-    made: Made
+    made: BakeOutput
     prepared: Prepared
 
 
@@ -277,7 +279,7 @@ def bake_and_keep(
     files: OutputFiles,
     view_layer: str | None,
     watch: Stopwatch,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
     unwraps: Unwraps | None = None,
     baker: Baker | None = None,
@@ -296,10 +298,10 @@ def bake_and_keep(
         originals = [find_object(scratch, each) for each in spec.objects or (name,)]
         if spec.frame is not None:
             check_seen(scratch, find_view_layer(scratch, None), originals, spec)
-        keeper.expect({"device": device})
+        store.set_facts({"device": device})
         if spec.view is View.CAMERA:
-            keeper.expect({"camera's place": str(find_eye(scratch))})
-        prepared = yield from watch.over(prepare(scratch, originals, spec, kept, keeper, unwraps, name))
+            store.set_facts({"camera's place": str(find_eye(scratch))})
+        prepared = yield from watch.over(prepare(scratch, originals, spec, kept, store, unwraps, name))
         if prepared.source is not None:
             show_content_only(scratch, prepared.original, EVERYTHING)
         if spec.cage is not None:
@@ -307,6 +309,6 @@ def bake_and_keep(
         if spec.lights:
             light_only(scratch, spec.lights)
         bake = baker or form_for(spec).bake
-        steps = bake(scratch, spec, files.sidecar, prepared, temporary, keeper, thumbnail)
+        steps = bake(scratch, spec, files.sidecar, prepared, temporary, store, thumbnail)
         outcome = yield from watch.over(steps)
-    return Baked(Made.by(outcome, files, device, prepared.islands), prepared)
+    return Baked(BakeOutput.by(outcome, files, device, prepared.islands), prepared)

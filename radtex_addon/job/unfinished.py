@@ -56,11 +56,11 @@ def open_checkpoint(
         if field.name not in _MAY_DIFFER
     }
     versions = {"RadTex's version": VERSION, "Blender's version": bpy.app.version_string}
-    checkpoint.expect({"object": name, **versions, **chosen})
+    checkpoint.set_facts({"object": name, **versions, **chosen})
     folds = (spec.accumulate or spec.refresh) and checkpoint.made is None  # else it is there already
     if folds and files.atlas.is_file():
         earlier = digest(files.atlas)
-        checkpoint.expect({"the atlas that is there": DIGEST + earlier})
+        checkpoint.set_facts({"the atlas that is there": DIGEST + earlier})
     return checkpoint
 
 

@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TypeAlias
 
-from ..bake.beginning import announce
+from ..bake.announce import announce
 from ..bake.checkpoint import remove_left
 from ..bake.key import is_unfinished
 from ..bake.spec import BakeSpec

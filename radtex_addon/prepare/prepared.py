@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from ..bake.hidden import HiddenCells
-from ..bake.keeper import KEEPS_NOTHING, Keeper
+from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage
 from ..bake.rays import PROBE_CELLS
@@ -131,7 +131,7 @@ class Prepared:
         )
 
     def plan_of_seen(
-        self, bucket: int, folder: Path, keeper: Keeper = KEEPS_NOTHING
+        self, bucket: int, folder: Path, store: PieceStore = NO_STORE
     ) -> Generator[Progress, None, CapturePlan]:
         """Where rays start, but for texels that nobody sees, where a part of the mesh is stuck into another.
 
@@ -139,18 +139,18 @@ class Prepared:
         """
         texels = self.texels()
         probe = plan_capture(texels, PROBE_CELLS)
-        hidden = yield from self.hidden(probe, texels, folder, keeper)
+        hidden = yield from self.hidden(probe, texels, folder, store)
         return plan_capture(texels, bucket, without=probe.texel[hidden.buried])
 
     def hidden(
-        self, plan: CapturePlan, texels: TexelMap, folder: Path, keeper: Keeper = KEEPS_NOTHING
+        self, plan: CapturePlan, texels: TexelMap, folder: Path, store: PieceStore = NO_STORE
     ) -> Generator[Progress, None, HiddenCells]:
         """Which cells of a plan of the `texels` nobody sees: see `find_hidden`."""
         owner = None
         if len(self.pieces) > 1:
             triangle = texels.triangle.ravel()[plan.texel]
             owner = np.repeat(np.arange(len(self.pieces)), self.counts)[triangle]
-        return (yield from find_hidden(self.seen, plan, folder, keeper, owner))
+        return (yield from find_hidden(self.seen, plan, folder, store, owner))
 
     def texels(self, finer: float = 1) -> TexelMap:
         """Points to capture, `finer` times as many along each side; with a source those on it."""
@@ -177,30 +177,30 @@ def prepare(
     originals: Sequence[bpy.types.Object],
     spec: BakeSpec,
     kept: list[bpy.types.ID],
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     unwraps: Unwraps | None = None,
     name: str = "",
     backs: bool = False,
 ) -> Generator[Progress, None, Prepared]:
     """Evaluate and unwrap the scratch scene's objects; the copies' meshes join what is `kept`.
 
-    The `keeper` learns of the scene, and is given the unwrap; `unwraps` that may be this one are, too. The
+    The `store` learns of the scene, and is given the unwrap; `unwraps` that may be this one are, too. The
     atlas is called `name`, or as the first object is. With `backs` faces that are seen from behind get a twin
     (`scene.backs`), but for a UV layer of the user's own, and on a source. Ends
     amid the stage RASTER, which `texels` goes on with. Raises InputError for what cannot be baked, or is not
-    what the keeper's pieces are of.
+    what the store's pieces are of.
     """
     yield Progress(Stage.EVALUATE, 0, 1)
     evaluated = [evaluate(scratch, original) for original in originals]
-    if keeper is not KEEPS_NOTHING:
+    if store is not NO_STORE:
         for mesh in evaluated:
             of = f" of '{mesh.name}'" if len(evaluated) > 1 else ""
-            keeper.expect({f"mesh{of}": mesh_digest(mesh), f"object's place{of}": matrix_digest(mesh)})
+            store.set_facts({f"mesh{of}": mesh_digest(mesh), f"object's place{of}": matrix_digest(mesh)})
     chosen = None if spec.where is None else chosen_triangles(scratch, originals, spec.where)
-    source = None if spec.source is None else _evaluate_source(scratch, originals[0], spec.source, keeper)
-    cage = None if spec.cage is None else _read_cage(scratch, originals[0], spec, keeper)
-    if keeper is not KEEPS_NOTHING:
-        keeper.expect(scene_digests(scratch))
+    source = None if spec.source is None else _evaluate_source(scratch, originals[0], spec.source, store)
+    cage = None if spec.cage is None else _read_cage(scratch, originals[0], spec, store)
+    if store is not NO_STORE:
+        store.set_facts(scene_digests(scratch))
     yield Progress(Stage.UNWRAP, 0, 1)
     shapes = evaluated
     if spec.unwrap_at is not None and spec.unwrap_at != spec.frame:
@@ -209,7 +209,7 @@ def prepare(
         doubled = [find_doubled(mesh, spec) for mesh in evaluated]
         shapes, evaluated = all_with_twins(shapes, doubled), all_with_twins(evaluated, doubled)
         chosen = chosen_with_twins(chosen, doubled)
-    unwrapped = yield from unwrap_surfaces(shapes, spec, keeper, {} if unwraps is None else unwraps)
+    unwrapped = yield from unwrap_surfaces(shapes, spec, store, {} if unwraps is None else unwraps)
     yield Progress(Stage.RASTER, 0, 1)
     prepared = _joined(name or originals[0].name, originals, evaluated, unwrapped, spec, chosen)
     kept.extend(piece.mesh for piece in prepared.pieces)
@@ -265,20 +265,20 @@ def _joined_faces(chosen: Sequence[Bools], part: AtlasPart) -> Bools:
 
 
 def _evaluate_source(
-    scratch: bpy.types.Scene, original: bpy.types.Object, name: str, keeper: Keeper
+    scratch: bpy.types.Scene, original: bpy.types.Object, name: str, store: PieceStore
 ) -> EvaluatedMesh:
     source = evaluate(scratch, find_source(scratch, original, name))
-    if keeper is not KEEPS_NOTHING:
-        keeper.expect({"source's mesh": mesh_digest(source), "source's place": matrix_digest(source)})
+    if store is not NO_STORE:
+        store.set_facts({"source's mesh": mesh_digest(source), "source's place": matrix_digest(source)})
     return source
 
 
 def _read_cage(
-    scratch: bpy.types.Scene, original: bpy.types.Object, spec: BakeSpec, keeper: Keeper
+    scratch: bpy.types.Scene, original: bpy.types.Object, spec: BakeSpec, store: PieceStore
 ) -> Floats:
     assert spec.cage is not None  # who calls this has looked
     places = read_cage(scratch, original, find_cage(scratch, original, spec.source, spec.cage))
-    keeper.expect({"cage's mesh": array_digest(places)})
+    store.set_facts({"cage's mesh": array_digest(places)})
     return places
 
 

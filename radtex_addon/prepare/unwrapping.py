@@ -12,8 +12,8 @@ from typing import TypeAlias
 import bpy
 import numpy as np
 
-from ..bake.keeper import Keeper
 from ..bake.parts import Split
+from ..bake.piece_store import PieceStore
 from ..bake.pieces import Arrays
 from ..bake.progress import Progress
 from ..bake.spec import BakeSpec
@@ -67,23 +67,23 @@ class Unwrapped:
 
 
 def unwrap_surfaces(
-    meshes: Sequence[EvaluatedMesh], spec: BakeSpec, keeper: Keeper, known: Unwraps
+    meshes: Sequence[EvaluatedMesh], spec: BakeSpec, store: PieceStore, known: Unwraps
 ) -> Generator[Progress, None, Unwrapped]:
-    """Unwrap, or take the UV layer that the specification names; the `keeper` is given what was unwrapped.
+    """Unwrap, or take the UV layer that the specification names; the `store` is given what was unwrapped.
 
     Raises InputError for a layer that does not serve, and for what cannot be unwrapped.
     """
     parts = split_surfaces(meshes, spec)
     if spec.uv_layer is not None:
         return _of_layer(meshes, parts, spec, spec.uv_layer)
-    piece = keeper.found(_UNWRAP)
+    piece = store.found(_UNWRAP)
     if piece is None:
         digests = " ".join(mesh_digest(mesh) + matrix_digest(mesh) for mesh in meshes)
         key = f"{digests} {spec.texels} {spec.unwrap} {spec.padding} {spec.split}"
         if key not in known:
             known[key] = yield from _anew(meshes, parts, spec)
         piece = known[key]
-        keeper.keep(_UNWRAP, piece)
+        store.keep(_UNWRAP, piece)
     ends = np.cumsum([len(mesh.triangles) for mesh in meshes])
     sizes = piece["sizes"].tolist()
     made = [AtlasPart(name, parts[name], *size) for name, size in zip(parts, sizes, strict=True)]

@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 
 from ..core.errors import InputError
-from ..cycles.apparatus import render_layers
+from ..cycles.building_blocks import render_layers
 from ..cycles.device import use_device
 from ..cycles.settings import apply_capture_settings, denoise, keep_passes
 from ..formats.path_checks import render_path

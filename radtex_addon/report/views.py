@@ -17,7 +17,7 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from ..core.errors import InputError
-from ..cycles.apparatus import render_layers
+from ..cycles.building_blocks import render_layers
 from ..cycles.passes import Passes
 from ..cycles.settings import apply_capture_settings, denoise, first_hit_only, keep_passes, look_at_centres
 from ..formats.path_checks import render_path

@@ -189,7 +189,7 @@ def submit(scene: bpy.types.Scene, bakes: _Bakes, place: Path | None, eye: Eye, 
     results = TemporaryDirectory(prefix="radtex-comparison-", ignore_cleanup_errors=True)
     names = [item.name for item in bakes]
     order = order_comparison(handover, names, place, eye, spec, Path(results.name))
-    jobs.add([order], jobs.Sequel(_arrival(scene), results))
+    jobs.add([order], jobs.Completion(_arrival(scene), results))
 
 
 def _arrival(scene: bpy.types.Scene) -> Callable[[Job], None]:

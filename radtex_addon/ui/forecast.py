@@ -53,7 +53,7 @@ def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
     except InputError as error:
         wanting = () if has_folder(values) else ("directory",)
         return Forecast(names, (str(error),), (), spec, cost, seconds, remedies=wanting, layout=layout)
-    seen = request.foreseen(scene, names, _PATIENCE)
+    seen = request.preflight(scene, names, _PATIENCE)
     if seconds is not None and not seen.errors:
         seconds *= len(request.specs(scene))
     remedies = request.remedies(scene, names, _PATIENCE) if seen.errors else {}

@@ -25,7 +25,7 @@ _PULSE = 0.25  # seconds between two polls of the workers
 
 
 @dataclass(frozen=True)
-class Sequel:
+class Completion:
     """Callback after a job: `arrived` is called when it is done.
 
     The folder `results` is deleted when the job is removed from the list.
@@ -40,12 +40,12 @@ class _Session:
     """State of the jobs of this Blender session.
 
     `queue` is None before the first job, so that enabling RadTex does not import the worker modules. `shown`
-    is the last snapshot of the jobs; `sequels` maps job numbers to sequels.
+    is the last snapshot of the jobs; `completions` maps job numbers to completions.
     """
 
     queue: Queue | None = None
     shown: tuple[Job, ...] = field(default=())
-    sequels: dict[int, Sequel] = field(default_factory=dict)
+    completions: dict[int, Completion] = field(default_factory=dict)
 
 
 _session = _Session()
@@ -107,12 +107,12 @@ def _free(bakes: tuple[tuple[str, BakeSpec], ...], request: BakeRequest) -> tupl
     return free
 
 
-def add(orders: Iterable[Order], sequel: Sequel | None = None) -> None:
-    """Queue jobs, all with the same sequel."""
+def add(orders: Iterable[Order], completion: Completion | None = None) -> None:
+    """Queue jobs, all with the same completion."""
     for order in orders:
         number = _queue().add(order)
-        if sequel is not None:
-            _session.sequels[number] = sequel
+        if completion is not None:
+            _session.completions[number] = completion
     _look()
 
 
@@ -142,8 +142,8 @@ def forget_ended() -> None:
     if _session.queue is not None:
         _session.queue.forget_ended()
         _look()
-        for number in _session.sequels.keys() - {job.number for job in _session.shown}:
-            _session.sequels.pop(number).results.cleanup()
+        for number in _session.completions.keys() - {job.number for job in _session.shown}:
+            _session.completions.pop(number).results.cleanup()
 
 
 def advance() -> bool:
@@ -157,8 +157,8 @@ def advance() -> bool:
     if ended:
         panel_state.mark_stale()  # there are new files
     for job in ended:
-        if job.state == "done" and job.number in _session.sequels:
-            _session.sequels[job.number].arrived(job)
+        if job.state == "done" and job.number in _session.completions:
+            _session.completions[job.number].arrived(job)
     return more
 
 
@@ -168,10 +168,10 @@ def unregister() -> None:
         bpy.app.timers.unregister(_pulse)
     if _session.queue is not None:
         _session.queue.close()
-    for sequel in _session.sequels.values():
-        sequel.results.cleanup()
+    for completion in _session.completions.values():
+        completion.results.cleanup()
     _session.queue, _session.shown = None, ()
-    _session.sequels.clear()
+    _session.completions.clear()
     pictures.unregister()
 
 

@@ -126,5 +126,5 @@ def _check(scene: bpy.types.Scene, names: tuple[str, ...], request: BakeRequest)
     """Check for errors before baking. Raises InputError with the first one found."""
     from ..core.errors import InputError
 
-    if errors := request.foreseen(scene, names, _PATIENCE).errors:
+    if errors := request.preflight(scene, names, _PATIENCE).errors:
         raise InputError(errors[0])

@@ -26,7 +26,7 @@ from .values import open_layout_of, spec_of, values_of, values_with
 
 if TYPE_CHECKING:
     from ..job import Choice, OpenLayout
-    from ..job.preflight import Foresight
+    from ..job.preflight import Preflight
     from ..job.variants import Bake
 
 __all__ = ["BakeRequest", "has_folder", "output_folder", "spec_of", "values_of", "values_with"]
@@ -73,10 +73,10 @@ class BakeRequest:
             open_layout=open_layout_of(values),
         )
 
-    def foreseen(self, scene: bpy.types.Scene, names: Iterable[str], patience: float) -> Foresight:
+    def preflight(self, scene: bpy.types.Scene, names: Iterable[str], patience: float) -> Preflight:
         """Errors and warnings known before baking these objects; stops looking after `patience` seconds."""
         from ..job.output_collisions import check_files_apart
-        from ..job.preflight import Foresight, foresee
+        from ..job.preflight import Preflight, run_preflight
 
         errors: dict[str, None] = {}
         warnings: dict[str, None] = {}
@@ -85,9 +85,9 @@ class BakeRequest:
             bakes = self.bakes(scene, tuple(names), guess=True)
             check_files_apart(bakes, self.folder, self.preview)
         except InputError as error:
-            return Foresight((str(error),))
+            return Preflight((str(error),))
         for spec, group in groupby(bakes, key=itemgetter(1)):
-            found = foresee(
+            found = run_preflight(
                 scene,
                 (name for name, _ in group),
                 spec,
@@ -102,7 +102,7 @@ class BakeRequest:
             warnings |= dict.fromkeys(found.warnings)
             if monotonic() - since > patience:
                 break
-        return Foresight(tuple(errors), tuple(warnings))
+        return Preflight(tuple(errors), tuple(warnings))
 
     def bakes(
         self, scene: bpy.types.Scene, names: Sequence[str], *, guess: bool = False
@@ -231,7 +231,7 @@ class BakeRequest:
             request.bakes(scene, names, guess=True)
         except InputError:  # nothing to bake: never a remedy
             return _HOPELESS if switched else 1
-        return len(request.foreseen(scene, names, patience).errors)
+        return len(request.preflight(scene, names, patience).errors)
 
 
 def output_folder(directory: str, instead: Path | None) -> Path:

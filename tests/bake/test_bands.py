@@ -17,7 +17,7 @@ from radtex_addon.bake.cells import Cells
 from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.filling import fill_missing
 from radtex_addon.bake.hidden import HiddenCells
-from radtex_addon.bake.keeper import Keeper, Pile
+from radtex_addon.bake.piece_store import MemoryStore, PieceStore
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Bools, Floats
@@ -27,11 +27,11 @@ WIDTH, HEIGHT, N = 23, 31, 3
 
 
 @pytest.fixture(params=["memory", "disk"])
-def keeper(request: pytest.FixtureRequest, tmp_path: Path) -> Keeper:
+def store(request: pytest.FixtureRequest, tmp_path: Path) -> PieceStore:
     if request.param == "memory":
-        return Pile()
+        return MemoryStore()
     kept = Checkpoint(tmp_path / "Vase.radtex-unfinished", resume=False)
-    kept.expect({"object": "Vase"})
+    kept.set_facts({"object": "Vase"})
     return kept
 
 
@@ -40,11 +40,11 @@ def some_plan(share: float = 0.4) -> CapturePlan:
     return plan_capture(texel_map(covered), N)
 
 
-def some_cells(plan: CapturePlan, keeper: Keeper, heights: int = 3) -> tuple[Cells, Floats]:
+def some_cells(plan: CapturePlan, store: PieceStore, heights: int = 3) -> tuple[Cells, Floats]:
     """Random cells in tiles that come in no order, and the same whole: (K, n, n, 4)."""
     rng = np.random.default_rng(2)
     whole = rng.normal(size=(len(plan.texel), N, N, 4)).astype(np.float32)
-    cells = Cells(plan, keeper, 4)
+    cells = Cells(plan, store, 4)
     rows = list(range(0, plan.rows, heights))
     rng.shuffle(rows)
     for row in rows:
@@ -64,17 +64,17 @@ def some_hidden(plan: CapturePlan) -> Bools:
 @pytest.mark.parametrize("hides", [False, True])
 @pytest.mark.parametrize("bytes_", [1, 5000, 1 << 30])
 def test_bands_are_the_atlas_that_is_filled_whole(
-    keeper: Keeper, hides: bool, bytes_: int, monkeypatch: pytest.MonkeyPatch
+    store: PieceStore, hides: bool, bytes_: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "_BAND_BYTES", bytes_)
     monkeypatch.setattr(module, "_HELD_BYTES", 0)
     plan = some_plan()
-    cells, whole = some_cells(plan, keeper)
+    cells, whole = some_cells(plan, store)
     marks = some_hidden(plan) if hides else None
     expected = plan.placed(whole)
     finished(fill_missing(expected, plan.covered, None if marks is None else plan.placed(marks)))
     hidden = None if marks is None else HiddenCells.of(marks)
-    bands = finished(find_bands(plan, cells, keeper, hidden))
+    bands = finished(find_bands(plan, cells, store, hidden))
     found = np.empty_like(expected)
     rows = HEIGHT
     for band in bands.downwards():
@@ -86,35 +86,35 @@ def test_bands_are_the_atlas_that_is_filled_whole(
     np.testing.assert_array_equal(found, expected)
 
 
-def test_little_is_not_kept(keeper: Keeper) -> None:
+def test_little_is_not_kept(store: PieceStore) -> None:
     plan = some_plan()
-    cells, _ = some_cells(plan, keeper)
-    before = keeper.names()
-    finished(find_bands(plan, cells, keeper, HiddenCells.of(some_hidden(plan))))
-    assert keeper.names() == before
+    cells, _ = some_cells(plan, store)
+    before = store.names()
+    finished(find_bands(plan, cells, store, HiddenCells.of(some_hidden(plan))))
+    assert store.names() == before
 
 
-def test_cells_are_read_wherever_their_tiles_lie(keeper: Keeper) -> None:
+def test_cells_are_read_wherever_their_tiles_lie(store: PieceStore) -> None:
     plan = some_plan()
-    cells, whole = some_cells(plan, keeper, heights=2)
+    cells, whole = some_cells(plan, store, heights=2)
     for index in ([0], [len(plan.texel) - 1], [0, 1, 90, 91, 150, len(plan.texel) - 1], range(len(whole))):
         np.testing.assert_array_equal(cells.take(np.array(index)), whole[list(index)])
 
 
-def test_what_was_kept_is_taken_up_again(keeper: Keeper) -> None:
+def test_what_was_kept_is_taken_up_again(store: PieceStore) -> None:
     plan = some_plan()
-    _, whole = some_cells(plan, keeper)
-    again = Cells(plan, keeper, 4)
+    _, whole = some_cells(plan, store)
+    again = Cells(plan, store, 4)
     found = list(again.restore())
     assert again.missing(1) is None
     assert again.texels == len(plan.texel) == sum(len(values) for _, values in found)
     np.testing.assert_array_equal(again.take(np.arange(len(whole))), whole)
 
 
-def test_tiles_of_other_channels_are_not_taken_up(keeper: Keeper) -> None:
+def test_tiles_of_other_channels_are_not_taken_up(store: PieceStore) -> None:
     plan = some_plan()
-    some_cells(plan, keeper)
-    assert list(Cells(plan, keeper, 7).restore()) == []
+    some_cells(plan, store)
+    assert list(Cells(plan, store, 7).restore()) == []
 
 
 def test_hidden_cells_are_a_bit_each() -> None:

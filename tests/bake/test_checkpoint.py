@@ -34,7 +34,7 @@ def folder(tmp_path: Path) -> Path:
 
 def begun(folder: Path, resume: bool = False, **facts: str) -> Checkpoint:
     checkpoint = Checkpoint(folder, resume, [folder.parent / "Card.radiance.exr"])
-    checkpoint.expect({**FACTS, **facts})
+    checkpoint.set_facts({**FACTS, **facts})
     return checkpoint
 
 
@@ -251,28 +251,28 @@ def test_a_session_goes_on_where_another_ended(folder: Path) -> None:
     whole = finished(fill_atlas(plan, Counting(plan, 10_000), 64))
     first = Counting(plan, 3)
     with pytest.raises(BakeError):
-        finished(fill_atlas(plan, first, 64, keeper=begun(folder)))
+        finished(fill_atlas(plan, first, 64, store=begun(folder)))
     second = Counting(plan, 10_000)
-    steps = fill_atlas(plan, second, 64, keeper=begun(folder, resume=True))
+    steps = fill_atlas(plan, second, 64, store=begun(folder, resume=True))
     assert next(steps) == Progress(Stage.CAPTURE, len(first.rows) * plan.columns, len(plan.texel))
     np.testing.assert_array_equal(finished(steps), whole)
     assert sorted(first.rows + second.rows) == list(range(plan.rows)), "every row once"
     third = Counting(plan, 0)
-    image = finished(fill_atlas(plan, third, 64, keeper=begun(folder, resume=True)))
+    image = finished(fill_atlas(plan, third, 64, store=begun(folder, resume=True)))
     np.testing.assert_array_equal(image, whole)
     assert third.rows == []
 
 
 def test_a_damaged_tile_alone_is_captured_again(folder: Path, caplog: pytest.LogCaptureFixture) -> None:
     plan = plan_capture(card(width=40, height=40), 2)
-    whole = finished(fill_atlas(plan, Counting(plan, 10_000), 64, keeper=begun(folder)))
+    whole = finished(fill_atlas(plan, Counting(plan, 10_000), 64, store=begun(folder)))
     pieces = sorted(folder.glob("tile-*.piece"))
     assert len(pieces) > 2
     spoilt = pieces[1]
     spoilt.write_bytes(spoilt.read_bytes()[:-100])
     again = Counting(plan, 10_000)
     with caplog.at_level(logging.WARNING):
-        image = finished(fill_atlas(plan, again, 64, keeper=begun(folder, resume=True)))
+        image = finished(fill_atlas(plan, again, 64, store=begun(folder, resume=True)))
     np.testing.assert_array_equal(image, whole)
     _, first, rows = spoilt.stem.split("-")
     assert again.rows == list(range(int(first), int(first) + int(rows)))

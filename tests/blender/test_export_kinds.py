@@ -27,7 +27,7 @@ from radtex_addon.formats.ktx2 import read_ktx2
 from radtex_addon.formats.texture import PixelFormat
 from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
-from radtex_addon.job.preflight import foresee
+from radtex_addon.job.preflight import run_preflight
 from radtex_addon.textures.entry import Arranged, Container
 from radtex_addon.textures.flat import srgb
 from radtex_addon.textures.spec import Target
@@ -205,8 +205,8 @@ def test_a_bake_that_its_target_would_refuse_is_not_begun(tmp_path: Path) -> Non
     bpy.ops.mesh.primitive_plane_add()
     context.object.name = "Card"
     asked = (context.scene, ("Card",), SPECS[Kind.SHADOW], tmp_path)
-    assert foresee(*asked, preview=True, targets=(Target.WEB, Target.RAW)).errors == ()
-    (error,) = foresee(*asked, preview=True, targets=(Target.WEB, Target.UNITY)).errors
+    assert run_preflight(*asked, preview=True, targets=(Target.WEB, Target.RAW)).errors == ()
+    (error,) = run_preflight(*asked, preview=True, targets=(Target.WEB, Target.UNITY)).errors
     assert error == "the bake is of kind shadow, which unity does not show: choose web, raw, gltf"
 
 

@@ -27,7 +27,7 @@ from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.forms.shared import bake as shared
 from radtex_addon.job import bake_object, run
 from radtex_addon.job.finished import images_of
-from radtex_addon.job.preflight import foresee
+from radtex_addon.job.preflight import run_preflight
 from radtex_addon.textures.spec import Target
 from tests.bench.renames import Bench, contents
 from tests.blender.batch_process import Outcome
@@ -258,10 +258,10 @@ def test_the_panel_foresees_what_an_export_lacks(
     out: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(web, "BUILT", tmp_path / "built")
-    found = foresee(context.scene, ["Ball"], SPEC, out, preview=True, targets=(Target.WEB,))
+    found = run_preflight(context.scene, ["Ball"], SPEC, out, preview=True, targets=(Target.WEB,))
     assert found.errors == ("the web page lacks index.html: build it with `uv run .ci/build_web.py`",)
     monkeypatch.setattr("radtex_addon.export.gltf.find_spec", lambda _: None)
-    found = foresee(context.scene, ["Ball"], SPEC, out, preview=True, targets=(Target.RAW,))
+    found = run_preflight(context.scene, ["Ball"], SPEC, out, preview=True, targets=(Target.RAW,))
     assert found.errors[0].startswith("this Blender has no glTF exporter")
 
 

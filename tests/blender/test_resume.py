@@ -19,7 +19,7 @@ from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.bake.thumbnail import Thumbnail
 from radtex_addon.cli import main as batch_module
 from radtex_addon.core.errors import BakeError, InputError
-from radtex_addon.cycles import apparatus, portal
+from radtex_addon.cycles import building_blocks, portal
 from radtex_addon.job import bake_object, bake_steps, check_request
 from tests.blender import stage
 from tests.blender.killed import digests
@@ -60,7 +60,7 @@ def begun(out: Path, spec: BakeSpec = QUICK) -> list[str]:
 def rendered(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The names of the files that renders go to, as they are made."""
     seen: list[str] = []
-    render = apparatus.render_layers
+    render = building_blocks.render_layers
 
     def counted(scene: bpy.types.Scene, file: Path) -> Any:
         seen.append(file.name)

@@ -144,20 +144,20 @@ def curved() -> Any:
 def by_nodes() -> Any:
     """A plane whose geometry nodes make it of another material than its slot's."""
     item = plane(principled())
-    tree: Any = bpy.data.node_groups.new("Made", "GeometryNodeTree")
+    tree: Any = bpy.data.node_groups.new("BakeOutput", "GeometryNodeTree")
     node = tree.nodes.new("GeometryNodeSetMaterial")
     node.inputs["Material"].default_value = stage.material("Veil", CLEAR)
-    item.modifiers.new("Made", "NODES").node_group = tree
+    item.modifiers.new("BakeOutput", "NODES").node_group = tree
     return item
 
 
 def by_input() -> Any:
     """The same by an input of the modifier."""
     item = plane(principled())
-    tree: Any = bpy.data.node_groups.new("Made", "GeometryNodeTree")
+    tree: Any = bpy.data.node_groups.new("BakeOutput", "GeometryNodeTree")
     socket = tree.interface.new_socket("Cloth", in_out="INPUT", socket_type="NodeSocketMaterial")
     socket.default_value = stage.material("Veil", CLEAR)
-    item.modifiers.new("Made", "NODES").node_group = tree
+    item.modifiers.new("BakeOutput", "NODES").node_group = tree
     return item
 
 

@@ -135,7 +135,7 @@ def test_the_panel_goes_on_with_tiles_once_the_first_is_done(panel: Any, out: Pa
     lacking.with_suffix(".exr").unlink()
     assert [part.part for part in parts] == ["1001", "1012"]
     assert [spec.part for _, spec in asked(out)] == ["1012"]
-    assert BakeRequest.of(values_of(panel)).foreseen(context.scene, ("Cube",), 1.0).errors == ()
+    assert BakeRequest.of(values_of(panel)).preflight(context.scene, ("Cube",), 1.0).errors == ()
     assert ops.radtex.bake(object="Cube") == {"FINISHED"}
     assert lacking.is_file()
 

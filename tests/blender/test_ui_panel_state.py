@@ -14,7 +14,7 @@ from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object, bake_steps
-from radtex_addon.job.preflight import foresee
+from radtex_addon.job.preflight import run_preflight
 from radtex_addon.ui import estimates, panel_state
 from radtex_addon.ui.cost import figures
 from radtex_addon.ui.panel_state import Forecast
@@ -169,7 +169,7 @@ def test_of_many_objects_as_many_are_looked_at_as_time_allows(tmp_path: Path) ->
     plane("B")
     context.object.hide_render = True
     found = [
-        foresee(context.scene, ("A", "B"), BakeSpec(), tmp_path, patience=patience)
+        run_preflight(context.scene, ("A", "B"), BakeSpec(), tmp_path, patience=patience)
         for patience in (0.0, 60.0)
     ]
     assert [len(one.errors) for one in found] == [0, 1]

@@ -113,7 +113,7 @@ def test_what_is_no_file_is_named_by_its_kind(tmp_path: Path) -> None:
 )
 def test_rows_of_a_piece_that_is_no_more_what_it_was_are_refused(harm: str, tmp_path: Path) -> None:
     kept = Checkpoint(tmp_path / "bake.radtex-unfinished", resume=False)
-    kept.expect(FACTS)
+    kept.set_facts(FACTS)
     kept.keep("tile", {"cells": np.arange(32, dtype=np.float32).reshape(8, 4)})
     np.testing.assert_array_equal(kept.rows("tile", "cells", 2, 1), [[8, 9, 10, 11]])
     path = tmp_path / "bake.radtex-unfinished" / "tile.piece"

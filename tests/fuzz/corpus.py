@@ -135,7 +135,7 @@ def _write_rest(folder: Path) -> None:
     glb.document["meshes"] = [{"primitives": [{"attributes": attributes, "indices": 1}]}]
     glb.write(folder / "mesh.glb")
     kept = Checkpoint(folder / "bake.radtex-unfinished", resume=False, replaces=[folder / "a.exr"])
-    kept.expect(FACTS)
+    kept.set_facts(FACTS)
     kept.keep("tile-0000", {"cells": _pixels(4, 4, 4), "rows": np.arange(3), "some": np.array([True])})
     images = folder / "images"
     images.mkdir()

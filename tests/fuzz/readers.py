@@ -119,14 +119,14 @@ def _decode(texture: Texture) -> None:
 def _piece(path: Path) -> None:
     """Never raises: a damaged piece is made again."""
     kept = Checkpoint(path.parent, resume=True)
-    kept.expect(FACTS)
+    kept.set_facts(FACTS)
     kept.found(path.stem)
 
 
 def _piece_rows(path: Path) -> None:
     """Rows of a piece that was whole when it was found, and has been damaged since."""
     kept = Checkpoint(path.parent, resume=True)
-    kept.expect(FACTS)
+    kept.set_facts(FACTS)
     for name in ("some", "cells", "rows"):
         with suppress(BakeError):
             kept.rows(path.stem, name, 0, 1)
@@ -184,7 +184,7 @@ def _plan_with_digest(path: Path) -> None:
 def _key(path: Path) -> None:
     kept = Checkpoint(path.parent, resume=True)
     replaced_by(path.parent)
-    kept.expect(FACTS)
+    kept.set_facts(FACTS)
     kept.names()
 
 

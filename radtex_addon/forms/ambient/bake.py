@@ -11,7 +11,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...bake.keeper import KEEPS_NOTHING, Keeper
+from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
 from ...bake.thumbnail import Thumbnail
@@ -30,13 +30,13 @@ def bake_ambient(
     sidecar: Path,
     prepared: Prepared,
     folder: Path,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Outcome]:
     """As `Form.bake`."""
-    captured = yield from capture_occlusion(scratch, spec, prepared, folder, keeper, thumbnail)
+    captured = yield from capture_occlusion(scratch, spec, prepared, folder, store, thumbnail)
     facts = replace(prepared.facts(spec), bucket=1, samples=captured.rays, ao_distance=spec.ao_distance)
-    _write(keeper.place(sidecar), captured, facts, spec)
+    _write(store.place(sidecar), captured, facts, spec)
     layout = captured.plan.layout
     return Outcome(
         images=(sidecar.with_suffix(".exr"),),

@@ -11,8 +11,8 @@ from pathlib import Path
 import bpy
 
 from ...bake.forms import AMBIENT, FormTraits
-from ...bake.keeper import Keeper
 from ...bake.kinds import KINDS, Kind
+from ...bake.piece_store import PieceStore
 from ...bake.plan import MAX_IMAGE_SIDE
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
@@ -46,10 +46,10 @@ class Ambient(Buckets):
         sidecar: Path,
         prepared: Prepared,
         folder: Path,
-        keeper: Keeper,
+        store: PieceStore,
         thumbnail: Thumbnail | None,
     ) -> Generator[Progress, None, Outcome]:
-        return bake_ambient(scratch, spec, sidecar, prepared, folder, keeper, thumbnail)
+        return bake_ambient(scratch, spec, sidecar, prepared, folder, store, thumbnail)
 
     def check_previewable(self, spec: BakeSpec) -> None:
         check_previewable(AtlasLayout(spec.texels, spec.texels, 1))

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ...bake.bands import Bands
-from ...bake.keeper import KEEPS_NOTHING, Keeper
+from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
 from ...bake.thumbnail import Thumbnail
@@ -31,12 +31,12 @@ def bake_bits(
     sidecar: Path,
     prepared: Prepared,
     folder: Path,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Outcome]:
     """As `Form.bake`."""
-    captured = yield from capture_occlusion(scratch, spec, prepared, folder, keeper, thumbnail)
-    _write(keeper.place(sidecar), captured.bands, prepared.facts(spec), spec)
+    captured = yield from capture_occlusion(scratch, spec, prepared, folder, store, thumbnail)
+    _write(store.place(sidecar), captured.bands, prepared.facts(spec), spec)
     layout = captured.plan.layout
     return Outcome(
         images=(sidecar.with_suffix(".exr"),),

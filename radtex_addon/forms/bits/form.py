@@ -11,8 +11,8 @@ from typing import Any
 import bpy
 
 from ...bake.forms import BITS, FormTraits
-from ...bake.keeper import Keeper
 from ...bake.kinds import KINDS, Kind
+from ...bake.piece_store import PieceStore
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
 from ...bake.thumbnail import Thumbnail
@@ -50,10 +50,10 @@ class Bits(Buckets):
         sidecar: Path,
         prepared: Prepared,
         folder: Path,
-        keeper: Keeper,
+        store: PieceStore,
         thumbnail: Thumbnail | None,
     ) -> Generator[Progress, None, Outcome]:
-        return bake_bits(scratch, spec, sidecar, prepared, folder, keeper, thumbnail)
+        return bake_bits(scratch, spec, sidecar, prepared, folder, store, thumbnail)
 
     def material(self, of: PreviewOf) -> bpy.types.Material:
         return preview_shadow_material(of.title, of.sidecar, of.uv_layer, of.scene, of.filter)

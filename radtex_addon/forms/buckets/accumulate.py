@@ -8,15 +8,15 @@ from collections.abc import Generator
 
 import numpy as np
 
-from ...bake.keeper import Keeper
+from ...bake.piece_store import PieceStore
 from ...bake.progress import Progress
 from ...bake.thumbnail import Thumbnail
 from ...core.arrays import Floats, Ints
-from .recapture import Again
+from .recapture import Recapture
 
 
 def accumulated(
-    again: Again, keeper: Keeper, thumbnail: Thumbnail | None
+    again: Recapture, store: PieceStore, thumbnail: Thumbnail | None
 ) -> Generator[Progress, None, tuple[Floats, int, Ints]]:
     """Give the chosen texels as many more samples as the specification says, each from where its own ended.
 
@@ -27,7 +27,7 @@ def accumulated(
     more = np.where(again.chosen, again.spec.samples, 0)
     before = again.buckets()
     buckets = before.copy()
-    paths = yield from again.capture(buckets, more, counts, keeper, thumbnail)
+    paths = yield from again.capture(buckets, more, counts, store, thumbnail)
     some = plan.placed(again.chosen)
     both = counts + more
     new, old = (plan.placed(part / both).astype(np.float32)[some] for part in (more, counts))

@@ -12,8 +12,8 @@ import bpy
 
 from ...bake.capture import Capture
 from ...bake.hidden import HiddenCells
-from ...bake.keeper import KEEPS_NOTHING, Keeper
 from ...bake.layers import WHOLE, split_layers
+from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.plan import CapturePlan, plan_capture
 from ...bake.progress import Progress, Stage, relayed
 from ...bake.session import BYTES_PER_PIXEL, capture_bands
@@ -36,7 +36,7 @@ from ...scene.proxy_content import show_content_only
 from ..outcome import Outcome
 from .accumulate import accumulated
 from .previous_atlas import read_earlier, with_counts
-from .recapture import Again, chosen_texels
+from .recapture import Recapture, chosen_texels
 from .refresh import refreshed
 
 
@@ -46,28 +46,28 @@ def bake_buckets(
     sidecar: Path,
     prepared: Prepared,
     folder: Path,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Outcome]:
-    """Bake what is prepared; `folder` takes temporary files, the `keeper` every finished tile."""
+    """Bake what is prepared; `folder` takes temporary files, the `store` every finished tile."""
     facts = prepared.facts(spec)
     earlier = read_earlier(sidecar, facts) if spec.accumulate or spec.refresh else None
     texels = prepared.texels()
-    plan, hidden, facts = yield from plan_buckets(scratch, spec, prepared, texels, folder, keeper)
+    plan, hidden, facts = yield from plan_buckets(scratch, spec, prepared, texels, folder, store)
     if earlier is None:
         capture = capture_of(scratch, plan, spec, folder)
         uncut = has_volumes(scratch)
         if uncut:
             _check_sheet(spec)
-        steps = join_buckets(plan, capture, hidden, spec, sidecar, facts, keeper, thumbnail, uncut)
+        steps = join_buckets(plan, capture, hidden, spec, sidecar, facts, store, thumbnail, uncut)
         return (yield from steps)
     chosen = chosen_texels(plan, texels, prepared.chosen, spec.where)
-    again = Again(scratch, spec, spec.kind, texels, plan, hidden, earlier, chosen, folder)
+    again = Recapture(scratch, spec, spec.kind, texels, plan, hidden, earlier, chosen, folder)
     work = refreshed if spec.refresh else accumulated
-    image, paths, counts = yield from work(again, keeper, thumbnail)
+    image, paths, counts = yield from work(again, store, thumbnail)
     whole = [_images(image, plan.layout, spec)]
     facts = with_counts(facts, counts)
-    return (yield from _write(plan, lambda: iter(whole), spec, sidecar, facts, paths, keeper))
+    return (yield from _write(plan, lambda: iter(whole), spec, sidecar, facts, paths, store))
 
 
 def join_buckets(
@@ -77,16 +77,16 @@ def join_buckets(
     spec: BakeSpec,
     sidecar: Path,
     facts: Sidecar,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
     uncut: bool = True,
 ) -> Generator[Progress, None, Outcome]:
     """Ask the capture for all tiles of the plan, and write the atlas with its layers, band by band.
 
-    What is written waits at the keeper's places for the files.
+    What is written waits at the store's places for the files.
     """
     memory, channels = spec.tile_mb, spec.channels
-    steps = capture_bands(plan, capture, memory, hidden, keeper, thumbnail, channels, uncut)
+    steps = capture_bands(plan, capture, memory, hidden, store, thumbnail, channels, uncut)
     bands = yield from steps
     paths = len(plan.texel) * spec.bucket**2 * spec.samples
 
@@ -95,7 +95,7 @@ def join_buckets(
             layout = AtlasLayout(plan.layout.width, len(band.buckets), plan.layout.bucket)
             yield _images(layout.from_buckets(band.buckets), layout, spec)
 
-    return (yield from _write(plan, images, spec, sidecar, facts, paths, keeper))
+    return (yield from _write(plan, images, spec, sidecar, facts, paths, store))
 
 
 def _check_sheet(spec: BakeSpec) -> None:
@@ -125,7 +125,7 @@ def _write(
     sidecar: Path,
     facts: Sidecar,
     paths: int,
-    keeper: Keeper,
+    store: PieceStore,
 ) -> Generator[Progress, None, Outcome]:
     layout = plan.layout
 
@@ -133,7 +133,7 @@ def _write(
         return Progress(Stage.WRITE, done, layout.height)
 
     yield in_rows(0)
-    place = keeper.place(sidecar)
+    place = store.place(sidecar)
     steps = write_bands(place, images, spec.layers, facts, spec.half, spec.compression)
     written = yield from relayed(steps, in_rows)
     return Outcome(bucket_images(spec, sidecar), layout, len(plan.texel), paths, written.clamped)
@@ -145,11 +145,11 @@ def plan_buckets(
     prepared: Prepared,
     texels: TexelMap,
     folder: Path,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
 ) -> Generator[Progress, None, tuple[CapturePlan, HiddenCells | None, Sidecar]]:
     """What to capture in a scene that then shows nothing else, which cells nobody sees, and what that is."""
     facts = prepared.facts(spec)
-    plan, hidden = yield from _plan(prepared, texels, spec, folder, keeper)
+    plan, hidden = yield from _plan(prepared, texels, spec, folder, store)
     if spec.kind.traits.content:
         named = show_content_only(scratch, prepared.original, spec.content)
         facts = replace(facts, content=Content(spec.content or "", named))
@@ -157,13 +157,13 @@ def plan_buckets(
 
 
 def _plan(
-    prepared: Prepared, texels: TexelMap, spec: BakeSpec, folder: Path, keeper: Keeper
+    prepared: Prepared, texels: TexelMap, spec: BakeSpec, folder: Path, store: PieceStore
 ) -> Generator[Progress, None, tuple[CapturePlan, HiddenCells | None]]:
     """What to capture, and which cells of it nobody sees; texels that nobody sees at all cost no path."""
     plan = plan_capture(texels, spec.bucket, sheet=spec.sheet)
     if not spec.kind.traits.looks_at_surface:
         return plan, None
-    hidden = yield from prepared.hidden(plan, texels, folder, keeper)
+    hidden = yield from prepared.hidden(plan, texels, folder, store)
     buried = hidden.buried
     if buried.any():
         plan = plan_capture(texels, spec.bucket, plan.texel[buried], spec.sheet)

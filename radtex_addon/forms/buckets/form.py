@@ -11,8 +11,8 @@ from typing import Any
 import bpy
 
 from ...bake.forms import BUCKETS, FormTraits
-from ...bake.keeper import Keeper
 from ...bake.kinds import KINDS, Kind, Light
+from ...bake.piece_store import PieceStore
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
 from ...bake.thumbnail import Thumbnail
@@ -58,10 +58,10 @@ class Buckets:
         sidecar: Path,
         prepared: Prepared,
         folder: Path,
-        keeper: Keeper,
+        store: PieceStore,
         thumbnail: Thumbnail | None,
     ) -> Generator[Progress, None, Outcome]:
-        return bake_buckets(scratch, spec, sidecar, prepared, folder, keeper, thumbnail)
+        return bake_buckets(scratch, spec, sidecar, prepared, folder, store, thumbnail)
 
     def check_size(self, spec: BakeSpec, width: int, height: int) -> None:
         """Any size that a specification can have will do."""

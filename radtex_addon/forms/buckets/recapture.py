@@ -14,7 +14,7 @@ import numpy as np
 
 from ...bake.filling import fill_missing
 from ...bake.hidden import HiddenCells
-from ...bake.keeper import Drawer, Keeper
+from ...bake.piece_store import PieceStore, PrefixedStore
 from ...bake.plan import CapturePlan, plan_capture
 from ...bake.progress import Progress, Stage, relayed
 from ...bake.session import fill_atlas
@@ -30,7 +30,7 @@ from .previous_atlas import Earlier
 
 
 @dataclass(frozen=True, eq=False)
-class Again:
+class Recapture:
     """The texels of a `plan`, as a scratch scene shows them now, and the `earlier` atlas of them.
 
     Nobody sees the `hidden` cells. The plan's texels that count are `chosen` (K,).
@@ -63,7 +63,7 @@ class Again:
         return plan_capture(self.texels, bucket, others, self.spec.sheet)
 
     def capture(
-        self, buckets: Floats, samples: Ints, first: Ints, keeper: Keeper, thumbnail: Thumbnail | None
+        self, buckets: Floats, samples: Ints, first: Ints, store: PieceStore, thumbnail: Thumbnail | None
     ) -> Generator[Progress, None, int]:
         """Put new cells of the plan's texels into `buckets` (H, W, n, n, 4); returns how many paths it took.
 
@@ -79,7 +79,7 @@ class Again:
                 capture = PortalCapture(
                     scene, part, self.kind, number, self.spec.seed, self.folder, first=start
                 )
-                drawer = Drawer(keeper, f"{start}-{number}-")
+                drawer = PrefixedStore(store, f"{start}-{number}-")
                 memory, uncut = self.spec.tile_mb, has_volumes(scene)
                 steps = fill_atlas(part, capture, memory, None, drawer, thumbnail, uncut=uncut)
                 image = yield from relayed(steps, partial(_after, done, total))

@@ -9,14 +9,14 @@ from collections.abc import Generator
 import numpy as np
 
 from ...bake.changes import changed_texels
-from ...bake.keeper import Keeper
+from ...bake.piece_store import PieceStore
 from ...bake.plan import CapturePlan, Tile
 from ...bake.progress import Progress, Stage
 from ...bake.thumbnail import Thumbnail
 from ...core.arrays import Bools, Floats, Ints
 from ...cycles.portal import PortalCapture
 from ...scene.scratch import scene_copied
-from .recapture import Again
+from .recapture import Recapture
 
 _CHANGED = "changed"  # a piece's name
 _TILE_PIXELS = 1 << 20
@@ -24,7 +24,7 @@ _SEED = 7919  # the probe's paths are none of the atlas's
 
 
 def refreshed(
-    again: Again, keeper: Keeper, thumbnail: Thumbnail | None
+    again: Recapture, store: PieceStore, thumbnail: Thumbnail | None
 ) -> Generator[Progress, None, tuple[Floats, int, Ints]]:
     """Find which of the chosen texels have changed, and capture those with the samples that they had.
 
@@ -34,17 +34,17 @@ def refreshed(
     plan, buckets = again.plan, again.buckets()
     side = _coarser(plan.layout.bucket)
     probed = again.part(again.chosen, side)
-    kept = keeper.found(_CHANGED)
+    kept = store.found(_CHANGED)
     if kept is None:
         probe = yield from _probe(again, probed)
         kept = {"changed": changed_texels(probed, probe, _coarse(buckets, probed))}
-        keeper.keep(_CHANGED, kept)
+        store.keep(_CHANGED, kept)
     paths = len(probed.texel) * side**2
     changed: Bools = np.zeros(len(plan.texel), dtype=bool)
     changed[again.chosen] = kept["changed"]
     if changed.any():
         samples = np.where(changed, again.counts, 0)
-        paths += yield from again.capture(buckets, samples, np.zeros_like(samples), keeper, thumbnail)
+        paths += yield from again.capture(buckets, samples, np.zeros_like(samples), store, thumbnail)
         yield from again.fill(buckets)
     return plan.layout.from_buckets(buckets), paths, again.earlier.counts
 
@@ -58,7 +58,7 @@ def _coarse(buckets: Floats, probed: CapturePlan) -> Floats:
     return means
 
 
-def _probe(again: Again, plan: CapturePlan) -> Generator[Progress, None, Floats]:
+def _probe(again: Recapture, plan: CapturePlan) -> Generator[Progress, None, Floats]:
     """One path in each cell of all texels of the plan: (K, m, m, 4)."""
     spec, count = again.spec, len(plan.texel)
     rows = max(1, _TILE_PIXELS // (plan.columns * plan.layout.bucket**2))

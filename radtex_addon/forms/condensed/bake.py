@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 
-from ...bake.keeper import KEEPS_NOTHING, Keeper
+from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
 from ...bake.thumbnail import Thumbnail
@@ -26,14 +26,14 @@ def bake_condensed(
     sidecar: Path,
     prepared: Prepared,
     folder: Path,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Outcome]:
     """As `Form.bake`. Raises InputError for a budget that is too small for its texels."""
     check_budget(spec, prepared.width, prepared.height)
-    fitted = yield from fit_bake(scratch, spec, prepared, folder, keeper, thumbnail)
+    fitted = yield from fit_bake(scratch, spec, prepared, folder, store, thumbnail)
     facts = facts_with_fireflies(fitted, prepared.facts(spec))
-    steps = condense_steps(keeper.place(sidecar), fitted.atlas, fitted.plan, spec, facts)
+    steps = condense_steps(store.place(sidecar), fitted.atlas, fitted.plan, spec, facts)
     written, condensed = yield from steps
     return Outcome(
         images=tuple(texture_path(sidecar, layer) for layer in written.bake.layers),

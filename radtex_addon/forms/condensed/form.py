@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 
 from ...bake.forms import CONDENSED, FormTraits
-from ...bake.keeper import Keeper
+from ...bake.piece_store import PieceStore
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
 from ...bake.thumbnail import Thumbnail
@@ -49,10 +49,10 @@ class Condensed(Shared):
         sidecar: Path,
         prepared: Prepared,
         folder: Path,
-        keeper: Keeper,
+        store: PieceStore,
         thumbnail: Thumbnail | None,
     ) -> Generator[Progress, None, Outcome]:
-        return bake_condensed(scratch, spec, sidecar, prepared, folder, keeper, thumbnail)
+        return bake_condensed(scratch, spec, sidecar, prepared, folder, store, thumbnail)
 
     def check_size(self, spec: BakeSpec, width: int, height: int) -> None:
         check_budget(spec, width, height)

@@ -12,7 +12,7 @@ from pathlib import Path
 import bpy
 
 from ...bake.fit import fit_shared
-from ...bake.keeper import KEEPS_NOTHING, Keeper
+from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.plan import CapturePlan
 from ...bake.progress import Progress, Stage
 from ...bake.rays import FINER
@@ -51,14 +51,14 @@ def bake_shared(
     sidecar: Path,
     prepared: Prepared,
     folder: Path,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Outcome]:
-    """Bake what is prepared; `folder` takes temporary files, the `keeper` every render and the files."""
-    fitted = yield from fit_bake(scratch, spec, prepared, folder, keeper, thumbnail)
+    """Bake what is prepared; `folder` takes temporary files, the `store` every render and the files."""
+    fitted = yield from fit_bake(scratch, spec, prepared, folder, store, thumbnail)
     yield Progress(Stage.WRITE, 0, 1)
     facts = facts_with_fireflies(fitted, prepared.facts(spec))
-    written = write_shared(keeper.place(sidecar), fitted.atlas, facts, spec.half, spec.compression)
+    written = write_shared(store.place(sidecar), fitted.atlas, facts, spec.half, spec.compression)
     return Outcome(
         images=tuple(layer_path(sidecar, layer) for layer in written.bake.layers),
         layout=atlas_layout(fitted, spec),
@@ -86,7 +86,7 @@ def fit_bake(
     spec: BakeSpec,
     prepared: Prepared,
     folder: Path,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, FittedBake]:
     """Capture the scratch scene's object and fit an atlas to it; errors as in `Form.bake`."""
@@ -101,7 +101,7 @@ def fit_bake(
         spec.rays,
         spec.seed,
         folder,
-        keeper,
+        store,
         thumbnail,
     )
     fitted = yield from fit_shared(

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from ...bake.forms import SHARED, FormTraits
-from ...bake.keeper import Keeper
+from ...bake.piece_store import PieceStore
 from ...bake.progress import Progress
 from ...bake.rays import FINER
 from ...bake.spec import BakeSpec
@@ -71,10 +71,10 @@ class Shared:
         sidecar: Path,
         prepared: Prepared,
         folder: Path,
-        keeper: Keeper,
+        store: PieceStore,
         thumbnail: Thumbnail | None,
     ) -> Generator[Progress, None, Outcome]:
-        return bake_shared(scratch, spec, sidecar, prepared, folder, keeper, thumbnail)
+        return bake_shared(scratch, spec, sidecar, prepared, folder, store, thumbnail)
 
     def check_size(self, spec: BakeSpec, width: int, height: int) -> None:
         """Any size that a specification can have will do."""

@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...bake.keeper import KEEPS_NOTHING, Keeper
+from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.plan import CapturePlan
 from ...bake.progress import Progress, Stage
 from ...bake.spec import BakeSpec, View
@@ -33,17 +33,17 @@ def bake_transfer(
     sidecar: Path,
     prepared: Prepared,
     folder: Path,
-    keeper: Keeper = KEEPS_NOTHING,
+    store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Outcome]:
-    """Bake what is prepared; `folder` takes temporary files, the `keeper` every finished render."""
+    """Bake what is prepared; `folder` takes temporary files, the `store` every finished render."""
     eye = find_eye(scratch) if spec.view is View.CAMERA else None
     views = views_along(spec.view)
-    plan = yield from prepared.plan_of_seen(views, folder, keeper)
+    plan = yield from prepared.plan_of_seen(views, folder, store)
     suns, shift = spec.bucket**2, view_shift(plan, eye)
     with scene_copied(scratch) as scene:
         lit = yield from capture_under_suns(
-            scene, plan, shift, suns, spec.samples, spec.seed, folder, keeper, thumbnail
+            scene, plan, shift, suns, spec.samples, spec.seed, folder, store, thumbnail
         )
     atlas = yield from _atlas(plan, lit, spec.bucket)
     yield Progress(Stage.WRITE, 0, 1)
@@ -51,7 +51,7 @@ def bake_transfer(
     facts = prepared.facts(spec)
     place = None if eye is None else (*eye.place, 0.0 if eye.far else 1.0)
     described = TransferSidecar(facts, suns, spec.view, place, views)
-    written = write_transfer(keeper.place(sidecar), atlas, described, spec.half, spec.compression)
+    written = write_transfer(store.place(sidecar), atlas, described, spec.half, spec.compression)
     count = len(plan.texel)
     paths = count * views**2 * suns * spec.samples
     return Outcome((sidecar.with_suffix(".exr"),), layout, count, paths, written.bake.clamped)

@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 
 from ...bake.forms import SPHERE, FormTraits
-from ...bake.keeper import Keeper
+from ...bake.piece_store import PieceStore
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
 from ...bake.thumbnail import Thumbnail
@@ -51,10 +51,10 @@ class Sphere(Buckets):
         sidecar: Path,
         prepared: Prepared,
         folder: Path,
-        keeper: Keeper,
+        store: PieceStore,
         thumbnail: Thumbnail | None,
     ) -> Generator[Progress, None, Outcome]:
-        return bake_transfer(scratch, spec, sidecar, prepared, folder, keeper, thumbnail)
+        return bake_transfer(scratch, spec, sidecar, prepared, folder, store, thumbnail)
 
     def check_previewable(self, spec: BakeSpec) -> None:
         layout = AtlasLayout(spec.texels, spec.texels, spec.bucket)

@@ -16,7 +16,7 @@ from radtex_addon.bake.layers import Layer
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
-from radtex_addon.cycles.apparatus import render_layers
+from radtex_addon.cycles.building_blocks import render_layers
 from radtex_addon.cycles.passes import Passes, attributes_of, light_of
 from radtex_addon.cycles.settings import keep_passes
 from radtex_addon.formats.bucket_files import read_layer

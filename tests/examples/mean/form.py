@@ -11,8 +11,8 @@ from pathlib import Path
 import bpy
 
 from radtex_addon.bake.forms import FORMS
-from radtex_addon.bake.keeper import Keeper
 from radtex_addon.bake.kinds import KINDS, Kind
+from radtex_addon.bake.piece_store import PieceStore
 from radtex_addon.bake.progress import Progress, Stage
 from radtex_addon.bake.session import fill_atlas
 from radtex_addon.bake.spec import BakeSpec
@@ -39,16 +39,16 @@ class Mean(Buckets):
         sidecar: Path,
         prepared: Prepared,
         folder: Path,
-        keeper: Keeper,
+        store: PieceStore,
         thumbnail: Thumbnail | None,
     ) -> Generator[Progress, None, Outcome]:
-        plan = yield from prepared.plan_of_seen(spec.bucket, folder, keeper)
+        plan = yield from prepared.plan_of_seen(spec.bucket, folder, store)
         capture = capture_of(scratch, plan, spec, folder)
-        image = yield from fill_atlas(plan, capture, spec.tile_mb, None, keeper, thumbnail)
+        image = yield from fill_atlas(plan, capture, spec.tile_mb, None, store, thumbnail)
         yield Progress(Stage.WRITE, 0, 1)
         means = plan.layout.to_buckets(image).mean(axis=(2, 3))
         facts = replace(prepared.facts(spec), bucket=1)
-        written = write_buckets(keeper.place(sidecar), means, {}, facts, spec.half, spec.compression)
+        written = write_buckets(store.place(sidecar), means, {}, facts, spec.half, spec.compression)
         paths = len(plan.texel) * spec.bucket**2 * spec.samples
         layout = AtlasLayout(plan.layout.width, plan.layout.height, 1)
         return Outcome(self.images(spec, sidecar), layout, len(plan.texel), paths, written.clamped)

@@ -11,7 +11,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.keeper import KEEPS_NOTHING
+from radtex_addon.bake.piece_store import NO_STORE
 from radtex_addon.bake.plan import CapturePlan, plan_capture
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.rays import FINER, PROBE_CELLS, PROBES
@@ -87,7 +87,7 @@ def capture_layered(stage: Stage, spec: BakeSpec, folder: Path) -> Captured:
         texels, finer = prepared.texels(), prepared.texels(FINER)
         mesh, matrix = prepared.pieces[0].rendered, prepared.matrix_world
         probe = plan_capture(texels, PROBE_CELLS)
-        hidden = finished(find_hidden([(mesh, matrix)], probe, folder, KEEPS_NOTHING))
+        hidden = finished(find_hidden([(mesh, matrix)], probe, folder, NO_STORE))
         without = probe.texel[hidden.buried]
         beside = read_beside(scratch, item)
         alone = Beside(beside.matrix, ())

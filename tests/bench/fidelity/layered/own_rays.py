@@ -16,7 +16,7 @@ from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.spec import Kind
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.shared import Axis
-from radtex_addon.cycles.apparatus import float_image
+from radtex_addon.cycles.building_blocks import float_image
 from radtex_addon.cycles.path_ends import path_ends
 from radtex_addon.cycles.portal import Aim, PortalCapture
 from radtex_addon.cycles.sampling import _tiles

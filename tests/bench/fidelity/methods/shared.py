@@ -12,7 +12,7 @@ from typing import TypeVar, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.keeper import KEEPS_NOTHING
+from radtex_addon.bake.piece_store import NO_STORE
 from radtex_addon.bake.progress import Progress, Stage, finished, relayed
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.shared import SharedAtlas, sample_shared
@@ -58,9 +58,7 @@ class Shared:
             item = find_object(scratch, stage.subject.name)
             prepared = _finish(prepare(scratch, [item], self.spec, kept), reached)
             made = _finish(
-                form_for(self.spec).bake(
-                    scratch, self.spec, sidecar_path, prepared, folder, KEEPS_NOTHING, None
-                ),
+                form_for(self.spec).bake(scratch, self.spec, sidecar_path, prepared, folder, NO_STORE, None),
                 reached,
             )
         ended = perf_counter()

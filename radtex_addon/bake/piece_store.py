@@ -15,10 +15,10 @@ from .key import Facts
 from .pieces import Arrays
 
 
-class Keeper:
+class PieceStore:
     """A store for a bake's finished pieces; this base class stores nothing, for bakes without resume."""
 
-    def expect(self, facts: Facts) -> None:
+    def set_facts(self, facts: Facts) -> None:
         """Set the facts that the pieces belong to, before the first is stored or read; may be called again.
 
         Raises InputError if stored pieces belong to other facts.
@@ -51,7 +51,7 @@ class Keeper:
         """Some rows of an array of a stored piece. Raises BakeError where they cannot be read."""
         raise BakeError(f"'{name}' was not kept")
 
-    def once(self, name: str, make: Callable[[], Arrays]) -> Arrays:
+    def get_or_make(self, name: str, make: Callable[[], Arrays]) -> Arrays:
         """The stored piece, or if there is none the result of `make`, which is then stored."""
         kept = self.found(name)
         if kept is None:
@@ -60,10 +60,10 @@ class Keeper:
         return kept
 
 
-KEEPS_NOTHING = Keeper()
+NO_STORE = PieceStore()
 
 
-class Pile(Keeper):
+class MemoryStore(PieceStore):
     """Stores pieces in memory, until it is deleted."""
 
     def __init__(self) -> None:
@@ -86,31 +86,31 @@ class Pile(Keeper):
         return self._pieces[name][array][first : first + count]
 
 
-class Drawer(Keeper):
-    """Those pieces of another keeper whose names begin with `label`; names here are without it."""
+class PrefixedStore(PieceStore):
+    """Those pieces of another store whose names begin with `prefix`, which names here lack."""
 
-    def __init__(self, keeper: Keeper, label: str) -> None:
-        self._keeper, self._label = keeper, label
+    def __init__(self, store: PieceStore, prefix: str) -> None:
+        self._store, self._prefix = store, prefix
 
-    def expect(self, facts: Facts) -> None:
-        self._keeper.expect(facts)
+    def set_facts(self, facts: Facts) -> None:
+        self._store.set_facts(facts)
 
     @property
     def keeps(self) -> bool:
-        return self._keeper.keeps
+        return self._store.keeps
 
     def rows(self, name: str, array: str, first: int, count: int) -> npt.NDArray[Any]:
-        return self._keeper.rows(self._label + name, array, first, count)
+        return self._store.rows(self._prefix + name, array, first, count)
 
     def names(self) -> list[str]:
-        label = self._label
-        return [name.removeprefix(label) for name in self._keeper.names() if name.startswith(label)]
+        prefix = self._prefix
+        return [name.removeprefix(prefix) for name in self._store.names() if name.startswith(prefix)]
 
     def found(self, name: str) -> Arrays | None:
-        return self._keeper.found(self._label + name)
+        return self._store.found(self._prefix + name)
 
     def keep(self, name: str, arrays: Arrays) -> None:
-        self._keeper.keep(self._label + name, arrays)
+        self._store.keep(self._prefix + name, arrays)
 
     def place(self, path: Path) -> Path:
-        return self._keeper.place(path)
+        return self._store.place(path)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from radtex_addon.bake.beginning import announce, settle_earlier
+from radtex_addon.bake.announce import announce, publish_earlier
 from radtex_addon.bake.checkpoint import Checkpoint, remove_left
 from radtex_addon.bake.key import KEY, Key, is_unfinished, read_key, replaced_by, write_key
 from radtex_addon.core.errors import BakeError
@@ -30,7 +30,7 @@ def written(checkpoint: Checkpoint, folder: Path) -> None:
 
 def both(folder: Path, resume: bool = False, **facts: str) -> Checkpoint:
     checkpoint = Checkpoint(folder, resume, [folder.parent / name for name in WHOLE])
-    checkpoint.expect({**FACTS, **facts})
+    checkpoint.set_facts({**FACTS, **facts})
     return checkpoint
 
 
@@ -43,7 +43,7 @@ def test_files_take_their_places_once_all_are_written(folder: Path) -> None:
         written(checkpoint, folder)
         assert outside(folder) == {}
         assert checkpoint.made is None
-        checkpoint.settle({"paths": 3})
+        checkpoint.publish({"paths": 3})
         assert outside(folder) == WHOLE
         assert checkpoint.made == {"paths": 3}
         checkpoint.remove()
@@ -65,12 +65,12 @@ def test_whoever_stops_amid_the_moves_is_gone_on_with_by_the_rest(
         written(checkpoint, folder)
         monkeypatch.setattr(Path, "replace", stopped)
         with pytest.raises(BakeError, match=rf"out/{fails_at} could not be written: Input/output error"):
-            checkpoint.settle({"paths": 3})
+            checkpoint.publish({"paths": 3})
     monkeypatch.undo()
     assert len(outside(folder)) == sorted(WHOLE).index(fails_at), "the sidecar comes last"
     with both(folder, resume=True) as resumed:
         assert resumed.made == {"paths": 3}
-        resumed.settle(resumed.made)
+        resumed.publish(resumed.made)
         assert outside(folder) == WHOLE
         resumed.remove()
     assert not folder.exists()
@@ -91,7 +91,7 @@ def test_who_begins_anew_finds_the_earlier_files_together(folder: Path) -> None:
         written(checkpoint, folder)
         write_key(folder, Key(FACTS, sorted(WHOLE), [], {"paths": 3}))  # all is written, nothing is moved
         checkpoint._made = {}  # and there it dies
-    settle_earlier(folder)
+    publish_earlier(folder)
     assert outside(folder) == WHOLE
     assert read_key(folder).made == {"paths": 3}
 
@@ -100,7 +100,7 @@ def test_a_stranger_among_the_written_files_takes_no_place(folder: Path) -> None
     with both(folder) as checkpoint:
         written(checkpoint, folder)
         checkpoint.place(folder.parent / "letter.txt").write_text("of another")
-        checkpoint.settle({})
+        checkpoint.publish({})
     assert outside(folder) == WHOLE
 
 

@@ -18,12 +18,12 @@ def announce(folder: Path, replaces: Iterable[Path]) -> None:
     Makes a checkpoint without pieces in `folder`; `replaces` are as for `Checkpoint`. Raises InputError where
     a process works on it, BakeError where the system refuses.
     """
-    settle_earlier(folder)
+    publish_earlier(folder)
     with Checkpoint(folder, False, replaces) as coming:
         coming.begin()
 
 
-def settle_earlier(folder: Path) -> None:
+def publish_earlier(folder: Path) -> None:
     """If a bake was killed while its finished files were moved to their final names, move the others too.
 
     Raises InputError where a process works on it, BakeError where the system refuses.
@@ -36,4 +36,4 @@ def settle_earlier(folder: Path) -> None:
         return
     if key.made is not None:
         with Checkpoint(folder, resume=True) as left:
-            left.settle(key.made)
+            left.publish(key.made)
