@@ -13,11 +13,11 @@ import numpy.typing as npt
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.condensed import CondensedAtlas
 from radtex_addon.core.shared import Axis
-from radtex_addon.formats.bc5 import decode_bc5
-from radtex_addon.formats.bc6h import decode_bc6h
-from radtex_addon.formats.bc7 import Blocks, decode_bc7
+from radtex_addon.formats.codecs.bc5 import decode_bc5
+from radtex_addon.formats.codecs.bc6h import decode_bc6h
+from radtex_addon.formats.codecs.bc7 import Blocks, decode_bc7
 from radtex_addon.formats.condensed_packing import layer_values, pack_tiles, pack_weights, value_range
-from radtex_addon.formats.dds import DdsFormat
+from radtex_addon.formats.containers.dds import DdsFormat
 from radtex_addon.formats.packing import LOBE_CHANNELS, TEXTURES, WEIGHTS, lobe_layer
 from tests.lookups import Lookups, relative_error
 from tests.shared_lookups import shared_answers

@@ -21,9 +21,9 @@ from typing import Any
 import numpy.typing as npt
 
 from ..core.errors import BakeError, InputError
-from ..formats.atomic import refusal, remove_unfinished, replacing
+from ..formats.disk.atomic import refusal, remove_unfinished, replacing
+from ..formats.disk.lock import HeldError, Lock, NoLockError, holder, take_lock
 from ..formats.json_reader import shown
-from ..formats.lock import HeldError, Lock, NoLockError, holder, take_lock
 from .key import (
     KEY,
     LOCK,

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from ..core.errors import InputError
-from ..formats.atomic import write_text
+from ..formats.disk.atomic import write_text
+from ..formats.disk.lock import NoLockError, holder
+from ..formats.disk.regular import read_regular
 from ..formats.json_reader import shown
-from ..formats.lock import NoLockError, holder
-from ..formats.regular import read_regular
 
 Facts: TypeAlias = Mapping[str, str]
 

@@ -13,7 +13,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from ..core.errors import BakeError
-from ..formats.atomic import refusal, settle_names
+from ..formats.disk.atomic import refusal, settle_names
 
 _FOLDER = "written"
 

@@ -17,7 +17,7 @@ from typing import Any, BinaryIO, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from ..formats.regular import MOST_TEXT, open_regular
+from ..formats.disk.regular import MOST_TEXT, open_regular
 
 Arrays: TypeAlias = dict[str, npt.NDArray[Any]]
 

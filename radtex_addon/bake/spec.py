@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import cast
 
-from ..formats.exr import Compression
+from ..formats.containers.exr import Compression
 from .choices import (
     CaptureMethod,
     Unwrap,

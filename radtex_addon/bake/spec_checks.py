@@ -7,8 +7,8 @@ from __future__ import annotations
 from math import inf
 
 from ..core.errors import InputError, MemoryLimitError
-from ..formats.exr import Compression
-from ..formats.memory import physical_memory, readable_size
+from ..formats.containers.exr import Compression
+from ..formats.disk.memory import physical_memory, readable_size
 from .choices import CaptureMethod, View
 from .forms import FormTraits
 from .kinds import KINDS, Light, form_in

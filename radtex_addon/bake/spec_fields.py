@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import ceil, sqrt
 from typing import cast
 
-from ..formats.exr import Compression
+from ..formats.containers.exr import Compression
 from .choices import CaptureMethod, Unwrap, View
 from .forms import FormTraits
 from .kinds import USUAL_KIND, Kind, Layout, form_of

@@ -14,8 +14,8 @@ import numpy as np
 from ..core.arrays import Floats, Ints
 from ..core.atlas import AtlasLayout
 from ..core.errors import BakeError
-from ..formats.atomic import replacing
-from ..formats.png import encode_png
+from ..formats.containers.png import encode_png
+from ..formats.disk.atomic import replacing
 
 log = logging.getLogger(__name__)
 

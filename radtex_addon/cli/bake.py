@@ -15,9 +15,9 @@ from ..bake.key import is_unfinished
 from ..bake.spec import BakeSpec
 from ..bake.thumbnail import Thumbnail
 from ..core.errors import InputError, RadTexError
-from ..formats.atomic import check_writable
-from ..formats.memory import readable_size
-from ..formats.path_checks import check_unicode
+from ..formats.disk.atomic import check_writable
+from ..formats.disk.memory import readable_size
+from ..formats.disk.path_checks import check_unicode
 from ..job import BakeResult, OutputFiles, bake_steps, check_request, choose_layouts, part_specs
 from ..job.output_collisions import check_files_apart
 from ..job.variants import announce_all, left_to_do, passed_over, tidy

@@ -8,7 +8,7 @@ from functools import partial
 
 import bpy
 
-from ..formats.atomic import check_writable
+from ..formats.disk.atomic import check_writable
 from ..preview.swap import original_of
 from ..report.comparison_files import ComparisonFiles, write_comparison
 from ..report.eye import Eye

@@ -11,7 +11,7 @@ from pathlib import Path
 from ..bake.spec import Kind
 from ..core.errors import InputError
 from ..export.run import export_steps
-from ..formats.memory import readable_size
+from ..formats.disk.memory import readable_size
 from ..report.finished import find_bakes, object_of
 from ..textures.spec import ExportSpec, Target
 from .export_arguments import ExportRequest

@@ -13,10 +13,10 @@ from typing import Any, cast
 import bpy
 
 from ..core.errors import InputError
-from ..formats.path_checks import check_for_blender
+from ..formats.disk.path_checks import check_for_blender
+from ..scene.checks.missing_files import lacking
+from ..scene.checks.outside import check_outside_files
 from ..scene.demo import build_demo_scene
-from ..scene.missing_files import lacking
-from ..scene.outside import check_outside_files
 
 log = logging.getLogger(__name__)
 

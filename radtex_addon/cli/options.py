@@ -15,7 +15,7 @@ from ..bake.spec import BakeSpec
 from ..bake.spec_checks import MOST_MEMORY
 from ..core.errors import BakeError, InputError
 from ..cycles.device import GPU_TYPES
-from ..formats.path_checks import check_unicode, one_root
+from ..formats.disk.path_checks import check_unicode, one_root
 from ..version import VERSION
 
 DEMO = "demo"

@@ -12,7 +12,7 @@ import bpy
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError
 from ..job.variants import variant_of
-from ..scene.lamps import ALL, EACH, each_light
+from ..scene.lights.lamps import ALL, EACH, each_light
 from ..scene.scratch import find_view_layer
 
 

@@ -14,9 +14,9 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..core.errors import BakeError, FormatError
-from ..formats.exr import read_render
+from ..formats.containers.exr import read_render
 from ..formats.working_space import render_matrix
-from ..scene.lamps import GROUP
+from ..scene.lights.lamps import GROUP
 from ..scene.nodes import NodeBuilder, open_material
 from ..scene.scratch import render_scene
 from .passes import Passes

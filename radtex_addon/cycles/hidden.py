@@ -26,7 +26,7 @@ from ..bake.plan import CapturePlan, Tile, plan_of_some
 from ..bake.progress import Progress, Stage
 from ..bake.rays import PROBES
 from ..core.arrays import Floats, Ints
-from ..scene.backs import TWIN
+from ..scene.mesh.backs import TWIN
 from ..scene.nodes import open_material, open_world
 from ..scene.scratch import remove_scene
 from .portal import PortalCapture

@@ -26,7 +26,7 @@ from ..bake.rays import CLEAR_SAMPLES
 from ..core.arrays import Bools, Floats
 from ..core.atlas import AtlasLayout
 from ..core.occlusion import square_to_cosine
-from ..scene.casters import casters_seen, may_be_clear, show_all_collections
+from ..scene.lights.casters import casters_seen, may_be_clear, show_all_collections
 from .portal import Aim, PortalCapture
 from .settings import first_hit_only
 

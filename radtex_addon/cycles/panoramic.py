@@ -24,7 +24,7 @@ from ..bake.plan import MIN_IMAGE_SIDE, CapturePlan, Tile
 from ..core.arrays import Floats, Ints
 from ..core.errors import InputError
 from ..core.hemisphere import square_to_disc
-from ..formats.path_checks import render_path
+from ..formats.disk.path_checks import render_path
 from ..scene.nodes import open_material
 from .building_blocks import box, mirror, render_image
 from .settings import allow_more_bounces, apply_capture_settings

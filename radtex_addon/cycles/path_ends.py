@@ -19,11 +19,11 @@ import numpy as np
 from mathutils import Matrix
 
 from ..core.arrays import Floats
-from ..scene.copy import copy_object
-from ..scene.light import put_out
+from ..scene.lights.light import put_out
+from ..scene.mesh.copy import copy_object
+from ..scene.mesh.surrounding_shapes import RAYS, Beside, Placed, Shape
 from ..scene.nodes import NodeBuilder, close_group, open_group, open_material, open_world
 from ..scene.scratch import remove_scene
-from ..scene.surrounding_shapes import RAYS, Beside, Placed, Shape
 
 TURNS = 3  # ways to assign a direction's components to red, green and blue
 _DARK = 1e-4  # of a weight's brightest channel: no component can be read in a darker one

@@ -13,7 +13,7 @@ from typing import Any, cast
 
 import bpy
 
-from ..scene.lamps import GROUP
+from ..scene.lights.lamps import GROUP
 
 log = logging.getLogger(__name__)
 

@@ -19,8 +19,8 @@ from ..bake.rays import PROBE_CELLS, PROBES, Rays
 from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Floats
 from ..core.texel_map import TexelMap
+from ..scene.mesh.surrounding_shapes import read_beside
 from ..scene.scratch import scene_copied
-from ..scene.surrounding_shapes import read_beside
 from .hidden import find_hidden
 from .path_ends import path_ends
 from .sampling import capture_colour, capture_ends, capture_samples, capture_surroundings

@@ -14,9 +14,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from ..core.errors import BakeError, InputError, RadTexError
-from ..formats.atomic import check_writable
-from ..formats.hidden_folder import hidden_folder
-from ..formats.regular import read_regular
+from ..formats.disk.atomic import check_writable
+from ..formats.disk.hidden_folder import hidden_folder
+from ..formats.disk.regular import read_regular
 
 LIST = ".radtex-files"  # names what an export wrote, so that the next one knows what is the user's
 _NOT_WHOLE = ".radtex-unfinished"  # in that list while files are moved; there is no such file

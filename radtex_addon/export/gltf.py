@@ -24,9 +24,9 @@ from ..bake.kinds import Kind
 from ..core.arrays import Floats
 from ..core.errors import BakeError, InputError
 from ..core.frame import normalised
-from ..formats.glb import Glb
-from ..formats.temporary import temporary_folder
-from ..scene.copy import NORMAL, SIGN, TANGENT
+from ..formats.containers.glb import Glb
+from ..formats.disk.temporary import temporary_folder
+from ..scene.mesh.copy import NORMAL, SIGN, TANGENT
 from .manifest import Manifest
 
 EXTENSION = "RADTEX_radiance_texture"

@@ -13,7 +13,7 @@ from typing import cast
 import numpy as np
 
 from ..core.arrays import Floats
-from ..formats.glb import Glb
+from ..formats.containers.glb import Glb
 from ..textures.godot_shader import GodotShader
 from .pack import SHADERS, Pack
 

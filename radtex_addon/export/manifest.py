@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import FormatError
-from ..formats.atomic import write_text
+from ..formats.disk.atomic import write_text
 from ..formats.json_reader import Facts, json_text, shown
 from ..formats.sidecar import read_text
 from ..forms import Form, form_in

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..core.errors import FormatError, InputError
+from ..formats.disk.memory import check_allowed
 from ..formats.json_reader import Facts
-from ..formats.memory import check_allowed
 from ..formats.sidecar import Sidecar, preview_path, read_facts
 from ..forms import Form, form_in
 from ..scene.preview_file import baked_copy, check_preview, surface_of

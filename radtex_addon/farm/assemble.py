@@ -18,9 +18,9 @@ from ..bake.progress import Stage
 from ..bake.spec import BakeSpec
 from ..bake.stopwatch import Stopwatch
 from ..core.errors import FormatError, InputError
-from ..formats.atomic import check_writable
+from ..formats.containers.numpy_files import read_npz
+from ..formats.disk.atomic import check_writable
 from ..formats.json_reader import shown
-from ..formats.numpy_files import read_npz
 from ..forms.buckets.bake import join_buckets
 from ..job.bake_output import BakeOutput
 from ..job.files import OutputFiles
@@ -30,7 +30,7 @@ from ..job.run import BakeResult, errors_by_places, publish
 from ..job.unfinished import check_files as check_outputs
 from ..job.unfinished import open_checkpoint
 from ..prepare.prepared import Piece
-from ..scene.copy import MATRIX
+from ..scene.mesh.copy import MATRIX
 from .files import FarmFiles
 from .frames import FarmCapture, check_frames
 from .manifest import Copies, Manifest, check_files, read_manifest, read_plan

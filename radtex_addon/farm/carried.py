@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import BinaryIO
 
 from ..core.errors import InputError
-from ..formats.kinds_of_files import FileKind, open_of_kind
-from ..formats.memory import readable_size
+from ..formats.disk.kinds_of_files import FileKind, open_of_kind
+from ..formats.disk.memory import readable_size
 
 MOST_PACKED = (2 << 30) - 1  # bytes of a file in a .blend
 MOST_BESIDE = 16 << 30  # bytes of a file beside it

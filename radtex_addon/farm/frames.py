@@ -19,7 +19,7 @@ from ..core.arrays import Floats
 from ..core.errors import BakeError, FormatError
 from ..cycles.building_blocks import read_layers
 from ..cycles.passes import light_of
-from ..formats.exr import read_stamps
+from ..formats.containers.exr import read_stamps
 from .files import FarmFiles
 from .frame_list import commands, frame_list
 from .manifest import Manifest

@@ -17,7 +17,7 @@ import bpy
 from mathutils import Matrix
 
 from ..core.errors import InputError
-from ..scene.evaluated import render_with
+from ..scene.mesh.evaluated import render_with
 from .animation import Values, animated_values, hold
 from .images import hold_images
 from .render_digests import Looks, differing, looks_of

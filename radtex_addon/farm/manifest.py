@@ -21,9 +21,9 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError, RadTexError
 from ..core.sampler import Filter
 from ..formats.condensed_files import digest
+from ..formats.containers.numpy_files import read_npz
+from ..formats.disk.memory import check_memory
 from ..formats.json_reader import Facts, json_text
-from ..formats.memory import check_memory
-from ..formats.numpy_files import read_npz
 from ..formats.sidecar import Sidecar, read_text
 from .carried import Carried
 from .files import FarmFiles

@@ -24,7 +24,7 @@ from ..bake.thumbnail import Thumbnail
 from ..core.errors import BakeError, InputError
 from ..core.sampler import Filter
 from ..formats.condensed_files import digest
-from ..formats.hidden_folder import hidden_folder
+from ..formats.disk.hidden_folder import hidden_folder
 from ..formats.sidecar import Sidecar
 from ..forms.buckets.bake import capture_of, plan_buckets
 from ..forms.outcome import Outcome

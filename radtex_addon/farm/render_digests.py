@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import bpy
 import numpy as np
 
-from ..scene.evaluated import ATTRIBUTE_LAYOUT, render_with
+from ..scene.mesh.evaluated import ATTRIBUTE_LAYOUT, render_with
 
 Looks: TypeAlias = dict[str, str]  # a digest for each object, by its name
 

@@ -13,7 +13,7 @@ from typing import Any, cast
 import bpy
 
 from ..core.errors import InputError
-from ..formats.kinds_of_files import FileKind
+from ..formats.disk.kinds_of_files import FileKind
 from .carried import Carried, Luggage
 
 log = logging.getLogger(__name__)

@@ -13,9 +13,9 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..core.errors import BakeError, FormatError, ShapeError
-from .atomic import replacing
-from .exr import CHANNELS, Compression, header_text, read_pixels
-from .exr_bands import BandWriter
+from .containers.exr import CHANNELS, Compression, header_text, read_pixels
+from .containers.exr_bands import BandWriter
+from .disk.atomic import replacing
 from .shared_files import layer_path
 from .sidecar import Sidecar, read_sidecar
 

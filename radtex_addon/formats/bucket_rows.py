@@ -8,8 +8,8 @@ from pathlib import Path
 
 from ..core.errors import FormatError
 from .bucket_files import image_path, size_of
-from .exr import header_text
-from .image_rows import ImageRows, open_rows
+from .containers.exr import header_text
+from .containers.image_rows import ImageRows, open_rows
 from .sidecar import Sidecar, read_sidecar
 
 _COLOURS = 3

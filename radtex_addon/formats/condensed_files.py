@@ -16,9 +16,9 @@ from ..core.arrays import Floats
 from ..core.condensed import CondensedAtlas, CondensedLobe
 from ..core.errors import BakeError, FormatError
 from ..core.shared import Axis
-from .bc5 import decode_bc5, encode_bc5
-from .bc6h import decode_bc6h, encode_bc6h
-from .bc7 import Blocks, decode_bc7, encode_bc7
+from .codecs.bc5 import decode_bc5, encode_bc5
+from .codecs.bc6h import decode_bc6h, encode_bc6h
+from .codecs.bc7 import Blocks, decode_bc7, encode_bc7
 from .condensed_packing import (
     layer_values,
     pack_tiles,
@@ -29,9 +29,10 @@ from .condensed_packing import (
 )
 from .condensed_sidecar import CondensedFacts, Tiles, as_range
 from .condensed_sizes import columns_of, texture_format
-from .dds import DdsFormat, read_dds
-from .exr import HALF_MOST
-from .memory import check_memory
+from .containers.dds import DdsFormat, read_dds
+from .containers.exr import HALF_MOST
+from .disk.memory import check_memory
+from .disk.regular import open_regular
 from .packing import (
     COLOUR,
     IRRADIANCE,
@@ -42,7 +43,6 @@ from .packing import (
     lobe_layer,
     unpack_surroundings,
 )
-from .regular import open_regular
 from .shared_sidecar import SharedSidecar
 
 # The range of values that a texture can hold; each lobe's tiles have a narrower range of their own.

@@ -13,9 +13,9 @@ import numpy as np
 from ..core.arrays import Floats
 from ..core.shared import Axis
 from .condensed_sizes import MOST_CLUSTERS
+from .containers.texture import MOST_PIXELS
 from .json_reader import Facts
 from .packing import LOBE_CHANNELS
-from .texture import MOST_PIXELS
 
 # The least and the greatest value of each channel: of the first tiles (weight 1), then of the weighted ones.
 Range: TypeAlias = tuple[tuple[float, ...], ...]

@@ -10,7 +10,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from ..core.shared import Axis
-from .dds import DdsFormat
+from .containers.dds import DdsFormat
+from .containers.texture import MOST_PIXELS
 from .packing import (
     COLOUR,
     ENDS,
@@ -22,7 +23,6 @@ from .packing import (
     lobe_layer,
     surroundings_size,
 )
-from .texture import MOST_PIXELS
 
 MOST_CLUSTERS = 65536  # of a lobe: a cluster's index has two bytes
 

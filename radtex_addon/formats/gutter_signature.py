@@ -11,7 +11,7 @@ import numpy as np
 from ..core.arrays import Floats
 from ..core.shared import SharedAtlas
 from .condensed_files import read_texture
-from .exr import Compression, stored_compression
+from .containers.exr import Compression, stored_compression
 from .packing import IRRADIANCE, WEIGHTS
 from .shared_files import layer_path, texture_path
 from .shared_sidecar import SharedSidecar

@@ -18,8 +18,8 @@ from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError, ShapeError
 from ..core.shadow import unpack_bits, word_count
-from .atomic import replacing
-from .exr import ATTRIBUTE, Compression, header_text, listed, read_whole
+from .containers.exr import ATTRIBUTE, Compression, header_text, listed, read_whole
+from .disk.atomic import replacing
 from .sidecar import Sidecar, read_sidecar
 
 KIND = "shadow"

@@ -19,12 +19,12 @@ from ..core.arrays import Floats
 from ..core.condensed import CondensedAtlas
 from ..core.errors import BakeError, FormatError
 from ..core.shared import SharedAtlas
-from .atomic import replacing
 from .condensed_files import StoredAtlas, digest, read_textures
 from .condensed_sizes import texture_format
-from .dds import write_dds
-from .exr import Compression, header_text, read_pixels, stored_rows, write_rows
-from .memory import check_memory
+from .containers.dds import write_dds
+from .containers.exr import Compression, header_text, read_pixels, stored_rows, write_rows
+from .disk.atomic import replacing
+from .disk.memory import check_memory
 from .packing import (
     COLOUR,
     ENDS,

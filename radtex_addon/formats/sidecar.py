@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import FormatError
-from .atomic import write_text
+from .disk.atomic import write_text
+from .disk.regular import read_regular
 from .json_reader import Facts, json_text
-from .regular import read_regular
 
 VERSION = 1
 LAYOUT = "buckets"

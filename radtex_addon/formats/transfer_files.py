@@ -16,9 +16,9 @@ from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, ShapeError
 from ..core.transfer import with_views
-from .atomic import replacing
-from .exr import Compression, header_text, read_pixels, stored_rows, write_rows
-from .image_rows import ImageRows, open_rows
+from .containers.exr import Compression, header_text, read_pixels, stored_rows, write_rows
+from .containers.image_rows import ImageRows, open_rows
+from .disk.atomic import replacing
 from .json_reader import Facts, json_text
 from .sidecar import Sidecar, read_text
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from ..core.arrays import Floats
 from ..core.colour_spaces import KNOWN, matrix_to_rec709
 from ..core.errors import FormatError
-from .exr import headers_of
+from .containers.exr import headers_of
 
 _ATTRIBUTE = "colorInteropID"  # Blender 5's; earlier ones work in Rec.709
 _NO_COLOUR = "data"

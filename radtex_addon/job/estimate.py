@@ -8,7 +8,7 @@ import bpy
 
 from ..bake.estimate import Probe, probe_specs
 from ..bake.spec import BakeSpec
-from ..formats.temporary import temporary_folder
+from ..formats.disk.temporary import temporary_folder
 from .run import bake_object
 
 

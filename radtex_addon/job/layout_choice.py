@@ -20,11 +20,11 @@ from ..bake.key import is_unfinished, read_key
 from ..bake.kinds import Layout, form_in
 from ..bake.spec import BakeSpec, shared_bytes
 from ..core.errors import FormatError, InputError, MemoryLimitError
-from ..formats.memory import readable_size
+from ..formats.disk.memory import readable_size
 from ..formats.sidecar import read_facts
 from ..forms import form_in as form_of_facts
 from ..forms.condensed.condense import check_bytes
-from ..scene.see_through import why_see_through
+from ..scene.checks.see_through import why_see_through
 from .files import OutputFiles
 from .variants import Bake
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ..core.errors import InputError
-from ..formats.path_checks import nearest_folder
+from ..formats.disk.path_checks import nearest_folder
 from .files import OutputFiles
 from .variants import Bake, variant_of
 

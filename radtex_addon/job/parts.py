@@ -13,9 +13,9 @@ from ..bake.spec import BakeSpec
 from ..core.arrays import Bools
 from ..core.errors import InputError
 from ..prepare.unwrapping import split_surfaces
-from ..scene.evaluated import evaluate
 from ..scene.frames import at_frame
-from ..scene.named_regions import chosen_triangles
+from ..scene.mesh.evaluated import evaluate
+from ..scene.mesh.named_regions import chosen_triangles
 from ..scene.objects import find_object
 from ..scene.scratch import scratch_scene
 

@@ -23,10 +23,10 @@ from ..forms import form_for
 from ..forms.form import PreviewOf
 from ..prepare.prepared import Piece
 from ..preview.save import TITLE, StandIn, save_preview
-from ..scene.copy import copy_object
+from ..scene.mesh.copy import copy_object
+from ..scene.mesh.watertight import is_closed
 from ..scene.proxy_content import EVERYTHING, find_content
 from ..scene.scratch import find_view_layer
-from ..scene.watertight import is_closed
 from .files import OutputFiles
 
 

@@ -27,16 +27,16 @@ from ..core.errors import InputError, RadTexError
 from ..core.sampler import Filter
 from ..cycles.device import use_device
 from ..export.run import export_steps
+from ..formats.disk.temporary import temporary_folder
 from ..formats.sidecar import read_facts
-from ..formats.temporary import temporary_folder
 from ..forms import form_for
 from ..forms.outcome import Condensed, Outcome
 from ..prepare.prepared import Prepared, prepare
 from ..prepare.unwrapping import Unwraps
-from ..scene.cage import take_cage_out
 from ..scene.eye import find_eye
 from ..scene.frames import at_frame
-from ..scene.lamps import light_only
+from ..scene.lights.lamps import light_only
+from ..scene.mesh.cage import take_cage_out
 from ..scene.objects import find_object
 from ..scene.proxy_content import EVERYTHING, show_content_only
 from ..scene.scratch import find_view_layer, new_data_removed, scratch_scene

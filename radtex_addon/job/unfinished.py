@@ -14,8 +14,8 @@ from ..bake.checkpoint import Checkpoint, remove_left
 from ..bake.key import DIGEST, check_free, is_announced, is_unfinished, replaced_by
 from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError
-from ..formats.atomic import check_absent
 from ..formats.condensed_files import digest
+from ..formats.disk.atomic import check_absent
 from ..formats.sidecar import part_in, read_facts
 from ..textures.spec import Target
 from ..version import VERSION

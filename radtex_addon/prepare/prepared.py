@@ -26,14 +26,14 @@ from ..core.surface import SurfaceMesh
 from ..core.texel_map import TexelMap, rasterise
 from ..cycles.hidden import find_hidden
 from ..formats import sidecar
-from ..scene.cage import find_cage, rays_from_cage, read_cage
-from ..scene.copy import baked_mesh, surface_mesh
 from ..scene.digests import array_digest, matrix_digest, mesh_digest, scene_digests
-from ..scene.evaluated import EvaluatedMesh, evaluate
-from ..scene.named_regions import chosen_triangles
-from ..scene.parts import number_parts
-from ..scene.source import Landing, default_extrusion, find_source, land
-from ..scene.together import joined_surface
+from ..scene.mesh.cage import find_cage, rays_from_cage, read_cage
+from ..scene.mesh.copy import baked_mesh, surface_mesh
+from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
+from ..scene.mesh.named_regions import chosen_triangles
+from ..scene.mesh.parts import number_parts
+from ..scene.mesh.source import Landing, default_extrusion, find_source, land
+from ..scene.mesh.together import joined_surface
 from .facts import facts_of
 from .twins import all_with_twins, chosen_with_twins, find_doubled, single_copy
 from .unwrapping import AtlasPart, Unwrapped, Unwraps, shapes_at, unwrap_surfaces

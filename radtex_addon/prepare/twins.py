@@ -13,9 +13,9 @@ import numpy as np
 
 from ..bake.spec import BakeSpec
 from ..core.arrays import Bools, Floats
-from ..scene.backs import fronts_of, seen_from_behind, with_twins, without_twins
-from ..scene.copy import baked_mesh
-from ..scene.evaluated import EvaluatedMesh
+from ..scene.mesh.backs import fronts_of, seen_from_behind, with_twins, without_twins
+from ..scene.mesh.copy import baked_mesh
+from ..scene.mesh.evaluated import EvaluatedMesh
 
 log = logging.getLogger(__name__)
 

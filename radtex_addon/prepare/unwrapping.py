@@ -19,16 +19,16 @@ from ..bake.progress import Progress
 from ..bake.spec import BakeSpec
 from ..core.arrays import Bools, Floats
 from ..core.errors import InputError
-from ..scene.backs import twins_apart
-from ..scene.copy import UV_LAYER
 from ..scene.digests import matrix_digest, mesh_digest
-from ..scene.evaluated import EvaluatedMesh, evaluate
 from ..scene.frames import at_frame
-from ..scene.parts import Parts, in_first_tile, parts_of, taken
-from ..scene.together import side_by_side
-from ..scene.unwrap import unwrap_steps
-from ..scene.unwrap_options import UnwrapOptions
-from ..scene.uv_layer import check_apart, user_uv
+from ..scene.mesh.backs import twins_apart
+from ..scene.mesh.copy import UV_LAYER
+from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
+from ..scene.mesh.parts import Parts, in_first_tile, parts_of, taken
+from ..scene.mesh.together import side_by_side
+from ..scene.uv.unwrap import unwrap_steps
+from ..scene.uv.unwrap_options import UnwrapOptions
+from ..scene.uv.uv_layer import check_apart, user_uv
 
 log = logging.getLogger(__name__)
 

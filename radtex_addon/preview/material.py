@@ -16,12 +16,12 @@ import bpy
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError
 from ..core.sampler import Filter
-from ..formats.atomic import replacing
-from ..formats.exr import Compression, stored_rows, write_rows
+from ..formats.containers.exr import Compression, stored_rows, write_rows
+from ..formats.disk.atomic import replacing
+from ..formats.disk.temporary import temporary_folder
 from ..formats.packing import WEIGHTS
 from ..formats.shared_files import layer_path, read_condensed, read_shared_sidecar
 from ..formats.shared_sidecar import SharedSidecar
-from ..formats.temporary import temporary_folder
 from ..scene.nodes import close_group, open_group, open_material
 from .condensed_group import condensed_layers
 from .node_group import build_sample_group

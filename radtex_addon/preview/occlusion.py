@@ -14,9 +14,9 @@ import numpy as np
 from ..core.atlas import AtlasLayout
 from ..core.sampler import Filter
 from ..core.shadow import unpack_bits
-from ..formats.png import encode_png
+from ..formats.containers.png import encode_png
+from ..formats.disk.temporary import temporary_folder
 from ..formats.shadow_files import read_shadow_of
-from ..formats.temporary import temporary_folder
 from ..scene.nodes import open_material
 from .material import build_frame_group, load_atlas
 from .node_group import build_sample_group, check_previewable

@@ -10,8 +10,8 @@ from typing import Any
 import bpy
 
 from ..core.errors import BakeError
-from ..formats.atomic import replacing_together
-from ..formats.path_checks import render_path
+from ..formats.disk.atomic import replacing_together
+from ..formats.disk.path_checks import render_path
 from ..scene.render_settings import reset_render_settings
 
 

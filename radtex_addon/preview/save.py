@@ -18,7 +18,7 @@ from typing import cast
 import bpy
 
 from ..core.errors import BakeError
-from ..formats.atomic import refusal, replacing
+from ..formats.disk.atomic import refusal, replacing
 from ..scene.objects import is_linked
 from .linked import linked_homes_copied
 

@@ -18,7 +18,7 @@ import bpy
 import numpy as np
 
 from ..core.errors import InputError, RadTexError
-from ..scene.copy import MATRIX, SHOWN, copy_object
+from ..scene.mesh.copy import MATRIX, SHOWN, copy_object
 from ..scene.objects import animates_visibility
 from .layers import check_layer, wear_layer
 from .load import load_baked_meshes, remove_unused

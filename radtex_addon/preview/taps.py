@@ -14,7 +14,7 @@ from typing import cast
 import bpy
 
 from ..core.errors import FormatError
-from ..formats.exr import stored_size
+from ..formats.containers.exr import stored_size
 from ..scene.nodes import NodeBuilder, Operand, Socket
 
 _TRIFLE = 1e-30

@@ -17,7 +17,7 @@ import bpy
 from ..bake.spec import BakeSpec
 from ..bake.stopwatch import Stopwatch
 from ..core.errors import InputError
-from ..formats.temporary import temporary_folder
+from ..formats.disk.temporary import temporary_folder
 from ..job import OutputFiles
 from ..job.run import bake_and_keep
 from ..scene.scratch import new_data_removed

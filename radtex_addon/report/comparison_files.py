@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..formats.atomic import replacing_together
-from ..formats.exr import Compression, read_render, stored_rows, write_rows
-from ..formats.png import encode_png
+from ..formats.containers.exr import Compression, read_render, stored_rows, write_rows
+from ..formats.containers.png import encode_png
+from ..formats.disk.atomic import replacing_together
 from ..formats.sidecar import safe_name
 from ..version import VERSION
 from .metrics import Picture

@@ -18,7 +18,7 @@ from ..core.errors import FormatError, InputError
 from ..formats.sidecar import Sidecar, file_name, part_in, preview_path, read_facts
 from ..forms import Form, form_in
 from ..forms.form import Lookup
-from ..scene.copy import UV_LAYER
+from ..scene.mesh.copy import UV_LAYER
 from .gbuffer import Array, GBuffer
 
 _PER_LOOKUP = 1 << 18  # fragments that are looked up at once

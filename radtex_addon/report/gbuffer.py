@@ -20,8 +20,8 @@ from mathutils.bvhtree import BVHTree
 
 from ..core.arrays import Ints
 from ..core.frame import orthonormal_frame, to_frame
-from ..scene.backs import fronts, twin_numbers
-from ..scene.copy import NORMAL, SIGN, TANGENT
+from ..scene.mesh.backs import fronts, twin_numbers
+from ..scene.mesh.copy import NORMAL, SIGN, TANGENT
 from .metrics import Mask, Picture
 
 Array = npt.NDArray[np.float64]

@@ -22,13 +22,13 @@ from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
 from ..core.gutter import LEAST_AGREEMENT, gutter_agreement
 from ..core.texel_map import rasterise
-from ..scene.copy import baked_mesh, surface_mesh
-from ..scene.evaluated import EvaluatedMesh, evaluate
+from ..scene.mesh.copy import baked_mesh, surface_mesh
+from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.preview_file import appended
 from ..scene.scratch import new_data_removed
-from ..scene.unwrap import unwrap_steps
-from ..scene.unwrap_options import UnwrapOptions
-from ..scene.uv_layer import user_uv
+from ..scene.uv.unwrap import unwrap_steps
+from ..scene.uv.unwrap_options import UnwrapOptions
+from ..scene.uv.uv_layer import user_uv
 from .finished import Finished
 from .gbuffer import BakedSurface
 from .progress import Step, Task, steps_of

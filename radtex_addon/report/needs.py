@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..formats.memory import check_allowed
+from ..formats.disk.memory import check_allowed
 from ..formats.sidecar import read_facts
 from ..forms import form_in
 

@@ -12,8 +12,8 @@ from html import escape
 
 import numpy as np
 
-from ..formats.memory import readable_size
-from ..formats.png import encode_png
+from ..formats.containers.png import encode_png
+from ..formats.disk.memory import readable_size
 from ..job.variants import variant_of
 from .causes import Variant, first_change
 from .finished import Finished

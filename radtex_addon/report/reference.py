@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import bpy
 
 from ..formats.sidecar import Sidecar
-from ..scene.cage import take_cage_out, take_out
-from ..scene.lamps import light_only
+from ..scene.lights.lamps import light_only
+from ..scene.mesh.cage import take_cage_out, take_out
+from ..scene.mesh.source import find_source
 from ..scene.proxy_content import EVERYTHING, show_content_only
 from ..scene.scratch import scene_copied
-from ..scene.source import find_source
 
 
 @dataclass(frozen=True, eq=False)

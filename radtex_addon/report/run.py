@@ -12,9 +12,9 @@ import bpy
 
 from ..core.errors import InputError
 from ..cycles.device import use_device
-from ..formats.atomic import check_writable, replacing_together
+from ..formats.disk.atomic import check_writable, replacing_together
+from ..formats.disk.temporary import temporary_folder
 from ..formats.sidecar import file_name, read_facts
-from ..formats.temporary import temporary_folder
 from ..scene.frames import at_frame
 from ..scene.objects import find_object
 from ..scene.scratch import scratch_scene

@@ -19,8 +19,8 @@ from ..core.errors import InputError
 from ..cycles.building_blocks import render_layers
 from ..cycles.device import use_device
 from ..cycles.settings import apply_capture_settings, denoise, keep_passes
-from ..formats.path_checks import render_path
-from ..formats.temporary import temporary_folder
+from ..formats.disk.path_checks import render_path
+from ..formats.disk.temporary import temporary_folder
 from ..preview.source import check_hideable
 from ..preview.swap import copy_of, is_on, originals_rendered, switch_all_on, switch_off
 from ..scene.frames import at_frame

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..formats.condensed_sizes import Shapes, texture_bytes, texture_format
-from ..formats.exr import read_pixels
+from ..formats.containers.exr import read_pixels
 from .finished import Finished
 
 _HALF_PIXEL = 8  # bytes: four half floats, for no GPU has three

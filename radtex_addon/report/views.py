@@ -20,7 +20,7 @@ from ..core.errors import InputError
 from ..cycles.building_blocks import render_layers
 from ..cycles.passes import Passes
 from ..cycles.settings import apply_capture_settings, denoise, first_hit_only, keep_passes, look_at_centres
-from ..formats.path_checks import render_path
+from ..formats.disk.path_checks import render_path
 from ..scene.scratch import scene_copied
 from .gbuffer import Array, BakedSurface, GBuffer, Rays
 from .metrics import Picture

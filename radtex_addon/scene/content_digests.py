@@ -15,8 +15,8 @@ import bpy
 import numpy as np
 
 from ..bake.key import DIGEST
-from ..formats.regular import open_regular
-from .evaluated import ATTRIBUTE_LAYOUT
+from ..formats.disk.regular import open_regular
+from .mesh.evaluated import ATTRIBUTE_LAYOUT
 
 _WHOLE = 64 << 20  # bytes: of larger files, slices all over
 _SLICES = 64

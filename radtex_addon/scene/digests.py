@@ -21,7 +21,7 @@ import numpy as np
 from ..bake.key import DIGEST
 from ..core.arrays import Floats
 from .content_digests import Geometry, file_digest, image_contents
-from .evaluated import EvaluatedMesh, render_with
+from .mesh.evaluated import EvaluatedMesh, render_with
 from .render_settings import KEPT_OF_RENDER, LIGHT_PATHS
 from .working_space import working_space
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 import bpy
 
-from .refusals import refuse_unbaked_rigid_bodies
+from .checks.refusals import refuse_unbaked_rigid_bodies
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from typing import Any, cast
 import bpy
 
 from ..core.errors import InputError
-from .copy import SHOWN
+from .mesh.copy import SHOWN
 from .scratch import find_view_layer
 
 _VISIBILITY = frozenset(("hide_render", "hide_viewport"))

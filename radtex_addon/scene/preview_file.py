@@ -16,9 +16,9 @@ from mathutils import Matrix
 from ..core.errors import FormatError, InputError
 from ..core.frame import normalised
 from ..core.surface import SurfaceMesh
-from .copy import MATRIX, NORMAL, SIGN, TANGENT
-from .joined import joined_copy, values_in
-from .parts import PART
+from .mesh.copy import MATRIX, NORMAL, SIGN, TANGENT
+from .mesh.joined import joined_copy, values_in
+from .mesh.parts import PART
 from .scratch import new_data_removed, remove_scene
 
 _SHEARED = 1e-5  # of a matrix's largest value: how far its rotation, move and scale may miss it

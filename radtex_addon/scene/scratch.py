@@ -15,7 +15,7 @@ from typing import Any, cast
 import bpy
 
 from ..core.errors import InputError
-from .refusals import refuse_unbaked_rigid_bodies
+from .checks.refusals import refuse_unbaked_rigid_bodies
 from .render_settings import reset_render_settings, take_overrides
 from .working_space import check_working_space
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
-from ..formats.texture import PixelFormat, most_levels
+from ..formats.containers.texture import PixelFormat, most_levels
 from .entry import Container
 from .spec import Arrangement, ExportSpec, Target, TextureFormat
 from .stream import Light

@@ -10,8 +10,8 @@ from enum import StrEnum
 from typing import Any
 
 from ..core.errors import FormatError
+from ..formats.containers.texture import MOST_LAYERS, MOST_PIXELS, PixelFormat, most_levels
 from ..formats.json_reader import Facts, shown
-from ..formats.texture import MOST_LAYERS, MOST_PIXELS, PixelFormat, most_levels
 
 
 class Container(StrEnum):

@@ -12,10 +12,10 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..core.pages import Pages
-from ..formats.atomic import replacing
-from ..formats.dds import write_texture
-from ..formats.ktx2 import write_ktx2
-from ..formats.texture import Encoded, PixelFormat, encode_texture
+from ..formats.containers.dds import write_texture
+from ..formats.containers.ktx2 import write_ktx2
+from ..formats.containers.texture import Encoded, PixelFormat, encode_texture
+from ..formats.disk.atomic import replacing
 from .choice import check_limit, choice, container_of
 from .entry import Arranged, Container, TextureEntry
 from .spec import ExportSpec, TextureFormat

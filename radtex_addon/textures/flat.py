@@ -16,9 +16,9 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError
 from ..core.gutter import LEAST_AGREEMENT, gutter_agreement
 from ..core.solid_angle import cell_solid_angles_sr
-from ..formats.exr import stored_compression
+from ..formats.containers.exr import stored_compression
+from ..formats.containers.png import encode_png
 from ..formats.gutter_signature import loss_of
-from ..formats.png import encode_png
 
 _ROUNDED = 1e-4  # by how much the means of equal buckets may differ
 _LEAST_ALPHA = 1 / 512  # what eight bits round to nothing

@@ -13,9 +13,9 @@ from ..core.errors import InputError
 from ..core.levels import fitting_levels
 from ..core.pages import Pages, fitting_pages
 from ..core.slices import check_slices
-from ..formats.image_rows import ImageRows
-from ..formats.texture import MOST_PIXELS, Form, most_levels
-from ..formats.texture_file import texture_file
+from ..formats.containers.image_rows import ImageRows
+from ..formats.containers.texture import MOST_PIXELS, Form, most_levels
+from ..formats.containers.texture_file import texture_file
 from .choice import (
     check_limit,
     checked_levels,

@@ -15,8 +15,8 @@ from ..core.levels import bucket_halving, pad, padded_layout
 from ..core.pages import Pages
 from ..core.row_chain import RowChain
 from ..core.slices import image_halving, to_slices
-from ..formats.image_rows import ImageRows
-from ..formats.texture_file import TextureFile
+from ..formats.containers.image_rows import ImageRows
+from ..formats.containers.texture_file import TextureFile
 
 
 @dataclass(frozen=True)

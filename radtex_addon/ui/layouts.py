@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..scene.lamps import WORLD
+from ..scene.lights.lamps import WORLD
 from .choices import LAYOUTS
 from .labels import iface_, remark, size
 

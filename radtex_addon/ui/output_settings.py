@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
-from ..scene.named_regions import places_on
+from ..scene.mesh.named_regions import places_on
 from .choices import COMPRESSIONS, LAYERS, TARGETS
 from .update_callbacks import NOTICED, notice
 

@@ -17,7 +17,7 @@ import bpy
 from ..bake.frames import of_frames, parse_frames
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError
-from ..scene.lamps import each_light
+from ..scene.lights.lamps import each_light
 from ..scene.scratch import find_view_layer
 from ..textures.spec import Target
 from .preferences import preferred

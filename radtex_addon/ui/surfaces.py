@@ -124,8 +124,8 @@ def _guessed(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> Iterable[Bake
     """One specification for each material in the objects' slots, or for the first tile; evaluates nothing."""
     from ..bake.parts import FIRST_TILE
     from ..bake.spec import Split
+    from ..scene.mesh.parts import NO_MATERIAL
     from ..scene.objects import find_object
-    from ..scene.parts import NO_MATERIAL
 
     if spec.split is not Split.MATERIAL:
         return (replace(spec, part=str(FIRST_TILE)),)

@@ -17,8 +17,8 @@ import bpy  # noqa: TID251  # of this package, handover and images know Blender
 
 from ..core.errors import BakeError
 from ..cycles.device import preferred_device
-from ..formats.path_checks import one_root
-from ..formats.regular import FOLDER, open_regular, other_kind
+from ..formats.disk.path_checks import one_root
+from ..formats.disk.regular import FOLDER, open_regular, other_kind
 from .images import save_unsaved
 from .order import Handover, Program
 

@@ -21,9 +21,9 @@ import bpy  # noqa: TID251  # of this package, handover and images know Blender
 import numpy as np
 
 from ..core.errors import FormatError, InputError
+from ..formats.containers.numpy_files import read_npy
+from ..formats.disk.regular import other_kind, read_regular
 from ..formats.json_reader import shown
-from ..formats.numpy_files import read_npy
-from ..formats.regular import other_kind, read_regular
 
 log = logging.getLogger(__name__)
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from time import time
 
 from ..core.errors import RadTexError
-from ..formats.atomic import remove_unfinished
+from ..formats.disk.atomic import remove_unfinished
 from .job import Job, State
 from .order import Order, Program, command_line
 from .process import Worker

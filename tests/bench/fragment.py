@@ -24,8 +24,8 @@ import numpy as np
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.levels import fitting_levels, level_chain
 from radtex_addon.core.slices import mip_chain, to_slices
-from radtex_addon.formats.dds import read_dds
-from radtex_addon.formats.exr import read_atlas, read_pixels
+from radtex_addon.formats.containers.dds import read_dds
+from radtex_addon.formats.containers.exr import read_atlas, read_pixels
 from radtex_addon.formats.shared_files import layer_path, read_shared_sidecar, texture_path
 from radtex_addon.formats.shared_sidecar import SharedSidecar
 from radtex_addon.report.finished import Finished

@@ -25,7 +25,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.levels import fitting_levels, level_chain
 from radtex_addon.core.slices import mip_chain, to_slices
-from radtex_addon.formats.exr import read_atlas
+from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.report.finished import find_bake, read_bake
 from radtex_addon.report.metrics import Mask, Picture, display, psnr
 from tests.bench.drawing import SHADERS, Canvas, Model, Painter, View, canvas, read_model

@@ -27,7 +27,7 @@ from PIL import Image
 
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
-from radtex_addon.formats.exr import read_render
+from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.job import BakeResult, bake_object
 from radtex_addon.job.layout_choice import DEFAULT_BUDGET
 from radtex_addon.report.gbuffer import eroded

@@ -31,12 +31,12 @@ from radtex_addon.cycles.panoramic import PanoramicCapture
 from radtex_addon.cycles.portal import PortalCapture
 from radtex_addon.cycles.settings import apply_capture_settings
 from radtex_addon.job import bake_object
-from radtex_addon.scene.copy import UV_LAYER, baked_mesh, surface_mesh
 from radtex_addon.scene.demo import OBJECT, build_demo_scene
-from radtex_addon.scene.evaluated import evaluate
+from radtex_addon.scene.mesh.copy import UV_LAYER, baked_mesh, surface_mesh
+from radtex_addon.scene.mesh.evaluated import evaluate
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
-from radtex_addon.scene.unwrap import unwrap_xatlas
+from radtex_addon.scene.uv.unwrap import unwrap_xatlas
 
 BUCKET, SAMPLES = 8, 16
 

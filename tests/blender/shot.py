@@ -14,7 +14,7 @@ from mathutils import Vector
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.surface import SurfaceMesh
-from radtex_addon.formats.exr import read_render
+from radtex_addon.formats.containers.exr import read_render
 from tests.blender import stage
 
 

@@ -27,7 +27,7 @@ from radtex_addon.cli import bake as baking
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError
 from radtex_addon.cycles.portal import PortalCapture
-from radtex_addon.formats.exr import read_atlas
+from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.forms.buckets import bake as buckets

@@ -12,7 +12,7 @@ import pytest
 
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.job.checks import check_request
-from radtex_addon.scene.camera_nodes import camera_materials
+from radtex_addon.scene.checks.camera_nodes import camera_materials
 from tests.blender.stage import material, world
 
 

@@ -23,7 +23,7 @@ from radtex_addon.core.hemisphere import cell_centres, mirror_direction, square_
 from radtex_addon.core.texel_map import TexelMap
 from radtex_addon.cycles.panoramic import PanoramicCapture
 from radtex_addon.cycles.portal import PortalCapture
-from radtex_addon.formats.exr import read_render
+from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
 from tests.blender.same_light import same_light

@@ -18,7 +18,7 @@ import pytest
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.cli import bake as baking
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.job.layout_choice import DEFAULT_BUDGET

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import bpy
 
-from radtex_addon.scene.enclosing_volumes import volumes_around
+from radtex_addon.scene.checks.enclosing_volumes import volumes_around
 from tests.blender import stage
 
 

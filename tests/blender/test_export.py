@@ -25,7 +25,7 @@ from radtex_addon.export import folder as folder_module
 from radtex_addon.export.folder import LIST, files_in
 from radtex_addon.export.manifest import read_manifest
 from radtex_addon.export.run import Exported, export_path, export_steps
-from radtex_addon.formats.exr import read_atlas
+from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.job import bake_object
 from radtex_addon.textures.spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.blender import stage

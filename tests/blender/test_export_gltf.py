@@ -25,9 +25,9 @@ from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.export.gltf import to_gltf
 from radtex_addon.export.manifest import read_manifest
 from radtex_addon.export.run import export_steps
-from radtex_addon.formats.glb import Glb
+from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.job import bake_object
-from radtex_addon.scene.copy import NORMAL, SIGN, TANGENT
+from radtex_addon.scene.mesh.copy import NORMAL, SIGN, TANGENT
 from radtex_addon.scene.preview_file import baked_copy, surface_of
 from radtex_addon.textures.spec import ExportSpec, Target
 from tests.blender import stage

@@ -22,9 +22,9 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.core.transfer import mean_over_lights
 from radtex_addon.export.folder import files_in
 from radtex_addon.export.manifest import read_manifest
-from radtex_addon.formats.glb import Glb
-from radtex_addon.formats.ktx2 import read_ktx2
-from radtex_addon.formats.texture import PixelFormat
+from radtex_addon.formats.containers.glb import Glb
+from radtex_addon.formats.containers.ktx2 import read_ktx2
+from radtex_addon.formats.containers.texture import PixelFormat
 from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
 from radtex_addon.job.preflight import run_preflight

@@ -18,9 +18,9 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.manifest import read_manifest
 from radtex_addon.export.run import export_steps
-from radtex_addon.formats.ktx2 import read_ktx2
+from radtex_addon.formats.containers.ktx2 import read_ktx2
+from radtex_addon.formats.containers.texture import PixelFormat
 from radtex_addon.formats.shadow_files import read_shadow_of
-from radtex_addon.formats.texture import PixelFormat
 from radtex_addon.job import bake_object
 from radtex_addon.textures.entry import Arranged
 from radtex_addon.textures.spec import ExportSpec, Target, TextureFormat

@@ -23,7 +23,7 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.run import export_steps
 from radtex_addon.export.manifest import read_manifest
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.job import bake_object
 from radtex_addon.job.finished import is_finished
 from radtex_addon.textures.spec import ExportSpec, Target

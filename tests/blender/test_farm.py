@@ -24,7 +24,7 @@ from radtex_addon.core.errors import BakeError, FormatError, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.farm.frame_list import frame_list
 from radtex_addon.farm.prepare import prepare_steps
-from radtex_addon.formats.exr import read_stamps
+from radtex_addon.formats.containers.exr import read_stamps
 from radtex_addon.job import bake_object
 from tests.blender.batch_process import process, refusal
 from tests.blender.farming import BOX, assembled, build_moving_scene, prepared, render

@@ -14,7 +14,7 @@ import pytest
 
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
-from radtex_addon.formats.exr import read_atlas
+from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.job import bake_object, check_request
 from radtex_addon.scene.scratch import scratch_scene

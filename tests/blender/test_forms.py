@@ -16,7 +16,7 @@ import pytest
 from radtex_addon.bake.cost import cost_of
 from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.core.errors import FormatError
-from radtex_addon.formats.exr import read_whole
+from radtex_addon.formats.containers.exr import read_whole
 from radtex_addon.formats.sidecar import read_facts
 from radtex_addon.forms import FORMS, form_for, form_in
 from radtex_addon.job import bake_object

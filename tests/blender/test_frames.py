@@ -17,7 +17,7 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.cli.arguments import parse
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object
 from radtex_addon.prepare.unwrapping import Unwraps

@@ -24,8 +24,8 @@ from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.cycles import portal
 from radtex_addon.cycles.portal import PortalCapture
-from radtex_addon.formats import exr_bands
-from radtex_addon.formats.exr import read_atlas, read_render
+from radtex_addon.formats.containers import exr_bands
+from radtex_addon.formats.containers.exr import read_atlas, read_render
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.forms.buckets import bake as buckets
 from radtex_addon.job import (

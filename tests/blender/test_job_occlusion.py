@@ -17,7 +17,7 @@ from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.core.shadow import unpack_bits
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.shadow_files import read_shadow_of
 from radtex_addon.job import BakeResult, bake_object, bake_steps
 from radtex_addon.job.checks import check_request

@@ -21,7 +21,7 @@ from radtex_addon.core.frame import normalised
 from radtex_addon.core.sampler import Filter
 from radtex_addon.core.shared import Axis, SharedAtlas, sample_shared
 from radtex_addon.cycles import shared_capture
-from radtex_addon.formats.exr import read_render
+from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.formats.packing import layer_names
 from radtex_addon.formats.shared_files import layer_path, read_shared
 from radtex_addon.forms.shared import bake as shared

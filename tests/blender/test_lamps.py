@@ -17,14 +17,14 @@ from radtex_addon.cli.arguments import parse
 from radtex_addon.cli.variants import variants
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.prepare.unwrapping import Unwraps
 from radtex_addon.report.eye import Eye
 from radtex_addon.report.finished import find_bake
 from radtex_addon.report.side_by_side import ComparisonSpec, compare_steps
-from radtex_addon.scene.lamps import each_light
+from radtex_addon.scene.lights.lamps import each_light
 from tests.blender import stage
 from tests.blender.batch_process import process
 from tests.blender.fingerprint import differences, fingerprint

@@ -18,7 +18,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.bucket_files import read_layer
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.job import bake_object
 from radtex_addon.preview.swap import switch_off, switch_on
 from tests.blender import stage

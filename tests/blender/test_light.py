@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.scene.light import is_dark
+from radtex_addon.scene.lights.light import is_dark
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None

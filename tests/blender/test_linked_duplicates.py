@@ -16,9 +16,9 @@ from radtex_addon.cli import main as batch_module
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
-from radtex_addon.formats.exr import read_atlas
+from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.preview.swap import is_on, switch_off, switch_on
-from radtex_addon.scene.copy import UV_LAYER
+from radtex_addon.scene.mesh.copy import UV_LAYER
 from radtex_addon.scene.preview_file import baked_copy, surface_of
 from tests.blender import stage
 from tests.blender.batch_process import process, refusal

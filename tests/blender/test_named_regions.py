@@ -15,12 +15,12 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Bools, Floats, Ints
 from radtex_addon.core.errors import InputError
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sample_counts import read_counts
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.forms.buckets import bake as buckets
 from radtex_addon.job import bake_object
-from radtex_addon.scene.named_regions import chosen_triangles
+from radtex_addon.scene.mesh.named_regions import chosen_triangles
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
 from tests.blender.conftest import PlannedError

@@ -15,7 +15,7 @@ import pytest
 
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.errors import InputError
-from radtex_addon.formats.exr import read_atlas
+from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.job import bake_object, check_request
 from tests.blender import stage
 

@@ -16,7 +16,7 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.preview.picture import render_picture
-from radtex_addon.scene.watertight import is_closed
+from radtex_addon.scene.mesh.watertight import is_closed
 from tests.blender import stage
 
 pytestmark = pytest.mark.usefixtures("temporary")

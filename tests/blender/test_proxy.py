@@ -16,7 +16,7 @@ from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sidecar import Content, read_sidecar
 from radtex_addon.job import bake_object
 from radtex_addon.preview.picture import render_picture

@@ -15,7 +15,7 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import BakeResult, bake_object
 from tests.blender import stage

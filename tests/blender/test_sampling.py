@@ -26,8 +26,8 @@ from radtex_addon.cycles.sampling import (
     capture_samples,
     capture_surroundings,
 )
+from radtex_addon.scene.mesh.surrounding_shapes import read_beside
 from radtex_addon.scene.scratch import scratch_scene
-from radtex_addon.scene.surrounding_shapes import read_beside
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None

@@ -20,8 +20,15 @@ from radtex_addon.core.islands import find_overlap
 from radtex_addon.cycles.hidden import find_hidden
 from radtex_addon.prepare.prepared import Prepared, prepare
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
-from radtex_addon.scene.backs import TWIN, fronts, seen_from_behind, twin_numbers, with_twins, without_twins
-from radtex_addon.scene.evaluated import EvaluatedMesh, evaluate
+from radtex_addon.scene.mesh.backs import (
+    TWIN,
+    fronts,
+    seen_from_behind,
+    twin_numbers,
+    with_twins,
+    without_twins,
+)
+from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
 

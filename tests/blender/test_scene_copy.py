@@ -15,10 +15,18 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import ShapeError
 from radtex_addon.core.frame import orthonormal_frame
 from radtex_addon.core.surface import SurfaceMesh
-from radtex_addon.scene.copy import NORMAL, SIGN, TANGENT, UV_LAYER, baked_mesh, copy_object, surface_mesh
-from radtex_addon.scene.evaluated import EvaluatedMesh, evaluate
+from radtex_addon.scene.mesh.copy import (
+    NORMAL,
+    SIGN,
+    TANGENT,
+    UV_LAYER,
+    baked_mesh,
+    copy_object,
+    surface_mesh,
+)
+from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.scratch import scratch_scene
-from radtex_addon.scene.unwrap import unwrap_xatlas
+from radtex_addon.scene.uv.unwrap import unwrap_xatlas
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 

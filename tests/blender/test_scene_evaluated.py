@@ -15,8 +15,8 @@ import pytest
 
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.surface import SurfaceMesh
-from radtex_addon.scene.copy import baked_mesh, surface_mesh
-from radtex_addon.scene.evaluated import EvaluatedMesh, evaluate
+from radtex_addon.scene.mesh.copy import baked_mesh, surface_mesh
+from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage

@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 import pytest
 
+from radtex_addon.scene.mesh.surrounding_shapes import RAYS, Beside, read_beside
 from radtex_addon.scene.scratch import scratch_scene
-from radtex_addon.scene.surrounding_shapes import RAYS, Beside, read_beside
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene

@@ -14,10 +14,10 @@ import bpy
 import pytest
 
 from radtex_addon.core.errors import InputError
-from radtex_addon.scene.copy import baked_mesh, copy_object, surface_mesh
-from radtex_addon.scene.evaluated import evaluate
+from radtex_addon.scene.mesh.copy import baked_mesh, copy_object, surface_mesh
+from radtex_addon.scene.mesh.evaluated import evaluate
 from radtex_addon.scene.scratch import scene_copied, scratch_scene
-from radtex_addon.scene.unwrap import unwrap_blender, unwrap_xatlas
+from radtex_addon.scene.uv.unwrap import unwrap_blender, unwrap_xatlas
 from tests.blender import stage
 from tests.blender.conftest import PlannedError
 from tests.blender.fingerprint import differences, fingerprint

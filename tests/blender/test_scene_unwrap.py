@@ -16,10 +16,10 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.core.islands import find_overlap, signed_areas, surface_areas, uv_islands
 from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.core.texel_map import rasterise
-from radtex_addon.scene.evaluated import EvaluatedMesh, evaluate
+from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.scratch import scratch_scene
-from radtex_addon.scene.unwrap import estimate_seconds, unwrap_blender, unwrap_xatlas
-from radtex_addon.scene.unwrap_options import UnwrapOptions, Unwrapped
+from radtex_addon.scene.uv.unwrap import estimate_seconds, unwrap_blender, unwrap_xatlas
+from radtex_addon.scene.uv.unwrap_options import UnwrapOptions, Unwrapped
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 Unwrap = Callable[[EvaluatedMesh, int, UnwrapOptions], Unwrapped]
@@ -252,7 +252,7 @@ def test_estimates_grow_with_the_mesh_and_follow_the_options() -> None:
 def test_a_long_unwrap_is_announced(
     caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("radtex_addon.scene.unwrap._LONG", 0.0)
+    monkeypatch.setattr("radtex_addon.scene.uv.unwrap._LONG", 0.0)
     unwrap_xatlas(cube(), 32)
     assert "for the 12 triangles of 'Cube'; Blender's own unwrap takes seconds" in caplog.text
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.errors import InputError
-from radtex_addon.scene.evaluated import EvaluatedMesh, evaluate
+from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.scratch import scratch_scene
-from radtex_addon.scene.uv_layer import user_uv
+from radtex_addon.scene.uv.uv_layer import user_uv
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 

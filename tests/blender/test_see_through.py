@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.scene.see_through import is_see_through, why_see_through
+from radtex_addon.scene.checks.see_through import is_see_through, why_see_through
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None

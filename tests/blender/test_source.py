@@ -22,7 +22,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.bucket_files import size_of
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sidecar import Source, read_sidecar
 from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.prepare.prepared import Prepared, prepare

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats, Ints
-from radtex_addon.scene import tangents
-from radtex_addon.scene.tangents import calc_tangents
+from radtex_addon.scene.mesh import tangents
+from radtex_addon.scene.mesh.tangents import calc_tangents
 
 
 def head() -> tuple[Any, Floats, Ints, Floats, Floats]:

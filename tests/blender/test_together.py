@@ -16,7 +16,7 @@ from radtex_addon.bake.parts import tile_name, tile_place
 from radtex_addon.bake.spec import BakeSpec, Kind, Layout, Split
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sidecar import Part, read_sidecar
 from radtex_addon.job import bake_object, part_specs
 from tests.blender import stage

@@ -19,7 +19,7 @@ from radtex_addon.bake.spec import BakeSpec, Split
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.run import export_steps
-from radtex_addon.formats.glb import Glb
+from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.job import bake_object, part_specs
 from radtex_addon.preview.swap import is_on, switch_all_on, switch_off
 from radtex_addon.report.finished import check_whole, find_bake, find_bakes

@@ -19,7 +19,7 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.gltf import to_gltf
 from radtex_addon.export.run import export_steps
-from radtex_addon.formats.glb import Glb
+from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.job import bake_object
 from radtex_addon.job.variants import variants_in
 from radtex_addon.preview.swap import copy_of

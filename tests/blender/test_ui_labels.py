@@ -57,7 +57,9 @@ FOUND = found()
 
 def test_the_search_finds_what_is_there() -> None:
     assert len(FOUND) >= 20
-    assert {"formats/atomic.py", "job/unfinished.py", "bake/checkpoint.py"} <= {name for name, _ in FOUND}
+    assert {"formats/disk/atomic.py", "job/unfinished.py", "bake/checkpoint.py"} <= {
+        name for name, _ in FOUND
+    }
 
 
 @pytest.mark.parametrize(("name", "message"), FOUND, ids=[f"{name}-{said[:40]}" for name, said in FOUND])

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.spec import BakeSpec
-from radtex_addon.formats.png import encode_png
+from radtex_addon.formats.containers.png import encode_png
 from radtex_addon.ui import pictures
 from radtex_addon.worker.job import Job, State
 from radtex_addon.worker.order import Handover

@@ -23,7 +23,7 @@ from mathutils import Matrix
 
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
-from radtex_addon.formats.exr import read_atlas
+from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.preview.swap import switch_on
 from radtex_addon.report.comparison_files import read_picture
 from radtex_addon.report.eye import Eye

@@ -25,7 +25,7 @@ from radtex_addon.core.colour_spaces import converted, matrix_to_rec709
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.bucket_files import read_layer
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.shared_files import read_shared, write_shared
 from radtex_addon.formats.working_space import render_matrix
 from radtex_addon.job import bake_object

@@ -22,11 +22,11 @@ from radtex_addon.bake.progress import Progress, Stage
 from radtex_addon.bake.spec import Unwrap
 from radtex_addon.core.arrays import Floats, Ints
 from radtex_addon.core.errors import BakeError, InputError
-from radtex_addon.scene import xatlas_worker
-from radtex_addon.scene.evaluated import EvaluatedMesh, evaluate
+from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.scratch import scratch_scene
-from radtex_addon.scene.unwrap import unwrap_steps
-from radtex_addon.scene.xatlas_process import Placed, Steps, XatlasProcess, check_xatlas
+from radtex_addon.scene.uv import xatlas_worker
+from radtex_addon.scene.uv.unwrap import unwrap_steps
+from radtex_addon.scene.uv.xatlas_process import Placed, Steps, XatlasProcess, check_xatlas
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and shell scripts")

@@ -21,7 +21,7 @@ from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.transfer import mean_over_lights
 from radtex_addon.formats.bucket_files import read_layer
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.shadow_files import read_shadow_of
 from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.formats.transfer_files import read_transfer

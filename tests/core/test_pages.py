@@ -11,7 +11,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError, ShapeError
 from radtex_addon.core.levels import level_chain, pad
 from radtex_addon.core.pages import Pages, fitting_pages, join_pages, page_chain, split_pages
-from radtex_addon.formats.texture import Form, PixelFormat
+from radtex_addon.formats.containers.texture import Form, PixelFormat
 from tests.lookups import LAYOUT, random_atlas
 
 ATLAS = random_atlas()

@@ -12,9 +12,9 @@ import pytest
 
 from radtex_addon.core.errors import FormatError
 from radtex_addon.export.manifest import Manifest, read_manifest, write_manifest
+from radtex_addon.formats.containers.texture import PixelFormat
 from radtex_addon.formats.shared_files import write_shared
 from radtex_addon.formats.sidecar import Sidecar
-from radtex_addon.formats.texture import PixelFormat
 from radtex_addon.textures.entry import Arranged, Container, TextureEntry
 from tests.shared_atlases import facts_about, random_shared_atlas
 

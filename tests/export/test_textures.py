@@ -18,13 +18,13 @@ from radtex_addon.core.levels import level_chain, padded_layout
 from radtex_addon.core.pages import Pages, join_pages
 from radtex_addon.core.slices import from_slices, mip_chain
 from radtex_addon.formats.bucket_files import write_buckets
-from radtex_addon.formats.dds import read_texture
-from radtex_addon.formats.exr import read_atlas, read_buckets, write_atlas
-from radtex_addon.formats.ktx2 import read_ktx2
+from radtex_addon.formats.containers.dds import read_texture
+from radtex_addon.formats.containers.exr import read_atlas, read_buckets, write_atlas
+from radtex_addon.formats.containers.ktx2 import read_ktx2
+from radtex_addon.formats.containers.texture import PixelFormat, Texture, decode_texture
 from radtex_addon.formats.packing import pack
 from radtex_addon.formats.shared_files import texture_path, write_condensed, write_shared
 from radtex_addon.formats.sidecar import Sidecar, read_facts, write_sidecar
-from radtex_addon.formats.texture import PixelFormat, Texture, decode_texture
 from radtex_addon.forms import form_in
 from radtex_addon.textures.entry import Arranged, Container, TextureEntry
 from radtex_addon.textures.spec import Arrangement, ExportSpec, Target, TextureFormat

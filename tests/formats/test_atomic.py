@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from radtex_addon.core.errors import BakeError, FormatError, InputError
-from radtex_addon.formats.atomic import (
+from radtex_addon.formats.disk.atomic import (
     check_absent,
     check_writable,
     replacing,
@@ -162,7 +162,7 @@ def test_errors_name_files_by_their_places(tmp_path: Path) -> None:
 def test_a_killed_process_leaves_nothing_under_the_final_name(tmp_path: Path) -> None:
     target = tmp_path / "a.exr"
     script = (
-        "import os, pathlib, sys; from radtex_addon.formats.atomic import replacing\n"
+        "import os, pathlib, sys; from radtex_addon.formats.disk.atomic import replacing\n"
         "with replacing(pathlib.Path(sys.argv[1])) as beside: beside.write_text('half'); os._exit(9)"
     )
     done = subprocess.run(

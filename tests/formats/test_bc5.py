@@ -18,9 +18,9 @@ from PIL import Image
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError, ShapeError
-from radtex_addon.formats.bc5 import decode_bc5, encode_bc5
-from radtex_addon.formats.bc7 import Blocks
-from radtex_addon.formats.dds import DdsFormat, write_dds
+from radtex_addon.formats.codecs.bc5 import decode_bc5, encode_bc5
+from radtex_addon.formats.codecs.bc7 import Blocks
+from radtex_addon.formats.containers.dds import DdsFormat, write_dds
 
 STEP = 1 / 255
 

@@ -14,8 +14,8 @@ from hypothesis.extra.numpy import arrays
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import FormatError, InputError, ShapeError
-from radtex_addon.formats.bc6h import MOST, decode_bc6h, encode_bc6h
-from radtex_addon.formats.bc7 import Blocks
+from radtex_addon.formats.codecs.bc6h import MOST, decode_bc6h, encode_bc6h
+from radtex_addon.formats.codecs.bc7 import Blocks
 
 
 def random_blocks(seed: int = 1, rows: int = 8, columns: int = 8) -> Blocks:

@@ -14,7 +14,7 @@ from hypothesis.extra.numpy import arrays
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import FormatError, InputError, ShapeError
-from radtex_addon.formats.bc7 import Blocks, decode_bc7, encode_bc7
+from radtex_addon.formats.codecs.bc7 import Blocks, decode_bc7, encode_bc7
 
 STEP = 1 / 255
 

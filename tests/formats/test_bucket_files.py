@@ -12,7 +12,7 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError, FormatError, ShapeError
 from radtex_addon.formats.bucket_files import read_layer, write_buckets
-from radtex_addon.formats.exr import Compression, read_buckets
+from radtex_addon.formats.containers.exr import Compression, read_buckets
 from radtex_addon.formats.sidecar import Sidecar, read_sidecar
 
 FACTS = Sidecar("Vase", "radiance", 3, 2, 4, "UVMap", 1, 0, "portal", "RadTex", "5.2.0")

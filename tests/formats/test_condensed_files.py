@@ -17,10 +17,10 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.condensed import CondensedAtlas, CondensedLobe
 from radtex_addon.core.errors import BakeError, FormatError, ShapeError
 from radtex_addon.core.shared import Axis
-from radtex_addon.formats.bc5 import decode_bc5
-from radtex_addon.formats.bc6h import decode_bc6h
-from radtex_addon.formats.bc7 import decode_bc7
-from radtex_addon.formats.dds import DdsFormat, read_dds, write_dds
+from radtex_addon.formats.codecs.bc5 import decode_bc5
+from radtex_addon.formats.codecs.bc6h import decode_bc6h
+from radtex_addon.formats.codecs.bc7 import decode_bc7
+from radtex_addon.formats.containers.dds import DdsFormat, read_dds, write_dds
 from radtex_addon.formats.shared_files import (
     read_condensed,
     read_shared,
@@ -464,7 +464,7 @@ def test_what_no_memory_holds_is_refused_before_it_is_read(
         ),
         (200_000, r"Vase\.radiance\.json needs"),
     ]:
-        monkeypatch.setattr("radtex_addon.formats.memory.physical_memory", lambda has=memory: has)
+        monkeypatch.setattr("radtex_addon.formats.disk.memory.physical_memory", lambda has=memory: has)
         with pytest.raises(FormatError, match=message):
             read_shared(path)
     with pytest.raises(FormatError, match=r"Vase\.radiance\.json needs .* of memory"):

@@ -18,11 +18,11 @@ from PIL import Image
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError, FormatError, InputError, ShapeError
-from radtex_addon.formats.bc5 import decode_bc5
-from radtex_addon.formats.bc6h import decode_bc6h
-from radtex_addon.formats.bc7 import Blocks, decode_bc7
-from radtex_addon.formats.dds import DdsFormat, read_dds, read_texture, write_dds, write_texture
-from radtex_addon.formats.texture import PixelFormat, Texture, encode_texture
+from radtex_addon.formats.codecs.bc5 import decode_bc5
+from radtex_addon.formats.codecs.bc6h import decode_bc6h
+from radtex_addon.formats.codecs.bc7 import Blocks, decode_bc7
+from radtex_addon.formats.containers.dds import DdsFormat, read_dds, read_texture, write_dds, write_texture
+from radtex_addon.formats.containers.texture import PixelFormat, Texture, encode_texture
 
 HEADER = 148
 

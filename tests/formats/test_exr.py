@@ -14,8 +14,8 @@ import pytest
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError, FormatError, ShapeError
-from radtex_addon.formats.exr import Compression, read_atlas, read_render, write_atlas
-from radtex_addon.formats.memory import physical_memory, readable_size
+from radtex_addon.formats.containers.exr import Compression, read_atlas, read_render, write_atlas
+from radtex_addon.formats.disk.memory import physical_memory, readable_size
 from radtex_addon.formats.sidecar import Sidecar
 
 SIDECAR = Sidecar("Cube", "radiance", 24, 10, 8, "RadTex", 16, 0, "portal", "RadTex 0.1.0", "5.2.3")

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from radtex_addon.formats.hidden_folder import hidden_folder
+from radtex_addon.formats.disk.hidden_folder import hidden_folder
 
 _ROOT = Path(__file__).parents[2]
 
@@ -18,7 +18,7 @@ _ROOT = Path(__file__).parents[2]
 def in_a_process(folder: Path, then: str) -> subprocess.Popen[str]:
     """One that has a hidden folder in `folder`, says so, and does something."""
     script = (
-        "import os, pathlib, sys; from radtex_addon.formats.hidden_folder import hidden_folder\n"
+        "import os, pathlib, sys; from radtex_addon.formats.disk.hidden_folder import hidden_folder\n"
         "with hidden_folder(pathlib.Path(sys.argv[1])) as made:\n"
         "    (made / 'half').write_text('half'); made.with_suffix('.new').mkdir()\n"
         f"    print('there', flush=True); {then}"

@@ -12,10 +12,10 @@ import OpenEXR
 import pytest
 
 from radtex_addon.core.errors import FormatError
-from radtex_addon.formats import image_rows
 from radtex_addon.formats.bucket_rows import open_buckets, open_layer
-from radtex_addon.formats.exr import Compression, read_atlas, write_atlas
-from radtex_addon.formats.image_rows import open_rows
+from radtex_addon.formats.containers import image_rows
+from radtex_addon.formats.containers.exr import Compression, read_atlas, write_atlas
+from radtex_addon.formats.containers.image_rows import open_rows
 from radtex_addon.formats.sidecar import Sidecar, write_sidecar
 
 SIDECAR = Sidecar("Cube", "radiance", 24, 10, 6, "RadTex", 16, 0, "portal", "RadTex 0.1.0", "5.2.3")

@@ -10,7 +10,7 @@ from random import Random
 
 import pytest
 
-from radtex_addon.formats.kinds_of_files import FileKind, open_of_kind
+from radtex_addon.formats.disk.kinds_of_files import FileKind, open_of_kind
 
 _TARGA = bytes([0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 2, 0, 24, 0]) + bytes(12)
 _KNOWN = {

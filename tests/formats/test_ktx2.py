@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError, FormatError, InputError, ShapeError
-from radtex_addon.formats.bc7 import Blocks
-from radtex_addon.formats.ktx2 import read_ktx2, write_ktx2
-from radtex_addon.formats.texture import (
+from radtex_addon.formats.codecs.bc7 import Blocks
+from radtex_addon.formats.containers.ktx2 import read_ktx2, write_ktx2
+from radtex_addon.formats.containers.texture import (
     ENCODED,
     PixelFormat,
     Texture,
@@ -240,7 +240,7 @@ def test_a_header_that_promises_much_takes_no_memory(tmp_path: Path, zstd: bool)
 
 
 def test_a_texture_beyond_the_memory_is_refused(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("radtex_addon.formats.memory.physical_memory", lambda: 3000)
+    monkeypatch.setattr("radtex_addon.formats.disk.memory.physical_memory", lambda: 3000)
     with pytest.raises(FormatError, match=r"a\.ktx2 needs .* of memory, this machine has 3 KiB"):
         read_ktx2(file)
 

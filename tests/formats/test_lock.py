@@ -18,16 +18,16 @@ import pytest
 from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.key import LOCK, check_free
 from radtex_addon.core.errors import BakeError, InputError
-from radtex_addon.formats.lock import HeldError, NoLockError, holder, take_lock
-from radtex_addon.formats.temporary import PREFIX, temporary_folder
+from radtex_addon.formats.disk.lock import HeldError, NoLockError, holder, take_lock
+from radtex_addon.formats.disk.temporary import PREFIX, temporary_folder
 
 _ROOT = Path(__file__).parents[2]
 _HOLD = (
-    "import pathlib, sys, time; from radtex_addon.formats.lock import take_lock\n"
+    "import pathlib, sys, time; from radtex_addon.formats.disk.lock import take_lock\n"
     "lock = take_lock(pathlib.Path(sys.argv[1])); print('held', flush=True); time.sleep(60)"
 )
 _WORK = (
-    "import sys, tempfile, time; from radtex_addon.formats.temporary import temporary_folder\n"
+    "import sys, tempfile, time; from radtex_addon.formats.disk.temporary import temporary_folder\n"
     "tempfile.tempdir = sys.argv[1]\n"
     "with temporary_folder() as folder:\n"
     "    (folder / 'large.exr').write_text('half'); print(folder, flush=True); time.sleep(60)"

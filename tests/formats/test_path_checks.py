@@ -11,8 +11,13 @@ from pathlib import Path
 import pytest
 
 from radtex_addon.core.errors import InputError
-from radtex_addon.formats.atomic import check_absent, check_writable
-from radtex_addon.formats.path_checks import check_for_blender, check_saveable, check_unicode, nearest_folder
+from radtex_addon.formats.disk.atomic import check_absent, check_writable
+from radtex_addon.formats.disk.path_checks import (
+    check_for_blender,
+    check_saveable,
+    check_unicode,
+    nearest_folder,
+)
 
 links = pytest.mark.skipif(sys.platform == "win32", reason="links need a right there")
 

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from radtex_addon.core.errors import ShapeError
-from radtex_addon.formats.png import encode_png
+from radtex_addon.formats.containers.png import encode_png
 
 
 def test_another_program_reads_the_same_levels() -> None:

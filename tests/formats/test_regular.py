@@ -19,7 +19,7 @@ import pytest
 from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.key import KEY
 from radtex_addon.core.errors import BakeError, FormatError, RadTexError
-from radtex_addon.formats.regular import MOST_TEXT, open_regular, other_kind, read_regular
+from radtex_addon.formats.disk.regular import MOST_TEXT, open_regular, other_kind, read_regular
 from tests.fuzz.corpus import FACTS, make_corpus
 from tests.fuzz.readers import READERS
 

@@ -12,8 +12,8 @@ import pytest
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import FormatError, InputError, ShapeError
-from radtex_addon.formats.bc7 import Blocks
-from radtex_addon.formats.rgb9e5 import MOST, decode_rgb9e5, encode_rgb9e5
+from radtex_addon.formats.codecs.bc7 import Blocks
+from radtex_addon.formats.codecs.rgb9e5 import MOST, decode_rgb9e5, encode_rgb9e5
 
 
 def light(shape: tuple[int, int] = (300, 50), seed: int = 1) -> Floats:

@@ -13,7 +13,7 @@ import pytest
 
 from radtex_addon.core.errors import BakeError, FormatError, InputError, ShapeError
 from radtex_addon.core.shadow import word_count
-from radtex_addon.formats.exr import ATTRIBUTE, Compression, write_atlas
+from radtex_addon.formats.containers.exr import ATTRIBUTE, Compression, write_atlas
 from radtex_addon.formats.shadow_files import Words, read_shadow, read_shadow_of, write_shadow
 from radtex_addon.formats.sidecar import Sidecar, write_sidecar
 

@@ -16,7 +16,7 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError, FormatError, ShapeError
 from radtex_addon.core.shared import Axis, Lobe, SharedAtlas, level_sizes
-from radtex_addon.formats.exr import Compression, read_atlas, write_rows
+from radtex_addon.formats.containers.exr import Compression, read_atlas, write_rows
 from radtex_addon.formats.shared_files import layer_path, read_shared, read_shared_sidecar, write_shared
 from radtex_addon.formats.shared_sidecar import SharedSidecar
 from radtex_addon.formats.sidecar import file_name, read_sidecar

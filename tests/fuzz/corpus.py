@@ -22,14 +22,14 @@ from radtex_addon.farm.manifest import Copies
 from radtex_addon.farm.manifest import Manifest as FarmManifest
 from radtex_addon.formats.bucket_files import write_buckets
 from radtex_addon.formats.condensed_files import digest
-from radtex_addon.formats.dds import DdsFormat, write_dds, write_texture
-from radtex_addon.formats.exr import Compression, write_atlas
-from radtex_addon.formats.glb import Glb
-from radtex_addon.formats.ktx2 import write_ktx2
+from radtex_addon.formats.containers.dds import DdsFormat, write_dds, write_texture
+from radtex_addon.formats.containers.exr import Compression, write_atlas
+from radtex_addon.formats.containers.glb import Glb
+from radtex_addon.formats.containers.ktx2 import write_ktx2
+from radtex_addon.formats.containers.texture import ENCODED, PixelFormat, encode_texture
 from radtex_addon.formats.shadow_files import write_shadow
 from radtex_addon.formats.shared_files import write_condensed, write_shared
 from radtex_addon.formats.sidecar import Content, Part, Sidecar, Source, write_sidecar
-from radtex_addon.formats.texture import ENCODED, PixelFormat, encode_texture
 from radtex_addon.formats.transfer_files import TransferSidecar, write_transfer
 from radtex_addon.textures.entry import Arranged, Container, TextureEntry
 from tests.shared_atlases import facts_about, random_condensed_atlas, random_shared_atlas

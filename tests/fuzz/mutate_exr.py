@@ -8,7 +8,7 @@ import struct
 from random import Random
 from typing import NamedTuple
 
-from radtex_addon.formats.exr import ATTRIBUTE
+from radtex_addon.formats.containers.exr import ATTRIBUTE
 
 from .mutate import ODD, damage, odd, set_field
 from .mutate_json import mutate_json

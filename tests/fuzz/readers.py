@@ -26,9 +26,9 @@ from radtex_addon.farm.manifest import read_plan
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.bucket_rows import open_buckets
 from radtex_addon.formats.condensed_files import digest
-from radtex_addon.formats.dds import read_dds
-from radtex_addon.formats.dds import read_texture as read_dds_texture
-from radtex_addon.formats.exr import (
+from radtex_addon.formats.containers.dds import read_dds
+from radtex_addon.formats.containers.dds import read_texture as read_dds_texture
+from radtex_addon.formats.containers.exr import (
     ATTRIBUTE,
     read_atlas,
     read_buckets,
@@ -37,14 +37,14 @@ from radtex_addon.formats.exr import (
     read_whole,
     stored_compression,
 )
-from radtex_addon.formats.glb import Glb
+from radtex_addon.formats.containers.glb import Glb
+from radtex_addon.formats.containers.ktx2 import read_ktx2
+from radtex_addon.formats.containers.texture import ENCODED, Texture, decode_texture
 from radtex_addon.formats.gutter_signature import own_texels
-from radtex_addon.formats.ktx2 import read_ktx2
 from radtex_addon.formats.sample_counts import read_counts
 from radtex_addon.formats.shadow_files import read_shadow, visible_buckets
 from radtex_addon.formats.shared_files import read_shared, read_shared_sidecar
 from radtex_addon.formats.sidecar import preview_path, read_facts, read_sidecar
-from radtex_addon.formats.texture import ENCODED, Texture, decode_texture
 from radtex_addon.formats.transfer_files import read_transfer, read_transfer_sidecar
 
 from .corpus import FACTS, PAINTED

@@ -47,7 +47,7 @@ def write_and_read(path: Path) -> None:
     """Half and float, one, three and four channels, each compression."""
     import numpy as np
 
-    from radtex_addon.formats.exr import Compression, read_atlas, write_atlas
+    from radtex_addon.formats.containers.exr import Compression, read_atlas, write_atlas
     from radtex_addon.formats.sidecar import Sidecar
 
     sidecar = Sidecar("Cube", "radiance", 24, 10, 8, "RadTex", 16, 0, "portal", "RadTex 0.1.0", "5.2.3")

@@ -74,7 +74,7 @@ ALLOWED: dict[str, set[str]] = {
 )
 
 # A script that runs in a process without Blender and without the rest of the package.
-WORKER = ("scene", "xatlas_worker")
+WORKER = ("scene", "uv", "xatlas_worker")
 
 # The one module that judges pictures.
 METRICS = ("report", "metrics")

@@ -27,7 +27,7 @@ from mathutils import Euler, Matrix, Vector
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
-from radtex_addon.formats.exr import read_atlas
+from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.job import bake_object
 from radtex_addon.report.finished import Finished, find_bake, read_bake
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays

@@ -36,7 +36,7 @@ from radtex_addon.core.shadow import (
     visibility,
 )
 from radtex_addon.core.transfer import sample_transfer
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.shadow_files import read_shadow_of
 from radtex_addon.formats.sidecar import preview_path, read_facts
 from radtex_addon.formats.transfer_files import read_transfer

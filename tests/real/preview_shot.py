@@ -18,7 +18,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from radtex_addon.formats.exr import read_render
+from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.report.metrics import Picture
 from radtex_addon.scene.demo import OBJECT
 from tests.blender.lookup_stage import set_up_render

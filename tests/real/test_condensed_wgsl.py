@@ -13,7 +13,7 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.condensed import CondensedAtlas
 from radtex_addon.core.frame import normalised
-from radtex_addon.formats.dds import DdsFormat, read_dds
+from radtex_addon.formats.containers.dds import DdsFormat, read_dds
 from radtex_addon.formats.shared_files import read_condensed, write_condensed
 from tests.condensed_textures import COLUMNS, Ranges, doubts, pixels, rows_of, uncompressed
 from tests.lookups import SIDE, Lookups, relative_error

@@ -23,8 +23,8 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.export.run import export_steps
-from radtex_addon.formats.ktx2 import read_ktx2
-from radtex_addon.formats.texture import decode_texture
+from radtex_addon.formats.containers.ktx2 import read_ktx2
+from radtex_addon.formats.containers.texture import decode_texture
 from radtex_addon.report.metrics import Picture, display
 from radtex_addon.textures.spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.real.exhibit import CAMERAS, Bake, Exhibit, Form, decibels

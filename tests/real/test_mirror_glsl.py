@@ -20,7 +20,7 @@ from PIL import Image
 
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.job import bake_object
 from radtex_addon.report.gbuffer import eroded
 from radtex_addon.report.metrics import display, psnr

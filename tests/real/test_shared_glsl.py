@@ -14,7 +14,7 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
 from radtex_addon.core.shared import SharedAtlas
-from radtex_addon.formats.exr import read_pixels
+from radtex_addon.formats.containers.exr import read_pixels
 from radtex_addon.formats.packing import pack
 from radtex_addon.formats.shared_files import layer_path, read_shared, write_shared
 from tests.lookups import SIDE, Lookups, relative_error

@@ -15,7 +15,7 @@ from PIL import Image
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.hemisphere import direction_to_square
-from radtex_addon.formats.exr import read_atlas
+from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.report.metrics import Mask
 from tests.real.browser import Shown
 from tests.real.exhibit import CAMERAS, Camera, Exhibit

@@ -13,7 +13,7 @@ import pytest
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.levels import fitting_levels, level_chain, sample_level
 from radtex_addon.core.sampler import Filter
-from radtex_addon.formats.exr import read_atlas
+from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.report.metrics import Mask, Picture
 from radtex_addon.textures.spec import Arrangement
 from tests.real.browser import Shown

@@ -17,7 +17,7 @@ from ...bake.spec import BakeSpec
 from ...bake.thumbnail import Thumbnail
 from ...core.atlas import AtlasLayout
 from ...core.shadow import pack_bits
-from ...formats.atomic import replacing
+from ...formats.disk.atomic import replacing
 from ...formats.shadow_files import write_shadow
 from ...formats.sidecar import Sidecar
 from ...prepare.prepared import Prepared

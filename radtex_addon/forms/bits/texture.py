@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from ...core.errors import InputError
-from ...formats.bc7 import Blocks
-from ...formats.ktx2 import write_ktx2
+from ...formats.codecs.bc7 import Blocks
+from ...formats.containers.ktx2 import write_ktx2
+from ...formats.containers.texture import PixelFormat, Texture
 from ...formats.shadow_files import Words, read_shadow_of
-from ...formats.texture import PixelFormat, Texture
 from ...textures.entry import Arranged, Container, TextureEntry
 from ...textures.spec import Arrangement, ExportSpec, TextureFormat
 

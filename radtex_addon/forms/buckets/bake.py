@@ -27,11 +27,11 @@ from ...cycles.layers import LayeredCapture
 from ...cycles.panoramic import PanoramicCapture
 from ...cycles.portal import PortalCapture
 from ...formats.bucket_files import write_bands
-from ...formats.memory import readable_size
+from ...formats.disk.memory import readable_size
 from ...formats.shared_files import layer_path
 from ...formats.sidecar import Content, Sidecar
 from ...prepare.prepared import Prepared
-from ...scene.enclosing_volumes import has_volumes
+from ...scene.checks.enclosing_volumes import has_volumes
 from ...scene.proxy_content import show_content_only
 from ..outcome import Outcome
 from .accumulate import accumulated

@@ -13,7 +13,7 @@ from ...core.atlas import AtlasLayout
 from ...core.surface import SurfaceMesh
 from ...core.texel_map import covered_texels
 from ...formats.bucket_rows import open_buckets
-from ...formats.image_rows import ImageRows
+from ...formats.containers.image_rows import ImageRows
 from ...formats.sidecar import Sidecar
 from ...textures.flat import check_means, mean_of_buckets
 

@@ -22,7 +22,7 @@ from ...core.sampler import Filter, sample
 from ...core.surface import SurfaceMesh
 from ...formats.bucket_files import BASE
 from ...formats.condensed_sizes import Shapes
-from ...formats.exr import read_buckets, stored_compression
+from ...formats.containers.exr import read_buckets, stored_compression
 from ...formats.gutter_signature import loss_of
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar, read_sidecar

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...bake.kinds import Kind
-from ...formats.texture import PixelFormat
+from ...formats.containers.texture import PixelFormat
 from ...textures.entry import Arranged, TextureEntry
 from ...textures.godot_shader import GodotShader, integers
 

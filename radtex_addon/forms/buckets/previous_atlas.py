@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.arrays import Floats, Ints
 from ...core.errors import InputError
-from ...formats.exr import read_buckets
+from ...formats.containers.exr import read_buckets
 from ...formats.sample_counts import count_text, read_counts
 from ...formats.sidecar import Sidecar
 

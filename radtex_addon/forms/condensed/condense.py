@@ -18,10 +18,10 @@ from ...bake.spec import BakeSpec
 from ...core.arrays import Floats
 from ...core.errors import InputError
 from ...core.shared import Axis, SharedAtlas, level_count
-from ...formats.atomic import replacing_together
 from ...formats.condensed_files import stored_colour
 from ...formats.condensed_sizes import CondensedSizes, clusters_within, condensed_bytes, texture_bytes
-from ...formats.memory import readable_size
+from ...formats.disk.atomic import replacing_together
+from ...formats.disk.memory import readable_size
 from ...formats.shared_files import read_shared, writing_condensed
 from ...formats.shared_sidecar import SharedSidecar
 from ...formats.sidecar import Sidecar

@@ -9,9 +9,9 @@ from pathlib import Path
 from ...core.errors import FormatError, InputError
 from ...core.pages import Pages
 from ...formats.condensed_files import digest
-from ...formats.dds import read_dds
+from ...formats.containers.dds import read_dds
+from ...formats.containers.texture import Texture
 from ...formats.shared_files import read_shared_sidecar, texture_path
-from ...formats.texture import Texture
 from ...textures.choice import check_limit
 from ...textures.entry import Arranged, Container, TextureEntry
 from ...textures.files import copied, entry_of

@@ -23,7 +23,7 @@ from ...core.arrays import Floats
 from ...core.shared import LEAST_LEVEL, Axis, sample_shared
 from ...core.surface import SurfaceMesh
 from ...formats.condensed_sizes import Shapes
-from ...formats.exr import stored_compression
+from ...formats.containers.exr import stored_compression
 from ...formats.gutter_signature import own_texels
 from ...formats.json_reader import Facts
 from ...formats.packing import IRRADIANCE, layer_names
@@ -39,7 +39,7 @@ from ...prepare.facts import facts_of
 from ...prepare.prepared import Prepared
 from ...preview.material import preview_shared_material
 from ...preview.shared_group import check_shared_previewable
-from ...scene.copy import UV_LAYER
+from ...scene.mesh.copy import UV_LAYER
 from ...textures.entry import TextureEntry
 from ...textures.godot_shader import GodotShader
 from ...textures.progress import Step

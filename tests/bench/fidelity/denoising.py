@@ -28,7 +28,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.gutter import dilate, nearest_covered
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.core.shared import Lobe
-from radtex_addon.formats.exr import read_atlas, read_render
+from radtex_addon.formats.containers.exr import read_atlas, read_render
 from radtex_addon.job import bake_object
 
 from .fitted import Looked, fit_stage, quality

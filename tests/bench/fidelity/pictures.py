@@ -9,7 +9,7 @@ from time import perf_counter
 import bpy
 import numpy as np
 
-from radtex_addon.formats.atomic import replacing
+from radtex_addon.formats.disk.atomic import replacing
 from radtex_addon.report.metrics import Picture
 
 from .cache import picture_path

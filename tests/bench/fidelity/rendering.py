@@ -14,7 +14,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.formats.exr import read_render
+from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.report.metrics import Picture
 
 from .scenes.stage import PIXELS, Stage

@@ -15,9 +15,9 @@ from typing import Any, TypeAlias, cast
 
 import bpy
 
-from radtex_addon.scene.light import put_out
+from radtex_addon.scene.checks.see_through import is_see_through
+from radtex_addon.scene.lights.light import put_out
 from radtex_addon.scene.nodes import NodeBuilder, Operand, Socket
-from radtex_addon.scene.see_through import is_see_through
 
 _UNKNOWN = frozenset({"HOLDOUT", "BSDF_RAY_PORTAL", "SCRIPT"})  # they may be clear in ways of their own
 _WHITE = (1.0, 1.0, 1.0, 1.0)

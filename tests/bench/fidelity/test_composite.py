@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.report.gbuffer import Array, BakedSurface, GBuffer, Rays
-from radtex_addon.scene.copy import NORMAL, SIGN, TANGENT
+from radtex_addon.scene.mesh.copy import NORMAL, SIGN, TANGENT
 from tests.bench.fidelity.composite import LAYERS, seen_light
 from tests.bench.fidelity.method import Baked
 

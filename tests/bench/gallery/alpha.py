@@ -14,7 +14,7 @@ import numpy as np
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.report.gbuffer import Array
 from radtex_addon.report.metrics import Picture
 

@@ -21,7 +21,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised
 from radtex_addon.core.sampler import Filter, sample
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.report.gbuffer import GBuffer
 from radtex_addon.scene.nodes import open_world
 from tests.blender import stage

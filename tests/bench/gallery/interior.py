@@ -18,7 +18,7 @@ import numpy as np
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 
 from .looking import SUBJECT, Camera, added, baked, empty_scene, lamp, principled, rendered, resolved
 from .row import Row

@@ -18,7 +18,7 @@ from mathutils import Vector
 
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec
-from radtex_addon.formats.exr import read_render
+from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.job import bake_object
 from radtex_addon.prepare.prepared import prepare
 from radtex_addon.report.finished import read_bake

@@ -27,7 +27,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.hit import sample_hit
 from radtex_addon.core.sampler import Filter
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.report.gbuffer import Array, Rays, eroded
 from radtex_addon.report.metrics import Mask, psnr
 

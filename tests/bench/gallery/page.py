@@ -17,7 +17,7 @@ import bpy
 import numpy as np
 from PIL import Image
 
-from radtex_addon.formats.atomic import replacing
+from radtex_addon.formats.disk.atomic import replacing
 from radtex_addon.report.metrics import display
 
 from .captions import CAPTIONS

@@ -23,7 +23,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.levels import level_chain
 from radtex_addon.core.sampler import Filter, sample
-from radtex_addon.formats.exr import read_buckets
+from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.report.gbuffer import Array
 from radtex_addon.report.metrics import Picture
 

@@ -40,7 +40,7 @@ from radtex_addon.core.shadow import (
     unpack_bits,
     visibility,
 )
-from radtex_addon.formats.exr import read_render
+from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.formats.shadow_files import Words, read_shadow_of
 from radtex_addon.job import bake_object
 from radtex_addon.prepare.prepared import prepare

@@ -21,7 +21,7 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.frame import to_frame
 from radtex_addon.core.transfer import relight
-from radtex_addon.formats.exr import read_render
+from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
 from radtex_addon.prepare.prepared import prepare

@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from radtex_addon.core.arrays import Bools, Floats
-from radtex_addon.formats.bc5 import decode_bc5, encode_bc5
-from radtex_addon.formats.bc7 import PIXELS, SIDE, Blocks, Words, image_of, words_of
+from radtex_addon.formats.codecs.bc5 import decode_bc5, encode_bc5
+from radtex_addon.formats.codecs.bc7 import PIXELS, SIDE, Blocks, Words, image_of, words_of
 
 _BITS, _SHIFTS = (5, 6, 5), (11, 5, 0)  # of a colour's channels
 _LAST = 3  # steps between the two colours

@@ -22,9 +22,9 @@ from radtex_addon.cycles.path_ends import path_ends
 from radtex_addon.cycles.sampling import capture_ends, capture_samples
 from radtex_addon.cycles.shared_capture import _reach
 from radtex_addon.prepare.prepared import Prepared, prepare
+from radtex_addon.scene.mesh.surrounding_shapes import Beside, read_beside
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scene_copied, scratch_scene
-from radtex_addon.scene.surrounding_shapes import Beside, read_beside
 
 from ..scenes import Stage
 from ..surface_alone import surface_alone

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.formats.bc5 import decode_bc5, encode_bc5
-from radtex_addon.formats.bc6h import decode_bc6h, encode_bc6h
-from radtex_addon.formats.bc7 import decode_bc7, encode_bc7
+from radtex_addon.formats.codecs.bc5 import decode_bc5, encode_bc5
+from radtex_addon.formats.codecs.bc6h import decode_bc6h, encode_bc6h
+from radtex_addon.formats.codecs.bc7 import decode_bc7, encode_bc7
 
 from .atlas import LayeredAtlas
 from .bc3 import decode_bc3, encode_bc3

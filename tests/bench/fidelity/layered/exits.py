@@ -26,8 +26,8 @@ from radtex_addon.cycles.passes import Passes, raw_light_of
 from radtex_addon.cycles.path_ends import TURNS, PathEnds, any_dark, from_directions, path_ends
 from radtex_addon.cycles.portal import Aim, PortalCapture
 from radtex_addon.cycles.sampling import _LOBES, _MIRRORED, _THROUGH, _tiles
+from radtex_addon.scene.mesh.surrounding_shapes import RAYS, Beside, Placed, Shape
 from radtex_addon.scene.scratch import scene_copied
-from radtex_addon.scene.surrounding_shapes import RAYS, Beside, Placed, Shape
 
 _WIDER = 1.5  # times the object's radius: the sphere's
 _MERIDIANS = 192  # of the sphere, and half as many circles of latitude

@@ -24,8 +24,8 @@ from radtex_addon.cycles.path_ends import path_ends
 from radtex_addon.cycles.portal import Aim, PortalCapture
 from radtex_addon.cycles.sampling import _straight, _tiles
 from radtex_addon.cycles.settings import first_hit_only
-from radtex_addon.scene.camera_nodes import Outputs, nodes_asked
-from radtex_addon.scene.surrounding_shapes import Beside
+from radtex_addon.scene.checks.camera_nodes import Outputs, nodes_asked
+from radtex_addon.scene.mesh.surrounding_shapes import Beside
 
 from ..surface_alone import Clear
 from .own_rays import dark_world

@@ -20,8 +20,8 @@ from radtex_addon.cycles.building_blocks import float_image
 from radtex_addon.cycles.path_ends import path_ends
 from radtex_addon.cycles.portal import Aim, PortalCapture
 from radtex_addon.cycles.sampling import _tiles
+from radtex_addon.scene.mesh.surrounding_shapes import Beside
 from radtex_addon.scene.nodes import open_material, open_world
-from radtex_addon.scene.surrounding_shapes import Beside
 
 from .own_light import OwnRays
 

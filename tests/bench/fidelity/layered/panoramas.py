@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.formats.exr import read_render
+from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.scene.scratch import render_scene
 
 from .environment import Impostor, Layer, Pictures, Plane

@@ -23,7 +23,7 @@ from mathutils import Matrix
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.errors import BakeError
-from radtex_addon.formats.exr import read_render
+from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.prepare.prepared import prepare
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.report.metrics import Picture

@@ -14,7 +14,7 @@ import numpy as np
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Ints
 from radtex_addon.report.gbuffer import Array, GBuffer
-from radtex_addon.scene.camera_nodes import camera_materials
+from radtex_addon.scene.checks.camera_nodes import camera_materials
 
 from ..layered.atlas import Fragments, LayeredAtlas, alpha_at, sample_layered
 from ..layered.capture import Captured, capture_layered

@@ -1,0 +1,174 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Binary glTF 2.0: one JSON chunk, one binary chunk, and accessors as numpy arrays."""
+
+from __future__ import annotations
+
+import json
+import os
+import struct
+from dataclasses import dataclass
+from io import BufferedReader
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ...core.errors import FormatError
+from ..disk.memory import check_memory
+from ..disk.regular import MOST_TEXT, open_regular
+
+_MAGIC, _VERSION = b"glTF", 2
+_JSON, _BINARY = b"JSON", b"BIN\0"
+_TYPES: dict[int, np.dtype[Any]] = {
+    5121: np.dtype("u1"),
+    5123: np.dtype("<u2"),
+    5125: np.dtype("<u4"),
+    5126: np.dtype("<f4"),
+}
+_COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+_ARRAY_BUFFER = 34962
+
+Values = npt.NDArray[Any]
+
+
+@dataclass(eq=False)
+class Glb:
+    """A glTF document and the buffer of its buffer views; `source` names it in errors."""
+
+    document: dict[str, Any]
+    buffer: bytearray
+    source: str = "the glTF"
+
+    @classmethod
+    def read(cls, path: Path) -> Glb:
+        """Read a .glb. Raises FormatError, with the path, if it is damaged, no .glb, or too large."""
+        try:
+            with open_regular(path) as file:
+                chunks = _read_chunks(path, file)
+        except OSError as error:
+            raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
+        try:
+            document = json.loads(chunks.get(_JSON, b""))
+        except (ValueError, RecursionError) as error:
+            raise FormatError(f"{path} is damaged, its JSON cannot be read: {error}") from error
+        if not isinstance(document, dict):
+            raise FormatError(f"{path} is damaged: its JSON is no object")
+        return cls(document, chunks.get(_BINARY, bytearray()), str(path))
+
+    def write(self, path: Path) -> None:
+        """Write the file directly to `path`. Raises OSError where the system refuses."""
+        self.document["buffers"] = [{"byteLength": len(self.buffer)}]
+        text = json.dumps(self.document, separators=(",", ":"), ensure_ascii=False).encode()
+        chunks = _chunk(_JSON, text, b" ") + _chunk(_BINARY, bytes(self.buffer), b"\0")
+        path.write_bytes(struct.pack("<4sII", _MAGIC, _VERSION, 12 + len(chunks)) + chunks)
+
+    def accessor(self, index: int) -> Values:
+        """The values of an accessor: (N,) for scalars, else (N, components); not sparse, not interleaved.
+
+        Raises FormatError, with the source, if the document has no such accessor or the buffer is too short.
+        """
+        try:
+            accessor = self.document["accessors"][index]
+            view = self.document["bufferViews"][accessor["bufferView"]]
+            dtype, width = _TYPES[accessor["componentType"]], _COMPONENTS[accessor["type"]]
+            numbers = [view.get("byteOffset", 0), accessor.get("byteOffset", 0), accessor["count"]]
+        except (LookupError, TypeError, AttributeError) as error:
+            raise self._without(index) from error
+        if any(type(number) is not int or number < 0 for number in numbers):
+            raise self._without(index)
+        first, count = numbers[0] + numbers[1], numbers[2] * width
+        if first + count * dtype.itemsize > len(self.buffer):
+            raise self._without(index)
+        values: Values = np.frombuffer(memoryview(self.buffer)[first:], dtype, count).copy()
+        return values if width == 1 else values.reshape(-1, width)
+
+    def _without(self, index: int) -> FormatError:
+        return FormatError(
+            f"{self.source} is damaged: it holds no values of accessor {index}; export it again"
+        )
+
+    def add_view(self, data: bytes, **facts: object) -> int:
+        """Append bytes to the buffer, aligned to four bytes; returns the index of their view."""
+        self.buffer.extend(b"\0" * (-len(self.buffer) % 4))
+        views = self.document.setdefault("bufferViews", [])
+        views.append({"buffer": 0, "byteOffset": len(self.buffer), "byteLength": len(data), **facts})
+        self.buffer.extend(data)
+        return len(views) - 1
+
+    def add_vertices(self, values: Values, bounds: bool = False) -> int:
+        """Append an attribute of vertices (N, 2 to 4), as float32; returns the index of its accessor.
+
+        With `bounds` the accessor has the minimum and maximum of each component.
+        """
+        kind = {width: name for name, width in _COMPONENTS.items()}[values.shape[1]]
+        stored = np.ascontiguousarray(values, dtype="<f4")
+        accessor = {
+            "bufferView": self.add_view(stored.tobytes(), target=_ARRAY_BUFFER),
+            "componentType": 5126,
+            "count": len(stored),
+            "type": kind,
+        }
+        if bounds:
+            accessor |= {"min": stored.min(axis=0).tolist(), "max": stored.max(axis=0).tolist()}
+        accessors = self.document.setdefault("accessors", [])
+        accessors.append(accessor)
+        return len(accessors) - 1
+
+    def compact(self) -> None:
+        """Remove accessors and buffer views that no primitive and no image uses."""
+        primitives = [part for mesh in self.document["meshes"] for part in mesh["primitives"]]
+        used: list[int] = []
+        for part in primitives:
+            for index in (*part["attributes"].values(), part["indices"]):
+                if index not in used:
+                    used.append(index)
+        accessors = [self.document["accessors"][index] for index in used]
+        number = {index: place for place, index in enumerate(used)}
+        for part in primitives:
+            part["attributes"] = {name: number[index] for name, index in part["attributes"].items()}
+            part["indices"] = number[part["indices"]]
+        self.document["accessors"] = accessors
+        owners = [*accessors, *self.document.get("images", [])]
+        old, views = self.buffer, self.document["bufferViews"]
+        self.buffer, self.document["bufferViews"] = bytearray(), []
+        moved: dict[int, int] = {}
+        for owner in owners:
+            index = owner["bufferView"]
+            if index not in moved:
+                view = dict(views[index])
+                first = view.pop("byteOffset", 0)
+                data = bytes(old[first : first + view.pop("byteLength")])
+                moved[index] = self.add_view(data, **{k: v for k, v in view.items() if k != "buffer"})
+            owner["bufferView"] = moved[index]
+
+
+def _read_chunks(path: Path, file: BufferedReader) -> dict[bytes, bytearray]:
+    """Read the JSON and the binary chunk. Raises FormatError if the file is no .glb, OSError."""
+    size = os.fstat(file.fileno()).st_size
+    head = file.read(12)
+    if size < 20 or head[:4] != _MAGIC or struct.unpack_from("<I", head, 4)[0] != _VERSION:
+        raise FormatError(f"{path} is no binary glTF 2.0")
+    if struct.unpack_from("<I", head, 8)[0] != size:
+        raise FormatError(f"{path} is damaged: it is not as long as it says")
+    chunks: dict[bytes, bytearray] = {}
+    while len(head := file.read(8)) == 8:
+        length, kind = struct.unpack("<I4s", head)
+        if length > size - file.tell():
+            raise FormatError(f"{path} is damaged: it is cut short")
+        if kind not in (_JSON, _BINARY) or kind in chunks:
+            file.seek(length, os.SEEK_CUR)
+            continue
+        if kind == _JSON and length > MOST_TEXT:
+            raise FormatError(f"{path} is damaged: {length} bytes of it are JSON")
+        check_memory(str(path), length)
+        chunks[kind] = bytearray(length)
+        if file.readinto(memoryview(chunks[kind])) != length:
+            raise FormatError(f"{path} was cut short while it was read: export it again")
+    return chunks
+
+
+def _chunk(kind: bytes, data: bytes, filler: bytes) -> bytes:
+    padded = data + filler * (-len(data) % 4)
+    return struct.pack("<I4s", len(padded), kind) + padded

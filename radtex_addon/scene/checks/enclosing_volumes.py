@@ -1,0 +1,58 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Volumes that an object stands in: a ray that a portal sends there does not know of them."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ...core.arrays import Floats
+
+_OUTPUTS = ("OUTPUT_MATERIAL", "OUTPUT_WORLD")
+
+
+def volumes_around(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> list[str]:
+    """Names of the rendered volume domains whose bounding boxes meet that of `item`, itself left out.
+
+    A domain is a volume object, or a mesh whose material has a volume. (The world's volume is no trouble.)
+    """
+    layer.update()  # or it lists objects that a script has just removed
+    low, high = _bounds(item)
+    found = []
+    for other in layer.objects:
+        if other == item or other.hide_render or not _holds_volume(other):
+            continue
+        other_low, other_high = _bounds(other)
+        if (low <= other_high).all() and (other_low <= high).all():
+            found.append(other.name)
+    return found
+
+
+def has_volumes(scene: bpy.types.Scene) -> bool:
+    """Whether any ray may meet a volume, as far as the file knows.
+
+    Where one does, Blender 5's Cycles learns from neighbouring pixels how to sample it: a picture's bits then
+    depend on where it is cut.
+    """
+    trees = [material.node_tree for material in bpy.data.materials]
+    if scene.world is not None:
+        trees.append(scene.world.node_tree)
+    return len(bpy.data.volumes) > 0 or any(_puts_volume_out(tree) for tree in trees)
+
+
+def _bounds(item: bpy.types.Object) -> tuple[Floats, Floats]:
+    matrix = np.array(item.matrix_world)
+    corners = np.array(item.bound_box) @ matrix[:3, :3].T + matrix[:3, 3]
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def _holds_volume(item: bpy.types.Object) -> bool:
+    if item.type == "VOLUME":
+        return True
+    return any(_puts_volume_out(slot.material.node_tree) for slot in item.material_slots if slot.material)
+
+
+def _puts_volume_out(tree: bpy.types.NodeTree | None) -> bool:
+    outputs = [node for node in tree.nodes if node.type in _OUTPUTS] if tree else []
+    return any(node.inputs["Volume"].is_linked for node in outputs)

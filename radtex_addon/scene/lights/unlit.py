@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scratch scene whose lamps and world are gone, for a light of our own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, cast
+
+import bpy
+
+from ..nodes import open_world
+
+_FLAGS = ("exclude", "holdout", "indirect_only")
+
+
+def take_light_away(scene: bpy.types.Scene) -> None:
+    """Leave lamps out of a scratch scene, as `take_lamps_away` does, and make its world black."""
+    scene.world, _ = open_world("RadTex black")
+    take_lamps_away(scene)
+
+
+def take_lamps_away(scene: bpy.types.Scene) -> None:
+    """Leave lamps out of a scratch scene.
+
+    Its collections give way to copies without lamps, which view layers show as they did before: the user's
+    own stay what they are. What is made goes with the scratch scene's other data. Lamps that something
+    instances stay, and so does what materials emit.
+    """
+    flags = {layer.name: list(_flags(layer.layer_collection)) for layer in scene.view_layers}
+    root, copies = scene.collection, dict[bpy.types.Collection, bpy.types.Collection]()
+    children = list(root.children)
+    for child in children:
+        root.children.unlink(child)
+    for child in children:
+        root.children.link(_copied(child, copies))
+    _drop_lamps(root)
+    for layer in scene.view_layers:
+        for shown, before in zip(_tree(layer.layer_collection), flags[layer.name], strict=True):
+            for name, value in before.items():
+                setattr(shown, name, value)
+
+
+def _copied(
+    collection: bpy.types.Collection, copies: dict[bpy.types.Collection, bpy.types.Collection]
+) -> bpy.types.Collection:
+    """The one copy of a collection, with copies in it; Blender copies a collection's own flags."""
+    if collection not in copies:
+        copy = copies[collection] = cast(bpy.types.Collection, collection.copy())
+        children = list(copy.children)
+        for child in children:
+            copy.children.unlink(child)
+        for child in children:
+            copy.children.link(_copied(child, copies))
+        _drop_lamps(copy)
+    return copies[collection]
+
+
+def _drop_lamps(collection: bpy.types.Collection) -> None:
+    for item in list(collection.objects):
+        if item.type == "LIGHT":
+            collection.objects.unlink(item)
+
+
+def _tree(layer_collection: bpy.types.LayerCollection) -> Iterator[Any]:
+    """All below a view layer's root, which has no flags, in order."""
+    for child in layer_collection.children:
+        yield child
+        yield from _tree(child)
+
+
+def _flags(layer_collection: bpy.types.LayerCollection) -> Iterator[dict[str, bool]]:
+    for child in _tree(layer_collection):
+        yield {name: getattr(child, name) for name in _FLAGS}

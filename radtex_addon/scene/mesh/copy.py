@@ -1,0 +1,154 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The baked copy: the evaluated mesh triangulated, with the baked UV layer and its frame as attributes.
+
+The bake, the preview and exports all read this one mesh, so that they agree to the last bit.
+"""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import bpy
+import numpy as np
+
+from ...core.arrays import Floats
+from ...core.errors import ShapeError
+from ...core.frame import DEGENERATE, fallback_tangent, normalised
+from ...core.surface import SurfaceMesh
+from .evaluated import ATTRIBUTE_LAYOUT, EvaluatedMesh, MeshAttribute
+from .tangents import calc_tangents
+
+UV_LAYER = "RadTex"
+NORMAL, TANGENT, SIGN = "radtex_normal", "radtex_tangent", "radtex_sign"  # on corners, in object space
+SHOWN = "radtex_copy"  # of an object whose preview stands in its place: who does, and how it was hidden
+MATRIX = "radtex_matrix_world"  # of the mesh: where the object stood, row by row
+
+
+def baked_mesh(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> bpy.types.Mesh:
+    """Make the baked copy's mesh, with `uv` (F, 3, 2) as its active UV layer called `layer`.
+
+    It carries the UV layers, colours and other attributes of the evaluated mesh, its materials and its
+    normals, and for shaders, on corners in object space: `radtex_normal` (exactly Cycles's shading
+    normal), `radtex_tangent` (MikkTSpace's of that layer, unit; `fallback_tangent` where the layer has
+    no direction) and `radtex_sign` of the bitangent. Its custom property MATRIX is the object's matrix.
+    Raises ShapeError where uv does not fit the triangles.
+    """
+    count = len(evaluated.triangles)
+    if uv.shape != (count, 3, 2):
+        raise ShapeError(f"uv: expected shape {(count, 3, 2)}, got {uv.shape}")
+    mesh = bpy.data.meshes.new(evaluated.name)
+    _build(mesh, evaluated)
+    ours = {layer, NORMAL, TANGENT, SIGN}
+    for attribute in evaluated.attributes:
+        if attribute.name not in ours:
+            _write(mesh, attribute)
+    for material in evaluated.materials:
+        mesh.materials.append(material)
+    _write(mesh, MeshAttribute(layer, "CORNER", "FLOAT2", uv))
+    _choose_active(mesh, evaluated, layer)
+    _write_frame(mesh, evaluated, uv)
+    cast(Any, mesh)[MATRIX] = evaluated.matrix_world.ravel().tolist()
+    return mesh
+
+
+def copy_object(original: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
+    """A copy of the object that shows `mesh` as it is, linked to no collection yet.
+
+    Transform, parent, constraints and animation stay; the modifiers, which the mesh has behind it, go.
+    """
+    copy = cast("bpy.types.Object", original.copy())
+    copy.data = mesh
+    copy.modifiers.clear()
+    for slot in copy.material_slots:
+        slot.link = "DATA"
+    return copy
+
+
+def surface_mesh(evaluated: EvaluatedMesh, mesh: bpy.types.Mesh, layer: str = UV_LAYER) -> SurfaceMesh:
+    """The baked copy's `mesh` as arrays in world space; positions and directions float64.
+
+    Normals go by the inverse transpose of the object's matrix, tangents by the matrix, and the sign changes
+    with the determinant's, so that sign * cross(N, T) points where v grows. A mirroring matrix turns the
+    triangles' winding too.
+    """
+    normal = _corners(mesh, NORMAL).astype(np.float64)
+    tangent = _corners(mesh, TANGENT).astype(np.float64)
+    matrix = evaluated.matrix_world[:3, :3]
+    return SurfaceMesh(
+        position=evaluated.world_position,
+        triangles=evaluated.triangles,
+        normal=normal @ np.linalg.inv(matrix),
+        tangent=tangent @ matrix.T,
+        sign=_corners(mesh, SIGN)[..., 0] * (-1.0 if evaluated.mirrored else 1.0),
+        uv=_corners(mesh, layer),
+    )
+
+
+def _build(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh) -> None:
+    count = len(evaluated.triangles)
+    mesh.vertices.add(len(evaluated.position))
+    mesh.loops.add(3 * count)
+    mesh.polygons.add(count)
+    mesh.vertices.foreach_set("co", evaluated.position.ravel())
+    mesh.loops.foreach_set("vertex_index", evaluated.triangles.ravel())
+    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
+    mesh.update(calc_edges=True)
+    mesh.use_auto_texspace = False
+    location, size = evaluated.texture_space
+    mesh.texspace_location, mesh.texspace_size = location.tolist(), size.tolist()
+
+
+def _write(mesh: Any, attribute: MeshAttribute) -> None:
+    """Write an attribute; `attributes.new` makes UV layers too, beyond the eight of `uv_layers.new`."""
+    name, _, dtype = ATTRIBUTE_LAYOUT[attribute.data_type]
+    layer = mesh.attributes.get(attribute.name)
+    if layer is None:
+        layer = mesh.attributes.new(attribute.name, attribute.data_type, attribute.domain)
+    layer.data.foreach_set(name, np.ascontiguousarray(attribute.values, dtype=dtype).ravel())
+
+
+def _choose_active(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh, layer: str) -> None:
+    mesh.uv_layers.active = mesh.uv_layers[layer]
+    mesh.uv_layers[layer].active_render = True
+    colours = mesh.color_attributes
+    if evaluated.active_color and evaluated.active_color in colours:
+        colours.active_color_name = evaluated.active_color
+    if evaluated.render_color and evaluated.render_color in colours:
+        colours.default_color_name = evaluated.render_color
+
+
+def _write_frame(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh, uv: Floats) -> None:
+    """Give the mesh its normals, and the frame of `uv` (F, 3, 2) as attributes."""
+    normal = evaluated.normal.reshape(-1, 3)
+    _write(mesh, MeshAttribute("custom_normal", "CORNER", "FLOAT_VECTOR", normal))
+    mesh.update()
+    corners = evaluated.normal.reshape(-1, 3, 3)
+    found = calc_tangents(evaluated.position, evaluated.triangles, corners, uv)
+    tangent, sign = found[0].reshape(-1, 3), found[1].ravel()
+    flat = tangent - normal * np.sum(normal * tangent, axis=-1, keepdims=True)
+    degenerate = np.sum(flat * flat, axis=-1) < DEGENERATE
+    tangent[degenerate] = fallback_tangent(normal[degenerate])
+    _write(mesh, MeshAttribute(NORMAL, "CORNER", "FLOAT_VECTOR", normal))
+    _write(mesh, MeshAttribute(TANGENT, "CORNER", "FLOAT_VECTOR", normalised(tangent)))
+    _write(mesh, MeshAttribute(SIGN, "CORNER", "FLOAT", np.where(sign < 0, -1.0, 1.0)))
+    _settle_normals(mesh, evaluated)
+
+
+def _settle_normals(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh) -> None:
+    """Leave normals on the mesh that Cycles understands: exact where it can, else Blender's packed ones."""
+    if bpy.app.version >= (5, 0, 0) and not evaluated.flat:
+        return
+    mesh.attributes.remove(mesh.attributes["custom_normal"])
+    if evaluated.flat:
+        mesh.shade_flat()
+    else:  # Cycles 4.5 misreads normals stored as plain vectors
+        mesh.normals_split_custom_set(evaluated.normal.reshape(-1, 3).tolist())
+
+
+def _corners(mesh: Any, name: str) -> Floats:
+    attribute = mesh.attributes[name]
+    field, width, dtype = ATTRIBUTE_LAYOUT[attribute.data_type]
+    values = np.empty(len(mesh.loops) * width, dtype=dtype)
+    attribute.data.foreach_get(field, values)
+    return cast("Floats", values.reshape(-1, 3, width))

@@ -1,0 +1,314 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mesh that Cycles renders, as arrays: modifiers at render level, constraints, parents, normals and all.
+
+Only a render engine is shown the scene as renders evaluate it, so a private one is registered for the moment:
+it renders nothing and reads the mesh.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, cast
+
+import bpy
+import numpy as np
+import numpy.typing as npt
+
+from ...core.arrays import Bools, Floats, Ints
+from ...core.errors import BakeError, InputError
+from ...core.frame import normalised
+from ..checks.missing_files import failed_drivers
+from ..checks.refusals import refuse_adaptive_subdivision, refuse_displacement
+from ..scratch import render_scene
+from .extent import check_extent
+
+log = logging.getLogger(__name__)
+
+# How attributes are read and written in bulk: property, values per element, dtype.
+ATTRIBUTE_LAYOUT: dict[str, tuple[str, int, type[np.generic]]] = {
+    "FLOAT": ("value", 1, np.float32),
+    "INT": ("value", 1, np.int32),
+    "INT8": ("value", 1, np.int32),
+    "BOOLEAN": ("value", 1, np.bool_),
+    "FLOAT2": ("vector", 2, np.float32),
+    "FLOAT_VECTOR": ("vector", 3, np.float32),
+    "FLOAT_COLOR": ("color", 4, np.float32),
+    "BYTE_COLOR": ("color_srgb", 4, np.float32),
+    "INT32_2D": ("value", 2, np.int32),
+    "INT16_2D": ("value", 2, np.int32),
+    "QUATERNION": ("value", 4, np.float32),
+}
+_ENGINE = "RADTEX_EVALUATE"
+_TINY = {  # of a render that nobody sees
+    "engine": _ENGINE,
+    "resolution_x": 4,
+    "resolution_y": 4,
+    "resolution_percentage": 100,
+    "use_border": False,
+}
+_FARTHEST = 1e18  # coordinates beyond have no finite squares in float32
+_OWN = frozenset({"position", "custom_normal"})  # these have a place of their own in EvaluatedMesh
+
+
+@dataclass(frozen=True, eq=False)
+class MeshAttribute:
+    """A named attribute on POINT (V, k), CORNER (F, 3, k) or FACE (F, k) of the triangulated mesh."""
+
+    name: str
+    domain: str
+    data_type: str
+    values: npt.NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class EvaluatedMesh:
+    """V vertices and F triangles in object space, just as Cycles renders them.
+
+    `position` (V, 3) and `normal` (F, 3, 3), the shading normals at the corners, float32; `triangles`
+    (F, 3) vertex indices; `material_index` (F,) into `materials`; `matrix_world` (4, 4) float64 from
+    object to world, never singular. `flat` says that all faces are flat; `instances` counts what
+    modifiers or the object itself instance beside the mesh.
+    """
+
+    name: str
+    position: Floats
+    triangles: Ints
+    normal: Floats
+    flat: bool
+    attributes: tuple[MeshAttribute, ...]
+    materials: tuple[bpy.types.Material | None, ...]
+    material_index: Ints
+    matrix_world: Floats
+    active_uv: str | None
+    active_color: str | None
+    render_color: str | None
+    texture_space: tuple[Floats, Floats]
+    instances: int
+
+    @property
+    def mirrored(self) -> bool:
+        """True where the object's matrix turns right hands into left ones."""
+        return float(np.linalg.det(self.matrix_world[:3, :3])) < 0
+
+    @property
+    def world_position(self) -> Floats:
+        """Vertices in world space, (V, 3) float64."""
+        matrix = self.matrix_world
+        world: Floats = self.position.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+        return world
+
+    @property
+    def world_normal(self) -> Floats:
+        """Unit corner normals in world space (by the inverse transpose), (F, 3, 3) float64."""
+        return normalised(self.normal.astype(np.float64) @ np.linalg.inv(self.matrix_world[:3, :3]))
+
+    @property
+    def uv_layers(self) -> tuple[str, ...]:
+        """Names of the UV layers, in the mesh's order."""
+        return tuple(a.name for a in self.attributes if a.data_type == "FLOAT2" and a.domain == "CORNER")
+
+    def uv(self, layer: str) -> Floats:
+        """A UV layer's coordinates, (F, 3, 2) float32. Raises KeyError where there is none of that name."""
+        for attribute in self.attributes:
+            if attribute.name == layer and layer in self.uv_layers:
+                return attribute.values
+        raise KeyError(layer)
+
+
+def evaluate(scratch: bpy.types.Scene, original: bpy.types.Object) -> EvaluatedMesh:
+    """Read the mesh of `original` as a render of the scratch scene's enabled view layer shows it.
+
+    Raises InputError where there is nothing to bake (no faces, not rendered, coordinates that are not finite,
+    no extent along an axis, too small, too large or too far away) or Cycles would move the surface
+    (displacement, adaptive subdivision).
+    """
+    found: list[EvaluatedMesh] = []
+
+    def read(depsgraph: bpy.types.Depsgraph) -> None:
+        rendered, instances = find_rendered(depsgraph, original)
+        if rendered is None:
+            raise InputError(f"object '{original.name}' is hidden from render: nothing shows it there")
+        refuse_adaptive_subdivision(rendered, depsgraph.scene)
+        for complaint in failed_drivers(depsgraph.ids):
+            log.warning(complaint)
+        found.append(_read_object(original.name, rendered, instances))
+
+    render_with(scratch, read)
+    mesh = found[0]
+    shown = [mesh.materials[index] for index in np.unique(mesh.material_index) if mesh.materials]
+    refuse_displacement(mesh.name, shown)
+    _check_transform(mesh)
+    check_extent(mesh.name, mesh.world_position)
+    return mesh
+
+
+def find_rendered(
+    depsgraph: bpy.types.Depsgraph, original: bpy.types.Object
+) -> tuple[bpy.types.Object | None, int]:
+    """The evaluated object, None where renders leave it out, and the number of instances that it makes."""
+    evaluated: bpy.types.Object | None = None
+    instances = 0
+    for item in depsgraph.object_instances:
+        if item.is_instance:
+            instances += item.parent is not None and item.parent.original == original
+        elif item.object.original == original and item.show_self:
+            evaluated = original.evaluated_get(depsgraph)
+    return evaluated, instances
+
+
+def render_with(scratch: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], None]) -> None:
+    """Call `read` with the depsgraph of a render of the scratch scene; its exceptions come through."""
+    failures: list[Exception] = []
+
+    class Reader(bpy.types.RenderEngine):
+        bl_idname = _ENGINE
+        bl_label = "RadTex Evaluate"
+
+        def render(self, depsgraph: Any) -> None:  # type: ignore[override]  # the stubs' own render is another
+            try:
+                read(depsgraph)
+            except Exception as error:  # noqa: BLE001 (Blender would print it and go on)
+                failures.append(error)
+
+    with _registered(Reader), _tiny(scratch):
+        result = render_scene(scratch)
+    if failures:
+        raise failures[0]
+    if result != {"FINISHED"}:
+        raise BakeError(f"Blender did not evaluate scene '{scratch.name}' for rendering: {sorted(result)}")
+
+
+@contextmanager
+def _registered(engine: type[bpy.types.RenderEngine]) -> Iterator[None]:
+    bpy.utils.register_class(engine)
+    try:
+        yield
+    finally:
+        bpy.utils.unregister_class(engine)
+
+
+@contextmanager
+def _tiny(scratch: bpy.types.Scene) -> Iterator[None]:
+    """Make a render of the scratch scene go to our engine, and cheap; then give it back as it was."""
+    render, camera = cast("Any", scratch.render), scratch.camera
+    before = {name: getattr(render, name) for name in _TINY}
+    lens = bpy.data.cameras.new("RadTex camera")
+    stand_in = bpy.data.objects.new("RadTex camera", lens)
+    try:
+        scratch.collection.objects.link(stand_in)
+        scratch.camera = stand_in  # Blender renders nothing without one
+        for name, value in _TINY.items():
+            setattr(render, name, value)
+        yield
+    finally:
+        for name, value in before.items():
+            setattr(render, name, value)
+        scratch.camera = camera
+        bpy.data.cameras.remove(lens)  # and the object with it
+
+
+def _read_object(name: str, rendered: bpy.types.Object, instances: int) -> EvaluatedMesh:
+    mesh = cast("bpy.types.Mesh", rendered.to_mesh())
+    try:
+        return _read_mesh(name, mesh, rendered, instances)
+    finally:
+        rendered.to_mesh_clear()
+
+
+def _read_mesh(name: str, mesh: bpy.types.Mesh, rendered: bpy.types.Object, instances: int) -> EvaluatedMesh:
+    if len(mesh.polygons) == 0:
+        hint = "add Realize Instances to its modifiers" if instances else "give it some, or name another"
+        raise InputError(f"object '{name}' has no faces in renders: {hint}")
+    mesh.calc_loop_triangles()
+    count = len(mesh.loop_triangles)
+    vertices = _bulk(mesh.loop_triangles, "vertices", count, 3, np.int32)
+    corners = _bulk(mesh.loop_triangles, "loops", count, 3, np.int32)
+    faces = _bulk(mesh.loop_triangles, "polygon_index", count, 1, np.int32)[:, 0]
+    used, triangles = np.unique(vertices, return_inverse=True)
+    positions = _bulk(mesh.vertices, "co", len(mesh.vertices), 3, np.float32)
+    _check_positions(name, positions[used])
+    take = {"POINT": used, "CORNER": corners, "FACE": faces}
+    materials = tuple(slot.material.original if slot.material else None for slot in rendered.material_slots)
+    index = _bulk(mesh.polygons, "material_index", len(mesh.polygons), 1, np.int32)[faces, 0]
+    return EvaluatedMesh(
+        name=name,
+        position=positions[used],
+        triangles=triangles.reshape(-1, 3).astype(np.int32),
+        normal=_cycles_normals(mesh, positions, vertices, corners, faces),
+        flat=mesh.normals_domain == "FACE",
+        attributes=tuple(_attributes(mesh, take)),
+        materials=materials,
+        material_index=np.clip(index, 0, max(len(materials) - 1, 0)),
+        matrix_world=np.array(rendered.matrix_world, dtype=np.float64),
+        active_uv=mesh.uv_layers.active.name if mesh.uv_layers.active else None,
+        active_color=mesh.color_attributes.active_color_name or None,
+        render_color=mesh.color_attributes.default_color_name or None,
+        texture_space=(np.array(mesh.texspace_location), np.array(mesh.texspace_size)),
+        instances=instances,
+    )
+
+
+def _bulk(collection: Any, name: str, count: int, width: int, dtype: type[np.generic]) -> npt.NDArray[Any]:
+    values = np.empty(count * width, dtype=dtype)
+    collection.foreach_get(name, values)
+    return values.reshape(count, width)
+
+
+def _attributes(mesh: Any, take: dict[str, Ints]) -> Iterator[MeshAttribute]:
+    for layer in mesh.attributes:
+        if layer.name.startswith(".") or layer.name in _OWN or layer.domain not in take:
+            continue
+        if layer.data_type not in ATTRIBUTE_LAYOUT:
+            continue
+        name, width, dtype = ATTRIBUTE_LAYOUT[layer.data_type]
+        values = _bulk(layer.data, name, len(layer.data), width, dtype)
+        yield MeshAttribute(layer.name, layer.domain, layer.data_type, values[take[layer.domain]])
+
+
+def _cycles_normals(
+    mesh: bpy.types.Mesh, positions: Floats, vertices: Ints, corners: Ints, faces: Ints
+) -> Floats:
+    """Shading normals as Cycles has them (intern/cycles/blender/mesh.cpp), not always `corner_normals`.
+
+    A flat face has its triangles' normals, not the polygon's; Blender 4.5 lets smooth faces beside flat ones
+    keep their vertex normals.
+    """
+    a, b, c = (positions[vertices[:, k]].astype(np.float64) for k in range(3))
+    facet = np.repeat(normalised(np.cross(b - a, c - a))[:, None], 3, axis=1).astype(np.float32)
+    split = _bulk(mesh.corner_normals, "vector", len(mesh.loops), 3, np.float32)[corners]
+    degenerate = ~facet.any(axis=(1, 2))
+    facet[degenerate] = split[degenerate]
+    if mesh.normals_domain == "FACE":
+        return facet
+    if bpy.app.version >= (5, 0, 0) or mesh.has_custom_normals or _any_sharp_edge(mesh):
+        return split
+    smooth = _bulk(mesh.vertex_normals, "vector", len(mesh.vertices), 3, np.float32)[vertices]
+    return np.where(_sharp_faces(mesh)[faces][:, None, None], facet, smooth)
+
+
+def _any_sharp_edge(mesh: bpy.types.Mesh) -> bool:
+    return bool(_bulk(mesh.edges, "use_edge_sharp", len(mesh.edges), 1, np.bool_).any())
+
+
+def _sharp_faces(mesh: bpy.types.Mesh) -> Bools:
+    return ~_bulk(mesh.polygons, "use_smooth", len(mesh.polygons), 1, np.bool_)[:, 0]
+
+
+def _check_positions(name: str, positions: Floats) -> None:
+    bad = int(np.count_nonzero(~(np.abs(positions) < _FARTHEST).all(axis=1)))
+    if bad:
+        raise InputError(f"object '{name}' has {bad} vertices whose coordinates are not finite: delete them")
+
+
+def _check_transform(mesh: EvaluatedMesh) -> None:
+    if not (np.abs(mesh.normal) < _FARTHEST).all():
+        raise InputError(f"object '{mesh.name}' has normals that are not finite: clear its custom normals")
+    if not np.isfinite(mesh.matrix_world).all():
+        raise InputError(f"object '{mesh.name}' has a transform that is not finite: reset it")
+    stretch = np.linalg.svd(mesh.matrix_world[:3, :3], compute_uv=False)
+    if stretch[-1] <= 1e-9 * stretch[0]:
+        raise InputError(f"object '{mesh.name}' is scaled to nothing along an axis: give every axis a scale")

@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baked copies made one mesh: those that share an atlas, or the part of one that has an atlas of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, cast
+
+import bpy
+import numpy as np
+
+from ...core.arrays import Bools
+from .copy import NORMAL, SIGN, TANGENT
+from .parts import PART
+
+_FIELDS = {NORMAL: ("FLOAT_VECTOR", "vector", 3), TANGENT: ("FLOAT_VECTOR", "vector", 3)}
+_SIGN = ("FLOAT", "value", 1)
+_UV = ("FLOAT2", "vector", 2)
+
+
+def joined_copy(copies: Sequence[bpy.types.Object], uv_layer: str, part: int | None) -> bpy.types.Object:
+    """An object whose mesh has all triangles of the copies' meshes, or those of the numbered part alone.
+
+    The meshes must be in world space. Of their attributes the frame and the `uv_layer` stay.
+    """
+    meshes: list[Any] = [copy.data for copy in copies]
+    chosen = [_faces_of(mesh, part) for mesh in meshes]
+    first = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+    corners = np.concatenate(
+        [
+            values_in(mesh.loops, "vertex_index", 1, np.int32).reshape(-1, 3)[faces] + start
+            for mesh, faces, start in zip(meshes, chosen, first, strict=False)
+        ]
+    )
+    place = np.concatenate([values_in(mesh.vertices, "co", 3) for mesh in meshes])
+    used, corners = np.unique(corners, return_inverse=True)
+    made: Any = bpy.data.meshes.new(copies[0].name)
+    made.from_pydata(place[used], [], corners.reshape(-1, 3))
+    for name, (kind, field, width) in {**_FIELDS, SIGN: _SIGN, uv_layer: _UV}.items():
+        values = [
+            values_in(mesh.attributes[name].data, field, width).reshape(-1, 3 * width)[faces]
+            for mesh, faces in zip(meshes, chosen, strict=True)
+        ]
+        made.attributes.new(name, kind, "CORNER").data.foreach_set(field, np.concatenate(values).ravel())
+    return cast("bpy.types.Object", bpy.data.objects.new(copies[0].name, made))
+
+
+def _faces_of(mesh: Any, part: int | None) -> Bools:
+    if part is None:
+        return np.ones(len(mesh.polygons), dtype=bool)
+    found: Bools = values_in(mesh.attributes[PART].data, "value", 1, np.int32)[:, 0] == part
+    return found
+
+
+def values_in(items: Any, field: str, width: int, dtype: type = np.float32) -> Any:
+    """A `field` of a mesh's vertices, loops or attribute values, (N, width)."""
+    values: Any = np.empty(len(items) * width, dtype=dtype)
+    items.foreach_get(field, values)
+    return values.reshape(-1, width)

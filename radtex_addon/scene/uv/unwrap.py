@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Unwrapping: a UV layer of few, large islands with little stretch, packed into the atlas to the texel.
+
+Two ways to flatten the surface, xatlas and Blender's Smart UV Project; one way to pack what comes of it.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+
+import numpy as np
+
+from ...bake.progress import finished
+from ...bake.spec import Unwrap
+from ...core.arrays import Bools, Floats
+from ...core.errors import InputError
+from ...core.islands import find_overlap, signed_areas, surface_areas, weld
+from ..mesh.evaluated import EvaluatedMesh
+from ..mesh.flatten import FlatIslands, flatten_with_blender, flatten_with_xatlas
+from .packing import Packed, pack_to_density, pack_to_size
+from .unwrap_options import UnwrapOptions, Unwrapped
+from .xatlas_process import Steps, XatlasProcess
+
+log = logging.getLogger(__name__)
+
+_LONG = 10.0  # seconds above which an unwrap is announced, and its quick alternative named
+_THREAD = 2e3  # of the area's root: xatlas packs islands of that length for seconds, longer ones for hours
+_TOLERATED_OVERLAP = 1e-3  # share of the covered area: less is a few slivers
+
+
+def estimate_seconds(triangles: int, options: UnwrapOptions | None = None) -> float:
+    """About how long xatlas and the packing take: an estimate, from a busy 2-core machine of 2026.
+
+    Meshes differ: from a third to three times as long. Big islands cost most, loose parts run side by side.
+    """
+    sized = (options or UnwrapOptions()).for_size(triangles)
+    tries = sum(0.75 + 0.25 * iterations for iterations in sized.iterations)
+    bounded = 0.45 if sized.max_island_share else 1.0
+    packing = 0.3 * len(sized.iterations)
+    return float(2.5 * (triangles / 16_000) ** 1.75 * tries * bounded + packing)
+
+
+def unwrap_steps(
+    evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions | None = None
+) -> Steps[Unwrapped]:
+    """Unwrap into an atlas whose longer side is `texels`, or as `options.density` needs, if given.
+
+    Of several tries the one that leaves most texels in the interior of islands wins. Yields progress while
+    xatlas works; closed, it ends xatlas. Raises InputError where the surface has no area, or too many islands
+    for so few texels; BakeError where xatlas fails.
+    """
+    options = (options or UnwrapOptions()).for_size(len(evaluated.triangles))
+    if method is Unwrap.XATLAS:
+        _announce(evaluated, options)
+    _check_area(evaluated)
+    start = time.perf_counter()
+    with XatlasProcess() as xatlas:
+        flat, packed = yield from _best(xatlas, evaluated, texels, method, options)
+    return _finish(evaluated, flat, packed, time.perf_counter() - start)
+
+
+def unwrap_xatlas(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
+    """Unwrap by xatlas at one go: see `unwrap_steps`. Announces a long unwrap before it begins."""
+    return finished(unwrap_steps(evaluated, texels, Unwrap.XATLAS, options))
+
+
+def unwrap_blender(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
+    """Unwrap by Blender's Smart UV Project, the quick choice; packed and checked like `unwrap_xatlas`.
+
+    It works in a scene of its own: the user's mode and selection stay. Of the options that shape islands only
+    `blender_angle` counts.
+    """
+    return finished(unwrap_steps(evaluated, texels, Unwrap.BLENDER, options))
+
+
+def _announce(evaluated: EvaluatedMesh, options: UnwrapOptions) -> None:
+    count = len(evaluated.triangles)
+    seconds = estimate_seconds(count, options)
+    if seconds > _LONG:
+        log.warning(
+            "xatlas will take some %d s for the %d triangles of '%s'; Blender's own unwrap takes seconds",
+            round(seconds),
+            count,
+            evaluated.name,
+        )
+
+
+def _check_area(evaluated: EvaluatedMesh) -> None:
+    corners = evaluated.world_position[evaluated.triangles]
+    area = float(surface_areas(corners).sum())
+    if not (np.isfinite(area) and area > 0):
+        raise InputError(f"object '{evaluated.name}' has faces, but no area to unwrap: give it a size")
+    longest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).max())
+    if longest > _THREAD * math.sqrt(area):
+        raise InputError(
+            f"object '{evaluated.name}' is as thin as a thread, with an edge of {longest:.3g} scene units "
+            f"and an area of {area:.3g}: give it a width, or bake it on a UV layer of its own (--uv)"
+        )
+
+
+def _best(
+    xatlas: XatlasProcess, evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions
+) -> Steps[tuple[FlatIslands, Packed]]:
+    best: tuple[float, FlatIslands, Packed] | None = None
+    failure: InputError | None = None
+    for iterations in options.iterations if method is Unwrap.XATLAS else (1,):
+        if method is Unwrap.XATLAS:
+            flat = yield from flatten_with_xatlas(xatlas, evaluated, options, iterations)
+        else:
+            flat = flatten_with_blender(evaluated, options)
+        try:
+            packed = yield from _pack(xatlas, flat, texels, options)
+        except InputError as error:
+            failure = failure or error
+            continue
+        # Texels that no island's border touches: they are what the atlas is for.
+        interior = flat.area * packed.density**2 - 0.5 * flat.border * packed.density
+        log.debug("%d islands, %.4g texels per unit, interior %.0f", flat.count, packed.density, interior)
+        if best is None or interior > best[0]:
+            best = interior, flat, packed
+    if best is None:
+        raise failure or InputError(f"object '{evaluated.name}' cannot be unwrapped: it has no area")
+    return best[1:]
+
+
+def _pack(xatlas: XatlasProcess, flat: FlatIslands, texels: int, options: UnwrapOptions) -> Steps[Packed]:
+    if options.density is not None:
+        return pack_to_density(xatlas, flat, options.density, options.padding)
+    return pack_to_size(xatlas, flat, texels, options.padding)
+
+
+def _finish(evaluated: EvaluatedMesh, flat: FlatIslands, packed: Packed, seconds: float) -> Unwrapped:
+    uv = packed.uv / [packed.width, packed.height]
+    _settle_thin(uv, evaluated, flat.island >= 0)
+    overlap = find_overlap(uv)
+    if overlap.fraction > _TOLERATED_OVERLAP:
+        log.warning(
+            "the unwrap of '%s' overlaps itself in %.1f %% of its area: try the other, or your UV layer",
+            evaluated.name,
+            100 * overlap.fraction,
+        )
+    done = Unwrapped(
+        uv=uv,
+        width=packed.width,
+        height=packed.height,
+        islands=flat.count,
+        utilisation=float(np.abs(signed_areas(uv)).sum()),
+        density=packed.density,
+        overlap=overlap.fraction,
+        seconds=seconds,
+    )
+    log.info(
+        "unwrapped '%s': %d islands, %d x %d texels, %.0f %% used, %.4g texels per unit, %.1f s",
+        evaluated.name,
+        done.islands,
+        done.width,
+        done.height,
+        100 * done.utilisation,
+        done.density,
+        seconds,
+    )
+    return done
+
+
+def _settle_thin(uv: Floats, evaluated: EvaluatedMesh, real: Bools) -> None:
+    """Give triangles without area, which belong to no island, one uv point of a neighbour each."""
+    if real.all():
+        return
+    vertex = weld(evaluated.position)[evaluated.triangles]
+    somewhere = np.full((int(vertex.max()) + 1, 2), np.nan)
+    somewhere[vertex[real]] = uv[real]
+    points = somewhere[vertex[~real]]
+    known = np.isfinite(points[..., 0])
+    chosen = points[np.arange(len(points)), known.argmax(axis=1)]
+    chosen[~known.any(axis=1)] = uv[real][0, 0]
+    uv[~real] = chosen[:, None]

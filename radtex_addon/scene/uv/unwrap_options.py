@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What one may ask of an unwrap, and what an unwrap answers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from ...core.arrays import Floats
+from ...core.errors import InputError
+
+_CHAOTIC = (
+    8_000  # triangles above which one try may shatter the surface, and up to 2.5 times that a second pays
+)
+_MANY = 30_000  # triangles above which xatlas's islands are bounded in size, or it takes minutes
+
+
+@dataclass(frozen=True)
+class UnwrapOptions:
+    """How islands are shaped, how far apart they lie, and how large they are.
+
+    `padding` texels at least lie free between islands. `density`, if given, sets the texels per scene
+    unit, and the atlas is as large as it needs. Edges whose corner normals differ by more than
+    `seam_angle` degrees (sharp edges, creases) become borders, so that no texel straddles them.
+    `max_cost`, `normal_deviation_weight`, `roundness_weight` and `straightness_weight` are xatlas's own,
+    at their defaults: its bound of 75 degrees from an island's mean normal is what ends islands in
+    practice. `max_island_share` bounds an island's share of the surface; smaller islands cost far less
+    time. Each of `iterations` (rounds of xatlas's seeding) is a try, and the best wins; both, left
+    empty, follow the number of triangles. `blender_angle` (degrees) is Smart UV Project's.
+    """
+
+    padding: int = 2
+    density: float | None = None
+    seam_angle: float = 45.0
+    max_cost: float = 2.0
+    normal_deviation_weight: float = 2.0
+    roundness_weight: float = 0.01
+    straightness_weight: float = 6.0
+    max_island_share: float | None = None
+    iterations: tuple[int, ...] = ()
+    blender_angle: float = 66.0
+
+    def __post_init__(self) -> None:
+        if self.padding < 0:
+            raise InputError(f"padding must be 0 texels or more, not {self.padding}")
+        if self.density is not None and not (math.isfinite(self.density) and self.density > 0):
+            raise InputError(f"texel density must be above 0 texels per unit, not {self.density}")
+        if any(rounds < 1 for rounds in self.iterations):
+            raise InputError(f"xatlas iterations must be 1 or more, not {self.iterations}")
+
+    def for_size(self, triangles: int) -> UnwrapOptions:
+        """These options with what was left empty chosen for a mesh of so many triangles."""
+        iterations, share = self.iterations, self.max_island_share
+        if not iterations:
+            iterations = (1, 2) if _CHAOTIC < triangles <= 2.5 * _CHAOTIC else (1,)
+        if share is None:
+            share = 1 / 20 if triangles > _MANY else 0.0
+        return replace(self, iterations=iterations, max_island_share=share)
+
+
+@dataclass(frozen=True, eq=False)
+class Unwrapped:
+    """`uv` (F, 3, 2) in 0..1, v up, for an atlas of `width` x `height` texels, and what came of it.
+
+    `utilisation` is the share of the atlas that islands cover, `density` the texels per scene unit, `overlap`
+    the share of the covered area that is covered more than once.
+    """
+
+    uv: Floats
+    width: int
+    height: int
+    islands: int
+    utilisation: float
+    density: float
+    overlap: float
+    seconds: float

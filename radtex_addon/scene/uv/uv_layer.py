@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A UV layer of the user's own to bake on: every texel must belong to one place of the surface."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+
+from ...core.arrays import Floats
+from ...core.errors import InputError
+from ...core.islands import find_overlap, signed_areas, surface_areas
+from ..mesh.evaluated import EvaluatedMesh
+
+log = logging.getLogger(__name__)
+
+_OUTSIDE = 1e-5  # how far beyond 0..1 still counts as rounding
+_NO_AREA = 1e-12  # of the unit square
+_TOLERATED = 1e-3  # share of the surface without a place in uv, and share of the covered area covered twice
+
+
+def user_uv(evaluated: EvaluatedMesh, layer: str) -> Floats:
+    """The coordinates of the UV layer called `layer`, checked: (F, 3, 2) float32 in 0..1, v up.
+
+    Raises InputError for a layer that is missing, empty, outside 0..1 or not finite, that overlaps (how much
+    and where) or leaves part of the surface without area. A few triangles without area, or slivers that
+    overlap, pass with a warning.
+    """
+    if layer not in evaluated.uv_layers:
+        known = ", ".join(f"'{name}'" for name in evaluated.uv_layers)
+        remedy = f"it has {known}" if known else "it has none; leave --uv out to have one made"
+        raise InputError(f"object '{evaluated.name}' has no UV layer '{layer}' in renders: {remedy}")
+    uv = evaluated.uv(layer)
+    where = f"UV layer '{layer}' of object '{evaluated.name}'"
+    if not np.isfinite(uv).all():
+        raise InputError(f"{where} has coordinates that are not finite: unwrap it anew")
+    _check_area(evaluated, uv, where)
+    _check_bounds(uv, where)
+    check_apart(uv, where)
+    return np.clip(uv, 0.0, 1.0)
+
+
+def _check_area(evaluated: EvaluatedMesh, uv: Floats, where: str) -> None:
+    lost = np.abs(signed_areas(uv.astype(np.float64))) < _NO_AREA
+    if lost.all():
+        raise InputError(f"{where} is empty (no triangle has area): unwrap it, or leave --uv out")
+    surface = surface_areas(evaluated.world_position[evaluated.triangles])
+    if not surface.any():
+        raise InputError(f"object '{evaluated.name}' has faces, but no area to bake: give it a size")
+    share = float(surface[lost].sum() / surface.sum())
+    if share > _TOLERATED:
+        raise InputError(
+            f"{where} gives no area to {np.count_nonzero(lost)} of {len(lost)} triangles,"
+            f" {share:.1%} of the surface: unwrap those faces"
+        )
+    if lost.any():
+        log.warning("%s gives no area to %d of %d triangles", where, np.count_nonzero(lost), len(lost))
+
+
+def _check_bounds(uv: Floats, where: str) -> None:
+    low, high = uv.min(axis=(0, 1)), uv.max(axis=(0, 1))
+    if low.min() < -_OUTSIDE or high.max() > 1 + _OUTSIDE:
+        raise InputError(
+            f"{where} reaches outside 0..1, from ({low[0]:.3g}, {low[1]:.3g}) to"
+            f" ({high[0]:.3g}, {high[1]:.3g}): pack its islands into the unit square,"
+            " or bake tile by tile (--split udim)"
+        )
+
+
+def check_apart(uv: Floats, where: str) -> None:
+    """Make sure that triangles (F, 3, 2) do not overlap; `where` names them. Raises InputError."""
+    overlap = find_overlap(uv)
+    if overlap.fraction == 0:
+        return
+    u, v = overlap.worst_uv
+    found = f"overlaps in {overlap.fraction:.2%} of its area, worst at uv ({u:.3f}, {v:.3f})"
+    if overlap.fraction > _TOLERATED:
+        raise InputError(f"{where} {found}, {overlap.depth} triangles deep: separate its islands")
+    log.warning("%s %s: those texels show one of the places", where, found)
