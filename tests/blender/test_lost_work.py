@@ -336,7 +336,7 @@ def test_all_files_of_a_layout_get_their_places_without_a_second_bake(
         fail_at(patch, ".json")
         with pytest.raises(BakeError, match=r"out/Ball\S*\.json could not be written"):
             bake(out, spec)
-    monkeypatch.setattr(run, "_baker", full)
+    monkeypatch.setattr(run, "form_for", full)
     monkeypatch.setattr(shared, "fit_shared", full)
     made = bake(out, spec, resume=True)
     assert made.paths > 0

@@ -17,6 +17,7 @@ from radtex_addon.bake import progress
 from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layout, Unwrap
 from radtex_addon.core.errors import FormatError, InputError
 from radtex_addon.core.sampler import Filter
+from radtex_addon.forms import form_for
 from radtex_addon.job import bake_object
 from radtex_addon.report.causes import Cause, Variant, first_change
 from radtex_addon.report.finished import find_bake, read_bake
@@ -383,7 +384,7 @@ def test_what_costs_most_is_changed_first(finished: Any) -> None:
 
 def test_what_a_condensed_bake_is_given_first(finished: Any) -> None:
     small = replace(
-        finished, layout=Layout.SHARED, budget=100_000, sidecar=replace(finished.sidecar, bucket=14)
+        finished, form=form_for(CONDENSED), budget=100_000, sidecar=replace(finished.sidecar, bucket=14)
     )
     dense = Variant(Cause.COMPRESSION, None, 30.0, None, 3.0, 1000, 7_000_000)
     with pytest.MonkeyPatch.context() as patch:
