@@ -20,6 +20,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib import pyplot as plt
+from matplotlib.ticker import NullFormatter, StrMethodFormatter
 
 from .report import markdown
 
@@ -82,10 +83,12 @@ def _draw(points: Points, scenes: int, path: Path) -> None:
         for side, x, y in zip(texels, size, psnr, strict=True):
             axes.annotate(str(side), (x, y), xytext=(4, 4), textcoords="offset points", fontsize=8)
     axes.set_xscale("log")
+    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("MB on the GPU (numbers: texels along a side)")
     axes.set_ylabel(f"PSNR, dB, mean of {scenes} scenes")
     axes.grid(visible=True, which="both", alpha=0.3)
-    axes.legend(loc="lower right")
+    axes.legend(loc="upper right")
     figure.savefig(path, dpi=_DPI)
 
 
