@@ -6,9 +6,8 @@ from __future__ import annotations
 
 from math import inf
 
-from ..core.errors import InputError, MemoryLimitError
+from ..core.errors import InputError
 from ..formats.containers.exr import Compression
-from ..formats.disk.memory import physical_memory, readable_size
 from .choices import CaptureMethod, View
 from .forms import FormTraits
 from .kinds import KINDS, Light, form_in
@@ -35,14 +34,12 @@ _LIMITS = {
     "unwrap_at": (0, 1048574),
 }
 _OPTIONAL = ("budget", "frame", "unwrap_at", "memory_mb")
-_LEAST_TILE = 32 << 20  # bytes that must be left for a render, unless the whole atlas needs less
-_OF_PIXEL = 112  # bytes per pixel of a render (`session.BYTES_PER_PIXEL`)
 
 
 def check(spec: SpecFields) -> None:
     """Raises InputError for what cannot be baked; enums and the number of cells must be set before.
 
-    If only the memory does not suffice, that is a MemoryLimitError.
+    Nothing of it depends on the machine: see `memory_limits` for what fits into memory.
     """
     for name, (least, most) in _LIMITS.items():
         if name not in _OPTIONAL or getattr(spec, name) is not None:
@@ -57,7 +54,6 @@ def check(spec: SpecFields) -> None:
     if spec.condensed:
         _check_condensed(spec)
     _check_size(spec)
-    _check_memory(spec)  # last, because only this check depends on the machine
 
 
 def _asked(spec: SpecFields) -> FormTraits:
@@ -248,27 +244,12 @@ def _check_size(spec: SpecFields) -> None:
     side = spec.pixels_a_side
     if side > MAX_IMAGE_SIDE:
         raise InputError(
-            f"{_size_of(spec)} makes {side} pixels a side, {MAX_IMAGE_SIDE} is the most: lower one"
+            f"{size_of(spec)} makes {side} pixels a side, {MAX_IMAGE_SIDE} is the most: lower one"
         )
 
 
-def _check_memory(spec: SpecFields) -> None:
-    asked = _size_of(spec)
-    memory, most = physical_memory(), spec.atlas_bytes + min(_LEAST_TILE, spec.pixel_count * _OF_PIXEL)
-    needed = readable_size(most)
-    if memory is not None and spec.atlas_bytes > memory:
-        raise MemoryLimitError(
-            f"{asked} needs {needed} of memory, this machine has {readable_size(memory)}: lower one"
-        )
-    if spec.memory_mb is not None and most > spec.memory_mb << 20:
-        allowed = readable_size(spec.memory_mb << 20)
-        raise MemoryLimitError(
-            f"{asked} needs {needed} of memory beside the scene, {allowed} are allowed (--memory): "
-            "allow more, or lower one"
-        )
-
-
-def _size_of(spec: SpecFields) -> str:
+def size_of(spec: SpecFields) -> str:
+    """The settings that make an atlas large, for messages."""
     return f"texels {spec.texels} with bucket {spec.bucket}"
 
 

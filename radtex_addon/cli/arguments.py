@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from ..bake.frames import of_frames
+from ..bake.memory_limits import check_memory
 from ..bake.spec import BakeSpec, Layout
 from ..core.command_lines import quoted
 from ..core.errors import InputError
@@ -130,6 +131,7 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
     chosen["objects"] = _sharing(found.together, objects, demo)
     lights = tuple(map(parse_lights, found.lit or ()))
     spec = lit(BakeSpec(**chosen), lights)
+    check_memory(spec)
     for target in found.exports or ():
         check_target("the bake", spec.kind, target)
     return Request(

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import bpy
 
+from ..bake.memory_limits import check_memory
 from ..bake.spec import BakeSpec, CaptureMethod, View
 from ..core.errors import InputError
 from ..formats.disk.atomic import check_writable
@@ -54,6 +55,7 @@ def check_request(
     shared atlas that bears a stranger's name, for files that would be lost or cannot be written, for targets
     that cannot be served, and where it is to `resume` a bake that differs, or that is there whole.
     """
+    check_memory(spec)
     targets = tuple(exports)
     items = [find_object(scene, each) for each in spec.objects or (name,)]
     if spec.objects and name not in spec.objects and name in scene.objects:

@@ -18,6 +18,7 @@ import bpy
 from ..bake.forms import FormTraits
 from ..bake.key import is_unfinished, read_key
 from ..bake.kinds import Layout, form_in
+from ..bake.memory_limits import check_memory
 from ..bake.spec import BakeSpec, shared_bytes
 from ..core.errors import FormatError, InputError, MemoryLimitError
 from ..formats.disk.memory import readable_size
@@ -88,10 +89,12 @@ def choose_layout(
     reason = _why_not_shared(lit, wish.cells) or _why_not_objects(scene, name, spec)
     if reason:
         return Choice(spec, reason)
+    shared = _in_shared(spec, wish.cells, DEFAULT_BUDGET)
     try:
-        return Choice(_in_shared(spec, wish.cells, DEFAULT_BUDGET))
+        check_memory(shared)
     except MemoryLimitError as error:
         raise InputError(f"{error}, or choose layout buckets (--layout buckets)") from error
+    return Choice(shared)
 
 
 def choose_layouts(
@@ -122,8 +125,6 @@ def _why_not_shared(spec: BakeSpec, cells: int | None) -> str:
     """What of the options the shared layout refuses, or its budget for a square atlas."""
     try:
         _in_shared(spec, cells, DEFAULT_BUDGET)
-    except MemoryLimitError:  # another machine may have more
-        pass
     except InputError as error:
         return _REMEDY.sub("", str(error))
     try:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, cast
 
 from ..bake.kinds import KindTraits, Layout, form_in
+from ..bake.memory_limits import check_memory
 from ..bake.spec import BakeSpec, Compression, Layer, View, parse_kind, parse_layout
 from ..core.errors import InputError
 from ..scene.proxy_content import EVERYTHING
@@ -68,7 +69,7 @@ def open_layout_of(values: Mapping[str, Any]) -> OpenLayout | None:
 def spec_of(values: Mapping[str, Any]) -> BakeSpec:
     """The bake specification of the settings; in layout buckets if `open_layout_of` is not None.
 
-    Raises InputError for invalid settings.
+    Raises InputError for invalid settings, and for what does not fit into memory.
     """
     wishes = preferred()
     open_layout = open_layout_of(values)
@@ -81,7 +82,7 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
     layered = asked.layers and kind.layers
     sourced = asked.source and kind.source and values["source"]
     limit = values["limit"] if asked.condenses else "none"
-    return BakeSpec(
+    spec = BakeSpec(
         kind=values["kind"],
         layout=layout,
         texels=values["texels"],
@@ -110,6 +111,8 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
         extrusion=values["extrusion"] or None if sourced and not values["cage"] else None,
         cage=values["cage"] or None if sourced else None,
     )
+    check_memory(spec)
+    return spec
 
 
 def _kind_in(values: Mapping[str, Any]) -> KindTraits:

@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from radtex_addon.bake import spec_checks
+from radtex_addon.bake import memory_limits
+from radtex_addon.bake.memory_limits import check_memory
 from radtex_addon.bake.spec import (
     BakeSpec,
     CaptureMethod,
@@ -28,7 +29,7 @@ from radtex_addon.core.errors import InputError
 
 def refusal(**changes: Any) -> str:
     with pytest.raises(InputError) as raised:
-        BakeSpec(**changes)
+        check_memory(BakeSpec(**changes))
     message = str(raised.value)
     assert "\n" not in message
     assert raised.value.exit_code == 2
@@ -73,13 +74,13 @@ def test_the_smallest_bake_is_one_texel_of_four_cells() -> None:
 
 
 def test_an_image_beyond_blenders_limit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(spec_checks, "physical_memory", lambda: None)
+    monkeypatch.setattr(memory_limits, "physical_memory", lambda: None)
     assert "makes 65544 pixels a side, 65536 is the most" in refusal(texels=8193, bucket=8)
     assert BakeSpec(texels=8192, bucket=8).pixels_a_side == 65536
 
 
 def test_an_atlas_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(spec_checks, "physical_memory", lambda: 2**30)
+    monkeypatch.setattr(memory_limits, "physical_memory", lambda: 2**30)
     expected = "texels 4096 with bucket 8 needs 4.3 GiB of memory, this machine has 1.0 GiB: lower one"
     assert refusal(texels=4096, bucket=8) == expected
     assert BakeSpec(texels=1024, bucket=8).atlas_bytes < 2**30
@@ -89,13 +90,13 @@ def test_an_atlas_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) 
 def test_a_bake_beyond_the_memory_that_is_allowed_is_refused(
     other: dict[str, object], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(spec_checks, "physical_memory", lambda: None)
+    monkeypatch.setattr(memory_limits, "physical_memory", lambda: None)
     said = refusal(texels=512, memory_mb=64, **other)
     assert "of memory beside the scene, 64 MiB are allowed (--memory): allow more, or lower one" in said
 
 
 def test_only_what_is_not_held_whole_is_large_at_little_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(spec_checks, "physical_memory", lambda: None)
+    monkeypatch.setattr(memory_limits, "physical_memory", lambda: None)
     assert BakeSpec(texels=2048, bucket=16, memory_mb=2048).streams
     assert "needs 32.0 GiB" in refusal(texels=2048, bucket=16, memory_mb=2048, accumulate=True)
 
@@ -149,13 +150,13 @@ def test_a_shared_bakes_paths_do_not_depend_on_its_cells() -> None:
 
 
 def test_the_shared_layouts_images_are_bounded_with_their_borders(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(spec_checks, "physical_memory", lambda: None)
+    monkeypatch.setattr(memory_limits, "physical_memory", lambda: None)
     assert BakeSpec(layout=Layout.SHARED, texels=8192, bucket=6).pixels_a_side == 65536
     assert "makes 73728 pixels a side" in refusal(layout=Layout.SHARED, texels=8192, bucket=7)
 
 
 def test_a_shared_bake_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(spec_checks, "physical_memory", lambda: 2**32)
+    monkeypatch.setattr(memory_limits, "physical_memory", lambda: 2**32)
     assert "texels 256 with bucket 16 needs" in refusal(layout=Layout.SHARED, texels=256)
     assert BakeSpec(layout=Layout.SHARED).atlas_bytes < 2**31
 

@@ -20,7 +20,7 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake import spec_checks
+from radtex_addon.bake import memory_limits
 from radtex_addon.bake.plan import Tile
 from radtex_addon.bake.progress import Stage
 from radtex_addon.cli import bake as baking
@@ -293,7 +293,7 @@ BAD = {
 def test_bad_input_is_one_line(
     case: str, room: Path, out: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(spec_checks, "physical_memory", lambda: 2**32)
+    monkeypatch.setattr(memory_limits, "physical_memory", lambda: 2**32)
     arguments, words = BAD[case]
     before = room.read_bytes()
     size = (option for option in ("--texels", "8", "--bucket", "2", "--samples", "1"))

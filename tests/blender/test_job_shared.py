@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake import spec_checks
+from radtex_addon.bake import memory_limits
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Layout, Unwrap
 from radtex_addon.core.arrays import Floats
@@ -209,7 +209,7 @@ def test_the_named_view_layer_is_the_one_that_is_baked(out: Path) -> None:
 def test_a_preview_that_no_gpu_takes_is_refused_before_the_bake(
     out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(spec_checks, "physical_memory", lambda: None)
+    monkeypatch.setattr(memory_limits, "physical_memory", lambda: None)
     card()
     fits = BakeSpec(layout=Layout.SHARED, texels=MAX_PIXELS // 32, bucket=30, samples=1)
     assert check_request(context.scene, "Card", fits, out, True, False)

@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-from radtex_addon.bake import spec_checks as specs
+from radtex_addon.bake import memory_limits
 from radtex_addon.bake.cost import cost_of
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.ui.presets import PRESET_NAMES, STOCK, SUBDIR
@@ -33,7 +33,7 @@ def applied(name: str) -> BakeSpec:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_stock_preset_is_a_bake_for_a_machine_of_8_gb(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(specs, "physical_memory", lambda: 8 * 10**9)
+    monkeypatch.setattr(memory_limits, "physical_memory", lambda: 8 * 10**9)
     applied(name)
 
 
