@@ -15,24 +15,22 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..bake.piece_store import PieceStore
 from ..bake.plan import CapturePlan
 from ..bake.progress import Progress
 from ..bake.spec import BakeSpec
 from ..bake.stopwatch import Stopwatch
-from ..bake.thumbnail import Thumbnail
 from ..core.errors import BakeError, InputError
 from ..core.sampler import Filter
 from ..formats.condensed_files import digest
 from ..formats.disk.hidden_folder import hidden_folder
 from ..formats.sidecar import Sidecar
+from ..forms.bake_job import BakeJob
 from ..forms.buckets.bake import capture_of, plan_buckets
 from ..forms.outcome import Outcome
 from ..job.checks import check_request
 from ..job.files import OutputFiles
 from ..job.parts import check_part
 from ..job.run import Baked, bake_and_keep
-from ..prepare.prepared import Prepared
 from ..scene.frames import at_frame
 from ..scene.scratch import new_data_removed
 from .blend import check_images_saved, finish_blend, save_draft
@@ -70,21 +68,13 @@ class _Draft:
     plan_path: Path
     found: list[tuple[CapturePlan, Sidecar, Looks, Held, str]] = field(default_factory=list)
 
-    def bake(
-        self,
-        scratch: bpy.types.Scene,
-        spec: BakeSpec,
-        _sidecar: Path,
-        prepared: Prepared,
-        folder: Path,
-        store: PieceStore,
-        _thumbnail: Thumbnail | None,
-    ) -> Generator[Progress, None, Outcome]:
+    def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
         """Set the capture up as a bake does, and save it in the place of rendering."""
+        scratch, spec, prepared = job.scratch, job.spec, job.prepared
         texels = prepared.texels()
-        plan, hidden, facts = yield from plan_buckets(scratch, spec, prepared, texels, folder, store)
+        plan, hidden, facts = yield from plan_buckets(scratch, spec, prepared, texels, job.folder, job.store)
         check_seed(spec.seed, plan.sheets)
-        capture_of(scratch, plan, spec, folder, whole=True)
+        capture_of(scratch, plan, spec, job.folder, whole=True)
         looks, cached = save_draft(scratch, self.path)
         write_plan(self.plan_path, plan, hidden)
         self.found.append((plan, facts, looks, cached, scratch.name))

@@ -12,21 +12,19 @@ from typing import Any, Protocol, TypeAlias
 import bpy
 
 from ..bake.forms import FormTraits
-from ..bake.piece_store import PieceStore
 from ..bake.progress import Progress
 from ..bake.spec import BakeSpec, Compression
-from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Floats
 from ..core.sampler import Filter
 from ..core.surface import SurfaceMesh
 from ..formats.condensed_sizes import Shapes
 from ..formats.json_reader import Facts
 from ..formats.sidecar import Sidecar
-from ..prepare.prepared import Prepared
 from ..textures.entry import TextureEntry
 from ..textures.godot_shader import GodotShader
 from ..textures.progress import Step
 from ..textures.spec import ExportSpec, Target
+from .bake_job import BakeJob
 from .outcome import Outcome
 
 # Light (N, 3), linear, of N fragments: uv (N, 2), normal (N, 3) and direction to the viewer (N, 3) in world
@@ -80,17 +78,8 @@ class Form(Protocol):
         """All images that such a bake can write."""
         ...
 
-    def bake(
-        self,
-        scratch: bpy.types.Scene,
-        spec: BakeSpec,
-        sidecar: Path,
-        prepared: Prepared,
-        folder: Path,
-        store: PieceStore,
-        thumbnail: Thumbnail | None,
-    ) -> Generator[Progress, None, Outcome]:
-        """Bake what is prepared; `folder` takes temporary files, the `store` finished pieces and files.
+    def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
+        """Bake, and write the files.
 
         Raises InputError for what cannot be baked, BakeError for what fails.
         """

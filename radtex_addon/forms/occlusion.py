@@ -6,19 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass
-from pathlib import Path
-
-import bpy
 
 from ..bake.bands import Bands
-from ..bake.piece_store import PieceStore
 from ..bake.plan import CapturePlan
 from ..bake.progress import Progress, Stage
 from ..bake.session import capture_bands
-from ..bake.spec import BakeSpec
-from ..bake.thumbnail import Thumbnail
 from ..cycles.occlusion import OcclusionCapture
-from ..prepare.prepared import Prepared
+from .bake_job import BakeJob
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,17 +24,14 @@ class Captured:
     rays: int
 
 
-def capture_occlusion(
-    scratch: bpy.types.Scene,
-    spec: BakeSpec,
-    prepared: Prepared,
-    folder: Path,
-    store: PieceStore,
-    thumbnail: Thumbnail | None,
-) -> Generator[Progress, None, Captured]:
-    """Capture what is prepared: arguments as in `Form.bake`."""
-    plan = yield from prepared.plan_of_seen(spec.bucket, folder, store)
-    capture = OcclusionCapture(scratch, plan, spec.kind, spec.samples, spec.seed, folder, spec.ao_distance)
-    bands = yield from capture_bands(plan, capture, spec.tile_mb, None, store, thumbnail, spec.channels)
+def capture_occlusion(job: BakeJob) -> Generator[Progress, None, Captured]:
+    """Capture what is prepared; every finished tile is stored."""
+    spec = job.spec
+    plan = yield from job.prepared.plan_of_seen(spec.bucket, job.folder, job.store)
+    capture = OcclusionCapture(
+        job.scratch, plan, spec.kind, spec.samples, spec.seed, job.folder, spec.ao_distance
+    )
+    steps = capture_bands(plan, capture, spec.tile_mb, None, job.store, job.thumbnail, spec.channels)
+    bands = yield from steps
     yield Progress(Stage.WRITE, 0, 1)
     return Captured(plan, bands, spec.bucket**2 * capture.rays)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import bpy
 
@@ -30,6 +30,7 @@ from ..export.run import export_steps
 from ..formats.disk.temporary import temporary_folder
 from ..formats.sidecar import read_facts
 from ..forms import form_for
+from ..forms.bake_job import BakeJob
 from ..forms.outcome import Condensed, Outcome
 from ..prepare.prepared import Prepared, prepare
 from ..prepare.unwrapping import Unwraps
@@ -52,7 +53,7 @@ from .unfinished import open_checkpoint
 
 log = logging.getLogger(__name__)
 
-Baker: TypeAlias = Callable[..., Generator[Progress, None, Outcome]]
+Baker: TypeAlias = Callable[[BakeJob], Generator[Progress, None, Outcome]]
 BakeSteps: TypeAlias = "Generator[Progress | Step, None, BakeResult]"
 
 
@@ -239,13 +240,11 @@ def publish(
 def _no_baker(known: BakeOutput) -> Baker:
     """In a baker's place, for a bake that is done. Raises InputError for a mesh that is another now."""
 
-    def bake(
-        _scratch: bpy.types.Scene, _spec: BakeSpec, sidecar: Path, prepared: Prepared, *_: Any
-    ) -> Generator[Progress, None, Outcome]:
-        if read_facts(sidecar).values.get("mesh") != prepared.digest:
+    def bake(job: BakeJob) -> Generator[Progress, None, Outcome]:
+        if read_facts(job.sidecar).values.get("mesh") != job.prepared.digest:
             raise InputError(
-                f"object '{prepared.name}' or its unwrap is no longer what {sidecar} is of, so that no "
-                "preview can be made: bake it anew (--overwrite)"
+                f"object '{job.prepared.name}' or its unwrap is no longer what {job.sidecar} is of, so that "
+                "no preview can be made: bake it anew (--overwrite)"
             )
         yield from ()
         return known.outcome
@@ -309,6 +308,6 @@ def bake_and_keep(
         if spec.lights:
             light_only(scratch, spec.lights)
         bake = baker or form_for(spec).bake
-        steps = bake(scratch, spec, files.sidecar, prepared, temporary, store, thumbnail)
-        outcome = yield from watch.over(steps)
+        job = BakeJob(scratch, spec, files.sidecar, prepared, temporary, store, thumbnail)
+        outcome = yield from watch.over(bake(job))
     return Baked(BakeOutput.by(outcome, files, device, prepared.islands), prepared)

@@ -8,38 +8,27 @@ from collections.abc import Generator
 from dataclasses import replace
 from pathlib import Path
 
-import bpy
 import numpy as np
 
-from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
-from ...bake.thumbnail import Thumbnail
 from ...core.atlas import AtlasLayout
 from ...core.occlusion import occlusion
 from ...formats.bucket_files import write_buckets
 from ...formats.sidecar import Sidecar
-from ...prepare.prepared import Prepared
+from ..bake_job import BakeJob
 from ..occlusion import Captured, capture_occlusion
 from ..outcome import Outcome
 
 
-def bake_ambient(
-    scratch: bpy.types.Scene,
-    spec: BakeSpec,
-    sidecar: Path,
-    prepared: Prepared,
-    folder: Path,
-    store: PieceStore = NO_STORE,
-    thumbnail: Thumbnail | None = None,
-) -> Generator[Progress, None, Outcome]:
+def bake_ambient(job: BakeJob) -> Generator[Progress, None, Outcome]:
     """As `Form.bake`."""
-    captured = yield from capture_occlusion(scratch, spec, prepared, folder, store, thumbnail)
-    facts = replace(prepared.facts(spec), bucket=1, samples=captured.rays, ao_distance=spec.ao_distance)
-    _write(store.place(sidecar), captured, facts, spec)
+    captured, spec = (yield from capture_occlusion(job)), job.spec
+    facts = replace(job.prepared.facts(spec), bucket=1, samples=captured.rays, ao_distance=spec.ao_distance)
+    _write(job.place, captured, facts, spec)
     layout = captured.plan.layout
     return Outcome(
-        images=(sidecar.with_suffix(".exr"),),
+        images=(job.sidecar.with_suffix(".exr"),),
         layout=AtlasLayout(layout.width, layout.height, 1),
         covered_texels=len(captured.plan.texel),
         paths=len(captured.plan.texel) * captured.rays,

@@ -12,19 +12,17 @@ import bpy
 
 from ...bake.forms import AMBIENT, FormTraits
 from ...bake.kinds import KINDS, Kind
-from ...bake.piece_store import PieceStore
 from ...bake.plan import MAX_IMAGE_SIDE
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
-from ...bake.thumbnail import Thumbnail
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...core.surface import SurfaceMesh
 from ...formats.json_reader import Facts
-from ...prepare.prepared import Prepared
 from ...preview.node_group import check_previewable
 from ...preview.occlusion import preview_ambient_material
 from ...textures.progress import Step
+from ..bake_job import BakeJob
 from ..buckets.flat import flat_buckets
 from ..buckets.form import Buckets, layout_in
 from ..form import Form, PreviewOf
@@ -39,17 +37,8 @@ class Ambient(Buckets):
 
     traits: FormTraits = AMBIENT
 
-    def bake(
-        self,
-        scratch: bpy.types.Scene,
-        spec: BakeSpec,
-        sidecar: Path,
-        prepared: Prepared,
-        folder: Path,
-        store: PieceStore,
-        thumbnail: Thumbnail | None,
-    ) -> Generator[Progress, None, Outcome]:
-        return bake_ambient(scratch, spec, sidecar, prepared, folder, store, thumbnail)
+    def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
+        return bake_ambient(job)
 
     def check_previewable(self, spec: BakeSpec) -> None:
         check_previewable(AtlasLayout(spec.texels, spec.texels, 1))

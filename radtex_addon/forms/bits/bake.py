@@ -7,39 +7,28 @@ from __future__ import annotations
 from collections.abc import Generator
 from pathlib import Path
 
-import bpy
 import numpy as np
 
 from ...bake.bands import Bands
-from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
-from ...bake.thumbnail import Thumbnail
 from ...core.atlas import AtlasLayout
 from ...core.shadow import pack_bits
 from ...formats.disk.atomic import replacing
 from ...formats.shadow_files import write_shadow
 from ...formats.sidecar import Sidecar
-from ...prepare.prepared import Prepared
+from ..bake_job import BakeJob
 from ..occlusion import capture_occlusion
 from ..outcome import Outcome
 
 
-def bake_bits(
-    scratch: bpy.types.Scene,
-    spec: BakeSpec,
-    sidecar: Path,
-    prepared: Prepared,
-    folder: Path,
-    store: PieceStore = NO_STORE,
-    thumbnail: Thumbnail | None = None,
-) -> Generator[Progress, None, Outcome]:
+def bake_bits(job: BakeJob) -> Generator[Progress, None, Outcome]:
     """As `Form.bake`."""
-    captured = yield from capture_occlusion(scratch, spec, prepared, folder, store, thumbnail)
-    _write(store.place(sidecar), captured.bands, prepared.facts(spec), spec)
+    captured, spec = (yield from capture_occlusion(job)), job.spec
+    _write(job.place, captured.bands, job.prepared.facts(spec), spec)
     layout = captured.plan.layout
     return Outcome(
-        images=(sidecar.with_suffix(".exr"),),
+        images=(job.sidecar.with_suffix(".exr"),),
         layout=AtlasLayout(layout.width, layout.height, spec.bucket),
         covered_texels=len(captured.plan.texel),
         paths=len(captured.plan.texel) * captured.rays,

@@ -12,10 +12,7 @@ import bpy
 
 from ...bake.forms import BITS, FormTraits
 from ...bake.kinds import KINDS, Kind
-from ...bake.piece_store import PieceStore
 from ...bake.progress import Progress
-from ...bake.spec import BakeSpec
-from ...bake.thumbnail import Thumbnail
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...core.surface import SurfaceMesh
@@ -23,12 +20,12 @@ from ...core.texel_map import covered_texels
 from ...formats.json_reader import Facts
 from ...formats.shadow_files import visible_buckets
 from ...formats.sidecar import read_sidecar
-from ...prepare.prepared import Prepared
 from ...preview.occlusion import preview_shadow_material
 from ...textures.entry import TextureEntry
 from ...textures.flat import check_means, mean_of_buckets
 from ...textures.progress import Step
 from ...textures.spec import ExportSpec, Target
+from ..bake_job import BakeJob
 from ..buckets.form import Buckets
 from ..form import Form, PreviewOf
 from ..outcome import Outcome
@@ -43,17 +40,8 @@ class Bits(Buckets):
 
     traits: FormTraits = BITS
 
-    def bake(
-        self,
-        scratch: bpy.types.Scene,
-        spec: BakeSpec,
-        sidecar: Path,
-        prepared: Prepared,
-        folder: Path,
-        store: PieceStore,
-        thumbnail: Thumbnail | None,
-    ) -> Generator[Progress, None, Outcome]:
-        return bake_bits(scratch, spec, sidecar, prepared, folder, store, thumbnail)
+    def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
+        return bake_bits(job)
 
     def material(self, of: PreviewOf) -> bpy.types.Material:
         return preview_shadow_material(of.title, of.sidecar, of.uv_layer, of.scene, of.filter)

@@ -33,6 +33,7 @@ from ...formats.sidecar import Content, Sidecar
 from ...prepare.prepared import Prepared
 from ...scene.checks.enclosing_volumes import has_volumes
 from ...scene.proxy_content import show_content_only
+from ..bake_job import BakeJob
 from ..outcome import Outcome
 from .accumulate import accumulated
 from .previous_atlas import read_earlier, with_counts
@@ -40,18 +41,12 @@ from .recapture import Recapture, chosen_texels
 from .refresh import refreshed
 
 
-def bake_buckets(
-    scratch: bpy.types.Scene,
-    spec: BakeSpec,
-    sidecar: Path,
-    prepared: Prepared,
-    folder: Path,
-    store: PieceStore = NO_STORE,
-    thumbnail: Thumbnail | None = None,
-) -> Generator[Progress, None, Outcome]:
-    """Bake what is prepared; `folder` takes temporary files, the `store` every finished tile."""
+def bake_buckets(job: BakeJob) -> Generator[Progress, None, Outcome]:
+    """As `Form.bake`; every finished tile is stored."""
+    spec, prepared = job.spec, job.prepared
+    scratch, folder, store = job.scratch, job.folder, job.store
     facts = prepared.facts(spec)
-    earlier = read_earlier(sidecar, facts) if spec.accumulate or spec.refresh else None
+    earlier = read_earlier(job.sidecar, facts) if spec.accumulate or spec.refresh else None
     texels = prepared.texels()
     plan, hidden, facts = yield from plan_buckets(scratch, spec, prepared, texels, folder, store)
     if earlier is None:
@@ -59,15 +54,15 @@ def bake_buckets(
         uncut = has_volumes(scratch)
         if uncut:
             _check_sheet(spec)
-        steps = join_buckets(plan, capture, hidden, spec, sidecar, facts, store, thumbnail, uncut)
+        steps = join_buckets(plan, capture, hidden, spec, job.sidecar, facts, store, job.thumbnail, uncut)
         return (yield from steps)
     chosen = chosen_texels(plan, texels, prepared.chosen, spec.where)
     again = Recapture(scratch, spec, spec.kind, texels, plan, hidden, earlier, chosen, folder)
     work = refreshed if spec.refresh else accumulated
-    image, paths, counts = yield from work(again, store, thumbnail)
+    image, paths, counts = yield from work(again, store, job.thumbnail)
     whole = [_images(image, plan.layout, spec)]
     facts = with_counts(facts, counts)
-    return (yield from _write(plan, lambda: iter(whole), spec, sidecar, facts, paths, store))
+    return (yield from _write(plan, lambda: iter(whole), spec, job.sidecar, facts, paths, store))
 
 
 def join_buckets(

@@ -12,10 +12,8 @@ import bpy
 
 from ...bake.forms import BUCKETS, FormTraits
 from ...bake.kinds import KINDS, Kind, Light
-from ...bake.piece_store import PieceStore
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
-from ...bake.thumbnail import Thumbnail
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...core.sampler import Filter, sample
@@ -26,13 +24,13 @@ from ...formats.containers.exr import read_buckets, stored_compression
 from ...formats.gutter_signature import loss_of
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar, read_sidecar
-from ...prepare.prepared import Prepared
 from ...preview.material import preview_material
 from ...preview.node_group import check_previewable
 from ...textures.entry import Arranged, Container, TextureEntry
 from ...textures.godot_shader import GodotShader
 from ...textures.progress import Step
 from ...textures.spec import ExportSpec, Target
+from ..bake_job import BakeJob
 from ..form import Form, Opened, PreviewOf
 from ..outcome import Outcome
 from .bake import bake_buckets, bucket_images
@@ -51,17 +49,8 @@ class Buckets:
     def images(self, spec: BakeSpec, sidecar: Path) -> tuple[Path, ...]:
         return bucket_images(spec, sidecar)
 
-    def bake(
-        self,
-        scratch: bpy.types.Scene,
-        spec: BakeSpec,
-        sidecar: Path,
-        prepared: Prepared,
-        folder: Path,
-        store: PieceStore,
-        thumbnail: Thumbnail | None,
-    ) -> Generator[Progress, None, Outcome]:
-        return bake_buckets(scratch, spec, sidecar, prepared, folder, store, thumbnail)
+    def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
+        return bake_buckets(job)
 
     def check_size(self, spec: BakeSpec, width: int, height: int) -> None:
         """Any size that a specification can have will do."""

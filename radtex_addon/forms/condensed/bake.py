@@ -5,38 +5,25 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from pathlib import Path
 
-import bpy
-
-from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.progress import Progress
-from ...bake.spec import BakeSpec
-from ...bake.thumbnail import Thumbnail
 from ...formats.shared_files import texture_path
-from ...prepare.prepared import Prepared
+from ..bake_job import BakeJob
 from ..outcome import Outcome
 from ..shared.bake import atlas_layout, facts_with_fireflies, fit_bake
 from .condense import check_budget, condense_steps
 
 
-def bake_condensed(
-    scratch: bpy.types.Scene,
-    spec: BakeSpec,
-    sidecar: Path,
-    prepared: Prepared,
-    folder: Path,
-    store: PieceStore = NO_STORE,
-    thumbnail: Thumbnail | None = None,
-) -> Generator[Progress, None, Outcome]:
+def bake_condensed(job: BakeJob) -> Generator[Progress, None, Outcome]:
     """As `Form.bake`. Raises InputError for a budget that is too small for its texels."""
+    spec, prepared = job.spec, job.prepared
     check_budget(spec, prepared.width, prepared.height)
-    fitted = yield from fit_bake(scratch, spec, prepared, folder, store, thumbnail)
+    fitted = yield from fit_bake(job)
     facts = facts_with_fireflies(fitted, prepared.facts(spec))
-    steps = condense_steps(store.place(sidecar), fitted.atlas, fitted.plan, spec, facts)
+    steps = condense_steps(job.place, fitted.atlas, fitted.plan, spec, facts)
     written, condensed = yield from steps
     return Outcome(
-        images=tuple(texture_path(sidecar, layer) for layer in written.bake.layers),
+        images=tuple(texture_path(job.sidecar, layer) for layer in written.bake.layers),
         layout=atlas_layout(fitted, spec),
         covered_texels=len(fitted.plan.texel),
         paths=fitted.paths,

@@ -8,21 +8,17 @@ from collections.abc import Generator, Mapping
 from pathlib import Path
 from typing import Any
 
-import bpy
-
 from ...bake.forms import CONDENSED, FormTraits
-from ...bake.piece_store import PieceStore
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
-from ...bake.thumbnail import Thumbnail
 from ...core.shared import Axis
 from ...formats.condensed_sizes import texture_bytes
 from ...formats.json_reader import Facts
 from ...formats.packing import layer_names
 from ...formats.shared_files import read_shared_sidecar, texture_path
-from ...prepare.prepared import Prepared
 from ...textures.entry import TextureEntry
 from ...textures.spec import ExportSpec
+from ..bake_job import BakeJob
 from ..form import Form, Opened
 from ..outcome import Outcome
 from ..shared.form import Shared, opened_shared
@@ -42,17 +38,8 @@ class Condensed(Shared):
     def images(self, spec: BakeSpec, sidecar: Path) -> tuple[Path, ...]:
         return tuple(texture_path(sidecar, layer) for layer in layer_names(Axis, condensed=True))
 
-    def bake(
-        self,
-        scratch: bpy.types.Scene,
-        spec: BakeSpec,
-        sidecar: Path,
-        prepared: Prepared,
-        folder: Path,
-        store: PieceStore,
-        thumbnail: Thumbnail | None,
-    ) -> Generator[Progress, None, Outcome]:
-        return bake_condensed(scratch, spec, sidecar, prepared, folder, store, thumbnail)
+    def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
+        return bake_condensed(job)
 
     def check_size(self, spec: BakeSpec, width: int, height: int) -> None:
         check_budget(spec, width, height)

@@ -7,23 +7,18 @@ from __future__ import annotations
 import logging
 from collections.abc import Generator
 from dataclasses import dataclass, replace
-from pathlib import Path
-
-import bpy
 
 from ...bake.fit import fit_shared
-from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.plan import CapturePlan
 from ...bake.progress import Progress, Stage
 from ...bake.rays import FINER
 from ...bake.spec import BakeSpec
-from ...bake.thumbnail import Thumbnail
 from ...core.atlas import AtlasLayout
 from ...core.shared import SharedAtlas
 from ...cycles.shared_capture import capture_shared
 from ...formats.shared_files import layer_path, write_shared
 from ...formats.sidecar import Sidecar
-from ...prepare.prepared import Prepared
+from ..bake_job import BakeJob
 from ..outcome import Outcome
 
 _TOLD = 0.01  # of the light: less of it lost needs no word
@@ -45,22 +40,14 @@ class FittedBake:
     fireflies: float
 
 
-def bake_shared(
-    scratch: bpy.types.Scene,
-    spec: BakeSpec,
-    sidecar: Path,
-    prepared: Prepared,
-    folder: Path,
-    store: PieceStore = NO_STORE,
-    thumbnail: Thumbnail | None = None,
-) -> Generator[Progress, None, Outcome]:
-    """Bake what is prepared; `folder` takes temporary files, the `store` every render and the files."""
-    fitted = yield from fit_bake(scratch, spec, prepared, folder, store, thumbnail)
+def bake_shared(job: BakeJob) -> Generator[Progress, None, Outcome]:
+    """As `Form.bake`; every finished render is stored."""
+    fitted, spec = (yield from fit_bake(job)), job.spec
     yield Progress(Stage.WRITE, 0, 1)
-    facts = facts_with_fireflies(fitted, prepared.facts(spec))
-    written = write_shared(store.place(sidecar), fitted.atlas, facts, spec.half, spec.compression)
+    facts = facts_with_fireflies(fitted, job.prepared.facts(spec))
+    written = write_shared(job.place, fitted.atlas, facts, spec.half, spec.compression)
     return Outcome(
-        images=tuple(layer_path(sidecar, layer) for layer in written.bake.layers),
+        images=tuple(layer_path(job.sidecar, layer) for layer in written.bake.layers),
         layout=atlas_layout(fitted, spec),
         covered_texels=len(fitted.plan.texel),
         paths=fitted.paths,
@@ -81,18 +68,12 @@ def facts_with_fireflies(fitted: FittedBake, facts: Sidecar) -> Sidecar:
     return replace(facts, fireflies=round(fitted.fireflies, 6))
 
 
-def fit_bake(
-    scratch: bpy.types.Scene,
-    spec: BakeSpec,
-    prepared: Prepared,
-    folder: Path,
-    store: PieceStore = NO_STORE,
-    thumbnail: Thumbnail | None = None,
-) -> Generator[Progress, None, FittedBake]:
+def fit_bake(job: BakeJob) -> Generator[Progress, None, FittedBake]:
     """Capture the scratch scene's object and fit an atlas to it; errors as in `Form.bake`."""
+    spec, prepared = job.spec, job.prepared
     texels = prepared.texels()
     capture = yield from capture_shared(
-        scratch,
+        job.scratch,
         prepared.original,
         prepared.mesh,
         prepared.matrix_world,
@@ -100,9 +81,9 @@ def fit_bake(
         prepared.texels(FINER),
         spec.rays,
         spec.seed,
-        folder,
-        store,
-        thumbnail,
+        job.folder,
+        job.store,
+        job.thumbnail,
     )
     fitted = yield from fit_shared(
         capture.light, capture.ends, capture.surroundings, capture.colour, cells=spec.bucket

@@ -14,11 +14,9 @@ import bpy
 import numpy as np
 
 from ...bake.forms import SHARED, FormTraits
-from ...bake.piece_store import PieceStore
 from ...bake.progress import Progress
 from ...bake.rays import FINER
 from ...bake.spec import BakeSpec
-from ...bake.thumbnail import Thumbnail
 from ...core.arrays import Floats
 from ...core.shared import LEAST_LEVEL, Axis, sample_shared
 from ...core.surface import SurfaceMesh
@@ -36,7 +34,6 @@ from ...formats.shared_files import (
 from ...formats.shared_sidecar import SharedSidecar
 from ...formats.sidecar import Sidecar
 from ...prepare.facts import facts_of
-from ...prepare.prepared import Prepared
 from ...preview.material import preview_shared_material
 from ...preview.shared_group import check_shared_previewable
 from ...scene.mesh.copy import UV_LAYER
@@ -44,6 +41,7 @@ from ...textures.entry import TextureEntry
 from ...textures.godot_shader import GodotShader
 from ...textures.progress import Step
 from ...textures.spec import ExportSpec, Target
+from ..bake_job import BakeJob
 from ..buckets.form import has_samples_and_cells
 from ..form import Form, Opened, PreviewOf
 from ..outcome import Outcome
@@ -64,17 +62,8 @@ class Shared:
     def images(self, spec: BakeSpec, sidecar: Path) -> tuple[Path, ...]:
         return tuple(layer_path(sidecar, layer) for layer in layer_names(Axis))
 
-    def bake(
-        self,
-        scratch: bpy.types.Scene,
-        spec: BakeSpec,
-        sidecar: Path,
-        prepared: Prepared,
-        folder: Path,
-        store: PieceStore,
-        thumbnail: Thumbnail | None,
-    ) -> Generator[Progress, None, Outcome]:
-        return bake_shared(scratch, spec, sidecar, prepared, folder, store, thumbnail)
+    def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
+        return bake_shared(job)
 
     def check_size(self, spec: BakeSpec, width: int, height: int) -> None:
         """Any size that a specification can have will do."""

@@ -5,45 +5,34 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from pathlib import Path
 
-import bpy
 import numpy as np
 
-from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.plan import CapturePlan
 from ...bake.progress import Progress, Stage
-from ...bake.spec import BakeSpec, View
-from ...bake.thumbnail import Thumbnail
+from ...bake.spec import View
 from ...bake.transfer import fit_buckets
 from ...bake.transfer_views import view_shift, views_along
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...cycles.transfer import Lit, capture_under_suns
 from ...formats.transfer_files import TransferSidecar, write_transfer
-from ...prepare.prepared import Prepared
 from ...scene.eye import find_eye
 from ...scene.scratch import scene_copied
+from ..bake_job import BakeJob
 from ..outcome import Outcome
 
 
-def bake_transfer(
-    scratch: bpy.types.Scene,
-    spec: BakeSpec,
-    sidecar: Path,
-    prepared: Prepared,
-    folder: Path,
-    store: PieceStore = NO_STORE,
-    thumbnail: Thumbnail | None = None,
-) -> Generator[Progress, None, Outcome]:
-    """Bake what is prepared; `folder` takes temporary files, the `store` every finished render."""
-    eye = find_eye(scratch) if spec.view is View.CAMERA else None
+def bake_transfer(job: BakeJob) -> Generator[Progress, None, Outcome]:
+    """As `Form.bake`; every finished render is stored."""
+    spec, prepared = job.spec, job.prepared
+    eye = find_eye(job.scratch) if spec.view is View.CAMERA else None
     views = views_along(spec.view)
-    plan = yield from prepared.plan_of_seen(views, folder, store)
+    plan = yield from prepared.plan_of_seen(views, job.folder, job.store)
     suns, shift = spec.bucket**2, view_shift(plan, eye)
-    with scene_copied(scratch) as scene:
+    with scene_copied(job.scratch) as scene:
         lit = yield from capture_under_suns(
-            scene, plan, shift, suns, spec.samples, spec.seed, folder, store, thumbnail
+            scene, plan, shift, suns, spec.samples, spec.seed, job.folder, job.store, job.thumbnail
         )
     atlas = yield from _atlas(plan, lit, spec.bucket)
     yield Progress(Stage.WRITE, 0, 1)
@@ -51,10 +40,10 @@ def bake_transfer(
     facts = prepared.facts(spec)
     place = None if eye is None else (*eye.place, 0.0 if eye.far else 1.0)
     described = TransferSidecar(facts, suns, spec.view, place, views)
-    written = write_transfer(store.place(sidecar), atlas, described, spec.half, spec.compression)
+    written = write_transfer(job.place, atlas, described, spec.half, spec.compression)
     count = len(plan.texel)
     paths = count * views**2 * suns * spec.samples
-    return Outcome((sidecar.with_suffix(".exr"),), layout, count, paths, written.bake.clamped)
+    return Outcome((job.sidecar.with_suffix(".exr"),), layout, count, paths, written.bake.clamped)
 
 
 def _atlas(plan: CapturePlan, lit: Lit, n: int) -> Generator[Progress, None, Floats]:

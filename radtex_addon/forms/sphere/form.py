@@ -11,10 +11,8 @@ from typing import Any
 import bpy
 
 from ...bake.forms import SPHERE, FormTraits
-from ...bake.piece_store import PieceStore
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
-from ...bake.thumbnail import Thumbnail
 from ...bake.transfer_views import views_along
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
@@ -24,12 +22,12 @@ from ...formats.condensed_sizes import Shapes
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar
 from ...formats.transfer_files import TransferSidecar, read_transfer_sidecar
-from ...prepare.prepared import Prepared
 from ...preview.node_group import check_previewable
 from ...preview.sun import preview_transfer_material
 from ...textures.entry import TextureEntry
 from ...textures.progress import Step
 from ...textures.spec import ExportSpec, Target
+from ..bake_job import BakeJob
 from ..buckets.form import Buckets, defines, has_samples_and_cells
 from ..form import Form, PreviewOf
 from ..outcome import Outcome
@@ -44,17 +42,8 @@ class Sphere(Buckets):
 
     traits: FormTraits = SPHERE
 
-    def bake(
-        self,
-        scratch: bpy.types.Scene,
-        spec: BakeSpec,
-        sidecar: Path,
-        prepared: Prepared,
-        folder: Path,
-        store: PieceStore,
-        thumbnail: Thumbnail | None,
-    ) -> Generator[Progress, None, Outcome]:
-        return bake_transfer(scratch, spec, sidecar, prepared, folder, store, thumbnail)
+    def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
+        return bake_transfer(job)
 
     def check_previewable(self, spec: BakeSpec) -> None:
         layout = AtlasLayout(spec.texels, spec.texels, spec.bucket)

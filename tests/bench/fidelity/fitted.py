@@ -14,6 +14,7 @@ import numpy as np
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.shared import SharedAtlas
+from radtex_addon.forms.bake_job import BakeJob
 from radtex_addon.forms.shared.bake import FittedBake, fit_bake
 from radtex_addon.prepare.prepared import prepare
 from radtex_addon.report.gbuffer import Array, GBuffer
@@ -57,7 +58,7 @@ def fit_stage(
     with scratch_scene(scene, None, kept) as scratch:
         item = find_object(scratch, stage.subject.name)
         prepared = finished(prepare(scratch, [item], spec, kept))
-        fitted = finished(fit_bake(scratch, spec, prepared, folder))
+        fitted = finished(fit_bake(BakeJob(scratch, spec, folder / "unwritten.json", prepared, folder)))
     matrix = np.array(stage.subject.matrix_world)
     seen = [(view, gbuffer(view, prepared.mesh, matrix, prepared.uv_layer)) for view in looked_from]
     return fitted, Looked(seen), prepared.uv_layer

@@ -6,25 +6,20 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import replace
-from pathlib import Path
-
-import bpy
 
 from radtex_addon.bake.forms import FORMS
 from radtex_addon.bake.kinds import KINDS, Kind
-from radtex_addon.bake.piece_store import PieceStore
 from radtex_addon.bake.progress import Progress, Stage
 from radtex_addon.bake.session import fill_atlas
 from radtex_addon.bake.spec import BakeSpec
-from radtex_addon.bake.thumbnail import Thumbnail
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.formats.bucket_files import write_buckets
 from radtex_addon.formats.json_reader import Facts
+from radtex_addon.forms.bake_job import BakeJob
 from radtex_addon.forms.buckets.bake import capture_of
 from radtex_addon.forms.buckets.form import Buckets
 from radtex_addon.forms.form import Form
 from radtex_addon.forms.outcome import Outcome
-from radtex_addon.prepare.prepared import Prepared
 
 
 class Mean(Buckets):
@@ -32,26 +27,19 @@ class Mean(Buckets):
 
     traits = next(traits for traits in FORMS if traits.name == "mean")
 
-    def bake(
-        self,
-        scratch: bpy.types.Scene,
-        spec: BakeSpec,
-        sidecar: Path,
-        prepared: Prepared,
-        folder: Path,
-        store: PieceStore,
-        thumbnail: Thumbnail | None,
-    ) -> Generator[Progress, None, Outcome]:
-        plan = yield from prepared.plan_of_seen(spec.bucket, folder, store)
-        capture = capture_of(scratch, plan, spec, folder)
-        image = yield from fill_atlas(plan, capture, spec.tile_mb, None, store, thumbnail)
+    def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
+        spec, prepared = job.spec, job.prepared
+        plan = yield from prepared.plan_of_seen(spec.bucket, job.folder, job.store)
+        capture = capture_of(job.scratch, plan, spec, job.folder)
+        image = yield from fill_atlas(plan, capture, spec.tile_mb, None, job.store, job.thumbnail)
         yield Progress(Stage.WRITE, 0, 1)
         means = plan.layout.to_buckets(image).mean(axis=(2, 3))
         facts = replace(prepared.facts(spec), bucket=1)
-        written = write_buckets(store.place(sidecar), means, {}, facts, spec.half, spec.compression)
+        written = write_buckets(job.place, means, {}, facts, spec.half, spec.compression)
         paths = len(plan.texel) * spec.bucket**2 * spec.samples
         layout = AtlasLayout(plan.layout.width, plan.layout.height, 1)
-        return Outcome(self.images(spec, sidecar), layout, len(plan.texel), paths, written.clamped)
+        images = self.images(spec, job.sidecar)
+        return Outcome(images, layout, len(plan.texel), paths, written.clamped)
 
     def holds(self, facts: Facts) -> bool:
         return KINDS[Kind(facts.text("kind"))].form == self.traits

@@ -12,7 +12,6 @@ from typing import TypeVar, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.piece_store import NO_STORE
 from radtex_addon.bake.progress import Progress, Stage, finished, relayed
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.shared import SharedAtlas, sample_shared
@@ -21,6 +20,7 @@ from radtex_addon.formats.packing import pack
 from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.formats.shared_sidecar import SharedSidecar
 from radtex_addon.forms import form_for
+from radtex_addon.forms.bake_job import BakeJob
 from radtex_addon.prepare.prepared import prepare
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.objects import find_object
@@ -57,10 +57,8 @@ class Shared:
         with scratch_scene(scene, None, kept) as scratch:
             item = find_object(scratch, stage.subject.name)
             prepared = _finish(prepare(scratch, [item], self.spec, kept), reached)
-            made = _finish(
-                form_for(self.spec).bake(scratch, self.spec, sidecar_path, prepared, folder, NO_STORE, None),
-                reached,
-            )
+            job = BakeJob(scratch, self.spec, sidecar_path, prepared, folder)
+            made = _finish(form_for(self.spec).bake(job), reached)
         ended = perf_counter()
         fitted = min(at for at in (*reached.values(), ended) if at > reached[Stage.FIT])
         atlas, sidecar = read_shared(sidecar_path)
