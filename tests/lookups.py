@@ -13,8 +13,8 @@ from radtex_addon.core import hemisphere as hs
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised, orthonormal_frame, to_frame
-from radtex_addon.core.hit import sample_hit
 from radtex_addon.core.sampler import Filter, sample
+from tests.reference.hits import sample_hit
 
 SIDE = 100  # the lookups fill a square picture
 COUNT = SIDE * SIDE

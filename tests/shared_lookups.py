@@ -10,9 +10,9 @@ import numpy as np
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
-from radtex_addon.core.hit import sample_shared_hit
 from radtex_addon.core.shared import SharedAtlas, sample_shared
 from tests.lookups import COUNT, Lookups
+from tests.reference.hits import sample_shared_hit
 
 
 def random_fragments(width: int, height: int, seed: int = 3) -> Lookups:

@@ -11,8 +11,9 @@ import numpy as np
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import orthonormal_frame, to_frame
-from radtex_addon.core.transfer import relight, sample_transfer, with_views
+from radtex_addon.core.transfer import with_views
 from tests.lookups import COUNT, LAYOUT, Lookups, random_lookups
+from tests.reference.relighting import relight, sample_transfer
 
 VIEWS = 3
 IRRADIANCE = (2.0, 1.0, 0.5)

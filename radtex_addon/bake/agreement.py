@@ -16,7 +16,7 @@ from .plan import CapturePlan
 _LOOKUPS = 40_000  # enough for 0.1 dB
 _AT_ONCE = 4000
 _GAMMA = 2.2
-_STEEP = 0.8  # largest bucket coordinate compared: beyond, the surface is seen too flat to matter
+_STEEP = 0.8  # largest bucket coordinate compared: at grazing angles beyond, differences hardly matter
 
 
 def agreement(one: SharedAtlas, other: SharedAtlas, plan: CapturePlan) -> Generator[None, None, float]:

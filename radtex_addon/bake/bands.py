@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Assemble the atlas in bands of rows, with gutters and hidden cells filled, so that memory stays small.
 
-A missing cell takes the value of the same cell in the nearest texel that has it, by distance in texels. Where
-cells are hidden, this texel differs from direction to direction: it is found for one direction after another,
-and stored by the store until its band is assembled.
+A missing cell takes the value of the same cell in the nearest texel that has it, by distance in texels. For
+hidden cells the nearest texel differs between directions: it is searched for one direction after another, and
+the result is kept in the store until the bands are assembled.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy.typing as npt
 from ..core.arrays import Bools, Floats, Ints
 from ..core.gutter import nearest_covered
 from .cells import Cells
-from .hidden import HiddenCells
+from .hidden_cells import HiddenCells
 from .piece_store import MemoryStore, PieceStore
 from .plan import CapturePlan
 from .progress import Progress, Stage
@@ -120,7 +120,7 @@ def find_bands(
         store = MemoryStore()
     for done, (q, p) in enumerate(directions):
         yield Progress(Stage.FILL, done, len(directions))
-        assert hidden is not None  # or there were no directions
+        assert hidden is not None  # otherwise there are no directions
         kept = store.found(_name(q, p))
         if kept is None:
             kept = {_PAIRS: _pairs(plan, place, nearest, hidden.of_direction(q, p))}

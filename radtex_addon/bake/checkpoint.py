@@ -21,6 +21,7 @@ from typing import Any
 import numpy.typing as npt
 
 from ..core.errors import BakeError, InputError
+from ..core.messages import Setting, do
 from ..formats.disk.atomic import refusal, remove_unfinished, replacing
 from ..formats.disk.lock import HeldError, Lock, NoLockError, holder, take_lock
 from ..formats.json_reader import shown
@@ -105,8 +106,9 @@ class Checkpoint(PieceStore):
             return
         if said := self._known.differences(facts):
             raise InputError(
-                f"{self._folder} is of a bake that differs in {said}: bake as before, "
-                "or begin anew (--overwrite, without --resume)"
+                f"{self._folder} is of a bake that differs in {said}",
+                do("bake as before"),
+                do("begin anew", Setting.OVERWRITE, without=(Setting.RESUME,)),
             )
 
     def names(self) -> list[str]:
@@ -155,8 +157,8 @@ class Checkpoint(PieceStore):
     def publish(self, made: dict[str, Any]) -> None:
         """Record the bake's result `made`, and move its files, all of them written, to their final names.
 
-        Resumed after this, the bake goes on with its preview and exports. Raises BakeError where the system
-        refuses.
+        A bake that is resumed after this continues with its preview and exports. Raises BakeError where the
+        system refuses.
         """
         if not self._begun:
             self._begin()
@@ -191,7 +193,7 @@ class Checkpoint(PieceStore):
             self._drop()
 
     def _drop(self) -> None:
-        """Delete the key first: if killed after that, the bake is over, and the next one deletes the rest."""
+        """Delete all, the key first: if killed after that, the bake is over; the next deletes the rest."""
         for pid in self._workers:
             remove_unfinished(self._folder.parent, pid)
         try:

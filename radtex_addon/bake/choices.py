@@ -30,7 +30,7 @@ class View(StrEnum):
 
 
 class Unwrap(StrEnum):
-    """What makes the UV layer if none is named."""
+    """The unwrapper that makes the UV layer if none is named."""
 
     XATLAS = "xatlas"
     BLENDER = "blender"

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Estimate how long a bake will take, from two small bakes of the same object with few texels and few paths.
 
-The two differ only in their number of paths, which tells the time per path from the time for set-up.
+The two differ only in their number of paths, which separates the time per path from the time for set-up.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from .progress import Stage
 from .spec import BakeSpec
 
-_TEXELS = 96  # of a small bake, at most; fewer may not do for a mesh of many islands
+_TEXELS = 96  # of a small bake, at most; many islands may not fit into fewer
 _SAMPLES = (1, 3)
 _ONCE = (Stage.EVALUATE, Stage.UNWRAP)  # take as long for few texels as for many
 _BY_PATH = (Stage.CAPTURE, Stage.FIT)
@@ -50,7 +50,7 @@ def paths_needed(spec: BakeSpec, probe: Probe) -> int:
     covered = round(probe.covered * _growth(spec, probe))
     if spec.form.by_paths:
         return spec.rays.most(covered)
-    if not spec.kind.traits.samples:  # how many rays a cell sends depends on the scene, which the probe knows
+    if not spec.kind.traits.samples:  # the rays per cell depend on the scene, and were measured by the probe
         return round(probe.paths * _growth(spec, probe))
     return covered * spec.bucket**2 * spec.samples
 

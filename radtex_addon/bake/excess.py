@@ -21,7 +21,7 @@ from .pooling import SHARE, WIDER, Neighbours, Taps, upsampled
 
 _NEAR = 8  # first stage: cells along a bucket's side, pooled over neighbouring texels
 _OF_ALL = (8, 4, 1)  # later stages: cells along a bucket's side, the same for all texels
-_FEWEST = 16  # a path brings at most 1 / _FEWEST of a lobe's excess: what is beyond is lost
+_FEWEST = 16  # a path may have at most 1 / _FEWEST of a lobe's excess: the rest of its light is lost
 _DOUBT = 16.0  # number of equally bright paths at which a cell keeps half of their light
 _TINY = 1e-12
 
@@ -50,8 +50,8 @@ def give_back(
 
     The gain takes what the surroundings explain, up to `most` (3, K, n*n), twice the paths' weights; the rest
     takes what is left. The amount is chosen so that the object emits as much light as its samples show,
-    summed as radiance times N.I. Lost is only light of single paths that no others confirm, and light beyond
-    `shown`, the sum of all other light.
+    summed as radiance times N.I. The only light that is lost is that of single paths that no others confirm,
+    and light beyond `shown`, the sum of all other light.
     """
     total = float(excess.light.sum(dtype=np.float64))
     if total == 0:
@@ -191,7 +191,7 @@ def _of_all(table: Floats, solve: Callable[[Floats], Floats]) -> Floats:
 def _agreed(sums: Floats) -> Floats:
     """The share of their light that paths keep in their cell, 0 to 1: from the effective number of paths.
 
-    That is how many equally bright paths would vary as much.
+    The effective number is that of equally bright paths which would vary as much.
     """
     bright, squared = sums[:2]
     number = bright * bright / np.maximum(squared, _TINY)

@@ -35,7 +35,7 @@ FAR = 100.0  # distance of the world, in object sizes
 GRAZING = 0.1  # N.I below which a sample is not fitted: the facet's own horizon is near
 _BLACK = 1e-3  # colour channels darker than this are not divided by
 _FAINT = 1e-3  # share of all light: a lobe with less is left out
-_OUTLIER = 1.5  # length of an end: a longer one is no direction, as its paths' weights differed too much
+_OUTLIER = 1.5  # longest end: a longer vector is no direction, as its paths' weights differed too much
 _FEW = 0.25  # samples per cell and texel: with fewer, pool widely, as near neighbours do not fill a bucket
 _WEIGHT_LIMIT = 4.0  # times the mean weight: no path counts for more
 

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a specification has to know of the ways to store a bake: default sizes, and the options of each.
+"""The table of forms, the ways to store a bake: the default sizes and options that specifications need.
 
-Files, costs, captures and previews of each way are in the folder `forms`.
+Everything else about a form, such as its files, capture and preview, is in the folder `forms`.
 """
 
 from __future__ import annotations
@@ -12,15 +12,16 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class FormTraits:
-    """Facts about one way to store a bake.
+    """One row: facts about a form.
 
-    `name` tells it from others, `layout` is what the sidecar has, `title` is for messages. `cells`: the
-    default bucket size; `border`: pixels around a bucket, both sides together. `channels`: of a cell while it
-    is baked, None for light and its layers. `streams`: cells lie on disk during the bake, unless an earlier
-    atlas is read.
-    `by_paths`: fitted to single paths, whose number does not depend on the cells. Options: a `source`,
-    single `lamps`, a `shared_atlas`, `layers`, `accumulates`, a `farm`, the `panoramic` capture, and a limit
-    of size or quality (`condenses`), which a bake of this form has (`limited`).
+    * `name`: unique, also that of the form's folder; `layout`: as in sidecars; `title`: for messages.
+    * `cells`: the default bucket size; `border`: pixels around a bucket, both sides together.
+    * `channels`: of a cell while it is baked; None for light and its layers.
+    * `streams`: cells are on disk during the bake, unless an earlier atlas is read.
+    * `by_paths`: fitted to single paths, whose number does not depend on the cells.
+    * Options that it can be baked with: a `source`, single `lamps`, a `shared_atlas`, `layers`,
+      `accumulates`, a `farm`, the `panoramic` capture, and a limit of size or quality (`condenses`).
+    * `limited`: its bakes have such a limit.
     """
 
     name: str
@@ -75,6 +76,6 @@ CONDENSED = _shared("condensed", cells=14, limited=True)
 FORMS = (BUCKETS, BITS, AMBIENT, SPHERE, SHARED, CONDENSED)
 
 
-def layers_apart(layout: str) -> bool:
-    """Whether "layers" in a sidecar with this layout are parts of the light that were asked for."""
+def has_light_layers(layout: str) -> bool:
+    """Whether "layers" in a sidecar with this layout lists light layers, not images of the form itself."""
     return any(form.layout == layout and form.layers for form in FORMS)

@@ -33,7 +33,7 @@ _LEAST_TOLD = 4  # cells along a side: in coarser buckets the paths' weights giv
 _PRIOR = 8.0  # weight, in samples, of the light that coarser cells give a cell
 _PRIOR_OF_FEW = 2.0  # the same, where texels have few samples and sums are pooled widely
 _PRIOR_OF_ALL = 0.02  # the same for whole buckets: nothing coarser gives their mean, and no light may be lost
-_EYE = 1.1  # power of the brightness that weights fall with
+_EYE = 1.1  # weights fall with this power of the brightness
 _BRIGHTEST = 12.0  # a sample is limited to so many times the mean luminance …
 _DOUBLE = 3.0  # … plus so many times its fit
 _MOST_GAIN = 2.0  # highest gain, times the paths' weights
@@ -105,8 +105,8 @@ def fit_gloss(
     """Fit gain and rest of each cell, (3, K, n*n) both; returns them and the sum of light lost as fireflies.
 
     `ends` is the result of `fit_ends`, `gain` of `fit_gain`. `single` (3,) is the weight of a single path,
-    which may be far above the gain: glass mirrors one path in twenty, but that one wholly. Yields after each
-    stage.
+    which may be far above the gain: glass mirrors only one path in twenty, but that path fully. Yields after
+    each stage.
     """
     if not samples.used.any():
         return gain, np.zeros_like(gain), 0.0

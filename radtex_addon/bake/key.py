@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from ..core.errors import InputError
+from ..core.messages import Setting, do
 from ..formats.disk.atomic import write_text
 from ..formats.disk.lock import NoLockError, holder
 from ..formats.disk.regular import read_regular
@@ -89,17 +90,17 @@ def write_key(folder: Path, key: Key) -> None:
 
 
 def read_key(folder: Path) -> Key:
-    """Read the folder's key. Raises InputError, which says how to go on without one."""
+    """Read the folder's key. Raises InputError, which says how to bake without it."""
     path = folder / KEY
-    anew = "begin anew (--overwrite, without --resume)"
+    anew = do("begin anew", Setting.OVERWRITE, without=(Setting.RESUME,))
     try:
         key = json.loads(read_regular(path))
     except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}; or {anew}") from error
+        raise InputError(f"{path} cannot be read ({error.strerror or error})", anew) from error
     except (ValueError, RecursionError) as error:
-        raise InputError(f"{path} is damaged: {anew}") from error
+        raise InputError(f"{path} is damaged", anew) from error
     if not isinstance(key, dict) or key.pop("version", None) != VERSION or not _is_key(key):
-        raise InputError(f"{path} is damaged, or of another RadTex: {anew}")
+        raise InputError(f"{path} is damaged, or of another RadTex", anew)
     return Key(key["facts"], key["replaces"], key["processes"], key.get("made"))
 
 

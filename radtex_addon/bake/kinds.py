@@ -32,7 +32,7 @@ class Kind(StrEnum):
 
 
 class Layout(StrEnum):
-    """How an atlas stores light, where that is a choice: see `KindTraits.form`."""
+    """How an atlas stores light, for kinds that leave the choice: see `KindTraits.form`."""
 
     BUCKETS = "buckets"
     SHARED = "shared"
@@ -49,7 +49,7 @@ class Light(Enum):
     LEAVING = auto()  # what a viewer sees, of the object or through it
     ARRIVING = auto()  # what reaches the surface
     OCCLUSION = auto()  # no light, only what is blocked
-    RESPONSE = auto()  # how the object answers to light from each direction
+    RESPONSE = auto()  # how the object responds to light from each direction
 
 
 class Rays(Enum):
@@ -57,8 +57,8 @@ class Rays(Enum):
 
     INWARDS = auto()  # against the cell's direction, at the surface, as a viewer looks
     OUTWARDS = auto()  # in the cell's direction
-    MIRRORED = auto()  # where a mirror would send a viewer's look
-    COSINE = auto()  # outwards, as many in each cell as count for ambient light
+    MIRRORED = auto()  # along the mirror reflection of a viewer's ray
+    COSINE = auto()  # outwards, distributed by the cosine: each cell gets rays by its share of ambient light
 
 
 _SHADERS = ("web", "raw", "gltf")
@@ -79,7 +79,7 @@ class KindTraits:
       `samples`, `cells`.
     * `needs_camera_rays`: the baked object must be visible to cameras. `needs_light`: a scene without light
       is worth a warning. `looks_at_surface`: records the light of the object's own surface, so that cells
-      which nobody can see are skipped. `judged`: a path-traced picture can be compared with its preview.
+      that nobody can see are skipped. `judged`: a path-traced picture can be compared with its preview.
     * `exports`: names of the targets that show it, and `include`: its shader include, beside radtex's own.
     """
 
@@ -210,21 +210,21 @@ KINDS: dict[Kind, KindTraits] = {
 }
 
 
-USUAL_KIND = Kind.RADIANCE  # the default
+DEFAULT_KIND = Kind.RADIANCE  # the default
 
 
-def is_usual(kind: str) -> bool:
-    """Whether a bake's kind is the default one, which goes without saying, and before others."""
-    return kind == USUAL_KIND
+def is_default_kind(kind: str) -> bool:
+    """Whether a bake's kind is the default one, which needs no mention and comes first in lists."""
+    return kind == DEFAULT_KIND
 
 
 def form_of(kind: Kind, layout: Layout, condensed: bool) -> FormTraits:
-    """How a bake is stored; the layout and whether it is condensed count where the kind leaves a choice."""
+    """The form of a bake; `layout` and `condensed` are used only if the kind has no form of its own."""
     return kind.traits.form or form_in(layout, condensed)
 
 
 def form_in(layout: Layout, condensed: bool) -> FormTraits:
-    """How a bake in a layout is stored, for kinds that leave the choice."""
+    """The form of a bake in a layout, for kinds without a form of their own."""
     if layout is Layout.SHARED:
         return CONDENSED if condensed else SHARED
     return BUCKETS

@@ -81,9 +81,9 @@ def joined(first: SurroundingsSamples, second: SurroundingsSamples) -> Surroundi
 
 
 def distance_along(direction: Floats, offset: Floats, away: Floats) -> Floats:
-    """How far from the origin, along `direction`, a ray from `offset` along `away` comes nearest: (P,).
+    """The distance along `direction` from the origin at which a ray from `offset` along `away` is nearest.
 
-    All are (P, 3). Infinite where the two are parallel, or meet behind the origin.
+    Returns (P,); all others are (P, 3). Infinite where the two are parallel, or meet behind the origin.
     """
     across = np.cross(direction, away)
     squared = np.sum(across * across, axis=-1)
@@ -142,7 +142,7 @@ def _to_world(plan: CapturePlan, local: Floats, some: slice) -> Floats:
 def spread_shifts(count: int, seed: int) -> Floats:
     """A point in [0, 1)^2 for each of `count` texels: (count, 2), low-discrepancy, shifted by `seed`.
 
-    So the directions of neighbouring texels lie between each other. Roberts, "The Unreasonable Effectiveness
+    So the directions of neighbouring texels interleave. Roberts, "The Unreasonable Effectiveness
     of Quasirandom Sequences" (2018): steps of 1/g and 1/g^2, g^3 = g + 1.
     """
     golden = 1.32471795724474602596

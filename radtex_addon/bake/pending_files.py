@@ -13,7 +13,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from ..core.errors import BakeError
-from ..formats.disk.atomic import refusal, settle_names
+from ..formats.disk.atomic import flush_folder, refusal
 
 _FOLDER = "written"
 
@@ -31,7 +31,7 @@ def waiting_place(unfinished: Path, path: Path) -> Path:
     return folder / path.name
 
 
-def named_by_places(words: str, unfinished: Path) -> str:
+def with_final_paths(words: str, unfinished: Path) -> str:
     """Replace the waiting files' paths in a message by their final ones."""
     return words.replace(str(unfinished / _FOLDER), str(unfinished.parent))
 
@@ -53,7 +53,7 @@ def move_out(unfinished: Path, names: Collection[str]) -> None:
                 path.replace(place)
             except OSError as error:
                 raise BakeError(refusal(place, error)) from error
-    settle_names(unfinished.parent)
+    flush_folder(unfinished.parent)
     drop_waiting(unfinished)
 
 

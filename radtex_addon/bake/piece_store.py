@@ -87,7 +87,7 @@ class MemoryStore(PieceStore):
 
 
 class PrefixedStore(PieceStore):
-    """Those pieces of another store whose names begin with `prefix`, which names here lack."""
+    """The pieces of another store whose names begin with `prefix`; here they are named without it."""
 
     def __init__(self, store: PieceStore, prefix: str) -> None:
         self._store, self._prefix = store, prefix

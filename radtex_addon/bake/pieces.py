@@ -40,7 +40,7 @@ def write_piece(path: Path, mark: dict[str, str], arrays: Arrays) -> None:
 def read_piece(path: Path, mark: dict[str, str]) -> Arrays:
     """Read the piece with the label `mark`.
 
-    Raises OSError, FileNotFoundError among them, and any other error if it is another piece or damaged.
+    Raises OSError, such as FileNotFoundError, and any other error if it is another piece or damaged.
     """
     with open_regular(path) as stream:
         end = left = os.fstat(stream.fileno()).st_size - _DIGEST_BYTES

@@ -163,7 +163,7 @@ class Neighbours:
 
 
 def _tile(texels: Ints, other: Ints, weight: Floats) -> _Tile:
-    """A tile of texels (g,); `other` and `weight` as of `_around`."""
+    """A tile of texels (g,); `other` and `weight` are those of `_around`."""
     tap, row = np.nonzero(weight[:, texels])
     around, column = np.unique(other[tap, texels[row]], return_inverse=True)
     weights = np.zeros((len(texels), len(around)), dtype=np.float32)

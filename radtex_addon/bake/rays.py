@@ -7,14 +7,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import ceil, sqrt
 
-FINER = 4  # the diffuse colour has so many times the texels along each side, as it needs no light
-PROBE_CELLS = 4  # cells along a side of the buckets that find hidden directions
+FINER = 4  # times as many texels along each side for the diffuse colour, as it needs no light
+PROBE_CELLS = 4  # cells along a side of the buckets for finding hidden directions
 CLEAR_SAMPLES = 16  # rays that vote on a shadow's bit where a material may let some of them through
-PROBES = 2  # rays for each of these cells, which is hidden if all of them meet back faces
+PROBES = 2  # rays per cell of these buckets; a cell is hidden if all of its rays meet back faces
 
 _SAMPLES = 16  # samples of a plain bake with 8 x 8 cells that costs as much as the default `Rays`
 _FEWEST = {"light": 4, "ends": 2, "around": 2, "panorama": 1}  # with fewer there is nothing to fit
-_LARGEST_PANORAMA = 64  # paths per cell, a render of 2048 x 2048: then the texels' own noise is larger
+_LARGEST_PANORAMA = 64  # paths per cell, a render of 2048 x 2048: beyond that the texels' own noise is larger
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The session: captures tile after tile, and stores each."""
+"""The session: capture tile after tile, and store each."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..core.errors import BakeError
 from .bands import Bands, find_bands
 from .capture import Capture
 from .cells import Cells
-from .hidden import HiddenCells
+from .hidden_cells import HiddenCells
 from .layers import WHOLE
 from .piece_store import NO_STORE, MemoryStore, PieceStore
 from .plan import CapturePlan, Tile

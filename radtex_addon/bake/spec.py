@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What to bake, and how: checked once, when it is made, and valid from then on."""
+"""The specification of a bake: what to bake, and how; checked once, when it is made."""
 
 from __future__ import annotations
 

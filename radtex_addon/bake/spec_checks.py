@@ -7,6 +7,7 @@ from __future__ import annotations
 from math import inf
 
 from ..core.errors import InputError
+from ..core.messages import Setting, do, leave_out
 from ..formats.containers.exr import Compression
 from .choices import CaptureMethod, View
 from .forms import FormTraits
@@ -15,7 +16,13 @@ from .parts import Split
 from .plan import MAX_IMAGE_SIDE
 from .spec_fields import SpecFields
 
-_MOST_SHARED_SAMPLES = 2**12  # 177 thousand paths a texel
+_NAMES = {
+    "bucket": "cells",
+    "memory_mb": "memory in MiB",
+}  # names of fields in messages, if they differ
+_BUCKETS = do("choose layout buckets", Setting.LAYOUT, value="buckets")
+_PORTAL = do("capture by portal", Setting.CAPTURE, value="portal")
+_MOST_SHARED_SAMPLES = 2**12  # 177 thousand paths per texel
 _TARGETS = (10.0, 60.0)  # dB; textures of 8 bits are no more accurate
 
 LEAST_MEMORY, MOST_MEMORY = 16, 2**24  # limits of --memory, in MiB
@@ -39,11 +46,11 @@ _OPTIONAL = ("budget", "frame", "unwrap_at", "memory_mb")
 def check(spec: SpecFields) -> None:
     """Raises InputError for what cannot be baked; enums and the number of cells must be set before.
 
-    Nothing of it depends on the machine: see `memory_limits` for what fits into memory.
+    No check depends on the machine: see `memory_limits` for checks of memory.
     """
     for name, (least, most) in _LIMITS.items():
         if name not in _OPTIONAL or getattr(spec, name) is not None:
-            _check_whole_number(name, getattr(spec, name), least, most)
+            _check_whole_number(_NAMES.get(name, name), getattr(spec, name), least, most)
     if spec.unwrap_at is not None and (spec.frame is None or spec.uv_layer is not None):
         raise InputError(f"unwrap at frame {spec.unwrap_at} is for frames without a UV layer: leave it out")
     if spec.uv_layer == "":
@@ -65,19 +72,22 @@ def _check_kind(spec: SpecFields) -> None:
     kind = spec.kind.traits
     if spec.capture is CaptureMethod.PANORAMIC and kind.light is Light.LEAVING:
         raise InputError(
-            f"capture panoramic only looks outwards and cannot bake {spec.kind}: "
-            "capture by portal, or bake incident or reflection"
+            f"capture panoramic only looks outwards and cannot bake {spec.kind}",
+            _PORTAL,
+            do("bake incident or reflection"),
         )
     if spec.layers and not kind.layers:
-        raise InputError(f"{spec.kind} has no layers: bake radiance, or leave the layers out")
+        raise InputError(f"{spec.kind} has no layers", do("bake radiance"), leave_out(Setting.LAYER))
     if spec.accumulate or spec.refresh:
         _check_earlier(spec)
     if spec.where is not None:
         _check_where(spec)
     if spec.content is not None and not kind.content:
-        raise InputError(f"{spec.kind} shows the object itself: bake a proxy, or leave the content out")
+        raise InputError(
+            f"{spec.kind} shows the object itself", do("bake a proxy"), leave_out(Setting.CONTENT)
+        )
     if spec.view is not View.NORMAL and not kind.views:
-        raise InputError(f"{spec.kind} is not baked for a view: leave {spec.view} (--view) out")
+        raise InputError(f"{spec.kind} is not baked for a view, such as {spec.view}", leave_out(Setting.VIEW))
     if kind.light is Light.RESPONSE:
         _check_transfer(spec)
     _check_source(spec)
@@ -90,21 +100,22 @@ def _check_kind(spec: SpecFields) -> None:
 
 def _check_source(spec: SpecFields) -> None:
     if spec.source is None:
-        for word, given in (("extrusion", spec.extrusion), ("cage", spec.cage)):
+        for setting, given in ((Setting.EXTRUSION, spec.extrusion), (Setting.CAGE, spec.cage)):
             if given is not None:
                 raise InputError(
-                    f"{word} {given} is for what another object shows: name that one (--from), "
-                    f"or leave the {word} out"
+                    f"{setting} {given} is for what another object shows",
+                    do("name that object", Setting.FROM),
+                    leave_out(setting),
                 )
         return
     if not spec.source:
         raise InputError("the name of the object to bake from is empty: name one, or none")
     if not spec.kind.traits.source:
-        raise InputError(f"{spec.kind} is not baked from another object: leave --from out")
+        raise InputError(f"{spec.kind} is not baked from another object", leave_out(Setting.FROM))
     if not _asked(spec).source:
-        raise InputError(f"{_asked(spec).title} is not baked from another object: choose layout buckets")
+        raise InputError(f"{_asked(spec).title} is not baked from another object", _BUCKETS)
     if spec.capture is not CaptureMethod.PORTAL:
-        raise InputError(f"capture {spec.capture} bakes from no other object: capture by portal")
+        raise InputError(f"capture {spec.capture} bakes from no other object", _PORTAL)
     _check_reach(spec)
 
 
@@ -124,13 +135,15 @@ def _check_lights(spec: SpecFields) -> None:
     if not all(spec.lights):
         raise InputError("a light's name is empty: name lamps, or collections of lamps")
     for asked, wrong, remedy in (
-        (f"kind {spec.kind}", not spec.kind.traits.lamps, "bake radiance"),
-        (_asked(spec).title, not _asked(spec).lamps, "choose layout buckets"),
-        ("layers", bool(spec.layers), "leave the layers out"),
-        ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, "capture by portal"),
+        (f"kind {spec.kind}", not spec.kind.traits.lamps, do("bake radiance")),
+        (_asked(spec).title, not _asked(spec).lamps, _BUCKETS),
+        ("layers", bool(spec.layers), leave_out(Setting.LAYER)),
+        ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, _PORTAL),
     ):
         if wrong:
-            raise InputError(f"{asked} cannot be baked for some lamps alone (--lights): {remedy}")
+            raise InputError(
+                f"{asked} cannot be baked for some lamps alone", remedy, leave_out(Setting.LIGHTS)
+            )
 
 
 def _check_surfaces(spec: SpecFields) -> None:
@@ -139,47 +152,50 @@ def _check_surfaces(spec: SpecFields) -> None:
         if len(spec.objects) < 2:
             raise InputError(f"object '{spec.objects[0]}' is alone: name others to share its atlas")
         for asked, wrong, remedy in (
-            (_asked(spec).title, not _asked(spec).shared_atlas, "choose layout buckets"),
-            (f"a {spec.kind}", not spec.kind.traits.shared_atlas, "bake hulls one by one"),
-            ("what another object shows (--from)", spec.source is not None, "bake these one by one"),
+            (_asked(spec).title, not _asked(spec).shared_atlas, _BUCKETS),
+            (f"a {spec.kind}", not spec.kind.traits.shared_atlas, do("bake hulls one by one")),
+            ("what another object shows", spec.source is not None, do("bake these one by one")),
         ):
             if wrong:
-                raise InputError(f"{asked} is not baked for several objects in one atlas: {remedy}")
+                raise InputError(f"{asked} is not baked for several objects in one atlas", remedy)
     if spec.split is Split.UDIM and spec.uv_layer is None:
-        raise InputError("UDIM tiles are a UV layer's: name the layer (--uv)")
+        raise InputError("UDIM tiles are a UV layer's", do("name the layer", Setting.UV))
     if spec.part is not None and spec.split is None:
-        raise InputError(f"part '{spec.part}' of what? Split by {' or '.join(Split)}, or leave it out")
+        ways = " or ".join(Split)
+        raise InputError(
+            f"part '{spec.part}' is for an object that is split: split it by {ways}, or leave the part out"
+        )
 
 
 def _check_distance(spec: SpecFields) -> None:
     if spec.ao_distance is None:
         return
     if not spec.kind.traits.ao_distance:
-        raise InputError(f"{spec.kind} looks as far as there is: bake ao, or leave --ao-distance out")
+        raise InputError(f"{spec.kind} looks at any distance", do("bake ao"), leave_out(Setting.AO_DISTANCE))
     if not 0 < spec.ao_distance < inf:
         raise InputError(f"ao distance {spec.ao_distance:g}: give one above 0, in scene units")
 
 
 def _check_transfer(spec: SpecFields) -> None:
     for asked, wrong, remedy in (
-        ("shared layout", _asked(spec).by_paths, "choose layout buckets"),
-        ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, "capture by portal"),
-        ("budget or target", spec.condensed, "leave it out"),
+        ("the shared layout", _asked(spec).by_paths, _BUCKETS),
+        ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, _PORTAL),
+        ("a budget or target", spec.condensed, do("leave it out")),
     ):
         if wrong:
-            raise InputError(f"kind transfer knows no {asked}: {remedy}")
+            raise InputError(f"kind transfer does not go with {asked}", remedy)
 
 
 def _check_occlusion(spec: SpecFields) -> None:
     kind = spec.kind
     if _asked(spec).by_paths:
-        raise InputError(f"{_asked(spec).title} holds light, not {kind}: choose layout buckets")
+        raise InputError(f"{_asked(spec).title} holds light, not {kind}", _BUCKETS)
     if spec.capture is not CaptureMethod.PORTAL:
-        raise InputError(f"capture {spec.capture} cannot bake {kind}: capture by portal")
+        raise InputError(f"capture {spec.capture} cannot bake {kind}", _PORTAL)
     if spec.compression is Compression.DWAA and not kind.traits.lossy:
         raise InputError(f"compression dwaa is for light and spoils {kind}: choose zip or piz")
     if not (spec.half or kind.traits.full_floats):
-        raise InputError("shadow holds bits, not floats: leave 32-bit floats (--float) out")
+        raise InputError("shadow holds bits, not floats", leave_out(Setting.FLOAT))
 
 
 def _check_earlier(spec: SpecFields) -> None:
@@ -187,13 +203,13 @@ def _check_earlier(spec: SpecFields) -> None:
         raise InputError("to accumulate and to refresh contradict each other: choose one of them")
     done = "accumulated" if spec.accumulate else "refreshed"
     for asked, wrong, remedy in (
-        (f"kind {spec.kind}", not spec.kind.traits.accumulates, "bake it anew"),
-        (_asked(spec).title, not _asked(spec).accumulates, "choose layout buckets"),
-        ("layers", bool(spec.layers), "leave the layers out"),
-        ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, "capture by portal"),
+        (f"kind {spec.kind}", not spec.kind.traits.accumulates, do("bake it anew")),
+        (_asked(spec).title, not _asked(spec).accumulates, _BUCKETS),
+        ("layers", bool(spec.layers), leave_out(Setting.LAYER)),
+        ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, _PORTAL),
     ):
         if wrong:
-            raise InputError(f"{asked} cannot be {done}: {remedy}")
+            raise InputError(f"{asked} cannot be {done}", remedy)
 
 
 def _check_where(spec: SpecFields) -> None:
@@ -201,41 +217,45 @@ def _check_where(spec: SpecFields) -> None:
         raise InputError("the name of where is empty: name a vertex group, an attribute or a material")
     if not (spec.accumulate or spec.refresh):
         raise InputError(
-            f"where '{spec.where}' is for what is accumulated (--accumulate) or refreshed (--refresh): "
-            "choose one of them, or leave it out"
+            f"where '{spec.where}' is for what is accumulated or refreshed",
+            do("choose one of them", Setting.ACCUMULATE, Setting.REFRESH),
+            do("leave it out"),
         )
 
 
 def _check_shared(spec: SpecFields) -> None:
     if not spec.kind.traits.looks_at_surface:
         only = ", ".join(kind for kind, traits in KINDS.items() if traits.looks_at_surface)
-        raise InputError(
-            f"the shared layout knows kind {only} only, not {spec.kind}: bake that in layout buckets"
-        )
+        raise InputError(f"the shared layout knows kind {only} only, not {spec.kind}", _BUCKETS)
     if spec.capture is not CaptureMethod.PORTAL:
         raise InputError(
-            f"the shared layout knows capture {CaptureMethod.PORTAL} only, not {spec.capture}: "
-            "bake that in layout buckets"
+            f"the shared layout knows capture {CaptureMethod.PORTAL} only, not {spec.capture}", _BUCKETS
         )
     if spec.layers:
-        raise InputError("the shared layout has no layers: bake those in layout buckets")
+        raise InputError("the shared layout has no layers", _BUCKETS)
     _check_whole_number("samples in the shared layout", spec.samples, 1, _MOST_SHARED_SAMPLES)
 
 
 def _check_condensed(spec: SpecFields) -> None:
     asked = "a budget" if spec.target is None else "a target"
     if not _asked(spec).condenses:
-        raise InputError(f"{asked} needs the shared layout: choose --layout shared, or leave it out")
+        raise InputError(
+            f"{asked} needs the shared layout",
+            do("choose that layout", Setting.LAYOUT, value="shared"),
+            do("leave it out"),
+        )
     if spec.budget is not None and spec.target is not None:
         raise InputError("a budget and a target contradict each other: give one of them")
     if not spec.half or spec.compression is not Compression.ZIP:
-        raise InputError(f"{asked} makes textures of one format: leave --float and --compression out")
+        raise InputError(
+            f"{asked} makes textures of one format", leave_out(Setting.FLOAT, Setting.COMPRESSION)
+        )
     least, most = _TARGETS
     if spec.target is not None and not least <= spec.target <= most:
         raise InputError(f"target {spec.target:g} dB: give {least:g} to {most:g} dB")
     if spec.bucket % 4 != 2:
         raise InputError(
-            f"bucket {spec.bucket} with {asked}: give 6, 10, 14 or 18 cells, which with their border "
+            f"{spec.bucket} cells with {asked}: give 6, 10, 14 or 18 cells, which with their border "
             "fill the blocks of compressed textures"
         )
 
@@ -250,7 +270,7 @@ def _check_size(spec: SpecFields) -> None:
 
 def size_of(spec: SpecFields) -> str:
     """The settings that make an atlas large, for messages."""
-    return f"texels {spec.texels} with bucket {spec.bucket}"
+    return f"a side of {spec.texels} texels with {spec.bucket} cells"
 
 
 def _check_whole_number(name: str, value: object, least: int, most: int) -> None:

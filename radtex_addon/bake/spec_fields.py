@@ -11,7 +11,7 @@ from typing import cast
 from ..formats.containers.exr import Compression
 from .choices import CaptureMethod, Unwrap, View
 from .forms import FormTraits
-from .kinds import USUAL_KIND, Kind, Layout, form_of
+from .kinds import DEFAULT_KIND, Kind, Layout, form_of
 from .layers import OF_LAYER, WHOLE, Layer, captured
 from .parts import Split
 from .plan import SHEET
@@ -30,7 +30,7 @@ _BYTES_PER_RAY = 48  # single paths in float16, their directions, and the fit's 
 class SpecFields:
     """The fields of `BakeSpec`, which checks them."""
 
-    kind: Kind = USUAL_KIND
+    kind: Kind = DEFAULT_KIND
     texels: int = 128
     bucket: int = cast(int, None)  # None only until __post_init__ sets the default
     samples: int = 16

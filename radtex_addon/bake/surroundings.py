@@ -24,7 +24,7 @@ NEARNESS_SIZE = 64
 _SMOOTH = 4.8  # a level's blur (standard deviation, radians) times its cells along a side: hides the cells
 _KNOWN = 0.05  # samples in a cell: with fewer, it takes a neighbour's light
 _BLUR_TAPS = 64
-_MEETINGS = 6  # iterations until a ray has found what it meets
+_MEETINGS = 6  # iterations to find what a ray meets
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ log = logging.getLogger(__name__)
 _SIDE = 256  # pixels at most, along the longer side
 _EVERY = 1.0  # seconds between two pictures, at least
 _GAMMA = 2.2
-_NOT_YET = 0.05  # linear grey of texels without light, yet or ever
+_NOT_YET = 0.05  # linear grey of texels that have no light, or not yet
 
 
 class Thumbnail:

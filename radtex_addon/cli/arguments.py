@@ -8,17 +8,15 @@ import argparse
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from ..bake.frames import of_frames
 from ..bake.memory_limits import check_memory
 from ..bake.spec import BakeSpec, Layout
-from ..core.command_lines import quoted
 from ..core.errors import InputError
-from ..core.sampler import Filter
-from ..export.kinds import check_target
+from ..export.target_checks import check_target
 from ..job import OpenLayout
+from ..job.bake_request import BakeRequest
 from ..scene.demo import OBJECT
-from ..textures.spec import Target
 from .bake_arguments import add_course, add_files, add_how, add_quality, add_what
+from .light_options import lit, parse_lights
 from .options import (
     ASSEMBLE,
     COMPARE,
@@ -30,8 +28,8 @@ from .options import (
     ProgressStyle,
     add_help,
     add_parent,
+    check_named,
 )
-from .variants import lit, parse_lights
 
 _DESCRIPTION = """\
 Bake radiance textures with Cycles: every texel of an object gets a bucket, a
@@ -62,40 +60,17 @@ exit codes:
 
 @dataclass(frozen=True)
 class Request:
-    """One bake run. `scene` is the .blend to open; None bakes the file that Blender has open.
-
-    If no layout was named, `spec` has layout buckets until `job.choose_layout` chooses one.
-    """
+    """One bake run. `scene` is the .blend to open; None bakes the file that Blender has open."""
 
     scene: Path | None
     demo: bool
-    objects: tuple[str, ...]
-    spec: BakeSpec
-    out: Path
-    preview: Filter | None
-    overwrite: bool
+    bakes: BakeRequest
     progress: ProgressStyle
     verbose: bool
-    resume: bool = False
     thumbnail: Path | None = None
-    exports: tuple[Target, ...] = ()
     in_scene: str | None = None
     unsaved_images: Path | None = None
     parent_pipe: bool = False
-    frames: tuple[int, ...] = ()
-    lights: tuple[tuple[str, ...], ...] = ()
-    together: str | None = None
-    open_layout: OpenLayout | None = None
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the atlases: one for each object, or one that all share."""
-        return (self.together,) if self.together is not None else self.objects or (OBJECT,)
-
-    @property
-    def specs(self) -> tuple[BakeSpec, ...]:
-        """Specifications for each object and each of `lights`: one per frame, or one at the file's frame."""
-        return of_frames(self.spec, self.frames) or (self.spec,)
 
 
 def parse(arguments: list[str], inside_blender: bool) -> Request:
@@ -106,16 +81,7 @@ def parse(arguments: list[str], inside_blender: bool) -> Request:
 def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
     """Make a request from a namespace that has all options of a bake. Raises InputError."""
     demo = found.scene == DEMO
-    if not inside_blender and found.scene is None:
-        raise InputError(f"which file? give a .blend, or the word {DEMO} (--help lists everything)")
-    if not demo and not found.object:
-        raise InputError("which object? name it: --object NAME (--help lists everything)")
-    if inside_blender and found.scene not in (None, DEMO):
-        raise InputError(
-            f"inside Blender the open file is baked: open {found.scene} by "
-            f"{quoted(['blender', '-b', found.scene])}, "
-            f"and leave it out after the --"
-        )
+    check_named(found, inside_blender, "baked")
     chosen = {
         field.name: getattr(found, field.name) for field in fields(BakeSpec) if hasattr(found, field.name)
     }
@@ -137,23 +103,24 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
     return Request(
         scene=None if demo or found.scene is None else Path(found.scene),
         demo=demo,
-        objects=objects,
-        spec=spec,
-        out=Path(found.out),
-        preview=found.filter if found.save_preview or demo else None,
-        overwrite=found.overwrite or demo,
+        bakes=BakeRequest(
+            objects=objects or (OBJECT,),
+            spec=spec,
+            folder=Path(found.out),
+            shared=found.together,
+            preview=found.filter if found.save_preview or demo else None,
+            overwrite=found.overwrite or demo,
+            resume=found.resume,
+            exports=tuple(dict.fromkeys(found.exports or ())),
+            frames=found.frames,
+            lights=lights,
+            open_layout=open_layout,
+        ),
         progress=found.progress,
         verbose=found.verbose,
-        resume=found.resume,
         thumbnail=None if found.thumbnail is None else Path(found.thumbnail),
-        exports=tuple(dict.fromkeys(found.exports or ())),
         in_scene=found.in_scene,
-        unsaved_images=None if found.unsaved_images is None else Path(found.unsaved_images),
         parent_pipe=found.parent_pipe,
-        frames=found.frames,
-        lights=lights,
-        together=found.together,
-        open_layout=open_layout,
     )
 
 
@@ -189,6 +156,6 @@ def _parser(inside_blender: bool) -> Parser:
     output = parser.add_argument_group("output")
     add_files(output)
     add_course(output)
-    add_parent(parser.add_argument_group("for a program that runs this one"), of_scene=True)
+    add_parent(parser.add_argument_group("for a program that runs this one"))
     add_help(parser.add_argument_group("help"))
     return parser

@@ -4,12 +4,20 @@
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..textures.spec import Target
-from .options import ASSEMBLE, Parser, ProgressStyle, add_choice, add_help, add_parent, add_progress
+from ..textures.export_spec import Target
+from .options import (
+    ASSEMBLE,
+    Parser,
+    ProgressStyle,
+    add_choice,
+    add_help,
+    add_parent,
+    add_progress,
+    command_parser,
+)
 
 _DESCRIPTION = """\
 Join the frames that a farm has rendered of what bake.py prepare wrote. Every
@@ -53,16 +61,7 @@ def parse_assemble(arguments: list[str], inside_blender: bool) -> AssembleReques
 
 
 def _parser(inside_blender: bool) -> Parser:
-    program = f"blender -b -P bake.py -- {ASSEMBLE}" if inside_blender else f"bake.py {ASSEMBLE}"
-    parser = Parser(
-        prog=program,
-        usage=f"{program} DIR [options]",
-        description=_DESCRIPTION,
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-        add_help=False,
-    )
+    parser = command_parser(ASSEMBLE, "DIR", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=False)
     what = parser.add_argument_group("what is joined")
     what.add_argument("farm", metavar="DIR", help="the folder that bake.py prepare wrote")
     output = parser.add_argument_group("output")
@@ -81,6 +80,6 @@ def _parser(inside_blender: bool) -> Parser:
         action="append",
     )
     add_progress(output)
-    add_parent(parser.add_argument_group("for a program that runs this one"), of_scene=False)
+    add_parent(parser.add_argument_group("for a program that runs this one"))
     add_help(parser.add_argument_group("help"))
     return parser

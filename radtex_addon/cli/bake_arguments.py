@@ -8,13 +8,13 @@ import argparse
 import re
 from functools import partial
 
-from ..bake.frames import parse_frames
+from ..bake.frame_numbers import parse_frames
 from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layer, Layout, Split, Unwrap, View
 from ..bake.spec_checks import LEAST_MEMORY
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..job.layout_choice import SHARED_CELLS
-from ..textures.spec import Target
+from ..textures.export_spec import Target
 from .options import DEMO, add_choice, add_device, add_memory, add_number, add_progress, parse_size
 
 _DEFAULT = BakeSpec()
@@ -22,6 +22,13 @@ _DEFAULT = BakeSpec()
 
 def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
     """Add options for the light and the objects to bake, and the surface to bake onto."""
+    _add_objects(group, inside_blender)
+    _add_light(group)
+    _add_variants(group)
+    _add_surface(group)
+
+
+def _add_objects(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
     file = "left out: the file that Blender has open is baked" if inside_blender else "a .blend file"
     group.add_argument(
         "scene",
@@ -61,6 +68,9 @@ def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         metavar="NAME",
         help="the scene of the file (default: the one that it opens with)",
     )
+
+
+def _add_light(group: argparse._ArgumentGroup) -> None:
     add_choice(
         group,
         "--kind",
@@ -116,6 +126,9 @@ def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         help="look for --from from this object on, through --object and as far beyond, instead of along "
         "normals: a copy of --object whose vertices were moved out; it is never seen",
     )
+
+
+def _add_variants(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--frames",
         type=parse_frames,
@@ -152,6 +165,9 @@ def add_what(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         action="append",
         metavar="LAYER",
     )
+
+
+def _add_surface(group: argparse._ArgumentGroup) -> None:
     add_choice(
         group,
         "--layout",

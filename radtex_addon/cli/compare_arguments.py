@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..core.errors import InputError
-from ..report.eye import Eye
 from ..report.side_by_side import ComparisonSpec
+from ..report.viewpoint import Eye
 from .options import (
     COMPARE,
     DEMO,
@@ -22,6 +22,8 @@ from .options import (
     add_number,
     add_parent,
     add_progress,
+    check_named,
+    command_parser,
 )
 
 _DEFAULT = ComparisonSpec()
@@ -66,15 +68,7 @@ def parse_compare(arguments: list[str], inside_blender: bool) -> CompareRequest:
     """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
     found = _parser(inside_blender).parse_args(arguments)
     demo = found.scene == DEMO
-    if not inside_blender and found.scene is None:
-        raise InputError(f"which file? give a .blend, or the word {DEMO} (--help lists everything)")
-    if not demo and not found.object:
-        raise InputError("which object? name it: --object NAME (--help lists everything)")
-    if inside_blender and found.scene not in (None, DEMO):
-        raise InputError(
-            f"inside Blender the open file is looked at: open {found.scene} by blender -b {found.scene}, "
-            f"and leave it out after the --"
-        )
+    check_named(found, inside_blender, "looked at")
     return CompareRequest(
         scene=None if demo or found.scene is None else Path(found.scene),
         demo=demo,
@@ -86,7 +80,6 @@ def parse_compare(arguments: list[str], inside_blender: bool) -> CompareRequest:
         progress=found.progress,
         verbose=found.verbose,
         in_scene=found.in_scene,
-        unsaved_images=None if found.unsaved_images is None else Path(found.unsaved_images),
         parent_pipe=found.parent_pipe,
     )
 
@@ -114,21 +107,14 @@ def _matrix(word: str) -> list[float]:
 
 
 def _parser(inside_blender: bool) -> Parser:
-    program = f"blender -b SCENE -P bake.py -- {COMPARE}" if inside_blender else f"bake.py {COMPARE}"
     scene = "" if inside_blender else "SCENE "
-    parser = Parser(
-        prog=program,
-        usage=f"{program} {scene}--object NAME [options]",
-        description=_DESCRIPTION,
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-        add_help=False,
+    parser = command_parser(
+        COMPARE, f"{scene}--object NAME", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=True
     )
     _add_what(parser.add_argument_group("what is compared"), inside_blender)
     _add_how(parser.add_argument_group("how"))
     _add_output(parser.add_argument_group("output"))
-    add_parent(parser.add_argument_group("for a program that runs this one"), of_scene=True)
+    add_parent(parser.add_argument_group("for a program that runs this one"))
     add_help(parser.add_argument_group("help"))
     return parser
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..bake.layers import Layer
 from ..core.errors import InputError
-from ..textures.spec import Arrangement, ExportSpec, Target, TextureFormat
+from ..textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from .options import (
     EXPORT,
     Parser,
@@ -21,6 +21,7 @@ from .options import (
     add_number,
     add_parent,
     add_progress,
+    command_parser,
 )
 
 _DESCRIPTION = """\
@@ -72,15 +73,8 @@ def parse_export(arguments: list[str], inside_blender: bool) -> ExportRequest:
 
 
 def _parser(inside_blender: bool) -> Parser:
-    program = f"blender -b -P bake.py -- {EXPORT}" if inside_blender else f"bake.py {EXPORT}"
-    parser = Parser(
-        prog=program,
-        usage=f"{program} DIR --to TARGET [options]",
-        description=_DESCRIPTION,
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-        add_help=False,
+    parser = command_parser(
+        EXPORT, "DIR --to TARGET", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=False
     )
     _add_what(parser.add_argument_group("what is exported"))
     _add_textures(parser.add_argument_group("textures"))
@@ -90,7 +84,7 @@ def _parser(inside_blender: bool) -> Parser:
         None,
     )
     _add_output(parser.add_argument_group("output"))
-    add_parent(parser.add_argument_group("for a program that runs this one"), of_scene=False)
+    add_parent(parser.add_argument_group("for a program that runs this one"))
     add_help(parser.add_argument_group("help"))
     return parser
 

@@ -10,24 +10,28 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 from ..core.errors import RadTexError
+from ..core.messages import Message
+from ..worker.order import WORK
 from .arguments import parse
-from .assemble import run_assemble
 from .assemble_arguments import parse_assemble
-from .bake import run_bake
-from .compare import run_compare
 from .compare_arguments import parse_compare
-from .export import run_export
 from .export_arguments import parse_export
 from .failure import as_ours
 from .interruption import Interruption, interruptible
 from .opening import scripts_off
 from .options import ASSEMBLE, COMPARE, EXPORT, PREPARE, REPORT
-from .prepare import run_prepare
 from .prepare_arguments import parse_prepare
-from .report import run_report
 from .report_arguments import parse_report
 from .reporting import Report, reporting
+from .run_assemble import run_assemble
+from .run_bake import run_bake
+from .run_compare import run_compare
+from .run_export import run_export
+from .run_prepare import run_prepare
+from .run_report import run_report
+from .run_work import parse_work, run_work
 from .terminal import tell
+from .wording import told, worded
 
 
 class _Command(NamedTuple):
@@ -43,6 +47,7 @@ _COMMANDS = {
     COMPARE: _Command(parse_compare, run_compare),
     PREPARE: _Command(parse_prepare, run_prepare),
     ASSEMBLE: _Command(parse_assemble, run_assemble),
+    WORK: _Command(parse_work, run_work),
 }
 _BAKE = _Command(parse, run_bake)
 
@@ -62,14 +67,14 @@ def main(arguments: list[str], inside_blender: bool) -> int:
                 report.check()
         except (Exception, KeyboardInterrupt) as raised:  # noqa: BLE001  # else Blender would go on and exit with 0
             failure = as_ours(raised)
-            report.event("error", message=str(failure), exit_code=failure.exit_code)
+            report.event("error", **told(failure.message), exit_code=failure.exit_code)
             report.close()
             return _complain(failure)
     return 0
 
 
 def _complain(error: RadTexError) -> int:
-    tell(f"radtex: {error}")
+    tell(f"radtex: {worded(error.message)}")
     return error.exit_code
 
 
@@ -89,10 +94,10 @@ class _Warnings(logging.Handler):
     def __init__(self, report: Report) -> None:
         super().__init__(logging.WARNING)
         self._report = report
-        self._said: set[str] = set()
+        self._said: set[Message] = set()
 
     def emit(self, record: logging.LogRecord) -> None:
-        message = record.getMessage()
+        message = record.msg if isinstance(record.msg, Message) else Message(record.getMessage())
         if message not in self._said:
             self._said.add(message)
-            self._report.event("warning", message=message)
+            self._report.event("warning", **told(message))

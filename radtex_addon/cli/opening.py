@@ -8,15 +8,37 @@ import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Protocol, cast
 
 import bpy
 
 from ..core.errors import InputError
 from ..formats.disk.path_checks import check_for_blender
-from ..scene.checks.missing_files import lacking
+from ..scene.checks.missing_files import file_warnings
 from ..scene.checks.outside import check_outside_files
 from ..scene.demo import build_demo_scene
+from ..worker.unsaved_images import load_unsaved
+from .interruption import Interruption
+
+
+class SceneRequest(Protocol):
+    """What requests have that open a scene."""
+
+    @property
+    def scene(self) -> Path | None: ...
+
+    @property
+    def demo(self) -> bool: ...
+
+    @property
+    def in_scene(self) -> str | None: ...
+
+    @property
+    def unsaved_images(self) -> Path | None: ...
+
+    @property
+    def parent_pipe(self) -> bool: ...
+
 
 log = logging.getLogger(__name__)
 
@@ -39,6 +61,19 @@ def scripts_off(inside_blender: bool) -> Iterator[None]:
         context.preferences.filepaths.use_scripts_auto_execute = before
 
 
+def open_asked(request: SceneRequest, interruption: Interruption) -> bpy.types.Scene:
+    """The scene of a request, with its unsaved images; cancelled from now on by the parent's pipe, if any.
+
+    Raises InputError as `open_scene` does.
+    """
+    if request.parent_pipe:
+        interruption.ask_when_input_ends()
+    scene = open_scene(request.scene, request.demo, request.in_scene)
+    if request.unsaved_images is not None:
+        load_unsaved(request.unsaved_images)
+    return scene
+
+
 def open_scene(path: Path | None, demo: bool, name: str | None = None) -> bpy.types.Scene:
     """The demo scene, the scene of the .blend `path`, or of the open file. Raises InputError.
 
@@ -49,7 +84,7 @@ def open_scene(path: Path | None, demo: bool, name: str | None = None) -> bpy.ty
     if path is not None:
         _open(path)
         check_outside_files()
-        for complaint in lacking():
+        for complaint in file_warnings():
             log.warning(complaint)
     if name is not None:
         return _named(name)

@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 
 from ..bake.spec import BakeSpec
 from ..bake.spec_checks import MOST_MEMORY
+from ..core.command_lines import quoted
 from ..core.errors import BakeError, InputError
 from ..cycles.device import GPU_TYPES
 from ..formats.disk.path_checks import check_unicode, one_root
@@ -34,7 +35,6 @@ _PLACES = (
     "farm",
     "out",
     "thumbnail",
-    "unsaved_images",
 )  # options that name a file or a folder
 
 
@@ -72,6 +72,42 @@ class Parser(argparse.ArgumentParser):
         raise InputError(f"{message} (--help lists everything)")
 
 
+def command_parser(
+    command: str, words: str, description: str, epilog: str, inside_blender: bool, *, opens_scene: bool
+) -> Parser:
+    """The parser of a command without options yet; `words` are what its usage says behind the command.
+
+    A command that `opens_scene` bakes or looks at Blender's open file when it runs inside Blender.
+    """
+    file = "SCENE " if opens_scene else ""
+    program = f"blender -b {file}-P bake.py -- {command}" if inside_blender else f"bake.py {command}"
+    return Parser(
+        prog=program,
+        usage=f"{program} {words} [options]",
+        description=description,
+        epilog=epilog,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+        add_help=False,
+    )
+
+
+def check_named(found: argparse.Namespace, inside_blender: bool, done: str) -> None:
+    """Check that a scene and objects are named, or the demo. `done` is what happens to Blender's open file.
+
+    Raises InputError.
+    """
+    if not inside_blender and found.scene is None:
+        raise InputError(f"which file? give a .blend, or the word {DEMO} (--help lists everything)")
+    if found.scene != DEMO and not found.object:
+        raise InputError("which object? name it: --object NAME (--help lists everything)")
+    if inside_blender and found.scene not in (None, DEMO):
+        raise InputError(
+            f"inside Blender the open file is {done}: open {found.scene} by "
+            f"{quoted(['blender', '-b', found.scene])}, and leave it out after the --"
+        )
+
+
 def add_progress(group: argparse._ArgumentGroup) -> None:
     """Add the options of progress and messages."""
     add_choice(
@@ -85,20 +121,14 @@ def add_progress(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--verbose", action="store_true", help="let Blender's own messages through")
 
 
-def add_parent(group: argparse._ArgumentGroup, *, of_scene: bool) -> None:
-    """Add options for a parent process: cancellation by pipe and, if `of_scene`, its unsaved images."""
+def add_parent(group: argparse._ArgumentGroup) -> None:
+    """Add the option for a parent process that cancels by a pipe."""
     group.add_argument(
         "--parent-pipe",
         action="store_true",
         help="end as by Ctrl-C when standard input ends, and at the latest three seconds later: the program "
         "closes the pipe to cancel, and its death closes it too",
     )
-    if of_scene:
-        group.add_argument(
-            "--unsaved-images",
-            metavar="DIR",
-            help="images as they were painted in a Blender that has not saved them",
-        )
 
 
 def add_device(group: argparse._ArgumentGroup) -> None:

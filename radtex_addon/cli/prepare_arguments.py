@@ -4,12 +4,10 @@
 
 from __future__ import annotations
 
-import argparse
-
 from ..core.errors import InputError
 from .arguments import Request, read_request
 from .bake_arguments import add_files, add_how, add_quality, add_what
-from .options import PREPARE, Parser, add_help, add_parent
+from .options import PREPARE, Parser, add_help, add_parent, command_parser
 
 _DESCRIPTION = """\
 Prepare a bake for a render farm: do all of it up to the first ray, and write
@@ -31,29 +29,23 @@ _ELSEWHERE = {"accumulate": False, "refresh": False, "resume": False, "where": N
 def parse_prepare(arguments: list[str], inside_blender: bool) -> Request:
     """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
     request = read_request(_parser(inside_blender).parse_args(arguments), inside_blender)
-    for count, what in ((len(request.names), "object"), (len(request.specs), "frame")):
+    bakes = request.bakes
+    for count, what in ((len(bakes.names), "object"), (len(bakes.frames), "frame")):
         if count > 1:
             raise InputError(f"a farm makes one atlas: prepare {count} of them, one for each {what}")
     return request
 
 
 def _parser(inside_blender: bool) -> Parser:
-    program = f"blender -b SCENE -P bake.py -- {PREPARE}" if inside_blender else f"bake.py {PREPARE}"
     scene = "" if inside_blender else "SCENE "
-    parser = Parser(
-        prog=program,
-        usage=f"{program} {scene}--object NAME [options]",
-        description=_DESCRIPTION,
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-        add_help=False,
+    parser = command_parser(
+        PREPARE, f"{scene}--object NAME", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=True
     )
     add_what(parser.add_argument_group("what is baked"), inside_blender)
     add_quality(parser.add_argument_group("quality"))
     add_how(parser.add_argument_group("how"))
     add_files(parser.add_argument_group("output"))
-    add_parent(parser.add_argument_group("for a program that runs this one"), of_scene=True)
+    add_parent(parser.add_argument_group("for a program that runs this one"))
     add_help(parser.add_argument_group("help"))
     parser.set_defaults(thumbnail=None, **_ELSEWHERE)
     return parser

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from ..core.errors import InputError
-from ..report.run import ReportSpec
+from ..report.report_bake import ReportSpec
 from .options import (
     DEMO,
     REPORT,
@@ -20,6 +20,7 @@ from .options import (
     add_memory,
     add_number,
     add_progress,
+    command_parser,
 )
 
 _DEFAULT = ReportSpec()
@@ -89,17 +90,8 @@ def parse_report(arguments: list[str], inside_blender: bool) -> ReportRequest:
 
 
 def _parser(inside_blender: bool) -> Parser:
-    program = f"blender -b SCENE -P bake.py -- {REPORT}" if inside_blender else f"bake.py {REPORT}"
     scene = "" if inside_blender else " --scene SCENE"
-    parser = Parser(
-        prog=program,
-        usage=f"{program} DIR{scene} [options]",
-        description=_DESCRIPTION,
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-        add_help=False,
-    )
+    parser = command_parser(REPORT, f"DIR{scene}", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=True)
     _add_what(parser.add_argument_group("what is judged"), inside_blender)
     _add_how(parser.add_argument_group("how"))
     _add_output(parser.add_argument_group("output"))

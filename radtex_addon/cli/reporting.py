@@ -17,9 +17,9 @@ from typing import Any, Protocol
 
 from ..bake.progress import Stage
 from ..core.printable import printable, printable_json
-from ..farm.progress import Task as FarmTask
-from ..report.progress import Task
-from ..textures.progress import Task as ExportTask
+from ..farm.farm_progress import Task as FarmTask
+from ..report.report_progress import Task
+from ..textures.export_progress import Task as ExportTask
 from .options import ProgressStyle
 from .terminal import Output, draw, tell
 

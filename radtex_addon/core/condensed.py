@@ -58,7 +58,7 @@ class CondensedLobe:
         return int(self.ends.shape[1]) - 1
 
     def expanded(self) -> Lobe:
-        """Every texel's own buckets."""
+        """The lobe in the dense form: each texel with its own buckets."""
         return Lobe(self.axis, *(self._mixed(part) for part in (self.ends, self.gain, self.rest)))
 
     def _mixed(self, base: Floats) -> Floats:
@@ -84,7 +84,10 @@ class CondensedAtlas:
     lobes: tuple[CondensedLobe, ...]
 
     def expanded(self) -> SharedAtlas:
-        """The atlas with every texel's own buckets. Raises ShapeError if shapes do not fit."""
+        """The atlas in the dense form: each texel with its own buckets.
+
+        Raises ShapeError if shapes do not fit.
+        """
         return SharedAtlas(
             self.colour,
             self.irradiance,

@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+from typing import Self
+
+from .messages import Message, Remedy
 from .printable import printable
 
 _HEAD, _TAIL = 4500, 500  # characters kept from the start and the end of an overlong message
@@ -12,16 +15,27 @@ _HEAD, _TAIL = 4500, 500  # characters kept from the start and the end of an ove
 class RadTexError(Exception):
     """Base class of our errors; `exit_code` is the exit status of the batch.
 
-    The message is always one line: line breaks and terminal control characters in quoted names are escaped.
-    The middle of an overlong message (more than any path has) is left out.
+    `message` holds the problem and the remedies separately, so that the command line and the panel can insert
+    their own names of settings. It is always one line: line breaks and terminal control characters in quoted
+    names are escaped. The middle of an overlong message (longer than any path) is left out.
     """
 
     exit_code = 2
 
-    def __init__(self, message: str = "") -> None:
-        if len(message) > _HEAD + _TAIL:
-            message = f"{message[:_HEAD]}…{message[-_TAIL:]}"
-        super().__init__(printable(message))
+    def __init__(self, problem: str = "", *remedies: Remedy) -> None:
+        if len(problem) > _HEAD + _TAIL:
+            problem = f"{problem[:_HEAD]}…{problem[-_TAIL:]}"
+        self.message = Message(printable(problem), remedies)
+        super().__init__(str(self.message))
+
+    @classmethod
+    def of(cls, message: Message) -> Self:
+        """The error with this message."""
+        return cls(message.problem, *message.remedies)
+
+    def saying(self, problem: str, *more: Remedy) -> Self:
+        """The same error with another problem and `more` remedies after its own."""
+        return type(self)(problem, *self.message.remedies, *more)
 
 
 class InputError(RadTexError):

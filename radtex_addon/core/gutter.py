@@ -15,9 +15,9 @@ import numpy.typing as npt
 from .arrays import Bools, Floats, Ints
 from .errors import InputError, ShapeError
 
-LEAST_AGREEMENT = 0.85  # with a lower `gutter_agreement` a bake belongs to another UV layer
+LEAST_AGREEMENT = 0.85  # if `gutter_agreement` is lower, the bake was made on another UV layer
 
-_LOOKED_AT = 4096  # gutter texels are sampled, about so many of them
+_LOOKED_AT = 4096  # about how many gutter texels `gutter_agreement` compares
 
 Nearest: TypeAlias = tuple[Ints, Ints]
 
@@ -62,8 +62,8 @@ def dilate(values: npt.NDArray[Any], nearest: Nearest) -> npt.NDArray[Any]:
 def gutter_agreement(covered: Bools, texels: Floats, loss: float = 0.0) -> float:
     """How well a UV layer that covers the texels `covered` (H, W) agrees with a bake's `texels` (H, W, K).
 
-    Returns the share of the gutter's values that are copies of the nearest covered texel's, 0 to 1. Values
-    count as copies if they differ by at most `loss` times the larger. Raises ShapeError if the sizes differ.
+    Returns the share, 0 to 1, of gutter values that are copies of the nearest covered texel's. Values count
+    as copies if they differ by at most `loss` times the larger. Raises ShapeError if the sizes differ.
     """
     if texels.shape[:2] != covered.shape:
         raise ShapeError(f"texels: expected shape {(*covered.shape, '...')}, got {texels.shape}")
@@ -114,7 +114,7 @@ def _nearest_column(gap: Ints) -> Ints:
         emptied = np.flatnonzero(top < 0)
         top[emptied], column[0, emptied], start[0, emptied] = 0, i, 0
         last = column[top, rows].astype(np.int64)
-        # the new one is lower from here on; where it replaced the whole envelope it is `last` itself
+        # the new parabola is lower from here on; where it replaced the whole envelope, `last` is the new one
         begin = 1 + (i * i - last * last + square[i] - square[last, rows]) // np.maximum(2 * (i - last), 1)
         added = np.flatnonzero((last != i) & (begin < width))
         top[added] += 1

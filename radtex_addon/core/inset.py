@@ -40,10 +40,10 @@ def inset(texels: TexelMap, surface: SurfaceMesh, distance: float | Floats) -> T
 
 
 def _weights(point: Floats, corner: Floats, distance: Floats) -> tuple[Floats, Floats]:
-    """Barycentric weights (K, 3) of points (K, 3) in triangles (K, 3, 3), and the least ones allowed.
+    """Barycentric weights (K, 3) of points (K, 3) in triangles (K, 3, 3), and the least allowed weights.
 
-    A corner's weight is the point's distance from the opposite edge over the corner's (its altitude), so the
-    least one is `distance` over the altitude.
+    A corner's weight is the point's distance from the opposite edge, divided by the corner's distance from
+    that edge (its altitude). So the least weight is `distance` over the altitude.
     """
     ahead, behind = np.roll(corner, -1, axis=1), np.roll(corner, -2, axis=1)
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])[:, None]
@@ -58,7 +58,7 @@ def _weights(point: Floats, corner: Floats, distance: Floats) -> tuple[Floats, F
 
 
 def _at_least(weight: Floats, least: Floats) -> Floats:
-    """Raise weights (K, 3) to `least` and lower those above it, so that they sum to 1 again."""
+    """Raise weights (K, 3) below `least` to it, and lower the others so that they sum to 1 again."""
     above = np.maximum(weight - least, 0)
     total, left = above.sum(axis=1, keepdims=True), 1 - least.sum(axis=1, keepdims=True)
     raised: Floats = least + above * np.divide(left, total, out=np.zeros_like(left), where=total > 0)

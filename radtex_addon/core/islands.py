@@ -14,7 +14,7 @@ from .arrays import Bools, Floats, Ints
 from .errors import ShapeError
 
 ROWS_AT_ONCE = 1 << 20  # rows of triangles that the overlap raster holds in memory at a time
-EDGE_MARGIN = 1e-6  # in grid cells: a sample this close to an edge lies inside neither of its triangles
+EDGE_MARGIN = 1e-6  # in grid cells: a sample this close to an edge counts as inside neither triangle
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Overlap:
     """How much of a UV layer is covered more than once.
 
     `fraction` is the share of the covered area that has more than one triangle. `worst_uv` is the point with
-    the most triangles, `depth` their number.
+    the most triangles, `depth` the number of triangles there.
     """
 
     fraction: float
@@ -90,7 +90,7 @@ def surface_areas(corners: Floats) -> Floats:
 def find_overlap(uv: Floats, resolution: int = 1024) -> Overlap:
     """Overlap of uv triangles (F, 3, 2) within the unit square, found at resolution² sample points.
 
-    A point counts for every triangle that contains it strictly, so that shared edges never overlap.
+    A point on an edge lies in no triangle, so triangles that share an edge do not count as overlapping.
     """
     depth = coverage_depth(uv, resolution)
     covered = int(np.count_nonzero(depth))

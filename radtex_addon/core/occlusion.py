@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Ambient occlusion and the bent normal, from a grid of cells of equal cosine-weighted solid angle.
 
-In a bucket the cosine varies so much within a cell at the horizon that a low wall would count half as much
-again as it should. So ambient rays have a grid of their own: the square mapped to the disc by Shirley and
-Chiu, "A Low Distortion Map Between Disk and Square" (1997), which preserves area, and the disc projected up
-to the hemisphere (Malley's method), which turns area into the cosine times solid angle.
+Buckets are too coarse for this: at the horizon the cosine varies so much within a cell that a low wall would
+count half as much again as it should. So rays for ambient occlusion use another grid: the square mapped to
+the disc by Shirley and Chiu, "A Low Distortion Map Between Disk and Square" (1997), which preserves area, and
+the disc projected up to the hemisphere (Malley's method), which turns area into the cosine times solid angle.
 """
 
 from __future__ import annotations

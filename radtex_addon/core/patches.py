@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cut a mesh into patches with their neighbouring triangles, for work that needs no others."""
+"""Cut a mesh into patches of triangles, each with its neighbours, to process one patch at a time."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ def patches(vertex: Ints, place: Floats, most: int) -> Iterator[tuple[Ints, Ints
 
     Both are ascending triangle indices. Each triangle is in the `own` of exactly one patch; `whole` are the
     own triangles and all that share a vertex with them. `whole` has at most `most` triangles, except where
-    very many meet at one vertex. `place` (F, 3) are the triangles' positions: a patch's triangles are close.
+    very many meet at one vertex. `place` (F, 3) are positions of the triangles; a patch's triangles are
+    close.
     """
     order = np.argsort(_along_a_curve(place), kind="stable")
     corner = np.argsort(vertex, axis=None, kind="stable")

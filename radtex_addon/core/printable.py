@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import unicodedata
 
-# Control characters, lone surrogates, line and paragraph separators, and invisible format characters: these
-# can reverse the direction of text, so that a name looks like another.
+# Control characters, lone surrogates, line and paragraph separators, and invisible format characters (which
+# can reverse the direction of text, so that a name looks like another).
 _UNSEEN = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 _JOINERS = "\u200c\u200d"  # invisible too, but some scripts and emojis need them
 
@@ -26,7 +26,7 @@ def _shown(character: str) -> str:
 
 
 def printable_json(text: str) -> str:
-    r"""JSON text as one line: the same characters are escaped as in \u001b, so that it parses to the same."""
+    r"""JSON text as one line: the same characters as JSON escapes such as \u001b; its value stays."""
     if text.isprintable():
         return text
     return "".join(

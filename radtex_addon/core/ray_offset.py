@@ -9,7 +9,7 @@ import numpy as np
 from .arrays import Floats
 
 GRAZING = 0.01  # least cosine between a ray and the normal of the facet that it starts from
-_OF_SIZE = 5e-4  # times the object's diagonal: less than a texel, more than smooth shading deviates
+_OF_SIZE = 5e-4  # times the object's diagonal: less than a texel, more than facets lie off the smooth surface
 _OF_COORDINATE = 5e-5  # times the largest coordinate: lifts a grazing ray's start by eight float32 steps
 
 

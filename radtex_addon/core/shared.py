@@ -129,7 +129,7 @@ def sample_surroundings(
 
 
 def level_weights(spread: Floats, sharpest: float, count: int) -> Iterator[tuple[int, Floats]]:
-    """Each level's share (K,) in a lookup blurred by variances (K,): linear between the two nearest."""
+    """Yield levels and their weights (K,) in lookups blurred by variances (K,): linear between two levels."""
     level = np.clip(np.log2(np.maximum(spread, 1e-12) / sharpest) / 2, 0, count - 1).astype(np.float32)
     for number in range(count):
         yield number, np.maximum(1 - np.abs(level - number), 0)

@@ -23,7 +23,7 @@ from .surface import SurfaceMesh
 
 _CHUNK = 1 << 18  # triangles, (triangle, row) or (triangle, texel) pairs, or texels processed at once
 _SLACK = 1e-6  # texels: a square that a triangle misses by less counts as touched
-_BROKEN = 1e60  # texels: beyond any float32 UV; the squares of smaller values are finite
+_BROKEN = 1e60  # texels: larger than any float32 UV, small enough that its square is finite
 _FLAT = 1e-6  # doubled area over longest edge squared: a triangle below this has no usable normal
 
 
@@ -157,9 +157,9 @@ def _edges_in_texels(uv: Floats, width: int, height: int) -> tuple[_Edges, Ints]
 
 
 def _runs(counts: Ints, limit: int) -> Iterator[tuple[Ints, Ints]]:
-    """Yield (run, place in the run) for the members of all runs, in order, `limit` at most at once.
+    """Yield (run, index in the run) for the members of all runs, in order, at most `limit` at a time.
 
-    Run r has counts[r] members; they may come in several yields.
+    Run r has counts[r] members, which may be spread over several yields.
     """
     ends = np.cumsum(counts, dtype=np.int64)
     total = int(ends[-1]) if len(ends) else 0
@@ -174,7 +174,7 @@ def _runs(counts: Ints, limit: int) -> Iterator[tuple[Ints, Ints]]:
 
 
 def _between(low: Floats, high: Floats, reach: float, count: int) -> tuple[Ints, Ints]:
-    """First index and number of the texels, of `count` in a row, whose squares meet low..high."""
+    """First index and number of the texels, in a row of `count` texels, whose squares meet low..high."""
     reach += _SLACK
     first = np.ceil(np.clip(low - 0.5 - reach, 0, count)).astype(np.int64)
     last = np.floor(np.clip(high - 0.5 + reach, -1, count - 1)).astype(np.int64)
@@ -284,7 +284,7 @@ def _blend(weight: Floats, corner: Floats) -> Floats:
 
 
 def _facet(corner: Floats) -> Floats:
-    """Unit normals of triangles (K, 3, 3), oriented by the corners' order; zero for those without area."""
+    """Unit normals of triangles (K, 3, 3), oriented by the corners' order; zero if they have no area."""
     one, two = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     three = two - one
     area = np.cross(one, two)

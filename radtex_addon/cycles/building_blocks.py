@@ -14,8 +14,9 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..core.errors import BakeError, FormatError
+from ..core.messages import Setting, do
 from ..formats.containers.exr import read_render
-from ..formats.working_space import render_matrix
+from ..formats.render_space import render_matrix
 from ..scene.lights.lamps import GROUP
 from ..scene.nodes import NodeBuilder, open_material
 from ..scene.scratch import render_scene
@@ -26,7 +27,7 @@ _RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shado
 
 @dataclass(frozen=True)
 class Extent:
-    """A plane's size in scene units; it is centred on x = y = 0, where floats are finest."""
+    """A plane's size in scene units; planes are centred on x = y = 0, where float32 is most precise."""
 
     width: float
     height: float
@@ -39,7 +40,7 @@ class Extent:
 
 
 def above_everything(scene: bpy.types.Scene) -> float:
-    """A height above all objects and instances, where rising rays do not meet a plane from behind."""
+    """A height far above all objects and instances, where their rays are beyond the reach of portals."""
     layer = next(layer for layer in scene.view_layers if layer.use)
     layer.update()
     top = 0.0
@@ -93,7 +94,7 @@ def _mesh_object(
 
 
 def camera_above(scene: bpy.types.Scene, extent: Extent, height: float, gap: float) -> bpy.types.Object:
-    """Add an orthographic camera at `height` that looks straight down on an extent `gap` below."""
+    """Add an orthographic camera at `height` that looks straight down on an extent at a distance of `gap`."""
     data = bpy.data.cameras.new("RadTex camera")
     data.type, data.ortho_scale = "ORTHO", max(extent.width, extent.height)
     data.clip_start, data.clip_end = gap / 100, 10 * gap
@@ -104,9 +105,9 @@ def camera_above(scene: bpy.types.Scene, extent: Extent, height: float, gap: flo
 
 
 def render_image(scene: bpy.types.Scene, file: Path) -> Floats:
-    """Render `scene`, which writes to `file`, and read that: (H, W, 4) float32, row 0 at the bottom.
+    """Render `scene` to its output path `file`, and read that: (H, W, 4) float32, row 0 at the bottom.
 
-    Its colours are in Rec.709. Raises BakeError where Cycles fails.
+    Colours are in Rec.709. Raises BakeError where Cycles fails.
     """
     return render_layers(scene, file).whole
 
@@ -114,7 +115,8 @@ def render_image(scene: bpy.types.Scene, file: Path) -> Floats:
 def render_layers(scene: bpy.types.Scene, file: Path) -> Passes:
     """Like `render_image`, but returns every pass that is kept, each (H, W, C).
 
-    Where only some lamps are lit (`scene.lamps`), the combined pass has their light and the render's alpha.
+    Where only some lamps are lit (`scene.lights.lamps`), the combined pass has the light of their light
+    group, and the alpha of the whole render.
     """
     file.unlink(missing_ok=True)
     try:
@@ -124,8 +126,10 @@ def render_layers(scene: bpy.types.Scene, file: Path) -> Passes:
         raise BakeError(f"Cycles cannot render: {reason}") from error
     if not file.exists():
         raise BakeError(
-            "Cycles returned no picture, as where memory runs out: bake fewer texels, or on the CPU "
-            "(--verbose tells more)"
+            "Cycles returned no picture, as where memory runs out",
+            do("bake fewer texels"),
+            do("bake on the CPU", Setting.DEVICE, value="cpu"),
+            do("read Blender's own messages", Setting.VERBOSE),
         )
     try:
         return read_layers(file)

@@ -11,6 +11,7 @@ from typing import Any, cast
 import bpy
 
 from ..core.errors import InputError
+from ..core.messages import Setting, do
 
 GPU_TYPES = ("OPTIX", "CUDA", "HIP", "METAL", "ONEAPI")  # in the order in which `gpu` tries them
 
@@ -70,5 +71,5 @@ def _choose(preferences: Any, wish: str) -> str:
                 device.use = True
             return kind
     raise InputError(
-        f"this machine has no device '{wish.lower()}' for Cycles: choose auto, or cpu (--device)"
+        f"this machine has no device '{wish.lower()}' for Cycles", do("choose auto, or cpu", Setting.DEVICE)
     )

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The paper's capture, to the letter: at every texel a fisheye-equisolid camera of 180 degrees.
 
-It looks along the normal, outwards only. It is slow, and the ground truth for the portal. The disc that the
-camera sees is resampled to the square, uniformly in B. Cycles hides lamps from camera rays, so the camera is
+It looks along the normal, outwards only. It is slow; the portal capture is tested against it. The camera's
+disc is resampled to the square, uniformly in B. Cycles hides lamps from camera rays, so the camera is
 in a tiny box whose walls mirror each camera ray straight back, which makes it a glossy ray; for glossy rays
 the opposite wall is a portal, which turns the ray round again and lets it out.
 """
@@ -24,10 +24,11 @@ from ..bake.plan import MIN_IMAGE_SIDE, CapturePlan, Tile
 from ..core.arrays import Floats, Ints
 from ..core.errors import InputError
 from ..core.hemisphere import square_to_disc
+from ..core.messages import Setting, do
 from ..formats.disk.path_checks import render_path
 from ..scene.nodes import open_material
 from .building_blocks import box, mirror, render_image
-from .settings import allow_more_bounces, apply_capture_settings
+from .capture_settings import allow_more_bounces, apply_capture_settings
 
 _SENSOR = 36.0  # mm; any size works
 _FINEST = 64  # disc pixels along a cell's side, at most; up to that, each pixel takes one sample
@@ -46,7 +47,10 @@ class PanoramicCapture:
         `radiance`, which a camera on the surface cannot see.
         """
         if kind.traits.rays is Rays.INWARDS:
-            raise InputError("the panoramic capture looks outwards only: bake radiance with --capture portal")
+            raise InputError(
+                "the panoramic capture looks outwards only",
+                do("bake radiance by portal", Setting.CAPTURE, value="portal"),
+            )
         self._scene, self._plan, self._seed = scene, plan, seed
         self._file = folder / "texel.exr"
         finest = min(round(sqrt(samples * 4 / pi)), _FINEST)

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cycles's light passes: the view layer's settings that enable them, and their names in a render.
 
-Only here are the colours of renders converted to Rec.709: Blender writes pictures of several layers in the
-.blend's working space.
+The colours of renders are converted to Rec.709 here and nowhere else: Blender writes multi-layer pictures in
+the .blend's working space.
 """
 
 from __future__ import annotations

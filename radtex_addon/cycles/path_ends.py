@@ -19,14 +19,14 @@ import numpy as np
 from mathutils import Matrix
 
 from ..core.arrays import Floats
-from ..scene.lights.light import put_out
+from ..scene.lights.light import without_emission
 from ..scene.mesh.copy import copy_object
 from ..scene.mesh.surrounding_shapes import RAYS, Beside, Placed, Shape
 from ..scene.nodes import NodeBuilder, close_group, open_group, open_material, open_world
 from ..scene.scratch import remove_scene
 
 TURNS = 3  # ways to assign a direction's components to red, green and blue
-_DARK = 1e-4  # of a weight's brightest channel: no component can be read in a darker one
+_DARK = 1e-4  # times a weight's brightest channel: darker channels are too dark to read a component in
 
 
 class PathEnds:
@@ -43,7 +43,7 @@ class PathEnds:
 
     @contextmanager
     def named_alike(self) -> Iterator[None]:
-        """Give the copy the object's name during a render: Cycles derives the random number from it."""
+        """Give the copy the object's name during a render: Object Info's Random depends on the name."""
         original, name, own = self._original, self._original.name, self._baked.name
         local = original.library is None  # names of linked objects cannot clash with the file's own
         try:
@@ -141,7 +141,7 @@ def _stand_in(baked: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object
     dark = cast(bpy.types.Mesh, mesh.copy())
     for index, material in enumerate(dark.materials):
         if material is not None:
-            dark.materials[index] = put_out(material)
+            dark.materials[index] = without_emission(material)
     _render_layer_of(baked, dark)
     copy = copy_object(baked, dark)
     for collection in copy.users_collection:  # Blender 5 adds a rigid body's copy to its world
@@ -160,7 +160,7 @@ def _render_layer_of(baked: bpy.types.Object, mesh: bpy.types.Mesh) -> None:
 
 
 def _place(item: bpy.types.Object, anchor: bpy.types.Object, matrix: Floats) -> None:
-    """Give an object exactly this `matrix` (4, 4), through its parent: its own transform would lose shear."""
+    """Give an object exactly this `matrix` (4, 4), as parent inverse: its own transform would lose shear."""
     item.parent, item.parent_type = anchor, "OBJECT"
     item.matrix_basis = Matrix.Identity(4)
     item.delta_location, item.delta_scale = (0, 0, 0), (1, 1, 1)

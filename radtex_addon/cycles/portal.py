@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The fast capture: one orthographic camera looks at a plane of Ray Portals, and a tile is one render call.
 
-The plane's material turns its own position into texel and cell, looks the texel's frame up in float images,
-and sends the camera's ray to P and I. To Cycles it is still a camera ray. Light kinds must see lamps, which
-Cycles hides from camera rays: for them the camera looks at a sharp mirror, and portals above it catch the
-glossy rays.
+The plane's material computes texel and cell from the position on the plane, looks the texel's frame up in
+float images, and sends the camera's ray on, towards P or outwards from P in the cell's direction. To Cycles
+it is still a camera ray. Light kinds must see lamps, which Cycles hides from camera rays: for them the camera
+looks at a sharp mirror, and portals above it catch the glossy rays.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ from .building_blocks import (
     plane,
     render_layers,
 )
+from .capture_settings import allow_more_bounces, apply_capture_settings, keep_passes, look_at_centres
 from .passes import Passes
-from .settings import allow_more_bounces, apply_capture_settings, keep_passes, look_at_centres
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,9 +57,9 @@ class Aim:
         return aimed
 
     def offset(self, plan: CapturePlan) -> Floats:
-        """From a cell's centre to its point, in units of a bucket's side, packed as the plan's fields.
+        """Offsets from a cell's centre to its point, in units of a bucket's side.
 
-        Its shape is (rows, columns, 3).
+        Packed like the plan's fields: (rows, columns, 3).
         """
         offset = np.zeros((plan.rows * plan.columns, 3), dtype=np.float32)
         offset[: len(self.shift), :2] = (self.shift - 0.5) / plan.layout.bucket
@@ -204,7 +204,7 @@ class _Fields:
 def _portal_material(
     plan: CapturePlan, kind: Kind, extent: Extent, reach: float, fields: _Fields
 ) -> bpy.types.Material:
-    """Ray Portals that send on rays that come from within `reach`, as `kind` needs; others pass through."""
+    """Ray Portals for rays shorter than `reach`, sent on as `kind` needs; longer rays pass through."""
     material, build = open_material("RadTex portals")
     uv = build.vector(
         "MULTIPLY_ADD",
@@ -305,9 +305,9 @@ def _inverse_projection(build: NodeBuilder, bucket: Socket) -> tuple[Socket, Soc
 def _above_facet(
     build: NodeBuilder, direction: Socket, facet: Socket, height: Socket, least: float
 ) -> Socket:
-    """Lift a direction below the facet to its horizon, as a smooth normal's hemisphere reaches below it.
+    """Lift directions that lie below the facet: a smooth normal's hemisphere reaches below its horizon.
 
-    `height` is the cosine between direction and facet normal, `least` the smallest allowed.
+    `height` is the cosine between direction and facet normal, `least` the smallest allowed cosine.
     """
     sunk = build.math("SUBTRACT", least, height)
     lift = build.vector("SCALE", facet, build.math("MAXIMUM", sunk, 0.0))

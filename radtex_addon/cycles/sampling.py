@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Capture what the shared layout is fitted to: light in many directions, path ends, surroundings, colour.
+"""Capture the input of the shared layout's fit: light in many directions, path ends, surroundings, colour.
 
-All use the portal's rays, aimed at known points of their cells. Each capture needs a scratch scene of its
+All captures use the portal's rays, aimed at known points of their cells. Each needs a scratch scene of its
 own, to which it adds its planes and camera.
 """
 
@@ -31,13 +31,13 @@ from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Bools, Floats
+from .capture_settings import first_hit_only
 from .passes import Passes, attributes_of, colour_of, light_of, raw_light_of
 from .path_ends import TURNS, PathEnds, any_dark, from_directions
 from .portal import Aim, PortalCapture
-from .settings import first_hit_only
 
 _TILE_PIXELS = 3 << 20
-_ITSELF = 0.1  # a sum of encoded components below that of any direction: the object itself, black
+_ITSELF = 0.1  # less than the sum of any encoded direction's components: the ray met the black object
 _LOBES = {"diffuse": "diffuse", "mirrored": "glossy", "through": "transmission"}  # Cycles's names
 _DIFFUSE, _MIRRORED, _THROUGH = map(attributes_of, _LOBES.values())
 
@@ -53,7 +53,7 @@ def capture_samples(
 ) -> Generator[Progress, None, LightSamples]:
     """Trace one path in each of the plan's cells.
 
-    `hidden` (K, m, m) marks, in coarser cells, directions without viewers. Yields progress in texels. Raises
+    `hidden` (K, m, m) marks hidden cells, on a coarser grid. Yields progress in texels. Raises
     BakeError where Cycles fails.
     """
     count, cells = len(plan.texel), plan.layout.bucket**2
@@ -138,8 +138,8 @@ def capture_surroundings(
 ) -> SurroundingsSamples:
     """Look from the object in the mirror direction of each of the plan's cells.
 
-    `middle` (3,) is the object's, in world space. `scene` is a scratch scene and `ends` its path ends; both
-    are unusable afterwards. Rays that meet the object itself give no sample. The names of the `store`'s
+    `middle` (3,) is the object's middle in world space. `scene` is a scratch scene and `ends` its path ends;
+    both are unusable afterwards. Rays that meet the object itself give no sample. In the `store`, names of
     pieces begin with `name`. Raises BakeError where Cycles fails.
     """
     count = len(plan.texel)

@@ -21,11 +21,11 @@ from ..core.arrays import Floats
 from ..core.texel_map import TexelMap
 from ..scene.mesh.surrounding_shapes import read_beside
 from ..scene.scratch import scene_copied
-from .hidden import find_hidden
+from .find_hidden import find_hidden
 from .path_ends import path_ends
 from .sampling import capture_colour, capture_ends, capture_samples, capture_surroundings
 
-_OUTSIDE = 1.05  # times the object's radius: outside it
+_OUTSIDE = 1.05  # times the object's radius: a sphere around it
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,10 +58,10 @@ def capture_shared(
 ) -> Generator[Progress, None, SharedCapture]:
     """Capture the scratch scene's object `baked` for the shared layout.
 
-    `mesh` is the baked copy's, `matrix_world` (4, 4) its object's; `texels` are the atlas's, `finer` those of
-    the diffuse colour. `folder` is for temporary files, the `store` stores every finished render, the
-    `thumbnail` gets the light. Yields progress in texels, then in paths. Raises InputError where no texel is
-    covered, BakeError where Cycles fails.
+    `mesh` is the baked copy's mesh, `matrix_world` (4, 4) its object's matrix; `texels` is the atlas's texel
+    map, `finer` the diffuse colour's. `folder` is for temporary files; the `store` stores every finished
+    render; the light is shown in the `thumbnail`. Yields progress in texels, then in paths. Raises InputError
+    where no texel is covered, BakeError where Cycles fails.
     """
     probe = plan_capture(texels, PROBE_CELLS)
     hidden = yield from find_hidden([(mesh, matrix_world)], probe, folder, store)

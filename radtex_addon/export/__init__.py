@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A finished bake as a folder that engines and browsers take."""
+"""Export a finished bake as a folder that engines and browsers can load."""

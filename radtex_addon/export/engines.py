@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a folder needs beside mesh and textures where no project of ours is made: the includes, and a README.
+"""Targets without a ready-made project: the folder gets shader includes and a README beside the textures.
 
-Unreal takes includes that end in .ush; they are the HLSL files by that name.
+Unreal wants includes that end in .ush: these are the HLSL files with that ending.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import shutil
 from pathlib import Path
 
 from ..textures.entry import Container, TextureEntry
-from ..textures.spec import Target
+from ..textures.export_spec import Target
 from .pack import SHADERS, Pack
 
 _LANGUAGES = {
@@ -41,7 +41,7 @@ def write_engine(pack: Pack, folder: Path) -> None:
 
 
 def includes(target: Target, pack: Pack) -> list[Path]:
-    """The shader files that look the bake up, in the languages of the target."""
+    """The shader includes to look the bake up, in the languages of the target."""
     stems = pack.manifest.form.includes(pack.manifest.bake)
     found = [SHADERS / f"{stem}.{ending}" for ending in _LANGUAGES[target] for stem in stems]
     if "wgsl" in _LANGUAGES[target]:
@@ -50,7 +50,7 @@ def includes(target: Target, pack: Pack) -> list[Path]:
 
 
 def readme(pack: Pack) -> str:
-    """What lies in the folder, and how to look it up."""
+    """The text of README.txt: the files in the folder, and how to look the bake up."""
     manifest, target = pack.manifest, pack.spec.target
     bake = manifest.bake
     width, height = bake["texels"]

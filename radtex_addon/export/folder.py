@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An exported folder: it appears whole, and what others put into it stays where it is.
+"""Write an exported folder whole or not at all, and leave alone all files in it that no export wrote.
 
-A new one is made beside its place and renamed. Over an earlier one files are moved one by one, so that what
-is not ours is never touched. Meanwhile the list of our files names one that is never there: killed amid the
-moves, the folder is known not to be whole, and the next export completes it.
+A new folder is made beside its final place and renamed. Into the folder of an earlier export the files are
+moved one by one. During the moves the list of our files has an additional name, which never exists: if the
+process is killed then, the folder is recognised as incomplete, and the next export completes it.
 """
 
 from __future__ import annotations
@@ -14,40 +14,47 @@ from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from ..core.errors import BakeError, InputError, RadTexError
+from ..core.messages import Setting, do
 from ..formats.disk.atomic import check_writable
 from ..formats.disk.hidden_folder import hidden_folder
 from ..formats.disk.regular import read_regular
 
-LIST = ".radtex-files"  # names what an export wrote, so that the next one knows what is the user's
+LIST = ".radtex-files"  # the list of all files that exports wrote; other files are the user's
 _NOT_WHOLE = ".radtex-unfinished"  # in that list while files are moved; there is no such file
 
 
 def check_out(out: Path, bake: Path, overwrite: bool) -> None:
-    """Make sure that writing the folder `out` loses nothing; `bake` is the folder exported from.
+    """Make sure that writing the folder `out` loses nothing; `bake` is the bake's own folder.
 
-    Raises InputError for a place that cannot be written, that holds the bake itself, or that holds something
-    else than an earlier export.
+    Raises InputError for a folder that cannot be written, that contains the bake itself, or that contains
+    anything else than an earlier export.
     """
     ours, theirs = out.resolve(), bake.resolve()
     if theirs.is_relative_to(ours):
-        raise InputError(f"{out} holds the bake itself: choose another folder (--out)")
+        raise InputError(f"{out} holds the bake itself", do("choose another folder", Setting.OUT))
     if out.is_symlink() or (out.exists() and not out.is_dir()):
-        raise InputError(f"{out} is a file, or a link: choose another folder (--out)")
+        raise InputError(f"{out} is a file, or a link", do("choose another folder", Setting.OUT))
     if out.is_dir() and any(out.iterdir()):
         if not (out / LIST).is_file():
-            raise InputError(f"{out} holds other things than an export: choose another folder (--out)")
+            raise InputError(
+                f"{out} holds other things than an export", do("choose another folder", Setting.OUT)
+            )
         if not overwrite:
-            raise InputError(f"{out} is already there: overwrite it (--overwrite), or choose another (--out)")
+            raise InputError(
+                f"{out} is already there",
+                do("overwrite it", Setting.OVERWRITE),
+                do("choose another folder", Setting.OUT),
+            )
     check_writable(out.parent)
 
 
 @contextmanager
 def replacing_folder(out: Path) -> Iterator[Path]:
-    """Yield a new folder beside `out`; all that is written there becomes `out`'s when all went well.
+    """Yield a new folder beside `out`; if there was no error, its files are moved to `out` at the end.
 
-    What lay in `out` and was not written by an export stays as it is, links and empty folders among it. After
-    any error or interruption before the end `out` is what it was; our errors then name the files by their
-    places. Raises InputError where something is in the way, BakeError where the system refuses.
+    Everything in `out` that no export wrote stays as it is, also links and empty folders. After an error or
+    interruption before the end `out` is as it was; our errors then give the files' final paths. Raises
+    InputError if something is in the way, BakeError if the system refuses.
     """
     place = None
     try:
@@ -64,16 +71,17 @@ def replacing_folder(out: Path) -> Iterator[Path]:
                     out.rmdir()
                 new.rename(out)
     except RadTexError as error:
-        if place is None or place not in str(error):
+        problem = error.message.problem
+        if place is None or place not in problem:
             raise
-        raise type(error)(str(error).replace(place, str(out))) from error
+        raise error.saying(problem.replace(place, str(out))) from error
     except OSError as error:
         reason = str(error.strerror or error).replace(str(place), str(out))
         raise BakeError(f"{out} could not be written: {reason}; free its disk, or choose another") from error
 
 
 def is_whole(out: Path) -> bool:
-    """Whether the folder holds all that the last export wrote there."""
+    """Whether all files of the last export are in the folder."""
     names = _listed(out)
     return bool(names) and all((out / name).is_file() for name in names)
 
@@ -88,7 +96,7 @@ def _write_list(path: Path, names: list[str]) -> None:
 
 
 def _listed(out: Path) -> set[str]:
-    """The files that exports wrote into the folder, as its list has them; none that lies elsewhere."""
+    """The files that exports wrote into the folder, by its list; paths that lead elsewhere are ignored."""
     if not (out / LIST).is_file():
         return set()
     names = read_regular(out / LIST).decode("utf-8", "replace").splitlines()
@@ -101,9 +109,9 @@ def _is_below(name: str) -> bool:
 
 
 def _replace_files(new: Path, out: Path, scratch: Path) -> None:
-    """Move the files from `new` into the earlier export `out`, whose other files of ours go.
+    """Move the files from `new` into the earlier export `out`, and remove its other files of ours.
 
-    Its list names, at every moment, all files there that are ours.
+    At every moment its list contains all our files in the folder.
     """
     before, names = _listed(out), files_in(new)
     for name in names:
@@ -120,22 +128,23 @@ def _replace_files(new: Path, out: Path, scratch: Path) -> None:
 
 
 def _check_free(out: Path, name: str, ours: set[str]) -> None:
-    """Raises InputError where a file of this name would take the place of something that is not ours."""
+    """Raise InputError if a file of this name would replace something that is not ours."""
     for folder in _folders_above(out, name):
         if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-            raise InputError(_in_the_way(folder))
+            raise _in_the_way(folder)
     path = out / name
     is_ours = name in ours and path.is_file() and not path.is_symlink()
     if not is_ours and (path.exists() or path.is_symlink()):
-        raise InputError(_in_the_way(path))
+        raise _in_the_way(path)
 
 
-def _in_the_way(path: Path) -> str:
-    return f"{path} is in the way, and no export wrote it: move it, or choose another folder (--out)"
+def _in_the_way(path: Path) -> InputError:
+    problem = f"{path} is in the way, and no export wrote it"
+    return InputError(problem, do("move it"), do("choose another folder", Setting.OUT))
 
 
 def _remove(out: Path, name: str) -> None:
-    """Remove a file that an earlier export wrote, unless it was replaced, and folders that are empty then."""
+    """Remove a file of an earlier export, and its folders if empty; links and folders by its name stay."""
     path, folders = out / name, _folders_above(out, name)
     if any(folder.is_symlink() for folder in folders) or path.is_symlink() or not path.is_file():
         return

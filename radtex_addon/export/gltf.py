@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The baked copy as binary glTF: the very frame of the bake, our extension, and a fallback for any viewer.
+"""The baked copy as binary glTF: the exact frame of the bake, our extension, and a fallback for any viewer.
 
 Blender's own exporter writes the mesh and its node. It rounds normals and tangents to four digits, so these
-are replaced by what the bake used. glTF's y is up and its texture coordinates run down: (x, y, z) becomes
-(x, z, -y), v becomes 1 - v.
+are replaced by the bake's. In glTF y points up and v runs down: (x, y, z) becomes (x, z, -y), v becomes
+1 - v.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from ..core.frame import normalised
 from ..formats.containers.glb import Glb
 from ..formats.disk.temporary import temporary_folder
 from ..scene.mesh.copy import NORMAL, SIGN, TANGENT
-from .manifest import Manifest
+from .export_manifest import Manifest
 
 EXTENSION = "RADTEX_radiance_texture"
 UNLIT = "KHR_materials_unlit"
@@ -45,10 +45,10 @@ def write_gltf(
     path: Path,
     clear: bool = False,
 ) -> None:
-    """Write the baked copy, alone in `scene` (which it may change), to `path`.
+    """Write the baked copy, which is alone in `scene` and is changed, to `path`.
 
-    `flat` is the fallback's PNG, which is blended where it is `clear`; of a hull the front alone is drawn.
-    Raises BakeError where Blender's exporter fails.
+    `flat` is the fallback's PNG; if `clear`, its alpha is blended. The material of a hull is single-sided.
+    Raises BakeError if Blender's exporter fails.
     """
     _strip(copy, uv_layer)
     with temporary_folder() as folder:
@@ -71,7 +71,7 @@ def write_gltf(
 
 
 def extension_facts(manifest: Manifest) -> dict[str, Any]:
-    """What our extension says: the manifest, each texture's file also as a relative `uri`."""
+    """The JSON of our extension: the manifest's, with each texture's file also as a relative `uri`."""
     facts = manifest.facts()
     for texture in facts["textures"].values():
         texture["uri"] = quote(texture["file"])
@@ -85,7 +85,7 @@ def to_gltf(vectors: Floats) -> Floats:
 
 
 def _strip(copy: bpy.types.Object, uv_layer: str) -> None:
-    """Leave of the copy what is written: triangles, the baked layer, the frame by names that stay."""
+    """Keep only the copy's triangles, baked UV layer, and frame, under names that the exporter keeps."""
     mesh: Any = copy.data
     mesh.animation_data_clear()
     copy.vertex_groups.clear()
@@ -131,14 +131,14 @@ def _export(scene: bpy.types.Scene, path: Path) -> None:
 
 
 def check_exporter() -> None:
-    """Raises InputError where this Blender has no glTF exporter."""
+    """Raise InputError if this Blender has no glTF exporter."""
     if find_spec(_EXPORTER) is None:
         raise InputError(f"this Blender has no glTF exporter (the add-on {_EXPORTER}): install it again")
 
 
 @contextmanager
 def _exporter_enabled() -> Iterator[None]:
-    """Blender's exporter is an add-on that users may have switched off."""
+    """Within the context, enable Blender's exporter, an add-on that users may have disabled."""
     _, enabled = addon_utils.check(_EXPORTER)
     if enabled:
         yield
@@ -153,7 +153,7 @@ def _exporter_enabled() -> Iterator[None]:
 
 @contextmanager
 def _shown(scene: bpy.types.Scene) -> Iterator[None]:
-    """Make `scene` the window's: the exporter looks there."""
+    """Within the context, make `scene` the window's scene, which is the one that the exporter writes."""
     manager = bpy.context.window_manager
     window = cast(Any, manager).windows[0]
     before, layer = window.scene, window.view_layer
@@ -168,7 +168,7 @@ def _shown(scene: bpy.types.Scene) -> Iterator[None]:
 
 
 def _set_frame(glb: Glb, attributes: dict[str, int]) -> None:
-    """Turn the carried attributes into NORMAL and TANGENT; they never lose a bit but by normalising."""
+    """Turn the _CARRIED attributes into NORMAL and TANGENT; only normalising changes their values."""
     normal, tangent, sign = (glb.accessor(attributes.pop(name)) for name in _CARRIED.values())
     attributes["NORMAL"] = glb.add_vertices(_unit(to_gltf(normal), (0.0, 1.0, 0.0)))
     frame = np.column_stack([_unit(to_gltf(tangent), (1.0, 0.0, 0.0)), np.where(sign < 0, -1.0, 1.0)])
@@ -176,7 +176,7 @@ def _set_frame(glb: Glb, attributes: dict[str, int]) -> None:
 
 
 def _unit(vectors: Floats, otherwise: tuple[float, float, float]) -> Floats:
-    """Unit vectors; what has no direction, which triangles without an area bring, gets one."""
+    """Normalise vectors; zero vectors, which triangles without area have, become `otherwise`."""
     unit = normalised(vectors.astype(np.float64))
     lost = np.sum(unit * unit, axis=1) < 0.5
     unit[lost] = otherwise

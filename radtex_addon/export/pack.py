@@ -7,17 +7,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..textures.spec import ExportSpec
-from .manifest import Manifest
+from ..textures.export_spec import ExportSpec
+from .export_manifest import Manifest
 
-SHADERS = Path(__file__).parents[2] / "shaders"  # what games may ship
+SHADERS = Path(__file__).parents[2] / "shaders"  # includes that games may ship
 
 
 @dataclass(frozen=True, eq=False)
 class Pack:
     """A folder that holds `<name>.glb`, the flat lightmap, the textures and `<name>.export.json`.
 
-    `name` is the file name's stem, safe on every filesystem; `manifest` says which file is which.
+    `name` is the stem of the files' names, valid on every filesystem; `manifest` lists the files.
     """
 
     name: str

@@ -9,16 +9,16 @@ from pathlib import Path
 from urllib.parse import quote
 
 from ..core.errors import InputError
-from .manifest import EXTENSION
+from .export_manifest import EXTENSION
 from .pack import Pack
 
-BUILT = Path(__file__).with_name("web") / "built"  # .ci/build_web.py makes it of the sources beside
+BUILT = Path(__file__).with_name("web") / "built"  # made by .ci/build_web.py from the sources in web/
 FILES = ("index.html", "viewer.css", "viewer.js", "LICENSES.txt")
 _UNNAMED = '<meta name="radtex-bake" content="" />'
 
 
 def check_page() -> None:
-    """Raises InputError where this copy of RadTex has no built page, or that of another version."""
+    """Raise InputError if this copy of RadTex has no built page, or one of another version."""
     if missing := [name for name in FILES if not (BUILT / name).is_file()]:
         raise InputError(f"the web page lacks {missing[0]}: build it with `uv run .ci/build_web.py`")
     if _UNNAMED not in (BUILT / "index.html").read_text(encoding="utf-8"):
@@ -26,7 +26,7 @@ def check_page() -> None:
 
 
 def write_web(pack: Pack, folder: Path) -> None:
-    """Add the page, which `check_page` has found, to a pack's folder; its index.html names the manifest."""
+    """Add the page (see `check_page`) to a pack's folder, with the manifest's name in its index.html."""
     for name in FILES:
         shutil.copyfile(BUILT / name, folder / name)
     page = folder / "index.html"

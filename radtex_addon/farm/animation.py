@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Animated properties: what they are at one frame, and that they stay so."""
+"""Read animated properties at one frame, and fix them at these values."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ _EMBEDDED = ("node_tree", "shape_keys")  # parts of data-blocks, with animation 
 
 @dataclass(frozen=True, eq=False)
 class Values:
-    """What animated properties of a data-block are, by their paths."""
+    """Values of a data-block's animated properties, by path."""
 
     owner: Any
     by_path: dict[str, Any]
 
 
 def animated_values(depsgraph: bpy.types.Depsgraph) -> list[Values]:
-    """All animated and driven properties of what a dependency graph has evaluated."""
+    """All animated and driven properties of the data that a dependency graph has evaluated."""
     found = []
     for evaluated in depsgraph.ids:
         original: Any = evaluated.original
@@ -41,7 +41,7 @@ def animated_values(depsgraph: bpy.types.Depsgraph) -> list[Values]:
 
 
 def hold(values: Iterable[Values]) -> None:
-    """Give properties their values for good: nothing in the open file is animated any more."""
+    """Fix properties at these values, and remove all animation from the open file."""
     for block in _blocks():
         block.animation_data_clear()
     for some in values:

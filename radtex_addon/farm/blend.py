@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The farm's .blend: a scene that is set up for a capture, saved by itself, held still and made whole."""
+"""The farm's .blend: a scene set up for a capture, saved without animation and with all files it needs."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import bpy
 
 from ..core.errors import BakeError, InputError
 from ..preview.save import images_of
-from .files import FarmFiles
+from .farm_files import FarmFiles
+from .farm_manifest import Manifest
 from .freeze_scene import Held, hold_still, read_cached
-from .manifest import Manifest
 from .render_digests import Looks, looks_of
 from .self_contained import Packed, make_local, pack_files
 from .sheets import animate_sheets, portal_tree, without_extras
@@ -30,9 +30,10 @@ def check_images_saved() -> None:
 
 
 def save_draft(scratch: bpy.types.Scene, path: Path) -> tuple[Looks, Held]:
-    """Write a scratch scene with all that it uses to a .blend; what it looks like, and what is to be held.
+    """Write a scratch scene, with all that it uses, to a .blend.
 
-    Raises BakeError where Blender cannot write.
+    Returns digests of what it shows, and the animated values to fix. Raises BakeError if Blender cannot
+    write.
     """
     for image in images_of(portal_tree(scratch)):
         image.pack()
@@ -48,9 +49,10 @@ def save_draft(scratch: bpy.types.Scene, path: Path) -> tuple[Looks, Held]:
 def finish_blend(
     draft: Path, scene_name: str, files: FarmFiles, manifest: Manifest, looks: Looks, cached: Held
 ) -> Packed:
-    """Open a draft, and save what farms render of it; the session is then empty.
+    """Open a draft, and save from it the .blend that farms render; the session is empty afterwards.
 
-    Returns what lies beside the .blend, and what it takes along. Raises InputError for what is no farm's.
+    Returns the files beside the .blend, and the files of this machine that go with it. Raises InputError for
+    what a farm cannot render.
     """
     bpy.ops.wm.open_mainfile(filepath=str(draft), load_ui=False, use_scripts=False)
     try:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of this machine that a farm takes along: what the scene takes them for, of a bounded size, named."""
+"""Files of this machine that are copied to a farm: checked for their type and size, and listed."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _PUT_BACK = "put the right file there, or take it out of the scene"
 
 @dataclass(frozen=True)
 class Carried:
-    """A file of this machine that travels; `user` names what shows it, `bytes` is None where a part does."""
+    """A file that is copied; `user` names the data-block that uses it; `bytes` is None if only a part is."""
 
     user: str
     path: str
@@ -38,21 +38,22 @@ class Carried:
 
 
 class Luggage:
-    """What travels so far."""
+    """The files to be copied so far."""
 
     def __init__(self) -> None:
         self.carried: list[Carried] = []
 
     def add(self, user: str, path: Path, kind: FileKind, how: str, most: int = MOST_PACKED) -> None:
-        """Look at a file that is to travel. Raises InputError as `opened` does."""
+        """Check and add a file. Raises InputError as `opened` does."""
         with self.opened(user, path, kind, how, most):
             pass
 
     @contextmanager
     def opened(self, user: str, path: Path, kind: FileKind, how: str, most: int) -> Iterator[BinaryIO]:
-        """The same, open.
+        """Check and add a file, and return it open.
 
-        Raises InputError, by name, for what cannot be read, is no file, none of its kind, or too large.
+        Raises InputError, with its name, if it cannot be read, is no regular file, of another type than its
+        user reads, or too large.
         """
         try:
             file = open_of_kind(path, kind)

@@ -7,11 +7,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from ..core.command_lines import quoted
-from .files import FarmFiles
+from .farm_files import FarmFiles
 
 
 def frame_list(frames: Iterable[int]) -> str:
-    """As for `blender -f`: 3,7..9."""
+    """Frame numbers as `blender -f` takes them, such as 3,7..9."""
     runs: list[list[int]] = []
     for frame in sorted(set(frames)):
         if runs and frame == runs[-1][1] + 1:
@@ -22,7 +22,7 @@ def frame_list(frames: Iterable[int]) -> str:
 
 
 def commands(files: FarmFiles, frames: Iterable[int]) -> tuple[str, str]:
-    """What renders the frames, by Blender, and by a Python that has the bpy module alone."""
+    """The commands that render the frames: with Blender, and with the bpy module."""
     listed, folder = frame_list(frames), files.folder.absolute()
     return (
         quoted(["blender", "-b", str(folder / files.blend.name), "-f", listed]),

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An open file that looks the same at every frame: a frame of a farm is none of the user's animation.
+"""Make the open file look the same at every frame: a farm's frames are sheets, not the user's animation.
 
-Animated properties keep the values that they have. Objects that simulations, caches or time itself move are
-found by looking: their evaluated meshes and matrices are given to them for good. What still moves then is
-refused by name.
+Animated properties are fixed at their values. Objects that are moved by simulations, caches or the frame
+number are found by comparing frames; their evaluated meshes and matrices replace what moves them. What still
+moves is refused by name.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from mathutils import Matrix
 from ..core.errors import InputError
 from ..scene.mesh.evaluated import render_with
 from .animation import Values, animated_values, hold
-from .images import hold_images
 from .render_digests import Looks, differing, looks_of
+from .still_images import hold_images
 
 _CACHED = {  # modifiers whose results depend on frames before, or on files
     "CLOTH",
@@ -36,19 +36,19 @@ _REMEDY = "apply what moves it (Object > Convert > Mesh, or Make Instances Real)
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """What objects are, by their names: matrices, and names of the meshes that they show."""
+    """Objects by name: their matrices, and the names of the meshes that they show."""
 
     matrices: dict[str, Matrix]
     meshes: dict[str, str]
 
 
 def read_cached(scene: bpy.types.Scene) -> Held:
-    """Of all objects that frames before, or other files, have shaped; makes the meshes."""
+    """Read all objects that depend on earlier frames or other files; makes their meshes."""
     return _read(scene, {item.name for item in scene.objects if _is_cached(item)})
 
 
 def hold_still(scene: bpy.types.Scene, expected: Looks, cached: Held, last: int) -> None:
-    """Make the open file's `scene` look as it does now at the frames 1 to `last`: as is `expected`.
+    """Make the open file's `scene` look at the frames 1 to `last` as it does now, which is `expected`.
 
     Raises InputError for objects and images that change with time, or are not as expected.
     """
@@ -72,7 +72,7 @@ def hold_still(scene: bpy.types.Scene, expected: Looks, cached: Held, last: int)
 
 
 def _moving(scene: bpy.types.Scene, expected: Looks, last: int) -> set[str]:
-    """Objects that do not look as expected at some frame."""
+    """Names of the objects that do not look as expected at some frame."""
     found: set[str] = set()
     for frame in sorted({1, min(2, last), (1 + last) // 2, last}):
         scene.frame_set(frame)
@@ -119,7 +119,7 @@ def _evaluated(depsgraph: Any, names: Collection[str]) -> Iterator[Any]:
 
 
 def _pin(scene: Any, held: Held) -> None:
-    """Give objects the meshes and matrices that were read, bit by bit, and nothing that could change them."""
+    """Give objects exactly the meshes and matrices that were read, and remove what could change them."""
     if not held.matrices:
         return
     if scene.rigidbody_world is not None:
@@ -137,7 +137,7 @@ def _pin(scene: Any, held: Held) -> None:
 
 
 def _place(item: Any, matrix: Matrix) -> None:
-    """Let the inverse of the parent be all of an object's matrix: location and the like would round it."""
+    """Store an object's matrix in the parent inverse: location, rotation and scale would round it."""
     item.matrix_parent_inverse = matrix
     item.matrix_basis = Matrix.Identity(4)
     item.delta_location = item.delta_rotation_euler = (0, 0, 0)
@@ -146,7 +146,7 @@ def _place(item: Any, matrix: Matrix) -> None:
 
 
 def check_holdable(scene: bpy.types.Scene) -> None:
-    """Raises InputError for objects that change with time and leave no mesh behind."""
+    """Raises InputError for objects that change with time and are no meshes, which could be stored."""
     for item in _rendered(scene):
         for modifier in item.modifiers:
             if not modifier.show_render:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What each object shows in a render, as a digest: equal ones have the same surfaces in the same places."""
+"""A digest of what each object shows in a render: equal digests are the same surfaces in the same places."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _EDITING = (".select", ".uv_select", ".hide", ".vs.", ".es.", ".pn.")  # of no c
 
 
 def looks_of(scene: bpy.types.Scene) -> Looks:
-    """What all objects of the scene's render show, and all that they instance."""
+    """The digests of all objects of the scene's render, and of their instances."""
     found: list[Looks] = []
     render_with(scene, lambda depsgraph: found.append(_looks(depsgraph)))
     return found[0]
 
 
 def differing(one: Looks, other: Looks) -> list[str]:
-    """Names of the objects that do not look the same, or are in one of the two alone; sorted."""
+    """Names of objects whose digests differ, or that are in one of the two only; sorted."""
     return sorted(name for name in one.keys() | other.keys() if one.get(name) != other.get(name))
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An open file that needs no other: libraries are made local, images packed, volumes lie beside it."""
+"""Make the open file independent of others: libraries local, images packed, volumes copied beside it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FILES = "files"  # the folder beside the .blend for what it cannot hold
 
 
 def make_local() -> tuple[Carried, ...]:
-    """Take everything linked or overridden for the file's own; returns the files that it came from."""
+    """Make everything that is linked or overridden local; returns the library files."""
     linked = list(_linked())
     while linked:
         for block in linked:
@@ -46,17 +46,18 @@ def make_local() -> tuple[Carried, ...]:
 
 @dataclass(frozen=True)
 class Packed:
-    """Files `beside` a .blend, relative to its folder, and all files of this machine that it takes along."""
+    """Files `beside` a .blend, relative to its folder, and all files of this machine that were copied."""
 
     beside: tuple[str, ...]
     carried: tuple[Carried, ...]
 
 
 def pack_files(folder: Path) -> Packed:
-    """Pack what a .blend can hold, and put volumes beside it; the open file lies in `folder`.
+    """Pack what a .blend can hold, and copy volumes beside it; the open file is in `folder`.
 
-    Raises InputError, by name, for what needs a file that can be neither, for files that are not what the
-    scene takes them for (in a .blend from elsewhere a lamp's shape may be /etc/shadow), and for large ones.
+    Raises InputError, with the name, for data that needs a file which can be neither packed nor copied, for
+    files that are not of the type that the scene expects (in a .blend from elsewhere a lamp's IES file may be
+    /etc/shadow), and for files that are too large.
     """
     cast(Any, bpy.data).orphans_purge(do_local_ids=True, do_linked_ids=True, do_recursive=True)
     luggage = Luggage()
@@ -74,7 +75,7 @@ def pack_files(folder: Path) -> Packed:
 
 
 def _look_at(luggage: Luggage, what: str, block: Any, kind: FileKind, filepath: str | None = None) -> None:
-    """Take a datablock's file along. Raises InputError."""
+    """Check and list a data-block's file. Raises InputError."""
     path = bpy.path.abspath(block.filepath if filepath is None else filepath, library=block.library)
     luggage.add(f"{what} '{block.name}'", Path(path), kind, "in the .blend")
 
@@ -97,7 +98,7 @@ def _pack_images(luggage: Luggage) -> None:
 
 
 def _files_of(image: Any) -> list[Path]:
-    """The files that Blender packs of an image; none of one that was painted in Blender."""
+    """The files of an image that Blender packs; none for an image that was painted in Blender."""
     if image.source not in {"FILE", "TILED", "SEQUENCE"} or not image.filepath:
         return []
     path = bpy.path.abspath(image.filepath, library=image.library)
@@ -111,7 +112,7 @@ def _files_of(image: Any) -> list[Path]:
 
 
 def _keep_light_shapes(luggage: Luggage) -> None:
-    """Hold the text of IES files, which shape lamps."""
+    """Store the text of lamps' IES files in the .blend."""
     for light in bpy.data.lights:
         tree: Any = light.node_tree
         for node in tree.nodes if tree is not None else ():
@@ -122,7 +123,7 @@ def _keep_light_shapes(luggage: Luggage) -> None:
 
 
 def _is_held(volume: Any) -> bool:
-    """Whether the .blend holds the file: Blender packs volumes where users ask for it."""
+    """Whether the file is packed: Blender packs volumes only on the user's request."""
     return getattr(volume, "packed_file", None) is not None
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The open file's scene as an animation of sheets: what changes with the frame, and where pictures go."""
+"""Turn the open file's scene into an animation of sheets: a sheet per frame, each written as a picture."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from ..bake.plan import sheet_seed
 from ..core.errors import BakeError, InputError
 from ..cycles.portal import FIRST_ROW
 from .animation import curves_of
-from .manifest import Manifest
+from .farm_manifest import Manifest
 
 OUTPUT = "//frames/####"
 
 
 def check_seed(seed: int, sheets: int) -> None:
-    """Raises InputError for a seed that keyframes cannot hold: single floats, which Blender rounds."""
+    """Raises InputError for a seed that keyframes cannot store exactly: they are single-precision floats."""
     if sheets > 1 and np.floor(np.float32(seed) + np.float32(0.5)) != seed:
-        raise InputError(f"--seed {seed}: a farm's frames hold no such number, give one below {2**23}")
+        raise InputError(f"seed {seed}: a farm's frames hold no such number, give one below {2**23}")
 
 
 def animate_sheets(scene: bpy.types.Scene, manifest: Manifest) -> None:
-    """Let frame f render sheet f - 1, and write its picture with the job's name in its header."""
+    """Make frame f render sheet f - 1, and write its picture with the job's name in the header."""
     rows = [0.5 + manifest.sheet_rows * sheet for sheet in range(manifest.sheets)]
     seeds = [sheet_seed(manifest.spec.seed, sheet) for sheet in range(manifest.sheets)]
     tree: Any = portal_tree(scene)
@@ -45,14 +45,14 @@ def animate_sheets(scene: bpy.types.Scene, manifest: Manifest) -> None:
 
 
 def portal_tree(scene: bpy.types.Scene) -> bpy.types.NodeTree:
-    """The nodes that send the scene's rays to their texels."""
+    """The nodes that send the camera's rays to their texels."""
     slots = (slot for item in scene.objects for slot in item.material_slots)
     trees = (slot.material.node_tree for slot in slots if slot.material is not None)
     return next(tree for tree in trees if tree and any(node.label == FIRST_ROW for node in tree.nodes))
 
 
 def _key(owner: Any, path: str, values: Sequence[float]) -> None:
-    """Give a property a value for each frame from 1 on, without any between them."""
+    """Keyframe a property with a value per frame from 1 on, without interpolation."""
     for frame, value in enumerate(values, 1):
         of, _, name = path.rpartition(".")
         setattr(owner.path_resolve(of), name, value)
@@ -68,7 +68,7 @@ def _key(owner: Any, path: str, values: Sequence[float]) -> None:
 
 
 def _stamp(render: Any, note: str) -> None:
-    """Have the job and the frame written into the header of each picture, and nothing else."""
+    """Make Blender write the job and the frame into each picture's header, and nothing else."""
     for prop in render.bl_rna.properties:
         if prop.identifier.startswith("use_stamp") and prop.type == "BOOLEAN":
             setattr(render, prop.identifier, False)
@@ -78,7 +78,7 @@ def _stamp(render: Any, note: str) -> None:
 
 
 def without_extras(scene: bpy.types.Scene) -> None:
-    """Take out of the scene what no frame shows: compositing, the sequencer, other scenes."""
+    """Remove what no frame shows: compositing, the sequencer, other scenes."""
     anything = cast(Any, scene)
     anything.sequence_editor_clear()
     if hasattr(anything, "compositing_node_group"):  # Blender 5

@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What lies ready beside a farm's .blend: templates for OpenJD and Flamenco, a runner for bpy."""
+"""Write the files beside a farm's .blend: templates for OpenJD and Flamenco, and a runner for bpy."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
 
-from .files import FarmFiles
-from .manifest import Manifest
+from .farm_files import FarmFiles
+from .farm_manifest import Manifest
 
 _FOLDER = Path(__file__).parent / "templates"
 OPENJD, FLAMENCO = "openjd.yaml", "radtex_farm.js"
@@ -16,7 +16,7 @@ _NAME_MOST = 100  # OpenJD's limit is 128
 
 
 def write_templates(files: FarmFiles, manifest: Manifest) -> None:
-    """Write them into the farm's folder, with the farm's frames in them."""
+    """Write the templates into the farm's folder, with the farm's frame numbers."""
     name = json.dumps(f"RadTex {manifest.name[:_NAME_MOST]} {manifest.spec.kind}")
     frames = f"1-{manifest.sheets}" if manifest.sheets > 1 else "1"
     for source in (OPENJD, FLAMENCO, files.runner.name):

@@ -18,6 +18,7 @@ from .containers.exr_bands import BandWriter
 from .disk.atomic import replacing
 from .shared_files import layer_path
 from .sidecar import Sidecar, read_sidecar
+from .sidecar_file import AnySidecar, mismatch_error, opened
 
 BASE = "base"  # the only layer with one value per texel instead of a bucket
 _NO_LIGHT = ("normal", "rest")  # have signed values, while DWAA's losses are meant for light
@@ -118,21 +119,20 @@ def _check_shape(name: str, image: Floats, sidecar: Sidecar, rows: int) -> None:
         raise ShapeError(f"{what}: expected shape {(*expected, *allowed)}, got {image.shape}")
 
 
-def read_layer(path: Path, layer: str) -> Floats:
-    """Read a layer of the bake whose sidecar is the file `path`, as it is stored, row 0 at the bottom.
+def read_layer(sidecar: AnySidecar, layer: str) -> Floats:
+    """Read a layer of a bake as it is stored, row 0 at the bottom.
 
     (H*n, W*n, 3), or (H, W, 3) for the base. Raises FormatError, with the path, for a layer that the bake
     does not have, and as `exr.read_buckets` does.
     """
-    sidecar, image = read_sidecar(path), image_path(path, layer)
-    if layer not in sidecar.layers:
-        known = ", ".join(sidecar.layers) or "none"
-        raise FormatError(f"{path} has no layer {layer}: its layers are {known}")
-    if Sidecar.from_json(header_text(image), f"the header of {image}") != sidecar:
-        raise FormatError(
-            f"{image} is of another bake than {path}: put one bake's files together, or bake again"
-        )
-    return read_pixels(image, *size_of(sidecar, layer), [_COLOURS])
+    file = opened(sidecar)
+    facts, image = read_sidecar(file), image_path(file.path, layer)
+    if layer not in facts.layers:
+        known = ", ".join(facts.layers) or "none"
+        raise FormatError(f"{file} has no layer {layer}: its layers are {known}")
+    if Sidecar.from_json(header_text(image), f"the header of {image}") != facts:
+        raise mismatch_error(image, file)
+    return read_pixels(image, *size_of(facts, layer), [_COLOURS])
 
 
 def image_path(path: Path, layer: str) -> Path:

@@ -112,11 +112,14 @@ class Facts:
             raise self._mistyped(key, "a list of [red, green, blue]")
         return tuple((float(r), float(g), float(b)) for r, g, b in value)
 
-    def point(self, key: str) -> tuple[float, float, float, float]:
+    def numbers(self, key: str, count: int) -> list[float]:
         value = self._of(key)
-        if not isinstance(value, list) or len(value) != 4 or not all(map(_is_number, value)):
-            raise self._mistyped(key, "four numbers")
-        x, y, z, w = map(float, value)
+        if not isinstance(value, list) or len(value) != count or not all(map(_is_number, value)):
+            raise self._mistyped(key, f"{count} numbers")
+        return [float(number) for number in value]
+
+    def point(self, key: str) -> tuple[float, float, float, float]:
+        x, y, z, w = self.numbers(key, 4)
         return x, y, z, w
 
     def constant(self, key: str, expected: object) -> None:

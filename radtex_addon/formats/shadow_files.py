@@ -21,6 +21,7 @@ from ..core.shadow import unpack_bits, word_count
 from .containers.exr import ATTRIBUTE, Compression, header_text, listed, read_whole
 from .disk.atomic import replacing
 from .sidecar import Sidecar, read_sidecar
+from .sidecar_file import AnySidecar, mismatch_error, opened
 
 KIND = "shadow"
 _MOST_CELLS = 512  # along a bucket's side: 8192 channels
@@ -90,20 +91,19 @@ def read_shadow(path: Path) -> tuple[Words, Sidecar]:
     return pixels.astype(np.uint32, copy=False), sidecar
 
 
-def visible_buckets(path: Path) -> tuple[Floats, Sidecar]:
+def visible_buckets(sidecar: AnySidecar) -> tuple[Floats, Sidecar]:
     """Read a shadow as visibilities, like `exr.read_buckets`: (H*n, W*n, 1) float32, 1 is visible."""
-    words, facts = read_shadow_of(path)
+    words, facts = read_shadow_of(sidecar)
     layout = AtlasLayout(facts.width, facts.height, facts.bucket)
     seen = (~unpack_bits(words, facts.bucket)).astype(np.float32)[..., None]
     return layout.from_buckets(seen), facts
 
 
-def read_shadow_of(path: Path) -> tuple[Words, Sidecar]:
-    """`read_shadow` for the sidecar's file `path`. Raises FormatError if its EXR is of another bake, too."""
-    sidecar, image = read_sidecar(path), path.with_suffix(".exr")
+def read_shadow_of(sidecar: AnySidecar) -> tuple[Words, Sidecar]:
+    """`read_shadow` for the EXR beside a sidecar. Raises FormatError if it is of another bake, too."""
+    file = opened(sidecar)
+    facts, image = read_sidecar(file), file.path.with_suffix(".exr")
     words, inner = read_shadow(image)
-    if inner != sidecar:
-        raise FormatError(
-            f"{image} is of another bake than {path}: put one bake's files together, or bake again"
-        )
-    return words, sidecar
+    if inner != facts:
+        raise mismatch_error(image, file)
+    return words, facts

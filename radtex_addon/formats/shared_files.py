@@ -17,7 +17,7 @@ import numpy as np
 
 from ..core.arrays import Floats
 from ..core.condensed import CondensedAtlas
-from ..core.errors import BakeError, FormatError
+from ..core.errors import BakeError
 from ..core.shared import SharedAtlas
 from .condensed_files import StoredAtlas, digest, read_textures
 from .condensed_sizes import texture_format
@@ -36,7 +36,8 @@ from .packing import (
     unpack_surroundings,
 )
 from .shared_sidecar import SharedSidecar
-from .sidecar import Sidecar, read_text
+from .sidecar import Sidecar
+from .sidecar_file import AnySidecar, mismatch_error, opened, read_facts
 
 
 def layer_path(sidecar: Path, layer: str) -> Path:
@@ -112,29 +113,30 @@ def writing_condensed(path: Path, atlas: CondensedAtlas, bake: Sidecar) -> Gener
             try:
                 write_dds(beside, blocks, texture_format(layer))
             except BakeError as error:
-                raise BakeError(str(error).replace(str(beside), str(texture))) from error
+                raise error.saying(error.message.problem.replace(str(beside), str(texture))) from error
             digests[layer] = digest(beside)
             yield layer
         sidecar = replace(sidecar, condensed=replace(stored.facts, digests=digests))
         beside_sidecar.write_text(sidecar.to_json(), encoding="utf-8", newline="\n")
 
 
-def read_shared(path: Path) -> tuple[SharedAtlas, SharedSidecar]:
-    """Read the bake whose sidecar is the file `path`, condensed or not; float32.
+def read_shared(sidecar: AnySidecar) -> tuple[SharedAtlas, SharedSidecar]:
+    """Read a bake in the shared layout, condensed or not; float32.
 
     Raises FormatError, with the path, for a sidecar or an image that is missing, damaged, not ours, of a
     newer version, of another bake, not of the size that the sidecar says, or too large for this machine's
     memory.
     """
-    sidecar = read_shared_sidecar(path)
+    file = opened(sidecar)
+    facts = read_shared_sidecar(file)
     with np.errstate(over="ignore", invalid="ignore"):  # a damaged file may hold any values
-        return _read_atlas(path, sidecar), sidecar
+        return _read_atlas(file.path, facts), facts
 
 
 def _read_atlas(path: Path, sidecar: SharedSidecar) -> SharedAtlas:
     if sidecar.condensed is not None:
         check_memory(f"the bake of {path}", expanded_bytes(sidecar))
-        return read_condensed(path)[0].expanded()
+        return read_textures(path, sidecar, partial(texture_path, path)).expanded()
     images = {layer: read_layer(path, sidecar, layer) for layer in sidecar.shapes}
     return SharedAtlas(
         colour=images[COLOUR].astype(np.float32),
@@ -148,18 +150,19 @@ def _read_atlas(path: Path, sidecar: SharedSidecar) -> SharedAtlas:
     )
 
 
-def read_condensed(path: Path) -> tuple[CondensedAtlas, SharedSidecar]:
-    """Read the condensed bake whose sidecar is the file `path`, without expanding it; float32.
+def read_condensed(sidecar: AnySidecar) -> tuple[CondensedAtlas, SharedSidecar]:
+    """Read a condensed bake without expanding it; float32.
 
     Raises FormatError as `read_shared` does, and for a bake that is not condensed.
     """
-    sidecar = read_shared_sidecar(path)
-    return read_textures(path, sidecar, partial(texture_path, path)), sidecar
+    file = opened(sidecar)
+    facts = read_shared_sidecar(file)
+    return read_textures(file.path, facts, partial(texture_path, file.path)), facts
 
 
-def read_shared_sidecar(path: Path) -> SharedSidecar:
+def read_shared_sidecar(sidecar: AnySidecar) -> SharedSidecar:
     """Read a sidecar's file. Raises FormatError, with the path, if it is missing or not of this layout."""
-    return SharedSidecar.from_json(read_text(path), str(path))
+    return SharedSidecar.from_facts(read_facts(sidecar))
 
 
 def read_layer(path: Path, sidecar: SharedSidecar, layer: str) -> Floats:
@@ -169,9 +172,7 @@ def read_layer(path: Path, sidecar: SharedSidecar, layer: str) -> Floats:
     """
     image = layer_path(path, layer)
     if SharedSidecar.from_json(header_text(image), f"the header of {image}") != sidecar:
-        raise FormatError(
-            f"{image} is of another bake than {path}: put one bake's files together, or bake again"
-        )
+        raise mismatch_error(image, path)
     width, height, channels = sidecar.shapes[layer]
     return read_pixels(image, width, height, [channels])
 

@@ -126,7 +126,11 @@ class SharedSidecar:
 
         Raises FormatError if it is no JSON object, for another version or layout, a missing or mistyped key.
         """
-        facts = Facts.parse(text, source)
+        return cls.from_facts(Facts.parse(text, source))
+
+    @classmethod
+    def from_facts(cls, facts: Facts) -> SharedSidecar:
+        """Read the JSON of `to_json`. Raises FormatError as `from_json` does."""
         bake = Sidecar.from_facts(facts, LAYOUT)
         shared = facts.inner("shared")
         lobes = tuple(Axis(name) for name in shared.choices("lobes", tuple(Axis)))
@@ -144,7 +148,7 @@ class SharedSidecar:
             condensed=CondensedFacts.from_facts(shared, lobes, layers) if condensed else None,
         )
         if misfit := sidecar._misfit():
-            raise FormatError(f'{source}, in "shared", speaks of textures that cannot be: {misfit}')
+            raise FormatError(f'{facts.source}, in "shared", has sizes that no textures have: {misfit}')
         return sidecar
 
     def _misfit(self) -> str | None:

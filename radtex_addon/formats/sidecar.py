@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The sidecar: the facts that a reader needs about an atlas, as JSON beside the image and in its header.
 
-Its keys are a contract with other programs: version 1 is in DESIGN.md, section 3.
+Its keys are a contract with other programs: version 1 is in docs/format.md.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from typing import Any
 
 from ..core.errors import FormatError
 from .disk.atomic import write_text
-from .disk.regular import read_regular
 from .json_reader import Facts, json_text
+from .sidecar_file import AnySidecar, read_facts
 
 VERSION = 1
 LAYOUT = "buckets"
@@ -241,14 +241,9 @@ def write_sidecar(path: Path, sidecar: Sidecar) -> None:
     write_text(path, sidecar.to_json())
 
 
-def read_sidecar(path: Path) -> Sidecar:
+def read_sidecar(sidecar: AnySidecar) -> Sidecar:
     """Read a sidecar's file. Raises FormatError, with the path, if it is missing or not one of ours."""
-    return Sidecar.from_json(read_text(path), str(path))
-
-
-def read_facts(path: Path) -> Facts:
-    """Read a sidecar's file of any layout and kind. Raises FormatError, with the path."""
-    return Facts.parse(read_text(path), str(path))
+    return Sidecar.from_facts(read_facts(sidecar))
 
 
 def preview_path(path: Path, kind: str, part: Part | None = None) -> Path:
@@ -260,21 +255,6 @@ def preview_path(path: Path, kind: str, part: Part | None = None) -> Path:
     if part is not None:
         stem = f"{stem.removesuffix(f'.{safe_name(part.name)}')}.{safe_name(part.by)}"
     return path.with_name(f"{stem}.preview.blend")
-
-
-def read_text(path: Path) -> str:
-    """Read the text of a sidecar or another text file of ours.
-
-    Raises FormatError, with the path, if it cannot be read, is not UTF-8 or is far larger than any of ours.
-    """
-    try:
-        return read_regular(path).decode("utf-8")
-    except UnicodeDecodeError as error:
-        raise FormatError(f"{path} is not text: it is no RadTex sidecar") from error
-    except OSError as error:
-        raise FormatError(f"{path} cannot be read: {error.strerror or error}") from error
-    except ValueError as error:  # a zero byte in its name
-        raise FormatError(f"{path} cannot be read: {error}") from error
 
 
 def file_name(

@@ -14,13 +14,14 @@ from typing import Any
 
 from ..core.arrays import Floats
 from ..core.atlas import AtlasLayout
-from ..core.errors import FormatError, ShapeError
+from ..core.errors import ShapeError
 from ..core.transfer import with_views
 from .containers.exr import Compression, header_text, read_pixels, stored_rows, write_rows
 from .containers.image_rows import ImageRows, open_rows
 from .disk.atomic import replacing
 from .json_reader import Facts, json_text
-from .sidecar import Sidecar, read_text
+from .sidecar import Sidecar
+from .sidecar_file import AnySidecar, mismatch_error, opened, read_facts
 
 LAYOUT = "sphere"
 NORMAL, CAMERA, AROUND = VIEWS = ("normal", "camera", "around")  # where texels were captured from
@@ -101,28 +102,27 @@ def write_transfer(
     return sidecar
 
 
-def read_transfer(path: Path) -> tuple[Floats, TransferSidecar]:
-    """Read the bake whose sidecar is the file `path`: pixels in the layout `stored`, row 0 at the bottom.
+def read_transfer(sidecar: AnySidecar) -> tuple[Floats, TransferSidecar]:
+    """Read a bake: pixels in the layout `stored`, row 0 at the bottom.
 
     Raises FormatError, with the path, for a sidecar or an image that is missing, damaged, not ours, of a
     newer version, of another bake, or not of the size that the sidecar says.
     """
-    image, sidecar = open_transfer(path)
-    return read_pixels(image.path, image.width, image.height, [4]), sidecar
+    image, facts = open_transfer(sidecar)
+    return read_pixels(image.path, image.width, image.height, [4]), facts
 
 
-def open_transfer(path: Path) -> tuple[ImageRows, TransferSidecar]:
+def open_transfer(sidecar: AnySidecar) -> tuple[ImageRows, TransferSidecar]:
     """`read_transfer` for reading in bands of rows. Raises as that does."""
-    sidecar, image = read_transfer_sidecar(path), path.with_suffix(".exr")
+    file = opened(sidecar)
+    facts, image = read_transfer_sidecar(file), file.path.with_suffix(".exr")
     inner = TransferSidecar.from_facts(Facts.parse(header_text(image), f"the header of {image}"))
-    if inner != sidecar:
-        raise FormatError(
-            f"{image} is of another bake than {path}: put one bake's files together, or bake again"
-        )
-    layout = sidecar.stored
-    return open_rows(image, layout.pixel_width, layout.pixel_height, [4]), sidecar
+    if inner != facts:
+        raise mismatch_error(image, file)
+    layout = facts.stored
+    return open_rows(image, layout.pixel_width, layout.pixel_height, [4]), facts
 
 
-def read_transfer_sidecar(path: Path) -> TransferSidecar:
+def read_transfer_sidecar(sidecar: AnySidecar) -> TransferSidecar:
     """Read a sidecar's file. Raises FormatError, with the path, if it is missing or not of this layout."""
-    return TransferSidecar.from_facts(Facts.parse(read_text(path), str(path)))
+    return TransferSidecar.from_facts(read_facts(sidecar))

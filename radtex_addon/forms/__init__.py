@@ -1,23 +1,24 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Forms: the ways to hold a bake, each a folder of its own; and which one a bake has.
+"""Forms: the ways to store a bake, each in a folder of its own; and which form a bake has.
 
-A form's folder has all that depends on how a bake is stored: its files, capture, material, flat lightmap,
-textures and shaders. It is called as its row in `bake.forms.FORMS`, and its module `form` has the form, FORM:
-see docs/extending.md.
+A form's folder has everything that depends on how a bake is stored: its files, capture, material, flat
+lightmap, textures and shaders. The folder has the name of the form's row in `bake.forms.FORMS`, and its
+module `form` defines the form as FORM: see docs/extending.md.
 """
 
 from __future__ import annotations
 
 from importlib import import_module
 
+from ..bake.cost import Cost
 from ..bake.forms import FORMS as _ROWS
 from ..bake.spec import BakeSpec
 from ..core.errors import FormatError
 from ..formats.json_reader import Facts, shown
 from .form import Form
 
-__all__ = ["FORMS", "Form", "form_for", "form_in"]
+__all__ = ["FORMS", "Form", "cost_of", "form_for", "form_in"]
 
 FORMS: tuple[Form, ...] = tuple(import_module(f"{__name__}.{traits.name}.form").FORM for traits in _ROWS)
 
@@ -27,8 +28,13 @@ def form_for(spec: BakeSpec) -> Form:
     return next(form for form in FORMS if form.traits == spec.form)
 
 
+def cost_of(spec: BakeSpec) -> Cost:
+    """The most that a bake of `spec` can cost."""
+    return form_for(spec).cost(spec)
+
+
 def form_in(facts: Facts) -> Form:
-    """The form of the bake that a sidecar's `facts` are of. Raises FormatError for an unknown one."""
+    """The form of the bake whose sidecar has these `facts`. Raises FormatError for an unknown one."""
     layout = facts.text("layout")
     for form in FORMS:
         if form.traits.layout == layout and form.holds(facts):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a form gets to bake."""
+"""The input of a form's bake."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from ..prepare.prepared import Prepared
 
 @dataclass(frozen=True, eq=False)
 class BakeJob:
-    """A bake of what is `prepared` in a `scratch` scene, which it may change.
+    """A bake of the `prepared` objects in a `scratch` scene, which the bake may change.
 
-    `sidecar` is where the bake's sidecar is to be, `folder` takes temporary files, and the `store` finished
-    pieces: it also gives the places where files wait until all are written. The `thumbnail` is shown what
-    comes in.
+    `sidecar` is the final path of the bake's sidecar, `folder` is for temporary files. The `store` takes
+    finished pieces, and has places for output files until all are written. The `thumbnail` gets the captured
+    light.
     """
 
     scratch: bpy.types.Scene

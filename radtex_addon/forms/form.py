@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every form of a bake can do."""
+"""The interface of all forms."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import Any, Protocol, TypeAlias
 
 import bpy
 
+from ..bake.cost import Cost
 from ..bake.forms import FormTraits
 from ..bake.progress import Progress
 from ..bake.spec import BakeSpec, Compression
@@ -20,26 +21,27 @@ from ..core.surface import SurfaceMesh
 from ..formats.condensed_sizes import Shapes
 from ..formats.json_reader import Facts
 from ..formats.sidecar import Sidecar
+from ..formats.sidecar_file import SidecarFile
 from ..textures.entry import TextureEntry
+from ..textures.export_progress import Step
+from ..textures.export_spec import ExportSpec, Target
 from ..textures.godot_shader import GodotShader
-from ..textures.progress import Step
-from ..textures.spec import ExportSpec, Target
 from .bake_job import BakeJob
 from .outcome import Outcome
 
-# Light (N, 3), linear, of N fragments: uv (N, 2), normal (N, 3) and direction to the viewer (N, 3) in world
-# space, and that direction in the fragment's frame (N, 3).
+# Linear light (N, 3) of N fragments, from their uv (N, 2), normal (N, 3) and direction to the viewer (N, 3)
+# in world space, and that direction in the fragment's frame (N, 3).
 Lookup: TypeAlias = Callable[[Floats, Floats, Floats, Floats], Floats]
 
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """A finished bake, read: its sidecar, its images, and the light in them.
+    """A finished bake, read: its sidecar, its images' paths, and a `lookup` of the light in them.
 
-    `texels` (H, W, K) are what each texel has of its own, as it is stored. `compression` is None for one that
-    RadTex does not write, and for textures. `loss` is how far two of `texels` may be apart that were the same
-    before they were packed, over the larger. `budget` is how many bytes a condensed bake's textures take on a
-    GPU, None for another.
+    `texels` (H, W, K) are the stored values that belong to single texels. `compression` is None for GPU
+    textures, and if RadTex does not write it. `loss` is the largest relative difference between two of
+    `texels` that were equal before lossy compression. `budget` is the GPU memory of a condensed bake's
+    textures in bytes, None for other forms.
     """
 
     sidecar: Sidecar
@@ -53,7 +55,7 @@ class Opened:
 
 @dataclass(frozen=True)
 class PreviewOf:
-    """What a preview's material is made for; a `hull` shows its front alone."""
+    """The input of a preview's material: `sidecar` is an absolute path; a `hull` shows only its front."""
 
     title: str
     spec: BakeSpec
@@ -65,17 +67,20 @@ class PreviewOf:
 
 
 class Form(Protocol):
-    """A way to hold a bake. `sidecar` is the path of the bake's sidecar, an absolute one for previews."""
+    """A way to store a bake.
+
+    `sidecar` is the path of the sidecar if the bake is still to be made, else the file, already read.
+    """
 
     @property
     def traits(self) -> FormTraits:
-        """What a specification knows of the form."""
+        """The form's row in `bake.forms`."""
         ...
 
-    # A bake to be made
+    # For a bake that is to be made
 
     def images(self, spec: BakeSpec, sidecar: Path) -> tuple[Path, ...]:
-        """All images that such a bake can write."""
+        """The paths of all images that such a bake can write."""
         ...
 
     def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
@@ -85,19 +90,23 @@ class Form(Protocol):
         """
         ...
 
+    def cost(self, spec: BakeSpec) -> Cost:
+        """The most that such a bake costs."""
+        ...
+
     def check_size(self, spec: BakeSpec, width: int, height: int) -> None:
-        """Raise InputError where `width` x `height` texels cannot be held as the specification wants."""
+        """Raise InputError if `width` x `height` texels cannot be stored as specified, or in the budget."""
         ...
 
     def check_previewable(self, spec: BakeSpec) -> None:
-        """Raise InputError where no GPU takes the images of a square atlas."""
+        """Raise InputError if the images of a square atlas are too large for GPUs."""
         ...
 
     def material(self, of: PreviewOf) -> bpy.types.Material:
         """The material that shows a bake on its baked copy."""
         ...
 
-    # A bake that is there
+    # For a finished bake
 
     def holds(self, facts: Facts) -> bool:
         """Whether a sidecar with the form's layout is of this form."""
@@ -107,59 +116,59 @@ class Form(Protocol):
         """Whether a sidecar of this form is of a bake with these layers, cells and samples."""
         ...
 
-    def read_sidecar(self, sidecar: Path) -> Sidecar:
-        """What all forms' sidecars tell. Raises FormatError."""
+    def read_sidecar(self, sidecar: SidecarFile) -> Sidecar:
+        """Read the facts that the sidecars of all forms have. Raises FormatError."""
         ...
 
-    def open(self, sidecar: Path) -> Opened:
+    def open(self, sidecar: SidecarFile) -> Opened:
         """Read a bake. Raises FormatError for files that are missing, damaged, or of different bakes."""
         ...
 
-    def shapes(self, sidecar: Path, texels: int = 1, cells: int = 1) -> Shapes:
+    def shapes(self, sidecar: SidecarFile, texels: int = 1, cells: int = 1) -> Shapes:
         """Width, height and channels of each image in `Opened.images`, by layer.
 
-        With `texels` and `cells` times as many along a side.
+        For a bake with `texels` times as many texels along a side, and `cells` times as many cells.
         """
         ...
 
-    def expanded_bytes(self, sidecar: Path) -> int:
-        """Memory that reading takes beside the images' own pixels."""
+    def expanded_bytes(self, sidecar: SidecarFile) -> int:
+        """Bytes of memory that reading needs in addition to the images' own pixels."""
         ...
 
-    # An export of it
+    # For its export
 
-    def export_bytes(self, sidecar: Path) -> int:
-        """The most memory that an export takes beside what any does."""
+    def export_bytes(self, sidecar: SidecarFile) -> int:
+        """The most bytes of memory that an export needs in addition to what every export needs."""
         ...
 
     def textures_of(self, facts: Facts, present: Collection[str]) -> tuple[str, ...]:
-        """The names of an exported bake's textures, of which layers that are not `present` may be absent."""
+        """The names of an exported bake's textures; optional layers only if they are `present`."""
         ...
 
-    def flat(self, sidecar: Path, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
-        """The flat lightmap (H, W, 3 or 4): see `textures.flat`."""
+    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+        """The flat lightmap (H, W, 3 or 4): see `textures.flat_lightmap`."""
         ...
 
-    def write_textures(self, sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
-        """Write the bake's textures into `folder`, called as its images but for the ending; entries by layer.
+    def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+        """Write the bake's textures into `folder`, named as its images with other suffixes; entries by layer.
 
-        Raises InputError for what the bake or the format cannot be, FormatError, with the path, for files
-        that are missing, damaged or of different bakes, BakeError where the system refuses.
+        Raises InputError for options that the bake or the format does not support, FormatError, with the
+        path, for files that are missing, damaged or of different bakes, BakeError where the system refuses.
         """
         ...
 
     def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:
-        """The stems of the shader includes that look a bake up, by its sidecar's JSON."""
+        """The stems of the shader includes that look up a `bake`, which is its sidecar's JSON."""
         ...
 
     def usage(
         self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
     ) -> list[str]:
-        """Lines that say how the lookup is called for these very textures."""
+        """Lines that show how a shader calls the lookup for these textures."""
         ...
 
     def godot_shader(
         self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], baked: Floats
     ) -> GodotShader:
-        """The shader in Godot; `baked` (3, 3) turns the mesh's directions into those of Blender's world."""
+        """The Godot shader; `baked` (3, 3) transforms directions from the mesh to Blender's world."""
         ...

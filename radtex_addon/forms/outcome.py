@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake comes to, whatever its form."""
+"""The result of a form's bake, the same for all forms."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..core.atlas import AtlasLayout
 class Condensed:
     """How a bake was condensed: `clusters` of each lobe, sides of `colour` and `surroundings` in pixels.
 
-    `bytes` are the textures' on a GPU, `agreement` is in dB: the files, read back, against what was fitted.
+    `bytes` is the textures' size on a GPU; `agreement` is that of the files, read back, with the fit, in dB.
     """
 
     clusters: tuple[int, ...]
@@ -26,7 +26,7 @@ class Condensed:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The `images` that were written, and what they took: see `job.run.BakeResult`."""
+    """The `images` that were written, and what they cost: see `job.baking.BakeResult`."""
 
     images: tuple[Path, ...]
     layout: AtlasLayout

@@ -6,11 +6,11 @@ The batch and the panel call these functions; so can a script. Data goes one way
 map, captures, atlas, files.
 """
 
+from .baking import BakeResult, bake_object, bake_steps
 from .checks import check_request
-from .files import OutputFiles
 from .layout_choice import Choice, OpenLayout, choose_layout, choose_layouts
-from .parts import part_specs
-from .run import BakeResult, bake_object, bake_steps
+from .output_files import OutputFiles
+from .split_parts import part_specs
 
 __all__ = [
     "BakeResult",

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every layout's bake hands back, and how the key of an unfinished one tells it."""
+"""The result of a bake of any form, and its JSON for the key of an unfinished bake."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ from typing import Any
 
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError, ShapeError
-from ..formats.sidecar import read_facts
+from ..core.messages import Setting, do
+from ..formats.sidecar_file import read_facts
 from ..forms.outcome import Condensed, Outcome
-from .files import OutputFiles
+from .output_files import OutputFiles
 
 
 @dataclass(frozen=True)
 class BakeOutput:
-    """An atlas on disk: the `files` that there are, what it took, and how it was `condensed`, if it was."""
+    """The result of a bake: its `files` on disk, what it cost, and how it was `condensed` (None if not)."""
 
     files: OutputFiles
     layout: AtlasLayout
@@ -32,7 +33,7 @@ class BakeOutput:
 
     @classmethod
     def by(cls, outcome: Outcome, files: OutputFiles, device: str, islands: int | None) -> BakeOutput:
-        """What a form's bake came to, of whose `files` it has written some images."""
+        """From a form's `outcome`, which says which of the images in `files` were written."""
         return cls(
             files=replace(files, images=outcome.images),
             layout=outcome.layout,
@@ -47,7 +48,7 @@ class BakeOutput:
 
     @property
     def outcome(self) -> Outcome:
-        """What the form's bake came to."""
+        """The result of the form's bake alone."""
         return Outcome(
             images=self.files.images,
             layout=self.layout,
@@ -59,7 +60,7 @@ class BakeOutput:
         )
 
     def told(self, earlier: Collection[Path] = ()) -> dict[str, Any]:
-        """All of it as JSON takes it, of the files the images' names; and of the `earlier` bake's images."""
+        """The result as JSON values: of `files` and the `earlier` bake's images only the names."""
         return {
             "replaced": sorted(path.name for path in earlier),
             "images": [path.name for path in self.files.images],
@@ -75,7 +76,10 @@ class BakeOutput:
 
     @staticmethod
     def replaced(told: Mapping[str, Any], files: OutputFiles) -> frozenset[Path]:
-        """The earlier bake's images, which go when this one has its places; foreign names are left out."""
+        """The earlier bake's images in `told`, to be deleted once this bake's files have their final names.
+
+        Names that no image of this bake could have are ignored.
+        """
         names = told.get("replaced")
         stem = f"{files.sidecar.stem}."
         return frozenset(
@@ -86,10 +90,7 @@ class BakeOutput:
 
     @classmethod
     def of(cls, told: Mapping[str, Any], files: OutputFiles) -> BakeOutput:
-        """What was `told` of a bake that has some of these `files`.
-
-        Raises InputError for what `told` did not write.
-        """
+        """Inverse of `told`, for a bake with these `files`. Raises InputError for malformed values."""
         try:
             condensed, layout = told["condensed"], told["layout"]
             return cls(
@@ -105,12 +106,13 @@ class BakeOutput:
             )
         except (IndexError, KeyError, TypeError, ValueError, ShapeError) as error:
             raise InputError(
-                f"{files.unfinished} is damaged: begin anew (--overwrite, without --resume)"
+                f"{files.unfinished} is damaged",
+                do("begin anew", Setting.OVERWRITE, without=(Setting.RESUME,)),
             ) from error
 
     @classmethod
     def known(cls, files: OutputFiles) -> BakeOutput:
-        """Of a bake that was finished some time ago: its sidecar tells of no paths and covered texels.
+        """The result of a bake that was finished earlier, by its sidecar; paths and covered texels are 0.
 
         Raises FormatError as `read_facts` does.
         """

@@ -1,13 +1,12 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The layout of a bake for which none was named: shared within a budget, or buckets where that does not go.
+"""Choose the layout of a bake for which none was named: shared within a budget, else buckets.
 
-What was asked for, the object and the files that are there decide; the machine does not.
+The specification, the object and existing files decide; the machine does not.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,41 +20,40 @@ from ..bake.kinds import Layout, form_in
 from ..bake.memory_limits import check_memory
 from ..bake.spec import BakeSpec, shared_bytes
 from ..core.errors import FormatError, InputError, MemoryLimitError
+from ..core.messages import Setting, do
 from ..formats.disk.memory import readable_size
-from ..formats.sidecar import read_facts
+from ..formats.sidecar_file import read_facts
 from ..forms import form_in as form_of_facts
 from ..forms.condensed.condense import check_bytes
 from ..scene.checks.see_through import why_see_through
-from .files import OutputFiles
+from .output_files import OutputFiles
 from .variants import Bake
 
-DEFAULT_BUDGET = 2_000_000  # bytes: the preset Preview's, too
-_MOST_MEMORY = 8 << 30  # bytes that the shared layout may take where no layout was named, on every machine
+DEFAULT_BUDGET = 2_000_000  # bytes: the same as the preset Preview's
+_MOST_MEMORY = 8 << 30  # bytes: if the shared layout needs more, buckets is chosen, on every machine
 SHARED_CELLS = BakeSpec(texels=1, layout=Layout.SHARED, budget=DEFAULT_BUDGET).bucket
-
-_REMEDY = re.compile(r": [^:]*\blayout buckets$")  # of a refusal, which was already followed
 
 
 @dataclass(frozen=True)
 class OpenLayout:
-    """That no layout was named, nor a budget or target; `cells` are those named for a bucket's side."""
+    """The user named no layout, budget or target; `cells` along a bucket's side, if the user named them."""
 
     cells: int | None = None
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A bake whose layout is settled.
+    """A specification with its final layout.
 
-    `reason` says why it is in layout buckets although none was named; empty where it is not so, or where
-    it goes on with a bake that is there.
+    `reason` says why layout buckets was chosen automatically; it is empty if that is not so, or if the
+    layout is that of an existing bake.
     """
 
     spec: BakeSpec
     reason: str = ""
 
     def told(self, name: str) -> str:
-        """The line that tells of it; empty without a reason."""
+        """A line with the reason, for the user; empty without a reason."""
         return f"'{name}' is baked in layout buckets, not shared: {self.reason}" if self.reason else ""
 
 
@@ -69,13 +67,13 @@ def choose_layout(
     overwrite: bool = False,
     others: Sequence[Bake] = (),
 ) -> Choice:
-    """Settle the layout of a bake into `folder`, whose specification has layout buckets until then.
+    """Choose the layout of a bake into `folder` (None if unknown yet); `bake` has layout buckets until then.
 
-    Without a `wish` it was named, and stays. To `resume`, to accumulate and to refresh go on in the layout of
-    what is there, of this bake or else of the `others` that are baked with it, unless there is no folder yet.
-    Where some of them are of single lamps, all are alike, for they add up. An object that is not there has no
-    say. Raises InputError for a shared atlas that is to be accumulated or
-    refreshed, and as `BakeSpec` does.
+    Without a `wish` the layout was named, and stays. To `resume`, accumulate or refresh, the layout is that
+    of the existing bake, or of the first existing one of the `others` in this run with the same name. If any
+    of the `others` is of single lamps, all get the same layout, because they are added up. Objects that do
+    not exist are ignored. Raises InputError if a bake in the shared layout is to be accumulated or refreshed,
+    if the shared layout does not fit into memory, and as `BakeSpec` does.
     """
     name, spec = bake
     if wish is None:
@@ -93,7 +91,8 @@ def choose_layout(
     try:
         check_memory(shared)
     except MemoryLimitError as error:
-        raise InputError(f"{error}, or choose layout buckets (--layout buckets)") from error
+        buckets = do("choose layout buckets", Setting.LAYOUT, value="buckets")
+        raise InputError(error.message.problem, *error.message.remedies, buckets) from error
     return Choice(shared)
 
 
@@ -106,7 +105,7 @@ def choose_layouts(
     resume: bool,
     overwrite: bool,
 ) -> dict[Bake, Choice]:
-    """The bakes of one run with their layouts settled, each with its choice. Raises as `choose_layout`."""
+    """All bakes of one run with their final layouts, each with its choice. Raises as `choose_layout`."""
     choices = (
         choose_layout(scene, bake, wish, folder, resume=resume, overwrite=overwrite, others=asked)
         for bake in asked
@@ -117,16 +116,19 @@ def choose_layouts(
 def _in_shared(
     spec: BakeSpec, cells: int | None, budget: int | None, target: float | None = None
 ) -> BakeSpec:
-    bucket = cast(int, cells)  # None is for the specification to settle
+    bucket = cast(int, cells)  # None: the specification takes the default
     return replace(spec, layout=Layout.SHARED, bucket=bucket, budget=budget, target=target)
 
 
 def _why_not_shared(spec: BakeSpec, cells: int | None) -> str:
-    """What of the options the shared layout refuses, or its budget for a square atlas."""
+    """Why a bake cannot be in the shared layout: its options, the budget or the memory; empty if it can.
+
+    Budget and memory are checked for a square atlas.
+    """
     try:
         _in_shared(spec, cells, DEFAULT_BUDGET)
     except InputError as error:
-        return _REMEDY.sub("", str(error))
+        return error.message.problem  # without the remedy, layout buckets, which is chosen anyway
     try:
         check_bytes(DEFAULT_BUDGET, cells or SHARED_CELLS, spec.texels, spec.texels)
     except InputError as error:
@@ -143,7 +145,7 @@ def _why_not_objects(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> str:
 
 @dataclass(frozen=True)
 class _Begun:
-    """How a bake that is there is stored, and what belongs to it."""
+    """How an existing bake is stored."""
 
     form: FormTraits
     bucket: int
@@ -152,7 +154,7 @@ class _Begun:
 
 
 def _begun(bakes: Sequence[Bake], folder: Path, anew: bool) -> _Begun | None:
-    """Of the first of these that is there, unfinished or, unless it is baked `anew`, finished."""
+    """How the first of these bakes that exists is stored; if `anew`, only unfinished ones count."""
     for name, spec in bakes:
         files = OutputFiles.of(name, spec, folder, preview=False)
         if is_unfinished(files.unfinished):
@@ -165,7 +167,7 @@ def _begun(bakes: Sequence[Bake], folder: Path, anew: bool) -> _Begun | None:
 
 
 def _from_key(facts: Mapping[str, str]) -> _Begun | None:
-    """What an unfinished bake's key says; None for one that others than we wrote."""
+    """From the facts in an unfinished bake's key; None if they are not as RadTex writes them."""
     budget, target = (facts.get(name, "None") for name in ("budget", "target"))
     try:
         limits = (None if budget == "None" else int(budget), None if target == "None" else float(target))
@@ -175,7 +177,7 @@ def _from_key(facts: Mapping[str, str]) -> _Begun | None:
 
 
 def _from_sidecar(path: Path) -> _Begun | None:
-    """What a finished bake's sidecar says: not for which budget or target it was condensed."""
+    """From a finished bake's sidecar, None if unreadable; the budget, not in it, is the default one."""
     try:
         facts = read_facts(path)
         form = form_of_facts(facts).traits
@@ -196,7 +198,7 @@ def _as_begun(bake: Bake, begun: _Begun, wish: OpenLayout, folder: Path) -> Bake
         done = "accumulated" if spec.accumulate else "refreshed"
         sidecar = OutputFiles.of(name, spec, folder, preview=False).sidecar
         raise InputError(
-            f"{sidecar} is in the shared layout, which cannot be {done}: "
-            "bake it anew in layout buckets (--layout buckets --overwrite)"
+            f"{sidecar} is in the shared layout, which cannot be {done}",
+            do("bake it anew in layout buckets", Setting.LAYOUT, Setting.OVERWRITE, value="buckets"),
         )
     return _in_shared(spec, cells, begun.budget, begun.target)

@@ -11,15 +11,15 @@ from pathlib import Path
 
 from ..core.errors import InputError
 from ..formats.disk.path_checks import nearest_folder
-from .files import OutputFiles
+from .output_files import OutputFiles
 from .variants import Bake, variant_of
 
 
-def check_files_apart(bakes: Sequence[Bake], out: Path, preview: bool) -> None:
-    """Make sure that several bakes into the folder `out` have files of their own.
+def check_output_collisions(bakes: Sequence[Bake], out: Path, preview: bool) -> None:
+    """Make sure that no two bakes write the same file in the folder `out`.
 
-    Names may differ in how they are composed of characters (é), or in case where the filesystem joins that.
-    Raises InputError for the first two that share a file.
+    Names may be the same although their Unicode forms differ (é), or their case if the filesystem ignores
+    it. Raises InputError for the first two that share a file.
     """
     if len(bakes) < 2:
         return
@@ -47,7 +47,7 @@ def _told(bake: Bake) -> str:
 
 
 def _joins_case(folder: Path) -> bool:
-    """Whether the folder's filesystem takes names that differ in case for the same."""
+    """Whether the folder's filesystem ignores the case of names."""
     with (
         suppress(OSError),
         tempfile.NamedTemporaryFile(dir=nearest_folder(folder), prefix=".radtex-", suffix="-a") as file,

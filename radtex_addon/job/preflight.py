@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All that `check_request` and the bake itself would refuse, for several objects, as text to show."""
+"""Preflight: collect the errors and warnings of bakes of several objects, to show them all at once."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ import bpy
 
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError
+from ..core.messages import Message
 from ..forms import form_for
-from ..textures.spec import Target
+from ..textures.export_spec import Target
 from .checks import check_request
 
 
 @dataclass(frozen=True)
 class Preflight:
-    """What would fail, and what would bake but hardly as it is meant; each a line, none twice."""
+    """Errors that make a bake fail, and warnings; each is one line, without duplicates."""
 
-    errors: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
+    errors: tuple[Message, ...] = ()
+    warnings: tuple[Message, ...] = ()
 
 
 def run_preflight(
@@ -40,12 +41,12 @@ def run_preflight(
     view_layer: str | None = None,
     patience: float = inf,
 ) -> Preflight:
-    """What a bake of the objects `names` with exports for `targets` would meet. Changes nothing.
+    """Find errors and warnings of bakes of the objects `names` with exports for `targets`. Changes nothing.
 
-    After `patience` seconds no further object is looked at: in a large scene each may take 20 ms.
+    After `patience` seconds no further object is checked: in a large scene each may take 20 ms.
     """
-    errors: dict[str, None] = {}
-    warnings: dict[str, None] = {}
+    errors: dict[Message, None] = {}
+    warnings: dict[Message, None] = {}
     wanted, since = tuple(targets), monotonic()
     for number, name in enumerate(names):
         if number and monotonic() - since > patience:
@@ -58,17 +59,17 @@ def run_preflight(
             for each in spec.objects or (name,):
                 _check_uv(scene.objects[each], spec)
         except InputError as error:
-            errors[str(error)] = None
+            errors[error.message] = None
     try:
         form_for(spec).check_size(spec, spec.texels, spec.texels)
     except InputError as error:
-        # The atlas of an unwrap is seldom square: it may yet fit.
-        (warnings if spec.uv_layer is None else errors)[str(error)] = None
+        # The size is that of a square atlas; a new unwrap is seldom square, and may still fit.
+        (warnings if spec.uv_layer is None else errors)[error.message] = None
     return Preflight(tuple(errors), tuple(warnings))
 
 
 def _check_uv(item: bpy.types.Object, spec: BakeSpec) -> None:
-    """Refuse a layer that the object has not, unless a modifier may make it."""
+    """Raises InputError if the object lacks the UV layer and has no modifier that might make it."""
     layers = [layer.name for layer in item.data.uv_layers]
     if spec.uv_layer is None or spec.uv_layer in layers or item.modifiers:
         return

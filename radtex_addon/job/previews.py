@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a finished bake looks like: the material of its kind, and the .blend that shows it."""
+"""Save the preview of a finished bake: a .blend whose materials show it."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from ..core.arrays import Ints
 from ..core.errors import FormatError
 from ..core.sampler import Filter
 from ..formats.json_reader import Facts
-from ..formats.sidecar import read_facts
+from ..formats.sidecar_file import read_facts
 from ..formats.transfer_files import LAYOUT as TRANSFER
 from ..formats.transfer_files import TransferSidecar
 from ..forms import form_for
 from ..forms.form import PreviewOf
 from ..prepare.prepared import Piece
-from ..preview.save import TITLE, StandIn, save_preview
+from ..preview.save import MATERIAL_PREFIX, StandIn, save_preview
 from ..scene.mesh.copy import copy_object
 from ..scene.mesh.watertight import is_closed
 from ..scene.proxy_content import EVERYTHING, find_content
 from ..scene.scratch import find_view_layer
-from .files import OutputFiles
+from .output_files import OutputFiles
 
 
 class Shown(Protocol):
-    """What a preview needs to know of a bake: see `Prepared`."""
+    """What a preview needs of a bake: see `Prepared`."""
 
     @property
     def name(self) -> str: ...
@@ -57,12 +57,12 @@ def save_preview_of(
     preview: Filter,
     view_layer: str | None,
 ) -> None:
-    """Write `<name>.preview.blend` of what is prepared as it was baked. Raises BakeError as it cannot.
+    """Write `<name>.preview.blend`, in which the `prepared` objects show their bake.
 
-    Of an object that is split it shows all parts that have atlases of this kind and layout by now, and the
-    others as they are.
+    A split object shows all parts that have atlases of this kind and layout so far; the other parts keep
+    their materials. Raises BakeError if it cannot be written.
     """
-    assert files.preview is not None  # there is one where there is a filter
+    assert files.preview is not None  # set if there is a filter
     materials = {
         number: _material(title, spec, there, prepared, preview, scene)
         for number, (title, there) in _baked(spec, files, prepared).items()
@@ -84,8 +84,8 @@ def save_preview_of(
 
 
 def _baked(spec: BakeSpec, files: OutputFiles, prepared: Shown) -> dict[int | None, tuple[str, OutputFiles]]:
-    """Each part's number, its material's name and its files, of all that are baked; None for all at once."""
-    title = f"{TITLE}{prepared.name}"
+    """Material name and files of each baked part, by its number; None is the number if nothing is split."""
+    title = f"{MATERIAL_PREFIX}{prepared.name}"
     if spec.split is None:
         return {None: (title, files)}
     found: dict[int | None, tuple[str, OutputFiles]] = {}
@@ -98,7 +98,7 @@ def _baked(spec: BakeSpec, files: OutputFiles, prepared: Shown) -> dict[int | No
 
 
 def _is_of(sidecar: Path, prepared: Shown, reading: tuple[str, int]) -> bool:
-    """Whether the file is the sidecar of a bake of the same mesh, which one reads in the same way."""
+    """Whether the file is the sidecar of a bake of the same mesh that is read in the same way."""
     try:
         facts = read_facts(sidecar)
         return facts.values.get("mesh") == prepared.digest and _reading(facts) == reading
@@ -139,7 +139,7 @@ def _material(
 ) -> bpy.types.Material:
     clear = spec.kind.traits.looks_at_surface and scene.render.film_transparent
     closed = clear and all(is_closed(piece.mesh) for piece in prepared.pieces)
-    hull = spec.kind.traits.content or closed  # its far side is seen through it
+    hull = spec.kind.traits.content or closed  # only its front is shown: its back would be seen through it
     sidecar = files.sidecar.absolute()
     of = PreviewOf(title, spec, sidecar, prepared.uv_layer, scene, preview, hull)
     return form_for(spec).material(of)

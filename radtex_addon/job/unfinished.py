@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Going on with a bake that did not come to its end."""
+"""Open the checkpoint of a bake to resume it, and make sure that no bake loses files or another bake."""
 
 from __future__ import annotations
 
@@ -14,17 +14,20 @@ from ..bake.checkpoint import Checkpoint, remove_left
 from ..bake.key import DIGEST, check_free, is_announced, is_unfinished, replaced_by
 from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError
+from ..core.messages import Setting, do, leave_out
 from ..formats.condensed_files import digest
 from ..formats.disk.atomic import check_absent
-from ..formats.sidecar import part_in, read_facts
-from ..textures.spec import Target
+from ..formats.sidecar import part_in
+from ..formats.sidecar_file import read_facts
+from ..textures.export_spec import Target
 from ..version import VERSION
-from .files import OutputFiles
-from .finished import is_finished, misses_preview, missing_exports, samples_of
+from .existing_bakes import is_finished, misses_preview, missing_exports, samples_of
+from .output_files import OutputFiles
 
-# Of a specification: tiles may be of any height; device and frame are compared as they were found.
+# Fields that may differ on resume: memory changes only tile heights; the device and the frame in use are
+# compared by other facts.
 _MAY_DIFFER = ("memory_mb", "device", "frame")
-# What the scene's own digests call by the same word.
+# Other names for fields whose names are also names of the scene's digests.
 _CALLED = {"objects": "objects that share the atlas", "lights": "lamps that are lit"}
 
 
@@ -36,10 +39,10 @@ def open_checkpoint(
     overwrite: bool = False,
     exports: Collection[Target] = (),
 ) -> Checkpoint:
-    """Where the pieces of a bake of the object `name` are kept, until its `exports` are made, too.
+    """Open the checkpoint of a bake of the object `name`; it lasts until the `exports` are made, too.
 
-    It looks once more, at its first piece, whether it would replace what may not be. Raises InputError where
-    it is to `resume` one that differs.
+    At its first piece it checks again that it replaces no files that it may not. Raises InputError if the
+    bake to `resume` differs.
     """
     goes_on = resume and (is_unfinished(files.unfinished) or files.sidecar.exists())
     earlier: str | None = None
@@ -57,7 +60,7 @@ def open_checkpoint(
     }
     versions = {"RadTex's version": VERSION, "Blender's version": bpy.app.version_string}
     checkpoint.set_facts({"object": name, **versions, **chosen})
-    folds = (spec.accumulate or spec.refresh) and checkpoint.made is None  # else it is there already
+    folds = (spec.accumulate or spec.refresh) and checkpoint.made is None  # else it may be replaced already
     if folds and files.atlas.is_file():
         earlier = digest(files.atlas)
         checkpoint.set_facts({"the atlas that is there": DIGEST + earlier})
@@ -72,24 +75,24 @@ def check_files(
     resume: bool,
     exports: Collection[Target] = (),
 ) -> None:
-    """Make sure that a bake destroys nothing that it may not, an unfinished bake among it.
+    """Make sure that a bake replaces no files that it may not, and no unfinished bake.
 
-    Raises InputError, which says what to do, also where it is to `resume` one that differs, or one that is
-    finished, with its preview and its `exports`.
+    Raises InputError, which says what to do; also if the bake to `resume` differs, or is finished with its
+    preview and its `exports`.
     """
-    _check_folder(files.unfinished)
+    check_folder(files.unfinished)
     earlier = spec.accumulate or spec.refresh
     if earlier and not files.sidecar.exists():
         done = "accumulate onto" if spec.accumulate else "refresh"
         raise InputError(f"{files.sidecar} is not there to {done}: bake it first, without that")
     if not is_unfinished(files.unfinished):
         if resume:
-            remove_left(files.unfinished)  # the bake was killed at its very end
+            remove_left(files.unfinished)  # of a bake that was killed while it cleaned up
         if resume and not overwrite and files.sidecar.exists():
             lacks = misses_preview(files) or missing_exports(files, exports)
             if lacks and not earlier and is_finished(name, spec, files.sidecar.parent):
                 return
-            raise InputError(_nothing_unfinished(name, spec, files))
+            raise _nothing_unfinished(spec, name, files)
         check_absent(files.own, overwrite or earlier)
         _check_common(name, spec, files, overwrite)
         return
@@ -108,9 +111,9 @@ def check_files(
 def _check_meanwhile(
     name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool, earlier: str | None
 ) -> None:
-    """Make sure, where nobody else can write any more, that nobody has since `check_files` looked.
+    """Check again, now with the lock held, as other processes may have written files since `check_files`.
 
-    `earlier` is the digest of the atlas that there was to go on from. Raises InputError.
+    `earlier` is the digest that the atlas to accumulate onto or to refresh had. Raises InputError.
     """
     announced = is_announced(files.unfinished)
     if is_unfinished(files.unfinished) and not (overwrite or announced):
@@ -123,21 +126,25 @@ def _check_meanwhile(
 
 def _unfinished(files: OutputFiles) -> InputError:
     return InputError(
-        f"{files.unfinished} holds an unfinished bake: go on with it (--resume), or begin anew (--overwrite)"
+        f"{files.unfinished} holds an unfinished bake",
+        do("go on with it", Setting.RESUME),
+        do("begin anew", Setting.OVERWRITE),
     )
 
 
-def _nothing_unfinished(name: str, spec: BakeSpec, files: OutputFiles) -> str:
-    found = f"{files.sidecar} is already there, and nothing of object '{name}' is unfinished: "
+def _nothing_unfinished(spec: BakeSpec, name: str, files: OutputFiles) -> InputError:
+    found = f"{files.sidecar} is already there, and nothing of object '{name}' is unfinished"
     if spec.refresh:
-        return found + "leave --resume out to refresh it"
+        return InputError(found, leave_out(Setting.RESUME, to="to refresh it"))
     if spec.accumulate and (samples := samples_of(files)) is not None:
-        return found + f"it has {samples} samples a cell; if more are wanted, leave --resume out"
-    return found + "leave --resume out, and bake it anew (--overwrite)"
+        return InputError(
+            f"{found}; it has {samples} samples a cell", leave_out(Setting.RESUME, to="for more")
+        )
+    return InputError(found, do("bake it anew", Setting.OVERWRITE))
 
 
-def _check_folder(unfinished: Path) -> None:
-    """Raises InputError for a link, behind which pieces would be removed and written."""
+def check_folder(unfinished: Path) -> None:
+    """Raises InputError if it is a file, or a link: pieces would be written and deleted behind it."""
     if unfinished.is_symlink() or (unfinished.exists() and not unfinished.is_dir()):
         raise InputError(
             f"{unfinished} is a file, or a link, where a folder must go: move it, or choose another folder"
@@ -145,22 +152,23 @@ def _check_folder(unfinished: Path) -> None:
 
 
 def _check_common(name: str, spec: BakeSpec, files: OutputFiles, overwrite: bool) -> None:
-    """Leave a preview that parts have in common to them, unless such parts as this one made it.
+    """Make sure that an existing preview that parts share is one of this object's parts.
 
-    Raises InputError where none of them lies beside it.
+    Raises InputError if no sidecar of such a part lies beside it.
     """
     shown = files.preview
     if shown is None or files.preview_is_own or overwrite or not shown.exists():
         return
     if not any(_is_sibling(path, name, spec) for path in shown.parent.glob(f"*.{spec.kind}.json")):
         raise InputError(
-            f"{shown} is already there, and shows no {spec.kind} of '{name}': "
-            "overwrite it (--overwrite), or choose another folder"
+            f"{shown} is already there, and shows no {spec.kind} of '{name}'",
+            do("overwrite it", Setting.OVERWRITE),
+            do("choose another folder", Setting.OUT),
         )
 
 
 def _is_sibling(sidecar: Path, name: str, spec: BakeSpec) -> bool:
-    """Whether it is of a part that has its preview in common with what `spec` asks for."""
+    """Whether the sidecar is of a part that shares its preview with a bake of `spec`."""
     try:
         facts = read_facts(sidecar)
         part = part_in(facts)

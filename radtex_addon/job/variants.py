@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several bakes of one run, such as of an object's frames, lights or parts: names, and what is left to do."""
+"""Several bakes of one run, such as of an object's frames, lights or parts: names, and which to make."""
 
 from __future__ import annotations
 
@@ -13,32 +13,34 @@ from ..bake.checkpoint import remove_left
 from ..bake.key import is_unfinished
 from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError
-from ..formats.sidecar import file_name, part_in, read_facts
-from ..textures.spec import Target
-from .files import OutputFiles
-from .finished import is_finished, misses_preview, missing_exports
+from ..core.messages import Setting, do
+from ..formats.sidecar import file_name, part_in
+from ..formats.sidecar_file import read_facts
+from ..textures.export_spec import Target
+from .existing_bakes import is_finished, misses_preview, missing_exports
+from .output_files import OutputFiles
 
-Bake: TypeAlias = tuple[str, BakeSpec]  # of an object, or an atlas, by name
+Bake: TypeAlias = tuple[str, BakeSpec]  # the name of an object or a shared atlas, and the specification
 
-_KEYS = ("frame", "lights")  # of a sidecar that is a variant's
+_KEYS = ("frame", "lights")  # keys that only sidecars of variants have
 
 
 def variant_of(spec: BakeSpec) -> str:
-    """The frame and the lamps that tell a bake from others of the same surface and kind, in words."""
+    """The frame and the lamps of a bake in words; empty if it is no variant."""
     words = [] if spec.frame is None else [f"frame {spec.frame}"]
     if spec.lights:
         words.append(f"light of {', '.join(spec.lights)}")
     return ", ".join(words)
 
 
-def left_to_do(
+def bakes_to_resume(
     bakes: Sequence[Bake], out: Path, preview: bool = False, exports: Collection[Target] = ()
 ) -> tuple[Bake, ...]:
-    """Those of several bakes into the folder `out` that going on makes: all that are not finished.
+    """Those of several bakes into the folder `out` that resuming makes: all that are not finished.
 
-    Nor is one whose `preview` or `exports` are wanted and not there. Of atlases that get more samples, or are
-    refreshed, nothing tells which were already: the unfinished ones alone. Raises InputError where none of
-    these is unfinished.
+    A bake also counts as not finished if its wanted `preview` or `exports` are missing. When accumulating or
+    refreshing, nothing shows which bakes were already done: only those with a checkpoint are resumed. Raises
+    InputError if there is none.
     """
     again = [spec for _, spec in bakes if spec.accumulate or spec.refresh]
     if not again:
@@ -52,7 +54,15 @@ def left_to_do(
         names = ", ".join(f"'{name}'" for name in dict.fromkeys(name for name, _ in bakes))
         raise InputError(
             f"no bake of {names} is unfinished, and nothing tells which of them were {_done(again[0])} "
-            f"already: leave --resume out, and name those that lack (--object, --part, --frames, --lights)"
+            f"already",
+            do(
+                "name those that lack",
+                Setting.OBJECT,
+                Setting.PART,
+                Setting.FRAMES,
+                Setting.LIGHTS,
+                without=(Setting.RESUME,),
+            ),
         )
     return found
 
@@ -60,7 +70,7 @@ def left_to_do(
 def _not_whole(
     bakes: Sequence[Bake], out: Path, preview: bool, exports: Collection[Target]
 ) -> tuple[Bake, ...]:
-    """Those that lack something. A preview that parts have in common is one bake's to make."""
+    """The bakes that lack files. A missing preview that parts share is made by only one of them."""
     files = {bake: OutputFiles.of(*bake, out, preview) for bake in bakes}
     lacking = {bake for bake in bakes if not is_finished(*bake, out)}
     made = {files[bake].preview for bake in lacking}
@@ -75,10 +85,10 @@ def _not_whole(
 def announce_all(
     bakes: Sequence[Bake], out: Path, preview: bool, exports: Collection[Target], overwrite: bool
 ) -> None:
-    """Let those of several bakes that replace what is there be known to be unfinished before they start.
+    """Mark those of several bakes that replace existing files as unfinished, before the first one starts.
 
-    Going on with a run that was killed between two of them would else take the next one's old files for what
-    it makes. Raises InputError where a process works on one of them, BakeError where the system refuses.
+    Otherwise, if the run is killed between two bakes, resuming it would take the old files of the next one
+    for finished. Raises InputError if a process works on one of them, BakeError where the system refuses.
     """
     if len(bakes) < 2:
         return
@@ -90,13 +100,13 @@ def announce_all(
 
 
 def tidy(bakes: Sequence[Bake], out: Path) -> None:
-    """Remove what processes that were killed at the very end of these bakes left. Raises BakeError."""
+    """Remove what was left if a process was killed while it cleaned up after a bake. Raises BakeError."""
     for bake in bakes:
         remove_left(OutputFiles.of(*bake, out, preview=False).unfinished)
 
 
-def passed_over(bakes: Sequence[Bake], left: Sequence[Bake]) -> str:
-    """What to know where going on leaves out some that may lack samples, or light; empty if none."""
+def skipped_warning(bakes: Sequence[Bake], left: Sequence[Bake]) -> str:
+    """A warning if resuming leaves out bakes that may lack samples, or may not be refreshed; else empty."""
     again = [spec for _, spec in bakes if spec.accumulate or spec.refresh]
     if not again or len(left) == len(bakes):
         return ""
@@ -111,7 +121,7 @@ def _done(spec: BakeSpec) -> str:
 
 
 def variants_in(folder: Path, name: str, kind: str) -> tuple[Path, ...]:
-    """The sidecars of all variants of a bake, or of its parts, where no plain one is beside them."""
+    """The sidecars of all variants of a bake, or of its parts; none if there is also a plain one."""
     found = {path: plain for path in sorted(folder.glob(f"*.{kind}.json")) if (plain := _plain(path, name))}
     if any(path.name == file_name(name, kind, "json", part=part) for path, (part, _) in found.items()):
         return ()
@@ -119,7 +129,7 @@ def variants_in(folder: Path, name: str, kind: str) -> tuple[Path, ...]:
 
 
 def _plain(sidecar: Path, name: str) -> tuple[str | None, bool] | None:
-    """Which part a bake called `name` is of, and whether it is a variant; None for another's sidecar."""
+    """The part of a bake called `name`, and whether it is a variant; None for a sidecar of another."""
     try:
         facts = read_facts(sidecar)
         part = part_in(facts)

@@ -21,7 +21,7 @@ def facts_of(
     source: Source | None = None,
     part: Part | None = None,
 ) -> Sidecar:
-    """What the sidecar says of a bake called `name`, `width` x `height` texels large."""
+    """The sidecar's facts about a bake called `name` with `width` x `height` texels."""
     return Sidecar(
         object_name=name,
         kind=spec.kind,

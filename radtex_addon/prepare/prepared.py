@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From objects to the points on them that a bake captures: the same for every layout."""
+"""Prepare objects for a bake, up to the surface points that it captures: the same for every layout."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..bake.hidden import HiddenCells
+from ..bake.hidden_cells import HiddenCells
 from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage
@@ -24,31 +24,31 @@ from ..core.inset import inset
 from ..core.ray_offset import ray_offset
 from ..core.surface import SurfaceMesh
 from ..core.texel_map import TexelMap, rasterise
-from ..cycles.hidden import find_hidden
+from ..cycles.find_hidden import find_hidden
 from ..formats import sidecar
 from ..scene.digests import array_digest, matrix_digest, mesh_digest, scene_digests
 from ..scene.mesh.cage import find_cage, rays_from_cage, read_cage
 from ..scene.mesh.copy import baked_mesh, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
+from ..scene.mesh.mesh_parts import number_parts
 from ..scene.mesh.named_regions import chosen_triangles
-from ..scene.mesh.parts import number_parts
-from ..scene.mesh.source import Landing, default_extrusion, find_source, land
+from ..scene.mesh.source_hits import SourceHits, default_extrusion, find_source, project_to_source
 from ..scene.mesh.together import joined_surface
 from .facts import facts_of
-from .twins import all_with_twins, chosen_with_twins, find_doubled, single_copy
+from .twins import all_with_twins, chosen_with_twins, find_two_sided, single_copy
 from .unwrapping import AtlasPart, Unwrapped, Unwraps, shapes_at, unwrap_surfaces
 
 log = logging.getLogger(__name__)
 
-_RIM = 0.2  # of a ray's offset: how far from its triangle's edges a ray starts
+_RIM = 0.2  # least distance of a ray's start from its triangle's edges, relative to the ray offset
 
 
 @dataclass(frozen=True, eq=False)
 class Piece:
     """One object's baked copy: its `mesh`, and its object's `matrix_world` (4, 4).
 
-    `part` (F,) numbers the parts that its triangles belong to, where it is split. `single` is the mesh
-    without its twins of faces that are seen from behind, where it has such.
+    If the object is split, `part` (F,) is the number of each triangle's part. If faces that are seen from
+    behind have twins, `single` is the mesh without these.
     """
 
     original: bpy.types.Object
@@ -59,19 +59,19 @@ class Piece:
 
     @property
     def rendered(self) -> bpy.types.Mesh:
-        """What stands for the object where Cycles renders it: the mesh with each face once."""
+        """The mesh that Cycles renders for the object: without twins."""
         return self.mesh if self.single is None else self.single
 
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """The baked copies, `pieces`, of which the atlas shows the `surface`, called `name`.
+    """The baked copies, `pieces`, and their `surface` that an atlas called `name` covers.
 
-    The atlas has `width` x `height` texels on the meshes' `uv_layer`, and `islands` if it was unwrapped anew.
-    The `digest` tells shapes and UVs from others, wherever they stand. Of an object that is split the surface
-    is a `part` alone, of the `parts` that there are. Each piece has so many of the surface's triangles as
-    `counts` says, one piece's after another's. What is baked lies on the `source`, if there is one. Of
-    the surface's triangles those are `chosen` (F,) that the specification names, if it does.
+    The atlas has `width` x `height` texels on the meshes' `uv_layer`, and a number of `islands` if the bake
+    unwrapped it. The `digest` is of shapes and UVs, whatever the objects' matrices. If an object is split,
+    the surface is only one `part` of its `parts`. `counts` is the number of each piece's triangles in the
+    surface, in which the pieces follow each other. With a `source`, the points to capture lie on that.
+    `chosen` (F,) marks the surface's triangles that the specification selects, None if it selects none.
     """
 
     name: str
@@ -85,22 +85,22 @@ class Prepared:
     part: sidecar.Part | None = None
     parts: tuple[str, ...] = ()
     counts: tuple[int, ...] = ()
-    source: Landing | None = None
+    source: SourceHits | None = None
     chosen: Bools | None = None
 
     @property
     def original(self) -> bpy.types.Object:
-        """The object that is baked; the first of several."""
+        """The object that is baked, the first of several."""
         return self.pieces[0].original
 
     @property
     def mesh(self) -> bpy.types.Mesh:
-        """Its baked copy's."""
+        """The mesh of the baked copy, the first of several."""
         return self.pieces[0].mesh
 
     @property
     def matrix_world(self) -> Floats:
-        """Its matrix, (4, 4)."""
+        """The object's matrix, (4, 4), the first of several."""
         return self.pieces[0].matrix_world
 
     @property
@@ -112,13 +112,13 @@ class Prepared:
 
     @property
     def source_facts(self) -> sidecar.Source | None:
-        """What the sidecar says of the source."""
+        """The sidecar's facts about the source, None if there is none."""
         if self.source is None:
             return None
         return sidecar.Source(self.source.name, self.source.extrusion, self.source.missed, self.source.cage)
 
     def facts(self, spec: BakeSpec) -> sidecar.Sidecar:
-        """What the sidecar says."""
+        """The sidecar's facts about the bake."""
         return facts_of(
             self.name,
             spec,
@@ -133,9 +133,10 @@ class Prepared:
     def plan_of_seen(
         self, bucket: int, folder: Path, store: PieceStore = NO_STORE
     ) -> Generator[Progress, None, CapturePlan]:
-        """Where rays start, but for texels that nobody sees, where a part of the mesh is stuck into another.
+        """Plan the capture without hidden texels, which lie where one part of the mesh is stuck into another.
 
-        These would blend their dark into their neighbours; now what fills gutters fills them.
+        Blended, they would darken their neighbours; instead they are filled by dilation, as gutters are.
+        Yields progress.
         """
         texels = self.texels()
         probe = plan_capture(texels, PROBE_CELLS)
@@ -145,7 +146,7 @@ class Prepared:
     def hidden(
         self, plan: CapturePlan, texels: TexelMap, folder: Path, store: PieceStore = NO_STORE
     ) -> Generator[Progress, None, HiddenCells]:
-        """Which cells of a plan of the `texels` nobody sees: see `find_hidden`."""
+        """Find the hidden cells of a plan of the `texels`: see `find_hidden`."""
         owner = None
         if len(self.pieces) > 1:
             triangle = texels.triangle.ravel()[plan.texel]
@@ -153,7 +154,7 @@ class Prepared:
         return (yield from find_hidden(self.seen, plan, folder, store, owner))
 
     def texels(self, finer: float = 1) -> TexelMap:
-        """Points to capture, `finer` times as many along each side; with a source those on it."""
+        """The points to capture, `finer` times as many along each side; the source's own if there is one."""
         if self.source is not None:
             return self.source.texels
         found = rasterise(self.surface, round(self.width * finer), round(self.height * finer))
@@ -165,7 +166,7 @@ class Prepared:
 
 
 def _own_offset(piece: Piece) -> float:
-    """How far from one of several objects rays start: by its own size, not by how far others are away."""
+    """The ray offset for one of several objects: from its own extent, not from that of all together."""
     place = np.empty(3 * len(piece.mesh.vertices), dtype=np.float32)
     piece.mesh.vertices.foreach_get("co", place)
     matrix = piece.matrix_world
@@ -182,13 +183,13 @@ def prepare(
     name: str = "",
     backs: bool = False,
 ) -> Generator[Progress, None, Prepared]:
-    """Evaluate and unwrap the scratch scene's objects; the copies' meshes join what is `kept`.
+    """Evaluate and unwrap the scratch scene's objects; the copies' meshes are appended to `kept`.
 
-    The `store` learns of the scene, and is given the unwrap; `unwraps` that may be this one are, too. The
-    atlas is called `name`, or as the first object is. With `backs` faces that are seen from behind get a twin
-    (`scene.backs`), but for a UV layer of the user's own, and on a source. Ends
-    amid the stage RASTER, which `texels` goes on with. Raises InputError for what cannot be baked, or is not
-    what the store's pieces are of.
+    The `store` gets the digests of the scene and the unwrap; `unwraps` is a cache of unwraps, for several
+    calls. The atlas is called `name`, by default like the first object. With `backs`, faces that are seen
+    from behind get twins (`scene.mesh.backs`), except with a UV layer of the user's own or with a source.
+    Yields progress; the last stage, RASTER, goes on in `texels`. Raises InputError for objects that cannot be
+    baked, or if the store has pieces of another bake.
     """
     yield Progress(Stage.EVALUATE, 0, 1)
     evaluated = [evaluate(scratch, original) for original in originals]
@@ -206,7 +207,7 @@ def prepare(
     if spec.unwrap_at is not None and spec.unwrap_at != spec.frame:
         shapes = shapes_at(scratch, originals, spec.unwrap_at, evaluated)
     if backs:
-        doubled = [find_doubled(mesh, spec) for mesh in evaluated]
+        doubled = [find_two_sided(mesh, spec) for mesh in evaluated]
         shapes, evaluated = all_with_twins(shapes, doubled), all_with_twins(evaluated, doubled)
         chosen = chosen_with_twins(chosen, doubled)
     unwrapped = yield from unwrap_surfaces(shapes, spec, store, {} if unwraps is None else unwraps)
@@ -220,7 +221,7 @@ def prepare(
     above: float | Floats = spec.extrusion or default_extrusion(prepared.surface.position)
     if cage is not None:
         above = rays_from_cage(cage, prepared.surface, texels)
-    landing = yield from land(texels, source, originals[0].name, above, spec.cage)
+    landing = yield from project_to_source(texels, source, originals[0].name, above, spec.cage)
     if landing.missed:
         log.warning(landing.complaint)
     return replace(prepared, source=landing)
@@ -276,14 +277,14 @@ def _evaluate_source(
 def _read_cage(
     scratch: bpy.types.Scene, original: bpy.types.Object, spec: BakeSpec, store: PieceStore
 ) -> Floats:
-    assert spec.cage is not None  # who calls this has looked
+    assert spec.cage is not None  # the caller has checked it
     places = read_cage(scratch, original, find_cage(scratch, original, spec.source, spec.cage))
     store.set_facts({"cage's mesh": array_digest(places)})
     return places
 
 
 def _digest(evaluated: Sequence[EvaluatedMesh], unwrapped: Unwrapped) -> str:
-    """Of all pieces whole, so that the parts of one bake have the same."""
+    """A digest of all meshes, whole, so that all parts of a bake have the same digest."""
     found = hashlib.sha256()
     for mesh, uv in zip(evaluated, unwrapped.uvs, strict=True):
         for values in (mesh.position, mesh.triangles, mesh.normal, uv):

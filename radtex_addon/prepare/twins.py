@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which faces of what is baked get a twin for their back, and what is asked for faces then."""
+"""Find the faces that get a twin for their back, add the twins, and mark them like their faces."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from ..scene.mesh.evaluated import EvaluatedMesh
 
 log = logging.getLogger(__name__)
 
-Doubled: TypeAlias = Bools | None  # of a mesh, the triangles (F,) that get a twin
+TwoSided: TypeAlias = Bools | None  # of a mesh, the triangles (F,) that get a twin
 
 
-def find_doubled(mesh: EvaluatedMesh, spec: BakeSpec) -> Doubled:
-    """The triangles that are seen from behind; None where there are none, or no texels can be made for them.
+def find_two_sided(mesh: EvaluatedMesh, spec: BakeSpec) -> TwoSided:
+    """The triangles (F,) that are seen from behind; None if there are none, or they cannot get texels.
 
-    That is with a UV layer of the user's own, and where a source is baked: the log says so.
+    With a UV layer of the user's own or with a source they cannot: then a warning is logged.
     """
     faces = seen_from_behind(mesh)
     if not faces.any():
@@ -41,14 +41,14 @@ def find_doubled(mesh: EvaluatedMesh, spec: BakeSpec) -> Doubled:
     return faces
 
 
-def all_with_twins(meshes: Sequence[EvaluatedMesh], doubled: Sequence[Doubled]) -> list[EvaluatedMesh]:
-    """The meshes, with twins of those triangles."""
+def all_with_twins(meshes: Sequence[EvaluatedMesh], doubled: Sequence[TwoSided]) -> list[EvaluatedMesh]:
+    """The meshes, with twins of their `doubled` triangles."""
     pairs = zip(meshes, doubled, strict=True)
     return [mesh if faces is None else with_twins(mesh, faces) for mesh, faces in pairs]
 
 
-def chosen_with_twins(chosen: Sequence[Bools] | None, doubled: Sequence[Doubled]) -> list[Bools] | None:
-    """Marks (F,) of the meshes' triangles, with those of their twins, which are marked alike."""
+def chosen_with_twins(chosen: Sequence[Bools] | None, doubled: Sequence[TwoSided]) -> list[Bools] | None:
+    """Extend marks (F,) of the meshes' triangles to their twins, which are marked like the originals."""
     if chosen is None:
         return None
     pairs = zip(chosen, doubled, strict=True)
@@ -56,6 +56,6 @@ def chosen_with_twins(chosen: Sequence[Bools] | None, doubled: Sequence[Doubled]
 
 
 def single_copy(mesh: EvaluatedMesh, uv: Floats, layer: str) -> bpy.types.Mesh | None:
-    """The baked copy of a mesh without its twins, on their part of `uv` (F, 3, 2); None if it has none."""
+    """The baked copy of a mesh without its twins and their `uv` (F, 3, 2); None if it has no twins."""
     own = fronts_of(mesh)
     return None if own.all() else baked_mesh(without_twins(mesh), uv[own], layer)

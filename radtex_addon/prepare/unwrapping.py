@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Texture coordinates for all that is baked: of one object or several, in one atlas or one for each part."""
+"""UV coordinates for a bake: of one or several objects, in one atlas or in one atlas for each part."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from ..bake.progress import Progress
 from ..bake.spec import BakeSpec
 from ..core.arrays import Bools, Floats
 from ..core.errors import InputError
+from ..scene.at_frame import at_frame
 from ..scene.digests import matrix_digest, mesh_digest
-from ..scene.frames import at_frame
-from ..scene.mesh.backs import twins_apart
+from ..scene.mesh.backs import with_twins_moved
 from ..scene.mesh.copy import UV_LAYER
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
-from ..scene.mesh.parts import Parts, in_first_tile, parts_of, taken
+from ..scene.mesh.mesh_parts import Parts, in_first_tile, parts_of, taken
 from ..scene.mesh.together import side_by_side
 from ..scene.uv.unwrap import unwrap_steps
 from ..scene.uv.unwrap_options import UnwrapOptions
@@ -32,15 +32,18 @@ from ..scene.uv.uv_layer import check_apart, user_uv
 
 log = logging.getLogger(__name__)
 
-Unwraps: TypeAlias = dict[str, Arrays]  # by what is unwrapped, and how
+Unwraps: TypeAlias = dict[str, Arrays]  # a cache: the key is made of the meshes' digests and the settings
 
 _UNWRAP = "unwrap"  # a piece's name
-_WHOLE = ""  # the name of the one part of what is not split
+_WHOLE = ""  # the name of the only part if nothing is split
 
 
 @dataclass(frozen=True, eq=False)
 class AtlasPart:
-    """What one atlas is of: triangles of each mesh, `faces` (F,) each; `islands` if it was unwrapped anew."""
+    """The part of the meshes that one atlas covers: `faces` (F,) marks the triangles of each mesh.
+
+    `islands` is their number if the part was unwrapped, None for a UV layer of the user's own.
+    """
 
     name: str
     faces: tuple[Bools, ...]
@@ -51,14 +54,14 @@ class AtlasPart:
 
 @dataclass(frozen=True, eq=False)
 class Unwrapped:
-    """Coordinates (F, 3, 2) of each mesh in its `layer`, every part's in 0..1 of an atlas of its own."""
+    """UV coordinates (F, 3, 2) of each mesh for its `layer`; each part's are 0..1 in an atlas of its own."""
 
     uvs: tuple[Floats, ...]
     layer: str
     parts: tuple[AtlasPart, ...]
 
     def chosen(self, spec: BakeSpec, name: str) -> tuple[int, AtlasPart]:
-        """The number and the part that the specification is of. Raises InputError where there is none."""
+        """The index and the part that the specification names. Raises InputError if there is no such part."""
         for index, part in enumerate(self.parts):
             if part.name == (spec.part or _WHOLE):
                 return index, part
@@ -69,9 +72,10 @@ class Unwrapped:
 def unwrap_surfaces(
     meshes: Sequence[EvaluatedMesh], spec: BakeSpec, store: PieceStore, known: Unwraps
 ) -> Generator[Progress, None, Unwrapped]:
-    """Unwrap, or take the UV layer that the specification names; the `store` is given what was unwrapped.
+    """Unwrap the meshes, or use the UV layer that the specification names.
 
-    Raises InputError for a layer that does not serve, and for what cannot be unwrapped.
+    An unwrap is kept in the `store` and in the cache `known`. Yields progress. Raises InputError for a layer
+    that cannot be used, and for meshes that cannot be unwrapped.
     """
     parts = split_surfaces(meshes, spec)
     if spec.uv_layer is not None:
@@ -91,7 +95,7 @@ def unwrap_surfaces(
 
 
 def split_surfaces(meshes: Sequence[EvaluatedMesh], spec: BakeSpec) -> dict[str, tuple[Bools, ...]]:
-    """The parts by name, each with its triangles (F,) of every mesh; one called "" of what is not split."""
+    """The parts by name, each with marks (F,) of every mesh's triangles; without a split one called ""."""
     if spec.split is None:
         return {_WHOLE: tuple(np.ones(len(mesh.triangles), dtype=bool) for mesh in meshes)}
     found: list[Parts] = [parts_of(mesh, spec.split, spec.uv_layer) for mesh in meshes]
@@ -113,7 +117,7 @@ def shapes_at(
     frame: int,
     evaluated: Sequence[EvaluatedMesh],
 ) -> list[EvaluatedMesh]:
-    """The meshes as they are at another frame; such as have other triangles then as they were `evaluated`."""
+    """The meshes at another frame; those that have other triangles there are returned as `evaluated`."""
     with at_frame(scratch, frame):
         found = [evaluate(scratch, original) for original in originals]
     for index, (there, here) in enumerate(zip(found, evaluated, strict=True)):
@@ -132,7 +136,7 @@ def shapes_at(
 def _of_layer(
     meshes: Sequence[EvaluatedMesh], parts: dict[str, tuple[Bools, ...]], spec: BakeSpec, layer: str
 ) -> Unwrapped:
-    """A layer of the user's own: the same atlas, square, for every part."""
+    """Use a UV layer of the user's own: every part has a square atlas of the same size."""
     uvs = [np.zeros((len(mesh.triangles), 3, 2), dtype=np.float32) for mesh in meshes]
     for name, faces in parts.items():
         for mesh, uv, some in zip(meshes, uvs, faces, strict=True):
@@ -152,9 +156,9 @@ def _of_layer(
 def _anew(
     meshes: Sequence[EvaluatedMesh], parts: dict[str, tuple[Bools, ...]], spec: BakeSpec
 ) -> Generator[Progress, None, Arrays]:
-    """Every part unwrapped by itself: `uv` (F, 3, 2) of all meshes' triangles, `sizes` (P, 3) of the atlases.
+    """Unwrap every part by itself: `uv` (F, 3, 2) of all meshes' triangles, `sizes` (P, 3) of the atlases.
 
-    A size is width and height in texels, and the number of islands.
+    The columns of `sizes` are width and height in texels, and the number of islands. Yields progress.
     """
     options = UnwrapOptions(padding=spec.padding)
     every = np.concatenate([np.stack(faces_of_mesh) for faces_of_mesh in _by_mesh(parts)], axis=1)
@@ -162,7 +166,7 @@ def _anew(
     sizes = []
     for faces, some in zip(parts.values(), every, strict=True):
         those = [
-            twins_apart(mesh if one.all() else taken(mesh, one))
+            with_twins_moved(mesh if one.all() else taken(mesh, one))
             for mesh, one in zip(meshes, faces, strict=True)
             if one.any()
         ]
@@ -174,5 +178,5 @@ def _anew(
 
 
 def _by_mesh(parts: dict[str, tuple[Bools, ...]]) -> Sequence[tuple[Bools, ...]]:
-    """For each mesh its triangles in every part."""
+    """For each mesh, the marks of its triangles in every part."""
     return list(zip(*parts.values(), strict=True))

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A condensed lobe by nodes: each texel's bucket is mixed from the tiles of its cluster.
+"""A condensed lobe as shader nodes: each texel's bucket is a mixture of the tiles of its cluster.
 
-What the nodes look up has the sizes of the condensed form's textures, but is decoded: tiles hold values, not
-shares of a range, all of a part in one image, and a texel's pixels hold its weights, its cluster and a 0.
+The nodes' images have the layout of the condensed form's textures, but are decoded: tiles hold values instead
+of fractions of a range, each part (ends, gain, rest) is one image, and a texel's pixels hold its weights, its
+cluster and a 0.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from .taps import after, image_size, pair, pixel_centre
 
 
 def condensed_layers(atlas: CondensedAtlas, columns: int) -> dict[str, Floats]:
-    """What the images of the group hold, by layer: (rows, columns, 3 or 4) float32, row 0 at the bottom.
+    """The group's images by layer: (rows, columns, 3 or 4) float32, row 0 at the bottom.
 
     The lobes' images are `columns` tiles wide. Raises ShapeError if the atlas's maps do not fit each other.
     """
@@ -37,7 +38,7 @@ def condensed_layers(atlas: CondensedAtlas, columns: int) -> dict[str, Floats]:
 
 
 def image_layer(layer: str) -> str:
-    """The image of the group that holds a texture: "mirror_ends" has both textures of that part."""
+    """The group's image for a texture's layer: "mirror_ends" for "mirror_ends_xy" and "mirror_ends_zs"."""
     axis, _, texture = layer.partition("_")
     part = next((part for part, textures in TEXTURES.items() if texture in textures), texture)
     return f"{axis}_{part}" if texture else layer
@@ -46,9 +47,10 @@ def image_layer(layer: str) -> str:
 def mixture_group(
     axis: Axis, tile: bpy.types.ShaderNodeTree, weights: bpy.types.Image, rank: int, columns: int
 ) -> bpy.types.ShaderNodeTree:
-    """One texel's bucket at a place on the octahedron: its cluster's first tile, and the others weighted.
+    """A node group that looks up a texel's bucket: its cluster's first tile plus the weighted others.
 
-    `tile` looks up the tile at a column and a row of the lobe's images; inputs and outputs are alike.
+    Inputs: Texel and Place, on the octahedron. `tile` is the group that looks up one tile, by its column and
+    row in the lobe's images instead of the texel; its outputs are the same.
     """
     build, (texel, place) = open_group(f"RadTex {axis.title()} Mixture", Texel="Vector", Place="Vector")
     *shares, cluster = _named(build, texel, weights, rank)
@@ -63,7 +65,7 @@ def mixture_group(
 
 
 def _grid(tiles: Floats, columns: int) -> Floats:
-    """Tiles (C, 1 + r, n, n, channels) with their borders, row by row in an image."""
+    """Arrange tiles (C, 1 + r, n, n, channels), with borders added, row by row in an image."""
     bordered = with_border(tiles.reshape(-1, *tiles.shape[2:]))
     count, side, _, channels = bordered.shape
     rows = -(-count // columns)
@@ -73,7 +75,7 @@ def _grid(tiles: Floats, columns: int) -> Floats:
 
 
 def _named(build: NodeBuilder, texel: Socket, image: bpy.types.Image, rank: int) -> list[Socket]:
-    """A texel's `rank` weights, then its cluster, which is never an alpha."""
+    """Read a texel's `rank` weights and then its cluster, which is never stored in an alpha channel."""
     pixels = (rank + 2) // 4
     first = build.vector("MULTIPLY", texel, pair(pixels, 1), label="the texel's first pixel")
     values: list[Socket] = []
@@ -92,7 +94,7 @@ def _tile_place(build: NodeBuilder, tile: Socket, columns: int) -> Socket:
 
 
 def _add(build: NodeBuilder, total: Socket, share: Socket, part: Socket) -> Socket:
-    """`total`, and `share` of `part`."""
+    """`total` + `share` * `part`, for numbers and colours."""
     if part.type == "VALUE":
         return build.math("MULTIPLY_ADD", share, part, total)
     return build.mix(share, total, part, part.type, "ADD")

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects of libraries in a saved preview: their collections are local copies while the file is written.
+"""Previews of linked objects: while the file is saved, local copies replace their linked collections.
 
-A library decides what is in its collections: a file that uses them shows the originals, whatever stood in for
-them when it was saved.
+The contents of a linked collection come from its library: a saved preview that used one would show the
+originals again, whatever replaced them when it was saved.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ _FLAGS = ("exclude", "holdout", "indirect_only", "hide_viewport")
 
 
 def check_replaceable(originals: Sequence[bpy.types.Object]) -> None:
-    """Refuse a linked object of which the file has a library override, too: that would come apart.
+    """Raise InputError if the file has a library override of a linked original or of its linked collection.
 
-    Raises InputError.
+    Replacing the original in the saved file would break such an override.
     """
     linked = [item for item in originals if is_linked(item)]
     homes = {home for item in linked for home in (item, *_linked_homes([item]))}
@@ -40,7 +40,7 @@ def check_replaceable(originals: Sequence[bpy.types.Object]) -> None:
 
 @contextmanager
 def linked_homes_copied(originals: Sequence[bpy.types.Object]) -> Iterator[None]:
-    """Give local copies to all that uses linked collections which hold the originals, and take them back."""
+    """Within the context, local copies replace the linked collections that hold the originals."""
     homes = _linked_homes(originals)
     if not homes:
         yield
@@ -63,16 +63,16 @@ def linked_homes_copied(originals: Sequence[bpy.types.Object]) -> Iterator[None]
 
 
 def _linked_homes(originals: Sequence[bpy.types.Object]) -> list[bpy.types.Collection]:
-    """Linked collections that hold one of the objects, at whatever depth."""
+    """Linked collections that hold one of the objects, directly or in a child collection."""
     linked = [item for item in bpy.data.collections if is_linked(item)]
     return [item for item in linked if not set(originals).isdisjoint(item.all_objects)]
 
 
 @dataclass(frozen=True, eq=False)
 class _Shown:
-    """How a view layer shows its collections, which Blender forgets when they are exchanged.
+    """A view layer's collection settings, which Blender resets when collections are replaced.
 
-    `flags` are in the order of `_tree`; `active` is the place of the active one among them.
+    `flags` are in the order of `_tree`; `active` is the active collection's index in that order.
     """
 
     layer: bpy.types.ViewLayer

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The material that shows a baked atlas on its baked copy, in Eevee and Cycles.
 
-The copy bears what nodes cannot find out: the mesh attributes `radtex_normal` and `radtex_tangent` (object
-space, one vector a corner) and `radtex_sign` (one number a corner, the bitangent's in object space).
+The copy's mesh stores the frame, which nodes cannot compute, as attributes: `radtex_normal` and
+`radtex_tangent` (object space, one vector per corner) and `radtex_sign` (one number per corner, the
+bitangent's sign in object space).
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from ..formats.disk.temporary import temporary_folder
 from ..formats.packing import WEIGHTS
 from ..formats.shared_files import layer_path, read_condensed, read_shared_sidecar
 from ..formats.shared_sidecar import SharedSidecar
+from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..scene.nodes import close_group, open_group, open_material
 from .condensed_group import condensed_layers
 from .node_group import build_sample_group
@@ -30,12 +32,12 @@ from .taps import image_size
 
 
 def load_atlas(path: Path, half: bool = True, data: bool = False) -> bpy.types.Image:
-    """The atlas file as an image whose values reach the shader as they are in the file.
+    """Load an atlas file as an image whose values reach the shader as they are in the file.
 
-    Rec.709 is named, so that a scene that works in another space converts, unless the file holds other `data`
-    than light; alpha stays premultiplied; `half` halves the memory and loses nothing where the file is half
-    float. A file that was loaded before is read anew. Raises InputError where there is no such file,
-    FormatError where it holds no image.
+    The colour space is Linear Rec.709, which Blender converts if the file works in another space; `data` that
+    is not light is never converted. Alpha stays premultiplied. `half` halves the memory, without loss if the
+    file is half float. A file that was loaded before is read again. Raises InputError if there is no such
+    file, FormatError if it holds no image.
     """
     try:
         image = bpy.data.images.load(str(path), check_existing=True)
@@ -52,19 +54,20 @@ def load_atlas(path: Path, half: bool = True, data: bool = False) -> bpy.types.I
     return image
 
 
-def load_layers(sidecar: Path, half: bool = True) -> tuple[dict[str, bpy.types.Image], SharedSidecar]:
-    """The images of a bake in the shared layout, by layer, and what the file `sidecar` says of them.
+def load_layers(sidecar: AnySidecar, half: bool = True) -> tuple[dict[str, bpy.types.Image], SharedSidecar]:
+    """Load the images of a bake in the shared layout, by layer, and read its sidecar.
 
-    Of a condensed bake, whose textures Blender's nodes cannot look up, they are decoded and belong to the
-    .blend. No image is converted to the space that the scene works in: the nodes multiply colours in Rec.709,
-    as the bake did. `half` is as in `load_atlas`. Raises FormatError for files of no such bake, InputError
-    where an image is missing or larger than a GPU takes.
+    Blender's nodes cannot look up the textures of a condensed bake: these are decoded and packed into the
+    .blend. No image is converted to the scene's working space: the nodes multiply colours in Rec.709, as the
+    bake did. `half` is as in `load_atlas`. Raises FormatError for files that are not of such a bake,
+    InputError if an image is missing or larger than a GPU takes.
     """
-    facts = read_shared_sidecar(sidecar)
+    file = opened(sidecar)
+    facts = read_shared_sidecar(file)
     check_shared_previewable(facts)
     if facts.condensed is not None:
-        return _decoded(sidecar, facts.condensed.columns, half), facts
-    images = {layer: load_atlas(layer_path(sidecar, layer), half, data=True) for layer in facts.shapes}
+        return _decoded(file, facts.condensed.columns, half), facts
+    images = {layer: load_atlas(layer_path(file.path, layer), half, data=True) for layer in facts.shapes}
     return images, facts
 
 
@@ -77,16 +80,17 @@ def preview_material(
     half: bool = True,
     hull: bool = False,
 ) -> bpy.types.Material:
-    """A material that shows the atlas file on the baked copy: its light emitted, the rest let through.
+    """A material that shows the atlas file on the baked copy: it emits the light, transparent by 1 - alpha.
 
-    `uv_layer` is the baked one, `half` as in `load_atlas`. A `reflection` atlas shows as on a perfect mirror,
-    an `incident` one shows the light that arrives from where the viewer stands. A `hull`, or
-    what else lets light through, shows its front alone: what is seen through it is in the atlas, and is not
-    to be seen again on its far side. Raises as `load_atlas` and `build_sample_group` do.
+    `uv_layer` is the baked UV layer, `half` is as in `load_atlas`. A `reflection` atlas looks like a perfect
+    mirror, an `incident` one shows the light that arrives from the viewer's direction. With `hull`, which is
+    also for objects that light passes through, only front faces are visible: the atlas already contains what
+    is seen through the surface, and back faces would show it twice. Raises as `load_atlas` and
+    `build_sample_group` do.
     """
     sampler = build_sample_group(load_atlas(atlas, half), layout, kind)
     material, build = open_material(name)
-    cast(Any, material).cycles.emission_sampling = "NONE"  # seen by every ray, but no lamp to aim at
+    cast(Any, material).cycles.emission_sampling = "NONE"  # rays see it, but Cycles does not sample it
     uv, frame = build.uv_map(uv_layer), build.group(build_frame_group())
     color, alpha = build.group(sampler, uv, *frame, build.geometry("Incoming"))
     front = build.math("SUBTRACT", 1.0, build.geometry("Backfacing")) if hull else 1.0
@@ -100,10 +104,10 @@ def preview_material(
 
 
 def preview_shared_material(name: str, sidecar: Path, uv_layer: str, half: bool = True) -> bpy.types.Material:
-    """A material that shows a bake in the shared layout on its baked copy: its light emitted.
+    """A material that shows a bake in the shared layout on its baked copy: it emits the light.
 
-    `sidecar` is its file, beside which its images lie; the others are as in `preview_material`. Raises
-    as `load_layers` and `build_shared_group` do.
+    The images lie beside the file `sidecar`; the other arguments are as in `preview_material`. Raises as
+    `load_layers` and `build_shared_group` do.
     """
     sampler = build_shared_group(*load_layers(sidecar, half))
     material, build = open_material(name)
@@ -120,8 +124,9 @@ def build_frame_group() -> bpy.types.ShaderNodeTree:
     """A node group without inputs: the copy's Normal, Tangent and Sign at the shaded point, in world space.
 
     With M the object's matrix and d the sign of its determinant, -1 for a mirrored object or instance: the
-    tangent lies along M T, the sign is d times the mesh's, the normal lies along d cof(M) N, which is along
-    inverse(transpose(M)) N. (Vector Transform knows normals; in 4.5's Eevee it errs where M stretches.)
+    tangent is parallel to M T, the sign is d times the mesh's, and the normal is parallel to d cof(M) N, as
+    inverse(transpose(M)) N is. (The Vector Transform node could transform normals, but in 4.5's Eevee its
+    result is wrong if M scales axes differently.)
     """
     build, _ = open_group("RadTex Frame")
     x, y, z = (
@@ -137,18 +142,18 @@ def build_frame_group() -> bpy.types.ShaderNodeTree:
     return close_group(build, Normal=build.vector("SCALE", outward, d), Tangent=tangent, Sign=sign)
 
 
-def _decoded(sidecar: Path, columns: int, half: bool) -> dict[str, bpy.types.Image]:
-    """What `condensed_layers` has of the bake, in images that are packed into the .blend; by way of files."""
+def _decoded(sidecar: SidecarFile, columns: int, half: bool) -> dict[str, bpy.types.Image]:
+    """The images of `condensed_layers`, written to temporary files, loaded and packed into the .blend."""
     atlas, facts = read_condensed(sidecar)
     images: dict[str, bpy.types.Image] = {}
     with temporary_folder() as folder:
         for layer, values in condensed_layers(atlas, columns).items():
-            path = layer_path(folder / sidecar.name, layer)
-            halved = half and not layer.endswith(WEIGHTS)  # a half float counts to 2048, clusters to 65535
+            path = layer_path(folder / sidecar.path.name, layer)
+            halved = half and not layer.endswith(WEIGHTS)  # half floats are exact up to 2048 only
             rows, _ = stored_rows(path, values, halved)
             with replacing(path, lasting=False) as beside:
                 write_rows(beside, rows, facts.to_json(), Compression.ZIP)
             images[layer] = load_atlas(path, halved, data=True)
             images[layer].pack()
-            images[layer].filepath_raw = ""  # soon there is no such file
+            images[layer].filepath_raw = ""  # the temporary file will be gone
     return images

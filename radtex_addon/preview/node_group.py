@@ -19,7 +19,7 @@ from .taps import bilinear, clamp, pair, readable_size
 MAX_PIXELS = 16384  # the image side that every current GPU takes; Eevee shrinks a larger one, silently
 
 FRAME = {"Normal": "Vector", "Tangent": "Vector", "Sign": "Float"}
-_TINY = 1e-30  # keeps 0/0 away, as in core.hemisphere
+_TINY = 1e-30  # avoids 0/0, as in core.hemisphere
 
 
 def build_sample_group(
@@ -28,9 +28,9 @@ def build_sample_group(
     """A node group that samples the atlas `image` as `core.sampler.sample` does.
 
     Inputs: UV (0..1, v up); Normal, Tangent and Incoming, vectors of any length in one space (Incoming points
-    to the viewer; left at zero it is the shaded point's own, in world space); Sign, the bitangent's in that
-    space. Outputs: Color (premultiplied) and Alpha. `image` comes from `load_atlas`. Raises InputError where
-    the atlas is not an image of `layout` or has more than `max_pixels` along a side.
+    to the viewer; if it is zero, the shaded point's own is used, in world space); Sign, the bitangent's in
+    that space. Outputs: Color (premultiplied) and Alpha. `image` comes from `load_atlas`. Raises InputError
+    if the atlas is not an image of `layout` or has more than `max_pixels` along a side.
     """
     check_previewable(layout, max_pixels)
     check_image(image, layout)
@@ -104,7 +104,7 @@ def bucket_group() -> bpy.types.ShaderNodeTree:
 def _texel_group(
     pixel: bpy.types.ShaderNodeTree, layout: AtlasLayout, kind: Filter
 ) -> bpy.types.ShaderNodeTree:
-    """One texel's bucket at B: the nearest cell, or bilinear between four, never beyond the bucket's own."""
+    """Look up one texel's bucket at B: the nearest cell, or bilinear between four cells of this bucket."""
     build, (texel, b) = open_group("RadTex Texel", Texel="Vector", B="Vector")
     half, last = layout.bucket / 2, pair(layout.bucket - 1, layout.bucket - 1)
     if kind is Filter.NEAREST:
@@ -119,7 +119,7 @@ def _texel_group(
 
 
 def pixel_group(image: bpy.types.Image, layout: AtlasLayout) -> bpy.types.ShaderNodeTree:
-    """One cell of one texel: the pixel (i n + p, j n + q), read at its centre."""
+    """Look up one cell of one texel: the pixel (i n + p, j n + q), read at its centre."""
     build, (cell, texel) = open_group("RadTex Pixel", Cell="Vector", Texel="Vector")
     width, height = layout.pixel_width, layout.pixel_height
     pixel = build.vector("MULTIPLY_ADD", texel, pair(layout.bucket, layout.bucket), cell, label="pixel")

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""shaders/*.osl as Script nodes: for Cycles on the CPU, in builds that bring Open Shading Language.
+"""shaders/*.osl as Script nodes: for Cycles on the CPU, in Blender builds with Open Shading Language.
 
-Blender 5.2 reads a shader's textures bilinearly whatever it asks for. Read at a pixel's centre that is the
-pixel, but for rounding: 1e-4 of its neighbour for an image 1,000 pixels wide, 1e-3 for 10,000. The node
-groups have no such limit.
+Blender 5.2 filters an OSL shader's textures bilinearly, whatever the shader asks for. A lookup at a pixel's
+centre gives that pixel, but rounding mixes in a little of its neighbour: 1e-4 if the image is 1,000 pixels
+wide, 1e-3 if 10,000. The node groups do not have this error.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ def add_osl_node(
 ) -> bpy.types.Node:
     """A Script node that samples the atlas file as the node group does, with sockets of the same names.
 
-    Inputs: UV, Normal (unlinked: the shading normal), Tangent (the fallback), Sign (+1), Incoming (the
-    viewer); outputs: Color and Alpha. The scene must render with Open Shading Language
-    (`scene.cycles.shading_system`) on the CPU. Raises InputError where this Blender cannot compile the
-    shader, or the file works in another space than Rec.709.
+    Inputs, with the default of an unlinked one: UV, Normal (the shading normal), Tangent (a fallback made
+    from the normal), Sign (+1), Incoming (the direction to the viewer); outputs: Color and Alpha. The scene
+    must render with Open Shading Language (`scene.cycles.shading_system`) on the CPU. Raises InputError if
+    this Blender cannot compile the shader, or if the file's working space is not Rec.709.
     """
     constants = {
         "Atlas": str(atlas),
@@ -59,9 +59,9 @@ def add_osl_node(
 def add_shared_osl_node(tree: bpy.types.NodeTree, path: Path, source: Path = SHARED_SOURCE) -> bpy.types.Node:
     """A Script node that samples the bake in the shared layout whose sidecar is the file `path`.
 
-    Inputs: UV, Normal (unlinked: the shading normal) and Incoming (the viewer), world space; output: Color.
-    The scene must render as for `add_osl_node`. Raises FormatError as `read_shared_sidecar` does, InputError
-    for a bake that is condensed and where this Blender cannot compile the shader.
+    Inputs: UV; Normal and Incoming in world space, with the defaults of `add_osl_node`; output: Color. The
+    scene must render as described there. Raises FormatError as `read_shared_sidecar` does, InputError for a
+    condensed bake and as `add_osl_node` does.
     """
     sidecar = read_shared_sidecar(path)
     if sidecar.condensed is not None:
@@ -89,8 +89,8 @@ def add_transfer_osl_node(
 ) -> bpy.types.Node:
     """A Script node that samples the atlas file of kind `transfer` as "RadTex Transfer" does.
 
-    Inputs, beside those of `add_osl_node`: Light, which points to it; of one view Incoming says nothing. The
-    scene must render, and errors are, as there.
+    Inputs: those of `add_osl_node`, and Light, the direction to the light; Incoming has no effect if there is
+    only one view. The scene must render as described there, and the errors are the same.
     """
     constants = {
         "Atlas": str(atlas),
@@ -103,7 +103,7 @@ def add_transfer_osl_node(
 
 
 def _script_node(tree: bpy.types.NodeTree, source: Path, constants: Mapping[str, Any]) -> bpy.types.Node:
-    """A node of the shader in the file `source`, whose sockets have the values `constants`."""
+    """Add a Script node with the shader in the file `source`, and set its sockets to `constants`."""
     if working_space() != REC_709:
         raise InputError(f"OSL shows Rec.709, and the file works in {working_space()}: use the node group")
     node = cast(Any, tree.nodes.new("ShaderNodeScript"))
@@ -117,7 +117,7 @@ def _script_node(tree: bpy.types.NodeTree, source: Path, constants: Mapping[str,
         raise
     for name, value in constants.items():
         node.inputs[name].default_value = value
-    # 4.5 reads textures by OpenImageIO, 5.2 by Cycles's own reader
+    # 4.5 reads textures with OpenImageIO, from the top row; 5.2 with Cycles's own reader, from the bottom row
     node.inputs["BottomUp"].default_value = bpy.app.version >= (5, 0)
     return cast(bpy.types.Node, node)
 
@@ -146,7 +146,7 @@ def _compile(node: Any, text: Any) -> None:
 
 @contextmanager
 def _bundled_packages() -> Iterator[None]:
-    """Make the Python packages that Blender brings importable, oslquery among them; its module hides them."""
+    """Make Blender's own Python packages importable, such as oslquery: as a module, Blender hides them."""
     version = f"python{sys.version_info.major}.{sys.version_info.minor}"
     python = Path(bpy.utils.resource_path("LOCAL"), "python")
     folders = [str(python / "lib" / version / "site-packages"), str(python / "lib" / "site-packages")]

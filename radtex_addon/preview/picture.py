@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A picture of a saved preview, by Cycles."""
+"""Render a picture of a saved preview with Cycles."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..scene.render_settings import reset_render_settings
 def render_picture(preview: Path, picture: Path, pixels: int = 512, samples: int = 32) -> None:
     """Open the .blend `preview` in place of the open file, and render its camera's view as a PNG, `picture`.
 
-    Raises BakeError where nothing comes out.
+    Raises BakeError if Blender renders nothing.
     """
     bpy.ops.wm.open_mainfile(filepath=str(preview), load_ui=False, use_scripts=False)
     scene: Any = bpy.context.scene
@@ -27,7 +27,7 @@ def render_picture(preview: Path, picture: Path, pixels: int = 512, samples: int
     render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_denoising = samples, False
     render.resolution_x = render.resolution_y = pixels
-    if hasattr(render.image_settings, "media_type"):  # Blender 5: to be set before the format
+    if hasattr(render.image_settings, "media_type"):  # Blender 5: set before the format
         render.image_settings.media_type = "IMAGE"
     render.image_settings.file_format = "PNG"
     with replacing_together(picture) as beside:

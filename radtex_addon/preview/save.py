@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""<name>.preview.blend: the user's scene, the baked copy in the object's place, the atlas found beside it.
+"""<name>.preview.blend: the user's scene with the baked copy in the object's place; the atlas lies beside it.
 
-The file is saved from the user's own session, which a stand-in enters and leaves again: everything that uses
-the object (collections, children, constraints, modifiers of others, drivers) uses the stand-in meanwhile.
+The file is saved from the user's own session. While it is written, a stand-in replaces the object for
+everything that uses it: collections, children, constraints, other objects' modifiers, drivers.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from ..formats.disk.atomic import refusal, replacing
 from ..scene.objects import is_linked
 from .linked import linked_homes_copied
 
-TITLE = "RadTex "  # how names of materials that show a bake begin
+MATERIAL_PREFIX = "RadTex "  # prefix of the names of materials that show a bake
 
 _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
 class StandIn:
-    """An object's baked `copy`, which shows its mesh as it is and is in no collection.
+    """An object and its baked `copy`, which has no modifiers and is in no collection.
 
-    It wears `materials`, one for each of its slots; one alone is for all of them.
+    `materials` are those of the copy's slots; if there is only one, all slots get it.
     """
 
     original: bpy.types.Object
@@ -45,12 +45,12 @@ def save_preview(
     path: Path,
     hidden: Sequence[bpy.types.Object] = (),
 ) -> None:
-    """Write a .blend in which copies stand in their originals' places, bear their names and wear materials.
+    """Write a .blend in which the baked copies replace their originals and have their names.
 
-    `scene` is the one that opens. The materials' images are in the file if they are packed, else referenced
-    relative to it. What is to be `hidden` is so in that file, for a copy shows it. The session (the objects,
-    the file's name, unsaved edits) is afterwards what it was, also after an error. Raises BakeError where
-    Blender cannot write.
+    The file opens with `scene`. The materials' images are in the file if they are packed, else referenced by
+    relative paths. The objects `hidden` are hidden in the file, because a copy shows them. Afterwards the
+    session (the objects, the file's name, unsaved edits) is as it was, also after an error. Raises BakeError
+    if Blender cannot write.
     """
     for image in bpy.data.images:
         if image.is_dirty and not image.packed_file:
@@ -71,7 +71,7 @@ def save_preview(
 
 @contextmanager
 def _active_kept() -> Iterator[None]:
-    """Keep every view layer's active object, and with it the mode: Blender 5 forgets one that is remapped."""
+    """Restore every view layer's active object, and so its mode: Blender 5 loses one that is remapped."""
     layers = [layer for scene in bpy.data.scenes for layer in scene.view_layers]
     before = [layer.objects.active for layer in layers]
     try:
@@ -84,7 +84,7 @@ def _active_kept() -> Iterator[None]:
 
 @contextmanager
 def _standing_in(pair: StandIn) -> Iterator[None]:
-    """Give all that uses the original a duplicate of its copy instead, by the original's name."""
+    """Within the context, a duplicate of the copy replaces the original for all its users, by its name."""
     original, copy = pair.original, pair.copy
     name = original.name
     mesh = cast(bpy.types.Mesh, copy.data)
@@ -97,9 +97,9 @@ def _standing_in(pair: StandIn) -> Iterator[None]:
         if bare:
             mesh.materials.append(None)
         for index, slot in enumerate(standin.material_slots):
-            slot.link = "OBJECT"  # the mesh keeps its own
+            slot.link = "OBJECT"  # so that the mesh keeps its own materials
             slot.material = pair.materials[index if len(pair.materials) > 1 else 0]
-        for item in bearers:  # the original, unless that is linked; then perhaps its copy, or a stranger
+        for item in bearers:  # the original; if that is linked, perhaps a local object of the same name
             item.name = f"{name} (original)"
         standin.name = name
         original.user_remap(standin)
@@ -127,9 +127,9 @@ def _hidden(items: Sequence[bpy.types.Object]) -> Iterator[None]:
 
 @contextmanager
 def _relative_images(stand_ins: Sequence[StandIn]) -> Iterator[None]:
-    """Name the images of previews relative to the open file; Blender turns that into the new file's terms.
+    """Make the previews' image paths relative to the open file; Blender converts them for the new file.
 
-    A file never saved has no place to be relative to; Blender then writes all paths relative by itself.
+    If the open file was never saved, nothing can be relative to it; Blender then makes all paths relative.
     """
     worn = {material for stand_in in stand_ins for material in stand_in.materials}
     own = {slot.material for stand_in in stand_ins for slot in stand_in.original.material_slots}
@@ -149,12 +149,12 @@ def _relative_images(stand_ins: Sequence[StandIn]) -> Iterator[None]:
 def _relative(path: str) -> str:
     try:
         return bpy.path.relpath(bpy.path.abspath(path))
-    except ValueError:  # on another drive of Windows
+    except ValueError:  # on another Windows drive
         return path
 
 
 def images_of(tree: bpy.types.NodeTree | None) -> set[bpy.types.Image]:
-    """The images that a material's nodes show, in groups too."""
+    """The images that a material's nodes use, also inside groups."""
     images: set[bpy.types.Image] = set()
     for node in tree.nodes if tree else ():
         if isinstance(node, bpy.types.ShaderNodeTexImage) and node.image:

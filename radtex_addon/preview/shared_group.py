@@ -3,8 +3,8 @@
 """`core.shared.sample_shared` as native shader nodes, alike in Eevee and Cycles: the group "RadTex Shared".
 
 Each step is a group of its own, so that the tree reads like the maths: octahedron, bucket, surroundings,
-falloff. Octahedral images have a border of one cell that repeats what lies beyond their edges, so that no
-lookup needs to know how they are folded. A condensed bake has a step more, between a texel and its buckets.
+falloff. Octahedral images have a border of one cell, a copy of the cells across their edges on the sphere, so
+that lookups need no special case there. A condensed bake has one more step, between a texel and its buckets.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from .node_group import MAX_PIXELS
 from .taps import bilinear, pair, pixel_centre, readable_size
 
 _LEAST_SPREAD = 1e-12  # as in core.shared.level_weights
-_TINY = 1e-30  # keeps 0/0 away, as in core.octahedron
+_TINY = 1e-30  # avoids 0/0, as in core.octahedron
 
 _Images = Mapping[str, bpy.types.Image]
 _Triple = tuple[float, float, float]
@@ -45,9 +45,9 @@ def build_shared_group(images: _Images, sidecar: SharedSidecar) -> bpy.types.Sha
     """A node group that samples the sidecar's `images`, by layer, as `core.shared.sample_shared` does.
 
     Inputs: UV (0..1, v up); Normal and Incoming, world space, of any length (Incoming points to the viewer;
-    left at zero it is the shaded point's own). Output: Color, in the space that the file works in. `images`
-    and sidecar come from `load_layers`. Raises InputError where an image is not of the sidecar's size, or is
-    larger than a GPU takes.
+    if it is zero, the shaded point's own is used). Output: Color, in the file's working space. `images` and
+    sidecar come from `load_layers`. Raises InputError if an image does not have the size in the sidecar, or
+    is larger than a GPU takes.
     """
     check_shared_previewable(sidecar)
     _check_sizes(images, sidecar)
@@ -116,7 +116,7 @@ def _lobe_group(
 
 
 def _texel_group(axis: Axis, images: _Images, sidecar: SharedSidecar) -> bpy.types.ShaderNodeTree:
-    """One texel's bucket at a place on the octahedron: one of its own, or one mixed from its cluster's."""
+    """Look up a texel's bucket at a place on the octahedron: its own, or a mixture of its cluster's."""
     n, condensed = sidecar.bake.bucket, sidecar.condensed
     bucket = _bucket_group(_cell_group(axis, images, n), axis, n)
     if condensed is None:
@@ -126,16 +126,16 @@ def _texel_group(axis: Axis, images: _Images, sidecar: SharedSidecar) -> bpy.typ
 
 
 def _bucket_group(cell: bpy.types.ShaderNodeTree, axis: Axis, cells: int) -> bpy.types.ShaderNodeTree:
-    """One bucket of the images at a place on the octahedron, between four cells."""
+    """Look up one bucket of the images at a place on the octahedron, bilinear between four cells."""
     build, (texel, place) = open_group(f"RadTex {axis.title()} Bucket", Texel="Vector", Place="Vector")
     shift, spread, gain, rest = bilinear(build, cell, _position(build, place, (cells, cells)), texel)
     return close_group(build, Shift=shift, Spread=spread, Gain=gain, Rest=rest)
 
 
 def _cell_group(axis: Axis, images: _Images, n: int) -> bpy.types.ShaderNodeTree:
-    """One cell of one bucket, in all of the lobe's images: the pixel (i (n+2) + 1 + x, j (n+2) + 1 + y).
+    """Look up one cell of one bucket in the lobe's images: the pixel (i (n+2) + 1 + x, j (n+2) + 1 + y).
 
-    The spread is the images', in units of the sharpest blur.
+    The spread is returned as stored, in units of the sidecar's `sharpest`.
     """
     ends, gain, rest = (images[lobe_layer(axis, part)] for part in (ENDS, GAIN, REST))
     build, (cell, texel) = open_group(f"RadTex {axis.title()} Cell", Cell="Vector", Texel="Vector")
@@ -147,7 +147,7 @@ def _cell_group(axis: Axis, images: _Images, n: int) -> bpy.types.ShaderNodeTree
 
 
 def _surroundings_group(image: bpy.types.Image, sidecar: SharedSidecar) -> bpy.types.ShaderNodeTree:
-    """The surroundings blurred by a variance, in units of the sharpest, between the two nearest levels."""
+    """Look up the surroundings blurred by a variance in units of `sharpest`, blending two levels."""
     level_group = _level_group(image, sidecar)
     build, (place, spread) = open_group("RadTex Surroundings", Place="Vector", Spread="Float")
     least = build.math("MAXIMUM", spread, _LEAST_SPREAD / sidecar.sharpest)
@@ -160,7 +160,7 @@ def _surroundings_group(image: bpy.types.Image, sidecar: SharedSidecar) -> bpy.t
 
 
 def _level_group(image: bpy.types.Image, sidecar: SharedSidecar) -> bpy.types.ShaderNodeTree:
-    """One level of the surroundings, a whole number (the last one if there are fewer), between four cells."""
+    """Look up one level of the surroundings, a whole number up to the last, bilinear between four cells."""
     cell = _surroundings_cell_group(image)
     build, (place, level) = open_group("RadTex Level", Place="Vector", Level="Float")
     reached = [build.math("GREATER_THAN", level, number + 0.5) for number in range(sidecar.levels - 1)]
@@ -173,14 +173,14 @@ def _level_group(image: bpy.types.Image, sidecar: SharedSidecar) -> bpy.types.Sh
 
 
 def _surroundings_cell_group(image: bpy.types.Image) -> bpy.types.ShaderNodeTree:
-    """One cell of the level whose border's corner is the pixel Corner."""
+    """Look up one cell of the level whose border begins at the pixel Corner."""
     build, (cell, corner) = open_group("RadTex Surroundings Cell", Cell="Vector", Corner="Vector")
     pixel = build.vector("ADD", build.vector("ADD", cell, corner), pair(1, 1), label="pixel")
     return close_group(build, Light=build.image(image, pixel_centre(build, pixel, readable_size(image)))[0])
 
 
 def _falloff_group(falloff: Sequence[_Triple]) -> bpy.types.ShaderNodeTree:
-    """The curve at a cosine, linear between its points."""
+    """The falloff curve at a cosine, interpolated linearly between its points."""
     build, (cosine,) = open_group("RadTex Falloff", Cosine="Float")
     place = build.math("MULTIPLY_ADD", cosine, float(len(falloff)), -0.5, label="position, in points")
     passed = [
@@ -191,10 +191,10 @@ def _falloff_group(falloff: Sequence[_Triple]) -> bpy.types.ShaderNodeTree:
 
 
 def _in_working_space(build: NodeBuilder, colour: Socket) -> Socket:
-    """A colour of Rec.709 in the space that the file works in.
+    """Convert a Rec.709 colour to the file's working space.
 
-    Rec.709's primaries are written as colours, so that Blender converts them where the file comes to work in
-    another space, or the nodes are appended to a file that does.
+    Rec.709's primaries are stored as colours, so that Blender converts them if the file's working space is
+    changed, or if the nodes are appended to a file with another one.
     """
     shown: Socket | tuple[float, ...] = (0.0, 0.0, 0.0, 1.0)
     for share, primary in zip(build.separate(colour), rec709_primaries(), strict=True):
@@ -204,7 +204,7 @@ def _in_working_space(build: NodeBuilder, colour: Socket) -> Socket:
 
 
 def _map_group(name: str, image: bpy.types.Image) -> bpy.types.ShaderNodeTree:
-    """An image that holds one colour a texel, at UV, between four texels."""
+    """Look up an image with one colour per texel at UV, bilinear between four texels."""
     width, height = readable_size(image)
     tap, (texel,) = open_group(f"RadTex {name} Texel", Texel="Vector")
     color, _ = tap.image(image, pixel_centre(tap, texel, (width, height)))
@@ -235,12 +235,12 @@ def _place(build: NodeBuilder, octahedron: bpy.types.ShaderNodeTree, direction: 
 
 
 def _position(build: NodeBuilder, place: Socket, size: tuple[int, int]) -> Socket:
-    """A place in [0, 1]^2 in units of texels or cells, whole numbers at their centres."""
+    """Scale a place in [0, 1]^2 to texels or cells, whose centres are at whole numbers."""
     return build.vector("MULTIPLY_ADD", place, pair(*size), pair(-0.5, -0.5), label="position")
 
 
 def _climb(build: NodeBuilder, values: Sequence[_Triple], shares: Iterable[Socket]) -> Socket:
-    """The first value, and each step from one to the next by its share: piecewise linear without an image."""
+    """The first value plus each difference to the next, times its share: a piecewise linear curve."""
     total = build.combine(*values[0])
     for (low, high), share in zip(pairwise(values), shares, strict=True):
         step = tuple(b - a for a, b in zip(low, high, strict=True))

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The material that shows a bake of kind `transfer`, in the light of the scene's first sun.
 
-Drivers carry the sun's direction, colour and strength into two of its nodes, so that it follows as the sun
-turns, in Eevee and Cycles. They are plain enough for Blender to work them out without Python, so that no file
-has to be trusted. Without a sun the two nodes hold a light that may be changed by hand.
+Drivers copy the sun's direction, colour and strength to two of its nodes, so that the light follows the sun,
+in Eevee and Cycles. Blender evaluates drivers this simple without Python, so that the file need not be
+trusted to run scripts. Without a sun the two nodes hold a default light, which can be edited by hand.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ def preview_transfer_material(
 ) -> bpy.types.Material:
     """A material that shows the atlas file on the baked copy, in the light of `scene`'s first sun.
 
-    `layout` is that of its `views`, `uv_layer` the baked one, `half` as in `load_atlas`. Raises as
-    `load_atlas` and `build_transfer_group` do.
+    `layout` and `views` are as in `build_transfer_group`, `uv_layer` is the baked UV layer, `half` is as in
+    `load_atlas`. Raises as these two do.
     """
     sampler = build_transfer_group(load_atlas(atlas, half), layout, views)
     material, build = open_material(name)
-    cast(Any, material).cycles.emission_sampling = "NONE"  # seen by every ray, but no lamp to aim at
+    cast(Any, material).cycles.emission_sampling = "NONE"  # rays see it, but Cycles does not sample it
     uv, frame = build.uv_map(uv_layer), build.group(build_frame_group())
     light, strength = build.combine(*_FROM_LEFT), build.combine(*_SUNNY)
     for socket, label in ((light, DIRECTION), (strength, IRRADIANCE)):
@@ -62,7 +62,10 @@ def first_sun(scene: bpy.types.Scene) -> bpy.types.Object | None:
 
 
 def follow_sun(material: bpy.types.Material | None, scene: bpy.types.Scene) -> None:
-    """Let a preview of kind `transfer` follow the scene's first sun; any other material is left alone."""
+    """Make a material with a light of its own (kinds `transfer`, `shadow`) follow the scene's first sun.
+
+    Other materials are left alone.
+    """
     sun = first_sun(scene)
     if material is None or not forget_sun(material) or sun is None:
         return
@@ -71,7 +74,7 @@ def follow_sun(material: bpy.types.Material | None, scene: bpy.types.Scene) -> N
     exposed = hasattr(lamp, "exposure")  # since Blender 4.5
     for axis in range(3):
         towards = _driver(nodes[DIRECTION].inputs[axis], "z")
-        _variable(towards, "z", "OBJECT", sun, f"matrix_world[2][{axis}]")  # its column of its own z axis
+        _variable(towards, "z", "OBJECT", sun, f"matrix_world[2][{axis}]")  # column 2: the sun's z axis
         strength = _driver(nodes[IRRADIANCE].inputs[axis], "energy * tint" + " * pow(2, stops)" * exposed)
         _variable(strength, "energy", "LIGHT", lamp, "energy")
         _variable(strength, "tint", "LIGHT", lamp, f"color[{axis}]")
@@ -80,7 +83,7 @@ def follow_sun(material: bpy.types.Material | None, scene: bpy.types.Scene) -> N
 
 
 def forget_sun(material: bpy.types.Material) -> bool:
-    """Let a preview follow nothing any more; False for a material of another kind."""
+    """Remove a material's drivers of the sun. Returns False for a material without a light of its own."""
     tree = material.node_tree
     if tree is None or DIRECTION not in tree.nodes or IRRADIANCE not in tree.nodes:
         return False

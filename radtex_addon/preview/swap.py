@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A finished bake in the user's own scene: the baked copy in the object's place, the object hidden.
+"""Show a finished bake in the user's own scene: the baked copy in the object's place, the object hidden.
 
-Each of the two holds a pointer to the other, so that they find each other renamed, duplicated, saved or after
-an undo; and how the object was hidden before, so that it comes back even if the other was deleted.
+Each of the two stores a pointer to the other, which survives renaming, duplicating, saving and undo; and the
+object's visibility before, so that it can be restored even if the other was deleted.
 """
 
 from __future__ import annotations
@@ -11,29 +11,29 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, cast
 
 import bpy
 import numpy as np
 
 from ..core.errors import InputError, RadTexError
+from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..scene.mesh.copy import MATRIX, SHOWN, copy_object
 from ..scene.objects import animates_visibility
-from .layers import check_layer, wear_layer
+from .hidden_objects import hidden_by, hide_originals, objects_to_hide, restore_visibility
 from .load import load_baked_meshes, remove_unused
-from .source import find_shown, hidden_by, hide_shown, show_again
+from .show_layer import check_layer, show_layer
 from .sun import follow_sun
 from .variant import keep_variant
 
-ORIGINAL = "radtex_original"  # of a copy: the object, and how that was hidden
+ORIGINAL = "radtex_original"  # custom property of a copy: the object, and its visibility before
 _FLAGS = ("hide_render", "hide_viewport")
-_MOVED = 1e-4  # of a matrix's largest value
+_MOVED = 1e-4  # tolerance, relative to a matrix's largest value
 
 
 @dataclass(frozen=True, eq=False)
 class Preview:
-    """A preview that is on: `copy` in the place of `original`, which has `moved` since the bake, or not."""
+    """A preview that is on: `copy` in the place of `original`, which may have `moved` since the bake."""
 
     original: bpy.types.Object
     copy: bpy.types.Object
@@ -41,82 +41,83 @@ class Preview:
 
 
 def is_on(item: bpy.types.Object) -> bool:
-    """Whether the object's preview is on; of a preview itself, True."""
+    """Whether the object's preview is on; also True if the object is a preview."""
     return _pair(item) is not None
 
 
 def original_of(item: bpy.types.Object) -> bpy.types.Object | None:
-    """The object that a preview stands in for, None if it was deleted meanwhile; any other object itself."""
+    """The object that a preview replaces, None if it was deleted; any other object is returned as it is."""
     pair = _pair(item)
     return item if pair is None else pair[0]
 
 
 def copy_of(item: bpy.types.Object) -> bpy.types.Object | None:
-    """The preview that stands in for an object; None where none is on, or somebody deleted it."""
+    """The preview that replaces an object; None if no preview is on, or if it was deleted."""
     pair = _pair(item)
     return None if pair is None else pair[1]
 
 
-def switch_on(original: bpy.types.Object, sidecar: Path, layer: str | None = None) -> Preview:
-    """Show the bake whose sidecar is given in an object's place: `switch_all_on` of one."""
+def switch_on(original: bpy.types.Object, sidecar: AnySidecar, layer: str | None = None) -> Preview:
+    """Show the bake with this sidecar in the place of one object: see `switch_all_on`."""
     return switch_all_on([original], sidecar, layer)[0]
 
 
 def switch_all_on(
-    originals: Sequence[bpy.types.Object], sidecar: Path, layer: str | None = None
+    originals: Sequence[bpy.types.Object], sidecar: AnySidecar, layer: str | None = None
 ) -> list[Preview]:
-    """Show the bake whose sidecar is given, its preview beside it, in the place of objects that share it.
+    """Show the bake with this sidecar, from the saved preview beside it, in the place of its objects.
 
-    Copies wear the bake's meshes and materials in the objects' collections, with their parents, transforms,
-    animation and visibility, and take over their selection; the objects are hidden, as is what the bake shows
-    in their place (`source`), and nothing else changes. A `layer` is shown instead of the whole. One that is
-    on already shows the bake anew. Raises InputError for an object that cannot be replaced or has no part in
-    the bake, a layer that there is not, and missing files, FormatError for files that cannot be read; then
-    nothing has changed.
+    Copies with the bake's meshes and materials are linked to the objects' collections; they have the objects'
+    parents, transforms, animation and visibility, and take over their selection. The objects are hidden, as
+    are those whose light the bake shows (`source`); nothing else changes. A `layer` is shown instead of the
+    whole. A preview that is on already is replaced. Raises InputError for an object that cannot be replaced
+    or is not in the bake, an unknown layer, and missing files, FormatError for files that cannot be read;
+    then nothing has changed.
     """
     for original in originals:
         _check(original)
+    sidecar = opened(sidecar)
     if layer is not None:
         check_layer(sidecar, layer)
     meshes = load_baked_meshes(sidecar, [original.name for original in originals])
     if layer is not None:
-        _wear_layer(meshes, sidecar, layer)
+        _show_layer(meshes, sidecar, layer)
     made = [_show(original, mesh, sidecar) for original, mesh in zip(originals, meshes, strict=True)]
     remove_unused()
     return made
 
 
-def _wear_layer(meshes: Sequence[bpy.types.Mesh], sidecar: Path, layer: str) -> None:
+def _show_layer(meshes: Sequence[bpy.types.Mesh], sidecar: SidecarFile, layer: str) -> None:
     try:
-        wear_layer(meshes, sidecar, layer)
+        show_layer(meshes, sidecar, layer)
     except RadTexError:
         bpy.data.batch_remove(meshes)
         remove_unused()
         raise
 
 
-def _show(original: bpy.types.Object, mesh: bpy.types.Mesh, sidecar: Path) -> Preview:
+def _show(original: bpy.types.Object, mesh: bpy.types.Mesh, sidecar: SidecarFile) -> Preview:
     for material in mesh.materials:
         if material is not None:
             follow_sun(material, original.users_scene[0])
     _take_away(original)
     copy = _stand_in(original, mesh)
-    stances = _stances(original)
+    stances = _layer_states(original)
     for collection in _homes(original):
         collection.objects.link(copy)
     _hide(original, copy)
     keep_variant(copy, sidecar)
-    hide_shown((original, copy), find_shown(sidecar, original.users_scene[0]), _others(copy))
+    hide_originals((original, copy), objects_to_hide(sidecar, original.users_scene[0]), _others(copy))
     _take(copy, stances)
     _join_local_views(original, copy)
     return Preview(original, copy, _has_moved(original, mesh))
 
 
 def switch_off(item: bpy.types.Object) -> None:
-    """Take the preview of an object away, or the preview `item` itself, and show the object as it was.
+    """Remove the preview of the object `item`, or the preview `item` itself; show the object as it was.
 
-    The object takes over the selection, and whether it is hidden in a view layer. What the preview brought
-    goes, unless something else uses it by now. Does nothing where no preview is on.
+    The object takes over the preview's selection and its visibility in view layers. Data that was loaded with
+    the preview is removed, unless something else uses it by now. Does nothing if no preview is on.
     """
     if _take_away(item):
         remove_unused()
@@ -124,7 +125,10 @@ def switch_off(item: bpy.types.Object) -> None:
 
 @contextmanager
 def originals_rendered(originals: Sequence[bpy.types.Object]) -> Iterator[None]:
-    """Let the objects, or what bakes show instead, render while their previews, which are on, do not."""
+    """Within the context, render the objects, or those whose light the bakes show, instead of the previews.
+
+    Objects whose previews are off are left alone.
+    """
     pairs = [pair for pair in map(_pair, originals) if pair is not None]
     shown: dict[bpy.types.Object, bool] = {}
     for original, copy in pairs:
@@ -145,7 +149,7 @@ def originals_rendered(originals: Sequence[bpy.types.Object]) -> Iterator[None]:
 
 
 def _others(copy: bpy.types.Object | None) -> list[bpy.types.Object]:
-    """All previews that are on, but for one."""
+    """All previews that are on, except `copy`."""
     return [item for item in bpy.data.objects if ORIGINAL in cast(Any, item) and item != copy and is_on(item)]
 
 
@@ -153,19 +157,19 @@ _Pair = tuple[bpy.types.Object | None, bpy.types.Object | None]
 
 
 def _take_away(item: bpy.types.Object) -> bool:
-    """Remove the copy and show the object, whichever `item` is; False where there is no preview."""
+    """Remove the copy and show the object; `item` is either. Returns False if there is no preview."""
     pair = _pair(item)
     if pair is None:
         return False
     original, copy = pair
     flags = _flags_of(original, copy)
-    stances: list[_Stance] = []
-    show_again(pair, _others(copy))
+    stances: list[_LayerState] = []
+    restore_visibility(pair, _others(copy))
     if copy is not None:
-        stances, named = _stances(copy), cast(Any, copy)[ORIGINAL].get("original")
+        stances, named = _layer_states(copy), cast(Any, copy)[ORIGINAL].get("original")
         bpy.data.objects.remove(copy)
         if original is None and named is not None and not named.users:
-            bpy.data.objects.remove(named)  # only the copy kept it
+            bpy.data.objects.remove(named)  # it was deleted, and only the copy still used it
     if original is not None:
         for flag, value in flags.items():
             setattr(original, flag, value)
@@ -176,10 +180,10 @@ def _take_away(item: bpy.types.Object) -> bool:
 
 
 def _pair(item: Any) -> _Pair | None:
-    """An object and its preview, whichever `item` is; None for one that has none.
+    """An object and its preview; `item` is either. None if it has no preview.
 
-    A duplicate of either names the other, which does not name it: it is an object of the user's own. One of
-    the two may be None: it was deleted.
+    One of the two is None if it was deleted. A duplicate of either points to the other, which does not point
+    back: it counts as an object without preview.
     """
     if ORIGINAL in item:
         original = _living(item[ORIGINAL].get("original"))
@@ -193,7 +197,10 @@ def _pair(item: Any) -> _Pair | None:
 
 
 def _named_copy(original: Any) -> Any:
-    """The preview that an object names; of a library override, whose record no file keeps, that names it."""
+    """The preview that an object points to.
+
+    Files do not keep the pointer of a library override: its preview is the one that points to it.
+    """
     if SHOWN in original:
         copy = original[SHOWN].get("copy")
         return copy if copy is not None and ORIGINAL in copy else None
@@ -204,12 +211,12 @@ def _named_copy(original: Any) -> Any:
 
 
 def _living(item: bpy.types.Object | None) -> bpy.types.Object | None:
-    """None for an object that was deleted, which our pointer alone keeps."""
+    """The object, or None if it was deleted and only our pointer still uses it."""
     return item if item is not None and item.users_collection else None
 
 
 def _flags_of(original: Any, copy: Any) -> dict[str, bool]:
-    """How an object was hidden before its preview came, as either of the two knows."""
+    """An object's visibility before its preview was shown, as stored on either of the two."""
     record = original[SHOWN] if original is not None and SHOWN in original else copy[ORIGINAL]
     return {flag: bool(record[flag]) for flag in _FLAGS}
 
@@ -234,21 +241,21 @@ def _check(original: bpy.types.Object) -> None:
 
 
 def _stand_in(original: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
-    """A copy that wears the mesh, in no collection."""
+    """A copy of the object that shows the mesh, linked to no collection."""
     copy = copy_object(original, mesh)
     for collection in copy.users_collection:  # Blender 5 adds a rigid body's copy to its world
         collection.objects.unlink(copy)
     if copy.override_library is not None:
         copy = cast("bpy.types.Object", copy.make_local())
     copy.name = f"{original.name} (baked)"
-    if SHOWN in cast(Any, copy):  # of a duplicate that was hidden
+    if SHOWN in cast(Any, copy):  # copied with an original that is itself a duplicate
         del cast(Any, copy)[SHOWN]
     return copy
 
 
 def _hide(original: Any, copy: Any) -> None:
-    """Hide an object, and let the two know each other."""
-    stale = original.get(SHOWN)  # of an object whose duplicate this is: it was hidden when it came to be
+    """Hide an object; store on it and on its copy a pointer to the other and the object's visibility."""
+    stale = original.get(SHOWN)  # the original is a duplicate of a hidden object, whose visibility counts
     flags = {flag: bool(stale[flag] if stale else getattr(original, flag)) for flag in _FLAGS}
     original[SHOWN] = {"copy": copy, **flags}
     copy[ORIGINAL] = {"original": original, **flags}
@@ -258,7 +265,7 @@ def _hide(original: Any, copy: Any) -> None:
 
 
 def _homes(original: bpy.types.Object) -> list[bpy.types.Collection]:
-    """Where the copy can be: the object's collections, or its scenes where none of those takes anything."""
+    """The collections to link the copy to: the object's, or its scenes' if none of those can be changed."""
     worlds = [scene.rigidbody_world for scene in bpy.data.scenes if scene.rigidbody_world is not None]
     bodies = {part for world in worlds for part in (world.collection, world.constraints)}
     homes = [home for home in original.users_collection if home not in bodies and not _is_foreign(home)]
@@ -266,13 +273,13 @@ def _homes(original: bpy.types.Object) -> list[bpy.types.Collection]:
 
 
 def _is_foreign(block: Any) -> bool:
-    """Whether a library decides what is in a collection or scene."""
+    """Whether the contents of a collection or scene come from a library."""
     return block.library is not None or block.override_library is not None
 
 
 @dataclass(frozen=True)
-class _Stance:
-    """How an object stands in a view layer."""
+class _LayerState:
+    """An object's selection and visibility in a view layer, and whether it is the active object."""
 
     layer: bpy.types.ViewLayer
     selected: bool
@@ -280,9 +287,9 @@ class _Stance:
     active: bool
 
 
-def _stances(item: bpy.types.Object) -> list[_Stance]:
+def _layer_states(item: bpy.types.Object) -> list[_LayerState]:
     return [
-        _Stance(
+        _LayerState(
             layer,
             item.select_get(view_layer=layer),
             item.hide_get(view_layer=layer),
@@ -295,12 +302,12 @@ def _stances(item: bpy.types.Object) -> list[_Stance]:
 
 
 def _is_in(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> bool:
-    item.select_get(view_layer=layer)  # lets Blender find out what is new in the layer
+    item.select_get(view_layer=layer)  # makes Blender update the layer's objects
     return any(other == item for other in layer.objects)
 
 
-def _take(item: bpy.types.Object, stances: Sequence[_Stance]) -> None:
-    """Let an object stand as another did."""
+def _take(item: bpy.types.Object, stances: Sequence[_LayerState]) -> None:
+    """Give an object the selection and visibility that another object had."""
     for stance in stances:
         layer = stance.layer
         if not _is_in(layer, item):
@@ -314,7 +321,7 @@ def _take(item: bpy.types.Object, stances: Sequence[_Stance]) -> None:
 
 
 def _join_local_views(original: bpy.types.Object, copy: bpy.types.Object) -> None:
-    """Show the copy in the 3D views that show only some objects, the original among them."""
+    """Show the copy in every 3D view whose local view contains the original."""
     for screen in bpy.data.screens:
         for area in screen.areas:
             space = area.spaces.active

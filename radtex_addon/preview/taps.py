@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bilinear lookups by nodes: four taps, each a group that reads one pixel, blended.
+"""Bilinear lookups with shader nodes: four taps, each a group that reads one pixel, blended.
 
-Images are read by `Closest` and blended here: Blender's `Linear` would mip, and bleed, across buckets.
+Images are read with `Closest` and blended here: Blender's `Linear` would mix pixels of different buckets, by
+mipmaps and at their edges.
 """
 
 from __future__ import annotations
@@ -28,10 +29,11 @@ def bilinear(
     last: tuple[float, ...] | None = None,
     in_turn: bool = False,
 ) -> tuple[Socket, ...]:
-    """Blend all outputs of `tap` at the four whole places around `position`, each clamped to [0, last].
+    """Blend all outputs of the group `tap` at the four whole-numbered places around `position`.
 
-    The place is the group's first input, `rest` are the others. Without `last` nothing is clamped: there is a
-    border to be read. `in_turn` each tap comes `after` the one before.
+    The place is the group's first input, `rest` are the others. Places are clamped to [0, last]; without
+    `last` they are not, for images that have a border. With `in_turn` each tap is evaluated `after` the
+    previous one.
     """
     corner = build.vector("FLOOR", position)
     fx, fy, _ = build.separate(build.vector("FRACTION", position))
@@ -53,10 +55,11 @@ def bilinear(
 
 
 def after(build: NodeBuilder, number: Socket, known: Iterable[Socket]) -> Socket:
-    """`number`, a whole one, but not before all numbers and colours are `known`.
+    """The whole number `number`, evaluated only after all the sockets in `known`.
 
-    Cycles has room for 255 numbers that wait to be used. Left alone it first finds out where all lookups are,
-    or looks up one image everywhere. A trifle of what is known, which rounding swallows, puts them in turn.
+    Cycles's stack holds 255 values. Left alone, Cycles computes the places of all lookups first, or makes all
+    lookups in one image first, and the stack overflows. So 1e-30 of each known value is added, which rounding
+    removes again, but which forces the order.
     """
     for socket in known:
         grey = socket if socket.type == "VALUE" else build.node("ShaderNodeRGBToBW", socket).outputs[0]
@@ -65,7 +68,7 @@ def after(build: NodeBuilder, number: Socket, known: Iterable[Socket]) -> Socket
 
 
 def clamp(build: NodeBuilder, place: Operand, last: tuple[float, ...], label: str = "") -> Socket:
-    """`place` brought into [0, last], component by component."""
+    """`place` clamped to [0, last] by component."""
     return build.vector("MINIMUM", build.vector("MAXIMUM", place, (0.0, 0.0, 0.0)), last, label=label)
 
 
@@ -75,15 +78,15 @@ def pair(x: float, y: float) -> tuple[float, float, float]:
 
 
 def pixel_centre(build: NodeBuilder, pixel: Operand, size: tuple[int, int]) -> Socket:
-    """Where an image node finds a pixel's centre, in an image of that width and height."""
+    """The UV of a pixel's centre, in an image of that width and height."""
     width, height = size
     return build.vector("MULTIPLY_ADD", pixel, pair(1 / width, 1 / height), pair(0.5 / width, 0.5 / height))
 
 
 def image_size(image: bpy.types.Image) -> tuple[int, int]:
-    """An image's width and height, 0 where there is no image; of an EXR by its header alone.
+    """An image's width and height, 0 if there is no image.
 
-    To tell them Blender reads all pixels, as 16 bytes each, and keeps them.
+    Only the header of an EXR is read: Blender itself would read all its pixels, 16 bytes each, and keep them.
     """
     path = Path(bpy.path.abspath(image.filepath, library=image.library))
     if path.suffix == ".exr" and not image.packed_file and not image.has_data:
@@ -96,7 +99,7 @@ def image_size(image: bpy.types.Image) -> tuple[int, int]:
 
 
 def readable_size(image: bpy.types.Image) -> tuple[int, int]:
-    """An image's width and height. Raises FormatError where there is no image, or no longer."""
+    """An image's width and height. Raises FormatError if there is no image, or no longer."""
     size = image_size(image)
     if 0 in size:
         raise FormatError(f"{image.filepath}: Blender reads no image in it; bake it again")
@@ -106,7 +109,7 @@ def readable_size(image: bpy.types.Image) -> tuple[int, int]:
 def _blend(
     build: NodeBuilder, factor: Socket, low: tuple[Socket, ...], high: tuple[Socket, ...]
 ) -> tuple[Socket, ...]:
-    """Each of `low` and the one like it in `high`, linearly."""
+    """Interpolate linearly between each output in `low` and the same output in `high`."""
 
     def between(at_zero: Socket, at_one: Socket) -> Socket:
         if at_zero.type == "VALUE":

@@ -17,13 +17,13 @@ from .taps import bilinear, clamp, pair
 def build_transfer_group(
     image: bpy.types.Image, layout: AtlasLayout, views: int = 1
 ) -> bpy.types.ShaderNodeTree:
-    """A node group that samples the atlas `image` of kind `transfer` between four texels and four cells.
+    """A node group that samples the atlas `image` of kind `transfer`, bilinear in texels and in cells.
 
-    Inputs: UV (0..1, v up); Normal, Tangent and Light, vectors of any length in one space (Light points to
-    the light); Sign, the bitangent's in that space; with `views` x `views` views, between four of which it
-    blends, Incoming as of "RadTex Sample". Outputs: Color, the radiance under an irradiance of 1,
-    premultiplied, and Alpha. Raises InputError where the atlas is not an image of `layout` with these views,
-    or is larger than a GPU takes.
+    `layout` is the atlas's without its `views` x `views` views. Inputs: UV (0..1, v up); Normal, Tangent and
+    Light, vectors of any length in one space (Light points to the light); Sign, the bitangent's in that
+    space; if there are several views, four of which are blended, also Incoming as in "RadTex Sample".
+    Outputs: Color, the radiance under an irradiance of 1, premultiplied, and Alpha. Raises InputError if the
+    atlas is not an image of `layout` with these views, or is larger than a GPU takes.
     """
     stored = with_views(layout, views)
     check_previewable(stored)
@@ -48,7 +48,7 @@ def build_transfer_group(
 
 
 def _view_group(texel: bpy.types.ShaderNodeTree, layout: AtlasLayout, views: int) -> bpy.types.ShaderNodeTree:
-    """One of the views, between the four texels around a place."""
+    """Look up one view, bilinear between the four texels around UV."""
     of_view, (number, view, place) = open_group(
         "RadTex Transfer View Texel", Texel="Vector", View="Vector", Place="Vector"
     )
@@ -63,7 +63,7 @@ def _view_group(texel: bpy.types.ShaderNodeTree, layout: AtlasLayout, views: int
 
 
 def _texel_group(cell: bpy.types.ShaderNodeTree, n: int) -> bpy.types.ShaderNodeTree:
-    """One texel's bucket at a place on the octahedron, between four cells."""
+    """Look up one texel's bucket at a place on the octahedron, bilinear between four cells."""
     build, (texel, place) = open_group("RadTex Transfer Texel", Texel="Vector", Place="Vector")
     position = build.vector("MULTIPLY_ADD", place, pair(n, n), pair(-0.5, -0.5), label="position, in cells")
     color, alpha = bilinear(build, cell, position, texel)
@@ -71,7 +71,7 @@ def _texel_group(cell: bpy.types.ShaderNodeTree, n: int) -> bpy.types.ShaderNode
 
 
 def _cell_group(pixel: bpy.types.ShaderNodeTree, n: int) -> bpy.types.ShaderNodeTree:
-    """One cell; beyond an edge the one that lies there on the sphere: the same edge's, mirrored."""
+    """Look up one cell. Across an edge lies, on the sphere, a cell of the same edge, mirrored."""
     build, (cell, texel) = open_group("RadTex Transfer Cell", Cell="Vector", Texel="Vector")
     x, y, _ = build.separate(cell)
     folded_x, folded_y = _folded(build, x, beyond=y, n=n), _folded(build, y, beyond=x, n=n)
@@ -80,7 +80,7 @@ def _cell_group(pixel: bpy.types.ShaderNodeTree, n: int) -> bpy.types.ShaderNode
 
 
 def _folded(build: NodeBuilder, along: Socket, beyond: Socket, n: int) -> Socket:
-    """A whole number along one side, mirrored where the other is beyond an edge, and then within [0, n-1]."""
+    """One coordinate of a cell: mirrored if the other, `beyond`, is outside [0, n - 1], then clamped."""
     away = build.math("ABSOLUTE", build.math("SUBTRACT", beyond, (n - 1) / 2))
     turned = build.math("GREATER_THAN", away, n / 2)
     mirrored = build.math("SUBTRACT", n - 1.0, along)

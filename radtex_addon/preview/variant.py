@@ -1,25 +1,24 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What light a bake shows: kind, frame, lamps, layers; also of a preview whose sidecar may be gone."""
+"""Which light a bake shows: kind, frame, lamps, layers. Previews store it, as their sidecar may be gone."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-from ..bake.forms import layers_apart
+from ..bake.forms import has_light_layers
 from ..formats.json_reader import Facts
-from ..formats.sidecar import read_facts
+from ..formats.sidecar_file import AnySidecar, read_facts
 
-_KEPT = "radtex_variant"  # of a copy: JSON, as in a sidecar
+_KEPT = "radtex_variant"  # custom property of a copy: JSON, as in a sidecar
 _KEYS = ("kind", "layout", "frame", "lights", "layers")
 
 
 @dataclass(frozen=True)
 class Variant:
-    """Its `kind`, the `frame` that was asked for, None for none, and the only `lights`, () for all light.
+    """A bake's `kind`, its `frame` if one was specified, and its lamps `lights`, () for all light.
 
     `layers` are those that can be shown alone.
     """
@@ -30,19 +29,19 @@ class Variant:
     layers: tuple[str, ...] = ()
 
 
-def read_variant(sidecar: Path) -> Variant:
-    """That of the bake whose sidecar is the file `sidecar`. Raises FormatError."""
+def read_variant(sidecar: AnySidecar) -> Variant:
+    """Read a bake's variant from its sidecar. Raises FormatError."""
     return _variant_in(read_facts(sidecar))
 
 
-def keep_variant(copy: Any, sidecar: Path) -> None:
-    """Store on a preview what it shows. Raises FormatError."""
+def keep_variant(copy: Any, sidecar: AnySidecar) -> None:
+    """Store on a preview the variant of its bake. Raises FormatError."""
     facts = read_facts(sidecar).values
     copy[_KEPT] = json.dumps({key: facts[key] for key in _KEYS if key in facts})
 
 
 def kept_variant(copy: Any) -> Variant:
-    """What a preview shows; all radiance if it does not say."""
+    """The variant stored on a preview; if there is none, radiance of all light."""
     kept = copy.get(_KEPT)
     return Variant() if not isinstance(kept, str) else _variant_in(Facts.parse(kept, f"'{copy.name}'"))
 
@@ -52,5 +51,5 @@ def _variant_in(facts: Facts) -> Variant:
         facts.text("kind"),
         facts.whole_number("frame", 0) if "frame" in facts.values else None,
         facts.texts("lights") if "lights" in facts.values else (),
-        facts.texts("layers") if layers_apart(facts.text("layout")) else (),
+        facts.texts("layers") if has_light_layers(facts.text("layout")) else (),
     )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a user should know of a finished bake: how close it is, why not closer, and what it weighs.
+"""The report on a finished bake: how large its error is, which settings cause it, and the size of the files.
 
-Everything is measured against path-traced views of the object in its scene, never modelled.
+Errors are measured against path-traced views of the object in its scene, never estimated.
 """

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Error by cause: the object is baked again with half of each thing that a bake spends, and judged again.
+"""Error by cause: the object is baked again with half the samples, cells and texels, and judged each time.
 
-A condensed bake is condensed again, to as many bytes; and once more it is not condensed.
+If the bake is condensed, these bakes are condensed to the same budget, and one more is not condensed.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from ..bake.stopwatch import Stopwatch
 from ..core.errors import InputError
 from ..formats.disk.temporary import temporary_folder
 from ..job import OutputFiles
-from ..job.run import bake_and_keep
+from ..job.baking import bake_unchecked
 from ..scene.scratch import new_data_removed
-from .finished import Finished, read_bake
+from .finished_bake import Finished, read_bake
 from .gbuffer import BakedSurface
 from .judging import judge, mean_flip, mean_psnr
-from .progress import Step, Task, steps_of
+from .report_progress import Step, Task, steps_of
 from .sizes import gpu_bytes
 from .views import View
 
 log = logging.getLogger(__name__)
 
-_MATTERS = 0.2  # decibels: what costs less is no cause
+_MATTERS = 0.2  # decibels: the least loss that counts as a cause
 
 
 class Cause(StrEnum):
@@ -42,9 +42,9 @@ class Cause(StrEnum):
     COMPRESSION = "compression"
 
     @property
-    def flag(self) -> str:
-        """The option that gives more of it."""
-        return "--budget" if self is Cause.COMPRESSION else f"--{self}"
+    def word(self) -> str:
+        """What a bake is given more of."""
+        return {Cause.CELLS: "cells", Cause.COMPRESSION: "budget"}.get(self, str(self))
 
 
 _SHOWS = {
@@ -63,9 +63,10 @@ _ABOUT = {
 
 @dataclass(frozen=True)
 class Variant:
-    """What the bake is with half of one thing; `lost` decibels are what the whole has more.
+    """The result of a bake with one setting halved; `lost` is by how many decibels its PSNR is lower.
 
-    `value` is the half. Without compression it is None, and `lost` is what condensing costs.
+    `value` is the halved setting. It is None for the bake that is not condensed; then `lost` is by how many
+    decibels that is better.
     """
 
     cause: Cause
@@ -78,22 +79,22 @@ class Variant:
 
     @property
     def name(self) -> str:
-        """What the bake is."""
-        return _ABOUT[self.cause] if self.value is None else f"half of {self.cause.flag}: {self.value}"
+        """A description of the bake, such as "half of --texels: 64"."""
+        return _ABOUT[self.cause] if self.value is None else f"half of {self.cause.word}: {self.value}"
 
     @property
     def shows(self) -> str:
-        """How too little of it looks."""
+        """What too little of the setting looks like."""
         return _SHOWS[self.cause]
 
 
 def bake_variants(
     scene: bpy.types.Scene, spec: BakeSpec, name: str, views: Sequence[View], whole: float
 ) -> Generator[Step, None, list[Variant]]:
-    """Bake the object `name` with half of each thing and judge that; `whole` is the bake's own mean PSNR.
+    """Bake the object `name` again for each cause, and judge each bake; `whole` is the bake's own mean PSNR.
 
-    `spec` is the bake's own; if it is condensed, one bake is not. What cannot be halved is left out.
-    Everything made meanwhile goes away.
+    `spec` is the bake's own. Settings that cannot be halved are left out. All files and data of these bakes
+    are deleted.
     """
     found = []
     for cause in Cause:
@@ -118,7 +119,7 @@ def _judge_again(
     about = _ABOUT[cause]
     with temporary_folder() as folder, new_data_removed():
         files = OutputFiles.of(name, spec, folder, preview=False)
-        baked = yield from steps_of(bake_and_keep(scene, name, spec, files, None, Stopwatch()), about)
+        baked = yield from steps_of(bake_unchecked(scene, name, spec, files, None, Stopwatch()), about)
         prepared = baked.prepared
         surface = BakedSurface(prepared.mesh, prepared.matrix_world, prepared.uv_layer)
         yield Step(Task.COMPARE, 0, 1, about)
@@ -133,20 +134,20 @@ def _judge_again(
 
 
 def _without(spec: BakeSpec, cause: Cause) -> BakeSpec | None:
-    """The same bake with half of something, or not condensed; None where there would be nothing left."""
+    """The same bake with one setting halved, or not condensed; None if that is impossible."""
     if cause is Cause.COMPRESSION:
         return replace(spec, budget=None) if spec.condensed else None
     if cause is Cause.SAMPLES:
         return replace(spec, samples=spec.samples // 2) if spec.samples >= 2 else None
     if cause is Cause.CELLS:
-        if spec.condensed:  # 2, 6, 10 and so on fill blocks
+        if spec.condensed:  # 2, 6, 10 ...: with borders, whole 4 x 4 blocks
             return replace(spec, bucket=spec.bucket // 8 * 4 + 2) if spec.bucket >= 6 else None
         return replace(spec, bucket=spec.bucket // 2) if spec.bucket >= 4 else None
     return replace(spec, texels=spec.texels // 2) if spec.texels >= 2 else None
 
 
 def first_change(bake: Finished, variants: Sequence[Variant]) -> str:
-    """What to change first, and what that costs, in a sentence or two."""
+    """Advice in a sentence or two: which setting to change first, and its cost in paths and bytes."""
     worst = max(variants, key=lambda variant: variant.lost, default=None)
     if worst is None:
         return "The bake is too small for any of its settings to be halved."
@@ -154,32 +155,32 @@ def first_change(bake: Finished, variants: Sequence[Variant]) -> str:
         done = "halving any" if bake.budget is None else "halving any, or condensing,"
         return (
             f"No setting matters much here: {done} costs less than {_MATTERS} dB. What is left lies in "
-            "the layout itself" + ("; try --layout shared." if not bake.form.traits.by_paths else ".")
+            "the layout itself" + ("; try the shared layout." if not bake.form.traits.by_paths else ".")
         )
-    flag, shows = worst.cause.flag, worst.shows.partition(":")[0]
+    word, shows = worst.cause.word, worst.shows.partition(":")[0]
     if worst.value is None:
         return (
-            f"First give it a larger {flag}: condensing costs most, {worst.lost:.1f} dB. Without it the bake "
-            f"takes {_grown(worst.bytes, bake)}; a {flag} between them takes no more paths."
+            f"First give it a larger {word}: condensing costs most, {worst.lost:.1f} dB. Without it the bake "
+            f"takes {_grown(worst.bytes, bake)}; a {word} between them takes no more paths."
         )
     more = 4 * worst.value
     if worst.cause is Cause.CELLS and bake.budget is not None:
-        more = 2 * bake.sidecar.bucket + 2  # twice as many, borders counted
+        more = 2 * bake.sidecar.bucket + 2  # twice as many, counting the borders
     return (
-        f"First give it more {flag}: half of them costs most, {worst.lost:.1f} dB ({shows}). "
-        f"{flag} {more} takes {_price(worst.cause, bake)}."
+        f"First give it more {word}: half of them costs most, {worst.lost:.1f} dB ({shows}). "
+        f"{more} {word} take {_price(worst.cause, bake)}."
     )
 
 
 def _price(cause: Cause, bake: Finished) -> str:
-    """What twice as much of something takes."""
+    """The cost in paths and bytes of doubling a setting."""
     if cause is Cause.SAMPLES:
         return "twice the paths, and no bytes"
     paths = "about four times the paths"
     if cause is Cause.CELLS:
         paths = "no paths" if bake.form.traits.by_paths else "four times the paths"
     if bake.budget is not None:
-        return f"{paths}, and as many bytes as --budget allows"
+        return f"{paths}, and as many bytes as its budget allows"
     twice = gpu_bytes(bake, cells=2) if cause is Cause.CELLS else gpu_bytes(bake, texels=2)
     return f"{paths}, and {_grown(twice, bake)}"
 

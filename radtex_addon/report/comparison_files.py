@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A comparison's pictures as files: light as half floats, and the difference for people to look at."""
+"""A comparison's pictures as files: light as half-float EXRs, and the difference as a PNG."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .side_by_side import Comparison
 
 @dataclass(frozen=True)
 class ComparisonFiles:
-    """Where the pictures are: path traced and baked, linear EXRs, and the difference, a PNG."""
+    """The pictures' paths: `traced` and `baked` are linear EXRs, `difference` is a PNG."""
 
     traced: Path
     baked: Path
@@ -30,7 +30,7 @@ class ComparisonFiles:
 
     @classmethod
     def of(cls, folder: Path, names: Sequence[str]) -> ComparisonFiles:
-        """Those of the objects `names` in a folder: `<names>.traced.exr` and so on."""
+        """The files for the objects `names` in a folder: `<names>.traced.exr` and so on."""
         name = safe_name("+".join(names))
         return cls(
             folder / f"{name}.traced.exr", folder / f"{name}.baked.exr", folder / f"{name}.difference.png"
@@ -42,7 +42,7 @@ class ComparisonFiles:
 
 
 def write_comparison(found: Comparison, files: ComparisonFiles) -> None:
-    """Write the pictures; those of an earlier comparison are replaced, all or none. Raises BakeError."""
+    """Write the pictures; an earlier comparison's are replaced, all or none. Raises BakeError."""
     with replacing_together(files.difference) as difference:
         for path, picture in ((files.traced, found.traced), (files.baked, found.baked)):
             rows, _ = stored_rows(path, picture, half=True)

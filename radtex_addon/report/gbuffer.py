@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a camera's rays meet the baked mesh: what a shader would know at each of them.
+"""The G-buffer of a baked mesh: what a shader would know where a camera's rays meet it.
 
-Rows run from the top; rays lie in the order (row, column, row within, column within).
+Row 0 is at the top; rays are ordered by (row, column, subsample's row, subsample's column).
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ Indices = npt.NDArray[np.int64]
 class Rays:
     """A camera's rays: N = `pixels`² `subsamples`² of them, for a square picture.
 
-    They start at `origin` (3,), or (N, 3) where each starts elsewhere, as rays do that were mirrored, and go
-    `away` (N, 3), unit, in world space.
+    They start at `origin` (3,), or (N, 3) if each has its own, as mirrored rays have; `away` (N, 3) are their
+    unit directions. All in world space.
     """
 
     pixels: int
@@ -45,7 +45,7 @@ class Rays:
     def of_camera(
         cls, place: npt.ArrayLike, turn: npt.ArrayLike, half: float, pixels: int, subsamples: int
     ) -> Rays:
-        """Rays through the middles of each pixel's subsamples.
+        """Rays through the centres of each pixel's subsamples.
 
         `place` (3,) and the rotation `turn` (3, 3) are the camera's, which looks along its own −z; `half` is
         the tangent of half its angle of view.
@@ -100,7 +100,7 @@ class GBuffer:
         return eroded(self.inside)
 
     def spread(self, values: npt.NDArray[np.floating[Any]]) -> Array:
-        """Values of the rays that hit, (hits, C), among all: (N, C), zero elsewhere."""
+        """Expand values (hits, C) of the rays that hit to all rays: (N, C), zero for those that miss."""
         return _spreader(self.hit)(values)
 
     def resolve(self, radiance: Array) -> Picture:
@@ -112,7 +112,7 @@ class GBuffer:
 
 
 def eroded(mask: Mask) -> Mask:
-    """A mask (H, W) without the pixels that have a neighbour, of four, outside it or outside the picture."""
+    """A mask (H, W) without the pixels that have one of their four neighbours outside it or the picture."""
     inner = np.zeros_like(mask)
     middle = mask[1:-1, 1:-1] & mask[:-2, 1:-1] & mask[2:, 1:-1] & mask[1:-1, :-2] & mask[1:-1, 2:]
     inner[1:-1, 1:-1] = middle
@@ -120,16 +120,16 @@ def eroded(mask: Mask) -> Mask:
 
 
 class BakedSurface:
-    """A baked copy's mesh, ready for rays; keeps nothing of Blender's."""
+    """A baked copy's mesh, ready for ray casting; keeps no references to Blender's data."""
 
     def __init__(self, mesh: bpy.types.Mesh, matrix_world: npt.ArrayLike, uv_layer: str) -> None:
-        """Take what rays ask for of a `mesh`, as `baked_mesh` makes it, under `matrix_world` (4, 4)."""
+        """Copy the triangles, frame and UVs of a `mesh` of `baked_mesh`, placed by `matrix_world` (4, 4)."""
         matrix = np.array(matrix_world, dtype=np.float64)
         self._matrix = matrix[:3, :3]
         self.place = _values(mesh.vertices, "co", 3) @ self._matrix.T + matrix[:3, 3]
         self._corner = _values(mesh.loops, "vertex_index", 1).astype(np.int64).reshape(-1, 3)
         self._twin = twin_numbers(mesh)
-        # twins come last, so that the others' numbers stay
+        # twins come last, so that the others keep their indices
         met = self._corner if self._twin is None else self._corner[fronts(self._twin)]
         tree = BVHTree.FromPolygons(self.place.tolist(), met.tolist(), all_triangles=True)
         self._tree = cast(BVHTree, tree)
@@ -142,7 +142,7 @@ class BakedSurface:
         self._normal, self._tangent, self._sign, self._uv = normal, tangent, sign, uv
 
     def gbuffer(self, rays: Rays, blocked: Array) -> GBuffer:
-        """Where rays meet the mesh before anything `blocked` them, at the distances (N,)."""
+        """The G-buffer of rays that meet the mesh before the distances (N,) where they are `blocked`."""
         place, corner = self.place, self._corner
         near = self._around(rays)
         triangle = np.full(len(rays.away), -1, dtype=np.int64)
@@ -182,7 +182,7 @@ class BakedSurface:
         )
 
     def _facing(self, triangle: Indices, away: Array, twin: Ints) -> Indices:
-        """Of triangles (K,) that rays meet those of their twins, where they have one, that face the rays."""
+        """Replace triangles (K,) that rays meet from behind by their twins, where they have one."""
         first, second, third = self.place[self._corner[triangle]].transpose(1, 0, 2)
         normal = np.cross(second - first, third - first)
         if np.linalg.det(self._matrix) < 0:
@@ -191,7 +191,7 @@ class BakedSurface:
         return np.where(behind, twin[triangle], triangle)
 
     def _around(self, rays: Rays) -> npt.NDArray[np.bool_]:
-        """Which rays can meet the mesh: those within the cone of its vertices, if they start together."""
+        """Which rays can meet the mesh: those within the cone of its vertices, if they have one origin."""
         if rays.origin.ndim > 1:
             return np.ones(len(rays.away), dtype=bool)
         towards = self.place - rays.origin
@@ -234,5 +234,5 @@ def _meet(origin: Array, away: Array, corners: Array) -> tuple[Array, Array]:
     turned = np.cross(offset, along)
     v = np.einsum("ki,ki->k", away, turned) * scale
     distance = np.einsum("ki,ki->k", across, turned) * scale
-    weights = np.clip(np.stack([1 - u - v, u, v], axis=1), 0, 1)  # a hair outside, by float32's rounding
+    weights = np.clip(np.stack([1 - u - v, u, v], axis=1), 0, 1)  # float32 rounds some below 0
     return distance, weights / weights.sum(axis=1, keepdims=True)

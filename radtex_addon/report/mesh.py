@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The baked copy's mesh, found again: an atlas says itself which UV layer fits it.
+"""Find the baked copy's mesh again, with the UV layer on which it was baked.
 
-A bake's own UV layer lies in no file but its preview. Unwraps are the same every time, so it can be made
-again; what is found is believed only if the atlas's gutter agrees: texels that no island touches hold copies
-of the nearest that one does.
+A UV layer that the bake made is stored in the preview only. Unwrapping is deterministic, so the layer can be
+made again. A layer is accepted only if it agrees with the atlas's gutter: texels that no island touches are
+copies of the nearest texel that an island touches.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from ..bake.spec import Unwrap
 from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
 from ..core.gutter import LEAST_AGREEMENT, gutter_agreement
+from ..core.messages import Setting, do
 from ..core.texel_map import rasterise
 from ..scene.mesh.copy import baked_mesh, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
@@ -29,17 +30,17 @@ from ..scene.scratch import new_data_removed
 from ..scene.uv.unwrap import unwrap_steps
 from ..scene.uv.unwrap_options import UnwrapOptions
 from ..scene.uv.uv_layer import user_uv
-from .finished import Finished
+from .finished_bake import Finished
 from .gbuffer import BakedSurface
-from .progress import Step, Task, steps_of
+from .report_progress import Step, Task, steps_of
 
-_SURE = 0.93  # of the gutter's values: all, but where the bake filled texels that nobody sees
-_SAME = 1e-5  # of the object's size: vertices that have moved less have not moved
+_SURE = 0.93  # share of the gutter that agrees; less than 1, as the bake also fills texels that are hidden
+_SAME = 1e-5  # relative to the object's size: vertices that moved less count as unmoved
 
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """The surface that a bake was baked on; `uv_layer` is the object's own, or None and `unwrap` made it."""
+    """The surface of a bake; `uv_layer` is the object's own layer, None if `unwrap` made the layer."""
 
     surface: BakedSurface
     uv_layer: str | None
@@ -51,9 +52,9 @@ def find_mesh(
 ) -> Generator[Step, None, Found]:
     """Find the surface of `bake` on the object `original` of a scratch scene.
 
-    Looks at the object's own layer of the sidecar's name, at the preview beside the bake, and at what each
-    unwrap makes with `padding`: the first that surely fits, or else the best that may. Raises InputError
-    where none does.
+    Tries the object's own layer with the sidecar's name, the layer in the preview beside the bake, and each
+    unwrap method with `padding`. Returns the first layer that fits for sure, else the best one that may fit.
+    Yields progress. Raises InputError if no layer fits.
     """
     evaluated = evaluate(scratch, original)
     best: tuple[float, Found] | None = None
@@ -69,15 +70,16 @@ def find_mesh(
                 break
     if best is None or best[0] < LEAST_AGREEMENT:
         raise InputError(
-            f"object '{original.name}' does not fit {bake.path}: it was changed since, or unwrapped with "
-            "another padding or by another Blender; bake it again, with --save-preview"
+            f"object '{original.name}' does not fit {bake.file}: it was changed since, or unwrapped with "
+            "another padding or by another Blender",
+            do("bake it again with a preview", Setting.SAVE_PREVIEW),
         )
     return best[1]
 
 
 @dataclass(frozen=True, eq=False)
 class _Layer:
-    """A UV layer (F, 3, 2) that may be the baked one, and where it comes from as in `Found`."""
+    """A UV layer (F, 3, 2) that may be the baked one; `own` is the `uv_layer` of `Found`."""
 
     uv: Floats
     own: str | None
@@ -101,7 +103,7 @@ def _layers(evaluated: EvaluatedMesh, bake: Finished, padding: int) -> Generator
 
 
 def _surface(evaluated: EvaluatedMesh, uv: Floats, bake: Finished) -> tuple[BakedSurface, float]:
-    """The surface with a UV layer, and how well that agrees with the bake, 0 to 1."""
+    """The surface with a UV layer, and how well the layer agrees with the atlas's gutter, 0 to 1."""
     layer = bake.sidecar.uv_map
     with new_data_removed():
         mesh = baked_mesh(evaluated, uv, layer)
@@ -114,7 +116,7 @@ def _surface(evaluated: EvaluatedMesh, uv: Floats, bake: Finished) -> tuple[Bake
 def _unwrapped(
     evaluated: EvaluatedMesh, bake: Finished, unwrap: Unwrap, padding: int
 ) -> Generator[Step | _Layer, None, Floats | None]:
-    """What an unwrap makes of the mesh, if it is of the atlas's size."""
+    """The UV layer that an unwrap method makes, None if it is for an atlas of another size."""
     width, height = bake.sidecar.width, bake.sidecar.height
     try:
         made = yield from steps_of(
@@ -126,7 +128,7 @@ def _unwrapped(
 
 
 def _uv_of_preview(bake: Finished, evaluated: EvaluatedMesh) -> Floats | None:
-    """The layer of the mesh in the saved preview, if there is one and it shows the same triangles."""
+    """The UV layer in the saved preview; None if there is no preview, or its triangles differ."""
     if not bake.preview.is_file():
         return None
     try:

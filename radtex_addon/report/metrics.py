@@ -15,21 +15,21 @@ import numpy.typing as npt
 
 try:
     import flip_evaluator
-except ImportError:  # it is made for all platforms but Macs with Intel's processors
+except ImportError:  # it has no wheels for Intel Macs
     flip_evaluator = None
 
 Picture = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-CAP = 99.0  # decibels, for pictures that are alike
+CAP = 99.0  # decibels: the PSNR of equal pictures
 
 
 @dataclass(frozen=True)
 class Figures:
-    """One picture's: decibels inside the eroded and the whole mask, the rest inside the eroded one.
+    """The figures of one picture: PSNR in decibels inside the eroded and the whole mask, FLIP, and energy.
 
-    `flip` is None where there is no FLIP. `energy` is the mean radiance over the reference's, NaN if that is
-    black.
+    FLIP and energy are inside the eroded mask. `flip` is None if FLIP is not available. `energy` is the mean
+    radiance divided by the reference's, NaN if that is black.
     """
 
     psnr: float
@@ -39,7 +39,7 @@ class Figures:
 
 
 def compare(picture: Picture, reference: Picture, inside: Mask, eroded: Mask) -> Figures:
-    """Measure a picture; outside `inside` it may hold anything."""
+    """Compare a picture with its reference; the picture's pixels outside `inside` are ignored."""
     shown = np.where(inside[..., None], picture, reference)
     light = float(reference[eroded].mean())
     return Figures(
@@ -51,13 +51,13 @@ def compare(picture: Picture, reference: Picture, inside: Mask, eroded: Mask) ->
 
 
 def display(picture: Picture) -> Picture:
-    """What a display shows: clipped to 0..1, by a gamma of 2.2."""
+    """Display values of a picture: clipped to 0..1, gamma 2.2."""
     shown: Picture = np.clip(picture, 0, 1) ** (1 / 2.2)
     return shown
 
 
 def psnr(picture: Picture, reference: Picture, mask: Mask) -> float:
-    """Decibels of display values inside the mask, at most CAP."""
+    """PSNR of display values inside the mask, in decibels, at most CAP."""
     squared = float(np.mean((display(picture) - display(reference))[mask] ** 2))
     return min(CAP, -10 * float(np.log10(max(squared, 1e-12))))
 
@@ -68,7 +68,7 @@ def has_flip() -> bool:
 
 
 def flip_map(picture: Picture, reference: Picture, hdr: bool = False) -> npt.NDArray[np.float32]:
-    """FLIP's error at each pixel, (H, W) in 0..1, seen at 67 pixels a degree; only where `has_flip`."""
+    """FLIP's error at each pixel, (H, W) in 0..1, at 67 pixels per degree; only if `has_flip`."""
     prepared = [
         np.ascontiguousarray(np.maximum(image, 0) if hdr else display(image), dtype=np.float32)
         for image in (reference, picture)

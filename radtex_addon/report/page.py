@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The report as one HTML file that needs nothing else: pictures are inside it."""
+"""The report as one self-contained HTML file, with its pictures embedded."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from ..formats.containers.png import encode_png
 from ..formats.disk.memory import readable_size
 from ..job.variants import variant_of
 from .causes import Variant, first_change
-from .finished import Finished
+from .finished_bake import Finished
 from .judging import Judged, mean_energy, mean_flip, mean_psnr, verdict
 from .metrics import Figures, Picture, display
 from .sizes import ImageSize, TextureSize, gpu_bytes
 
-GAIN = 4  # of the error's picture
+GAIN = 4  # the factor of the error pictures
 _STYLE = """
 :root { color-scheme: light dark; --ink: #1c1c1e; --paper: #fcfcfa; --line: #d5d5d0; --soft: #62625e; }
 @media (prefers-color-scheme: dark) {
@@ -46,7 +46,7 @@ figcaption { grid-column: 1 / -1; }
 
 @dataclass(frozen=True, eq=False)
 class Contents:
-    """All that a report knows; `variants` is None where causes were not asked for."""
+    """The data of a report; `variants` is None if none were baked."""
 
     bake: Finished
     judged: Sequence[Judged]
@@ -61,7 +61,7 @@ class Contents:
 
 
 def page(contents: Contents) -> str:
-    """The whole file's text."""
+    """The HTML file's text."""
     name = escape(contents.bake.sidecar.object_name)
     parts = [
         f"<h1>{name}</h1>",
@@ -91,8 +91,8 @@ def _facts(bake: Finished) -> str:
     shows = [] if facts.source is None else [f"from {facts.source.object_name}"]
     shows += [word for word in (variant_of(bake.spec("auto")),) if word]
     return (
-        f"{', '.join([bake.path.name, *shows])}: {shared}{condensed}{facts.width} × {facts.height} texels of "
-        f"{facts.bucket} × {facts.bucket} cells, --samples {facts.samples}, {facts.tool}, "
+        f"{', '.join([bake.name, *shows])}: {shared}{condensed}{facts.width} × {facts.height} texels of "
+        f"{facts.bucket} × {facts.bucket} cells, {facts.samples} samples, {facts.tool}, "
         f"Blender {facts.blender}"
     )
 
@@ -173,7 +173,7 @@ def _image_sizes(sizes: Sequence[ImageSize]) -> str:
 def _causes(contents: Contents) -> str:
     variants, bake = contents.variants, contents.bake
     if variants is None:
-        return "<p>Not measured: with --variants the object is baked again with half of each setting.</p>"
+        return "<p>Not measured: a report with variants bakes the object again, with half of each.</p>"
     whole = f"{mean_psnr(contents.judged):.2f}"
     rows = [["", "PSNR, dB", "lost, dB", "FLIP", "M paths", "MB on a GPU"]]
     rows.append(
@@ -190,7 +190,7 @@ def _causes(contents: Contents) -> str:
         ]
         for variant in variants
     ]
-    shown = "".join(f"<li>{variant.cause.flag}: {escape(variant.shows)}</li>" for variant in variants)
+    shown = "".join(f"<li>{variant.cause.word}: {escape(variant.shows)}</li>" for variant in variants)
     note = (
         "Each further row is a bake with half of one thing, against the same views. Less than nothing lost "
         "means that the smaller bake is the closer one."

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene that a bake is judged by: its lamps lit, and what it shows in the place of who wears it."""
+"""The scene against which a bake is judged: with the bake's lamps, and its source instead of the object."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ import bpy
 from ..formats.sidecar import Sidecar
 from ..scene.lights.lamps import light_only
 from ..scene.mesh.cage import take_cage_out, take_out
-from ..scene.mesh.source import find_source
+from ..scene.mesh.source_hits import find_source
 from ..scene.proxy_content import EVERYTHING, show_content_only
 from ..scene.scratch import scene_copied
 
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """What is path traced, `pictured`, and what may stand `before` the baked surface: scratch scenes."""
+    """Two scratch scenes: `pictured` is path traced, `before` holds what may hide the baked surface."""
 
     pictured: bpy.types.Scene
     before: bpy.types.Scene
@@ -28,10 +28,10 @@ class Reference:
 
 @contextmanager
 def reference_of(scratch: bpy.types.Scene, original: bpy.types.Object, bake: Sidecar) -> Iterator[Reference]:
-    """Make a scratch scene show what a `bake` of its object `original` shows, the cells' own rays apart.
+    """Change a scratch scene so that it renders what a `bake` of its object `original` shows.
 
-    A bake from a source shows that one, and neither the object nor a cage; a bake of some lamps has their
-    light alone. The scratch scene stays so. Raises InputError for a source or a lamp that is not there.
+    For a bake from a source, the source renders, the object and a cage do not; for a bake of some lamps, only
+    these give light. The scratch scene is not restored. Raises InputError for a missing source or lamp.
     """
     if bake.source is None:
         _light(scratch, bake)

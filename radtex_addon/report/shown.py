@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which bake an object is shown by, which objects and bakes stand against each other, and at which frame."""
+"""Find the bakes to show or to compare for objects, and the frame to compare them at."""
 
 from __future__ import annotations
 
@@ -12,40 +12,41 @@ import bpy
 from ..bake.kinds import KINDS, Kind
 from ..core.errors import InputError
 from ..formats.sidecar import file_name
+from ..formats.sidecar_file import AnySidecar, SidecarFile
 from ..preview.swap import copy_of, is_on
 from ..preview.variant import Variant, kept_variant, read_variant
-from .finished import find_bake, find_bakes
+from .finished_bake import find_bake, find_bakes
 
 _UNSEEN = [kind for kind, traits in KINDS.items() if not traits.judged]
 
 
-def shown_bake(place: Path, name: str) -> Path:
+def shown_bake(place: Path, name: str) -> SidecarFile:
     """The sidecar of a bake of the object `name`, of any kind: `place` itself, or in that folder.
 
     Raises InputError where there is none, FormatError for a file that is no sidecar.
     """
     if not place.is_dir():
-        return find_bake(place, None, "shown") if not place.exists() else place
+        return find_bake(place, None, "shown") if not place.exists() else SidecarFile.read(place)
     for kind in Kind:
         sidecar = place / file_name(name, kind, "json")
         if sidecar.is_file():
-            return sidecar
-    return find_bakes(place, name, "shown", tuple(Kind))[0]  # what shows one part shows all that there are
+            return SidecarFile.read(sidecar)
+    return find_bakes(place, name, "shown", tuple(Kind))[0]  # all parts share one preview
 
 
-def bakes_of(items: Iterable[bpy.types.Object], place: Path) -> dict[bpy.types.Object, Path | None]:
-    """What `compare_steps` takes: a sidecar for each object, None for those whose preview is on.
+def bakes_of(items: Iterable[bpy.types.Object], place: Path) -> dict[bpy.types.Object, SidecarFile | None]:
+    """The `bakes` that `compare_steps` takes: a sidecar for each object, None if its preview is on.
 
     Raises as `shown_bake` does.
     """
     return {item: None if is_on(item) else shown_bake(place, item.name) for item in items}
 
 
-def frame_of(scene: bpy.types.Scene, bakes: Mapping[bpy.types.Object, Path | None]) -> int | None:
-    """The frame at which `bakes`, as `bakes_of` gives them, are seen; None for the one the scene is at.
+def frame_of(scene: bpy.types.Scene, bakes: Mapping[bpy.types.Object, AnySidecar | None]) -> int | None:
+    """The frame at which to compare `bakes`, as `bakes_of` returns them; None for the scene's current frame.
 
-    Raises InputError where they are of several frames, of some lamps alone, for the scene shows all its
-    light, or of light that no camera sees; FormatError for a file that is no sidecar.
+    Raises InputError if they are of different frames, of some lamps only (the scene renders with all), or of
+    light that no camera sees; FormatError for a file that is no sidecar.
     """
     found: dict[int | None, str] = {}
     for item, sidecar in bakes.items():
@@ -63,7 +64,7 @@ def frame_of(scene: bpy.types.Scene, bakes: Mapping[bpy.types.Object, Path | Non
 
 
 def _check_seen(variant: Variant, what: str) -> None:
-    """Raises InputError for light that a render of the whole scene is no measure of."""
+    """Raise InputError for light that cannot be compared with a render of the whole scene."""
     if variant.kind in _UNSEEN:
         raise InputError(
             f"{what} holds {variant.kind} light, which no camera sees: compare a bake of radiance"
@@ -73,7 +74,7 @@ def _check_seen(variant: Variant, what: str) -> None:
         raise InputError(f"{what} has the light of {lit} alone: compare a bake of the whole scene's light")
 
 
-def _variant(item: bpy.types.Object, sidecar: Path | None) -> Variant:
+def _variant(item: bpy.types.Object, sidecar: AnySidecar | None) -> Variant:
     if sidecar is not None:
         return read_variant(sidecar)
     copy = copy_of(item)

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One view both ways: the objects path traced, and their bakes in their places, with the difference.
+"""Compare objects with their bakes from one view: a path-traced picture, one with the bakes, the difference.
 
-All is rendered in scratch scenes by Cycles; the user's scene is afterwards what it was.
+Cycles renders both in scratch scenes; afterwards the user's scene is as it was.
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Generator, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,32 +17,33 @@ import numpy as np
 
 from ..core.errors import InputError
 from ..cycles.building_blocks import render_layers
+from ..cycles.capture_settings import apply_capture_settings, denoise, keep_passes
 from ..cycles.device import use_device
-from ..cycles.settings import apply_capture_settings, denoise, keep_passes
 from ..formats.disk.path_checks import render_path
 from ..formats.disk.temporary import temporary_folder
-from ..preview.source import check_hideable
+from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
+from ..preview.hidden_objects import check_hideable
 from ..preview.swap import copy_of, is_on, originals_rendered, switch_all_on, switch_off
-from ..scene.frames import at_frame
+from ..scene.at_frame import at_frame
 from ..scene.scratch import scene_copied, scratch_scene
-from .eye import Eye
 from .gbuffer import eroded
 from .metrics import Figures, Mask, Picture, compare, display
 from .needs import check_shown
-from .progress import Step, Task
+from .report_progress import Step, Task
 from .shown import frame_of
+from .viewpoint import Eye
 
-GAIN = 4  # of the difference
-_NUMBER = 32767  # the pass index of previews, as long as they are rendered
+GAIN = 4  # the factor of the difference
+_NUMBER = 32767  # the pass index that previews have while they are rendered
 _SEED = 1101
 _LIMITS = {"pixels": (16, 8192), "samples": (1, 2**24)}
 
 
 @dataclass(frozen=True)
 class ComparisonSpec:
-    """Pictures whose longer side has `pixels`, of `samples` each, denoised. Raises InputError.
+    """Settings of the pictures: `pixels` along the longer side, `samples` per pixel, denoised.
 
-    Bakes that take more than `memory_mb` to show are refused.
+    Bakes that take more than `memory_mb` to show are refused. Raises InputError for numbers out of range.
     """
 
     pixels: int = 512
@@ -59,9 +60,9 @@ class ComparisonSpec:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Both pictures (H, W, 3), linear, row 0 at the bottom; `inside` (H, W) is where previews are seen.
+    """Both pictures (H, W, 3), linear, row 0 at the bottom; `inside` (H, W) is where previews are visible.
 
-    `figures` are those inside.
+    `figures` are measured inside.
     """
 
     traced: Picture
@@ -71,36 +72,40 @@ class Comparison:
 
     @property
     def difference(self) -> Picture:
-        """What a display shows of the one less the other, times GAIN, in 0..1."""
+        """See `difference`."""
         return difference(self.traced, self.baked)
 
 
 def difference(traced: Picture, baked: Picture) -> Picture:
-    """What a display shows of the one less the other, times GAIN, in 0..1."""
+    """The absolute difference of two pictures' display values, times GAIN, clipped to 0..1."""
     gap: Picture = np.clip(GAIN * np.abs(display(traced) - display(baked)), 0, 1)
     return gap
 
 
 def compare_steps(
-    scene: bpy.types.Scene, bakes: Mapping[bpy.types.Object, Path | None], eye: Eye, spec: ComparisonSpec
+    scene: bpy.types.Scene,
+    bakes: Mapping[bpy.types.Object, AnySidecar | None],
+    eye: Eye,
+    spec: ComparisonSpec,
 ) -> Generator[Step, None, Comparison]:
-    """Look at objects of `scene` and their bakes by the sidecars in `bakes`, None for previews that are on.
+    """Render objects of `scene` and their bakes from the view `eye`, and compare the pictures.
 
-    Bakes of a frame are looked at there. Yields progress. Raises InputError where no object is seen, a
-    preview cannot be shown, or as `frame_of` does; FormatError for files that cannot be read, BakeError where
-    Cycles fails.
+    `bakes` has each object's sidecar, None if its preview is on. Bakes of a frame are rendered at that frame.
+    Yields progress. Raises InputError if no object is visible or a preview cannot be shown, and as `frame_of`
+    does; FormatError for files that cannot be read, BakeError if Cycles fails.
     """
     if not bakes:
         raise InputError("no object to compare: name one that was baked")
-    frame = frame_of(scene, bakes)
-    for sidecar in filter(None, bakes.values()):
+    files = {item: None if sidecar is None else opened(sidecar) for item, sidecar in bakes.items()}
+    frame = frame_of(scene, files)
+    for sidecar in filter(None, files.values()):
         check_hideable(sidecar, scene)
-    check_shown(filter(None, bakes.values()), spec.memory_mb)
+    check_shown(filter(None, files.values()), spec.memory_mb)
     with (
         temporary_folder() as folder,
         at_frame(scene, frame),
-        _shown(bakes),
-        _numbered(bakes),
+        _shown(files),
+        _numbered(files),
         scratch_scene(scene) as scratch,
         use_device(scratch, spec.device),
     ):
@@ -119,18 +124,18 @@ def compare_steps(
 
 
 @contextmanager
-def _shown(bakes: Mapping[bpy.types.Object, Path | None]) -> Iterator[None]:
-    """Switch those previews on that are off, and off again."""
-    off: dict[Path, list[bpy.types.Object]] = {}
+def _shown(bakes: Mapping[bpy.types.Object, SidecarFile | None]) -> Iterator[None]:
+    """Within the context, switch on the previews that are off."""
+    off: dict[Path, tuple[SidecarFile, list[bpy.types.Object]]] = {}
     for original, sidecar in bakes.items():
         if is_on(original):
             continue
         if sidecar is None:
             raise InputError(f"object '{original.name}' has no preview: bake it first")
-        off.setdefault(sidecar, []).append(original)
+        off.setdefault(sidecar.path, (sidecar, []))[1].append(original)
     ours: list[bpy.types.Object] = []
     try:
-        for sidecar, sharing in off.items():
+        for sidecar, sharing in off.values():
             switch_all_on(sharing, sidecar)
             ours += sharing
         yield
@@ -140,8 +145,8 @@ def _shown(bakes: Mapping[bpy.types.Object, Path | None]) -> Iterator[None]:
 
 
 @contextmanager
-def _numbered(bakes: Mapping[bpy.types.Object, Path | None]) -> Iterator[None]:
-    """Give the previews the number that tells their pixels."""
+def _numbered(bakes: Iterable[bpy.types.Object]) -> Iterator[None]:
+    """Within the context, give the previews the pass index that marks their pixels."""
     copies = [copy for copy in map(copy_of, bakes) if copy is not None]
     before = [copy.pass_index for copy in copies]
     try:
@@ -156,7 +161,7 @@ def _numbered(bakes: Mapping[bpy.types.Object, Path | None]) -> Iterator[None]:
 def _rendered(
     scratch: bpy.types.Scene, eye: Eye, spec: ComparisonSpec, file: Path
 ) -> tuple[Picture, Picture]:
-    """A picture, and the number of the object in each pixel."""
+    """Render a picture, and the pass index of the object in each pixel."""
     with scene_copied(scratch) as scene:
         apply_capture_settings(scene, spec.samples, _SEED)
         keep_passes(scene, ("use_pass_object_index",))

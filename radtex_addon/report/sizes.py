@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake weighs: on disk as it is, and on a GPU by the format that a game would give its textures."""
+"""The size of a bake: on disk, and on a GPU in the formats that a game would choose for its textures."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ import numpy as np
 from ..core.arrays import Floats
 from ..formats.condensed_sizes import Shapes, texture_bytes, texture_format
 from ..formats.containers.exr import read_pixels
-from .finished import Finished
+from .finished_bake import Finished
 
-_HALF_PIXEL = 8  # bytes: four half floats, for no GPU has three
+_HALF_PIXEL = 8  # bytes: four half floats, as GPUs have no format of three
 _SHARED_EXPONENT_PIXEL = 4  # RGB9E5
 _BLOCK, _BLOCK_SIDE = 16, 4  # BC6H: bytes of a block of 4 x 4 pixels
 
 
 @dataclass(frozen=True)
 class ImageSize:
-    """An image's bytes; `rgb9e5` and `bc6h` are None where the format cannot hold what is in it.
+    """An image's bytes; `rgb9e5` and `bc6h` are None if the format cannot hold the image's values.
 
     Neither has an alpha, and RGB9E5 has no values below 0.
     """
@@ -37,7 +37,7 @@ class ImageSize:
 
 @dataclass(frozen=True)
 class TextureSize:
-    """A condensed bake's texture: bytes of its file, and on a GPU, which takes it as it is stored."""
+    """A condensed bake's texture: bytes of its file, and on a GPU, which uses it as it is stored."""
 
     name: str
     width: int
@@ -48,12 +48,12 @@ class TextureSize:
 
 
 def sizes_of(bake: Finished) -> list[ImageSize] | list[TextureSize]:
-    """Every image of a bake. Raises FormatError where one cannot be read."""
+    """The sizes of a bake's images. Raises FormatError if one cannot be read."""
     return image_sizes(bake) if bake.budget is None else texture_sizes(bake)
 
 
 def texture_sizes(bake: Finished) -> list[TextureSize]:
-    """Every texture of a condensed bake, in the files' order."""
+    """The sizes of a condensed bake's textures, in the files' order."""
     return [
         TextureSize(
             name=texture.name,
@@ -68,7 +68,7 @@ def texture_sizes(bake: Finished) -> list[TextureSize]:
 
 
 def image_sizes(bake: Finished) -> list[ImageSize]:
-    """Every image of a bake that is not condensed. Raises FormatError where one cannot be read."""
+    """The sizes of the images of a bake that is not condensed. Raises FormatError if one cannot be read."""
     sizes = []
     for image, (width, height, _) in zip(bake.images, _shapes(bake).values(), strict=True):
         pixels = read_pixels(image, width, height)
@@ -88,9 +88,9 @@ def image_sizes(bake: Finished) -> list[ImageSize]:
 
 
 def gpu_bytes(bake: Finished, texels: int = 1, cells: int = 1) -> int:
-    """Bytes on a GPU as RGBA16F; with `texels` and `cells` times as many along a side.
+    """A bake's bytes on a GPU: of a condensed bake's textures as they are stored, else as RGBA16F.
 
-    A condensed bake's textures are counted as they are stored.
+    `texels` and `cells` are factors of their numbers along a side, for the size of a larger bake.
     """
     shapes = _shapes(bake, texels, cells)
     if bake.budget is not None:
@@ -100,7 +100,7 @@ def gpu_bytes(bake: Finished, texels: int = 1, cells: int = 1) -> int:
 
 def _shapes(bake: Finished, texels: int = 1, cells: int = 1) -> Shapes:
     """Width, height and channels of each image by its layer, in the order of `bake.images`."""
-    return bake.form.shapes(bake.path, texels, cells)
+    return bake.form.shapes(bake.file, texels, cells)
 
 
 def _positive(pixels: Floats) -> bool:

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Path-traced views of an object in its scene: where to look from, what is seen there, and what hides it.
+"""Path-traced views of an object in its scene: chosen cameras, reference pictures, and what hides the object.
 
-All is rendered in scratch scenes, so that nothing of the user's is written.
+Everything is rendered in scratch scenes, so that no data of the user's is changed.
 """
 
 from __future__ import annotations
@@ -18,37 +18,43 @@ from mathutils import Matrix, Vector
 
 from ..core.errors import InputError
 from ..cycles.building_blocks import render_layers
+from ..cycles.capture_settings import (
+    apply_capture_settings,
+    denoise,
+    first_hit_only,
+    keep_passes,
+    look_at_centres,
+)
 from ..cycles.passes import Passes
-from ..cycles.settings import apply_capture_settings, denoise, first_hit_only, keep_passes, look_at_centres
 from ..formats.disk.path_checks import render_path
 from ..scene.scratch import scene_copied
 from .gbuffer import Array, BakedSurface, GBuffer, Rays
 from .metrics import Picture
-from .progress import Step, Task
 from .reference import Reference
+from .report_progress import Step, Task
 
 MOST_PIXELS = 2048  # along a picture's side
-_SUBSAMPLES = 4  # along a pixel's side, where the pixels are not too many for that
-_SEEDS = (1101, 2202)  # the reference's, and that of the repetition that tells its noise: no bake's own
+_SUBSAMPLES = 4  # along a pixel's side; fewer if the picture is large
+_SEEDS = (1101, 2202)  # the reference's, and the repetition's, which measures noise: other than a bake's
 _LENS, _SENSOR = 50.0, 36.0  # millimetres
 _HALF = _SENSOR / 2 / _LENS
-_MARGIN = 1.1  # the frame, over the object
-_HEIGHTS = (18.0, 38.0, 4.0)  # degrees above the object's middle, in turn
-_GOLDEN = pi * (3 - sqrt(5))  # an angle that no other view comes near, however many there are
-_PEEK = 48  # pixels of a first look
-_CLEAR = 0.8  # of the object's pixels: a view that shows as many is good
-_LEAST = 0.05  # and one that shows fewer is none
-_THIN = 0.05  # of the picture: an object that covers less of it is seen edge-on
-_TRIES = 8  # first looks for each view
-_TOUCHING = 1e-4  # of a distance: what lies as near as that to the surface is the surface
+_MARGIN = 1.1  # the frame's size divided by the object's
+_HEIGHTS = (18.0, 38.0, 4.0)  # the cameras' elevations in degrees, in turn
+_GOLDEN = pi * (3 - sqrt(5))  # the golden angle between cameras spreads any number of them evenly
+_PEEK = 48  # side in pixels of the render that tests a camera
+_CLEAR = 0.8  # share of the object's pixels that is visible in a good view
+_LEAST = 0.05  # a view with a lower share is rejected
+_THIN = 0.05  # share of the picture: an object that covers less is seen edge-on
+_TRIES = 8  # cameras to test per view
+_TOUCHING = 1e-4  # relative to the distance: what is this close to the surface does not hide it
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A path-traced picture, and how to see the baked object the same way.
+    """A path-traced picture, and the rays that see the baked object from the same camera.
 
-    `repetition` is the picture of another seed, where there is one; `blocked` (N,) the distances at which the
-    N `rays` meet whatever comes first.
+    `repetition` is the picture with another seed, if there is one; `blocked` (N,) are the distances at which
+    the N `rays` first meet anything that renders.
     """
 
     name: str
@@ -60,10 +66,10 @@ class View:
 
 @dataclass(frozen=True)
 class _Camera:
-    """A place (4, 4) to look from, along −z."""
+    """A camera's `matrix` (4, 4), which looks along −z."""
 
     matrix: Matrix
-    reach: float  # how far its frame's subject is
+    reach: float  # distance from the object's middle
 
     def rays(self, pixels: int, subsamples: int) -> Rays:
         turn = np.array(self.matrix.to_3x3())
@@ -73,10 +79,10 @@ class _Camera:
 def make_views(
     shown: Reference, surface: BakedSurface, count: int, pixels: int, samples: int, folder: Path
 ) -> Generator[Step, None, list[View]]:
-    """Render `count` views of what is `shown` where the surface is, square, denoised; the first one twice.
+    """Render `count` views around the surface in the scenes `shown`: square, denoised, the first one twice.
 
-    `folder` takes temporary files. Raises InputError where nothing but the object's surroundings is seen from
-    around it, BakeError where Cycles fails.
+    `folder` is for temporary files. Yields progress. Raises InputError if other objects hide the object on
+    all sides, BakeError if Cycles fails.
     """
     cameras = yield from _clear_cameras(shown.before, surface, count, folder)
     views: list[View] = []
@@ -95,14 +101,14 @@ def make_views(
 
 
 def seen(surface: BakedSurface, view: View) -> GBuffer:
-    """The surface as a view sees it."""
+    """The G-buffer of the surface in a view."""
     return surface.gbuffer(view.rays, view.blocked)
 
 
 def _clear_cameras(
     scratch: bpy.types.Scene, surface: BakedSurface, count: int, folder: Path
 ) -> Generator[Step, None, list[_Camera]]:
-    """The first places around the object from which it is well seen, or else the best of many."""
+    """The first `count` cameras around the object that see it well, or else the best of those tested."""
     good: list[_Camera] = []
     poor: list[tuple[float, _Camera]] = []
     for index, camera in enumerate(_around(surface, count * _TRIES)):
@@ -124,7 +130,7 @@ def _clear_cameras(
 
 
 def _around(surface: BakedSurface, count: int) -> Iterator[_Camera]:
-    """Places around the surface, from which it fills the frame."""
+    """Cameras around the surface, in which it fills the frame."""
     low, high = surface.place.min(axis=0), surface.place.max(axis=0)
     middle = (low + high) / 2
     around = surface.place - middle
@@ -139,7 +145,7 @@ def _around(surface: BakedSurface, count: int) -> Iterator[_Camera]:
 
 
 def _share_seen(scratch: bpy.types.Scene, surface: BakedSurface, camera: _Camera, folder: Path) -> float:
-    """How much of the surface nothing else hides from a camera, 0 to 1; less where it is seen edge-on."""
+    """The share of the surface that nothing hides from a camera, 0 to 1; less if it is seen edge-on."""
     rays = camera.rays(_PEEK, 1)
     alone = surface.gbuffer(rays, np.full(len(rays.away), np.inf)).hit
     found = surface.gbuffer(rays, _distances(scratch, camera, rays, folder)).hit
@@ -147,7 +153,7 @@ def _share_seen(scratch: bpy.types.Scene, surface: BakedSurface, camera: _Camera
 
 
 def _distances(scratch: bpy.types.Scene, camera: _Camera, rays: Rays, folder: Path) -> Array:
-    """How far along each ray something renders, a hair beyond it; infinite where nothing does."""
+    """The distance along each ray to just behind the first thing that renders; huge if there is none."""
     count = rays.pixels * rays.subsamples
     with scene_copied(scratch) as scene:
         apply_capture_settings(scene, 1, 0)

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is asked of the user's scene, and made of it: Blender's data, without rendering."""
+"""Blender's data: read and check the user's scene, and build scenes, meshes and node trees from it."""

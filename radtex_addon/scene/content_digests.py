@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the large things of a scene hold, told by digests: geometry, and files that it refers to."""
+"""Digests of a scene's large data: geometry, images and other files."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from ..bake.key import DIGEST
 from ..formats.disk.regular import open_regular
 from .mesh.evaluated import ATTRIBUTE_LAYOUT
 
-_WHOLE = 64 << 20  # bytes: of larger files, slices all over
+_WHOLE = 64 << 20  # bytes: of larger files only evenly spaced slices are read
 _SLICES = 64
-_CORNERS = ".corner_vert"  # of names that begin with a dot, the others are the editor's
-_MADE_OF_MESH = {"CURVE", "FONT", "META", "SURFACE"}  # what Cycles asks a mesh of
+_CORNERS = ".corner_vert"  # other attributes whose names begin with a dot only matter to the editor
+_MADE_OF_MESH = {"CURVE", "FONT", "META", "SURFACE"}  # object types that Cycles converts to meshes
 
 
 class Geometry:
-    """Digests of evaluated objects' geometry; what instances share is read once."""
+    """Digests of evaluated objects' geometry; data that instances share are read once."""
 
     def __init__(self) -> None:
         self._known: dict[int, str] = {}
 
     def of(self, item: bpy.types.Object) -> str:
-        """Vertices, faces and attributes, hairs and points; of a volume its file; else nothing."""
+        """Digest of an object's faces, hair or points with all attributes, or of its volume file; else ""."""
         data: Any = item.data
         if data is None:
             return ""
@@ -45,7 +45,7 @@ class Geometry:
 
 
 def file_digest(path: Path) -> str:
-    """Of a file's size and contents, of large ones in part; of none that cannot be read."""
+    """Digest of a file's size and contents (of large files only slices); "" if it cannot be read."""
     with suppress(OSError), open_regular(path) as file:
         size = os.fstat(file.fileno()).st_size
         state = hashlib.sha256(str(size).encode())
@@ -57,7 +57,7 @@ def file_digest(path: Path) -> str:
 
 
 def image_contents(image: Any) -> str:
-    """Of a `bpy.types.Image`'s pixels as they are stored: painted, packed, or in its files."""
+    """Digests of the pixels of a `bpy.types.Image`: painted and not saved, packed, or in its files."""
     if image.is_dirty and image.source in {"FILE", "GENERATED"} and image.size[0]:
         pixels = np.empty(image.size[0] * image.size[1] * image.channels, dtype=np.float32)
         image.pixels.foreach_get(pixels)
@@ -83,7 +83,7 @@ def _parts(item: bpy.types.Object, data: Any) -> Iterator[bytes]:
     if isinstance(data, bpy.types.Volume):
         yield file_digest(Path(bpy.path.abspath(data.filepath, library=data.library))).encode()
     elif item.type in _MADE_OF_MESH and not isinstance(data, bpy.types.Mesh):
-        with suppress(RuntimeError):  # it makes none, as a metaball that belongs to another
+        with suppress(RuntimeError):  # no mesh, as for a metaball that belongs to another object
             yield from _arrays(item.to_mesh())
             item.to_mesh_clear()
     else:
@@ -91,7 +91,7 @@ def _parts(item: bpy.types.Object, data: Any) -> Iterator[bytes]:
 
 
 def _arrays(data: Any) -> Iterator[bytes]:
-    """All attributes of a mesh, of hairs or of a point cloud, and where faces begin."""
+    """Yield all attributes of a mesh, hair or a point cloud, and the first corners of a mesh's faces."""
     for layer in getattr(data, "attributes", ()):
         if (layer.name.startswith(".") and layer.name != _CORNERS) or layer.data_type not in ATTRIBUTE_LAYOUT:
             continue

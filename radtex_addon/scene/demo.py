@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The demo's scene: a glossy head among three balls on a checkered floor, under an HDRI that Blender ships.
 
-The floor and the balls are near enough for parallax, the head is curved and folded, its gold rough enough
-that a bucket of a few cells can hold what it reflects.
+The floor and the balls are near enough for parallax; the head is curved and folded; its gold is so rough that
+buckets of a few cells can hold its reflections.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ OBJECT = "Suzanne"
 
 
 def build_demo_scene(roughness: float = 0.3) -> bpy.types.Scene:
-    """Empty the open file and build the demo in it; returns the scene, its camera set. Raises InputError."""
+    """Empty the open file and build the demo in it; returns the scene. Raises InputError without the HDRI."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = cast(bpy.types.Scene, bpy.context.scene)
-    cast(Any, scene.render).engine = "CYCLES"  # the stubs know no add-on's engine
+    cast(Any, scene.render).engine = "CYCLES"  # the stubs lack add-ons' engines
     scene.world = _world("courtyard.exr")
     bpy.ops.mesh.primitive_plane_add(size=10, location=(0, 0, -1))
     bpy.context.object.name = "Floor"
@@ -71,7 +71,7 @@ def _world(name: str) -> bpy.types.World:
     background = build.node("ShaderNodeBackground", environment.outputs["Color"], 1.0)
     build.node("ShaderNodeOutputWorld", background.outputs[0])
     build.arrange()
-    # A map as fine as the picture: Cycles' own choice is finer and costs every start of a render a second.
+    # Importance map as fine as the picture: Cycles' default is finer, and delays each render by a second.
     settings = cast(Any, world).cycles
     settings.sampling_method, settings.sample_map_resolution = "MANUAL", image.size[0]
     return world

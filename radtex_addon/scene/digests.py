@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Digests of what a bake depends on, to notice that a scene is not what it was when the bake began.
+"""Digests of everything that a bake depends on, to notice if the scene has changed since the bake began.
 
-The baked mesh is digested to the last bit, and so is other geometry. Not noticed: of image and volume files
-beyond 64 MB what lies between the slices that are read, frames of image sequences, and caches of simulations
-of gas.
+The baked mesh and other geometry are digested to the last bit. Not noticed are changes between the slices
+that are read of image and volume files beyond 64 MB, in later frames of image sequences, and in caches of gas
+simulations.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from .mesh.evaluated import EvaluatedMesh, render_with
 from .render_settings import KEPT_OF_RENDER, LIGHT_PATHS
 from .working_space import working_space
 
-_DEPTH = 4  # of settings within settings: a curve's points
+_DEPTH = 4  # levels of settings within settings, such as the points of a curve
 _SHOWN = sorted(KEPT_OF_RENDER - {"engine", "threads", "threads_mode"})
 _LIGHT = sorted(LIGHT_PATHS | {"dicing_rate", "feature_set", "max_subdivisions", "shading_system"})
 _CURVES = ("shape", "subdivisions")
 _OBJECT = ("is_holdout", "is_shadow_catcher", "pass_index", "color", "instance_type", "hide_render")
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
-# Of no consequence to a picture.
+# Properties that do not change renders.
 _IDLE = frozenset(
     (
         "animation_data",
@@ -53,7 +53,7 @@ _IDLE = frozenset(
         "use_fake_user",
     )
 )
-# Nor is where nodes stand in their editor.
+# Properties of nodes that do not change renders, such as their place in the editor.
 _IDLE_OF_NODES = _IDLE | {
     "color",
     "height",
@@ -72,7 +72,7 @@ _IDLE_OF_NODES = _IDLE | {
 
 
 def mesh_digest(mesh: EvaluatedMesh) -> str:
-    """Of geometry, normals, attributes (UV layers among them) and which material is where."""
+    """Digest of a mesh's geometry, normals, attributes (including UV layers) and material indices."""
     state = hashlib.sha256()
     for array in (mesh.position, mesh.triangles, mesh.normal, mesh.material_index, *mesh.texture_space):
         _feed(state, array)
@@ -84,19 +84,19 @@ def mesh_digest(mesh: EvaluatedMesh) -> str:
 
 
 def array_digest(array: Floats) -> str:
-    """Of an array's values."""
+    """Digest of an array's shape, dtype and values."""
     state = hashlib.sha256()
     _feed(state, array)
     return DIGEST + state.hexdigest()
 
 
 def matrix_digest(mesh: EvaluatedMesh) -> str:
-    """Of where the object is."""
+    """Digest of the object's matrix."""
     return array_digest(mesh.matrix_world)
 
 
 def scene_digests(scratch: bpy.types.Scene) -> dict[str, str]:
-    """Of what else renders of the scratch scene show, by what a user calls it."""
+    """Digests of everything else that renders of the scratch scene show, by names for messages."""
     found: dict[str, str] = {}
 
     def read(depsgraph: bpy.types.Depsgraph) -> None:
@@ -119,14 +119,14 @@ def scene_digests(scratch: bpy.types.Scene) -> dict[str, str]:
 
 
 def _of_instances(depsgraph: bpy.types.Depsgraph) -> dict[str, str]:
-    """Of objects, with their geometry, of lights and of materials."""
+    """Digests of objects (with their geometry), of lights and of materials."""
     objects: list[str] = []
     lights: list[str] = []
     materials: dict[str, bpy.types.Material] = {}
     geometry = Geometry()
     for instance in depsgraph.object_instances:
         item = instance.object
-        assert item is not None  # there is one in every instance
+        assert item is not None  # every instance has an object
         if item.type == "CAMERA":  # the bake has cameras of its own
             continue
         place = np.array(instance.matrix_world, dtype=np.float32).tobytes().hex()
@@ -153,7 +153,7 @@ def _of_object(item: bpy.types.Object) -> str:
 
 
 def _materials(item: bpy.types.Object) -> Iterator[bpy.types.Material]:
-    """The user's own materials of an evaluated object, those that modifiers gave it among them."""
+    """The original materials of an evaluated object, including those that its modifiers set."""
     slots = (slot.material for slot in item.material_slots)
     for material in (*slots, *getattr(item.data, "materials", ())):
         if material is not None:
@@ -161,7 +161,7 @@ def _materials(item: bpy.types.Object) -> Iterator[bpy.types.Material]:
 
 
 def _walk(struct: Any, seen: set[str], depth: int = _DEPTH) -> Iterator[str]:
-    """What a data-block or a part of one says of itself, with the node groups and images that it uses."""
+    """Yield the settings of a data-block, or of a part of one, as text, with its node groups and images."""
     if struct is None:
         return
     if isinstance(struct, bpy.types.ID):
@@ -180,7 +180,7 @@ def _walk(struct: Any, seen: set[str], depth: int = _DEPTH) -> Iterator[str]:
     for prop in struct.bl_rna.properties:
         if prop.identifier in idle or prop.identifier.startswith("bl_"):
             continue
-        with warnings.catch_warnings(action="ignore"):  # what Blender 6 will remove is still there
+        with warnings.catch_warnings(action="ignore"):  # reading properties that Blender 6 will remove
             value = getattr(struct, prop.identifier, None)
         yield from _walk_property(prop, value, seen, depth)
 
@@ -207,7 +207,7 @@ def _walk_tree(tree: bpy.types.NodeTree, seen: set[str]) -> Iterator[str]:
     for node in tree.nodes:
         yield node.bl_idname
         yield from _walk(node, seen)
-        if path := getattr(node, "filepath", ""):  # of a script, or of a lamp's measured shape
+        if path := getattr(node, "filepath", ""):  # of an OSL script or an IES file
             yield file_digest(Path(bpy.path.abspath(path, library=tree.library)))
         for socket in (*node.inputs, *node.outputs):
             default = getattr(socket, "default_value", None)
@@ -219,14 +219,14 @@ def _walk_tree(tree: bpy.types.NodeTree, seen: set[str]) -> Iterator[str]:
 
 
 def _of_image(image: bpy.types.Image) -> str:
-    """Neither path nor date: a copy of the scene has others."""
+    """An image's settings and contents; its path and date may differ, as in a copy of the scene."""
     settings = (image.source, image.colorspace_settings.name, image.alpha_mode, _value(image.size))
     generated = f"{image.generated_type} {_value(image.generated_color)}"
     return f"{settings} {image_contents(image)} {generated}"
 
 
 def _value(value: Any) -> Any:
-    """A number, a word, or a tuple of numbers for what Blender has types of its own."""
+    """A property's value in Python's own types; vectors and the like become lists of numbers."""
     if value is None or isinstance(value, str | bytes | int | float):
         return value
     if isinstance(value, set):

@@ -23,7 +23,7 @@ _SOCKET_TYPES = {"VALUE": "NodeSocketFloat", "VECTOR": "NodeSocketVector", "RGBA
 
 
 class NodeBuilder:
-    """Adds nodes to one shader tree; `arrange` lays them out once they are all there."""
+    """Adds nodes to a shader tree; at the end `arrange` lays them out."""
 
     def __init__(self, tree: bpy.types.NodeTree) -> None:
         self.tree = tree
@@ -60,7 +60,7 @@ class NodeBuilder:
         return node.outputs["Value" if operation in _SCALARS else "Vector"]
 
     def value(self, number: float, label: str = "") -> Socket:
-        """A number that somebody may change, or animate, later."""
+        """A Value node: a number that may be changed or animated later."""
         found = self.node("ShaderNodeValue", label=label).outputs[0]
         found.default_value = number  # type: ignore[attr-defined]  # this node's has one
         return found
@@ -77,9 +77,9 @@ class NodeBuilder:
     def mix(
         self, factor: Operand, at_zero: Operand, at_one: Operand, kind: str = "VECTOR", blend: str = "MIX"
     ) -> Socket:
-        """Blend of two vectors, or of another `kind` (RGBA, FLOAT): a choice where the factor is 0 or 1.
+        """Mix of two vectors, or of another `kind` (RGBA, FLOAT); a factor of 0 or 1 selects one of them.
 
-        Colours know other ways to `blend`: LIGHTEN is the larger of the two.
+        For colours there are other `blend` types: LIGHTEN is the larger of the two.
         """
         node = self.node("ShaderNodeMix", data_type=kind, clamp_factor=False, blend_type=blend)
         sockets = [socket for socket in node.inputs if socket.enabled]
@@ -102,7 +102,7 @@ class NodeBuilder:
         return node.outputs["Color"], node.outputs["Alpha"]
 
     def uv_map(self, name: str = "") -> Socket:
-        """A UV layer by name; the active render layer where the name is empty."""
+        """A UV layer by name; the active render layer if the name is empty."""
         return self.node("ShaderNodeUVMap", uv_map=name).outputs["UV"]
 
     def geometry(self, output: str) -> Socket:
@@ -116,7 +116,7 @@ class NodeBuilder:
         ]
 
     def transform(self, vector: Operand, kind: str, source: str = "OBJECT", target: str = "WORLD") -> Socket:
-        """A `kind` POINT, VECTOR or NORMAL carried between the WORLD, OBJECT and CAMERA spaces."""
+        """A vector of `kind` POINT, VECTOR or NORMAL, from WORLD, OBJECT or CAMERA space to another."""
         node = self.node(
             "ShaderNodeVectorTransform", vector, vector_type=kind, convert_from=source, convert_to=target
         )
@@ -134,7 +134,7 @@ class NodeBuilder:
             rows[depth] = rows.get(depth, 0) + 1
 
     def _depths(self) -> dict[bpy.types.Node, int]:
-        """How many links lie before each node; nodes are made after their sources, so one pass does."""
+        """Length of the longest chain of links to each node; nodes must be made after their sources."""
         depths = dict.fromkeys(self.tree.nodes, 0)
         sources: dict[bpy.types.Node, list[bpy.types.Node]] = {node: [] for node in depths}
         for link in self.tree.links:
@@ -158,7 +158,7 @@ def open_world(name: str) -> tuple[bpy.types.World, NodeBuilder]:
 
 
 def _emptied(owner: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
-    if owner.node_tree is None:  # Blender 4.5; later there always is one
+    if owner.node_tree is None:  # Blender 4.5; later versions always have a node tree
         owner.use_nodes = True
     tree = cast(bpy.types.NodeTree, owner.node_tree)
     tree.nodes.clear()
@@ -168,7 +168,7 @@ def _emptied(owner: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
 def open_group(name: str, **inputs: str) -> tuple[NodeBuilder, list[Socket]]:
     """A new node group: its builder, and its inputs (name to Vector, Float or Color) as seen from inside."""
     tree = cast(bpy.types.NodeTree, bpy.data.node_groups.new(name, "ShaderNodeTree"))
-    interface = cast(Any, tree.interface)  # the stubs know no socket types
+    interface = cast(Any, tree.interface)  # the stubs lack socket types
     for socket, kind in inputs.items():
         interface.new_socket(socket, in_out="INPUT", socket_type=f"NodeSocket{kind}")
     build = NodeBuilder(tree)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Finding the object to bake, and saying by name why one cannot be baked."""
+"""Find the object to bake, and explain why an object cannot be baked."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _VISIBILITY = frozenset(("hide_render", "hide_viewport"))
 def find_object(scene: bpy.types.Scene, name: str, view_layer: str | None = None) -> bpy.types.Object:
     """The mesh object called `name` that renders in `view_layer` of `scene` (the first, if None).
 
-    Raises InputError for a name that is not there or that several bear, an object of another type, or one
+    Raises InputError if no object or several objects have that name, or if the object is of another type or
     hidden from render.
     """
     layer = find_view_layer(scene, view_layer)
@@ -37,12 +37,12 @@ def find_object(scene: bpy.types.Scene, name: str, view_layer: str | None = None
 
 
 def is_linked(item: bpy.types.ID) -> bool:
-    """Whether a data-block lies in a library; older stubs know none that does not."""
+    """Whether a data-block is linked from a library; older stubs declare that each is."""
     return cast(Any, item).library is not None
 
 
 def check_only_one(items: Iterable[bpy.types.Object], name: str) -> None:
-    """Raises InputError where several of the objects are called `name`, as libraries may have it."""
+    """Raise InputError if several of the objects are called `name`, which happens with libraries."""
     found = [item for item in items if item.name == name]
     if len(found) > 1:
         homes = " and ".join(item.library.name if is_linked(item) else "this file" for item in found)
@@ -93,7 +93,7 @@ def _not_a_mesh(found: bpy.types.Object) -> str:
 
 
 def _why_hidden(found: bpy.types.Object, layer: bpy.types.ViewLayer) -> str | None:
-    """The remedy that names what hides an object from renders of a view layer; None if it renders."""
+    """Why an object is hidden from renders of a view layer, with the remedy; None if it renders."""
     if found.hide_render and SHOWN in cast("Any", found):
         return "its preview is shown in its place; switch that off"
     if found.hide_render:
@@ -113,7 +113,7 @@ def _why_hidden(found: bpy.types.Object, layer: bpy.types.ViewLayer) -> str | No
 
 
 def rendered_homes(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> Iterator[bpy.types.LayerCollection]:
-    """The collections by which a view layer renders an object, unless that is hidden itself."""
+    """The collections by which a view layer renders an object; the object's own visibility is not checked."""
     for home, hider in _homes(layer.layer_collection, None):
         if hider is None and not home.exclude and item.name in home.collection.objects:
             yield home

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The baked copy, read back from a saved preview; the session stays as it was."""
+"""Load the baked copy from a saved preview; at exit the open file is unchanged."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ from mathutils import Matrix
 
 from ..core.errors import FormatError, InputError
 from ..core.frame import normalised
+from ..core.messages import Setting, do
 from ..core.surface import SurfaceMesh
 from .mesh.copy import MATRIX, NORMAL, SIGN, TANGENT
 from .mesh.joined import joined_copy, values_in
-from .mesh.parts import PART
+from .mesh.mesh_parts import PART
 from .scratch import new_data_removed, remove_scene
 
-_SHEARED = 1e-5  # of a matrix's largest value: how far its rotation, move and scale may miss it
+_SHEARED = 1e-5  # times a matrix's largest value: how far location, rotation and scale may deviate from it
 
 
 @contextmanager
@@ -30,11 +31,10 @@ def baked_copy(
 ) -> Iterator[tuple[bpy.types.Scene, bpy.types.Object]]:
     """The baked copy called `names[0]` of a preview's .blend, alone in a scene of its own, as it was baked.
 
-    It stands where it stood then, and nothing moves it: no parent, no animation, no constraint; a matrix that
-    shears is given to the mesh. Several, which share an atlas, come as one object whose mesh is in world
-    space; so does the numbered `part` of what is split. All that was loaded goes away at exit. Raises
-    InputError where there is no preview, FormatError where it is no .blend that this Blender reads, or not
-    of a bake on `uv_layer`.
+    It has its place from the bake, without parent, animation and constraints; a matrix that shears is applied
+    to the mesh. Several copies, which share an atlas, are joined into one object whose mesh is in world
+    space; so is part number `part` of a split bake. All loaded data are removed at exit. Raises InputError if
+    there is no preview, FormatError if Blender cannot read it or if it is not of a bake on `uv_layer`.
     """
     check_preview(preview)
     with appended(preview, names) as loaded:
@@ -59,12 +59,15 @@ def _checked(
     preview: Path, name: str, found: bpy.types.Object | None, wanted: Sequence[str]
 ) -> bpy.types.Object:
     if found is None or not isinstance(found.data, bpy.types.Mesh):
-        raise FormatError(f"{preview} holds no mesh '{name}': bake it again with --save-preview")
+        raise FormatError(
+            f"{preview} holds no mesh '{name}'", do("bake it again with a preview", Setting.SAVE_PREVIEW)
+        )
     mesh: Any = found.data
     lacking = [each for each in wanted if each not in mesh.attributes]
     if lacking:
         raise FormatError(
-            f"{preview} is of another bake: its mesh lacks '{lacking[0]}'; bake again with --save-preview"
+            f"{preview} is of another bake: its mesh lacks '{lacking[0]}'",
+            do("bake it again with a preview", Setting.SAVE_PREVIEW),
         )
     return found
 
@@ -72,7 +75,7 @@ def _checked(
 def _joined(
     scene: bpy.types.Scene, copies: Sequence[bpy.types.Object], uv_layer: str, part: int | None
 ) -> bpy.types.Object:
-    """One object in the copies' place."""
+    """Replace the copies in the scene by one object that joins them."""
     found = joined_copy(copies, uv_layer, part)
     for copy in copies:
         scene.collection.objects.unlink(copy)
@@ -81,7 +84,7 @@ def _joined(
 
 
 def _settle(copy: bpy.types.Object, mesh: Any, whole: bool) -> None:
-    """Put the copy where the bake had it; its `whole` matrix is given to the mesh, or only where it must."""
+    """Put the copy where the bake had it; apply its matrix to the mesh if `whole`, or if it shears."""
     matrix = copy.matrix_world.copy()
     if MATRIX in mesh:
         matrix = Matrix(np.array(mesh[MATRIX]).reshape(4, 4).tolist())
@@ -95,14 +98,14 @@ def _settle(copy: bpy.types.Object, mesh: Any, whole: bool) -> None:
 
 
 def _sheared(matrix: Matrix) -> bool:
-    """Whether no rotation, move and scale makes the matrix, as under a parent that stretches."""
+    """Whether location, rotation and scale cannot express the matrix, as below a stretched parent."""
     parts: Any = matrix.decompose()
     gap = np.abs(np.array(Matrix.LocRotScale(*parts)) - np.array(matrix)).max()
     return bool(gap > _SHEARED * np.abs(np.array(matrix)).max())
 
 
 def _give_to_mesh(matrix: Matrix, mesh: Any) -> None:
-    """Move the mesh and its frame to where the matrix has them."""
+    """Apply the matrix to the mesh and its frame."""
     turn = np.array(matrix.to_3x3())
     mirrored = np.linalg.det(turn) < 0
     for name, change in ((NORMAL, np.linalg.inv(turn)), (TANGENT, turn.T)):
@@ -117,19 +120,22 @@ def _give_to_mesh(matrix: Matrix, mesh: Any) -> None:
 
 
 def check_preview(preview: Path) -> None:
-    """Raises InputError where there is no saved preview."""
+    """Raise InputError if there is no saved preview."""
     if not preview.is_file():
-        raise InputError(f"{preview} is missing, which holds the mesh: bake it again with --save-preview")
+        raise InputError(
+            f"{preview} is missing, which holds the mesh",
+            do("bake it again with a preview", Setting.SAVE_PREVIEW),
+        )
 
 
 @contextmanager
 def appended(
     blend: Path, names: Sequence[str], keep: Sequence[bpy.types.ID] = ()
 ) -> Iterator[list[bpy.types.Object | None]]:
-    """The objects `names` of a .blend, in no scene, None for such as it lacks; they go away at exit.
+    """Append the objects `names` of a .blend, to no scene, and remove them at exit; None for missing ones.
 
-    Only what is in `keep` (a list that may grow inside) stays, with what it uses. Raises FormatError for a
-    file that this Blender does not read.
+    Only data-blocks in `keep` (a list that may grow inside) stay, with those that they use. Raises
+    FormatError if Blender cannot read the file.
     """
     libraries: Any = bpy.data.libraries
     before = set(libraries)
@@ -144,12 +150,12 @@ def appended(
             found = dict(zip(there_are, wanted.objects, strict=True))
             yield [found.get(name) for name in names]
         finally:
-            for library in set(libraries) - before:  # what is appended needs it no more
+            for library in set(libraries) - before:  # appended data do not need it
                 libraries.remove(library)
 
 
 def surface_of(copy: bpy.types.Object, uv_layer: str) -> SurfaceMesh:
-    """A baked copy as arrays in world space, as `surface_mesh` makes them of a bake's own."""
+    """A loaded baked copy as arrays in world space, like `surface_mesh` during a bake."""
     mesh: Any = copy.data
     matrix = np.array(copy.matrix_world, dtype=np.float64)
     turn = matrix[:3, :3]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a hull shows in its place: the things inside it, a collection, or all that is behind it."""
+"""The objects that a hull shows in their place: those inside it, a collection, or everything."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from ..core.errors import InputError
 from .objects import rendered_homes
 
 _UNSEEN = ("LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "ARMATURE", "LATTICE")
-EVERYTHING = "*"  # a hull's content: all but the hull
-_LEAST = 0.5  # of an object's box: how much of it is in the hull's box where the object is inside
-_SLACK = 0.01  # of the hull's box, which hair may stick out of
+EVERYTHING = "*"  # as a hull's content: all objects but the hull
+_LEAST = 0.5  # an object is inside if this share of its bounding box is in the hull's bounding box
+_SLACK = 0.01  # times the size of the hull's box: tolerance for hair that sticks out
 
 Bounds = tuple[Floats, Floats]  # lowest and highest corner (3,), in world space
 
@@ -25,12 +25,13 @@ Bounds = tuple[Floats, Floats]  # lowest and highest corner (3,), in world space
 def find_content(
     layer: bpy.types.ViewLayer, hull: bpy.types.Object, content: str | None
 ) -> tuple[bpy.types.Object, ...]:
-    """The objects that `hull` shows in a view layer, sorted by name, `hull` itself never among them.
+    """The objects that `hull` shows in a view layer, sorted by name, without `hull` itself.
 
-    With `content` None those at least half of whose box lies in the hull's; else those of the collection of
-    that name, or all with EVERYTHING. Lamps are no content. Raises InputError where there are none.
+    If `content` is None, the objects with at least half of their bounding box in the hull's; else the objects
+    in the collection called `content`, or all with EVERYTHING. Lamps never count. Raises InputError if there
+    are no such objects.
     """
-    layer.update()  # or it does not know what was linked to it since
+    layer.update()  # or it lacks objects that were linked since
     shown = [item for item in layer.objects if item != hull and item.type not in _UNSEEN]
     shown = [item for item in shown if _renders(item, layer)]
     if content is None:
@@ -57,11 +58,11 @@ def find_content(
 def show_content_only(
     scratch: bpy.types.Scene, hull: bpy.types.Object, content: str | None
 ) -> tuple[str, ...]:
-    """Take `hull` out of a scratch scene, and hide from its camera all but the content; return its names.
+    """Remove `hull` from a scratch scene, hide all but its content from cameras; return the content's names.
 
-    What is hidden still shadows and lights, and shows in the content's mirrors. With EVERYTHING nothing is
-    hidden or named, and the world is seen too; else the film is transparent. Raises InputError as
-    `find_content` does.
+    Hidden objects still cast shadows and light, and appear in the content's reflections. With EVERYTHING no
+    object is hidden, no name is returned, and the world is seen too; else the film is transparent. Raises
+    InputError as `find_content` does.
     """
     layer = next(layer for layer in scratch.view_layers if layer.use)
     found = set(find_content(layer, hull, content))
@@ -98,7 +99,7 @@ def _renders(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> bool:
 
 
 def _inside(layer: bpy.types.ViewLayer, hull: bpy.types.Object) -> set[bpy.types.Object]:
-    """What lies in the hull's box, instances joined to whom they belong to."""
+    """The objects that lie in the hull's box; an object's box includes the instances that it makes."""
     boxes: dict[bpy.types.Object, Bounds] = {}
     for owner, (low, high) in _boxes(cast(bpy.types.Depsgraph, layer.depsgraph)):
         least, most = boxes.get(owner, (low, high))
@@ -124,7 +125,7 @@ def _bounds(item: Any, matrix_world: Any) -> Bounds:
 
 
 def _share(box: Bounds, hull: Bounds) -> float:
-    """How much of a box lies in the hull's, of its volume; a side without length counts by its place."""
+    """The share of a box's volume in the hull's box; a side of length 0 counts as in or out."""
     size = box[1] - box[0]
     common = np.minimum(box[1], hull[1]) - np.maximum(box[0], hull[0])
     parts = np.where(size > 0, np.clip(common, 0, None) / np.where(size > 0, size, 1), common >= 0)

@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Render settings of a scene copy: all are reset to a new scene's, but for those that a bake means to keep.
+"""Reset the render settings of a scene copy to Blender's defaults, except those that a bake keeps.
 
-So no setting reaches a bake unless it is named here. Captures then set what they need (`cycles.settings`).
+So no setting of the user's affects a bake unless it is named here. Captures then set what they need
+(`cycles.capture_settings`).
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import bpy
 
 log = logging.getLogger(__name__)
 
-# What renders show, and when: simplification limits subdivisions and hair, remapping says what time it is.
+# Settings of what renders show: simplification limits subdivisions and hair, remapping changes the time.
 KEPT_OF_RENDER = frozenset(
     (
         "engine",
@@ -37,7 +38,7 @@ KEPT_OF_RENDER = frozenset(
         "use_simplify_normals",
     )
 )
-# How light travels.
+# Settings of how light travels.
 LIGHT_PATHS = frozenset(
     (
         "ao_bounces",
@@ -68,7 +69,7 @@ LIGHT_PATHS = frozenset(
         "volume_step_rate",
     )
 )
-# What surfaces Cycles sees and by which shaders, and on what machine.
+# Also settings of subdivision, shaders and the device.
 KEPT_OF_CYCLES = LIGHT_PATHS | frozenset(
     (
         "device",
@@ -79,10 +80,10 @@ KEPT_OF_CYCLES = LIGHT_PATHS | frozenset(
         "shading_system",
     )
 )
-_OF_NO_RENDER = ("debug_", "preview_")  # the machine's, and the viewport's
-# What kinds of things a view layer renders. Its name and use are its own.
+_OF_NO_RENDER = ("debug_", "preview_")  # prefixes of settings for debugging and the viewport
+# Settings of which kinds of objects a view layer renders, and its name and use.
 KEPT_OF_LAYER = frozenset(("name", "use", "use_ao", "use_sky", "use_solid", "use_strand", "use_volumes"))
-_GROUPS = {  # by their paths from the scene
+_GROUPS = {  # settings to keep in each group, by the group's path from the scene
     "render": KEPT_OF_RENDER,
     "render.image_settings": frozenset[str](),
     "render.image_settings.display_settings": frozenset[str](),
@@ -91,14 +92,14 @@ _GROUPS = {  # by their paths from the scene
     "view_settings": frozenset[str](),
     "display_settings": frozenset[str](),
 }
-_DERIVED = frozenset(("white_balance_whitepoint", "filepath"))  # of other settings; or empty in a new scene
+_DERIVED = frozenset(("white_balance_whitepoint", "filepath"))  # follow from other settings, or are empty
 
 
 def reset_render_settings(scene: bpy.types.Scene, graded: bool = False) -> None:
-    """Give a scene the render settings of a new one, but for what renders show and how light travels.
+    """Reset a scene's render settings to a new scene's, except what renders show and how light travels.
 
-    Its view layers keep what kinds of things they render, and none adds passes. With `graded` colours are
-    shown as the scene has it.
+    Its view layers keep which kinds of objects they render, and have no additional passes. With `graded` the
+    scene's view transform and display stay.
     """
     fresh = cast(bpy.types.Scene, bpy.data.scenes.new("RadTex fresh"))
     try:
@@ -113,14 +114,14 @@ def reset_render_settings(scene: bpy.types.Scene, graded: bool = False) -> None:
 
 
 def _switch_off(render: Any) -> None:
-    """Leave out what a new scene has on, and single renders do without."""
+    """Switch off settings that are on in a new scene, but that single renders do not need."""
     render.use_compositing = render.use_sequencer = render.use_freestyle = False
-    if hasattr(render, "use_texture_cache"):  # Blender 5.2: textures as coarse as the camera's rays are wide
+    if hasattr(render, "use_texture_cache"):  # Blender 5.2: mip levels by the width of camera rays
         render.use_texture_cache = False
 
 
 def take_overrides(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> None:
-    """Make a view layer's world the scene's own, and let its objects show their own materials."""
+    """Use a view layer's world override as the scene's world, and remove its material override."""
     anything = cast(Any, layer)
     if anything.world_override is not None:
         scene.world, anything.world_override = anything.world_override, None
@@ -143,7 +144,7 @@ def _reset_layer(fresh: Any, layer: Any) -> None:
 
 
 def _copy(fresh: Any, settings: Any, kept: frozenset[str]) -> None:
-    """Copy the settings that can be written and are not kept."""
+    """Copy all settings of `fresh` that can be written, except the `kept` ones."""
     for name in settings_of(settings):
         if name in kept or name in _DERIVED or name.startswith(_OF_NO_RENDER):
             continue
@@ -153,7 +154,7 @@ def _copy(fresh: Any, settings: Any, kept: frozenset[str]) -> None:
 
 
 def settings_of(group: Any) -> Iterator[str]:
-    """Names of a group's settings that hold a value of their own and can be written, in Blender's order."""
+    """Names of a group's writable settings that are neither pointers nor collections, in Blender's order."""
     for prop in group.bl_rna.properties:
         if not prop.is_readonly and prop.type not in {"POINTER", "COLLECTION"}:
             yield prop.identifier

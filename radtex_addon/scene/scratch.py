@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A copy of the user's scene to render in: whatever happens there, the user's file is afterwards what it was.
+"""A copy of the user's scene to render in, so that the user's own data are never changed.
 
-The copy shares objects, collections and the world with the user's scene; render settings, view layers, camera
-and markers are its own. Nothing is restored by hand, for nothing of the user's is written.
+The copy shares objects, collections and the world with the user's scene, and has its own render settings,
+view layers, camera and markers. Nothing has to be restored, since nothing of the user's is written.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .checks.refusals import refuse_unbaked_rigid_bodies
 from .render_settings import reset_render_settings, take_overrides
 from .working_space import check_working_space
 
-# Blender fills these by itself (assets, the window), or they are no data of the user's.
+# Blender fills these by itself (assets, the window), or they hold no data of the user's.
 _NOT_DATA = frozenset(
     (
         "all_ids",
@@ -39,13 +39,12 @@ _HANDLERS = ("render_", "frame_change_", "depsgraph_update_", "composite_")
 def scratch_scene(
     scene: bpy.types.Scene, view_layer: str | None = None, keep: Sequence[bpy.types.ID] = ()
 ) -> Iterator[bpy.types.Scene]:
-    """Copy `scene` to render its `view_layer` (the first that renders, if None); then take everything away.
+    """Copy `scene` to render its `view_layer` (the first that renders, if None); remove the copy at exit.
 
-    At exit, also after an exception, every data-block made meanwhile is removed with the copy, but for
-    those in `keep` (a list that may grow inside) and what they use. Handlers of other add-ons sleep
-    meanwhile: they must neither change the bake nor be surprised by the copy. Raises InputError for an
-    unknown view layer, a working colour space that is not known, or rigid bodies that a copy would put back
-    to their start.
+    At exit, also after an exception, all data-blocks made meanwhile are removed too, except those in `keep`
+    (a list that may grow inside) and data-blocks that these use. Handlers of other add-ons are off meanwhile:
+    they could change the bake, or fail on the copy. Raises InputError for an unknown view layer, an unknown
+    working colour space, or rigid bodies that a copy would put back to their start.
     """
     layer = find_view_layer(scene, view_layer).name
     check_working_space()
@@ -54,7 +53,7 @@ def scratch_scene(
         scratch = cast("bpy.types.Scene", scene.copy())
         try:
             scratch.name = "RadTex scratch"
-            _calm(scratch, layer)
+            _remove_overrides(scratch, layer)
             yield scratch
         finally:
             remove_scene(scratch)
@@ -62,9 +61,9 @@ def scratch_scene(
 
 @contextmanager
 def scene_copied(scratch: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
-    """A copy of a scratch scene, for one render whose settings are none of the next's.
+    """A copy of a scratch scene, for renders whose settings must not affect later renders.
 
-    At exit it is removed with every data-block that was made meanwhile.
+    At exit it is removed, with every data-block that was made meanwhile.
     """
     with new_data_removed():
         copy = cast("bpy.types.Scene", scratch.copy())
@@ -75,19 +74,19 @@ def scene_copied(scratch: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
 
 
 def render_scene(scene: bpy.types.Scene, write: bool = False) -> set[str]:
-    """Render any scene at its own frame; to its file, if it is to `write`. Returns the operator's result.
+    """Render a scene at its own frame, and `write` its output file if wanted. Returns the operator's result.
 
-    Blender's operator takes the frame from the scene of the context, whichever it renders.
+    Blender's operator takes the frame from the scene of the context, whichever scene it renders.
     """
     with cast(Any, bpy.context).temp_override(scene=scene, view_layer=scene.view_layers[0]):
         return cast("set[str]", bpy.ops.render.render(write_still=write, scene=scene.name))
 
 
 def remove_scene(scene: bpy.types.Scene) -> None:
-    """Remove a scene of ours, and what its renders have kept.
+    """Remove a scene of ours, with the persistent data of its renders.
 
-    Blender itself leaves a render's persistent data, and tags the scene in its dependency graph whenever
-    something is linked, remapped or removed: it writes to memory that is no longer the scene's, or crashes.
+    Blender would keep these data: whenever something is linked, remapped or removed afterwards, it tags the
+    scene in their dependency graph, and so writes to freed memory or crashes.
     """
     scene.render.use_persistent_data = False  # frees them
     bpy.data.scenes.remove(scene)
@@ -95,7 +94,7 @@ def remove_scene(scene: bpy.types.Scene) -> None:
 
 @contextmanager
 def new_data_removed(keep: Sequence[bpy.types.ID] = ()) -> Iterator[None]:
-    """Remove every data-block that is made inside, but for those in `keep` and what they use."""
+    """At exit, remove all data-blocks made inside, except those in `keep` and data-blocks that these use."""
     before = {block.session_uid for block in _data_blocks()}
     try:
         yield
@@ -118,15 +117,15 @@ def find_view_layer(scene: bpy.types.Scene, name: str | None) -> bpy.types.ViewL
     raise InputError(f"scene '{scene.name}' has no view layer '{name}': it has {known}")
 
 
-def _calm(scene: bpy.types.Scene, view_layer: str) -> None:
-    """Take out of a scene copy all that would alter single renders of one view layer behind our back."""
+def _remove_overrides(scene: bpy.types.Scene, view_layer: str) -> None:
+    """Remove from a scene copy everything that would alter single renders of one view layer."""
     scene.animation_data_clear()  # animated render settings would override those of the captures
     scene.timeline_markers.clear()  # so would a marker's camera override ours
     reset_render_settings(scene)
     for layer in scene.view_layers:
         layer.use = layer.name == view_layer
     layer = scene.view_layers[view_layer]
-    layer.use_grease_pencil = False  # drawn over a picture by the GPU, it rounds all of it to half floats
+    layer.use_grease_pencil = False  # the GPU draws it, which rounds the whole picture to half floats
     take_overrides(scene, layer)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The colour space that the open file works in: since Blender 5 linear Rec.709, Rec.2020 or ACEScg."""
+"""The open file's working colour space: since Blender 5 linear Rec.709, Rec.2020 or ACEScg."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ Colour = tuple[float, float, float]
 
 
 def working_space() -> str:
-    """Blender's name of the space; REC_709 before Blender 5."""
+    """Blender's name of the working space; REC_709 before Blender 5."""
     found = _settings()
     return REC_709 if found is None else str(found.working_space)
 
 
 def check_working_space() -> None:
-    """Raises InputError for a space from which RadTex cannot convert, as other OpenColorIO set-ups have."""
+    """Raise InputError if RadTex cannot convert from the working space, such as a custom OpenColorIO one."""
     found = _settings()
     if found is not None and found.working_space_interop_id not in KNOWN:
         raise InputError(
@@ -35,10 +35,10 @@ def check_working_space() -> None:
 
 
 def rec709_primaries() -> tuple[Colour, Colour, Colour]:
-    """Rec.709's red, green and blue as colours of the space that the file works in.
+    """Rec.709's red, green and blue as colours in the working space.
 
-    Where that is Rec.709 they are exact: Blender's conversion rounds, and what a bright channel adds to a
-    dark one can be seen.
+    If that is Rec.709 they are exact: Blender's conversion rounds, and a bright channel would visibly add to
+    a dark one.
     """
     exact = working_space() == REC_709
     red, green, blue = (tuple(row.tolist()) if exact else _from_rec709(row) for row in np.eye(3))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a bake's light is stored, and what of a specification the bake cannot be."""
+"""Choose how a bake's textures are stored, and check a specification against the bake."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from pathlib import Path
 
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
+from ..core.messages import Message, Remedy, Setting, do
 from ..formats.containers.texture import PixelFormat, most_levels
 from .entry import Container
-from .spec import Arrangement, ExportSpec, Target, TextureFormat
+from .export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from .stream import Light
 
 _STORED = {
@@ -25,74 +26,95 @@ _STORED = {
 _BLOCK = PixelFormat.BC6H.side
 
 
-def choice(
-    source: Path, light: Callable[[], Light], spec: ExportSpec, container: Container, straddled: str | None
-) -> PixelFormat:
-    """How the `light` of the file `source` is stored; `straddled` says why BC6H does not suit it.
+def choose(form: TextureFormat) -> Remedy:
+    """The remedy to choose another format."""
+    return do(f"choose {form.label}", Setting.FORMAT, value=str(form))
 
-    By itself that is RGB9E5, or BC6H for what loads DDS, where alpha is 1 and nothing negative; else RGBA16F.
-    Raises InputError for a format that `spec` asks for and the light cannot have.
+
+def choice(
+    source: Path,
+    light: Callable[[], Light],
+    spec: ExportSpec,
+    container: Container,
+    straddled: Message | None,
+) -> PixelFormat:
+    """The pixel format for the `light` of the file `source`.
+
+    `straddled` is the reason why BC6H does not fit, None if it does. If `spec` names no format: RGB9E5 in
+    KTX2, BC6H in DDS where it fits and is safe, but RGBA16F if alpha is not 1 or a value is negative. Raises
+    InputError if `spec` names a format that cannot hold the light.
     """
     if spec.format is not TextureFormat.AUTO:
         kind = _STORED[spec.format][1]
-        lossless = f"choose --format {container}-rgba16f"
+        lossless = choose(TextureFormat(f"{container}-rgba16f"))
         if kind is not PixelFormat.RGBA16F and not light().opaque:
-            raise InputError(f"{source} has an alpha that is not 1, which {kind} cannot hold: {lossless}")
+            raise InputError(f"{source} has an alpha that is not 1, which {kind} cannot hold", lossless)
         if kind is PixelFormat.BC6H and straddled:
-            raise InputError(f"{source} cannot be BC6H: {straddled}, or {lossless}")
+            raise InputError(f"{source} cannot be BC6H ({straddled.problem})", *straddled.remedies, lossless)
         return kind
     found = light()
     if not found.opaque or found.least < 0:
         return PixelFormat.RGBA16F
     if container is Container.KTX2:
         return PixelFormat.RGB9E5
-    # Godot's Compatibility renderer may unpack BC6H to bytes; Unreal packs what it imports by itself.
+    # Godot's Compatibility renderer may decompress BC6H to 8 bits; Unreal compresses what it imports itself.
     unpacked = straddled or spec.target in (Target.GODOT, Target.UNREAL)
     return PixelFormat.RGBA16F if unpacked else PixelFormat.BC6H
 
 
 def container_of(source: Path, spec: ExportSpec, is_array: bool) -> Container:
-    """What kind of file a texture is written to. Raises InputError for one that the target does not read."""
+    """The kind of file to write a texture to. Raises InputError for one that the target does not read."""
     container = _STORED[spec.format][0] if spec.format is not TextureFormat.AUTO else None
-    if is_array and spec.target is Target.GODOT:  # its KTX2 loader knows no arrays
+    if is_array and spec.target is Target.GODOT:  # its KTX2 loader cannot load arrays
         if container is Container.KTX2:
             found = f"{source} would have slices or pages"
-            raise InputError(f"{found}, which Godot reads from DDS only: choose --format dds-rgba16f")
+            raise InputError(f"{found}, which Godot reads from DDS only", choose(TextureFormat.DDS_RGBA16F))
         return Container.DDS
     engine = spec.target in (Target.UNITY, Target.UNREAL)
     return container or (Container.DDS if engine else Container.KTX2)
 
 
-def straddled_layout(layout: AtlasLayout, spec: ExportSpec, container: Container) -> str | None:
-    """Why blocks of 4 x 4 pixels do not suit a bucket matrix or its slices; None if they do."""
+def straddled_layout(layout: AtlasLayout, spec: ExportSpec, container: Container) -> Message | None:
+    """The reason why blocks of 4 x 4 pixels do not fit a bucket matrix or its slices; None if they do."""
     if spec.arrangement is Arrangement.MATRIX:
         return straddled_bucket(layout.bucket)
     if container is Container.DDS and (layout.width % _BLOCK or layout.height % _BLOCK):
-        return (
+        return Message(
             f"slices of {layout.width} x {layout.height} are no whole blocks of 4 x 4, which Direct3D needs"
         )
     return None
 
 
-def straddled_bucket(bucket: int, border: int = 0) -> str | None:
-    """Why a block would hold pixels of two buckets, which have `border` more on each side; None if none."""
+def straddled_bucket(bucket: int, border: int = 0) -> Message | None:
+    """The reason why a block of 4 x 4 pixels would contain pixels of two buckets; None if none would.
+
+    Buckets have `border` additional pixels on each side.
+    """
     if (bucket + 2 * border) % _BLOCK == 0:
         return None
     good = _BLOCK * 2 - 2 * border
-    return f"blocks of 4 x 4 pixels would straddle buckets of {bucket} cells; bake with --bucket {good}"
+    return Message(
+        f"blocks of 4 x 4 pixels would straddle buckets of {bucket} cells",
+        (do(f"bake with {good} cells", Setting.BUCKET, value=str(good)),),
+    )
 
 
 def checked_levels(source: Path, layout: AtlasLayout, spec: ExportSpec) -> int | None:
-    """The number of mip levels that `spec` asks for. Raises InputError for more than there can be."""
+    """The number of mip levels in `spec`, None if not given. Raises InputError for too many."""
     most = most_levels(layout.width, layout.height)
     if spec.levels is not None and spec.levels > most:
         size = f"{layout.width} x {layout.height} texels"
-        raise InputError(f"{source} has {size}, which make {most} levels at most: give --levels {most}")
+        raise InputError(
+            f"{source} has {size}, which make {most} levels at most",
+            do(f"give {most}", Setting.LEVELS, value=str(most)),
+        )
     return spec.levels
 
 
 def check_limit(source: Path, width: int, height: int, spec: ExportSpec) -> None:
-    """Make sure that a texture of `width` x `height` pixels may be. Raises InputError, naming `source`."""
+    """Raise InputError, naming `source`, if a texture of `width` x `height` pixels is over the limit."""
     if max(width, height) > spec.most_pixels:
         found = f"{source} would be a texture of {width} x {height} pixels, which cannot be split"
-        raise InputError(f"{found}: raise the limit of {spec.most_pixels} by --limit, or bake fewer texels")
+        raise InputError(
+            found, do(f"raise the limit of {spec.most_pixels}", Setting.LIMIT), do("bake fewer texels")
+        )

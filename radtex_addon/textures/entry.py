@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a manifest tells of one texture: its file, its format and how its pixels are arranged."""
+"""A manifest's entry for one texture: its file, its format and how its pixels are arranged."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..formats.json_reader import Facts, shown
 
 
 class Container(StrEnum):
-    """What kind of file a texture is."""
+    """The kind of file that a texture is stored in."""
 
     EXR = "exr"
     KTX2 = "ktx2"
@@ -23,7 +23,7 @@ class Container(StrEnum):
 
 
 class Arranged(StrEnum):
-    """What a texture's pixels are: a bucket matrix, its slices, an image of the shared layout, or bits."""
+    """What a texture contains: a bucket matrix, its slices, an image of the shared layout, or bits."""
 
     MATRIX = "matrix"
     SLICES = "slices"
@@ -35,9 +35,9 @@ class Arranged(StrEnum):
 class TextureEntry:
     """One texture: its `file` in the folder, and how it is stored.
 
-    `size` is the width and height in pixels of a layer's level 0. `texels` are the bake's, `stored` those in
-    the file with what fills it up; of an image both count pixels. A matrix in several layers is cut into
-    `pages`, columns and rows, of `page_texels` each; else there is one page of all that is stored.
+    `size` is the width and height in pixels of a layer's mip level 0. `texels` are the bake's width and
+    height, `stored` the file's, which include padding; for an image both are in pixels. A matrix in several
+    layers is cut into `pages`, columns and rows, of `page_texels` each; otherwise there is one page.
     """
 
     file: str
@@ -54,7 +54,7 @@ class TextureEntry:
     page_texels: tuple[int, int]
 
     def facts(self) -> dict[str, Any]:
-        """What the JSON says, in its order."""
+        """The JSON's keys and values, in order."""
         return {
             "file": self.file,
             "container": str(self.container),
@@ -72,7 +72,7 @@ class TextureEntry:
 
     @classmethod
     def from_facts(cls, facts: Facts) -> TextureEntry:
-        """Read what `facts` wrote. Raises FormatError for a missing or mistyped key or impossible sizes."""
+        """Inverse of `facts`. Raises FormatError for a missing or mistyped key or impossible sizes."""
         size = facts.size("size", MOST_PIXELS)
         entry = cls(
             file=file_of(facts, "file"),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake's shader in Godot: a template of the project, and what fills it."""
+"""A bake's shader in Godot: a template file and the values to fill in."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from .entry import TextureEntry
 
 @dataclass(frozen=True)
 class GodotShader:
-    """A template, what to write for its words, the material's `parameters`, and its textures by uniform.
+    """A `template` file, the values of its `words`, and the material's `parameters` and textures by uniform.
 
-    `parameters` are written as Godot's text resources are.
+    `parameters` are in the syntax of Godot's text resources.
     """
 
     template: str
@@ -29,7 +29,7 @@ class GodotShader:
 
 
 def integers(values: Any) -> str:
-    """A vector of whole numbers as Godot's text resources have it."""
+    """A vector of whole numbers in the syntax of Godot's text resources."""
     return f"Vector{len(values)}i({', '.join(str(int(value)) for value in values)})"
 
 

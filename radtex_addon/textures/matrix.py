@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An image of buckets as a texture, read and written a band of rows at a time."""
+"""Write an image of buckets as a texture, reading and writing a band of rows at a time."""
 
 from __future__ import annotations
 
@@ -20,22 +20,25 @@ from .choice import (
     check_limit,
     checked_levels,
     choice,
+    choose,
     container_of,
     straddled_layout,
 )
 from .entry import Arranged, TextureEntry
-from .files import copy_exr, entry_of, write_encoded
-from .spec import Arrangement, ExportSpec, Target, TextureFormat
+from .export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from .stream import light_of, pour_matrix, pour_slices
+from .texture_files import copy_exr, entry_of, write_encoded
 
 
 def write_matrix(image: ImageRows, layout: AtlasLayout, spec: ExportSpec, folder: Path) -> TextureEntry:
-    """An image of buckets as a texture."""
+    """Write an image of buckets as a texture. Raises InputError if it does not fit `spec`."""
     source, texels = image.path, (layout.width, layout.height)
     sliced = spec.arrangement is Arrangement.SLICES
     if spec.format is TextureFormat.EXR:
         if sliced or (spec.levels or 1) > 1:
-            raise InputError(f"{source} holds one image: for slices or levels choose --format ktx2-rgba16f")
+            raise InputError(
+                f"{source} holds one image, neither slices nor levels", choose(TextureFormat.KTX2_RGBA16F)
+            )
         check_limit(source, layout.pixel_width, layout.pixel_height, spec)
         return copy_exr(source, folder, (image.width, image.height), Arranged.MATRIX, texels)
     levels, pages = (_sliced if sliced else _paged)(source, layout, spec)
@@ -59,7 +62,7 @@ def write_matrix(image: ImageRows, layout: AtlasLayout, spec: ExportSpec, folder
 
 
 def _paged(source: Path, layout: AtlasLayout, spec: ExportSpec) -> tuple[int, Pages]:
-    """How many levels a matrix has, and its pages, as few as the limit allows."""
+    """The number of mip levels of a matrix, and its pages: as few as the limit allows."""
     limit = min(spec.most_pixels, MOST_PIXELS)
     fitting = min(fitting_levels(layout), (limit // layout.bucket).bit_length())
     levels = checked_levels(source, layout, spec) or max(1, fitting)
@@ -67,7 +70,7 @@ def _paged(source: Path, layout: AtlasLayout, spec: ExportSpec) -> tuple[int, Pa
 
 
 def _sliced(source: Path, layout: AtlasLayout, spec: ExportSpec) -> tuple[int, Pages]:
-    """How many mip levels slices have, all by themselves, and the one page of their texels."""
+    """The number of mip levels of slices, all unless `spec` gives it, and the one page of their texels."""
     check_limit(source, layout.width, layout.height, spec)
     check_slices(layout.bucket)
     levels = checked_levels(source, layout, spec) or most_levels(layout.width, layout.height)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An atlas, which may be larger than memory, poured into a texture a band of rows at a time."""
+"""Write an atlas, which may be larger than memory, to a texture, a band of rows at a time."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from ..formats.containers.texture_file import TextureFile
 
 @dataclass(frozen=True)
 class Light:
-    """What decides how an image can be stored: whether alpha is 1 all over, and the least light in it."""
+    """What limits how an image can be stored: whether alpha is 1 everywhere, and the least value of light."""
 
     opaque: bool
     least: float
 
 
 def light_of(image: ImageRows) -> Light:
-    """Look at all of an image. Raises FormatError for a damaged file."""
+    """Read all of an image to find its `Light`. Raises FormatError for a damaged file."""
     opaque, least = True, np.float64(np.inf)
     for _, rows in image.bands():
         opaque = opaque and (image.channels < 4 or bool((rows[..., 3].astype(np.float16) == 1).all()))
@@ -39,10 +39,10 @@ def light_of(image: ImageRows) -> Light:
 def pour_matrix(
     image: ImageRows, layout: AtlasLayout, levels: int, pages: Pages, texture: TextureFile
 ) -> None:
-    """Fill a texture with the bucket matrix, its `levels`, and their `pages` as layers.
+    """Write a bucket matrix to a texture: `levels` mip levels, with their `pages` as layers.
 
-    If the texture has more levels, they are plain means of the last one's pixels. Raises FormatError for a
-    damaged file, InputError for values that are not numbers, OSError where the system refuses.
+    If the texture has more levels, these are plain means of the last one's pixels. Raises FormatError for a
+    damaged file, InputError for values that are not numbers, OSError if the system refuses.
     """
     stored = padded_layout(layout, levels)
     paging = _Paging(stored, pages, levels, texture)
@@ -57,7 +57,7 @@ def pour_matrix(
 
 
 def pour_slices(image: ImageRows, layout: AtlasLayout, texture: TextureFile) -> None:
-    """Fill a texture with an atlas's slices, a layer each, and their mip levels. Raises as `pour_matrix`."""
+    """Write an atlas's slices, a layer each, and their mip levels to a texture. Raises as `pour_matrix`."""
 
     def take(level: int, first: int, slices: Floats) -> None:
         for layer, rows in enumerate(slices):
@@ -71,14 +71,14 @@ def pour_slices(image: ImageRows, layout: AtlasLayout, texture: TextureFile) -> 
 
 
 class _Paging:
-    """Cuts the levels' rows into pages, and fills what the last pages lack with the last texels' buckets."""
+    """Cuts the levels' rows into pages; the last texels' buckets are repeated to fill the last pages."""
 
     def __init__(self, stored: AtlasLayout, pages: Pages, levels: int, texture: TextureFile) -> None:
         self._stored, self._pages, self._levels, self._texture = stored, pages, levels, texture
-        self._further: dict[int, RowChain] = {}  # by layer: what follows the last level
+        self._further: dict[int, RowChain] = {}  # by layer: makes the levels after the last
 
     def take(self, level: int, first: int, rows: Floats) -> None:
-        """Take rows of a level of the stored atlas."""
+        """Write rows of a level of the stored atlas."""
         here, pages = _at_level(self._stored, level), self._pages.at_level(level)
         wide = _widened(rows, here, pages.columns * pages.width)
         self._cut(level, first, wide)
@@ -117,14 +117,14 @@ def _at_level(stored: AtlasLayout, level: int) -> AtlasLayout:
 
 
 def _widened(rows: Floats, layout: AtlasLayout, width: int) -> Floats:
-    """Rows of whole texels, `width` of them wide: the last ones are repeated."""
+    """Widen rows of whole texels to `width` texels by repeating the last ones."""
     height = len(rows) // layout.bucket
     own = AtlasLayout(layout.width, height, layout.bucket)
     return rows if width == layout.width else pad(rows, own, AtlasLayout(width, height, layout.bucket))
 
 
 def _split(first: int, rows: Floats, height: int) -> Iterator[tuple[int, Floats]]:
-    """Rows cut where their number is a multiple of `height`."""
+    """Cut rows, the first of which has the number `first`, at multiples of `height`."""
     begin, end = first, first + len(rows)
     while begin < end:
         after = min(end, (begin // height + 1) * height)
@@ -133,6 +133,6 @@ def _split(first: int, rows: Floats, height: int) -> Iterator[tuple[int, Floats]
 
 
 def _coloured(rows: Floats) -> Floats:
-    """Rows as float32, of three or four channels: one is grey."""
+    """Rows as float32 with three or four channels; a single channel is repeated to grey."""
     light = rows.astype(np.float32)
     return light if light.shape[2] > 1 else np.repeat(light, 3, axis=2)

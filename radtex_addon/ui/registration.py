@@ -8,21 +8,24 @@ from typing import Any
 
 import bpy
 
-from . import defaults, estimates, finished_panel, forecast, jobs, keys, panel_state, presets
-from .cost import RADTEX_PT_cost
-from .estimate_operator import RADTEX_OT_estimate
-from .job_operators import (
+from .jobs import estimates, jobs
+from .operators import keys
+from .operators.bake_operator import RADTEX_OT_bake
+from .operators.estimate_operator import RADTEX_OT_estimate
+from .operators.job_operators import (
     RADTEX_OT_cancel,
     RADTEX_OT_cancel_here,
     RADTEX_OT_clear_jobs,
     RADTEX_OT_open_folder,
 )
-from .jobs_panel import RADTEX_PT_jobs
-from .operator import RADTEX_OT_bake
-from .panel import RADTEX_PT_bake, RADTEX_PT_output, RADTEX_PT_quality
-from .preferences import RADTEX_preferences
-from .presets import RADTEX_OT_preset_add, RADTEX_OT_preset_apply, RADTEX_PT_presets
-from .settings import RADTEX_PG_settings
+from .panel import finished_panel, forecast, panel_state
+from .panel.cost_panel import RADTEX_PT_cost
+from .panel.jobs_panel import RADTEX_PT_jobs
+from .panel.main_panel import RADTEX_PT_bake, RADTEX_PT_output, RADTEX_PT_quality
+from .settings import defaults, presets
+from .settings.bake_settings import RADTEX_PG_settings
+from .settings.preferences import RADTEX_preferences
+from .settings.presets import RADTEX_OT_preset_add, RADTEX_OT_preset_apply, RADTEX_PT_presets
 
 _scene: Any = bpy.types.Scene  # the stubs lack our property
 _props: Any = bpy.props  # the 4.5 stubs type property functions as returning None

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The session's scene as it is now, put into a folder for a worker; the session stays what it was."""
+"""Save the session's scene, with its unsaved changes, into a folder for a worker."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from ..core.errors import BakeError
 from ..cycles.device import preferred_device
 from ..formats.disk.path_checks import one_root
 from ..formats.disk.regular import FOLDER, open_regular, other_kind
-from .images import save_unsaved
 from .order import Handover, Program
+from .unsaved_images import save_unsaved
 
 _PREFIX = "radtex-job-"
 _LEFT = 24 * 3600.0  # seconds after which a folder that shows no life was left by a Blender that died
 
 
 def this_program() -> Program:
-    """What runs us, for the workers."""
+    """The program that runs RadTex now; workers are started with the same."""
     if bpy.app.module:
         return Program(sys.executable, is_blender=False)
     return Program(bpy.app.binary_path, is_blender=True, paths=tuple(path for path in sys.path if path))
 
 
 def jobs_folder() -> Path:
-    """Where scenes are handed over if nobody says: the extension's own folder, else the temporary one."""
+    """The default folder for workers' files: the extension's own, else the system's temporary folder."""
     package = ".".join(__name__.split(".")[:3])
     try:
         return Path(bpy.utils.extension_path_user(package, path="jobs", create=True))
@@ -43,7 +43,7 @@ def jobs_folder() -> Path:
 
 
 def work_folder(root: Path | None = None) -> Path:
-    """A new folder for a worker below `root`, or where scenes are handed over. Raises BakeError."""
+    """Make a folder for a worker below `root` (default: `jobs_folder()`). Raises BakeError."""
     root = jobs_folder() if root is None else root
     try:
         root.mkdir(parents=True, exist_ok=True)
@@ -56,9 +56,9 @@ def work_folder(root: Path | None = None) -> Path:
 def hand_over(scene: bpy.types.Scene, root: Path | None = None) -> Handover:
     """Save `scene` with its file as it is now, unsaved changes and painted images too, below `root`.
 
-    Relative paths and libraries lead from there to where they led. File, images, selection and undo of the
-    session are what they were; handlers of other add-ons that wait for a saved file hear nothing. Raises
-    BakeError where the system refuses.
+    Relative paths and libraries in the copy point to the same files. The session's file, images, selection
+    and undo history do not change, and save handlers of other add-ons are not called. Raises BakeError if the
+    system refuses.
     """
     since = perf_counter()
     folder = work_folder(root)
@@ -91,7 +91,7 @@ def _refused(root: Path, error: Exception) -> BakeError:
 
 
 def _compression() -> dict[str, Any]:
-    """As the open file is on disk: Blender would save it by the choice made here the next time."""
+    """Keep the open file's compression: what is passed here becomes Blender's choice for the next save."""
     if not bpy.data.filepath:
         return {"compress": False}  # the quicker; for a first save the preferences decide
     with suppress(OSError), open_regular(Path(bpy.data.filepath)) as file:
@@ -100,7 +100,7 @@ def _compression() -> dict[str, Any]:
 
 
 def _copy_caches(folder: Path) -> None:
-    """Simulations that are cached on disk are looked for beside the file, by its name."""
+    """Copy simulation caches from disk: Blender looks for them beside the .blend, by its name."""
     if bpy.data.filepath:
         file = Path(bpy.data.filepath)
         caches = file.with_name(f"blendcache_{file.stem}")
@@ -109,7 +109,7 @@ def _copy_caches(folder: Path) -> None:
 
 
 def _no_files(folder: str, names: list[str]) -> set[str]:
-    """Pipes and devices, which have no end, and links to them: they are no caches."""
+    """Names in `folder` to skip: pipes, devices and links to them, which cannot be copied."""
     kinds = {name: other_kind(Path(folder, name)) for name in names}
     return {name for name, kind in kinds.items() if kind not in (None, FOLDER)}
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is known of a job: plain data, which a panel draws and events change."""
+"""The state of a job as plain data: the panel draws it, a worker's events change it."""
 
 from __future__ import annotations
 
@@ -10,11 +10,14 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
+from ..core.messages import Message
 from .order import Order, Work
+
+_NOTHING = Message("")
 
 
 class State(StrEnum):
-    """How far a job is; the last three are for good."""
+    """The state of a job; the last three are final."""
 
     WAITING = "waiting"
     RUNNING = "running"
@@ -25,12 +28,12 @@ class State(StrEnum):
 
 @dataclass(frozen=True)
 class Job:
-    """One order of a queue, and what is known of it.
+    """An order in the queue, and its state.
 
-    `stage` is None until the worker is at one. `fraction` is of the whole, 0 to 1, and never falls.
-    `seconds_left` is a guess, None while there is none. `message` is one line: what was made, or why that
-    failed. `picture` is the latest picture of what is done so far. `files` are there when it is done, and
-    `facts` are all that the worker said then.
+    `stage` is None until the worker reports one. `fraction` of the work that is done, 0 to 1, never
+    decreases. `seconds_left` is an estimate, None while there is none. `message` is one line: the result, or
+    why the job failed. `picture` is the latest picture of what is done so far. `files` and `facts` are what
+    the worker reported when it was done.
     """
 
     number: int
@@ -40,50 +43,56 @@ class Job:
     stage: str | None = None
     fraction: float = 0.0
     seconds_left: float | None = None
-    message: str = ""
-    warnings: tuple[str, ...] = ()
+    message: Message = _NOTHING
+    warnings: tuple[Message, ...] = ()
     picture: Path | None = None
     files: tuple[Path, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def work(self) -> Work:
-        """What is done."""
+        """The kind of work."""
         return self.order.work
 
     @property
     def object(self) -> str:
-        """Whom it is about."""
+        """The object or atlas that is worked on."""
         return self.order.object
 
     @property
     def out(self) -> Path:
-        """Where its files appear."""
+        """The folder of its files."""
         return self.order.out
 
     @property
     def ended(self) -> bool:
-        """Whether nothing will change any more."""
+        """Whether the state is final."""
         return self.state not in (State.WAITING, State.RUNNING)
 
     def hears(self, event: Mapping[str, Any]) -> Job:
-        """What is known after the worker said `event`; of what it does not know it learns nothing."""
+        """The job after the worker's `event`; unknown events change nothing."""
         match event.get("event"):
             case "progress":
                 return self._progressed(event["stage"], event["done"], event["total"], event["seconds_left"])
             case "warning":
-                return replace(self, warnings=(*self.warnings, str(event["message"])))
+                return replace(self, warnings=(*self.warnings, Message.of_facts(event)))
             case "picture":
                 return replace(self, picture=Path(event["path"]))
             case "done":
                 files = tuple(Path(path) for path in event["files"])
-                return replace(self, files=files, message=str(event["summary"]), facts=event)
+                return replace(self, files=files, message=Message(str(event["summary"])), facts=event)
         return self
 
-    def ends(self, state: State, message: str) -> Job:
-        """The job when its worker is gone; an empty message leaves the one that is there."""
+    def ends(self, state: State, message: Message) -> Job:
+        """The job after its worker has ended; an empty message keeps the current one."""
         whole = 1.0 if state is State.DONE else self.fraction
-        return replace(self, state=state, fraction=whole, seconds_left=None, message=message or self.message)
+        return replace(
+            self,
+            state=state,
+            fraction=whole,
+            seconds_left=None,
+            message=message if message.problem else self.message,
+        )
 
     def _progressed(self, stage: str, done: int, total: int, left: float | None) -> Job:
         here, past = self.order.stages.get(stage, 0.0), self._past(stage)
@@ -96,7 +105,7 @@ class Job:
         return replace(self, stage=stage, fraction=fraction, seconds_left=seconds)
 
     def _past(self, stage: str) -> float:
-        """The part that lies before a stage; nothing before one that nobody foresaw."""
+        """The fraction of the work before a stage; 0 for a stage that the order does not list."""
         stages = list(self.order.stages)
         before = stages[: stages.index(stage)] if stage in stages else []
         return sum(self.order.stages[other] for other in before)

@@ -1,25 +1,30 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a worker is asked for: what is run, and what is told of it."""
+"""An order for a worker: what to run, and how the panel describes it."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TypeVar
+from tempfile import mkstemp
+from typing import Any, TypeVar
+
+from ..formats.json_reader import json_text
 
 _Stage = TypeVar("_Stage", bound=str)
 
+WORK = "work"  # the command of `bake.py` that does what an order says
 _BAKE = Path(__file__).resolve().parents[2] / "bake.py"
 
 
 @dataclass(frozen=True)
 class Program:
-    """What runs `bake.py`: Blender, or a Python that has the bpy module.
+    """The program that runs `bake.py`: Blender, or a Python with the bpy module.
 
-    `paths` are folders of modules that Blender does not find by itself, as those of an extension's wheels.
+    `paths` are folders of modules that Blender does not find itself, such as an extension's wheels.
     """
 
     binary: str
@@ -29,10 +34,10 @@ class Program:
 
 @dataclass(frozen=True)
 class Handover:
-    """A scene as it was at one moment, in a folder of its own.
+    """A copy of the session's scene in a folder of its own.
 
-    `images` holds the pixels that were painted and not saved, if there are any; `device` is what `auto`
-    means in the session; `stalled` is how long the session stood still, in seconds.
+    `images` is a folder with painted pixels that were not saved, if there are any; `device` is what `auto`
+    means in the session; `stalled` is how long saving blocked the window, in seconds.
     """
 
     folder: Path
@@ -44,7 +49,7 @@ class Handover:
 
 
 class Work(StrEnum):
-    """What a worker can do."""
+    """The kinds of work."""
 
     BAKE = "bake"
     EXPORT = "export"
@@ -53,47 +58,54 @@ class Work(StrEnum):
 
 @dataclass(frozen=True)
 class Order:
-    """One run of `bake.py`, and what is told of it.
+    """One run of `bake.py`, and how the panel describes it.
 
-    `object` says whom it is about, `part` which part of it, `variant` which frame or light, and `about` what
-    else tells it from others. In `folder` the worker works; it goes away with the last of its orders. In
-    `out` the run's files appear. `command` is the first of its words, empty for a bake; then come the `blend`
-    to open, if there is one, and `arguments`. `stages` are all that it may speak of, in order, each with its
-    part of the whole, 0 for one that it does not go through. `remedy` is what to do when it ended early.
-    `shared` are the objects of an atlas that several share, which `object` is then the name of.
+    `object` is the object's or the shared atlas's name, `part` the part of it, `variant` the frame or lamps,
+    and `about` tells the job from others of the same object (kind, or export target). `shared` are the
+    objects of a shared atlas. `folder` has the worker's own files; it is deleted with the last of its orders.
+    `out` is the folder of the results. `blend` is the file to open, if any; `facts` is the rest of the order,
+    as JSON's types. `stages` are the stages that the worker may report, in order, each with its fraction of
+    the whole time, 0 for one that this order skips. `remedy` is what to do if the worker ends early.
     """
 
     work: Work
     object: str
     folder: Path
     out: Path
-    arguments: tuple[str, ...]
+    facts: Mapping[str, Any]
     stages: Mapping[str, float]
     remedy: str
     about: str = ""
     part: str = ""
     variant: str = ""
     shared: tuple[str, ...] = ()
-    command: str = ""
     blend: Path | None = None
 
     def ended_early(self, reason: str) -> str:
-        """What to tell of a run that ended without a word of its own."""
+        """The message for a worker that ended without reporting an error."""
         return f"the {self.work} ended early ({reason}): {self.remedy}"
 
 
 def parts(shares: Mapping[_Stage, float]) -> dict[str, float]:
-    """Stages by how long they take roughly, made parts of 1."""
+    """Scale the stages' rough durations to fractions that add up to 1."""
     whole = sum(shares.values())
     return {str(stage): share / whole for stage, share in shares.items()}
 
 
-def command_line(program: Program, order: Order) -> list[str]:
-    """The command line of the worker, which runs no script that lies in the .blend."""
-    command = [order.command] if order.command else []
-    blend = [str(order.blend)] if order.blend is not None else []
+def write_order(order: Order) -> Path:
+    """Write what a worker reads, for `command_line`, into the order's folder. Raises OSError."""
+    blend = None if order.blend is None else str(order.blend)
+    text = json_text({"work": order.work, "blend": blend, **order.facts})
+    descriptor, name = mkstemp(prefix="order-", suffix=".json", dir=order.folder)
+    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+        file.write(text)
+    return Path(name)
+
+
+def command_line(program: Program, order: Order, file: Path) -> list[str]:
+    """The command line of a worker for the order that is in `file`; it runs no script of the .blend."""
     if not program.is_blender:
-        return [program.binary, str(_BAKE), *command, *blend, *order.arguments]
+        return [program.binary, str(_BAKE), WORK, str(file)]
     find = f"import sys; sys.path += [path for path in {program.paths!a} if path not in sys.path]"
     options = [
         "--background",
@@ -106,12 +118,12 @@ def command_line(program: Program, order: Order) -> list[str]:
     return [
         program.binary,
         *options,
-        *blend,
+        *([] if order.blend is None else [str(order.blend)]),
         "--python-expr",
         find,
         "--python",
         str(_BAKE),
         "--",
-        *command,
-        *order.arguments,
+        WORK,
+        str(file),
     ]

@@ -1,31 +1,28 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What can be ordered, in the words in which `bake.py` understands it.
-
-A value is joined to its option, for names may begin with a dash.
-"""
+"""What can be ordered of a worker, as data that `bake.py work` reads."""
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from dataclasses import fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from ..bake.kinds import is_usual
+from ..bake.kinds import is_default_kind
 from ..bake.progress import Stage
 from ..bake.spec import BakeSpec
+from ..bake.spec_facts import as_json, facts_of
 from ..core.sampler import Filter
 from ..job.variants import variant_of
-from ..report.progress import Task
-from ..textures.progress import Task as ExportTask
-from ..textures.spec import Arrangement, ExportSpec
+from ..report.report_progress import Task
+from ..textures.export_progress import Task as ExportTask
+from ..textures.export_spec import ExportSpec, Target
 from .order import Handover, Order, Work, parts
 
 if TYPE_CHECKING:
-    from ..report.eye import Eye
     from ..report.side_by_side import ComparisonSpec
+    from ..report.viewpoint import Eye
 
 # How long stages take, in parts of the whole: roughly, for a bar that runs evenly enough.
 _BAKE = {
@@ -43,36 +40,6 @@ _BAKE = {
 _EXPORT = {ExportTask.TEXTURES: 6, ExportTask.FLAT: 2, ExportTask.MESH: 1, ExportTask.PACK: 1}
 _COMPARISON = {Task.REFERENCE: 20, Task.COMPARE: 1}
 
-_FLAGS = {
-    "kind": "--kind",
-    "texels": "--texels",
-    "bucket": "--bucket",
-    "samples": "--samples",
-    "uv_layer": "--uv",
-    "capture": "--capture",
-    "seed": "--seed",
-    "device": "--device",
-    "compression": "--compression",
-    "unwrap": "--unwrap",
-    "padding": "--padding",
-    "memory_mb": "--memory",
-    "layout": "--layout",
-    "budget": "--budget",
-    "target": "--target",
-    "content": "--content",
-    "view": "--view",
-    "source": "--from",
-    "extrusion": "--extrusion",
-    "cage": "--cage",
-    "ao_distance": "--ao-distance",
-    "split": "--split",
-    "part": "--part",
-    "frame": "--frames",
-    "unwrap_at": "--unwrap-at",
-    "where": "--where",
-    "sheet": "--sheet",
-}
-
 
 def order_bake(
     handover: Handover,
@@ -82,11 +49,13 @@ def order_bake(
     preview: Filter | None = None,
     *,
     overwrite: bool = False,
-    extra: Sequence[str] = (),
+    resume: bool = False,
+    exports: Sequence[Target] = (),
+    picture: Path | None = None,
 ) -> Order:
-    """A bake of the object `name`, or of `spec.objects` by that name.
+    """A bake of the object `name`, or of `spec.objects` by that name, as in `job.bake_steps`.
 
-    Without a `preview` filter none is saved. `extra` are more arguments.
+    What is done so far is shown in the file `picture`, a PNG.
     """
     return Order(
         work=Work.BAKE,
@@ -98,51 +67,43 @@ def order_bake(
         folder=handover.folder,
         out=out,
         blend=handover.blend,
-        arguments=(
-            *(f"--object={each}" for each in spec.objects or (name,)),
-            *((f"--together={name}",) if spec.objects else ()),
-            *_of_scene(handover),
-            *_of_spec(spec, handover.device),
-            f"--out={out.absolute()}",
-            *(("--save-preview", f"--filter={preview}") if preview is not None else ()),
-            *(("--overwrite",) if overwrite else ()),
-            *_SPOKEN,
-            *extra,
-        ),
+        facts={
+            **_of_scene(handover),
+            "name": name,
+            "spec": facts_of(_on_device(spec, handover.device)),
+            "folder": str(out.absolute()),
+            "preview": None if preview is None else str(preview),
+            "overwrite": overwrite,
+            "resume": resume,
+            "exports": [str(target) for target in exports],
+            "picture": None if picture is None else str(picture),
+        },
         stages=_stages(spec, preview is not None),
         remedy="bake again, if memory ran out with fewer texels, cells or samples",
     )
 
 
 def kind_of(spec: BakeSpec) -> str:
-    """What tells a bake from others of the same object: its kind, unless it is the usual one."""
-    return "" if is_usual(spec.kind) else str(spec.kind)
+    """The kind, which tells bakes of one object apart; empty for the default kind."""
+    return "" if is_default_kind(spec.kind) else str(spec.kind)
 
 
 def order_export(
     folder: Path, sidecar: Path, name: str, spec: ExportSpec, out: Path, *, overwrite: bool = False
 ) -> Order:
-    """The folder `out` made of the bake of `name`, which has that sidecar; the worker works in `folder`."""
+    """An export of the bake of `name` with this sidecar to the folder `out`; `folder` is the worker's own."""
     return Order(
         work=Work.EXPORT,
         object=name,
         about=spec.target,
         folder=folder,
         out=out.parent,
-        command="export",
-        arguments=(
-            f"--to={spec.target}",
-            f"--format={spec.format}",
-            *(() if spec.zstd else ("--no-zstd",)),
-            *(() if spec.arrangement is Arrangement.MATRIX else (f"--arrangement={spec.arrangement}",)),
-            *(() if spec.levels is None else (f"--levels={spec.levels}",)),
-            *(() if spec.limit is None else (f"--limit={spec.limit}",)),
-            *(f"--layer={layer}" for layer in spec.layers),
-            f"--out={out.absolute()}",
-            *(("--overwrite",) if overwrite else ()),
-            *_SPOKEN,
-            str(sidecar.absolute()),
-        ),
+        facts={
+            "sidecar": str(sidecar.absolute()),
+            "spec": {field.name: as_json(getattr(spec, field.name)) for field in fields(ExportSpec)},
+            "folder": str(out.absolute()),
+            "overwrite": overwrite,
+        },
         stages=parts(_EXPORT),
         remedy="export again",
     )
@@ -156,9 +117,9 @@ def order_comparison(
     spec: ComparisonSpec,
     out: Path,
 ) -> Order:
-    """Objects and their bakes seen by `eye`, as pictures in `out`.
+    """A comparison of objects with their bakes, seen by `eye`; its pictures go to `out`.
 
-    `bake` is the folder of the bakes or a sidecar, None where all previews are on.
+    `bake` is the folder of the bakes, or a sidecar; None if all previews are on.
     """
     view, window = eye.rows
     return Order(
@@ -166,67 +127,39 @@ def order_comparison(
         object=", ".join(names),
         folder=handover.folder,
         out=out,
-        command="compare",
         blend=handover.blend,
-        arguments=(
-            *(f"--object={name}" for name in names),
-            *_of_scene(handover),
-            *(() if bake is None else (f"--bake={bake.absolute()}",)),
-            f"--view={_numbers(view)}",
-            f"--window={_numbers(window)}",
-            f"--pixels={spec.pixels}",
-            f"--samples={spec.samples}",
-            f"--device={handover.device if spec.device == 'auto' else spec.device}",
-            f"--out={out.absolute()}",
-            *_SPOKEN,
-        ),
+        facts={
+            **_of_scene(handover),
+            "objects": list(names),
+            "bake": None if bake is None else str(bake.absolute()),
+            "view": view,
+            "window": window,
+            "pixels": spec.pixels,
+            "samples": spec.samples,
+            "device": handover.device if spec.device == "auto" else spec.device,
+            "folder": str(out.absolute()),
+        },
         stages=parts(_COMPARISON),
         remedy="compare again, if memory ran out with fewer pixels",
     )
 
 
-_SPOKEN = ("--progress=json", "--parent-pipe")
+def _of_scene(handover: Handover) -> dict[str, Any]:
+    """The name of the scene, and the folder of unsaved images."""
+    images = None if handover.images is None else str(handover.images)
+    return {"scene": handover.scene, "images": images}
 
 
-def _of_scene(handover: Handover) -> Iterator[str]:
-    yield f"--in-scene={handover.scene}"
-    if handover.images is not None:
-        yield f"--unsaved-images={handover.images}"
-
-
-def _of_spec(spec: BakeSpec, device: str) -> Iterator[str]:
-    for field, flag in _FLAGS.items():
-        value = getattr(spec, field)
-        if field == "device" and value == "auto":
-            value = device
-        if value is not None:
-            yield f"{flag}={value}"
-    yield from (f"--layer={layer}" for layer in spec.layers)
-    if spec.lights:
-        yield f"--lights={_comma_separated(spec.lights)}"
-    if spec.accumulate:
-        yield "--accumulate"
-    if spec.refresh:
-        yield "--refresh"
-    if not spec.half:
-        yield "--float"
-
-
-def _comma_separated(names: Sequence[str]) -> str:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="").writerow(names)
-    return text.getvalue()
+def _on_device(spec: BakeSpec, device: str) -> BakeSpec:
+    """The specification, with the session's device in the place of `auto`."""
+    return replace(spec, device=device) if spec.device == "auto" else spec
 
 
 def _stages(spec: BakeSpec, preview: bool) -> dict[str, float]:
-    """The part of each stage of such a bake; together 1."""
+    """The fraction of the time for each stage of a bake; they add up to 1."""
     absent = {Stage.FILL} if spec.form.by_paths else {Stage.FIT}
     if not spec.condensed:
         absent.add(Stage.CONDENSE)
     if not preview:
         absent.add(Stage.PREVIEW)
     return parts({stage: 0 if stage in absent else share for stage, share in _BAKE.items()})
-
-
-def _numbers(matrix: Sequence[float]) -> str:
-    return ",".join(map(repr, matrix))

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A worker: `bake.py` in a process of its own, heard by its JSON lines and ended at any time.
+"""A worker: `bake.py` in a process of its own, which reports by JSON lines and can be ended at any time.
 
-Its standard input is a pipe from which nothing comes: where that ends, because somebody cancels or because we
-have died, the worker ends. No signal does that on every system.
+Its standard input is a pipe to which nothing is written. When the pipe closes, because the job is cancelled
+or this Blender ended, the worker ends. No signal does that on every system.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from threading import Thread, Timer
 from typing import Any, NamedTuple, TypeAlias
 
 from ..core.errors import Cancelled, InputError
+from ..core.messages import Message
 from .job import State
 
 PATIENCE = 1.0  # seconds that a cancelled worker has for itself
@@ -31,21 +32,20 @@ Event: TypeAlias = Mapping[str, Any]
 
 
 class Ended(NamedTuple):
-    """How a worker ended, and why if it failed."""
+    """The final state of a worker, and why it failed, if it did."""
 
     state: State
-    message: str
+    message: Message
 
 
 class Worker:
-    """A running worker. Nothing here waits but `close`; call `events` now and then."""
+    """A running worker. Only `close` waits; call `events` regularly."""
 
     def __init__(self, command: Sequence[str], folder: Path, explain: Callable[[str], str]) -> None:
-        """Start it, with its temporary files in a new folder below `folder`.
+        """Start the process, with its temporary files in a new folder below `folder`.
 
-        `explain` makes a message of the reason why it ended without a word of its own.
-
-        Raises InputError where the program does not start, OSError where `folder` refuses.
+        `explain` turns the reason of an early end into a message. Raises InputError if the program does not
+        start, OSError if nothing can be written into `folder`.
         """
         self._temporary = tempfile.TemporaryDirectory(
             prefix="temporary-", dir=folder, ignore_cleanup_errors=True
@@ -59,7 +59,8 @@ class Worker:
                 f"{command[0]} does not start ({error.strerror or error}): install Blender anew"
             ) from error
         self._said: SimpleQueue[Event | None] = SimpleQueue()
-        self._explain, self._error = explain, ""
+        self._explain = explain
+        self._error: Message | None = None
         self._is_done = False
         self._cancelled = False
         self._ended: Ended | None = None
@@ -72,11 +73,11 @@ class Worker:
 
     @property
     def ended(self) -> Ended | None:
-        """None while it runs, as far as `events` has heard."""
+        """How it ended, as far as `events` has read; None while it runs."""
         return self._ended
 
     def events(self) -> list[Event]:
-        """What it has said since the last call."""
+        """The events that it reported since the last call."""
         heard: list[Event] = []
         with suppress(Empty):
             while self._ended is None:
@@ -84,14 +85,14 @@ class Worker:
                 if event is None:
                     self._ended = self._judge()
                 elif event.get("event") == "error":
-                    self._error = str(event.get("message", ""))
+                    self._error = Message.of_facts(event)
                 else:
                     self._is_done |= event.get("event") == "done"
                     heard.append(event)
         return heard
 
     def cancel(self) -> None:
-        """Ask it to end; after PATIENCE it is ended."""
+        """Ask it to end, and kill it after PATIENCE seconds."""
         if not self._cancelled:
             self._ask()
             killer = Timer(PATIENCE, self.kill)
@@ -99,7 +100,7 @@ class Worker:
             killer.start()
 
     def kill(self) -> None:
-        """End it and what it has started, at once."""
+        """Kill the process and its children at once."""
         if self._process.poll() is not None:
             return
         with suppress(OSError):  # it has ended meanwhile
@@ -109,7 +110,7 @@ class Worker:
                 os.killpg(self._process.pid, signal.SIGKILL)
 
     def close(self) -> None:
-        """End it if it runs, which takes little more than PATIENCE, and remove its temporary files."""
+        """End the process, within little more than PATIENCE seconds, and remove its temporary files."""
         if self._ended is None:
             self._ask()  # and no timer: a Python that ends starts no threads
             self._thread.join(PATIENCE)
@@ -160,13 +161,13 @@ class Worker:
     def _judge(self) -> Ended:
         code = self._process.wait()
         if code == 0 and self._is_done:  # a Blender that runs no scripts is content with itself
-            return Ended(State.DONE, "")
+            return Ended(State.DONE, Message(""))
         if self._cancelled or code == Cancelled.exit_code:
-            return Ended(State.CANCELLED, "cancelled")
-        return Ended(State.FAILED, self._error or self._explain(self._reason(code)))
+            return Ended(State.CANCELLED, Message("cancelled"))
+        return Ended(State.FAILED, self._error or Message(self._explain(self._reason(code))))
 
     def _reason(self, code: int) -> str:
-        """Why it ended without a word of its own: a signal, else the last line of its standard error."""
+        """Why it ended without reporting an error: a signal, or the last line of its standard error."""
         if code < 0:
             return f"killed by signal {-code}"
         self._errors.seek(0)
@@ -176,7 +177,7 @@ class Worker:
 
 
 def _event(line: bytes) -> Event | None:
-    """A line's event, or None where Blender talks."""
+    """The event in a line; None for Blender's own output."""
     if not line.startswith(b"{"):
         return None
     try:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Orders that wait for one another: one worker at a time, each in the folder that its order names."""
+"""A queue of orders: one worker at a time, each in its order's folder."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from pathlib import Path
 from time import time
 
 from ..core.errors import RadTexError
+from ..core.messages import Message
 from ..formats.disk.atomic import remove_unfinished
 from .job import Job, State
-from .order import Order, Program, command_line
+from .order import Order, Program, command_line, write_order
 from .process import Worker
 
 _SIGN_OF_LIFE = 600.0  # seconds
@@ -27,9 +28,9 @@ class _Entry:
 
 
 class Queue:
-    """Jobs, one after another. `advance` it now and then, from one thread; nothing waits but `close`.
+    """Jobs, one after another. Call `advance` regularly, from one thread; only `close` waits.
 
-    A job that fails does not hold up the next. An order's folder goes away with the last of its jobs. When
+    After a failed job the next one starts. An order's folder is deleted with the last of its jobs. When
     Python ends, the queue is closed.
     """
 
@@ -42,13 +43,13 @@ class Queue:
         atexit.register(self.close)
 
     def add(self, order: Order) -> int:
-        """Let a job wait; returns its number."""
+        """Add a job at the end; returns its number."""
         self._numbers += 1
         self._entries.append(_Entry(Job(self._numbers, order)))
         return self._numbers
 
     def advance(self) -> bool:
-        """Hear the worker, and start the next where it has ended; returns whether there is anything to do."""
+        """Read the worker's events, and start the next job if it has ended; returns whether any is left."""
         if self._running is not None:
             self._hear(*self._running)
         if self._running is None:
@@ -64,26 +65,26 @@ class Queue:
         return any(not entry.job.ended for entry in self._entries)
 
     def snapshot(self) -> tuple[Job, ...]:
-        """All jobs in their order, those that have ended too."""
+        """All jobs in order, ended ones too."""
         return tuple(entry.job for entry in self._entries)
 
     def cancel(self, number: int) -> None:
-        """End a job that runs or waits; one that runs says so, and is cancelled at most two seconds later."""
+        """Cancel a job that runs or waits; a running one is marked, and ends within two seconds."""
         for entry in self._entries:
             if entry.job.number == number and not entry.job.ended:
                 self._cancel(entry)
 
     def cancel_all(self) -> None:
-        """End every job that runs or waits."""
+        """Cancel every job that runs or waits."""
         for job in self.snapshot():
             self.cancel(job.number)
 
     def forget_ended(self) -> None:
-        """Leave jobs that have ended out of snapshots."""
+        """Remove ended jobs from the list."""
         self._entries = [entry for entry in self._entries if not entry.job.ended]
 
     def close(self) -> None:
-        """Cancel all, and wait until nothing is left, at most about two seconds."""
+        """Cancel all jobs and wait for their end, at most about two seconds."""
         atexit.unregister(self.close)
         self.cancel_all()
         if self._running is not None:
@@ -94,9 +95,13 @@ class Queue:
     def _start(self, entry: _Entry) -> None:
         order = entry.job.order
         try:
-            worker = Worker(command_line(self._program, order), order.folder, order.ended_early)
-        except (RadTexError, OSError) as error:
-            self._end(entry, State.FAILED, str(error))
+            command = command_line(self._program, order, write_order(order))
+            worker = Worker(command, order.folder, order.ended_early)
+        except RadTexError as error:
+            self._end(entry, State.FAILED, error.message)
+            return
+        except OSError as error:
+            self._end(entry, State.FAILED, Message(str(error)))
             return
         self._running = entry, worker
         entry.job = replace(entry.job, state=State.RUNNING)
@@ -117,9 +122,9 @@ class Queue:
             entry.job = replace(entry.job, cancelling=True)
             self._running[1].cancel()
         else:
-            self._end(entry, State.CANCELLED, "cancelled")
+            self._end(entry, State.CANCELLED, Message("cancelled"))
 
-    def _end(self, entry: _Entry, state: State, message: str) -> None:
+    def _end(self, entry: _Entry, state: State, message: Message) -> None:
         entry.job = entry.job.ends(state, message)
         folder = entry.job.order.folder
         if folder not in self._folders():
@@ -130,7 +135,7 @@ class Queue:
         return {entry.job.order.folder for entry in self._entries if not entry.job.ended}
 
     def _show_life(self) -> None:
-        """Keep other Blenders from taking our folders for left ones; see `handover`."""
+        """Update the folders' times: other Blenders delete folders that look abandoned (`handover`)."""
         if (
             abs(time() - self._last_sign) > _SIGN_OF_LIFE
         ):  # the wall's clock, which goes on in sleep, and jumps

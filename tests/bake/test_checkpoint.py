@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from radtex_addon.bake.analytic import AnalyticCapture
 from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.key import KEY, LOCK, check_free, is_unfinished, replaced_by
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
@@ -23,6 +22,7 @@ from radtex_addon.bake.session import fill_atlas
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError, InputError
 from tests.bake.test_session import card, telltale
+from tests.reference.analytic import AnalyticCapture
 
 FACTS = {"samples": "16", "mesh": "sha256:aa"}
 
@@ -111,8 +111,7 @@ def test_what_differs_is_named_in_one_line(folder: Path) -> None:
     with pytest.raises(InputError) as raised:
         begun(folder, resume=True, samples="64", mesh="sha256:bb")
     assert str(raised.value) == (
-        f"{folder} is of a bake that differs in samples (16, now 64), mesh: bake as before, "
-        "or begin anew (--overwrite, without --resume)"
+        f"{folder} is of a bake that differs in samples (16, now 64), mesh: bake as before, or begin anew"
     )
     begun(folder, resume=True)
 
@@ -155,7 +154,7 @@ def test_a_key_without_sense_is_an_error_that_says_how_to_go_on(folder: Path) ->
         whole.replace('"version": 1', '"version": 2'),
     ):
         (folder / KEY).write_text(text)
-        with pytest.raises(InputError, match=r"damaged.*--overwrite, without --resume"):
+        with pytest.raises(InputError, match=r"damaged.*begin anew"):
             begun(folder, resume=True)
 
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import pytest
 
-from radtex_addon.bake.cost import cost_of
 from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.forms import cost_of
 
 
 def test_buckets_cost_four_half_floats_a_cell() -> None:

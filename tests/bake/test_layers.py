@@ -7,11 +7,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from radtex_addon.bake.cost import cost_of
 from radtex_addon.bake.layers import LIGHT, Layer, captured, split_layers
 from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError
+from radtex_addon.forms import cost_of
 
 
 def test_base_and_rest_are_made_of_diffuse_light() -> None:

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake import session
-from radtex_addon.bake.analytic import AnalyticCapture
 from radtex_addon.bake.capture import Capture
-from radtex_addon.bake.hidden import HiddenCells
+from radtex_addon.bake.hidden_cells import HiddenCells
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
 from radtex_addon.bake.progress import Progress, Stage, finished
 from radtex_addon.bake.session import BYTES_PER_PIXEL, fill_atlas
@@ -21,6 +20,7 @@ from radtex_addon.core.errors import BakeError
 from radtex_addon.core.hemisphere import direction_to_square
 from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.core.texel_map import TexelMap, rasterise
+from tests.reference.analytic import AnalyticCapture
 
 AXES = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]  # a frame that lies askew
 
@@ -91,7 +91,7 @@ def test_every_pixel_holds_its_own_cells_mean(sign: int) -> None:
     image, _ = bake(plan, AnalyticCapture(plan, telltale(plan)))
     assert image.shape == (height * n, width * n, 4)
     assert image.dtype == np.float32
-    for y in range(height * n):  # DESIGN.md, section 3: x = i n + p, y = j n + q, both upwards
+    for y in range(height * n):  # docs/format.md: x = i n + p, y = j n + q, both upwards
         for x in range(width * n):
             (i, p), (j, q) = divmod(x, n), divmod(y, n)
             texel = [(i + 0.5) / width, (j + 0.5) / height]

@@ -66,7 +66,8 @@ def test_the_defaults_are_the_designs() -> None:
     ],
 )
 def test_a_number_out_of_bounds_is_named_with_its_bounds(name: str, value: object, bounds: str) -> None:
-    assert refusal(**{name: value}) == f"{name} {value}: give a whole number from {bounds}"
+    called = {"bucket": "cells", "memory_mb": "memory in MiB"}.get(name, name)
+    assert refusal(**{name: value}) == f"{called} {value}: give a whole number from {bounds}"
 
 
 def test_the_smallest_bake_is_one_texel_of_four_cells() -> None:
@@ -81,7 +82,8 @@ def test_an_image_beyond_blenders_limit_is_refused(monkeypatch: pytest.MonkeyPat
 
 def test_an_atlas_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(memory_limits, "physical_memory", lambda: 2**30)
-    expected = "texels 4096 with bucket 8 needs 4.3 GiB of memory, this machine has 1.0 GiB: lower one"
+    needs = "a side of 4096 texels with 8 cells needs 4.3 GiB of memory"
+    expected = f"{needs}, this machine has 1.0 GiB: lower one of them"
     assert refusal(texels=4096, bucket=8) == expected
     assert BakeSpec(texels=1024, bucket=8).atlas_bytes < 2**30
 
@@ -92,7 +94,7 @@ def test_a_bake_beyond_the_memory_that_is_allowed_is_refused(
 ) -> None:
     monkeypatch.setattr(memory_limits, "physical_memory", lambda: None)
     said = refusal(texels=512, memory_mb=64, **other)
-    assert "of memory beside the scene, 64 MiB are allowed (--memory): allow more, or lower one" in said
+    assert "of memory beside the scene, 64 MiB are allowed: allow more, or lower one" in said
 
 
 def test_only_what_is_not_held_whole_is_large_at_little_memory(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -125,9 +127,9 @@ def test_the_shared_layout_has_finer_buckets_unless_told() -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"kind": Kind.INCIDENT}, "knows kind radiance only, not incident: bake that in layout buckets"),
+        ({"kind": Kind.INCIDENT}, "knows kind radiance only, not incident: choose layout buckets"),
         ({"kind": Kind.REFLECTION}, "knows kind radiance only, not reflection"),
-        ({"bucket": 1}, "bucket 1: give a whole number from 2 to 256"),
+        ({"bucket": 1}, "cells 1: give a whole number from 2 to 256"),
         ({"samples": 4097}, "samples in the shared layout 4097: give a whole number from 1 to 4096"),
     ],
 )
@@ -157,7 +159,7 @@ def test_the_shared_layouts_images_are_bounded_with_their_borders(monkeypatch: p
 
 def test_a_shared_bake_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(memory_limits, "physical_memory", lambda: 2**32)
-    assert "texels 256 with bucket 16 needs" in refusal(layout=Layout.SHARED, texels=256)
+    assert "a side of 256 texels with 16 cells needs" in refusal(layout=Layout.SHARED, texels=256)
     assert BakeSpec(layout=Layout.SHARED).atlas_bytes < 2**31
 
 
@@ -195,9 +197,9 @@ def test_an_unknown_choice_is_refused_with_the_choices() -> None:
         ({"target": 70.0}, "target 70 dB: give 10 to 60 dB"),
         ({"target": float("nan")}, "target nan dB: give 10 to 60 dB"),
         ({"budget": 0}, "budget 0: give a whole number from 1"),
-        ({"budget": 1000, "bucket": 16}, "bucket 16 with a budget: give 6, 10, 14 or 18 cells"),
-        ({"budget": 1000, "half": False}, "leave --float and --compression out"),
-        ({"budget": 1000, "compression": "piz"}, "leave --float and --compression out"),
+        ({"budget": 1000, "bucket": 16}, "16 cells with a budget: give 6, 10, 14 or 18 cells"),
+        ({"budget": 1000, "half": False}, "leave the 32-bit floats and the compression out"),
+        ({"budget": 1000, "compression": "piz"}, "leave the 32-bit floats and the compression out"),
     ],
 )
 def test_what_cannot_be_condensed_is_refused(changes: dict[str, Any], words: str) -> None:

@@ -31,7 +31,7 @@ from radtex_addon.formats.containers.exr import Compression
 from radtex_addon.formats.containers.exr_bands import BandWriter
 from radtex_addon.formats.disk.memory import readable_size
 from radtex_addon.formats.sidecar import read_sidecar, write_sidecar
-from radtex_addon.textures.spec import ExportSpec, Target, TextureFormat
+from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat
 
 ROOT = Path(__file__).parents[2]
 NAME = "Plane"
@@ -99,7 +99,7 @@ def peak() -> float:
 
 def measure(sidecar: Path, target: Target, form: TextureFormat) -> None:
     """Export once, in this process, and print what it took."""
-    from radtex_addon.export.run import export_steps  # noqa: PLC0415  # it loads Blender
+    from radtex_addon.export.exporting import export_steps  # noqa: PLC0415  # it loads Blender
 
     before, began = peak(), process_time()
     with tempfile.TemporaryDirectory(dir=sidecar.parent) as folder:

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
-from radtex_addon.report.finished import Finished
+from radtex_addon.report.finished_bake import Finished
 from radtex_addon.scene.mesh.copy import NORMAL, SIGN, TANGENT
 from radtex_addon.scene.scratch import new_data_removed
 from tests.real.opengl import VERSIONS, Texture

@@ -22,18 +22,20 @@ import moderngl
 import numpy as np
 
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.levels import fitting_levels, level_chain
-from radtex_addon.core.slices import mip_chain, to_slices
+from radtex_addon.core.levels import fitting_levels
+from radtex_addon.core.slices import to_slices
 from radtex_addon.formats.containers.dds import read_dds
 from radtex_addon.formats.containers.exr import read_atlas, read_pixels
 from radtex_addon.formats.shared_files import layer_path, read_shared_sidecar, texture_path
 from radtex_addon.formats.shared_sidecar import SharedSidecar
-from radtex_addon.report.finished import Finished
+from radtex_addon.report.finished_bake import Finished
 from tests.bench.drawing import SHADERS, Model, Painter, View, canvas, read_model
 from tests.condensed_textures import pixels, rows_of
 from tests.real.exhibit import Bake, Exhibit, Form
 from tests.real.opengl import Texture, mipmapped
 from tests.real.test_condensed_glsl import uploaded
+from tests.reference.levels import level_chain
+from tests.reference.slices import mip_chain
 
 SRGB8_ALPHA8 = 0x8C43  # GL_SRGB8_ALPHA8: colours as games store them
 HALF = 0.2  # tangent of half the angle of view
@@ -151,10 +153,10 @@ def plain(context: moderngl.Context, model: Model, bake: Finished) -> Painters:
 
 def shared(context: moderngl.Context, model: Model, bake: Finished) -> Painters:
     """The dense shared layout, bilinear by hand and by hardware."""
-    sidecar = read_shared_sidecar(bake.path)
+    sidecar = read_shared_sidecar(bake.file.path)
     textures: dict[str, Texture] = {}
     for layer, (width, height, channels) in sidecar.shapes.items():
-        image = read_pixels(layer_path(bake.path, layer), width, height, [channels])
+        image = read_pixels(layer_path(bake.file.path, layer), width, height, [channels])
         textures[layer] = mipmapped(context, [image], moderngl.LINEAR)
     code = (SHADERS / "radtex_shared.glsl").read_text(encoding="utf-8") + SHARED
     return in_both_ways(context, model, "shared", code, textures, shared_values(sidecar))
@@ -162,12 +164,12 @@ def shared(context: moderngl.Context, model: Model, bake: Finished) -> Painters:
 
 def condensed(context: moderngl.Context, model: Model, bake: Finished) -> Painters:
     """The condensed form as its files are; decoded for llvmpipe, which reads blocks in seconds."""
-    sidecar = read_shared_sidecar(bake.path)
+    sidecar = read_shared_sidecar(bake.file.path)
     facts = sidecar.condensed
     assert facts is not None
     textures: dict[str, Texture] = {}
     for layer in sidecar.shapes:
-        kind, blocks, *size = read_dds(texture_path(bake.path, layer))
+        kind, blocks, *size = read_dds(texture_path(bake.file.path, layer))
         if "llvmpipe" in context.info["GL_RENDERER"]:
             textures[layer] = mipmapped(context, [pixels(kind, blocks).astype(np.float16)], moderngl.LINEAR)
         else:

@@ -23,13 +23,15 @@ from PIL import Image
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.levels import fitting_levels, level_chain
-from radtex_addon.core.slices import mip_chain, to_slices
+from radtex_addon.core.levels import fitting_levels
+from radtex_addon.core.slices import to_slices
 from radtex_addon.formats.containers.exr import read_atlas
-from radtex_addon.report.finished import find_bake, read_bake
+from radtex_addon.report.finished_bake import find_bake, read_bake
 from radtex_addon.report.metrics import Mask, Picture, display, psnr
 from tests.bench.drawing import SHADERS, Canvas, Model, Painter, View, canvas, read_model
 from tests.real.opengl import mipmapped
+from tests.reference.levels import level_chain
+from tests.reference.slices import mip_chain
 
 PIXELS, RAYS = 192, 8  # of a picture's side, and rays along a pixel's side of the supersampled one
 LARGEST, SMALLEST = 160, 10  # the object's height in pixels, first and last
@@ -67,7 +69,7 @@ def main() -> None:
     parser.add_argument("bake", type=Path, help="folder of a bake with a saved preview")
     parser.add_argument("--figure", type=Path, help="where to leave a picture")
     options = parser.parse_args()
-    frames = film(find_bake(options.bake, None))
+    frames = film(find_bake(options.bake, None).path)
     print_table(frames)
     if options.figure:
         save_figure(frames, options.figure)

@@ -27,9 +27,9 @@ from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.texel_map import rasterise
+from radtex_addon.cycles.capture_settings import apply_capture_settings
 from radtex_addon.cycles.panoramic import PanoramicCapture
 from radtex_addon.cycles.portal import PortalCapture
-from radtex_addon.cycles.settings import apply_capture_settings
 from radtex_addon.job import bake_object
 from radtex_addon.scene.demo import OBJECT, build_demo_scene
 from radtex_addon.scene.mesh.copy import UV_LAYER, baked_mesh, surface_mesh

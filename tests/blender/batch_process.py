@@ -12,6 +12,20 @@ from typing import Any, NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
 BAKE = str(ROOT / "bake.py")
+QUICK = [
+    "--layout",
+    "buckets",
+    "--uv",
+    "UVMap",
+    "--texels",
+    "4",
+    "--bucket",
+    "2",
+    "--samples",
+    "1",
+    "--progress",
+    "none",
+]
 
 
 class Outcome(NamedTuple):

@@ -14,8 +14,8 @@ import bpy
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
-from radtex_addon.farm.assemble import Assembled, assemble_steps
-from radtex_addon.farm.prepare import Farm, prepare_steps
+from radtex_addon.farm.assemble_farm import Assembled, assemble_steps
+from radtex_addon.farm.prepare_farm import Farm, prepare_steps
 from tests.blender import stage
 
 BOX = "Box"

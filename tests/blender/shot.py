@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Cycles itself says of the surface it renders: where rays hit it, and its shading normal there."""
+"""Small pictures by Cycles: of light, or of where rays hit the surface and its shading normal there."""
 
 from __future__ import annotations
 
@@ -16,6 +16,21 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.formats.containers.exr import read_render
 from tests.blender import stage
+
+
+def small_picture(scene: Any, folder: Path) -> Floats:
+    """What the scene's camera sees by Cycles: (8, 8, 4), linear."""
+    scene.render.engine = "CYCLES"
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.cycles.samples, scene.cycles.use_denoising = 4, False
+    scene.view_settings.view_transform = "Raw"
+    settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):
+        settings.media_type = "IMAGE"
+    settings.file_format, settings.color_depth = "OPEN_EXR", "32"
+    scene.render.filepath = str(folder / "seen.exr")
+    bpy.ops.render.render(write_still=True)
+    return next(iter(read_render(folder / "seen.exr").values()))
 
 
 def rendered_surface(folder: Path, at: Sequence[float], size: float) -> tuple[Floats, Floats]:

@@ -23,7 +23,7 @@ import pytest
 from radtex_addon.bake import memory_limits
 from radtex_addon.bake.plan import Tile
 from radtex_addon.bake.progress import Stage
-from radtex_addon.cli import bake as baking
+from radtex_addon.cli import run_bake as baking
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError
 from radtex_addon.cycles.portal import PortalCapture
@@ -249,15 +249,15 @@ BAD = {
         ["--object", "Box", "--uv", "Piled"],
         ["'Piled'", "'Box'", "overlaps", "separate its islands"],
     ),
-    "no such layer": (["--object", "Box", "--uv", "None"], ["'Box'", "'None'", "it has 'UVMap'"]),
-    "n below 2": (["--object", "Card", "--bucket", "1"], ["bucket 1", "from 2 to 256"]),
+    "no such layer": (["--object", "Box", "--uv", "None"], ["'Box'", "'None'", "choose 'UVMap'"]),
+    "n below 2": (["--object", "Card", "--bucket", "1"], ["cells 1", "from 2 to 256"]),
     "beyond a file": (
         ["--object", "Card", "--texels", "40000"],
         ["80000 pixels a side", "65536 is the most", "lower one"],
     ),
     "beyond the memory": (
         ["--object", "Card", "--texels", "8000"],
-        ["texels 8000 with bucket 2 needs 15.4 GiB", "has 4.0 GiB", "lower one"],
+        ["a side of 8000 texels with 2 cells needs 15.4 GiB", "has 4.0 GiB", "lower one"],
     ),
     "an unknown kind": (
         ["--object", "Card", "--kind", "shadows"],
@@ -441,7 +441,7 @@ def test_a_failure_while_baking_is_one_line_and_exit_code_1(
     failing(monkeypatch, error)
     line = refusal(batch(room, "--object", "Card", *TINY, *QUIET, "--out", out), code=1)
     assert line.startswith(words)
-    assert line.endswith(": what is finished of 'Card' is kept, go on with --resume\n")
+    assert line.endswith("; what is finished of 'Card' is kept: go on with it (--resume)\n")
     assert take_pieces(out)
     assert not out.exists()
 
@@ -474,7 +474,7 @@ def test_objects_that_were_done_before_a_failure_stay(
     ended = batch(
         room, "--object", "Card", "--object", "Box", "--texels", 24, *TINY[2:], *QUIET, "--out", out
     )
-    said = "radtex: planned: what is finished of 'Box' is kept, go on with --resume\n"
+    said = "radtex: planned; what is finished of 'Box' is kept: go on with it (--resume)\n"
     assert (ended.code, ended.err) == (1, said)
     assert take_pieces(out)
     assert {path.name for path in out.iterdir()} == {"Card.radiance.exr", "Card.radiance.json"}
@@ -487,7 +487,7 @@ HEARING = "import runpy, signal, sys; signal.signal(signal.SIGINT, signal.defaul
 HEARING += "sys.argv = sys.argv[1:]; runpy.run_path(sys.argv[0], run_name='__main__')"
 
 
-KEPT = "interrupted: what is finished of 'Card' is kept, go on with --resume"
+KEPT = "interrupted; what is finished of 'Card' is kept: go on with it (--resume)"
 
 
 def test_ctrl_c_amid_a_render_ends_with_130_and_leaves_what_is_finished(

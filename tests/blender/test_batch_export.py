@@ -25,7 +25,7 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export import web
 from radtex_addon.job import bake_object
-from radtex_addon.textures.spec import Arrangement, ExportSpec, Target, TextureFormat
+from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.blender import stage
 from tests.blender.batch_process import BAKE, Outcome, process, refusal
 
@@ -129,10 +129,10 @@ def test_a_request_is_what_was_said() -> None:
         (["baked"], r"for whom\? --to web, godot, gltf, unity, unreal, raw"),
         (["baked", "--to", "wii"], r"--to wii: choose from web, godot"),
         (["baked", "--to", "web", "--format", "png"], r"--format png: choose from auto, exr"),
-        (["baked", "--to", "web", "--format", "exr"], r"--format exr: web does not read it; choose from"),
+        (["baked", "--to", "web", "--format", "exr"], r"format exr: web does not read it: choose from"),
         (["baked", "--to", "web", "--limit", "many"], r"--limit many: give a whole number"),
-        (["baked", "--to", "web", "--limit", "1"], r"--limit 1: a texture needs"),
-        (["baked", "--to", "web", "--levels", "99"], r"--levels 99: give a whole number from 1"),
+        (["baked", "--to", "web", "--limit", "1"], r"limit 1: a texture needs"),
+        (["baked", "--to", "web", "--levels", "99"], r"levels 99: give a whole number from 1"),
     ],
 )
 def test_what_is_missing_or_wrong_is_named(arguments: list[str], words: str) -> None:
@@ -211,7 +211,10 @@ def test_an_export_that_takes_more_memory_than_allowed_is_refused_before_it_begi
     sidecar = bake / "Ball.radiance.json"
     refused = process("export", sidecar, "--to", "raw", "--memory", "64MB", *QUIET)
     said = refusal(refused)
-    assert f"an export of {sidecar} takes about 192 MiB of memory, --memory allows 61 MiB: allow more" in said
+    assert (
+        f"an export of {sidecar} takes about 192 MiB of memory, 61 MiB are allowed: allow more (--memory)"
+        in said
+    )
     assert not (bake / "Ball.raw").exists()
     request = parse_export([str(sidecar), "--to", "raw", "--memory", "2GB"], inside_blender=False)
     assert request.spec.memory_mb == 1907

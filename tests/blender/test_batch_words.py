@@ -30,7 +30,8 @@ from radtex_addon.cli.report_arguments import parse_report
 from radtex_addon.core.errors import Cancelled, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import OpenLayout
-from radtex_addon.textures.spec import Target
+from radtex_addon.scene.demo import OBJECT
+from radtex_addon.textures.export_spec import Target
 from radtex_addon.version import VERSION
 from tests.blender.batch_process import BAKE, process, refusal
 
@@ -89,10 +90,18 @@ def test_the_version_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_what_is_not_said_is_the_specs_default_and_the_layout_stays_open() -> None:
     request = parse(["a.blend", "--object", "A"], inside_blender=False)
-    assert request.open_layout == OpenLayout()
-    assert request.spec == BakeSpec()
-    assert (request.scene, request.objects, request.out) == (Path("a.blend"), ("A",), Path("radtex"))
-    assert (request.preview, request.overwrite, request.progress) == (None, False, ProgressStyle.BAR)
+    assert request.bakes.open_layout == OpenLayout()
+    assert request.bakes.spec == BakeSpec()
+    assert (request.scene, request.bakes.objects, request.bakes.folder) == (
+        Path("a.blend"),
+        ("A",),
+        Path("radtex"),
+    )
+    assert (request.bakes.preview, request.bakes.overwrite, request.progress) == (
+        None,
+        False,
+        ProgressStyle.BAR,
+    )
 
 
 def test_what_is_said_reaches_the_spec() -> None:
@@ -113,9 +122,9 @@ def test_what_is_said_reaches_the_spec() -> None:
         padding=3,
         memory_mb=99,
     )
-    assert request.spec == wanted
-    assert (request.scene, request.objects) == (None, ("A", "B"))
-    assert (request.preview, request.overwrite) == (Filter.LINEAR, True)
+    assert request.bakes.spec == wanted
+    assert (request.scene, request.bakes.objects) == (None, ("A", "B"))
+    assert (request.bakes.preview, request.bakes.overwrite) == (Filter.LINEAR, True)
 
 
 @pytest.mark.parametrize(
@@ -132,7 +141,7 @@ def test_what_is_said_reaches_the_spec() -> None:
 )
 def test_memory_is_a_size_and_a_number_alone_counts_mebibytes(word: str, mib: int) -> None:
     line = ["a.blend", "--object", "A", "--texels=16", f"--memory={word}"]
-    assert parse(line, inside_blender=False).spec.memory_mb == mib
+    assert parse(line, inside_blender=False).bakes.spec.memory_mb == mib
 
 
 @pytest.mark.parametrize("word", ["", "much", "-1", "2 XB", "1e9", "0GB", "2GB 3", "0x10", "9" * 13])
@@ -165,14 +174,14 @@ def test_no_memory_is_refused_everywhere(read: Callable[[list[str], bool], Any],
 
 def test_the_shared_layout_has_cells_of_its_own() -> None:
     line = ["a.blend", "--object", "A", "--layout", "shared"]
-    assert parse(line, inside_blender=False).spec == BakeSpec(layout=spec.Layout.SHARED, bucket=16)
-    assert parse([*line, "--bucket", "8"], inside_blender=False).spec.bucket == 8
+    assert parse(line, inside_blender=False).bakes.spec == BakeSpec(layout=spec.Layout.SHARED, bucket=16)
+    assert parse([*line, "--bucket", "8"], inside_blender=False).bakes.spec.bucket == 8
 
 
 def test_exports_are_listed_once_and_need_the_preview() -> None:
     line = ["a.blend", "--object", "A", "--export", "web", "--export", "raw", "--export", "web"]
-    assert parse([*line, "--save-preview"], inside_blender=False).exports == (Target.WEB, Target.RAW)
-    assert parse(line[:3], inside_blender=False).exports == ()
+    assert parse([*line, "--save-preview"], inside_blender=False).bakes.exports == (Target.WEB, Target.RAW)
+    assert parse(line[:3], inside_blender=False).bakes.exports == ()
     with pytest.raises(InputError, match="give --save-preview too"):
         parse(line, inside_blender=False)
     with pytest.raises(InputError, match="the bake is of kind shadow, which godot does not show: choose web"):
@@ -187,8 +196,8 @@ def test_inside_blender_a_scene_is_refused_for_it_is_open_already() -> None:
 def test_demo_needs_no_object_and_shows_itself() -> None:
     for inside in (True, False):
         request = parse(["demo"], inside_blender=inside)
-        assert (request.demo, request.scene, request.objects) == (True, None, ())
-        assert (request.preview, request.overwrite) == (Filter.QUADRILINEAR, True)
+        assert (request.demo, request.scene, request.bakes.objects) == (True, None, (OBJECT,))
+        assert (request.bakes.preview, request.bakes.overwrite) == (Filter.QUADRILINEAR, True)
 
 
 # the entry

@@ -62,7 +62,7 @@ def test_bakes_of_what_is_seen_warn(item: bpy.types.Object, tmp_path: Path) -> N
         lines = check_request(
             cast(bpy.types.Scene, bpy.context.scene), item.name, spec, tmp_path, False, False
         )
-        return any("'View Distance'" in line for line in lines)
+        return any("'View Distance'" in str(line) for line in lines)
 
     assert warned(Kind.RADIANCE)
     assert not warned(Kind.INCIDENT)

@@ -186,7 +186,7 @@ def contrast(cells: Floats) -> Floats:
 
 def test_the_panoramic_capture_cannot_look_at_its_own_surface(tmp_path: Path) -> None:
     plan = stage.plan_of(np.zeros((1, 3)), np.array([[0.0, 0, 1]]), 4)
-    with scratch() as scene, pytest.raises(InputError, match="--capture portal"):
+    with scratch() as scene, pytest.raises(InputError, match="bake radiance by portal"):
         PanoramicCapture(scene, plan, Kind.RADIANCE, 1, 0, tmp_path)
 
 

@@ -17,14 +17,14 @@ import pytest
 
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Layout
-from radtex_addon.cli import bake as baking
+from radtex_addon.cli import run_bake as baking
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.job.layout_choice import DEFAULT_BUDGET
 from radtex_addon.preview.picture import render_picture
-from radtex_addon.ui import panel_state
-from radtex_addon.ui.panel import RADTEX_PT_bake, RADTEX_PT_quality
+from radtex_addon.ui.panel import panel_state
+from radtex_addon.ui.panel.main_panel import RADTEX_PT_bake, RADTEX_PT_quality
 from tests.blender import stage
 from tests.blender.batch_process import Batch, refusal
 from tests.blender.ui_stage import ops, registered, settings
@@ -147,7 +147,7 @@ def test_a_curtain_lets_a_quarter_through(card: Any, tmp_path: Path, out: Path, 
     ("line", "words"),
     [
         ("--layer base", "the shared layout has no layers"),
-        ("--bucket 4", "bucket 4 with a budget: give 6, 10, 14 or 18 cells"),
+        ("--bucket 4", "4 cells with a budget: give 6, 10, 14 or 18 cells"),
         ("--float", "a budget makes textures of one format"),
     ],
 )
@@ -247,7 +247,7 @@ def told() -> str:
 def test_the_panel_says_what_an_automatic_layout_comes_to(panel: Any, card: Any, out: Path) -> None:
     assert told() == "Shared, 14 cells, 2 MB on the GPU"
     panel.bucket = 8
-    assert told().startswith("Buckets, 8 cells. Cells 8 with a budget: give 6, 10, 14 or 18 cells")
+    assert told().startswith("Buckets, 8 cells. 8 cells with a budget: give 6, 10, 14 or 18 cells")
     panel.bucket = 14
     panel.layers = {"base"}
     assert told() == "Buckets, 8 cells. The shared layout has no layers"

@@ -22,12 +22,12 @@ from radtex_addon.bake.spec import BakeSpec, Compression, Layout
 from radtex_addon.core.errors import BakeError, FormatError, InputError, RadTexError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export import folder as folder_module
+from radtex_addon.export.export_manifest import read_manifest
+from radtex_addon.export.exporting import Exported, export_steps
 from radtex_addon.export.folder import LIST, files_in
-from radtex_addon.export.manifest import read_manifest
-from radtex_addon.export.run import Exported, export_path, export_steps
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.job import bake_object
-from radtex_addon.textures.spec import Arrangement, ExportSpec, Target, TextureFormat
+from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 
@@ -84,7 +84,7 @@ def test_a_folder_has_all_that_its_manifest_names(
 ) -> None:
     sidecar = bake(form)
     made = export(sidecar, ExportSpec(target))
-    assert made.folder == export_path(sidecar, target) == sidecar.parent / f"{made.name}.{target}"
+    assert made.folder == sidecar.parent / f"{made.name}.{target}"
     assert list(made.files) == [name for name in files_in(made.folder) if name != LIST]
     assert made.bytes == sum((made.folder / name).stat().st_size for name in made.files)
     manifest = read_manifest(made.folder / f"{made.name}.export.json")
@@ -151,7 +151,7 @@ def test_what_others_put_there_stays_and_what_we_wrote_goes(
     (out / "mine").mkdir()
     (out / "mine" / "scene.txt").write_text("mine")
     (out / "shaders" / "own.glsl").write_text("mine too")
-    with pytest.raises(InputError, match=r"is already there: overwrite it \(--overwrite\)"):
+    with pytest.raises(InputError, match=r"is already there: overwrite it"):
         export(sidecar, GLTF, out)
     made = export(sidecar, GLTF, out, overwrite=True)
     assert (out / "mine" / "scene.txt").read_text() == "mine"
@@ -334,7 +334,7 @@ def _other_layer(sidecar: Path) -> None:
         (_cut, FormatError, r"\.exr is damaged"),
         (_foreign, FormatError, r"\.exr is not an OpenEXR file"),
         (_no_atlas, FormatError, r"\.exr cannot be read: No such file"),
-        (_no_preview, InputError, r"\.preview\.blend is missing.*bake it again with --save-preview"),
+        (_no_preview, InputError, r"\.preview\.blend is missing.*bake it again with a preview"),
         (_no_blend, FormatError, r"\.preview\.blend is no \.blend that this Blender reads"),
         (_other_layer, FormatError, r"of another bake"),
     ],
@@ -383,19 +383,19 @@ def test_a_preview_of_another_unwrap_is_refused(spec: BakeSpec, shader: str, tmp
     export(files.sidecar, GLTF, tmp_path / "good")
     assert files.preview is not None
     shutil.copyfile(tmp_path / "baked" / files.preview.name, files.preview)
-    with pytest.raises(FormatError, match=r"is of another bake: bake it again with --save-preview"):
+    with pytest.raises(FormatError, match=r"is of another bake: bake it again with a preview"):
         export(files.sidecar, GLTF, tmp_path / "bad")
 
 
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"target": Target.WEB, "format": TextureFormat.EXR}, "--format exr: web does not read it; choose"),
+        ({"target": Target.WEB, "format": TextureFormat.EXR}, "format exr: web does not read it: choose"),
         ({"target": Target.WEB, "format": TextureFormat.KTX2_BC6H}, "ktx2-bc6h: web does not read it"),
         ({"target": Target.UNITY, "format": TextureFormat.KTX2_RGBA16F}, "unity does not read it"),
         ({"target": Target.UNREAL, "format": TextureFormat.DDS_BC6H}, "unreal does not read it"),
-        ({"target": Target.RAW, "levels": 0}, "--levels 0: give a whole number from 1 to"),
-        ({"target": Target.RAW, "limit": 1}, "--limit 1: a texture needs 16 pixels at least"),
+        ({"target": Target.RAW, "levels": 0}, "levels 0: give a whole number from 1 to"),
+        ({"target": Target.RAW, "limit": 1}, "limit 1: a texture needs 16 pixels at least"),
     ],
 )
 def test_what_a_target_does_not_take_is_refused(options: dict[str, Any], words: str) -> None:

@@ -22,14 +22,14 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
 from radtex_addon.core.sampler import Filter
 from radtex_addon.core.surface import SurfaceMesh
+from radtex_addon.export.export_manifest import read_manifest
+from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.gltf import to_gltf
-from radtex_addon.export.manifest import read_manifest
-from radtex_addon.export.run import export_steps
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.job import bake_object
 from radtex_addon.scene.mesh.copy import NORMAL, SIGN, TANGENT
 from radtex_addon.scene.preview_file import baked_copy, surface_of
-from radtex_addon.textures.spec import ExportSpec, Target
+from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene

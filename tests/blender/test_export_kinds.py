@@ -20,8 +20,8 @@ from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.cli import main as batch_module
 from radtex_addon.core.sampler import Filter
 from radtex_addon.core.transfer import mean_over_lights
+from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.folder import files_in
-from radtex_addon.export.manifest import read_manifest
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.ktx2 import read_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat
@@ -29,8 +29,8 @@ from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
 from radtex_addon.job.preflight import run_preflight
 from radtex_addon.textures.entry import Arranged, Container
-from radtex_addon.textures.flat import srgb
-from radtex_addon.textures.spec import Target
+from radtex_addon.textures.export_spec import Target
+from radtex_addon.textures.flat_lightmap import srgb
 from tests.blender import stage
 from tests.blender.batch_process import Outcome, refusal
 
@@ -120,7 +120,7 @@ def test_a_hulls_fallback_is_clear_and_has_a_front_alone(
 
 def test_a_layer_that_the_bake_lacks_is_refused(export: Callable[..., Outcome]) -> None:
     told = refusal(export(Kind.PROXY, Target.RAW, "--layer", "base"))
-    assert "has no layer base, its layers are: none; bake it with --layer base" in told
+    assert "has no layer base, its layers are: none: bake it with that layer (--layer base)" in told
     assert "--layer haze: choose from diffuse" in refusal(export(Kind.PROXY, Target.RAW, "--layer", "haze"))
 
 
@@ -167,7 +167,7 @@ def test_a_transfer_too_large_for_one_texture_is_cut_into_pages(
     first = layers.reshape(-1, height, width, 4)[0]
     np.testing.assert_array_equal(first, pixels[:height, :width])
     told = refusal(export(Kind.TRANSFER, Target.RAW, "--limit", "100", "--format", "exr", "--overwrite"))
-    assert "which cannot be split: raise the limit of 100 by --limit" in told
+    assert "which cannot be split: raise the limit of 100 (--limit)" in told
 
 
 def test_a_transfers_cells_are_those_of_the_bake(export: Callable[..., Outcome], tmp_path: Path) -> None:
@@ -206,7 +206,7 @@ def test_a_bake_that_its_target_would_refuse_is_not_begun(tmp_path: Path) -> Non
     context.object.name = "Card"
     asked = (context.scene, ("Card",), SPECS[Kind.SHADOW], tmp_path)
     assert run_preflight(*asked, preview=True, targets=(Target.WEB, Target.RAW)).errors == ()
-    (error,) = run_preflight(*asked, preview=True, targets=(Target.WEB, Target.UNITY)).errors
+    (error,) = map(str, run_preflight(*asked, preview=True, targets=(Target.WEB, Target.UNITY)).errors)
     assert error == "the bake is of kind shadow, which unity does not show: choose web, raw, gltf"
 
 

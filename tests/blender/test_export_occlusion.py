@@ -16,14 +16,14 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
-from radtex_addon.export.manifest import read_manifest
-from radtex_addon.export.run import export_steps
+from radtex_addon.export.export_manifest import read_manifest
+from radtex_addon.export.exporting import export_steps
 from radtex_addon.formats.containers.ktx2 import read_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat
 from radtex_addon.formats.shadow_files import read_shadow_of
 from radtex_addon.job import bake_object
 from radtex_addon.textures.entry import Arranged
-from radtex_addon.textures.spec import ExportSpec, Target, TextureFormat
+from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat
 
 context: Any = bpy.context
 
@@ -85,7 +85,7 @@ def test_what_shows_light_alone_refuses_them(out: Path, kind: str, target: Targe
 
 def test_bits_have_one_format(out: Path) -> None:
     sidecar = baked("shadow", out)
-    with pytest.raises(InputError, match="holds bits, not light: leave --format out"):
+    with pytest.raises(InputError, match="holds bits, not light: leave the format out"):
         finished(export_steps(sidecar, ExportSpec(Target.RAW, TextureFormat.KTX2_RGBA16F)))
-    with pytest.raises(InputError, match="not blended: leave --arrangement and --levels out"):
+    with pytest.raises(InputError, match="not blended: leave the arrangement and the levels out"):
         finished(export_steps(sidecar, ExportSpec(Target.RAW, levels=2)))

@@ -21,13 +21,13 @@ from pathlib import Path
 import bpy
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
-from radtex_addon.export.run import export_steps
-from radtex_addon.export.manifest import read_manifest
+from radtex_addon.export.exporting import export_steps
+from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.job import bake_object
-from radtex_addon.job.finished import is_finished
-from radtex_addon.textures.spec import ExportSpec, Target
-from radtex_addon.ui.choices import KINDS
+from radtex_addon.job.existing_bakes import is_finished
+from radtex_addon.textures.export_spec import ExportSpec, Target
+from radtex_addon.ui.settings.menu_items import KINDS
 from tests.blender import stage
 
 bpy.ops.wm.read_factory_settings(use_empty=True)

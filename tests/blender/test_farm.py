@@ -23,7 +23,7 @@ from radtex_addon.bake.spec import BakeSpec, Layer
 from radtex_addon.core.errors import BakeError, FormatError, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.farm.frame_list import frame_list
-from radtex_addon.farm.prepare import prepare_steps
+from radtex_addon.farm.prepare_farm import prepare_steps
 from radtex_addon.formats.containers.exr import read_stamps
 from radtex_addon.job import bake_object
 from tests.blender.batch_process import process, refusal
@@ -208,7 +208,7 @@ def test_a_folder_without_a_farm_is_named(out: Path) -> None:
 
 def test_nothing_is_overwritten_unasked(rendered: Rendered, out: Path) -> None:
     assembled(rendered.farm, out)
-    with pytest.raises(InputError, match="--overwrite"):
+    with pytest.raises(InputError, match="overwrite it"):
         assembled(rendered.farm, out)
 
 
@@ -222,7 +222,7 @@ def test_an_assembly_that_was_killed_is_simply_run_again(
         raise OSError(5, "Input/output error")
 
     with monkeypatch.context() as patch:
-        patch.setattr("radtex_addon.farm.assemble._save_preview", killed)
+        patch.setattr("radtex_addon.farm.assemble_farm._save_preview", killed)
         patch.setattr(Checkpoint, "drop_own", lambda _: None)  # no dying process does it
         with pytest.raises(OSError, match="Input/output"):
             assembled(rendered.farm, out)

@@ -15,7 +15,7 @@ import pytest
 
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.errors import InputError
-from radtex_addon.farm.prepare import Farm
+from radtex_addon.farm.prepare_farm import Farm
 from tests.blender import stage
 from tests.blender.farming import BOX, prepared
 
@@ -122,8 +122,8 @@ def test_what_cannot_be_held_is_named(
     [
         ({"kind": "shadow"}, "a farm bakes radiance, incident, reflection, proxy, not shadow"),
         ({"layout": "shared"}, "not shared: bake that without a farm"),
-        ({"kind": "incident", "capture": "panoramic"}, "leave --capture out"),
-        ({"accumulate": True}, "leave --accumulate and --refresh out"),
+        ({"kind": "incident", "capture": "panoramic"}, "leave the capture method out"),
+        ({"accumulate": True}, "leave the accumulating and the refreshing out"),
         ({"seed": 2**23 + 1}, "give one below 8388608"),
     ],
 )

@@ -126,7 +126,9 @@ def test_what_follows_the_active_camera_is_told(out: Path) -> None:
     camera, place = (group.nodes.new(f"GeometryNode{name}") for name in ("InputActiveCamera", "ObjectInfo"))
     group.links.new(camera.outputs[0], place.inputs["Object"])
     (told,) = check_request(context.scene, "Body", SPEC, out, False, False)
-    assert told.startswith("object 'Body' follows the active camera by its modifier 'Face', and a bake has")
+    assert str(told).startswith(
+        "object 'Body' follows the active camera by its modifier 'Face', and a bake has"
+    )
     outer = node_group("Outer")
     outer.nodes.new("GeometryNodeGroup").node_tree = group
     body.modifiers["Face"].node_group = outer

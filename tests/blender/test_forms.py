@@ -13,15 +13,14 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.cost import cost_of
 from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.core.errors import FormatError
 from radtex_addon.formats.containers.exr import read_whole
-from radtex_addon.formats.sidecar import read_facts
-from radtex_addon.forms import FORMS, form_for, form_in
+from radtex_addon.formats.sidecar_file import SidecarFile
+from radtex_addon.forms import FORMS, cost_of, form_for, form_in
 from radtex_addon.job import bake_object
-from radtex_addon.job.finished import images_of, is_finished
-from radtex_addon.textures.spec import ExportSpec, Target, TextureFormat
+from radtex_addon.job.existing_bakes import images_of, is_finished
+from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -55,22 +54,23 @@ def test_a_form_keeps_to_the_interface(name: str, tmp_path: Path) -> None:
     spec = SPECS[name]
     form = form_for(spec)
     result = bake_object(context.scene, "Ball", spec, tmp_path)
-    sidecar, images = result.files.sidecar, result.files.images
-    facts = read_facts(sidecar)
+    images, sidecar = result.files.images, SidecarFile.read(result.files.sidecar)
+    facts = sidecar.facts
     # found again, as what it is and nothing else
     assert form_in(facts) is form
     assert is_finished("Ball", spec, tmp_path)
     assert not is_finished("Ball", replace(spec, texels=8), tmp_path)
-    assert set(images) <= set(form.images(spec, sidecar)) & images_of(sidecar)
+    assert set(images) <= set(form.images(spec, sidecar.path)) & images_of(sidecar.path)
     assert all(path.is_file() for path in images)
     # no dearer than was said before
     cost = cost_of(spec)
     assert result.paths <= cost.paths
     assert sum(path.stat().st_size for path in images) <= 1.1 * cost.disk + 4096 * len(images)
+    assert cost.side == max(max(shape[:2]) for shape in form.shapes(sidecar).values())
     # its images are of the sizes that it tells
     shapes = form.shapes(sidecar)
     for path, (width, height, _) in zip(images, shapes.values(), strict=True):
-        if path.suffix == ".exr" and name != "bits":
+        if path.suffix == ".exr":
             assert read_whole(path)[0].shape[:2] == (height, width)
     assert prod(next(iter(form.shapes(sidecar, texels=2).values()))[:2]) == 4 * prod(
         next(iter(shapes.values()))[:2]
@@ -93,8 +93,8 @@ def test_a_form_keeps_to_the_interface(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["buckets", "shared", "condensed"])
 def test_light_is_looked_up(name: str, tmp_path: Path) -> None:
-    sidecar = bake_object(context.scene, "Ball", SPECS[name], tmp_path).files.sidecar
-    opened = form_in(read_facts(sidecar)).open(sidecar)
+    sidecar = SidecarFile.read(bake_object(context.scene, "Ball", SPECS[name], tmp_path).files.sidecar)
+    opened = form_in(sidecar.facts).open(sidecar)
     up = np.tile([[0.0, 0.0, 1.0]], (3, 1))
     light = opened.lookup(np.array([[0.3, 0.5], [0.5, 0.5], [0.7, 0.6]]), up, up, up)
     assert light.shape == (3, 3)

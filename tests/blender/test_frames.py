@@ -150,21 +150,21 @@ def test_the_batch_bakes_frames_and_goes_on_with_those_that_lack(tmp_path: Path)
 
 def test_frames_are_read_from_lists_and_ranges() -> None:
     request = parse(["a.blend", "--object=A", "--frames=3,1-2,3"], inside_blender=False)
-    assert request.frames == (3, 1, 2)
-    assert [spec.frame for spec in request.specs] == [3, 1, 2]
-    assert {spec.unwrap_at for spec in request.specs} == {3}
+    assert request.bakes.frames == (3, 1, 2)
+    assert [spec.frame for spec in request.bakes.specs(context.scene)] == [3, 1, 2]
+    assert {spec.unwrap_at for spec in request.bakes.specs(context.scene)} == {3}
     alone = parse(["a.blend", "--object=A", "--frames=7"], inside_blender=False)
-    assert [(spec.frame, spec.unwrap_at) for spec in alone.specs] == [(7, None)]
+    assert [(spec.frame, spec.unwrap_at) for spec in alone.bakes.specs(context.scene)] == [(7, None)]
     named = parse(["a.blend", "--object=A", "--frames=1-2", "--uv=Map"], inside_blender=False)
-    assert {spec.unwrap_at for spec in named.specs} == {None}
+    assert {spec.unwrap_at for spec in named.bakes.specs(context.scene)} == {None}
 
 
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [
-        (["--frames=x"], "--frames x: give frames' numbers"),
-        (["--frames=5-1"], "--frames 5-1: give frames' numbers"),
-        (["--frames=1,"], "--frames 1,: give frames' numbers"),
+        (["--frames=x"], "frames x: give frames' numbers"),
+        (["--frames=5-1"], "frames 5-1: give frames' numbers"),
+        (["--frames=1,"], "frames 1,: give frames' numbers"),
         (["--frames=1-99999999"], "give frames' numbers"),
         (["--unwrap-at=one"], "--unwrap-at one: give a frame's number"),
         (["--unwrap-at=1"], "unwrap at frame 1 is for frames"),

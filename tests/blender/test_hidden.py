@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.cycles.hidden import find_hidden
+from radtex_addon.cycles.find_hidden import find_hidden
 from tests.blender import stage
 
 

@@ -21,7 +21,6 @@ from radtex_addon.core.frame import normalised
 from radtex_addon.core.sampler import Filter
 from radtex_addon.core.shared import Axis, SharedAtlas, sample_shared
 from radtex_addon.cycles import shared_capture
-from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.formats.packing import layer_names
 from radtex_addon.formats.shared_files import layer_path, read_shared
 from radtex_addon.forms.shared import bake as shared
@@ -31,6 +30,7 @@ from tests.blender import stage
 from tests.blender.conftest import PlannedError
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene
+from tests.blender.shot import small_picture
 from tests.blender.unfinished import take_pieces
 
 pytestmark = pytest.mark.usefixtures("temporary")
@@ -118,7 +118,7 @@ def test_what_is_there_is_kept_unless_it_may_go(out: Path) -> None:
     out.mkdir()
     for name in sorted(files_of("Card", *Axis)):
         (out / name).write_text("mine")
-        with pytest.raises(InputError, match=rf"{name} is already there: .*--overwrite"):
+        with pytest.raises(InputError, match=rf"{name} is already there: overwrite it"):
             bake("Card", TINY, out)
         assert [path.read_text() for path in out.iterdir()] == ["mine"]
         (out / name).unlink()
@@ -346,17 +346,7 @@ def rendered_view(folder: Path, place: tuple[float, float, float]) -> Floats:
     track: Any = camera.constraints.new("TRACK_TO")
     track.target = target
     scene.camera = camera
-    scene.render.engine = "CYCLES"
-    scene.render.resolution_x = scene.render.resolution_y = 8
-    scene.cycles.samples, scene.cycles.use_denoising = 4, False
-    scene.view_settings.view_transform = "Raw"
-    settings = scene.render.image_settings
-    if hasattr(settings, "media_type"):
-        settings.media_type = "IMAGE"
-    settings.file_format, settings.color_depth = "OPEN_EXR", "32"
-    scene.render.filepath = str(folder / "seen.exr")
-    bpy.ops.render.render(write_still=True)
-    return next(iter(read_render(folder / "seen.exr").values()))[..., :3]
+    return small_picture(scene, folder)[..., :3]
 
 
 def test_the_preview_shows_what_the_sampler_sees(out: Path, tmp_path: Path) -> None:

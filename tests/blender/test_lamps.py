@@ -14,16 +14,15 @@ import pytest
 
 from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layer, Layout
 from radtex_addon.cli.arguments import parse
-from radtex_addon.cli.variants import variants
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.prepare.unwrapping import Unwraps
-from radtex_addon.report.eye import Eye
-from radtex_addon.report.finished import find_bake
+from radtex_addon.report.finished_bake import find_bake
 from radtex_addon.report.side_by_side import ComparisonSpec, compare_steps
+from radtex_addon.report.viewpoint import Eye
 from radtex_addon.scene.lights.lamps import each_light
 from tests.blender import stage
 from tests.blender.batch_process import process
@@ -203,7 +202,7 @@ def test_without_lamps_or_with_a_word_for_a_name_there_is_no_each() -> None:
         each_light(context.view_layer)
     floor()
     bpy.data.objects["Noon"].name = "world"
-    with pytest.raises(InputError, match="lamp 'world' bears a word"):
+    with pytest.raises(InputError, match="lamp 'world' has a name that means something else"):
         each_light(context.view_layer)
 
 
@@ -272,27 +271,27 @@ def test_the_batch_bakes_each_lamp_and_goes_on_with_those_that_lack(tmp_path: Pa
 def test_a_bake_of_some_lamps_is_found_last_and_not_compared(out: Path) -> None:
     floor()
     sidecar = bake_object(context.scene, "Floor", replace(SPEC, lights=("Noon",)), out).files.sidecar
-    assert find_bake(out, "Floor") == sidecar
+    assert find_bake(out, "Floor").path == sidecar
     bpy.ops.object.camera_add(location=(0, 0, 5))
     context.scene.camera = context.object
     eye = Eye.of_camera(context.scene, context.view_layer)
     with pytest.raises(InputError, match="has the light of 'Noon' alone"):
         next(compare_steps(context.scene, {bpy.data.objects["Floor"]: sidecar}, eye, ComparisonSpec()))
     whole = bake_object(context.scene, "Floor", SPEC, out).files.sidecar
-    assert find_bake(out, "Floor") == whole
+    assert find_bake(out, "Floor").path == whole
 
 
 def test_lights_are_read_from_lists(out: Path) -> None:
     floor()
     words = ["--lights=A", '--lights="B, C",D', "--frames=1,2"]
     request = parse(["a.blend", "--object=A", *words], inside_blender=False)
-    assert request.lights == (("A",), ("B, C", "D"))
-    found = variants(request.specs, request.lights, context.scene)
+    assert request.bakes.lights == (("A",), ("B, C", "D"))
+    found = request.bakes.specs(context.scene)
     assert [(spec.frame, spec.lights) for spec in found] == [
-        (frame, lights) for frame in (1, 2) for lights in request.lights
+        (frame, lights) for frame in (1, 2) for lights in request.bakes.lights
     ]
     every = parse(["a.blend", "--object=A", "--lights=each", "--lights=all"], inside_blender=False)
-    found = variants(every.specs, every.lights, context.scene)
+    found = every.bakes.specs(context.scene)
     assert [spec.lights for spec in found] == [("Evening",), ("Noon",), ("Panel",), ("world",), ()]
 
 

@@ -25,10 +25,11 @@ from radtex_addon.export import web
 from radtex_addon.export.folder import is_whole
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.forms.shared import bake as shared
-from radtex_addon.job import bake_object, run
-from radtex_addon.job.finished import images_of
+from radtex_addon.job import bake_object
+from radtex_addon.job import baking as run
+from radtex_addon.job.existing_bakes import images_of
 from radtex_addon.job.preflight import run_preflight
-from radtex_addon.textures.spec import Target
+from radtex_addon.textures.export_spec import Target
 from tests.bench.renames import Bench, contents
 from tests.blender.batch_process import Outcome
 from tests.blender.room import fill_room, save_room
@@ -177,10 +178,13 @@ def test_an_export_that_failed_is_made_by_going_on(
 ) -> None:
     asked = ("--object", "Ball", "--save-preview", "--frames", "1,2", "--export", "raw")
     with monkeypatch.context() as patch:
-        patch.setattr("radtex_addon.export.run.write_manifest", full)
+        patch.setattr("radtex_addon.export.exporting.write_manifest", full)
         ended = batch(*asked)
     assert ended.code == 1
-    assert ended.err == "radtex: the disk is full: what is finished of 'Ball' is kept, go on with --resume\n"
+    assert (
+        ended.err
+        == "radtex: the disk is full; what is finished of 'Ball' is kept: go on with it (--resume)\n"
+    )
     assert not (out / "Ball-0001.raw").exists()
     before = (out / "Ball-0001.radiance.json").stat().st_mtime_ns
     ended = batch(*asked, "--resume")
@@ -207,7 +211,7 @@ def test_a_finished_bake_gets_the_preview_and_the_exports_that_it_lacks(out: Pat
     bake(out, preview=False)
     before = contents(out)
     made = bake(out, resume=True, exports=(Target.RAW,))
-    assert made.was_there
+    assert made.was_finished
     assert made.exported == (out / "Ball.raw",)
     assert is_whole(out / "Ball.raw")
     assert {"Ball.preview.blend", "Ball.raw", *before} == {path.name for path in out.iterdir()}
@@ -221,7 +225,7 @@ def test_no_preview_is_made_of_a_mesh_that_is_another_now(out: Path) -> None:
     bake(out, preview=False)
     before = contents(out)
     context.scene.objects["Ball"].data.vertices[0].co.x += 0.01
-    with pytest.raises(InputError, match=r"is no longer what .*Ball\.radiance\.json is of.*--overwrite"):
+    with pytest.raises(InputError, match=r"is no longer what .*Ball\.radiance\.json is of.*bake it anew"):
         bake(out, resume=True)
     assert contents(out) == before
 
@@ -259,10 +263,12 @@ def test_the_panel_foresees_what_an_export_lacks(
 ) -> None:
     monkeypatch.setattr(web, "BUILT", tmp_path / "built")
     found = run_preflight(context.scene, ["Ball"], SPEC, out, preview=True, targets=(Target.WEB,))
-    assert found.errors == ("the web page lacks index.html: build it with `uv run .ci/build_web.py`",)
+    assert tuple(map(str, found.errors)) == (
+        "the web page lacks index.html: build it with `uv run .ci/build_web.py`",
+    )
     monkeypatch.setattr("radtex_addon.export.gltf.find_spec", lambda _: None)
     found = run_preflight(context.scene, ["Ball"], SPEC, out, preview=True, targets=(Target.RAW,))
-    assert found.errors[0].startswith("this Blender has no glTF exporter")
+    assert str(found.errors[0]).startswith("this Blender has no glTF exporter")
 
 
 # more samples, and other light
@@ -308,7 +314,7 @@ def test_more_samples_may_be_begun_anew_though_the_earlier_ones_have_half_of_the
 def test_going_on_with_no_unfinished_accumulation_tells_the_samples(out: Path) -> None:
     bake(out)
     bake(out, MORE)
-    with pytest.raises(InputError, match="it has 2 samples a cell; if more are wanted, leave --resume out"):
+    with pytest.raises(InputError, match="it has 2 samples a cell: leave the resuming out for more"):
         bake(out, MORE, resume=True)
 
 
@@ -390,4 +396,4 @@ def test_an_accumulation_that_never_began_is_not_taken_for_finished(batch: Run) 
     assert batch("--object", "Ball").code == 0
     ended = batch("--object", "Ball", "--accumulate", "--save-preview", "--resume")
     assert ended.code == 2
-    assert ended.err.endswith("it has 1 samples a cell; if more are wanted, leave --resume out\n")
+    assert ended.err.endswith("it has 1 samples a cell: leave --resume out for more\n")

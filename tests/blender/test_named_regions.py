@@ -223,7 +223,7 @@ def test_a_place_without_faces_is_refused(out: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"where": "Top"}, "where 'Top' is for what is accumulated .* or refreshed"),
+        ({"where": "Top"}, "where 'Top' is for what is accumulated or refreshed"),
         ({"where": "", "accumulate": True}, "the name of where is empty"),
     ],
 )

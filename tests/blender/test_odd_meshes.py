@@ -228,11 +228,11 @@ def test_missing_images_and_libraries_are_told(tmp_path: Path, out: Path) -> Non
     stage.world()
     spec = BakeSpec(texels=4, uv_layer="UVMap")
     said = check_request(context.scene, "Odd", spec, out, preview=False, overwrite=False)
-    assert said == ["image 'gone' is missing, and shows magenta: put //nowhere/gone.png back"]
+    assert list(map(str, said)) == ["image 'gone' is missing, and shows magenta: put //nowhere/gone.png back"]
     library.unlink()
     said = check_request(context.scene, "Odd", spec, out, preview=False, overwrite=False)
     assert len(said) == 2
-    assert "library.blend is missing, and all that is linked from it: put it back" in said[1]
+    assert "library.blend is missing, and all that is linked from it: put it back" in str(said[1])
 
 
 @pytest.mark.parametrize(

@@ -19,22 +19,8 @@ import pytest
 
 from radtex_addon.formats.sidecar import read_sidecar
 from tests.blender import stage
-from tests.blender.batch_process import BAKE, Batch, refusal
+from tests.blender.batch_process import BAKE, QUICK, Batch, refusal
 
-QUICK = (
-    "--layout",
-    "buckets",
-    "--uv",
-    "UVMap",
-    "--texels",
-    "4",
-    "--bucket",
-    "2",
-    "--samples",
-    "1",
-    "--progress",
-    "none",
-)
 # Each is the name of an object in the scene; the last two are one name, composed in two ways.
 NAMES = (
     "../../x",
@@ -218,7 +204,7 @@ def test_a_folder_that_cannot_be(name: str, words: str, scene: Path, place: Path
         assert words in refusal(ended)
 
 
-@pytest.mark.parametrize("option", ["--out", "--thumbnail", "--unsaved-images"])
+@pytest.mark.parametrize("option", ["--out", "--thumbnail"])
 def test_a_place_without_a_name(option: str, scene: Path, batch: Batch) -> None:
     assert f"{option} is empty" in refusal(batch(scene, "--object", "Card", *QUICK, option, ""))
     assert "SCENE is empty" in refusal(batch("", "--object", "Card", *QUICK))

@@ -20,33 +20,19 @@ from radtex_addon.core.errors import FormatError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.preview.node_group import check_image
-from radtex_addon.textures.spec import ExportSpec, Target
+from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui import registration
 from radtex_addon.worker import queue as queue_module
 from radtex_addon.worker.handover import work_folder
 from radtex_addon.worker.order import Program
 from radtex_addon.worker.orders import order_export
-from tests.blender.batch_process import BAKE, Batch, process, refusal
+from tests.blender.batch_process import BAKE, QUICK, Batch, process, refusal
 from tests.blender.room import save_room
 from tests.blender.test_batch_compare import ABOVE, FLAT
 from tests.blender.test_batch_compare import QUICK as FEW_PIXELS
 from tests.blender.test_ui_registration import state
 from tests.blender.ui_stage import context, ops, registered, settings
 
-QUICK = (
-    "--layout",
-    "buckets",
-    "--uv",
-    "UVMap",
-    "--texels",
-    "4",
-    "--bucket",
-    "2",
-    "--samples",
-    "1",
-    "--progress",
-    "none",
-)
 BRACES = "{blend_name} {x} }{ {{y}}"
 _CLOSED = """
 import os, sys

@@ -12,7 +12,7 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.job.layout_choice import SHARED_CELLS
 from radtex_addon.ui import registration
-from radtex_addon.ui.choices import KINDS, LAYOUTS
+from radtex_addon.ui.settings.menu_items import KINDS, LAYOUTS
 
 
 @pytest.fixture(autouse=True)

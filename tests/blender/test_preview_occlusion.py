@@ -16,11 +16,11 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter
-from radtex_addon.core.shadow import visibility
 from radtex_addon.formats.containers.exr import read_buckets, read_render
 from radtex_addon.formats.shadow_files import read_shadow_of
 from radtex_addon.job import BakeResult, bake_object
 from radtex_addon.preview.sun import DIRECTION
+from tests.reference.shadows import visibility
 
 pytestmark = pytest.mark.usefixtures("temporary")
 context: Any = bpy.context

@@ -17,12 +17,13 @@ from radtex_addon.bake import progress
 from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layout, Unwrap
 from radtex_addon.core.errors import FormatError, InputError
 from radtex_addon.core.sampler import Filter
+from radtex_addon.formats.sidecar_file import SidecarFile
 from radtex_addon.forms import form_for
 from radtex_addon.job import bake_object
 from radtex_addon.report.causes import Cause, Variant, first_change
-from radtex_addon.report.finished import find_bake, read_bake
+from radtex_addon.report.finished_bake import find_bake, read_bake
 from radtex_addon.report.gbuffer import BakedSurface, Rays, eroded
-from radtex_addon.report.run import ReportResult, ReportSpec, report_path, report_steps
+from radtex_addon.report.report_bake import ReportResult, ReportSpec, report_path, report_steps
 from radtex_addon.report.sizes import gpu_bytes, image_sizes, texture_sizes
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
@@ -92,10 +93,10 @@ def test_stripes_cost_texels_and_nothing_else(out: Path, temporary: Path) -> Non
     assert abs(found.lost["samples"]) < 0.1
     assert abs(found.lost["bucket"]) < 0.1
     assert found.first_change is not None
-    assert found.first_change.startswith("First give it more --texels")
-    assert "--texels 128 takes about four times the paths" in found.first_change
+    assert found.first_change.startswith("First give it more texels")
+    assert "128 texels take about four times the paths" in found.first_change
     text = found.page.read_text(encoding="utf-8")
-    for words in ("half of --samples: 1<", "half of --bucket: 2<", "half of --texels: 32<"):
+    for words in ("half of samples: 1<", "half of cells: 2<", "half of texels: 32<"):
         assert words in text
 
 
@@ -119,9 +120,9 @@ def test_condensing_is_a_cause_of_its_own(out: Path, temporary: Path) -> None:
     assert found.gpu < dense.gpu / 4
     text = found.page.read_text(encoding="utf-8")
     for words in (
-        "half of --samples: 1<",
-        "half of --bucket: 2<",
-        "half of --texels: 16<",
+        "half of samples: 1<",
+        "half of cells: 2<",
+        "half of texels: 16<",
         ">not condensed<",
     ):
         assert words in text, words
@@ -279,13 +280,13 @@ def test_bakes_are_found_by_folder_file_and_object(out: Path) -> None:
     one = bake("One", TINY, out)
     (out / "notes.json").write_text('{"mine": 1}')
     (out / "broken.json").write_text("{")
-    assert find_bake(out, None) == find_bake(one, "One") == one
+    assert find_bake(out, None) == find_bake(one, "One") == SidecarFile.read(one)
     with pytest.raises(InputError, match=r"holds no bake of 'Two': it has 'One'"):
         find_bake(out, "Two")
     two = bake("Two", TINY, out)
-    with pytest.raises(InputError, match=r"holds bakes of 'One', 'Two': name one \(--object\)"):
+    with pytest.raises(InputError, match=r"holds bakes of 'One', 'Two': name one"):
         find_bake(out, None)
-    assert find_bake(out, "Two") == two
+    assert find_bake(out, "Two").path == two
     with pytest.raises(InputError, match="is a bake of 'Two', not of 'One'"):
         find_bake(two, "One")
 
@@ -297,7 +298,7 @@ def test_light_that_no_camera_sees_is_refused(out: Path) -> None:
         with pytest.raises(InputError, match="incident light, which no camera sees"):
             find_bake(place, None)
     bake("Ball", TINY, out)
-    assert find_bake(out, None).name == "Ball.radiance.json"
+    assert find_bake(out, None).path.name == "Ball.radiance.json"
 
 
 def test_files_of_two_bakes_are_refused(out: Path, tmp_path: Path) -> None:
@@ -344,7 +345,7 @@ def test_a_condensed_bakes_sizes_are_those_of_its_files(out: Path, temporary: Pa
     assert formats["mirror_weights"] == "R8G8B8A8_UNORM"
     assert formats["mirror_ends_xy"] == "BC5_UNORM"
     assert formats["mirror_gain"] == "BC7_UNORM"
-    text = report(made.path).page.read_text(encoding="utf-8")
+    text = report(made.file.path).page.read_text(encoding="utf-8")
     assert "BC7_UNORM" in text
     assert "RGB9E5" not in text
 
@@ -374,10 +375,10 @@ def variant(cause: Cause, value: int, lost: float) -> Variant:
 def test_what_costs_most_is_changed_first(finished: Any) -> None:
     samples, cells = variant(Cause.SAMPLES, 8, 1.5), variant(Cause.CELLS, 4, 0.5)
     words = first_change(finished, [samples, cells])
-    assert words.startswith("First give it more --samples: half of them costs most, 1.5 dB (noise)")
-    assert "--samples 32 takes twice the paths, and no bytes" in words
+    assert words.startswith("First give it more samples: half of them costs most, 1.5 dB (noise)")
+    assert "32 samples take twice the paths, and no bytes" in words
     words = first_change(finished, [replace(samples, lost=0.4), cells])
-    assert "--bucket 16 takes four times the paths" in words
+    assert "16 cells take four times the paths" in words
     assert "No setting matters much" in first_change(finished, [replace(samples, lost=-1.0)])
     assert "too small" in first_change(finished, [])
 
@@ -390,13 +391,13 @@ def test_what_a_condensed_bake_is_given_first(finished: Any) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("radtex_addon.report.causes.gpu_bytes", lambda bake: bake.budget)
         words = first_change(small, [variant(Cause.CELLS, 6, 1.0), dense])
-    assert words.startswith("First give it a larger --budget: condensing costs most, 3.0 dB.")
+    assert words.startswith("First give it a larger budget: condensing costs most, 3.0 dB.")
     assert "takes 7.0 MB on a GPU instead of 0.1" in words
     assert "halving any, or condensing, costs less" in first_change(small, [replace(dense, lost=0.1)])
     words = first_change(small, [variant(Cause.CELLS, 6, 4.0), dense])
-    assert "--bucket 30 takes no paths, and as many bytes as --budget allows" in words
+    assert "30 cells take no paths, and as many bytes as its budget allows" in words
     words = first_change(small, [variant(Cause.TEXELS, 12, 4.0), dense])
-    assert "--texels 48 takes about four times the paths, and as many bytes as --budget" in words
+    assert "48 texels take about four times the paths, and as many bytes as its budget" in words
 
 
 @pytest.mark.parametrize(("views", "pixels", "samples"), [(0, 64, 8), (1, 8, 8), (1, 4096, 8), (1, 64, 0)])

@@ -17,10 +17,10 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.preview.swap import switch_off, switch_on
-from radtex_addon.report.eye import Eye
-from radtex_addon.report.finished import read_bake
-from radtex_addon.report.run import ReportResult, ReportSpec, report_path, report_steps
+from radtex_addon.report.finished_bake import read_bake
+from radtex_addon.report.report_bake import ReportResult, ReportSpec, report_path, report_steps
 from radtex_addon.report.side_by_side import Comparison, ComparisonSpec, compare_steps
+from radtex_addon.report.viewpoint import Eye
 from tests.blender import stage
 from tests.blender.batch_process import process
 from tests.blender.fingerprint import differences, fingerprint

@@ -169,9 +169,7 @@ def test_what_does_not_matter_may_differ(out: Path, tmp_path: Path) -> None:
 def test_an_unfinished_bake_is_begun_anew_only_if_that_is_said(out: Path, tmp_path: Path) -> None:
     bake_object(context.scene, "Ball", QUICK, tmp_path / "whole")
     kept = begun(out, BakeSpec(texels=16, bucket=2, samples=1))
-    with pytest.raises(
-        InputError, match=r"unfinished bake: go on with it \(--resume\), or begin anew \(--over"
-    ):
+    with pytest.raises(InputError, match=r"unfinished bake: go on with it, or begin an"):
         bake_object(context.scene, "Ball", QUICK, out)
     assert sorted(path.name for path in (out / FOLDER).iterdir()) == kept
     bake_object(context.scene, "Ball", QUICK, out, overwrite=True)
@@ -191,7 +189,7 @@ def test_what_is_finished_is_neither_traced_again_nor_overwritten(
     seen = rendered(monkeypatch)
     bake_object(context.scene, "Ball", QUICK, out, resume=True)
     assert seen == []
-    with pytest.raises(InputError, match="nothing of object 'Ball' is unfinished: leave --resume out"):
+    with pytest.raises(InputError, match="nothing of object 'Ball' is unfinished: bake it anew"):
         bake_object(context.scene, "Ball", QUICK, out, resume=True)
     bake_object(context.scene, "Ball", QUICK, out, resume=True, overwrite=True)
     assert seen

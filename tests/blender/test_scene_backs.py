@@ -17,7 +17,7 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.islands import find_overlap
-from radtex_addon.cycles.hidden import find_hidden
+from radtex_addon.cycles.find_hidden import find_hidden
 from radtex_addon.prepare.prepared import Prepared, prepare
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
 from radtex_addon.scene.mesh.backs import (

@@ -60,12 +60,12 @@ def test_a_missing_layer_is_answered_with_those_there_are() -> None:
     item = grid()
     item.data.uv_layers.new(name="lightmap")
     with pytest.raises(
-        InputError, match=r"object 'Grid' has no UV layer 'Lightmap' .* it has 'UVMap', 'lightmap'"
+        InputError, match=r"object 'Grid' has no UV layer 'Lightmap' .* choose 'UVMap' or 'lightmap'"
     ):
         user_uv(read(item), "Lightmap")
     for layer in list(item.data.uv_layers):
         item.data.uv_layers.remove(layer)
-    with pytest.raises(InputError, match=r"it has none; leave --uv out to have one made"):
+    with pytest.raises(InputError, match=r"leave the UV layer out to have one made"):
         user_uv(read(item), "Lightmap")
 
 

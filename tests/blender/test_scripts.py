@@ -16,24 +16,10 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.preview import osl
 from radtex_addon.preview.picture import render_picture
 from tests.blender import stage
-from tests.blender.batch_process import Batch, process
+from tests.blender.batch_process import QUICK, Batch, process
 
 context: Any = bpy.context
-QUICK = (
-    "--layout",
-    "buckets",
-    "--uv",
-    "UVMap",
-    "--texels",
-    "4",
-    "--bucket",
-    "2",
-    "--samples",
-    "1",
-    "--progress",
-    "none",
-)
-SAID = "the driver of location of object 'Card' is without a value"
+SAID = "the driver of location of object 'Card' has no value"
 
 
 class Trap:

@@ -27,8 +27,8 @@ from radtex_addon.formats.sidecar import Source, read_sidecar
 from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.prepare.prepared import Prepared, prepare
 from radtex_addon.preview.swap import copy_of, originals_rendered, switch_off, switch_on
-from radtex_addon.report.eye import Eye
 from radtex_addon.report.side_by_side import Comparison, ComparisonSpec, compare_steps
+from radtex_addon.report.viewpoint import Eye
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
@@ -152,7 +152,7 @@ def test_what_finds_nothing_is_counted_told_and_filled(out: Path, caplog: pytest
     assert found is not None
     share = found.missed / (found.missed + made.covered_texels)
     assert 0.3 < share < 0.6
-    assert f"{100 * share:.2g} % of the texels of 'Low' found nothing of 'High' within 0.3" in caplog.text
+    assert f"{100 * share:.2g} % of the texels of 'Low' do not reach 'High' within 0.3" in caplog.text
     assert "enlarge the extrusion" in caplog.text
     image, _ = read_buckets(made.files.sidecar)
     assert image[..., 3].min() == 1, "texels are left empty"
@@ -287,7 +287,7 @@ def test_nothing_found_at_all_is_refused_and_the_old_atlas_stays(out: Path) -> N
     bake(out)
     before = {path: path.read_bytes() for path in out.iterdir()}
     bpy.data.objects["High"].location.x = 5
-    with pytest.raises(InputError, match="object 'Low' finds nothing of 'High' within"):
+    with pytest.raises(InputError, match="object 'Low' does not reach 'High' within"):
         bake_object(context.scene, "Low", SPEC, out, overwrite=True)
     assert {path: path.read_bytes() for path in out.iterdir()} == before
 

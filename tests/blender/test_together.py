@@ -119,9 +119,9 @@ def test_layers_that_lie_on_one_another_are_refused_by_name(out: Path) -> None:
         ({"objects": ("A", "B"), "layout": Layout.SHARED}, "shared layout is not baked for several objects"),
         ({"objects": ("A", "B"), "kind": Kind.PROXY}, "a proxy is not baked for several objects"),
         ({"objects": ("A", "B"), "source": "High"}, "is not baked for several objects in one atlas"),
-        ({"split": "udim"}, r"UDIM tiles are a UV layer's: name the layer \(--uv\)"),
+        ({"split": "udim"}, r"UDIM tiles are a UV layer's: name the layer"),
         ({"split": "faces"}, "there is no way to split 'faces': choose from material, udim"),
-        ({"part": "Steel"}, "part 'Steel' of what[?] Split by material or udim"),
+        ({"part": "Steel"}, "part 'Steel' is for an object that is split: split it by material or udim"),
     ],
 )
 def test_what_does_not_fit_is_refused(fields: dict[str, Any], message: str) -> None:

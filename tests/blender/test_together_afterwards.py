@@ -18,14 +18,15 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Split
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
-from radtex_addon.export.run import export_steps
+from radtex_addon.export.exporting import export_steps
 from radtex_addon.formats.containers.glb import Glb
+from radtex_addon.formats.sidecar_file import SidecarFile
 from radtex_addon.job import bake_object, part_specs
 from radtex_addon.preview.swap import is_on, switch_all_on, switch_off
-from radtex_addon.report.finished import check_whole, find_bake, find_bakes
-from radtex_addon.textures.spec import ExportSpec, Target
+from radtex_addon.report.finished_bake import check_whole, find_bake, find_bakes
+from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui import registration
-from radtex_addon.ui.request import BakeRequest, values_of
+from radtex_addon.ui.settings.request import request_of, values_of
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.test_together import ROOM, room, two_coloured
 from tests.blender.ui_stage import ops
@@ -85,9 +86,11 @@ def test_one_of_them_can_be_shown_alone_and_a_stranger_cannot(out: Path) -> None
 
 def test_the_atlas_is_found_by_its_name_and_by_its_objects(out: Path) -> None:
     sidecar = baked_room(out)
-    assert find_bake(out, "Room") == find_bake(out, "Right") == find_bake(out, None) == sidecar
+    assert (
+        find_bake(out, "Room") == find_bake(out, "Right") == find_bake(out, None) == SidecarFile.read(sidecar)
+    )
     alone = bake_object(context.scene, "Right", QUICK, out).files.sidecar
-    assert find_bake(out, "Right") == alone
+    assert find_bake(out, "Right").path == alone
     with pytest.raises(InputError, match="is of several objects in one atlas, which no report judges"):
         check_whole(sidecar)
 
@@ -100,7 +103,7 @@ def test_parts_are_shown_together(out: Path) -> None:
     assert worn == ["RadTex Cube Hot", "RadTex Cube Cold / wet"]
     index = [polygon.material_index for polygon in preview.copy.data.polygons]
     assert index == [0] * 6 + [1] * 6
-    assert find_bakes(out, "Cube", "exported") == sorted(sidecars)
+    assert [found.path for found in find_bakes(out, "Cube", "exported")] == sorted(sidecars)
     with pytest.raises(InputError, match="name one of these files instead of the folder"):
         find_bake(out, "Cube")
 
@@ -148,22 +151,24 @@ def test_the_panel_asks_for_one_atlas_or_one_for_each_part(out: Path) -> None:
     room()
     settings = context.scene.radtex
     settings.together, settings.atlas_name, settings.directory = True, "Room", str(out)
-    request = BakeRequest.of(values_of(settings))
-    ((name, spec),) = request.bakes(context.scene, tuple(ROOM))
+
+    def asked(*names: str, guess: bool = False) -> tuple[tuple[str, BakeSpec], ...]:
+        return request_of(values_of(settings), names).asked(context.scene, guess=guess)
+
+    ((name, spec),) = asked(*ROOM)
     assert (name, spec.objects) == ("Room", tuple(ROOM))
-    ((name, spec),) = request.bakes(context.scene, ("Left",))  # nobody to share with
+    ((name, spec),) = asked("Left")  # nobody to share with
     assert (name, spec.objects) == ("Left", ())
     settings.atlas_name = " "
     with pytest.raises(InputError, match="the atlas that objects share has no name"):
-        BakeRequest.of(values_of(settings)).bakes(context.scene, tuple(ROOM))
+        asked(*ROOM)
     two_coloured()
     settings.split = "material"
-    request = BakeRequest.of(values_of(settings))
     for guess in (True, False):
-        bakes = request.bakes(context.scene, ("Cube",), guess=guess)
+        bakes = asked("Cube", guess=guess)
         assert [(name, each.part) for name, each in bakes] == [("Cube", "Hot"), ("Cube", "Cold / wet")]
     settings.part = "Hot"
-    assert len(BakeRequest.of(values_of(settings)).bakes(context.scene, ("Cube",))) == 1
+    assert len(asked("Cube")) == 1
 
 
 @pytest.mark.usefixtures("registered")

@@ -17,18 +17,18 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Kind, Split, View
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
+from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.gltf import to_gltf
-from radtex_addon.export.run import export_steps
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.job import bake_object
 from radtex_addon.job.variants import variants_in
 from radtex_addon.preview.swap import copy_of
-from radtex_addon.report.eye import Eye
-from radtex_addon.report.finished import find_bakes
+from radtex_addon.report.finished_bake import find_bakes
 from radtex_addon.report.shown import bakes_of, shown_bake
 from radtex_addon.report.side_by_side import ComparisonSpec, compare_steps
-from radtex_addon.textures.spec import ExportSpec, Target
-from radtex_addon.ui import jobs_panel
+from radtex_addon.report.viewpoint import Eye
+from radtex_addon.textures.export_spec import ExportSpec, Target
+from radtex_addon.ui.panel import jobs_panel
 from radtex_addon.worker.handover import hand_over
 from radtex_addon.worker.job import Job, State
 from radtex_addon.worker.orders import order_bake
@@ -108,22 +108,26 @@ def test_of_parts_the_plain_bakes_go_before_their_frames(out: Path) -> None:
     two_coloured()
     frames = [bake("Cube", replace(part, frame=2), out, preview=False) for part in (HOT, COLD)]
     assert variants_in(out, "Cube", "radiance") == tuple(sorted(frames))
-    assert find_bakes(out, "Cube", "exported") == sorted(frames)
+    assert _found(out) == sorted(frames)
     bake("Cube", replace(HOT, frame=3), out, preview=False)
     with pytest.raises(InputError, match="name one of these files instead of the folder"):
         find_bakes(out, "Cube", "exported")
     plain = bake("Cube", HOT, out)
-    assert find_bakes(out, "Cube", "exported") == [plain]
+    assert _found(out) == [plain]
     assert variants_in(out, "Cube", "radiance") == ()
-    assert shown_bake(out, "Cube") == plain
+    assert shown_bake(out, "Cube").path == plain
     whole = bake("Cube", TINY, out)
-    assert find_bakes(out, "Cube", "exported") == [whole]
+    assert _found(out) == [whole]
 
 
 def test_parts_of_any_kind_are_shown(out: Path) -> None:
     two_coloured()
     sidecar = bake("Cube", replace(HOT, kind=Kind.SHADOW, half=True), out)
-    assert shown_bake(out, "Cube") == sidecar
+    assert shown_bake(out, "Cube").path == sidecar
+
+
+def _found(out: Path) -> list[Path]:
+    return [found.path for found in find_bakes(out, "Cube", "exported")]
 
 
 # several objects, by their name

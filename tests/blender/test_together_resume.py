@@ -19,10 +19,12 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.formats.sample_counts import read_counts
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, bake_steps, part_specs
-from radtex_addon.job.finished import is_finished
-from radtex_addon.job.variants import left_to_do, passed_over
-from radtex_addon.ui import estimates, jobs, panel_state
-from radtex_addon.ui.request import BakeRequest, values_of
+from radtex_addon.job.bake_plan import BakePlan, plan_bakes, preflight
+from radtex_addon.job.existing_bakes import is_finished
+from radtex_addon.job.variants import bakes_to_resume, skipped_warning
+from radtex_addon.ui.jobs import estimates, jobs
+from radtex_addon.ui.panel import panel_state
+from radtex_addon.ui.settings.request import request_of, values_of
 from radtex_addon.worker.job import State
 from tests.blender.batch_process import process
 from tests.blender.test_together import ROOM, cube, glow, room, two_coloured
@@ -64,8 +66,12 @@ def interrupt(spec: BakeSpec, out: Path) -> None:
     steps.close()
 
 
+def _plan(chosen: Any) -> BakePlan:
+    return plan_bakes(context.scene, request_of(values_of(chosen), ("Cube",)))
+
+
 def asked(out: Path) -> tuple[tuple[str, BakeSpec], ...]:
-    return BakeRequest.of(values_of(settings())).bakes(context.scene, ("Cube",))
+    return _plan(settings()).wanted
 
 
 @pytest.mark.parametrize("again", ["accumulate", "refresh"])
@@ -76,16 +82,16 @@ def test_what_was_added_to_is_gone_on_with_only_where_it_is_unfinished(again: st
     ]
     wanted = [("Cube", part) for part in more]
     with pytest.raises(
-        InputError, match=rf"no bake of 'Cube' is unfinished.*{again}e?d already: leave --resu"
+        InputError, match=rf"no bake of 'Cube' is unfinished.*{again}e?d already: name those that lack"
     ):
-        left_to_do(wanted, out)
+        bakes_to_resume(wanted, out)
     bake_object(context.scene, "Cube", more[0], out)
     with pytest.raises(InputError, match="no bake of 'Cube' is unfinished"):
-        left_to_do(wanted, out)
+        bakes_to_resume(wanted, out)
     interrupt(more[1], out)
-    assert left_to_do(wanted, out) == (wanted[1],)
-    assert passed_over(wanted, wanted[1:]).startswith("1 of 2 bakes go on, those that are unfinished")
-    assert passed_over(wanted, wanted) == ""
+    assert bakes_to_resume(wanted, out) == (wanted[1],)
+    assert skipped_warning(wanted, wanted[1:]).startswith("1 of 2 bakes go on, those that are unfinished")
+    assert skipped_warning(wanted, wanted) == ""
 
 
 def test_the_batch_adds_samples_to_the_unfinished_part_alone_and_says_so(tmp_path: Path, out: Path) -> None:
@@ -135,7 +141,7 @@ def test_the_panel_goes_on_with_tiles_once_the_first_is_done(panel: Any, out: Pa
     lacking.with_suffix(".exr").unlink()
     assert [part.part for part in parts] == ["1001", "1012"]
     assert [spec.part for _, spec in asked(out)] == ["1012"]
-    assert BakeRequest.of(values_of(panel)).preflight(context.scene, ("Cube",), 1.0).errors == ()
+    assert preflight(context.scene, _plan(panel)).errors == ()
     assert ops.radtex.bake(object="Cube") == {"FINISHED"}
     assert lacking.is_file()
 
@@ -156,9 +162,9 @@ def test_the_panel_adds_samples_to_the_unfinished_part_alone(panel: Any, out: Pa
     with pytest.raises(RuntimeError, match="No bake of 'Cube' is unfinished"):
         ops.radtex.bake(object="Cube")
     interrupt(replace(asked_anew(panel, cold), half=True), out)
-    request = BakeRequest.of(values_of(panel))
-    assert [spec.part for _, spec in request.bakes(context.scene, ("Cube",))] == ["Cold / wet"]
-    assert request.left_out(context.scene, ("Cube",)).startswith("1 of 2 bakes go on")
+    plan = _plan(panel)
+    assert [spec.part for _, spec in plan.wanted] == ["Cold / wet"]
+    assert plan.skipped.startswith("1 of 2 bakes go on")
     assert ops.radtex.bake(object="Cube") == {"FINISHED"}
     assert read_sidecar(out / "Cube.Hot.radiance.json").samples == 1
 
@@ -167,12 +173,12 @@ def test_other_parts_may_be_baked_meanwhile(panel: Any, tmp_path: Path, out: Pat
     two_coloured()
     preferences().cache_directory = str(tmp_path / "cache")
     panel.split, panel.part, panel.preview = "material", "Hot", False
-    jobs.submit(context.scene, ("Cube",), BakeRequest.of(values_of(panel)))
+    jobs.submit(context.scene, _plan(panel))
     panel.part = ""
     with pytest.raises(InputError, match="object 'Cube' is being baked there already"):
-        jobs.submit(context.scene, ("Cube",), BakeRequest.of(values_of(panel)))
+        jobs.submit(context.scene, _plan(panel))
     panel.resume = True
-    jobs.submit(context.scene, ("Cube",), BakeRequest.of(values_of(panel)))
+    jobs.submit(context.scene, _plan(panel))
     assert [job.order.part for job in jobs.snapshot()] == ["Hot", "Cold / wet"]
     finish()
     assert [job.state for job in jobs.snapshot()] == [State.DONE] * 2, jobs.snapshot()
@@ -180,7 +186,7 @@ def test_other_parts_may_be_baked_meanwhile(panel: Any, tmp_path: Path, out: Pat
 
 def asked_anew(panel: Any, part: BakeSpec) -> BakeSpec:
     """The part as the panel asks for it."""
-    return replace(BakeRequest.of(values_of(panel)).spec, part=part.part)
+    return replace(request_of(values_of(panel), ("Cube",)).spec, part=part.part)
 
 
 def test_parts_without_a_face_of_the_place_are_left_out(out: Path) -> None:

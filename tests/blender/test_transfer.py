@@ -18,12 +18,13 @@ from radtex_addon.bake.spec import BakeSpec, Kind, View
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
-from radtex_addon.core.transfer import mean_over_lights, sample_transfer
+from radtex_addon.core.transfer import mean_over_lights
 from radtex_addon.formats.transfer_files import TransferSidecar, read_transfer
 from radtex_addon.job import bake_object, bake_steps
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene
+from tests.reference.relighting import sample_transfer
 
 pytestmark = pytest.mark.usefixtures("temporary")
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -154,10 +155,10 @@ def test_the_users_scene_is_what_it_was(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("wrong", "says"),
     [
-        ({"layout": "shared"}, "kind transfer knows no shared layout: choose layout buckets"),
-        ({"capture": "panoramic"}, "kind transfer knows no capture panoramic: capture by portal"),
-        ({"budget": 10**6}, "kind transfer knows no budget or target: leave it out"),
-        ({"target": 40.0}, "kind transfer knows no budget or target: leave it out"),
+        ({"layout": "shared"}, "kind transfer does not go with the shared layout: choose layout buckets"),
+        ({"capture": "panoramic"}, "kind transfer does not go with capture panoramic: capture by portal"),
+        ({"budget": 10**6}, "kind transfer does not go with a budget or target: leave it out"),
+        ({"target": 40.0}, "kind transfer does not go with a budget or target: leave it out"),
     ],
 )
 def test_what_it_cannot_be_is_refused(wrong: dict[str, Any], says: str) -> None:
@@ -249,7 +250,9 @@ def test_a_view_that_cannot_be_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="scene 'Scene' has no camera to be seen from: add one"):
         bake(tmp_path / "out", replace(SMALL, view=View.CAMERA))
     assert not (tmp_path / "out").exists()
-    with pytest.raises(InputError, match=r"radiance is not baked for a view: leave camera \(--view\) out"):
+    with pytest.raises(
+        InputError, match=r"radiance is not baked for a view, such as camera: leave the view out"
+    ):
         BakeSpec(view=View.CAMERA)
     with pytest.raises(InputError, match="makes 81000 pixels a side"):
         BakeSpec(kind=Kind.TRANSFER, view=View.AROUND, texels=3000)

@@ -15,7 +15,6 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
-from radtex_addon.core.transfer import sample_transfer
 from radtex_addon.formats.sidecar import Sidecar
 from radtex_addon.formats.transfer_files import TransferSidecar, write_transfer
 from radtex_addon.job import bake_object
@@ -27,6 +26,7 @@ from radtex_addon.scene.nodes import NodeBuilder, Socket
 from tests.blender import stage
 from tests.blender.lookup_stage import ENGINES, Inputs, LookupStage, write_exr
 from tests.lookups import COUNT, LAYOUT, random_atlas, random_lookups, relative_error
+from tests.reference.relighting import sample_transfer
 from tests.transfer_lookups import Way, questions
 
 context: Any = bpy.context  # to the stubs, every pointer may be None

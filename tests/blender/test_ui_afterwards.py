@@ -20,17 +20,18 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
 from radtex_addon.preview.swap import is_on
-from radtex_addon.report.eye import Eye
 from radtex_addon.report.shown import bakes_of
 from radtex_addon.report.side_by_side import ComparisonSpec
-from radtex_addon.textures.spec import Arrangement, ExportSpec, Target, TextureFormat
-from radtex_addon.ui import jobs, registration
-from radtex_addon.ui.compare_operator import submit
-from radtex_addon.ui.comparison import BAKED, DIFFERENCE, TRACED, figures
-from radtex_addon.ui.export_operator import ARRANGEMENTS, FORMATS, Place
-from radtex_addon.ui.export_operator import submit as export
-from radtex_addon.ui.forecast import chosen_objects
-from radtex_addon.ui.jobs_panel import title
+from radtex_addon.report.viewpoint import Eye
+from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
+from radtex_addon.ui import registration
+from radtex_addon.ui.jobs import jobs
+from radtex_addon.ui.jobs.comparison import BAKED, DIFFERENCE, TRACED, figures
+from radtex_addon.ui.operators.compare_operator import submit
+from radtex_addon.ui.operators.export_operator import ARRANGEMENTS, FORMATS, Place
+from radtex_addon.ui.operators.export_operator import submit as export
+from radtex_addon.ui.panel.forecast import chosen_objects
+from radtex_addon.ui.panel.jobs_panel import title
 from radtex_addon.worker.job import Job
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint

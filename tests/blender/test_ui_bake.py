@@ -14,10 +14,12 @@ import bpy
 import pytest
 
 from radtex_addon.core.errors import InputError
-from radtex_addon.textures.spec import Target
-from radtex_addon.ui import estimates, jobs, panel_state
-from radtex_addon.ui.jobs_panel import phrase
-from radtex_addon.ui.request import BakeRequest, spec_of, values_of
+from radtex_addon.job.bake_plan import plan_bakes
+from radtex_addon.textures.export_spec import Target
+from radtex_addon.ui.jobs import estimates, jobs
+from radtex_addon.ui.panel import panel_state
+from radtex_addon.ui.panel.jobs_panel import phrase
+from radtex_addon.ui.settings.request import request_of, spec_of, values_of
 from radtex_addon.worker.job import State
 from tests.blender import stage
 from tests.blender.ui_stage import context, ops, preferences, registered, settings
@@ -128,7 +130,7 @@ def wait_for(state: State) -> None:
 def submit(**choice: object) -> None:
     for name, value in choice.items():
         setattr(settings(), name, value)
-    jobs.submit(context.scene, ("Card",), BakeRequest.of(values_of(settings())))
+    jobs.submit(context.scene, plan_bakes(context.scene, request_of(values_of(settings()), ("Card",))))
 
 
 def test_a_worker_bakes_and_exports_what_the_button_asks_for(out: Path, tmp_path: Path) -> None:
@@ -187,7 +189,7 @@ def test_a_cancelled_bake_can_be_gone_on_with(out: Path) -> None:
     jobs.cancel()
     wait_for(State.CANCELLED)
     (error,) = panel_state.refresh(context.scene, context.view_layer).errors
-    assert "go on with it" in error
+    assert "go on with it" in str(error)
     jobs.forget_ended()
     submit(resume=True)
     wait_for(State.DONE)
@@ -205,6 +207,6 @@ def test_a_worker_finds_out_how_long_a_bake_will_take() -> None:
     while estimates.advance():
         assert time.monotonic() < until
         time.sleep(0.05)
-    assert estimates.message() == ""
+    assert estimates.message() is None
     assert not estimates.asking()
     assert estimates.seconds_known(context.scene, [("Card", spec)]) is not None

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The window speaks of its own settings, never of the batch's options."""
+"""The window and the command line each call a setting by their own name for it."""
 
 from __future__ import annotations
 
 import ast
+import json
 import re
 from collections.abc import Iterator
 from itertools import pairwise
@@ -14,62 +15,48 @@ import blf
 import pytest
 
 from radtex_addon.bake.progress import Stage
-from radtex_addon.report.progress import Task
-from radtex_addon.textures.progress import Task as ExportTask
-from radtex_addon.ui import labels, registration
-from radtex_addon.ui import messages as messages_module
-from radtex_addon.ui.labels import remark
+from radtex_addon.cli import wording
+from radtex_addon.core.errors import InputError
+from radtex_addon.core.messages import Message, Setting, do, leave_out
+from radtex_addon.report.report_progress import Task
+from radtex_addon.textures.export_progress import Task as ExportTask
+from radtex_addon.ui import registration
+from radtex_addon.ui.panel import draw_messages as messages_module
+from radtex_addon.ui.panel import labels
+from radtex_addon.ui.panel.labels import remark
 from tests.blender.ui_stage import context, properties_of, registered
 
-PACKAGE = Path(labels.__file__).parents[1]
-OPTION = re.compile(r"--([a-z][a-z-]+)")
-# Not shown in the window: the batch itself, and the report's page.
-ELSEWHERE = {"cli", "report/page.py", "report/causes.py", "farm"}
-SHIPPED = "export/web/"  # a page's sources
+ANEW = do("begin anew", Setting.OVERWRITE, without=(Setting.RESUME,))
+PACKAGE = Path(labels.__file__).parents[2]
+OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]+")
+# The command line itself, the command line of a worker, and a page whose style sheet has such names.
+WITH_OPTIONS = {"cli", "worker", "ui/jobs/jobs.py", "report/page.py"}
 
 
-def messages(tree: ast.AST) -> Iterator[str]:
-    """What a module may say, with X for what it fills in; docstrings say nothing."""
-    silent = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+def strings(tree: ast.AST) -> Iterator[str]:
+    """All strings of a module but its docstrings."""
+    docstrings = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
     for node in ast.walk(tree):
-        if isinstance(node, ast.JoinedStr):
-            parts = [part.value if isinstance(part, ast.Constant) else "X" for part in node.values]
-            silent |= {id(part) for part in node.values}
-            yield "".join(str(part) for part in parts)
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in silent:
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docstrings:
             yield node.value
 
 
-def found() -> list[tuple[str, str]]:
-    """Every message that names an option, and its file."""
-    paths = {path.relative_to(PACKAGE).as_posix(): path for path in sorted(PACKAGE.rglob("*.py"))}
-    return [
-        (name, message)
-        for name, path in paths.items()
-        if not (ELSEWHERE & {name, name.partition("/")[0]} or name.startswith(SHIPPED))
-        for message in messages(ast.parse(path.read_text(encoding="utf-8")))
-        if OPTION.search(message) and " " in message  # or it is an option of a worker's command line
-    ]
-
-
-FOUND = found()
-
-
-def test_the_search_finds_what_is_there() -> None:
-    assert len(FOUND) >= 20
-    assert {"formats/disk/atomic.py", "job/unfinished.py", "bake/checkpoint.py"} <= {
-        name for name, _ in FOUND
+def test_only_the_command_line_names_options() -> None:
+    found = {
+        f"{name}: {text}"
+        for path in sorted(PACKAGE.rglob("*.py"))
+        if not WITH_OPTIONS & {name := path.relative_to(PACKAGE).as_posix(), name.partition("/")[0]}
+        for text in strings(ast.parse(path.read_text(encoding="utf-8")))
+        if OPTION.search(text)
     }
+    assert not found
 
 
-@pytest.mark.parametrize(("name", "message"), FOUND, ids=[f"{name}-{said[:40]}" for name, said in FOUND])
-def test_no_message_names_an_option_in_the_window(name: str, message: str) -> None:
-    outside = re.sub(r"\([^()]*\)", "", message)  # what is in brackets may be left out
-    unknown = (
-        set(OPTION.findall(outside)) - set(labels.LABELS) - {"capture"}
-    )  # always the portal in the window
-    assert not unknown, name
-    assert "--" not in remark(message)
+def test_every_setting_has_an_option() -> None:
+    sources = [path.read_text(encoding="utf-8") for path in sorted((PACKAGE / "cli").glob("*.py"))]
+    offered = {text.removeprefix("--") for source in sources for text in strings(ast.parse(source))}
+    options = {wording.option(setting) for setting in Setting} - {wording.option(Setting.SCRIPTS)}
+    assert {option.removeprefix("--") for option in options} <= offered
 
 
 def test_the_window_has_what_messages_name() -> None:
@@ -80,7 +67,7 @@ def test_the_window_has_what_messages_name() -> None:
 
 
 def test_whatever_is_reported_speaks_the_windows_words() -> None:
-    for path in sorted((PACKAGE / "ui").glob("*.py")):
+    for path in sorted((PACKAGE / "ui").rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if (
                 isinstance(node, ast.Call)
@@ -92,25 +79,45 @@ def test_whatever_is_reported_speaks_the_windows_words() -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "shown"),
+    ("error", "told", "shown"),
     [
-        ("a.exr is already there: overwrite it (--overwrite)", "A.exr is already there: overwrite it"),
         (
-            "x holds an unfinished bake: go on with it (--resume), or begin anew (--overwrite)",
-            "X holds an unfinished bake: go on with it (Resume), or begin anew (Overwrite)",
+            InputError("it is unfinished", do("go on with it", Setting.RESUME), ANEW),
+            "it is unfinished: go on with it (--resume), or begin anew (--overwrite, without --resume)",
+            "It is unfinished: go on with it (Resume), or begin anew (Overwrite, without Resume)",
         ),
-        ("it differs: anew (--overwrite, without --resume)", "It differs: anew (Overwrite, without Resume)"),
-        ("leave --uv out to have one made", "Leave UV Layer empty to have one made"),
-        ("leave --arrangement and --levels out", "Leave Arrangement and Mip Levels as they were"),
-        ("try --unwrap blender, or another", "Try Unwrap: Blender, or another"),
-        ("choose --format dds-rgba16f", "Choose Format DDS RGBA16F"),
-        ("no picture: bake fewer texels (--verbose tells more)", "No picture: bake fewer texels"),
-        ("texels 9 with bucket 8 needs much", "Texels 9 with cells 8 needs much"),
-        ("/my--out/--uv/a--b.exr is gone", "/my--out/--uv/a--b.exr is gone"),
+        (
+            InputError("a.exr is already there", do("overwrite it", Setting.OVERWRITE)),
+            "a.exr is already there: overwrite it (--overwrite)",
+            "A.exr is already there: overwrite it",
+        ),
+        (
+            InputError("no layer", leave_out(Setting.UV, to="to have one made")),
+            "no layer: leave --uv out to have one made",
+            "No layer: leave UV Layer empty to have one made",
+        ),
+        (
+            InputError("bits", leave_out(Setting.ARRANGEMENT, Setting.LEVELS)),
+            "bits: leave --arrangement and --levels out",
+            "Bits: leave Arrangement and Mip Levels as they were",
+        ),
+        (
+            InputError("blocks", do("choose DDS RGBA16F", Setting.FORMAT, value="dds-rgba16f")),
+            "blocks: choose DDS RGBA16F (--format dds-rgba16f)",
+            "Blocks: choose DDS RGBA16F (Format)",
+        ),
+        (
+            InputError("no picture", do("bake fewer texels"), do("read its messages", Setting.VERBOSE)),
+            "no picture: bake fewer texels, or read its messages (--verbose)",
+            "No picture: bake fewer texels, or read its messages",
+        ),
+        (InputError("/my--out/--uv is gone"), "/my--out/--uv is gone", "/my--out/--uv is gone"),
     ],
 )
-def test_remarks_read_well(said: str, shown: str) -> None:
-    assert remark(said) == shown
+def test_a_message_has_the_names_of_whoever_shows_it(error: InputError, told: str, shown: str) -> None:
+    assert wording.worded(error.message) == told
+    assert remark(error) == shown
+    assert Message.of_facts(json.loads(json.dumps(error.message.facts()))) == error.message
 
 
 def test_files_of_the_folder_go_by_their_names(tmp_path: Path) -> None:

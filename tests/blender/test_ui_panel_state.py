@@ -15,10 +15,11 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.job.preflight import run_preflight
-from radtex_addon.ui import estimates, panel_state
-from radtex_addon.ui.cost import figures
-from radtex_addon.ui.panel_state import Forecast
-from radtex_addon.ui.request import spec_of, values_of
+from radtex_addon.ui.jobs import estimates
+from radtex_addon.ui.panel import panel_state
+from radtex_addon.ui.panel.cost_panel import figures
+from radtex_addon.ui.panel.panel_state import Forecast
+from radtex_addon.ui.settings.request import spec_of, values_of
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.ui_stage import context, ops, registered, settings
@@ -69,15 +70,17 @@ def test_what_would_fail_is_said_in_place(tmp_path: Path) -> None:
     spec, out = spec_of(values_of(settings())), tmp_path / "out"
     assert seen() == Forecast(("Card",), (), (), spec, seen().cost, folder=out)
     context.object.hide_render = True
-    assert "is hidden from render" in seen().errors[0]
+    assert "is hidden from render" in str(seen().errors[0])
     context.object.hide_render = False
     settings().uv_layer = "Other"
-    assert seen().errors == ("object 'Card' has no UV layer 'Other': choose 'UVMap', or leave it empty",)
+    assert tuple(map(str, seen().errors)) == (
+        "object 'Card' has no UV layer 'Other': choose 'UVMap', or leave it empty",
+    )
     settings().uv_layer = "UVMap"
     assert seen().errors == ()
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "Card.radiance.exr").touch()
-    (error,) = seen().errors
+    (error,) = map(str, seen().errors)
     assert "Card.radiance.exr is already there" in error
     settings().overwrite = True
     assert seen().errors == ()
@@ -138,7 +141,7 @@ def test_what_no_setting_settles_is_not_offered_to_be(tmp_path: Path) -> None:
 def test_what_cannot_be_is_said_and_costs_nothing() -> None:
     plane()
     settings().atlas_layout, settings().kind = "shared", "incident"
-    (error,) = seen().errors
+    (error,) = map(str, seen().errors)
     assert "the shared layout knows kind radiance only" in error
     assert seen().cost is None
     assert seen().spec is None
@@ -147,7 +150,7 @@ def test_what_cannot_be_is_said_and_costs_nothing() -> None:
 def test_a_file_never_saved_still_has_its_cost() -> None:
     plane()
     settings().directory = "//radtex"
-    assert "never saved" in seen().errors[0]
+    assert "never saved" in str(seen().errors[0])
     assert (seen().remedies, seen().baked) == (("directory",), False)
     assert seen().cost is not None
 
@@ -158,10 +161,10 @@ def test_the_dark_and_tight_budgets_are_warned_of() -> None:
     settings().atlas_layout, settings().limit, settings().budget = "shared", "budget", 0.05
     found = seen()
     assert found.errors == ()
-    assert any("has no light" in warning for warning in found.warnings)
-    assert any("128 x 128 texels take" in warning for warning in found.warnings)
+    assert any("has no light" in str(warning) for warning in found.warnings)
+    assert any("128 x 128 texels take" in str(warning) for warning in found.warnings)
     settings().uv_layer = "UVMap"  # the atlas is square then, for certain
-    assert any("128 x 128 texels take" in error for error in seen().errors)
+    assert any("128 x 128 texels take" in str(error) for error in seen().errors)
 
 
 def test_of_many_objects_as_many_are_looked_at_as_time_allows(tmp_path: Path) -> None:

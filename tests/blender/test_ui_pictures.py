@@ -14,7 +14,7 @@ import pytest
 
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.formats.containers.png import encode_png
-from radtex_addon.ui import pictures
+from radtex_addon.ui.jobs import pictures
 from radtex_addon.worker.job import Job, State
 from radtex_addon.worker.order import Handover
 from radtex_addon.worker.orders import order_bake

@@ -11,10 +11,10 @@ import bpy
 import pytest
 
 from radtex_addon.bake import memory_limits
-from radtex_addon.bake.cost import cost_of
 from radtex_addon.bake.spec import BakeSpec, Layout
-from radtex_addon.ui.presets import PRESET_NAMES, STOCK, SUBDIR
-from radtex_addon.ui.request import spec_of, values_of
+from radtex_addon.forms import cost_of
+from radtex_addon.ui.settings.presets import PRESET_NAMES, STOCK, SUBDIR
+from radtex_addon.ui.settings.request import spec_of, values_of
 from tests.blender.ui_stage import ops, preferences, registered, settings
 
 NAMES = [name for name, _, _ in STOCK]

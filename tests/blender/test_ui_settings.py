@@ -18,13 +18,14 @@ from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout, U
 from radtex_addon.core.errors import InputError
 from radtex_addon.cycles.device import GPU_TYPES
 from radtex_addon.job.layout_choice import SHARED_CELLS, OpenLayout
-from radtex_addon.textures.spec import Target
-from radtex_addon.ui import choices, registration
-from radtex_addon.ui.output_settings import places
-from radtex_addon.ui.presets import STOCK, RADTEX_OT_preset_add
-from radtex_addon.ui.request import BakeRequest, spec_of, values_of, values_with
-from radtex_addon.ui.settings import NAMES
-from radtex_addon.ui.values import open_layout_of
+from radtex_addon.textures.export_spec import Target
+from radtex_addon.ui import registration
+from radtex_addon.ui.settings import menu_items as choices
+from radtex_addon.ui.settings.bake_settings import NAMES
+from radtex_addon.ui.settings.output_settings import places
+from radtex_addon.ui.settings.presets import STOCK, RADTEX_OT_preset_add
+from radtex_addon.ui.settings.request import request_of, spec_of, values_of, values_with
+from radtex_addon.ui.settings.values import open_layout_of
 from tests.blender.ui_stage import context, ops, preferences, properties_of, registered, settings
 
 # Of the panel's own making: keys and menus call them.
@@ -282,19 +283,19 @@ def test_what_a_kind_without_light_does_not_take_is_left_out(kind: str) -> None:
 
 def test_a_file_never_saved_goes_to_the_preferred_folder(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="never saved: save it"):
-        BakeRequest.of(values_of(settings()))
+        request_of(values_of(settings()), ("Card",))
     preferences().output_folder = str(tmp_path)
-    assert BakeRequest.of(values_of(settings())).folder == tmp_path
+    assert request_of(values_of(settings()), ("Card",)).folder == tmp_path
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
-    assert BakeRequest.of(values_of(settings())).folder == tmp_path / "radtex"
+    assert request_of(values_of(settings()), ("Card",)).folder == tmp_path / "radtex"
 
 
 def test_an_export_wants_the_preview(tmp_path: Path) -> None:
     settings().directory, settings().export_targets = str(tmp_path), {"web", "raw"}
-    assert BakeRequest.of(values_of(settings())).targets == (Target.WEB, Target.RAW)
+    assert request_of(values_of(settings()), ("Card",)).exports == (Target.WEB, Target.RAW)
     settings().preview = False
     with pytest.raises(InputError, match="switch Preview on"):
-        BakeRequest.of(values_of(settings()))
+        request_of(values_of(settings()), ("Card",))
 
 
 def test_settings_stay_with_the_file(tmp_path: Path) -> None:

@@ -14,10 +14,12 @@ import pytest
 
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.sidecar import read_sidecar
+from radtex_addon.job.bake_plan import plan_bakes
 from radtex_addon.preview.swap import copy_of, is_on
-from radtex_addon.ui import jobs, panel_state
-from radtex_addon.ui.jobs_panel import title
-from radtex_addon.ui.request import BakeRequest, spec_of, values_of
+from radtex_addon.ui.jobs import jobs
+from radtex_addon.ui.panel import panel_state
+from radtex_addon.ui.panel.jobs_panel import title
+from radtex_addon.ui.settings.request import request_of, spec_of, values_of
 from radtex_addon.worker.job import State
 from tests.blender import stage
 from tests.blender.ui_stage import ops, preferences, registered, settings
@@ -58,7 +60,7 @@ def finish() -> None:
 
 
 def submit() -> None:
-    jobs.submit(context.scene, ("Card",), BakeRequest.of(values_of(settings())))
+    jobs.submit(context.scene, plan_bakes(context.scene, request_of(values_of(settings()), ("Card",))))
 
 
 def test_each_lamp_is_a_job_with_a_preview_and_an_export_of_its_own(out: Path) -> None:
@@ -67,7 +69,7 @@ def test_each_lamp_is_a_job_with_a_preview_and_an_export_of_its_own(out: Path) -
     found = jobs.snapshot()
     assert [job.order.variant for job in found] == ["light of Fill, left", "light of Key", "light of world"]
     assert title(found[1]) == "Card, light of Key"
-    assert len({job.order.arguments for job in found}) == 3
+    assert len({str(job.order.facts["spec"]) for job in found}) == 3
     with pytest.raises(InputError, match="object 'Card' is being baked there already"):
         submit()
     finish()
@@ -96,7 +98,7 @@ def test_finished_bakes_of_all_lamps_are_exported_together(out: Path) -> None:
 
 def test_frames_are_baked_on_one_unwrap_and_gone_on_with(out: Path) -> None:
     settings().variants, settings().frames = "frames", "2,4-5"
-    request = BakeRequest.of(values_of(settings()))
+    request = request_of(values_of(settings()), ("Card",))
     specs = request.specs(context.scene)
     assert [(spec.frame, spec.unwrap_at) for spec in specs] == [(2, 2), (4, 2), (5, 2)]
     assert ops.radtex.bake() == {"FINISHED"}
@@ -137,11 +139,8 @@ def test_the_forecast_looks_at_every_variant(out: Path) -> None:
     assert "overwrite" in found.remedies
     for lamp in ("Key", "Fill, left"):
         bpy.data.objects.remove(bpy.data.objects[lamp])
-    assert (
-        panel_state.refresh(context.scene, context.view_layer)
-        .errors[0]
-        .startswith("the scene renders no lamp")
-    )
+    (error,) = panel_state.refresh(context.scene, context.view_layer).errors
+    assert error.problem == "the scene renders no lamp"
 
 
 def test_a_cage_takes_the_place_of_the_extrusion() -> None:

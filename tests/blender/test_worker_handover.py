@@ -17,8 +17,8 @@ import pytest
 from radtex_addon.cli.opening import open_scene
 from radtex_addon.core.errors import BakeError, InputError
 from radtex_addon.worker.handover import hand_over, jobs_folder, this_program
-from radtex_addon.worker.images import load_unsaved
 from radtex_addon.worker.order import Handover
+from radtex_addon.worker.unsaved_images import load_unsaved
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene

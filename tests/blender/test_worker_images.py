@@ -16,7 +16,7 @@ import pytest
 
 from radtex_addon.core.errors import InputError
 from radtex_addon.worker.handover import hand_over
-from radtex_addon.worker.images import load_unsaved, save_unsaved
+from radtex_addon.worker.unsaved_images import load_unsaved, save_unsaved
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a worker is asked for is what `bake.py` understands; what it says becomes plain data."""
+"""What a worker is ordered arrives as it was; what it says becomes plain data."""
 
 from __future__ import annotations
 
@@ -17,20 +17,21 @@ from mathutils import Euler, Matrix
 
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Kind, Layer, Layout, Split, View
-from radtex_addon.cli.arguments import Request, parse
-from radtex_addon.cli.compare_arguments import parse_compare
-from radtex_addon.cli.export_arguments import parse_export
 from radtex_addon.cli.options import ProgressStyle
+from radtex_addon.cli.run_work import parse_work, read_order
+from radtex_addon.core.errors import FormatError, InputError
+from radtex_addon.core.messages import Message
 from radtex_addon.core.sampler import Filter
-from radtex_addon.report.eye import Eye
 from radtex_addon.report.side_by_side import ComparisonSpec
-from radtex_addon.textures.progress import Task as ExportTask
-from radtex_addon.textures.spec import Arrangement, ExportSpec, Target, TextureFormat
+from radtex_addon.report.viewpoint import Eye
+from radtex_addon.textures.export_progress import Task as ExportTask
+from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from radtex_addon.worker.job import Job, State
-from radtex_addon.worker.order import Handover, Order, Program, Work, command_line
+from radtex_addon.worker.order import Handover, Order, Program, Work, command_line, write_order
 from radtex_addon.worker.orders import order_bake, order_comparison, order_export
 
 FOLDER = Path("/some where/größer")
+ORDER = FOLDER / "order.json"
 HANDOVER = Handover(FOLDER, FOLDER / "raum.blend", "-Scene", None, "cpu", 0.0)
 CHOSEN: dict[str, Any] = {
     "kind": "incident",
@@ -73,8 +74,8 @@ def order(spec: BakeSpec) -> Order:
     return order_bake(HANDOVER, "--Vase", spec, FOLDER / "out")
 
 
-def understood(asked: Order) -> Request:
-    return parse(["scene.blend", *asked.arguments], inside_blender=False)
+def understood(asked: Order, tmp_path: Path, inside_blender: bool = False) -> Any:
+    return read_order(parse_work([str(write_order(replace(asked, folder=tmp_path)))], inside_blender))
 
 
 def test_every_field_of_a_spec_is_among_the_cases() -> None:
@@ -103,36 +104,52 @@ def test_every_field_of_a_spec_is_among_the_cases() -> None:
 
 
 @pytest.mark.parametrize("case", SPECS)
-def test_a_spec_arrives_as_it_was_ordered(case: str) -> None:
-    request = understood(order(SPECS[case]))
-    assert request.spec == SPECS[case]
-    assert (request.objects, request.in_scene) == (SPECS[case].objects or ("--Vase",), "-Scene")
-    assert request.names == ("--Vase",)
-    assert request.out == FOLDER / "out"
-    assert (request.preview, request.overwrite) == (None, False)
+def test_a_spec_arrives_as_it_was_ordered(case: str, tmp_path: Path) -> None:
+    request = understood(order(SPECS[case]), tmp_path)
+    bakes = request.bakes
+    assert bakes.spec == SPECS[case]
+    assert (bakes.objects, request.in_scene) == (SPECS[case].objects or ("--Vase",), "-Scene")
+    assert bakes.names == ("--Vase",)
+    assert bakes.folder == FOLDER / "out"
+    assert (bakes.preview, bakes.overwrite, bakes.resume) == (None, False, False)
     assert (request.progress, request.parent_pipe, request.unsaved_images) == (ProgressStyle.JSON, True, None)
 
 
-def test_a_preview_overwriting_and_painted_images_arrive() -> None:
-    handover = replace(HANDOVER, images=FOLDER / "images")
+def test_all_else_about_a_bake_arrives(tmp_path: Path) -> None:
+    handover, targets = replace(HANDOVER, images=FOLDER / "images"), (Target.WEB, Target.RAW)
+    options: Any = {"overwrite": True, "resume": True, "exports": targets}
     asked = order_bake(
-        handover, "Vase", BakeSpec(), FOLDER, Filter.NEAREST, overwrite=True, extra=("--verbose",)
+        handover, "Vase", BakeSpec(), FOLDER, Filter.NEAREST, picture=FOLDER / "a.png", **options
     )
-    request = understood(asked)
-    assert (request.preview, request.overwrite, request.verbose) == (Filter.NEAREST, True, True)
+    request = understood(asked, tmp_path)
+    bakes = request.bakes
+    assert (bakes.preview, bakes.overwrite, bakes.resume) == (Filter.NEAREST, True, True)
+    assert bakes.exports == targets
+    assert request.thumbnail == FOLDER / "a.png"
     assert request.unsaved_images == FOLDER / "images"
 
 
-def test_auto_is_the_device_that_the_sessions_preferences_name() -> None:
+def test_auto_is_the_device_that_the_sessions_preferences_name(tmp_path: Path) -> None:
     asked = order_bake(replace(HANDOVER, device="optix"), "Vase", BakeSpec(), FOLDER)
-    assert understood(asked).spec.device == "optix"
+    assert understood(asked, tmp_path).bakes.spec.device == "optix"
+
+
+def test_an_order_that_no_bake_can_have_is_refused(tmp_path: Path) -> None:
+    file = write_order(replace(order(BakeSpec()), folder=tmp_path))
+    file.write_text(
+        file.read_text(encoding="utf-8").replace('"texels": 128', '"texels": -1'), encoding="utf-8"
+    )
+    with pytest.raises(FormatError, match=r"order-.*\.json.*a bake that cannot be"):
+        read_order(parse_work([str(file)], inside_blender=False))
+    with pytest.raises(InputError, match="a worker takes one order"):
+        parse_work([], inside_blender=False)
 
 
 def test_inside_blender_its_own_settings_and_scripts_of_the_file_are_left_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     found = ("/wheels/größer", "C:\\a'b")
-    line = command_line(Program("/opt/blender", is_blender=True, paths=found), order(BakeSpec()))
+    line = command_line(Program("/opt/blender", is_blender=True, paths=found), order(BakeSpec()), ORDER)
     before, after = line[: line.index("--")], line[line.index("--") + 1 :]
     assert before[0] == "/opt/blender"
     assert {"--background", "--factory-startup", "--disable-autoexec"} <= set(before)
@@ -143,13 +160,15 @@ def test_inside_blender_its_own_settings_and_scripts_of_the_file_are_left_out(
     monkeypatch.setattr(sys, "path", ["/wheels/größer"])
     exec(code)
     assert sys.path == list(found)
-    assert parse(after, inside_blender=True).spec == replace(BakeSpec(), device="cpu")
+    assert after == ["work", str(ORDER)]
 
 
-def test_with_the_bpy_module_the_file_is_an_argument() -> None:
-    line = command_line(Program("/usr/bin/python", is_blender=False), order(BakeSpec()))
-    assert line[0] == "/usr/bin/python"
-    assert line[2] == str(HANDOVER.blend)
+def test_with_the_bpy_module_the_worker_opens_the_file(tmp_path: Path) -> None:
+    line = command_line(Program("/usr/bin/python", is_blender=False), order(BakeSpec()), ORDER)
+    assert (line[0], line[2:]) == ("/usr/bin/python", ["work", str(ORDER)])
+    asked = order(BakeSpec())
+    assert understood(asked, tmp_path).scene == HANDOVER.blend
+    assert understood(asked, tmp_path, inside_blender=True).scene is None, "Blender has opened it"
 
 
 def test_an_export_arrives_as_it_was_ordered(tmp_path: Path) -> None:
@@ -157,23 +176,21 @@ def test_an_export_arrives_as_it_was_ordered(tmp_path: Path) -> None:
     chosen = ExportSpec(Target.RAW, TextureFormat.EXR, False, Arrangement.SLICES, 3, 512)
     for spec, overwrite in ((chosen, True), (ExportSpec(Target.WEB), False)):
         asked = order_export(FOLDER, FOLDER / "-Vase.json", "Vase", spec, FOLDER / "out", overwrite=overwrite)
-        line = command_line(Program("/opt/blender", is_blender=True), asked)
-        command, *words = line[line.index("--") + 1 :]
-        request = parse_export(words, inside_blender=True)
-        assert (command, request.bake, request.spec) == ("export", FOLDER / "-Vase.json", spec)
+        line = command_line(Program("/opt/blender", is_blender=True), asked, ORDER)
+        request = understood(asked, tmp_path, inside_blender=True)
+        assert (request.bake, request.spec) == (FOLDER / "-Vase.json", spec)
+        assert isinstance(request.spec.format, TextureFormat)
         assert (request.out, request.overwrite) == (FOLDER / "out", overwrite)
         assert (request.progress, request.parent_pipe) == (ProgressStyle.JSON, True)
     assert line[line.index("--python-exit-code") + 2] == "--python-expr", "no file is opened"
 
 
-def test_a_comparison_arrives_as_it_was_ordered() -> None:
+def test_a_comparison_arrives_as_it_was_ordered(tmp_path: Path) -> None:
     matrix = Matrix.LocRotScale((3.3, -1e-5, 12), Euler((0.1, 0.2, 0.3)), None)
     eye = Eye(np.array(matrix), np.diag([0.5, 1.0, -0.002, 1.0]))
     spec, handover = ComparisonSpec(77, 5), replace(HANDOVER, images=FOLDER / "images", device="optix")
     asked = order_comparison(handover, ["--Vase", "B"], FOLDER / "baked", eye, spec, FOLDER / "out")
-    line = command_line(Program("/usr/bin/python", is_blender=False), asked)
-    assert line[2:4] == ["compare", str(HANDOVER.blend)]
-    request = parse_compare(line[3:], inside_blender=False)
+    request = understood(asked, tmp_path)
     assert (request.scene, request.in_scene, request.objects) == (HANDOVER.blend, "-Scene", ("--Vase", "B"))
     assert (request.bake, request.spec) == (FOLDER / "baked", replace(spec, device="optix"))
     assert (request.out, request.unsaved_images) == (FOLDER / "out", FOLDER / "images")
@@ -258,15 +275,19 @@ def test_an_exports_bar_runs_over_its_own_stages() -> None:
 def test_what_else_a_worker_says() -> None:
     known = job()
     for event in (
-        {"event": "warning", "message": "no light"},
+        {"event": "warning", "message": "no light", "problem": "no light", "remedies": []},
         {"event": "picture", "path": "/tmp/a.png"},
         {"event": "from a later version"},
         {"event": "done", "files": ["/out/a.exr"], "summary": "Vase: 16 x 16 texels"},
     ):
         known = known.hears(event)
-    assert known.warnings == ("no light",)
+    assert list(map(str, known.warnings)) == ["no light"]
     assert known.picture == Path("/tmp/a.png")
-    done = known.ends(State.DONE, "")
-    assert (done.files, done.message, done.fraction) == ((Path("/out/a.exr"),), "Vase: 16 x 16 texels", 1)
+    done = known.ends(State.DONE, Message(""))
+    assert (done.files, str(done.message), done.fraction) == (
+        (Path("/out/a.exr"),),
+        "Vase: 16 x 16 texels",
+        1,
+    )
     assert done.ended
     assert not known.ended

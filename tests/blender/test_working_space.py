@@ -26,18 +26,18 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.containers.exr import read_buckets
+from radtex_addon.formats.render_space import render_matrix
 from radtex_addon.formats.shared_files import read_shared, write_shared
-from radtex_addon.formats.working_space import render_matrix
 from radtex_addon.job import bake_object
 from radtex_addon.preview.material import load_layers
 from radtex_addon.preview.osl import add_osl_node
 from radtex_addon.preview.shared_group import build_shared_group
-from radtex_addon.report.eye import Eye
 from radtex_addon.report.side_by_side import ComparisonSpec, compare_steps
+from radtex_addon.report.viewpoint import Eye
 from radtex_addon.scene import working_space
 from radtex_addon.scene.digests import scene_digests
 from radtex_addon.scene.scratch import scratch_scene
-from radtex_addon.ui.comparison import make_images
+from radtex_addon.ui.jobs.comparison import make_images
 from tests.blender import stage
 from tests.blender.lookup_stage import ENGINES, render_groups
 from tests.blender.working_space_cases import REC_709, WIDE, WORLD, Images, images_of, work_in, worst

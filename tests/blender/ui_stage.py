@@ -11,7 +11,7 @@ from typing import Any
 import bpy
 
 from radtex_addon.ui import registration
-from radtex_addon.ui.preferences import ADDON
+from radtex_addon.ui.settings.preferences import ADDON
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 ops: Any = bpy.ops  # and they know Blender's own operators only

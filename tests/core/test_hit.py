@@ -9,9 +9,9 @@ import pytest
 
 from radtex_addon.core.errors import ShapeError
 from radtex_addon.core.frame import normalised
-from radtex_addon.core.hit import hit_viewer, sample_hit, sample_shared_hit
 from radtex_addon.core.sampler import Filter, sample
 from tests.lookups import LAYOUT, random_atlas, random_lookups
+from tests.reference.hits import hit_viewer, sample_hit, sample_shared_hit
 from tests.shared_atlases import random_shared_atlas
 from tests.shared_lookups import random_fragments, shared_answers
 

@@ -9,9 +9,10 @@ import pytest
 
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import ShapeError
-from radtex_addon.core.levels import fitting_levels, halved, level_chain, pad, padded_layout, sample_level
+from radtex_addon.core.levels import fitting_levels, halved, pad, padded_layout
 from radtex_addon.core.sampler import Filter, sample
 from tests.lookups import LAYOUT, random_atlas, random_lookups
+from tests.reference.levels import level_chain, sample_level
 
 LEVELS = 4  # 13 x 7 texels are stored as 16 x 8
 ATLAS = random_atlas().astype(np.float64)

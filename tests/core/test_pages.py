@@ -9,10 +9,12 @@ import pytest
 
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError, ShapeError
-from radtex_addon.core.levels import level_chain, pad
-from radtex_addon.core.pages import Pages, fitting_pages, join_pages, page_chain, split_pages
+from radtex_addon.core.levels import pad
+from radtex_addon.core.pages import Pages, fitting_pages
 from radtex_addon.formats.containers.texture import Form, PixelFormat
 from tests.lookups import LAYOUT, random_atlas
+from tests.reference.levels import level_chain
+from tests.reference.pages import join_pages, page_chain, split_pages
 
 ATLAS = random_atlas()
 

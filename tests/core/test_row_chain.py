@@ -9,9 +9,11 @@ import pytest
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.levels import bucket_halving, fitting_levels, level_chain, padded_layout
+from radtex_addon.core.levels import bucket_halving, fitting_levels, padded_layout
 from radtex_addon.core.row_chain import Halving, RowChain
-from radtex_addon.core.slices import image_halving, mip_chain
+from radtex_addon.core.slices import image_halving
+from tests.reference.levels import level_chain
+from tests.reference.slices import mip_chain
 
 
 def pushed(image: Floats, halvings: list[Halving], step: int) -> list[Floats]:

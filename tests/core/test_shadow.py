@@ -13,6 +13,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import ShapeError
 from radtex_addon.core.hemisphere import cell_centres, direction_to_square, square_to_direction
 from radtex_addon.core.sampler import Filter
+from tests.reference import shadows
 
 LAYOUT = AtlasLayout(5, 3, 8)
 
@@ -43,7 +44,7 @@ def test_a_lookup_at_a_cells_centre_is_its_bit() -> None:
     uv = (np.stack([i, j], axis=1) + 0.5) / [LAYOUT.width, LAYOUT.height]
     direction = square_to_direction(cell_centres(8))[q, p]
     for kind in Filter:
-        seen = shadow.visibility(words, LAYOUT, uv, direction, kind)
+        seen = shadows.visibility(words, LAYOUT, uv, direction, kind)
         np.testing.assert_allclose(seen, ~blocked[j, i, q, p], atol=1e-12)
 
 
@@ -58,12 +59,12 @@ def test_soft_shadows_of_a_half_plane_are_the_share_of_the_sun_above_it(blended:
     size = np.radians(20)
     for above in np.radians([-12, -6, -2, 0, 3, 8, 12]):
         sun = np.array([[np.cos(edge + above), 0, np.sin(edge + above)]])
-        lights = shadow.sun_directions(sun, size, 512)
+        lights = shadows.sun_directions(sun, size, 512)
         even, uv = np.ones((1, 512)), np.full((1, 2), 0.5)
         if blended:
-            share = shadow.soft_visibility(words, layout, uv, lights, even)
+            share = shadows.soft_visibility(words, layout, uv, lights, even)
         else:
-            share = shadow.cell_visibility(words, layout, uv, lights, even, Filter.LINEAR)
+            share = shadows.cell_visibility(words, layout, uv, lights, even, Filter.LINEAR)
         t = np.clip(above / (size / 2), -1, 1)
         expected = 0.5 + (t * np.sqrt(1 - t * t) + np.arcsin(t)) / np.pi  # of a disc above a line
         assert abs(share[0] - expected) < 0.04  # of a sun about 10 cells wide
@@ -83,8 +84,8 @@ def test_an_edge_wanders_between_cells_instead_of_jumping() -> None:
     lights: Floats = np.broadcast_to(square_to_direction(b), (len(uv), 64, 3))
     even = np.ones(lights.shape[:2])
     expected = np.clip((0.15 - np.interp(place - 0.5, np.arange(width), edge)) / 0.3, 0, 1)
-    blended = shadow.soft_visibility(words, layout, uv, lights, even)
-    whole = shadow.cell_visibility(words, layout, uv, lights, even, Filter.QUADRILINEAR)
+    blended = shadows.soft_visibility(words, layout, uv, lights, even)
+    whole = shadows.cell_visibility(words, layout, uv, lights, even, Filter.QUADRILINEAR)
     error, of_cells = (float(np.sqrt(np.mean((found - expected) ** 2))) for found in (blended, whole))
     print(f"RMS {error:.3f}, of whole cells {of_cells:.3f}")
     assert error < 0.5 * of_cells
@@ -95,25 +96,25 @@ def test_where_all_bits_agree_so_does_the_light() -> None:
     uv = np.array([[0.0, 0.0], [0.41, 0.77], [1.0, 1.0]])
     for bit in (False, True):
         words = shadow.pack_bits(np.full((3, 5, 8, 8), bit))
-        share = shadow.soft_visibility(words, LAYOUT, uv, lights, np.ones(lights.shape[:2]))
+        share = shadows.soft_visibility(words, LAYOUT, uv, lights, np.ones(lights.shape[:2]))
         np.testing.assert_allclose(share, float(not bit), atol=1e-12)
 
 
 def test_a_suns_points_fill_its_disc_evenly() -> None:
     axis = np.array([0.0, 0.6, 0.8])
-    found = shadow.sun_directions(axis, 0.2, 1000)
+    found = shadows.sun_directions(axis, 0.2, 1000)
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1)
     cosine = found @ axis
     assert cosine.min() >= np.cos(0.1)
     np.testing.assert_allclose(np.mean(cosine), (1 + np.cos(0.1)) / 2, rtol=1e-6)
-    assert np.mean(cosine) * shadow.sun_weight(0.2) == pytest.approx(1)  # its irradiance at a right angle
+    assert np.mean(cosine) * shadows.sun_weight(0.2) == pytest.approx(1)  # its irradiance at a right angle
     across = np.cross(axis, [1.0, 0, 0])
     assert abs(np.mean(found @ across)) < 1e-4
-    np.testing.assert_allclose(shadow.sun_directions(axis, 0.2, 1), [axis])
+    np.testing.assert_allclose(shadows.sun_directions(axis, 0.2, 1), [axis])
 
 
 def test_square_points_are_even_too() -> None:
-    points = np.array(list(shadow.square_points(400)))
+    points = np.array(list(shadows.square_points(400)))
     assert np.abs(points).max() <= 1
     column, row = ((points + 1) * 2.5).astype(int).T
     counts = np.bincount(row * 5 + column, minlength=25)
@@ -124,14 +125,14 @@ def test_square_points_are_even_too() -> None:
 def test_an_area_lights_weights_add_up_to_its_irradiance() -> None:
     """A disc of radius a, straight above at height h, has the form factor a² / (a² + h²)."""
     h, a = 2.0, 1.0
-    points = np.array([[a * x, a * y, h] for x, y in shadow.disc_points(4000)])
-    direction, weight = shadow.area_weights(
+    points = np.array([[a * x, a * y, h] for x, y in shadows.disc_points(4000)])
+    direction, weight = shadows.area_weights(
         np.zeros((1, 3)), np.array([[0.0, 0, 1]]), points, np.array([0.0, 0, -1])
     )
     factor = weight.mean() * np.pi * a * a / np.pi
     assert abs(factor - a * a / (a * a + h * h)) < 1e-3
     np.testing.assert_allclose(np.linalg.norm(direction, axis=-1), 1)
-    _, behind = shadow.area_weights(
+    _, behind = shadows.area_weights(
         np.zeros((1, 3)), np.array([[0.0, 0, 1]]), points, np.array([0.0, 0, 1.0])
     )
     assert (behind == 0).all()
@@ -140,7 +141,7 @@ def test_an_area_lights_weights_add_up_to_its_irradiance() -> None:
 def test_a_light_that_is_nowhere_lights_nothing() -> None:
     words = shadow.pack_bits(np.zeros((3, 5, 8, 8), dtype=bool))
     lights: Floats = np.tile([0.0, 0, 1], (4, 6, 1))
-    share = shadow.soft_visibility(words, LAYOUT, np.full((4, 2), 0.5), lights, np.zeros((4, 6)))
+    share = shadows.soft_visibility(words, LAYOUT, np.full((4, 2), 0.5), lights, np.zeros((4, 6)))
     np.testing.assert_array_equal(share, 0)
 
 
@@ -150,7 +151,7 @@ def test_below_the_horizon_the_rim_answers() -> None:
     rim = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0]])
     below = np.array([[0.6, 0.6, -np.sqrt(0.28)]])
     uv = np.full((1, 2), 0.3)
-    seen = [shadow.visibility(words, LAYOUT, uv, way, Filter.LINEAR) for way in (rim, below)]
+    seen = [shadows.visibility(words, LAYOUT, uv, way, Filter.LINEAR) for way in (rim, below)]
     np.testing.assert_allclose(seen[0], seen[1], atol=1e-7)
     np.testing.assert_allclose(direction_to_square(below), [[1, 1]], atol=1e-7)
 
@@ -161,9 +162,9 @@ def test_wrong_shapes_are_named() -> None:
     with pytest.raises(ShapeError, match=r"words: .*\(\.\.\., 2\)"):
         shadow.unpack_bits(np.zeros((2, 3), dtype=np.uint32), 8)
     with pytest.raises(ShapeError, match="words: expected shape"):
-        shadow.visibility(
+        shadows.visibility(
             np.zeros((5, 3, 2), np.uint32), LAYOUT, np.zeros((1, 2)), np.ones((1, 3)), Filter.LINEAR
         )
     words = np.zeros((3, 5, 2), np.uint32)
     with pytest.raises(ShapeError, match="lights, weight"):
-        shadow.soft_visibility(words, LAYOUT, np.zeros((1, 2)), np.ones((1, 4, 3)), np.ones((1, 3)))
+        shadows.soft_visibility(words, LAYOUT, np.zeros((1, 2)), np.ones((1, 4, 3)), np.ones((1, 3)))

@@ -9,10 +9,11 @@ import pytest
 
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import ShapeError
-from radtex_addon.core.levels import level_chain
 from radtex_addon.core.sampler import Filter, sample
-from radtex_addon.core.slices import from_slices, mip_chain, sample_slices, to_slices
+from radtex_addon.core.slices import to_slices
 from tests.lookups import LAYOUT, random_atlas, random_lookups
+from tests.reference.levels import level_chain
+from tests.reference.slices import from_slices, mip_chain, sample_slices
 
 ATLAS = random_atlas().astype(np.float64)
 

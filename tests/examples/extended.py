@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 _MEMBER = '    TRANSFER = "transfer"\n'
-_END_OF_KINDS = "}\n\n\nUSUAL_KIND"
+_END_OF_KINDS = "}\n\n\nDEFAULT_KIND"
 _END_OF_FORMS = "SHARED, CONDENSED)"
 
 KIND_MEMBER = '    IRRADIANCE = "irradiance"\n'

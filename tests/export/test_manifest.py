@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from radtex_addon.core.errors import FormatError
-from radtex_addon.export.manifest import Manifest, read_manifest, write_manifest
+from radtex_addon.export.export_manifest import Manifest, read_manifest, write_manifest
 from radtex_addon.formats.containers.texture import PixelFormat
 from radtex_addon.formats.shared_files import write_shared
 from radtex_addon.formats.sidecar import Sidecar

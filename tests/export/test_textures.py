@@ -14,9 +14,8 @@ from radtex_addon.bake.layers import Layer
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import FormatError, InputError, ShapeError
-from radtex_addon.core.levels import level_chain, padded_layout
-from radtex_addon.core.pages import Pages, join_pages
-from radtex_addon.core.slices import from_slices, mip_chain
+from radtex_addon.core.levels import padded_layout
+from radtex_addon.core.pages import Pages
 from radtex_addon.formats.bucket_files import write_buckets
 from radtex_addon.formats.containers.dds import read_texture
 from radtex_addon.formats.containers.exr import read_atlas, read_buckets, write_atlas
@@ -24,10 +23,14 @@ from radtex_addon.formats.containers.ktx2 import read_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat, Texture, decode_texture
 from radtex_addon.formats.packing import pack
 from radtex_addon.formats.shared_files import texture_path, write_condensed, write_shared
-from radtex_addon.formats.sidecar import Sidecar, read_facts, write_sidecar
+from radtex_addon.formats.sidecar import Sidecar, write_sidecar
+from radtex_addon.formats.sidecar_file import SidecarFile
 from radtex_addon.forms import form_in
 from radtex_addon.textures.entry import Arranged, Container, TextureEntry
-from radtex_addon.textures.spec import Arrangement, ExportSpec, Target, TextureFormat
+from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
+from tests.reference.levels import level_chain
+from tests.reference.pages import join_pages
+from tests.reference.slices import from_slices, mip_chain
 from tests.shared_atlases import facts_about, random_condensed_atlas, random_shared_atlas
 
 WEB = ExportSpec(Target.WEB)
@@ -35,7 +38,8 @@ RAW = ExportSpec(Target.RAW)
 
 
 def write_textures(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
-    return form_in(read_facts(sidecar)).write_textures(sidecar, spec, folder)
+    file = SidecarFile.read(sidecar)
+    return form_in(file.facts).write_textures(file, spec, folder)
 
 
 def bake(folder: Path, width: int = 13, height: int = 6, bucket: int = 8, channels: int = 4) -> Path:
@@ -254,11 +258,11 @@ def test_an_exr_is_the_bakes(tmp_path: Path) -> None:
     [
         (
             replace(RAW, format=TextureFormat.KTX2_BC6H),
-            "straddle buckets of 6 cells; bake with --bucket 8, or",
+            "straddle buckets of 6 cells",
         ),
         (
             replace(RAW, format=TextureFormat.EXR, levels=2),
-            "for slices or levels choose --format ktx2-rgba16f",
+            "neither slices nor levels: choose KTX2 RGBA16F",
         ),
         (replace(RAW, levels=5), "13 x 6 texels, which make 4 levels at most"),
         (replace(RAW, format=TextureFormat.EXR, limit=64), "78 x 36 pixels, which cannot be split"),
@@ -282,7 +286,9 @@ def test_formats_without_alpha_are_refused_where_there_is_some(tmp_path: Path) -
     pixels[0, 0, 3] = 0.9
     written(tmp_path, pixels, layout.width, layout.height, layout.bucket)
     for kind, other in (("ktx2-rgb9e5", "ktx2-rgba16f"), ("dds-bc6h", "dds-rgba16f")):
-        with pytest.raises(InputError, match=f"alpha that is not 1, .* cannot hold: choose --format {other}"):
+        with pytest.raises(
+            InputError, match=f"alpha that is not 1, .* cannot hold: choose {TextureFormat(other).label}"
+        ):
             write_textures(sidecar, replace(RAW, format=TextureFormat(kind)), tmp_path / "out")
 
 
@@ -362,10 +368,13 @@ def test_shared_blocks_are_filled_up_as_condensed_ones_are(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("spec", "message"),
     [
-        (replace(RAW, arrangement=Arrangement.SLICES), "shared layout: leave --arrangement and --levels out"),
-        (replace(RAW, levels=2), "shared layout: leave --arrangement and --levels out"),
+        (
+            replace(RAW, arrangement=Arrangement.SLICES),
+            "shared layout: leave the arrangement and the levels out",
+        ),
+        (replace(RAW, levels=2), "shared layout: leave the arrangement and the levels out"),
         (replace(RAW, limit=48), r"surroundings\.exr would be a texture of .* cannot be split"),
-        (replace(RAW, format=TextureFormat.DDS_BC6H), "straddle buckets of 5 cells; bake with --bucket 6"),
+        (replace(RAW, format=TextureFormat.DDS_BC6H), "straddle buckets of 5 cells"),
     ],
 )
 def test_what_shared_bakes_cannot_be_is_refused(tmp_path: Path, spec: ExportSpec, message: str) -> None:
@@ -393,7 +402,7 @@ def test_condensed_textures_are_copied_byte_for_byte(tmp_path: Path) -> None:
         **dict.fromkeys(("gain", "rest"), "BC7"),
         "weights": "RGBA8",
     }
-    with pytest.raises(InputError, match="its textures are DDS files already: leave --format out"):
+    with pytest.raises(InputError, match="its textures are DDS files already: leave the format out"):
         write_textures(sidecar, replace(WEB, format=TextureFormat.KTX2_RGBA16F), tmp_path / "out")
     with texture_path(sidecar, "mirror_gain").open("r+b") as file:
         file.seek(200)

@@ -525,11 +525,11 @@ def test_a_sidecar_that_speaks_of_impossible_textures_is_refused(path: Path) -> 
         ({"rank": 16382}, "more than 16384 pixels along a side of mirror_weights"),
     ]:
         with pytest.raises(
-            FormatError, match=f'a.json, in "shared", speaks of textures that cannot be: {message}'
+            FormatError, match=f'a.json, in "shared", has sizes that no textures have: {message}'
         ):
             SharedSidecar.from_json(retold(path, **changes), "a.json")
     facts = facts_in(path)
-    with pytest.raises(FormatError, match="cannot be: buckets of 16 cells a side"):
+    with pytest.raises(FormatError, match="no textures have: buckets of 16 cells a side"):
         SharedSidecar.from_json(json.dumps(facts | {"bucket": 16}), "a.json")
     with pytest.raises(FormatError, match=r'"layers" is .*, expected \["colour"'):
         SharedSidecar.from_json(json.dumps(facts | {"layers": [*LAYERS[:3], *LAYERS[4:]]}), "a.json")

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from radtex_addon.core.slices import mip_chain
 from radtex_addon.formats.containers import ktx2
 from radtex_addon.formats.containers.dds import write_texture
 from radtex_addon.formats.containers.ktx2 import read_ktx2, write_ktx2
 from radtex_addon.formats.containers.texture import ENCODED, Encoded, PixelFormat, encode_texture
 from radtex_addon.formats.containers.texture_file import texture_file
+from tests.reference.slices import mip_chain
 
 
 @pytest.mark.parametrize("step", [1, 3, 64])

@@ -52,7 +52,7 @@ def test_the_sidecar_says_what_the_layout_is(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("view", "more", "bad", "says"),
     [
-        ("camera", {"eye": (1.0, -4.5, 0.5, 1.0)}, {"eye": [1, 2, 3]}, '"eye" is .*, expected four numbers'),
+        ("camera", {"eye": (1.0, -4.5, 0.5, 1.0)}, {"eye": [1, 2, 3]}, '"eye" is .*, expected 4 numbers'),
         ("around", {"views": 2}, {"views": 1}, '"views" is 1, expected a whole number from 2 to 16'),
     ],
 )

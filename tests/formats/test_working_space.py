@@ -12,7 +12,7 @@ import pytest
 
 from radtex_addon.core.colour_spaces import KNOWN, converted, matrix_to_rec709
 from radtex_addon.core.errors import FormatError
-from radtex_addon.formats.working_space import render_matrix
+from radtex_addon.formats.render_space import render_matrix
 
 
 def rendered(path: Path, *spaces: str | None) -> Path:

@@ -8,18 +8,20 @@ import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import OpenEXR
 
 from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.bake.spec_facts import facts_of
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.sampler import Filter
-from radtex_addon.export.manifest import Manifest, write_manifest
-from radtex_addon.farm.files import FarmFiles
-from radtex_addon.farm.manifest import Copies
-from radtex_addon.farm.manifest import Manifest as FarmManifest
+from radtex_addon.export.export_manifest import Manifest, write_manifest
+from radtex_addon.farm.farm_files import FarmFiles
+from radtex_addon.farm.farm_manifest import Copies
+from radtex_addon.farm.farm_manifest import Manifest as FarmManifest
 from radtex_addon.formats.bucket_files import write_buckets
 from radtex_addon.formats.condensed_files import digest
 from radtex_addon.formats.containers.dds import DdsFormat, write_dds, write_texture
@@ -52,12 +54,48 @@ _RICH = replace(
 _OTHERS = ("ZIPS", "RLE", "PXR24", "B44", "B44A", "DWAB", "NO")  # compressions that we read and do not write
 
 
+# What a worker reads: `worker.orders` writes it, in a Blender.
+_SCENE = {"blend": "/a.blend", "scene": "Scene", "images": None, "folder": "/out"}
+_VIEW = {"view": [float(number) for number in range(16)], "window": [0.5] * 16}
+_ORDERS: tuple[dict[str, Any], ...] = (
+    {
+        "work": "bake",
+        **_SCENE,
+        "name": "Vase",
+        "spec": facts_of(BakeSpec(lights=("Key",), frame=3)),
+        "preview": "linear",
+        "overwrite": False,
+        "resume": True,
+        "exports": ["web"],
+        "picture": "/a.png",
+    },
+    {
+        "work": "export",
+        "sidecar": "/Vase.radiance.json",
+        "spec": {"target": "raw", "format": "exr", "zstd": True, "arrangement": "slices", "layers": ["base"]},
+        "folder": "/out",
+        "overwrite": True,
+    },
+    {
+        "work": "comparison",
+        **_SCENE,
+        "objects": ["Vase"],
+        "bake": None,
+        **_VIEW,
+        "pixels": 64,
+        "samples": 4,
+        "device": "cpu",
+    },
+)
+
+
 def make_corpus(folder: Path) -> None:
     """Write all files into `folder`: the sets that readers need whole, and seeds in folders `*.seeds`."""
     folder.mkdir(parents=True, exist_ok=True)
     _write_sets(folder)
     _write_images(folder / "exr.seeds")
     _write_textures(folder)
+    _write_orders(folder / "order.seeds")
     _write_rest(folder)
     _write_farm(folder / "Vase.radiance.radtex-farm")
 
@@ -195,3 +233,9 @@ def _exports(folder: Path) -> Iterator[tuple[Path, TextureEntry]]:
     )
     for name in ("Rich.radiance", "Coat.radiance", "Gold.radiance", "Wax.transfer"):
         yield folder / f"{name}.json", entry
+
+
+def _write_orders(folder: Path) -> None:
+    folder.mkdir()
+    for number, order in enumerate(_ORDERS):
+        (folder / f"{number}.json").write_text(json.dumps(order, indent=2), encoding="utf-8")

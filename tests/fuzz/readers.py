@@ -19,10 +19,10 @@ from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.key import KEY, replaced_by
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.errors import BakeError, FormatError, InputError, RadTexError
-from radtex_addon.export.manifest import read_manifest
-from radtex_addon.farm.files import FarmFiles
-from radtex_addon.farm.manifest import read_manifest as read_farm_manifest
-from radtex_addon.farm.manifest import read_plan
+from radtex_addon.export.export_manifest import read_manifest
+from radtex_addon.farm.farm_files import FarmFiles
+from radtex_addon.farm.farm_manifest import read_manifest as read_farm_manifest
+from radtex_addon.farm.farm_manifest import read_plan
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.bucket_rows import open_buckets
 from radtex_addon.formats.condensed_files import digest
@@ -44,7 +44,8 @@ from radtex_addon.formats.gutter_signature import own_texels
 from radtex_addon.formats.sample_counts import read_counts
 from radtex_addon.formats.shadow_files import read_shadow, visible_buckets
 from radtex_addon.formats.shared_files import read_shared, read_shared_sidecar
-from radtex_addon.formats.sidecar import preview_path, read_facts, read_sidecar
+from radtex_addon.formats.sidecar import preview_path, read_sidecar
+from radtex_addon.formats.sidecar_file import read_facts
 from radtex_addon.formats.transfer_files import read_transfer, read_transfer_sidecar
 
 from .corpus import FACTS, PAINTED
@@ -149,7 +150,7 @@ def _plan(path: Path) -> None:
 
 def _assembled(path: Path) -> None:
     """All of a farm, whose plan and frames are as they were, but for the preview."""
-    from radtex_addon.farm.assemble import assemble_steps  # noqa: PLC0415  # it loads Blender
+    from radtex_addon.farm.assemble_farm import assemble_steps  # noqa: PLC0415  # it loads Blender
 
     out = path.parent / "out"
     shutil.rmtree(out, ignore_errors=True)
@@ -160,12 +161,19 @@ def _unsaved_images(path: Path) -> None:
     """Pixels that are handed over for an image of the open file."""
     import bpy  # noqa: PLC0415  # here alone is it needed
 
-    from radtex_addon.worker.images import load_unsaved  # noqa: PLC0415  # it loads Blender
+    from radtex_addon.worker.unsaved_images import load_unsaved  # noqa: PLC0415  # it loads Blender
 
     for image in list(bpy.data.images):
         bpy.data.images.remove(image)
     bpy.data.images.new(PAINTED, 2, 2)
     load_unsaved(path.parent)
+
+
+def _order(path: Path) -> None:
+    """What a worker is ordered."""
+    from radtex_addon.cli.run_work import parse_work, read_order  # noqa: PLC0415  # it loads Blender
+
+    read_order(parse_work([str(path)], inside_blender=False))
 
 
 def _as_frame(path: Path) -> None:
@@ -323,6 +331,15 @@ READERS = {
     ),
     "assemble-frame": Reader(
         _FRAME, _FRAME, (mutate_exr,), _assembled, 2, follow=_as_frame, raises=RadTexError, blender=True
+    ),
+    "order": Reader(
+        "order.seeds/0.json",
+        "order.seeds/*.json",
+        (mutate_json,),
+        _order,
+        2,
+        raises=RadTexError,
+        blender=True,
     ),
     "images-list": Reader(
         "images/images.json",

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.one_blender
 
 _TABLES = {("bake", "kinds.py"), ("bake", "forms.py")}
 _NAMES = {*map(str, Kind), *map(str, Layout), "sphere", "condensed"}
-_CONSTANTS = {"LAYOUT", "KIND", "SHARED", "BUCKETS", "SPHERE", "SHADOW", "USUAL_KIND"}
+_CONSTANTS = {"LAYOUT", "KIND", "SHARED", "BUCKETS", "SPHERE", "SHADOW", "DEFAULT_KIND"}
 
 
 def comparisons() -> Iterator[str]:

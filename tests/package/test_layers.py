@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.package.import_circles import find_circle
+
 pytestmark = pytest.mark.one_blender
 
 PACKAGE = Path(__file__).resolve().parents[2] / "radtex_addon"
@@ -174,3 +176,7 @@ def test_a_queue_of_workers_needs_no_blender() -> None:
 )
 def test_what_core_may_import_is_no_trespass(source: str) -> None:
     assert not trespasses(("core", "atlas"), source)
+
+
+def test_no_modules_import_each_other() -> None:
+    assert find_circle() is None

@@ -29,7 +29,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.job import bake_object
-from radtex_addon.report.finished import Finished, find_bake, read_bake
+from radtex_addon.report.finished_bake import Finished, find_bake, read_bake
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
 from radtex_addon.report.metrics import Mask, Picture, psnr
 from radtex_addon.scene.demo import OBJECT, build_demo_scene
@@ -95,7 +95,7 @@ class Bake:
 
     @cached_property
     def sidecar(self) -> Path:
-        return find_bake(self.folder, None)
+        return find_bake(self.folder, None).path
 
     @cached_property
     def finished(self) -> Finished:

@@ -27,26 +27,21 @@ from radtex_addon.core.frame import to_frame
 from radtex_addon.core.hemisphere import direction_to_square
 from radtex_addon.core.octahedron import direction_to_octahedron
 from radtex_addon.core.sampler import Filter, sample
-from radtex_addon.core.shadow import (
-    cell_visibility,
-    soft_visibility,
-    sun_directions,
-    sun_weight,
-    unpack_bits,
-    visibility,
-)
-from radtex_addon.core.transfer import sample_transfer
+from radtex_addon.core.shadow import unpack_bits
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.shadow_files import read_shadow_of
-from radtex_addon.formats.sidecar import preview_path, read_facts
+from radtex_addon.formats.sidecar import preview_path
+from radtex_addon.formats.sidecar_file import read_facts
 from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
-from radtex_addon.report.finished import find_bake
+from radtex_addon.report.finished_bake import find_bake
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer
 from radtex_addon.report.metrics import Picture
 from radtex_addon.scene.demo import OBJECT, build_demo_scene
 from radtex_addon.scene.preview_file import baked_copy
 from tests.real.exhibit import PLACE, ROOT, Bake, Camera
+from tests.reference.relighting import sample_transfer
+from tests.reference.shadows import cell_visibility, soft_visibility, sun_directions, sun_weight, visibility
 
 HULL = "Hull"
 LAYERS = (Layer.BASE, Layer.REST, Layer.GLOSSY)  # of the proxy; they change nothing of the whole
@@ -91,7 +86,7 @@ class KindBake(Bake):
 
     @cached_property
     def sidecar(self) -> Path:
-        return find_bake(self.folder, None, "shown", tuple(Kind))
+        return find_bake(self.folder, None, "shown", tuple(Kind)).path
 
     @cached_property
     def kind(self) -> Kind:

@@ -25,7 +25,7 @@ SHORT = {"atlas_layout": "buckets", "texels": 64, "bucket": 4, "samples": 4}
 _PATIENCE = 240.0  # seconds for a bake on a busy machine; after 300 a test counts as hung
 _FORGET = """
 import sys
-panel_state = sys.modules["bl_ext.user_default.radtex.radtex_addon.ui.panel_state"]
+panel_state = sys.modules["bl_ext.user_default.radtex.radtex_addon.ui.panel.panel_state"]
 if bpy.ops.radtex.clear_jobs.poll():
     bpy.ops.radtex.clear_jobs()
 states.clear()

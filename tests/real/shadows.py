@@ -10,18 +10,18 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised, orthonormal_frame, to_frame
 from radtex_addon.core.sampler import Filter
-from radtex_addon.core.shadow import (
+from radtex_addon.core.shadow import pack_bits
+from radtex_addon.formats.shadow_files import Words
+from tests.lookups import Lookups
+from tests.reference.shadows import (
     area_weights,
     cell_visibility,
-    pack_bits,
     soft_visibility,
     square_points,
     sun_directions,
     sun_weight,
     visibility,
 )
-from radtex_addon.formats.shadow_files import Words
-from tests.lookups import Lookups
 
 ONE, SUN, RECTANGLE = range(3)
 POINTS = 12

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.levels import level_chain, sample_level
-from radtex_addon.core.pages import fitting_pages, page_chain
+from radtex_addon.core.pages import fitting_pages
 from radtex_addon.core.sampler import Filter
 from tests.lookups import (
     COUNT,
@@ -27,6 +26,8 @@ from tests.lookups import (
     worst_error,
 )
 from tests.real.opengl import VERSIONS, compiled, drawn, mipmapped
+from tests.reference.levels import level_chain, sample_level
+from tests.reference.pages import page_chain
 
 SHADER = Path(__file__).parents[2] / "shaders" / "radtex.glsl"
 WORST = 2e-3

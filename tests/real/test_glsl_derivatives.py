@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.slices import mip_chain, sample_slices, to_slices
+from radtex_addon.core.slices import to_slices
 from tests.lookups import LAYOUT, SIDE, random_atlas, random_lookups, relative_error
 from tests.real.opengl import VERSIONS, compiled, drawn, mipmapped
+from tests.reference.slices import mip_chain, sample_slices
 
 SHADER = Path(__file__).parents[2] / "shaders" / "radtex.glsl"
 FRAGMENT = """

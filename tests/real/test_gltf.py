@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.export.run import export_steps
+from radtex_addon.export.exporting import export_steps
 from radtex_addon.formats.containers.glb import Glb
-from radtex_addon.textures.spec import ExportSpec, Target
+from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.real.exhibit import Bake, Exhibit, Form
 from tests.real.web import build_page, node
 

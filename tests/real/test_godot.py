@@ -13,11 +13,10 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.condensed import CondensedAtlas
 from radtex_addon.core.frame import normalised
-from radtex_addon.core.levels import level_chain, sample_level
-from radtex_addon.core.pages import fitting_pages, page_chain
+from radtex_addon.core.pages import fitting_pages
 from radtex_addon.core.sampler import Filter
 from radtex_addon.core.shared import Lobe, SharedAtlas
-from radtex_addon.core.slices import mip_chain, sample_slices, to_slices
+from radtex_addon.core.slices import to_slices
 from radtex_addon.formats.packing import pack
 from tests.condensed_textures import COLUMNS, uncompressed
 from tests.lookups import (
@@ -34,6 +33,9 @@ from tests.lookups import (
 from tests.real.godot import RENDERERS, Job, answers
 from tests.real.root import Root
 from tests.real.test_glsl_derivatives import uvs_of_quads
+from tests.reference.levels import level_chain, sample_level
+from tests.reference.pages import page_chain
+from tests.reference.slices import mip_chain, sample_slices
 from tests.shared_atlases import random_condensed_atlas, random_shared_atlas
 from tests.shared_lookups import by_ray, random_fragments, shared_answers, shared_hit_answers
 

@@ -22,11 +22,11 @@ from PIL import Image
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter, sample
-from radtex_addon.export.run import export_steps
+from radtex_addon.export.exporting import export_steps
 from radtex_addon.formats.containers.ktx2 import read_ktx2
 from radtex_addon.formats.containers.texture import decode_texture
 from radtex_addon.report.metrics import Picture, display
-from radtex_addon.textures.spec import Arrangement, ExportSpec, Target, TextureFormat
+from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from tests.real.exhibit import CAMERAS, Bake, Exhibit, Form, decibels
 from tests.real.godot import RENDERERS, Shot, imported, light_of, pictures, run_godot
 from tests.real.root import Root, screen
@@ -194,10 +194,10 @@ def test_without_our_extension_the_mesh_shows_the_flat_lightmap(
 
 
 def test_what_godot_does_not_load_is_refused(exhibit: Exhibit, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="godot does not read it; choose from"):
+    with pytest.raises(InputError, match="godot does not read it: choose from"):
         ExportSpec(Target.GODOT, format=TextureFormat.EXR)
     spec = ExportSpec(Target.GODOT, TextureFormat.KTX2_RGBA16F, arrangement=Arrangement.SLICES)
-    with pytest.raises(InputError, match="choose --format dds-rgba16f"):
+    with pytest.raises(InputError, match="choose DDS RGBA16F"):
         project(exhibit.plain, tmp_path, spec)
     assert not any(tmp_path.iterdir())
 

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.levels import level_chain, sample_level
-from radtex_addon.core.pages import fitting_pages, page_chain
+from radtex_addon.core.pages import fitting_pages
 from radtex_addon.core.sampler import Filter
 from tests.lookups import (
     COUNT,
@@ -29,6 +28,8 @@ from tests.real.hlsl import COMPILERS, compiled, looked_up
 from tests.real.root import Root
 from tests.real.test_glsl_derivatives import half_slices, reference, uvs_of_quads
 from tests.real.webgpu import Resource, Sampler, fields, image
+from tests.reference.levels import level_chain, sample_level
+from tests.reference.pages import page_chain
 
 EXAMPLE = Path(__file__).parents[2] / "shaders" / "examples" / "object.hlsl"
 WORST = 2e-3

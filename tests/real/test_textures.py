@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.slices import mip_chain
 from radtex_addon.formats.containers.dds import write_texture
 from radtex_addon.formats.containers.ktx2 import write_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat, decode_texture, encode_texture
 from tests.real.godot import RENDERERS, run_godot
 from tests.real.root import Root
+from tests.reference.slices import mip_chain
 
 WIDTH, HEIGHT = 96, 64
 SCRIPT = Path(__file__).parent / "inside" / "decode.gd"

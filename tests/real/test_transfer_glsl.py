@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.pages import fitting_pages, page_chain
+from radtex_addon.core.pages import fitting_pages
 from radtex_addon.core.transfer import with_views
 from tests.lookups import COUNT, LAYOUT, SIDE, random_lookups, relative_error
 from tests.real.opengl import VERSIONS, compiled, drawn, mipmapped
+from tests.reference.pages import page_chain
 from tests.transfer_lookups import VIEWS, WORST, Question, Way, questions, random_lights
 
 SHADERS = Path(__file__).parents[2] / "shaders"

@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.pages import Pages, fitting_pages, page_chain
+from radtex_addon.core.pages import Pages, fitting_pages
 from radtex_addon.core.transfer import with_views
 from tests.lookups import COUNT, LAYOUT, SIDE, relative_error
 from tests.real.godot import RENDERERS, Job, answers
 from tests.real.hlsl import COMPILERS, looked_up
 from tests.real.root import Root
 from tests.real.webgpu import Resource, drawn, fields, image
+from tests.reference.pages import page_chain
 from tests.transfer_lookups import VIEWS, WORST, Question, Way, questions
 
 SHADERS = Path(__file__).parents[2] / "shaders"

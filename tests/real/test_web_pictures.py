@@ -11,14 +11,15 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.levels import fitting_levels, level_chain, sample_level
+from radtex_addon.core.levels import fitting_levels
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.report.metrics import Mask, Picture
-from radtex_addon.textures.spec import Arrangement
+from radtex_addon.textures.export_spec import Arrangement
 from tests.real.browser import Shown
 from tests.real.exhibit import CAMERAS, Camera, Exhibit, decibels
 from tests.real.web import Site, save_light
+from tests.reference.levels import level_chain, sample_level
 
 LEAST = 38.0  # dB
 LEAST_ABRUPT = 33.0  # where texels or cells end at an edge, and rasterisers know places to a part of a pixel

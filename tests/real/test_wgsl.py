@@ -13,10 +13,10 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised, orthonormal_frame, to_frame
-from radtex_addon.core.levels import level_chain, padded_layout, sample_level
-from radtex_addon.core.pages import Pages, fitting_pages, split_pages
+from radtex_addon.core.levels import padded_layout
+from radtex_addon.core.pages import Pages, fitting_pages
 from radtex_addon.core.sampler import Filter, sample
-from radtex_addon.core.slices import mip_chain, sample_slices, to_slices
+from radtex_addon.core.slices import to_slices
 from tests.lookups import (
     COUNT,
     LAYOUT,
@@ -31,6 +31,9 @@ from tests.lookups import (
 )
 from tests.real.root import Root
 from tests.real.webgpu import Resource, Sampler, Texture, drawn, fields, image
+from tests.reference.levels import level_chain, sample_level
+from tests.reference.pages import split_pages
+from tests.reference.slices import mip_chain, sample_slices
 
 FOLDER = Path(__file__).parents[2] / "shaders"
 FILES = ("radtex", "radtex_pages", "radtex_shared", "radtex_condensed")  # all in one: names do not clash

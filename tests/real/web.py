@@ -19,8 +19,8 @@ from PIL import Image
 from playwright.sync_api import Browser
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.export.run import Exported, export_steps
-from radtex_addon.textures.spec import ExportSpec, Target
+from radtex_addon.export.exporting import Exported, export_steps
+from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.real.browser import Shown
 from tests.real.exhibit import Bake
 from tests.real.root import REPOSITORY

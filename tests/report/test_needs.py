@@ -29,12 +29,12 @@ def test_more_than_is_allowed_is_refused(large: Path) -> None:
     with pytest.raises(InputError) as caught:
         check_judged(large, report.spec.memory_mb)
     assert str(caught.value) == (
-        f"a report on {large} takes about 16.0 GiB of memory, --memory allows 1.9 GiB: allow more"
+        f"a report on {large} takes about 16.0 GiB of memory, 1.9 GiB are allowed: allow more"
     )
     line = ["a.blend", "--object", "Vase", "--memory", "2GiB"]
     with pytest.raises(InputError) as caught:
         check_shown([large, large], parse_compare(line, inside_blender=False).spec.memory_mb)
-    said = f"a picture of {large}, {large} takes about 56.0 GiB of memory, --memory allows 2.0 GiB"
+    said = f"a picture of {large}, {large} takes about 56.0 GiB of memory, 2.0 GiB are allowed"
     assert str(caught.value) == f"{said}: allow more"
 
 

@@ -27,6 +27,7 @@ from ...core.errors import BakeError, FormatError, ShapeError
 from ..disk.atomic import replacing
 from ..disk.regular import open_regular
 from ..sidecar import Sidecar, read_sidecar
+from ..sidecar_file import AnySidecar, mismatch_error, opened
 from .exr_size import check_memory_for, check_size
 
 HALF_MOST = 65504.0  # the largest finite half float
@@ -89,15 +90,14 @@ def read_atlas(path: Path) -> tuple[Floats, Sidecar]:
     return read_pixels(path, width, height), sidecar
 
 
-def read_buckets(path: Path) -> tuple[Floats, Sidecar]:
-    """`read_atlas` for the sidecar's file `path`. Raises FormatError if its atlas is of another bake, too."""
-    sidecar, image = read_sidecar(path), path.with_suffix(".exr")
+def read_buckets(sidecar: AnySidecar) -> tuple[Floats, Sidecar]:
+    """`read_atlas` for the image beside a sidecar. Raises FormatError if it is of another bake, too."""
+    file = opened(sidecar)
+    facts, image = read_sidecar(file), file.path.with_suffix(".exr")
     pixels, inner = read_atlas(image)
-    if inner != sidecar:
-        raise FormatError(
-            f"{image} is of another bake than {path}: put one bake's files together, or bake again"
-        )
-    return pixels, sidecar
+    if inner != facts:
+        raise mismatch_error(image, file)
+    return pixels, facts
 
 
 def header_text(path: Path) -> str:

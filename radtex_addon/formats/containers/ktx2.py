@@ -221,7 +221,7 @@ def _check_descriptor(path: Path, file: BinaryIO, header: _Header, kind: PixelFo
     ours = [descriptor(kind, premultiplied) for premultiplied in (False, True)]
     file.seek(header.dfd_offset)
     if header.dfd_length != len(ours[0]) or file.read(len(ours[0])) not in ours:
-        raise FormatError(f"{path} says of its {kind} what RadTex does not write: export it again")
+        raise FormatError(f"{path} has {kind} that RadTex does not write: export it again")
 
 
 def _check_orientation(path: Path, file: BinaryIO, header: _Header) -> None:

@@ -22,7 +22,7 @@ from ..disk.memory import check_memory
 from ..disk.regular import open_regular
 from ..json_reader import shown
 
-_FORMAT: Any = np.lib.format  # which older stubs leave untyped
+_FORMAT: Any = np.lib.format  # older stubs leave it untyped
 
 
 def read_npz(path: Path, wanted: Mapping[str, str], most: int) -> dict[str, npt.NDArray[Any]]:

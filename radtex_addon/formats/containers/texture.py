@@ -19,7 +19,7 @@ from ..codecs.bc7 import Blocks, described
 from ..codecs.rgb9e5 import decode_rgb9e5, encode_rgb9e5
 
 MOST_PIXELS = 16384  # a side: the limit of Direct3D 11 and of every GPU that supports it
-MOST_LAYERS = 2048  # of an array: the same
+MOST_LAYERS = 2048  # of an array: the limit of the same GPUs
 
 _PACKED = ("BC5", "BC6H", "BC7")
 _BYTES = {

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files as such: written atomically, locked, temporary, checked before they are read."""
+"""Files on disk: atomic writing, locks, temporary folders, and checks before reading."""

@@ -19,6 +19,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ...core.errors import BakeError, InputError, RadTexError
+from ...core.messages import Setting, do
 from .hidden_folder import LOCK, hidden_folder, mark_of
 from .path_checks import nearest_folder
 
@@ -42,7 +43,7 @@ def replacing(path: Path, lasting: bool = True) -> Iterator[Path]:
                 _settle(beside)
             beside.replace(path)
             if lasting:
-                settle_names(path.parent)
+                flush_folder(path.parent)
         finally:
             beside.unlink(missing_ok=True)
     except OSError as error:
@@ -73,11 +74,12 @@ def replacing_together(path: Path) -> Iterator[Path]:
                     file.replace(target)
                 except OSError as error:
                     raise BakeError(refusal(target, error)) from error
-            settle_names(path.parent)
+            flush_folder(path.parent)
     except RadTexError as error:
-        if place is None or place not in str(error):
+        problem = error.message.problem
+        if place is None or place not in problem:
             raise
-        raise type(error)(str(error).replace(place, str(path.parent))) from error
+        raise error.saying(problem.replace(place, str(path.parent))) from error
     except OSError as error:
         raise BakeError(refusal(path, error)) from error
 
@@ -118,7 +120,11 @@ def check_absent(paths: Iterable[Path], overwrite: bool) -> None:
         if path.is_dir():
             raise InputError(f"{path} is a folder where a file must go: move it, or choose another folder")
         if os.path.lexists(path) and not overwrite:  # broken links count too
-            raise InputError(f"{path} is already there: overwrite it (--overwrite), or choose another folder")
+            raise InputError(
+                f"{path} is already there",
+                do("overwrite it", Setting.OVERWRITE),
+                do("choose another folder", Setting.OUT),
+            )
 
 
 def _settle(file: Path) -> None:
@@ -127,7 +133,7 @@ def _settle(file: Path) -> None:
         os.fsync(stream.fileno())
 
 
-def settle_names(folder: Path) -> None:
+def flush_folder(folder: Path) -> None:
     """Flush the names in the folder to disk, where the system supports it."""
     if sys.platform == "win32":
         return

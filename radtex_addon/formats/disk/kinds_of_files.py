@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Check by its first bytes that a file is an image, a font, a volume or an IES file, as a scene says.
+"""Check by its first bytes that a file is what a scene uses it as: image, font, volume or IES file.
 
 An untrusted .blend may name any file on this machine as an image, and Blender packs it without a check.
 """

@@ -9,6 +9,7 @@ import os
 import sys
 
 from ...core.errors import FormatError, InputError
+from ...core.messages import Setting, do
 
 
 def physical_memory() -> int | None:
@@ -45,7 +46,9 @@ def check_allowed(what: str, needed: int, allowed_mb: int | None) -> None:
     """
     if allowed_mb is not None and needed > allowed_mb * 2**20:
         needs, allowed = readable_size(needed), readable_size(allowed_mb * 2**20)
-        raise InputError(f"{what} takes about {needs} of memory, --memory allows {allowed}: allow more")
+        raise InputError(
+            f"{what} takes about {needs} of memory, {allowed} are allowed", do("allow more", Setting.MEMORY)
+        )
     check_memory(what, needed)
 
 

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One value a texel with the mean open direction: the form of kind `ao`."""
+"""The form of kind `ao`: one value per texel, with the mean open direction."""

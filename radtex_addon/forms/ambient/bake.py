@@ -17,7 +17,7 @@ from ...core.occlusion import occlusion
 from ...formats.bucket_files import write_buckets
 from ...formats.sidecar import Sidecar
 from ..bake_job import BakeJob
-from ..occlusion import Captured, capture_occlusion
+from ..occlusion_bake import Captured, capture_occlusion
 from ..outcome import Outcome
 
 
@@ -37,7 +37,7 @@ def bake_ambient(job: BakeJob) -> Generator[Progress, None, Outcome]:
 
 
 def _write(path: Path, captured: Captured, facts: Sidecar, spec: BakeSpec) -> None:
-    """Write one value a texel, which is a bucket of one cell with all the rays."""
+    """Write one value per texel: a bucket of one cell, the mean over all rays."""
     layout = captured.plan.layout
     pixels = np.empty((layout.height, layout.width, 4), dtype=np.float32)
     for band in captured.bands.downwards():

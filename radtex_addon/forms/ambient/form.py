@@ -6,12 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from math import ceil, isqrt, sqrt
-from pathlib import Path
 
 import bpy
 
+from ...bake.cost import Cost, cost_of_images
 from ...bake.forms import AMBIENT, FormTraits
 from ...bake.kinds import KINDS, Kind
+from ...bake.layers import WHOLE
 from ...bake.plan import MAX_IMAGE_SIDE
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
@@ -19,9 +20,10 @@ from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...core.surface import SurfaceMesh
 from ...formats.json_reader import Facts
+from ...formats.sidecar_file import SidecarFile
 from ...preview.node_group import check_previewable
-from ...preview.occlusion import preview_ambient_material
-from ...textures.progress import Step
+from ...preview.occlusion_material import preview_ambient_material
+from ...textures.export_progress import Step
 from ..bake_job import BakeJob
 from ..buckets.flat import flat_buckets
 from ..buckets.form import Buckets, layout_in
@@ -33,12 +35,15 @@ _OPENNESS = slice(3, None)  # the channel
 
 
 class Ambient(Buckets):
-    """One value a texel: see `forms.form.Form`."""
+    """One value per texel: see `forms.form.Form`."""
 
     traits: FormTraits = AMBIENT
 
     def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
         return bake_ambient(job)
+
+    def cost(self, spec: BakeSpec) -> Cost:
+        return cost_of_images(spec, {"atlas": (spec.texels, spec.texels, WHOLE)})
 
     def check_previewable(self, spec: BakeSpec) -> None:
         check_previewable(AtlasLayout(spec.texels, spec.texels, 1))
@@ -52,7 +57,7 @@ class Ambient(Buckets):
         return kind in tuple(Kind) and KINDS[Kind(kind)].form == self.traits
 
     def is_of(self, facts: Facts, spec: BakeSpec) -> bool:
-        """The samples are the rays of a texel: with a distance a square of them in each cell."""
+        """The sidecar's samples are rays per texel; with a distance, their number per cell is a square."""
         samples, cells = facts.whole_number("samples", 1), spec.bucket**2
         if facts.values.get("layers") != []:
             return False
@@ -62,9 +67,9 @@ class Ambient(Buckets):
         if samples != cells * had**2 or had > wanted:
             return False
         largest = max(facts.size("texels")) * spec.bucket
-        return had == wanted or (had + 1) * largest > MAX_IMAGE_SIDE  # a picture had no room for more
+        return had == wanted or (had + 1) * largest > MAX_IMAGE_SIDE  # the image had no room for more
 
-    def flat(self, sidecar: Path, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
         yield from ()
         return flat_buckets(sidecar, surface, _OPENNESS)
 

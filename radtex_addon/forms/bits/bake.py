@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kind `shadow`: which directions are blocked, one bit a cell."""
+"""Kind `shadow`: which directions are blocked, one bit per cell."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ...formats.disk.atomic import replacing
 from ...formats.shadow_files import write_shadow
 from ...formats.sidecar import Sidecar
 from ..bake_job import BakeJob
-from ..occlusion import capture_occlusion
+from ..occlusion_bake import capture_occlusion
 from ..outcome import Outcome
 
 
@@ -40,6 +40,6 @@ def _write(path: Path, bands: Bands, facts: Sidecar, spec: BakeSpec) -> None:
     """Write the sidecar to `path` and the bits beside it, both or neither."""
     rows = [pack_bits(band.buckets[..., 0] < 0.5) for band in bands.downwards()]
     words = np.concatenate(rows[::-1])
-    with replacing(path) as beside:  # left last: it takes its place once the bits are in theirs
+    with replacing(path) as beside:  # left last: the sidecar is renamed after the image
         beside.write_text(facts.to_json(), encoding="utf-8", newline="\n")
         write_shadow(path.with_suffix(".exr"), words, facts, spec.compression)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Folding more samples into an atlas that is there."""
+"""Add samples to an existing atlas, for --accumulate."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from .recapture import Recapture
 def accumulated(
     again: Recapture, store: PieceStore, thumbnail: Thumbnail | None
 ) -> Generator[Progress, None, tuple[Floats, int, Ints]]:
-    """Give the chosen texels as many more samples as the specification says, each from where its own ended.
+    """Add the specification's number of samples to the chosen texels, after those that each texel has.
 
-    Returns the atlas (H*n, W*n, 4) float32, the mean over all samples of each texel; how many paths it took;
-    and how many samples a cell each texel has now, (H, W). Raises BakeError where Cycles fails.
+    Returns the atlas (H*n, W*n, 4) float32, the mean over all samples of each texel; the number of new paths;
+    and the samples per cell that each texel has now, (H, W). Raises BakeError where Cycles fails.
     """
     plan, counts = again.plan, again.counts
     more = np.where(again.chosen, again.spec.samples, 0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The plain layout: every texel's bucket is captured, cell by cell, and written; layers lie beside."""
+"""Bake the plain layout: capture every texel's bucket, cell by cell, and write the atlas and its layers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 import bpy
 
 from ...bake.capture import Capture
-from ...bake.hidden import HiddenCells
+from ...bake.hidden_cells import HiddenCells
 from ...bake.layers import WHOLE, split_layers
 from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.plan import CapturePlan, plan_capture
@@ -22,8 +22,9 @@ from ...bake.thumbnail import Thumbnail
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...core.errors import InputError
+from ...core.messages import Setting, do
 from ...core.texel_map import TexelMap
-from ...cycles.layers import LayeredCapture
+from ...cycles.layer_passes import LayeredCapture
 from ...cycles.panoramic import PanoramicCapture
 from ...cycles.portal import PortalCapture
 from ...formats.bucket_files import write_bands
@@ -76,9 +77,9 @@ def join_buckets(
     thumbnail: Thumbnail | None = None,
     uncut: bool = True,
 ) -> Generator[Progress, None, Outcome]:
-    """Ask the capture for all tiles of the plan, and write the atlas with its layers, band by band.
+    """Capture all tiles of the plan, and write the atlas with its layers, band by band.
 
-    What is written waits at the store's places for the files.
+    The files are written to the store's places for them (`PieceStore.place`).
     """
     memory, channels = spec.tile_mb, spec.channels
     steps = capture_bands(plan, capture, memory, hidden, store, thumbnail, channels, uncut)
@@ -99,17 +100,19 @@ def _check_sheet(spec: BakeSpec) -> None:
     if spec.memory_mb is not None and needed > spec.tile_mb << 20:
         raise InputError(
             f"pictures of a scene with volumes are not cut, and one of {spec.sheet} x {spec.sheet} pixels "
-            f"needs {readable_size(needed)} of memory: allow more (--memory), or take smaller ones (--sheet)"
+            f"needs {readable_size(needed)} of memory",
+            do("allow more", Setting.MEMORY),
+            do("take smaller ones", Setting.SHEET),
         )
 
 
 def bucket_images(spec: BakeSpec, sidecar: Path) -> tuple[Path, ...]:
-    """The atlas and its layers."""
+    """The paths of the atlas and its layers."""
     return (sidecar.with_suffix(".exr"), *(layer_path(sidecar, layer) for layer in spec.layers))
 
 
 def _images(image: Floats, layout: AtlasLayout, spec: BakeSpec) -> dict[str, Floats]:
-    """An atlas or some of its rows, called "", and its layers by their names."""
+    """The images of an atlas, or of some of its rows, by layer; the atlas itself is called ""."""
     return {"": image[..., :WHOLE], **split_layers(image, layout, spec.layers)}
 
 
@@ -142,7 +145,10 @@ def plan_buckets(
     folder: Path,
     store: PieceStore = NO_STORE,
 ) -> Generator[Progress, None, tuple[CapturePlan, HiddenCells | None, Sidecar]]:
-    """What to capture in a scene that then shows nothing else, which cells nobody sees, and what that is."""
+    """The plan of the texels to capture, their hidden cells (None for kinds without), and the sidecar.
+
+    For a proxy, the scene then shows only the hull's content.
+    """
     facts = prepared.facts(spec)
     plan, hidden = yield from _plan(prepared, texels, spec, folder, store)
     if spec.kind.traits.content:
@@ -154,7 +160,7 @@ def plan_buckets(
 def _plan(
     prepared: Prepared, texels: TexelMap, spec: BakeSpec, folder: Path, store: PieceStore
 ) -> Generator[Progress, None, tuple[CapturePlan, HiddenCells | None]]:
-    """What to capture, and which cells of it nobody sees; texels that nobody sees at all cost no path."""
+    """The plan and its hidden cells (None for kinds without); texels that nobody can see are left out."""
     plan = plan_capture(texels, spec.bucket, sheet=spec.sheet)
     if not spec.kind.traits.looks_at_surface:
         return plan, None
@@ -168,7 +174,7 @@ def _plan(
 def capture_of(
     scratch: bpy.types.Scene, plan: CapturePlan, spec: BakeSpec, folder: Path, whole: bool = False
 ) -> Capture:
-    """Set a scratch scene up to capture a plan; `whole` is the portal's."""
+    """Set a scratch scene up to capture a plan; `whole` is as for `PortalCapture`."""
     kind = spec.kind
     if spec.layers:
         return LayeredCapture(scratch, plan, kind, spec.layers, spec.samples, spec.seed, folder, whole)

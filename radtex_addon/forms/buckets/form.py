@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The plain form, behind the interface of all forms."""
+"""The plain form, with the interface of all forms."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from typing import Any
 
 import bpy
 
+from ...bake.cost import Cost, cost_of_images
 from ...bake.forms import BUCKETS, FormTraits
 from ...bake.kinds import KINDS, Kind, Light
+from ...bake.layers import OF_LAYER, WHOLE, Layer
 from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
 from ...core.arrays import Floats
@@ -24,12 +26,13 @@ from ...formats.containers.exr import read_buckets, stored_compression
 from ...formats.gutter_signature import loss_of
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar, read_sidecar
+from ...formats.sidecar_file import SidecarFile
 from ...preview.material import preview_material
 from ...preview.node_group import check_previewable
 from ...textures.entry import Arranged, Container, TextureEntry
+from ...textures.export_progress import Step
+from ...textures.export_spec import ExportSpec, Target
 from ...textures.godot_shader import GodotShader
-from ...textures.progress import Step
-from ...textures.spec import ExportSpec, Target
 from ..bake_job import BakeJob
 from ..form import Form, Opened, PreviewOf
 from ..outcome import Outcome
@@ -38,7 +41,7 @@ from .flat import flat_buckets, light_channels
 from .godot import buckets_shader
 from .textures import write_buckets
 
-_TEXEL = 80  # bytes of one in an export, for the flat lightmap and what finds it out to be of this mesh
+_TEXEL = 80  # bytes per texel in an export, for the flat lightmap and the check that it is of this mesh
 
 
 class Buckets:
@@ -52,8 +55,16 @@ class Buckets:
     def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
         return bake_buckets(job)
 
+    def cost(self, spec: BakeSpec) -> Cost:
+        side = spec.pixels_a_side
+        layers: Shapes = {
+            layer: (*((spec.texels,) * 2 if layer is Layer.BASE else (side,) * 2), OF_LAYER)
+            for layer in spec.layers
+        }
+        return cost_of_images(spec, {"atlas": (side, side, WHOLE)} | layers)
+
     def check_size(self, spec: BakeSpec, width: int, height: int) -> None:
-        """Any size that a specification can have will do."""
+        """Accept any size that a specification can have."""
 
     def check_previewable(self, spec: BakeSpec) -> None:
         check_previewable(AtlasLayout(spec.texels, spec.texels, spec.bucket))
@@ -70,12 +81,12 @@ class Buckets:
         layers = facts.values.get("layers") == list(spec.layers)
         return layers and has_samples_and_cells(facts, spec)
 
-    def read_sidecar(self, sidecar: Path) -> Sidecar:
+    def read_sidecar(self, sidecar: SidecarFile) -> Sidecar:
         return read_sidecar(sidecar)
 
-    def open(self, sidecar: Path) -> Opened:
+    def open(self, sidecar: SidecarFile) -> Opened:
         pixels, facts = read_buckets(sidecar)
-        image, layout = sidecar.with_suffix(".exr"), AtlasLayout(facts.width, facts.height, facts.bucket)
+        image, layout = sidecar.path.with_suffix(".exr"), AtlasLayout(facts.width, facts.height, facts.bucket)
         compression = stored_compression(image)
 
         def lookup(uv: Floats, normal: Floats, viewer: Floats, incidence: Floats) -> Floats:
@@ -90,15 +101,15 @@ class Buckets:
             loss=loss_of(compression),
         )
 
-    def shapes(self, sidecar: Path, texels: int = 1, cells: int = 1) -> Shapes:
+    def shapes(self, sidecar: SidecarFile, texels: int = 1, cells: int = 1) -> Shapes:
         facts = read_sidecar(sidecar)
         side = facts.bucket * cells * texels
         return {"": (facts.width * side, facts.height * side, 4)}
 
-    def expanded_bytes(self, sidecar: Path) -> int:
+    def expanded_bytes(self, sidecar: SidecarFile) -> int:
         return 0
 
-    def export_bytes(self, sidecar: Path) -> int:
+    def export_bytes(self, sidecar: SidecarFile) -> int:
         facts = read_sidecar(sidecar)
         return _TEXEL * facts.width * facts.height
 
@@ -106,12 +117,12 @@ class Buckets:
         kind = Sidecar.from_facts(facts).kind
         return (kind, *(layer for layer in facts.texts("layers") if layer in present))
 
-    def flat(self, sidecar: Path, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
         yield from ()
         leaves = Kind(read_sidecar(sidecar).kind).traits.light is Light.LEAVING
         return flat_buckets(sidecar, surface, light_channels(sidecar) if leaves else slice(3))
 
-    def write_textures(self, sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+    def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
         return write_buckets(sidecar, spec, folder)
 
     def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:
@@ -153,7 +164,7 @@ def has_samples_and_cells(facts: Facts, spec: BakeSpec) -> bool:
 
 
 def defines(entry: TextureEntry, target: Target) -> list[str]:
-    """What a shader defines for a matrix of buckets."""
+    """The #defines of a shader for a matrix of buckets."""
     lines = []
     if entry.layers > 1:
         columns, rows, across, up = (*entry.pages, *entry.page_texels)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shader of bakes in buckets in Godot."""
+"""The Godot shader of bakes in buckets."""
 
 from __future__ import annotations
 
@@ -63,9 +63,9 @@ def _buckets(
     paged: bool,
     hull: bool,
 ) -> GodotShader:
-    blended = entry.format is PixelFormat.RGBA16F  # what has no alpha is opaque
+    blended = entry.format is PixelFormat.RGBA16F  # other formats have no alpha: opaque
     words = {
-        "CULLED": "cull_back" if hull else "cull_disabled",  # behind a hull there is nothing of it to see
+        "CULLED": "cull_back" if hull else "cull_disabled",  # a hull is seen from outside only
         "BLENDED": ", blend_premul_alpha, depth_draw_always" if blended else "",
         "DEFINES": "\n#define RADTEX_PAGES" if paged else "",
         "UNIFORMS": "\n".join(uniforms),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The atlas that is there, as one that more may be folded into, or that may be baked again in places."""
+"""Load the existing atlas for --accumulate and --refresh."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from ...formats.sidecar import Sidecar
 
 
 @dataclass(frozen=True, eq=False)
-class Earlier:
-    """An earlier bake: its atlas (H*n, W*n, 4) float32, and each texel's samples a cell, (H, W)."""
+class PreviousAtlas:
+    """An earlier bake: its atlas (H*n, W*n, 4) float32, and each texel's samples per cell, (H, W)."""
 
     pixels: Floats
     counts: Ints
 
 
-def read_earlier(sidecar: Path, bake: Sidecar) -> Earlier:
-    """The atlas beside a `sidecar`, as one that `bake` may be folded into.
+def read_earlier(sidecar: Path, bake: Sidecar) -> PreviousAtlas:
+    """Read the atlas beside a `sidecar`, for a `bake` that adds samples to it or refreshes it.
 
-    Raises InputError where it is of another mesh, size or capture, FormatError as `exr.read_buckets` does.
+    Raises InputError if it is of another mesh, size or capture, FormatError as `exr.read_buckets` does.
     """
     pixels, earlier = read_buckets(sidecar)
     differs = _difference(earlier, bake)
@@ -39,11 +39,11 @@ def read_earlier(sidecar: Path, bake: Sidecar) -> Earlier:
     counts: Ints = np.full((earlier.height, earlier.width), earlier.samples, dtype=np.int64)
     if earlier.texel_samples:
         counts = read_counts(earlier.texel_samples, earlier.width, earlier.height, str(sidecar))
-    return Earlier(pixels.astype(np.float32), counts)
+    return PreviousAtlas(pixels.astype(np.float32), counts)
 
 
 def with_counts(bake: Sidecar, counts: Ints) -> Sidecar:
-    """The sidecar of a bake whose texels have so many samples, (H, W): `samples` are the fewest."""
+    """The sidecar with each texel's samples per cell, `counts` (H, W); its `samples` is the smallest."""
     return replace(bake, samples=int(counts.min()), texel_samples=count_text(counts))
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Capturing texels of an atlas that is there, some or all, each with as many samples as it is to get."""
+"""Capture some or all texels of an existing atlas again, each with its own number of samples."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from ...bake.filling import fill_missing
-from ...bake.hidden import HiddenCells
+from ...bake.hidden_cells import HiddenCells
 from ...bake.piece_store import PieceStore, PrefixedStore
 from ...bake.plan import CapturePlan, plan_capture
 from ...bake.progress import Progress, Stage, relayed
@@ -26,14 +26,14 @@ from ...core.texel_map import TexelMap
 from ...cycles.portal import PortalCapture
 from ...scene.checks.enclosing_volumes import has_volumes
 from ...scene.scratch import scene_copied
-from .previous_atlas import Earlier
+from .previous_atlas import PreviousAtlas
 
 
 @dataclass(frozen=True, eq=False)
 class Recapture:
-    """The texels of a `plan`, as a scratch scene shows them now, and the `earlier` atlas of them.
+    """The texels of a `plan` in a scratch scene, to be captured again, and their `earlier` atlas.
 
-    Nobody sees the `hidden` cells. The plan's texels that count are `chosen` (K,).
+    `hidden` are the cells that nobody can see. `chosen` (K,) are the plan's texels that may change.
     """
 
     scene: bpy.types.Scene
@@ -42,33 +42,33 @@ class Recapture:
     texels: TexelMap
     plan: CapturePlan
     hidden: HiddenCells | None
-    earlier: Earlier
+    earlier: PreviousAtlas
     chosen: Bools
     folder: Path
 
     @property
     def counts(self) -> Ints:
-        """How many samples a cell the plan's texels have: (K,)."""
+        """The samples per cell that the plan's texels have in the earlier atlas: (K,)."""
         counts: Ints = self.earlier.counts.ravel()[self.plan.texel]
         return counts
 
     def buckets(self) -> Floats:
-        """The earlier atlas's, a copy: (H, W, n, n, 4)."""
+        """A copy of the earlier atlas's buckets: (H, W, n, n, 4)."""
         copy: Floats = self.plan.layout.to_buckets(self.earlier.pixels).copy()
         return copy
 
     def part(self, some: Bools, bucket: int) -> CapturePlan:
-        """A plan of `some` (K,) of the texels alone, with buckets of so many cells a side."""
+        """A plan of only the texels where `some` (K,) is True, with `bucket` cells along a bucket's side."""
         others = np.setdiff1d(np.flatnonzero(self.texels.covered), self.plan.texel[some])
         return plan_capture(self.texels, bucket, others, self.spec.sheet)
 
     def capture(
         self, buckets: Floats, samples: Ints, first: Ints, store: PieceStore, thumbnail: Thumbnail | None
     ) -> Generator[Progress, None, int]:
-        """Put new cells of the plan's texels into `buckets` (H, W, n, n, 4); returns how many paths it took.
+        """Capture the plan's texels and replace their `buckets` (H, W, n, n, 4); returns the number of paths.
 
-        Each texel gets `samples` (K,), none where that is 0, from number `first` (K,) on. Raises BakeError
-        where Cycles fails.
+        Each texel gets `samples` (K,) per cell, numbered from `first` (K,) on; with 0 it is left as it is.
+        Raises BakeError where Cycles fails.
         """
         layout, wanted = self.plan.layout, samples > 0
         done, paths, total = 0, 0, int(wanted.sum())
@@ -89,16 +89,16 @@ class Recapture:
         return paths
 
     def fill(self, buckets: Floats) -> Generator[Progress, None, None]:
-        """Fill gutters and hidden cells from what is there, in place."""
+        """Fill gutters and hidden cells of `buckets` in place, from the nearest texels."""
         hidden = self.hidden
         marks = None if hidden is None else self.plan.placed(hidden.cells)
         yield from fill_missing(buckets, self.plan.covered, marks)
 
 
 def chosen_texels(plan: CapturePlan, texels: TexelMap, triangles: Bools | None, where: str | None) -> Bools:
-    """The plan's texels (K,) that lie on chosen `triangles` (F,), or all for None.
+    """Marks (K,) of the plan's texels that lie on the chosen `triangles` (F,); all if that is None.
 
-    Raises InputError where there are none, with the name of the place.
+    Raises InputError, with the name `where`, if there are none.
     """
     if triangles is None:
         return np.ones(len(plan.texel), dtype=bool)
@@ -109,5 +109,5 @@ def chosen_texels(plan: CapturePlan, texels: TexelMap, triangles: Bools | None, 
 
 
 def _after(done: int, total: int, step: Progress) -> Progress:
-    """A group's progress among that of all."""
+    """The progress of all groups, from that of one."""
     return Progress(step.stage, done + step.done, total) if step.stage is Stage.CAPTURE else step

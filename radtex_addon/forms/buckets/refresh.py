@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baking again only the texels whose light has changed."""
+"""Bake only the texels again whose light has changed, for --refresh."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from .recapture import Recapture
 
 _CHANGED = "changed"  # a piece's name
 _TILE_PIXELS = 1 << 20
-_SEED = 7919  # the probe's paths are none of the atlas's
+_SEED = 7919  # added to the seed, so that the probe's paths differ from the atlas's
 
 
 def refreshed(
     again: Recapture, store: PieceStore, thumbnail: Thumbnail | None
 ) -> Generator[Progress, None, tuple[Floats, int, Ints]]:
-    """Find which of the chosen texels have changed, and capture those with the samples that they had.
+    """Find which of the chosen texels have changed, and capture them again with as many samples as before.
 
-    Returns the atlas (H*n, W*n, 4) float32, in which all else is what it was; how many paths it took; and how
-    many samples a cell each texel has, (H, W). Raises BakeError where Cycles fails.
+    Returns the atlas (H*n, W*n, 4) float32, otherwise unchanged; the number of paths; and the samples per
+    cell that each texel has, (H, W). Raises BakeError where Cycles fails.
     """
     plan, buckets = again.plan, again.buckets()
     side = _coarser(plan.layout.bucket)
@@ -50,7 +50,7 @@ def refreshed(
 
 
 def _coarse(buckets: Floats, probed: CapturePlan) -> Floats:
-    """What the atlas says of a probe's cells, each the mean of some of the atlas's: (K, m, m, C)."""
+    """The atlas's light in the larger cells of a probe, means over the atlas's cells: (K, m, m, C)."""
     flat = buckets.reshape(-1, *buckets.shape[2:])[probed.texel]
     count, side = len(flat), probed.layout.bucket
     fine = flat.shape[1] // side

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake in buckets as textures: the atlas, and its layers."""
+"""Write a bake in buckets as textures: the atlas and its layers."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from pathlib import Path
 from ...core.atlas import AtlasLayout
 from ...formats.bucket_files import BASE, image_path, read_layer
 from ...formats.bucket_rows import open_buckets, open_layer
+from ...formats.sidecar_file import SidecarFile
 from ...textures.entry import TextureEntry
-from ...textures.files import write_image
+from ...textures.export_spec import ExportSpec, TextureFormat
 from ...textures.matrix import write_matrix
-from ...textures.spec import ExportSpec, TextureFormat
 from ...textures.stream import light_of
+from ...textures.texture_files import write_image
 
 _EXACT = {
     TextureFormat.KTX2_RGB9E5: TextureFormat.KTX2_RGBA16F,
@@ -23,8 +24,8 @@ _EXACT = {
 }
 
 
-def write_buckets(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
-    """Write the atlas whose sidecar is the file `sidecar`, and those of its layers that `spec` names.
+def write_buckets(sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+    """Write the atlas of a bake, and those of its layers that `spec` names.
 
     Raises as `Form.write_textures` does.
     """
@@ -37,11 +38,11 @@ def write_buckets(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, Te
 
 
 def _write_layer(
-    sidecar: Path, layer: str, layout: AtlasLayout, spec: ExportSpec, folder: Path
+    sidecar: SidecarFile, layer: str, layout: AtlasLayout, spec: ExportSpec, folder: Path
 ) -> TextureEntry:
-    """A part of the light, stored as the whole is, the base as an image; exactly where it is below 0."""
+    """Write a layer like the atlas, the base as an image; as RGBA16F if it has values below 0."""
     if layer == BASE:
-        return write_image(image_path(sidecar, layer), read_layer(sidecar, layer), spec, folder, None)
+        return write_image(image_path(sidecar.path, layer), read_layer(sidecar, layer), spec, folder, None)
     image = open_layer(sidecar, layer)
     if spec.format in _EXACT and light_of(image).least < 0:
         spec = replace(spec, format=_EXACT[spec.format])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake in the shared layout within a size or quality: fitted as the shared one, then condensed."""
+"""Bake the condensed form: fit the shared layout, then condense it for a size or quality."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Condensing a bake for a budget of bytes, or for a target in dB."""
+"""Condense a bake to a budget in bytes, or to a target in dB."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ from ..outcome import Condensed
 
 _log = logging.getLogger(__name__)
 
-_COLOUR_SHARE = 0.35  # of a budget: what the colour may take
+_COLOUR_SHARE = 0.35  # largest share of a budget for the colour
 _SURROUNDINGS_SHARE = 0.2
 _LEAST_SURROUNDINGS = 64  # cells along their side
-_FEWEST = 8  # clusters of a lobe, below which there is no picture
-_FIRST = 16  # clusters that a target is first tried with; then ever twice as many
+_FEWEST = 8  # clusters of a lobe: with fewer nothing can be recognised
+_FIRST = 16  # clusters of the first try for a target; each further try doubles them
 
 
 _Step = TypeVar("_Step")
@@ -41,13 +41,13 @@ _Steps: TypeAlias = Generator[_Step, None, tuple[SharedSidecar, Condensed]]
 
 
 def check_budget(spec: BakeSpec, width: int, height: int) -> None:
-    """Raise InputError for a budget too small for `width` x `height` texels, if all had one colour."""
+    """Raise InputError for a budget too small for `width` x `height` texels, even if all have one colour."""
     if spec.budget is not None:
         check_bytes(spec.budget, spec.bucket, width, height)
 
 
 def check_bytes(budget: int, bucket: int, width: int, height: int) -> None:
-    """The same for a `budget` of bytes and `bucket` cells along a bucket's side."""
+    """As `check_budget`, for a `budget` in bytes and `bucket` cells along a bucket's side."""
     side = _LEAST_SURROUNDINGS
     least = CondensedSizes(
         width=width,
@@ -69,21 +69,21 @@ def check_bytes(budget: int, bucket: int, width: int, height: int) -> None:
 def condense_steps(
     path: Path, atlas: SharedAtlas, plan: CapturePlan, spec: BakeSpec, facts: Sidecar
 ) -> _Steps[Progress]:
-    """Condense the atlas as `spec` wishes; write the sidecar to `path` and the textures beside it.
+    """Condense the atlas for the budget or target of `spec`; write the sidecar to `path`, textures beside it.
 
-    They take their places once they were measured: closed before that, it leaves all as it was.
+    Existing files are replaced only at the end; a generator closed before that leaves them unchanged.
     """
     with replacing_together(path) as beside:
         making = _Making(beside, atlas, plan, facts)
         if spec.budget is not None:
             return (yield from _within_budget(making, spec.budget))
-        assert spec.target is not None  # there is one of the two
+        assert spec.target is not None  # either a budget or a target is given
         return (yield from _to_target(making, spec.target))
 
 
 @dataclass(frozen=True, eq=False)
 class _Making:
-    """Tries to condense the `fitted` atlas: each writes the files at `path` anew."""
+    """Tries to condense the `fitted` atlas; each try replaces the files at `path`."""
 
     path: Path
     fitted: SharedAtlas
@@ -91,7 +91,7 @@ class _Making:
     facts: Sidecar
 
     def of(self, small: SharedAtlas, count: int, progress: Progress) -> _Steps[Progress]:
-        """Write `small` in `count` clusters and compare it with what was fitted; yields `progress` alone."""
+        """Write `small` in `count` clusters and compare it with the fitted atlas; yields only `progress`."""
         return relayed(self._steps(small, count), lambda _: progress)
 
     def _steps(self, small: SharedAtlas, count: int) -> _Steps[str | None]:
@@ -146,7 +146,7 @@ def _to_target(making: _Making, target: float) -> _Steps[Progress]:
 
 
 def _reduced(atlas: SharedAtlas, budget: int) -> SharedAtlas:
-    """The atlas with a colour and surroundings that leave most of the budget to the lobes."""
+    """Reduce the atlas's colour and surroundings, so that most of the budget is left for the lobes."""
     width = atlas.irradiance.shape[1]
     while atlas.colour.shape[1] >= 2 * width and _cost_of(atlas, "colour") > _COLOUR_SHARE * budget:
         atlas = replace(atlas, colour=_halved(atlas.colour))
@@ -159,7 +159,7 @@ def _reduced(atlas: SharedAtlas, budget: int) -> SharedAtlas:
 
 
 def _cost_of(atlas: SharedAtlas, layer: str) -> int:
-    """The bytes of one of the textures that have no clusters."""
+    """Bytes on a GPU of a texture without clusters, such as "colour"."""
     sizes = _sizes(atlas)
     return texture_bytes({layer: sizes.shapes(sizes.columns)[layer]})
 
@@ -172,7 +172,7 @@ def _halved(image: Floats) -> Floats:
 
 
 def _sizes(atlas: SharedAtlas) -> CondensedSizes:
-    """The atlas's own, as it is stored: a colour that is the same everywhere takes next to nothing."""
+    """Sizes of the stored atlas with one cluster per lobe; a colour that is the same everywhere is tiny."""
     height, width = atlas.irradiance.shape[:2]
     colour = stored_colour(atlas.colour)
     return CondensedSizes(

@@ -1,40 +1,42 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A condensed bake as textures: its files as they are."""
+"""Copy a condensed bake's files as textures: they are textures already."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from ...core.errors import FormatError, InputError
+from ...core.errors import InputError
+from ...core.messages import Setting, leave_out
 from ...core.pages import Pages
 from ...formats.condensed_files import digest
 from ...formats.containers.dds import read_dds
 from ...formats.containers.texture import Texture
 from ...formats.shared_files import read_shared_sidecar, texture_path
+from ...formats.sidecar_file import SidecarFile, mismatch_error
 from ...textures.choice import check_limit
 from ...textures.entry import Arranged, Container, TextureEntry
-from ...textures.files import copied, entry_of
-from ...textures.spec import ExportSpec, TextureFormat
+from ...textures.export_spec import ExportSpec, TextureFormat
+from ...textures.texture_files import copied, entry_of
 from ..shared.textures import check_plain_arrangement
 
-_CONDENSED = (TextureFormat.AUTO, TextureFormat.DDS_BC6H)  # what leaves a condensed bake as it is
+_CONDENSED = (TextureFormat.AUTO, TextureFormat.DDS_BC6H)  # formats for which files are copied unchanged
 
 
-def copy_textures(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+def copy_textures(sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
     """As `Form.write_textures`; the files are copied byte for byte."""
     check_plain_arrangement(sidecar, spec)
     shared = read_shared_sidecar(sidecar)
     if spec.format not in _CONDENSED:
-        raise InputError(f"{sidecar} is condensed, its textures are DDS files already: leave --format out")
+        raise InputError(
+            f"{sidecar} is condensed, its textures are DDS files already", leave_out(Setting.FORMAT)
+        )
     digests = shared.condensed.digests if shared.condensed else {}
     entries = {}
     for layer, (width, height, _) in shared.shapes.items():
-        source = texture_path(sidecar, layer)
+        source = texture_path(sidecar.path, layer)
         if digest(source) != digests[layer]:
-            raise FormatError(
-                f"{source} is of another bake than {sidecar}: put one bake's files together, or bake again"
-            )
+            raise mismatch_error(source, sidecar)
         kind, blocks, stored_width, stored_height = read_dds(source)
         texture = Texture(kind.pixel_format, stored_width, stored_height, (blocks[None],))
         check_limit(source, stored_width, stored_height, spec)

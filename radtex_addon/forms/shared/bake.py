@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shared layout: single paths are captured, an atlas is fitted to them, and written as several images."""
+"""Bake the shared layout: capture single paths, fit an atlas to them, and write it as several images."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ...formats.sidecar import Sidecar
 from ..bake_job import BakeJob
 from ..outcome import Outcome
 
-_TOLD = 0.01  # of the light: less of it lost needs no word
+_TOLD = 0.01  # share of the light: if more is lost, warn
 _LOST = (
     "%.1f %% of the light of '%s' is lost as fireflies, which single paths brought and no others: "
     "take more samples, or a larger lamp"
@@ -32,7 +32,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class FittedBake:
-    """What a bake in the shared layout comes to before it is written: the `atlas` of the `plan`'s texels."""
+    """A bake in the shared layout before it is written: the fitted `atlas` of the `plan`'s texels."""
 
     atlas: SharedAtlas
     plan: CapturePlan
@@ -62,7 +62,7 @@ def atlas_layout(fitted: FittedBake, spec: BakeSpec) -> AtlasLayout:
 
 
 def facts_with_fireflies(fitted: FittedBake, facts: Sidecar) -> Sidecar:
-    """The sidecar with the share of light that the fit lost; much of it is worth a warning."""
+    """The sidecar with the share of light that the fit lost; logs a warning if it is large."""
     if fitted.fireflies > _TOLD:
         _log.warning(_LOST, 100 * fitted.fireflies, facts.object_name)
     return replace(facts, fireflies=round(fitted.fireflies, 6))

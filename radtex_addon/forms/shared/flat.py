@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The flat lightmap of a bake in the shared layout: the mean of what each texel shows in even directions."""
+"""The flat lightmap of a bake in the shared layout: each texel's mean light over the hemisphere."""
 
 from __future__ import annotations
 
 from collections.abc import Generator
-from pathlib import Path
 
 import numpy as np
 
@@ -17,27 +16,28 @@ from ...core.surface import SurfaceMesh
 from ...core.texel_map import TexelMap, rasterise
 from ...formats.gutter_signature import own_texels
 from ...formats.shared_files import read_shared
-from ...textures.flat import check_surface
-from ...textures.progress import Step, Task
+from ...formats.sidecar_file import SidecarFile
+from ...textures.export_progress import Step, Task
+from ...textures.flat_lightmap import check_surface
 
-DIRECTIONS = 64  # that a texel is looked at from
-_EACH = 8  # directions between two signs of life
+DIRECTIONS = 64  # from which each texel is looked at
+_EACH = 8  # directions between two reports of progress
 _GOLDEN = np.pi * (3 - np.sqrt(5))
 
 
-def flat_shared(sidecar: Path, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+def flat_shared(sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
     """The mean light (H, W, 3) of each texel of a bake in the shared layout, float32, row 0 at v = 0.
 
-    Raises FormatError for files that cannot be read, and a surface that the atlas is not of.
+    Raises FormatError for files that cannot be read, and if the atlas is of another surface.
     """
     atlas, facts = read_shared(sidecar)
     texels = rasterise(surface, facts.bake.width, facts.bake.height)
-    check_surface(sidecar, texels.covered, *own_texels(sidecar, atlas, facts))
+    check_surface(sidecar.path, texels.covered, *own_texels(sidecar.path, atlas, facts))
     return (yield from mean_of_shared(atlas, texels))
 
 
 def mean_of_shared(atlas: SharedAtlas, texels: TexelMap) -> Generator[Step, None, Floats]:
-    """The same of an atlas: its texels are seen from directions that share the hemisphere evenly."""
+    """The mean light (H, W, 3) of an atlas's `texels`, over evenly spread directions of the hemisphere."""
     height, width = texels.covered.shape
     rows, columns = np.nonzero(texels.covered)
     uv = ((np.stack([columns, rows], axis=1) + 0.5) / (width, height)).astype(np.float32)
@@ -55,9 +55,9 @@ def mean_of_shared(atlas: SharedAtlas, texels: TexelMap) -> Generator[Step, None
 
 
 def even_directions(count: int) -> Floats:
-    """Directions (count, 3) in the frame, each standing for as much solid angle: a sunflower's seeds.
+    """Directions (count, 3) in the frame, each for the same solid angle, in a spiral as a sunflower's seeds.
 
-    The projection keeps areas, so that what is even on the disc is even on the hemisphere.
+    The equisolid projection preserves areas: points spread evenly on the disc are so on the hemisphere.
     """
     index = np.arange(count)
     radius, angle = np.sqrt((index + 0.5) / count), index * _GOLDEN

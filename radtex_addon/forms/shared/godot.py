@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shader of bakes in the shared layout in Godot."""
+"""The Godot shader of bakes in the shared layout."""
 
 from __future__ import annotations
 
@@ -62,6 +62,6 @@ def shared_shader(
 
 
 def _ranges(lobe: Mapping[str, Any]) -> Floats:
-    """A lobe's ranges as the include takes them, (12, 4)."""
+    """A lobe's ranges in the order that the shader include expects, (12, 4)."""
     rows = [row + [0.0] * (4 - len(row)) for part in LOBE_CHANNELS for row in lobe[part]]
     return np.array(rows)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kind `transfer`: the object is captured under suns all around, and each texel's bucket fitted to them."""
+"""Kind `transfer`: capture the object under suns all around, and fit each texel's bucket to that light."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 from ...bake.plan import CapturePlan
 from ...bake.progress import Progress, Stage
 from ...bake.spec import View
-from ...bake.transfer import fit_buckets
+from ...bake.transfer_buckets import fit_buckets
 from ...bake.transfer_views import view_shift, views_along
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
-from ...cycles.transfer import Lit, capture_under_suns
+from ...cycles.transfer_capture import Lit, capture_under_suns
 from ...formats.transfer_files import TransferSidecar, write_transfer
-from ...scene.eye import find_eye
+from ...scene.camera_place import find_camera_place
 from ...scene.scratch import scene_copied
 from ..bake_job import BakeJob
 from ..outcome import Outcome
@@ -26,7 +26,7 @@ from ..outcome import Outcome
 def bake_transfer(job: BakeJob) -> Generator[Progress, None, Outcome]:
     """As `Form.bake`; every finished render is stored."""
     spec, prepared = job.spec, job.prepared
-    eye = find_eye(job.scratch) if spec.view is View.CAMERA else None
+    eye = find_camera_place(job.scratch) if spec.view is View.CAMERA else None
     views = views_along(spec.view)
     plan = yield from prepared.plan_of_seen(views, job.folder, job.store)
     suns, shift = spec.bucket**2, view_shift(plan, eye)

@@ -21,12 +21,13 @@ from ...core.transfer import with_views
 from ...formats.condensed_sizes import Shapes
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar
+from ...formats.sidecar_file import SidecarFile
 from ...formats.transfer_files import TransferSidecar, read_transfer_sidecar
 from ...preview.node_group import check_previewable
 from ...preview.sun import preview_transfer_material
 from ...textures.entry import TextureEntry
-from ...textures.progress import Step
-from ...textures.spec import ExportSpec, Target
+from ...textures.export_progress import Step
+from ...textures.export_spec import ExportSpec, Target
 from ..bake_job import BakeJob
 from ..buckets.form import Buckets, defines, has_samples_and_cells
 from ..form import Form, PreviewOf
@@ -34,11 +35,11 @@ from ..outcome import Outcome
 from .bake import bake_transfer
 from .textures import flat_sphere, write_sphere
 
-_PIXEL = 48  # bytes of one in an export, which reads the image whole
+_PIXEL = 48  # bytes per pixel in an export, which reads the whole image
 
 
 class Sphere(Buckets):
-    """Spheres of light's directions in one image: see `forms.form.Form`."""
+    """Buckets of all directions to the light, in one image: see `forms.form.Form`."""
 
     traits: FormTraits = SPHERE
 
@@ -61,26 +62,26 @@ class Sphere(Buckets):
     def is_of(self, facts: Facts, spec: BakeSpec) -> bool:
         return has_samples_and_cells(facts, spec)
 
-    def read_sidecar(self, sidecar: Path) -> Sidecar:
+    def read_sidecar(self, sidecar: SidecarFile) -> Sidecar:
         return read_transfer_sidecar(sidecar).bake
 
-    def shapes(self, sidecar: Path, texels: int = 1, cells: int = 1) -> Shapes:
+    def shapes(self, sidecar: SidecarFile, texels: int = 1, cells: int = 1) -> Shapes:
         stored = read_transfer_sidecar(sidecar).stored
         factor = texels * cells
         return {"": (stored.pixel_width * factor, stored.pixel_height * factor, 4)}
 
-    def export_bytes(self, sidecar: Path) -> int:
+    def export_bytes(self, sidecar: SidecarFile) -> int:
         stored = read_transfer_sidecar(sidecar).stored
         return _PIXEL * stored.pixel_width * stored.pixel_height
 
     def textures_of(self, facts: Facts, present: Collection[str]) -> tuple[str, ...]:
         return (TransferSidecar.from_facts(facts).bake.kind,)
 
-    def flat(self, sidecar: Path, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
         yield from ()
         return flat_sphere(sidecar, surface)
 
-    def write_textures(self, sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+    def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
         return write_sphere(sidecar, spec, folder)
 
     def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:

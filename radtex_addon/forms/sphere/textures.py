@@ -9,35 +9,39 @@ from pathlib import Path
 
 from ...core.arrays import Floats
 from ...core.errors import InputError
+from ...core.messages import Setting, leave_out
 from ...core.surface import SurfaceMesh
 from ...core.texel_map import covered_texels
 from ...core.transfer import mean_over_lights
+from ...formats.sidecar_file import SidecarFile
 from ...formats.transfer_files import open_transfer, read_transfer
 from ...textures.entry import TextureEntry
-from ...textures.flat import check_means
+from ...textures.export_spec import Arrangement, ExportSpec
+from ...textures.flat_lightmap import check_means
 from ...textures.matrix import write_matrix
-from ...textures.spec import Arrangement, ExportSpec
 
 
-def write_sphere(sidecar: Path, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+def write_sphere(sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
     """As `Form.write_textures`."""
     image, facts = open_transfer(sidecar)
     return {facts.bake.kind: write_matrix(image, facts.stored, _one_level(sidecar, spec), folder)}
 
 
-def _one_level(sidecar: Path, spec: ExportSpec) -> ExportSpec:
-    """What `spec` is for buckets of the whole sphere, which are looked up in a matrix without levels.
+def _one_level(sidecar: SidecarFile, spec: ExportSpec) -> ExportSpec:
+    """The `spec` with one level: buckets of the whole sphere are exported as a matrix without mip levels.
 
-    Raises InputError where it asks for something else, naming `sidecar`.
+    Raises InputError, with the `sidecar`, if `spec` asks for something else.
     """
     if spec.arrangement is not Arrangement.MATRIX or (spec.levels or 1) > 1:
-        raise InputError(f"{sidecar} has one level in a matrix: leave --arrangement and --levels out")
+        raise InputError(
+            f"{sidecar} has one level in a matrix", leave_out(Setting.ARRANGEMENT, Setting.LEVELS)
+        )
     return replace(spec, levels=1)
 
 
-def flat_sphere(sidecar: Path, surface: SurfaceMesh) -> Floats:
-    """What the texels of a bake of kind `transfer` show under white surroundings: as `Form.flat`."""
+def flat_sphere(sidecar: SidecarFile, surface: SurfaceMesh) -> Floats:
+    """The flat lightmap of a bake of kind `transfer`, under white surroundings; as `Form.flat`."""
     pixels, facts = read_transfer(sidecar)
     light = mean_over_lights(pixels, facts.layout, facts.views)[..., :3]
-    check_means(sidecar, covered_texels(surface, facts.layout.width, facts.layout.height), light)
+    check_means(sidecar.path, covered_texels(surface, facts.layout.width, facts.layout.height), light)
     return light

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects whose geometry nodes ask for the active camera: a bake has a camera of its own, elsewhere."""
+"""Find objects whose geometry nodes use the active camera: a bake has its own camera, elsewhere."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _ASKS = "GeometryNodeInputActiveCamera"
 
 
 def camera_dependent(layer: bpy.types.ViewLayer) -> list[str]:
-    """A line for each rendered object of a view layer whose shape follows the active camera."""
+    """Warnings about rendered objects of a view layer whose modifiers follow the active camera."""
     layer.update()  # or it lists objects that a script has just removed
     return [
         f"object '{item.name}' follows the active camera by its modifier '{name}', and a bake has "

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials that ask where the camera is: a bake's rays start at the object, and end there at once."""
+"""Find materials whose nodes depend on the camera: a bake's camera rays are short and start at the object."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import bpy
 
 from .see_through import materials_of
 
-Outputs: TypeAlias = Mapping[str, frozenset[str]]  # names of outputs by their nodes' types
+Outputs: TypeAlias = Mapping[str, frozenset[str]]  # names of output sockets by node type
 
 _ASKS: Outputs = {
     "CAMERA": frozenset({"View Vector", "View Z Depth", "View Distance"}),
@@ -21,9 +21,9 @@ _ASKS: Outputs = {
 
 
 def camera_materials(item: bpy.types.Object) -> list[str]:
-    """A line for each node of an object's materials whose output depends on where the camera is.
+    """Warnings about nodes of an object's materials whose output depends on the camera's place.
 
-    What depends on the angle alone, as Layer Weight does, is baked, and so is what camera rays see.
+    Nodes that depend on the viewing angle only, such as Layer Weight, and Is Camera Ray bake correctly.
     """
     return [
         f"material '{material.name}' of object '{item.name}' takes '{output}' of its node '{node}', and a "
@@ -34,7 +34,7 @@ def camera_materials(item: bpy.types.Object) -> list[str]:
 
 
 def nodes_asked(material: bpy.types.Material, outputs: Outputs) -> list[tuple[str, str]]:
-    """The names of the nodes that feed a material by one of the `outputs`, and of these."""
+    """The nodes that a material uses by one of the `outputs`: names of node and output."""
     tree: Any = material.node_tree
     return [] if tree is None else list(_asking(tree.get_output_node("CYCLES"), outputs, set()))
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes that an object stands in: a ray that a portal sends there does not know of them."""
+"""Find volumes around an object: rays that a portal sends into a volume are traced as if outside it."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ _OUTPUTS = ("OUTPUT_MATERIAL", "OUTPUT_WORLD")
 
 
 def volumes_around(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> list[str]:
-    """Names of the rendered volume domains whose bounding boxes meet that of `item`, itself left out.
+    """Names of the rendered volume domains, except `item`, whose bounding boxes meet that of `item`.
 
-    A domain is a volume object, or a mesh whose material has a volume. (The world's volume is no trouble.)
+    A domain is a volume object, or a mesh whose material has a volume. (The world's volume bakes correctly.)
     """
     layer.update()  # or it lists objects that a script has just removed
     low, high = _bounds(item)
@@ -30,10 +30,10 @@ def volumes_around(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> list[s
 
 
 def has_volumes(scene: bpy.types.Scene) -> bool:
-    """Whether any ray may meet a volume, as far as the file knows.
+    """Whether rays may meet a volume: any in the file, or the world's.
 
-    Where one does, Blender 5's Cycles learns from neighbouring pixels how to sample it: a picture's bits then
-    depend on where it is cut.
+    Blender 5's Cycles learns from neighbouring pixels how to sample volumes: a picture's bits then depend on
+    how it is cut into tiles.
     """
     trees = [material.node_tree for material in bpy.data.materials]
     if scene.world is not None:

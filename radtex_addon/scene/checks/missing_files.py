@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the open file lacks, so that it renders otherwise than whoever made it has seen it."""
+"""Find missing files and failed drivers, because of which the open file renders differently than intended."""
 
 from __future__ import annotations
 
@@ -10,19 +10,21 @@ from typing import Any
 
 import bpy
 
+from ...core.messages import Message, Setting, do
+
 _SHADING = ("MATERIAL", "WORLD", "LIGHT", "NODETREE", "TEXTURE")  # users of images that renders look at
 
 
-def lacking() -> list[str]:
-    """A line for the drivers, the images and the libraries that are not there; none where all is well."""
-    return [*failed_drivers(), *_missing_images(), *_missing_libraries()]
+def file_warnings() -> list[Message]:
+    """Warnings about failed drivers, missing images and missing libraries; empty if all is well."""
+    return [*failed_drivers(), *map(Message, _missing_images()), *map(Message, _missing_libraries())]
 
 
-def failed_drivers(owners: Iterable[Any] | None = None) -> Iterator[str]:
-    """A line if Python of drivers was not run, or failed, when their owners were last evaluated.
+def failed_drivers(owners: Iterable[Any] | None = None) -> Iterator[Message]:
+    """A warning if the Python of drivers was not run, or failed, when their owners were last evaluated.
 
-    The owners are all that the viewport shows; or a render's are given, of which those are told that the
-    viewport does not show.
+    By default the owners are all data-blocks of the file, as the viewport evaluated them. Given the evaluated
+    `owners` of a render, drivers that fail in the viewport too are not reported again.
     """
     everything = _all() if owners is None else (one for one in owners if not any(_failed(one.original)))
     found = [(owner, curve) for owner in everything if not owner.is_embedded_data for curve in _failed(owner)]
@@ -31,15 +33,15 @@ def failed_drivers(owners: Iterable[Any] | None = None) -> Iterator[str]:
     curve = found[0][1]
     names = list(dict.fromkeys(f"{owner.bl_rna.name.lower()} '{owner.name}'" for owner, _ in found))
     others = f", as are those of {', '.join(names[1:5])}" if len(names) > 1 else ""
-    yield (
-        f"the driver of {curve.data_path} of {names[0]} is without a value ('{curve.driver.expression}')"
-        f"{others}: a .blend's Python is not run unless you allow it (blender -b --enable-autoexec FILE -P "
-        "bake.py -- ...); drive by plain maths, or bake the driver to keyframes"
+    yield Message(
+        f"the driver of {curve.data_path} of {names[0]} has no value ('{curve.driver.expression}')"
+        f"{others}, for a .blend's Python is not run unless you allow it",
+        (do("allow it", Setting.SCRIPTS), do("drive by plain maths"), do("bake the driver to keyframes")),
     )
 
 
 def _all() -> Iterator[Any]:
-    """Every datablock of the open file, once."""
+    """Yield every data-block of the open file once."""
     data: Any = bpy.data
     collections = [one.identifier for one in data.bl_rna.properties if one.type == "COLLECTION"]
     for name in collections:

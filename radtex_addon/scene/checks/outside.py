@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that the open file names: Blender would wait for ever for a pipe among them."""
+"""Refuse a scene whose file paths lead to pipes or devices: Blender would wait for a pipe for ever."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ...formats.disk.regular import FOLDER, other_kind
 
 
 def check_outside_files() -> None:
-    """Raises InputError, by name, for a datablock whose file is a pipe, a device or a socket."""
+    """Raise InputError, which names the data-block, if its file is a pipe, a device or a socket."""
     owner: Any
     for owner, paths in cast(Any, bpy.data).file_path_map().items():
         for written in sorted(paths):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What would put surfaces elsewhere than we think, so that rays would start inside them: refused by name."""
+"""Refuse what would bake wrongly: surfaces that Cycles moves, unbaked rigid bodies, see-through objects."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...core.errors import InputError
 
 
 def refuse_displacement(name: str, materials: Iterable[bpy.types.Material | None]) -> None:
-    """Raise InputError if one of the materials that the object `name` shows displaces it in its shader."""
+    """Raise InputError if one of the `materials` of the object `name` displaces it by shader."""
     for material in materials:
         if material is not None and _displaces(material):
             raise InputError(
@@ -23,7 +23,7 @@ def refuse_displacement(name: str, materials: Iterable[bpy.types.Material | None
 
 
 def refuse_adaptive_subdivision(rendered: bpy.types.Object, scene: Any) -> None:
-    """Raise InputError if Cycles subdivides the evaluated object of the evaluated scene as it renders."""
+    """Raise InputError if Cycles subdivides the evaluated object of the evaluated scene adaptively."""
     modifier = _adaptive(rendered, scene)
     if modifier is not None:
         raise InputError(
@@ -33,7 +33,7 @@ def refuse_adaptive_subdivision(rendered: bpy.types.Object, scene: Any) -> None:
 
 
 def refuse_unbaked_rigid_bodies(scene: bpy.types.Scene) -> None:
-    """Raise InputError if rigid bodies have moved without a baked cache, which a copy of the scene lacks."""
+    """Raise InputError if rigid bodies have moved without a baked cache: a scene copy would reset them."""
     world = scene.rigidbody_world
     if world is None or not world.enabled or world.collection is None or world.point_cache.is_baked:
         return
@@ -46,8 +46,8 @@ def refuse_unbaked_rigid_bodies(scene: bpy.types.Scene) -> None:
         )
 
 
-def refuse_unseen(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> None:
-    """Raise InputError if cameras see through an object in renders of a view layer, as a bake would, too."""
+def refuse_see_through(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> None:
+    """Raise InputError if cameras do not see an object in renders of a view layer, or see through it."""
     remedy = _why_unseen(layer, item)
     if remedy is not None:
         raise InputError(f"a bake of object '{item.name}' would be see-through: {remedy}")

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that a camera sees through, in places or everywhere: by their materials or hair.
+"""Find objects that a camera sees through, in places or everywhere, because of their materials or hair.
 
-Materials are judged by what feeds their output, as camera rays meet it: a node that is not linked, or that a
-Mix Shader leaves out for camera rays, does not count. Materials are those of the object's slots, and those
+Materials are judged by the nodes that feed their output for camera rays: nodes that are not linked, or that a
+Mix Shader leaves out for camera rays, do not count. The materials are those in the object's slots, and those
 that its geometry nodes set.
 """
 
@@ -30,7 +30,7 @@ _Groups: TypeAlias = tuple[Any, ...]  # the group nodes that a socket lies in, o
 def why_see_through(scene: bpy.types.Scene, item: bpy.types.Object) -> str:
     """Why a camera may see through the mesh object `item`, as the end of a sentence about it; empty if not.
 
-    Hair and volumes count too: they have no surface.
+    Hair and volumes count as see-through: they have no surface.
     """
     glass = scene.render.film_transparent and cast(Any, scene).cycles.film_transparent_glass
     for material in materials_of(item):
@@ -53,7 +53,7 @@ def materials_of(item: bpy.types.Object) -> list[bpy.types.Material]:
 
 
 def is_see_through(material: bpy.types.Material, glass: bool = False) -> bool:
-    """Whether camera rays may go on behind the material; `glass` counts where it is clear to the film."""
+    """Whether camera rays may pass through the material; with `glass`, glass counts too."""
     output = _output(material)
     return output is not None and _is_clear(output.inputs["Surface"], (), glass)
 
@@ -87,12 +87,12 @@ def _is_clear(socket: Any, groups: _Groups, glass: bool) -> bool:
 
 
 def _value(socket: Any, groups: _Groups) -> float | None:
-    """The number at an input `socket`, as a camera ray meets it; None for one that nodes work out."""
+    """The number at an input `socket` for camera rays; None if nodes compute it in a way not known here."""
     found = _source(socket, groups)
     if found is None:
         return float(socket.default_value) if not socket.is_linked else None
     node, output, groups = found
-    if node.type in ("VALUE", "GROUP"):  # a group's own input that nothing feeds
+    if node.type in ("VALUE", "GROUP"):  # an unlinked input of a group
         return float(output.default_value)
     if node.type == "LIGHT_PATH" and output.name.startswith("Is "):
         return 1.0 if output.name == "Is Camera Ray" else 0.0
@@ -106,9 +106,9 @@ def _value(socket: Any, groups: _Groups) -> float | None:
 
 
 def _source(socket: Any, groups: _Groups) -> tuple[Any, Any, _Groups] | None:
-    """The node and its socket that feed an input, behind reroutes, muted nodes and groups; None for none.
+    """The node and output that feed an input, followed through reroutes, muted nodes and groups; or None.
 
-    For the input of a group node that nothing feeds: that node and input.
+    If an unlinked input of a group node feeds it: that node and input.
     """
     while True:
         link = next((one for one in socket.links if one.is_valid and not one.is_muted), None)
@@ -153,7 +153,7 @@ def _given_to(modifier: Any) -> Iterator[Any]:
 
 
 def _set_by(tree: Any, known: set[Any]) -> Iterator[Any]:
-    """Values of a geometry node tree's material inputs, with those of groups in it."""
+    """Values of a geometry node tree's material inputs, including those of its groups."""
     if tree is None or tree in known:
         return
     known.add(tree)
@@ -165,7 +165,7 @@ def _set_by(tree: Any, known: set[Any]) -> Iterator[Any]:
 
 
 def _hair(scene: bpy.types.Scene, item: bpy.types.Object) -> Iterator[str]:
-    """Names of what renders as hair on the object."""
+    """Names of particle systems and curves that render as hair on the object."""
     for modifier in cast("list[Any]", item.modifiers):
         if modifier.type == "PARTICLE_SYSTEM" and modifier.show_render:
             system = modifier.particle_system

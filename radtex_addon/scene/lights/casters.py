@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What casts shadows, shown to camera rays; and whether any of it lets light through."""
+"""Show shadow casters to camera rays, and find out whether any material lets light through."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from typing import Any, cast
 
 import bpy
 
-# Shader nodes that let rays go on where they are, and those that may: by a socket that is not at its default.
+# Shader nodes that let rays through, and those that do if a socket is not at its default.
 _CLEAR = frozenset({"BSDF_TRANSPARENT", "BSDF_RAY_PORTAL", "SCRIPT", "HOLDOUT"})
 _OPACITY = {"BSDF_PRINCIPLED": "Alpha"}
 
 
 @contextmanager
-def casters_seen(scratch: bpy.types.Scene, objects: Collection[int]) -> Iterator[None]:
-    """Let camera rays of the scratch scene's renders see, of these objects, what shadow rays see.
+def shadow_casters_visible(scratch: bpy.types.Scene, objects: Collection[int]) -> Iterator[None]:
+    """In renders of the scratch scene, show those objects to camera rays that shadow rays see.
 
-    `objects` are `session_uid`s. Those that hold out, or catch shadows, are plain ones to these renders.
-    Written are the copies of objects that a render evaluates for itself, which nobody else ever sees: so
-    instances follow too, and no object of the user's is touched, not even for a moment.
+    `objects` are `session_uid`s. Holdouts and shadow catchers render as plain objects. Only the evaluated
+    copies that belong to a render are changed: so instances follow too, and the user's objects are never
+    touched.
     """
 
     def show(_: bpy.types.Scene, graph: bpy.types.Depsgraph | None = None) -> None:
@@ -31,7 +31,7 @@ def casters_seen(scratch: bpy.types.Scene, objects: Collection[int]) -> Iterator
             if isinstance(item, bpy.types.Object) and item.original.session_uid in objects:
                 _show_as_caster(item)
 
-    heard = cast("list[Any]", bpy.app.handlers.frame_change_post)  # a render sends it, once it has evaluated
+    heard = cast("list[Any]", bpy.app.handlers.frame_change_post)  # called after a render's evaluation
     heard.append(show)
     try:
         yield
@@ -47,7 +47,7 @@ def _show_as_caster(item: bpy.types.Object) -> None:
 
 
 def show_all_collections(scene: bpy.types.Scene) -> None:
-    """Take out of a scratch scene's view layers what hides collections from camera rays alone."""
+    """Turn off Holdout and Indirect Only of all collections in a scratch scene's view layers."""
     for layer in scene.view_layers:
         waiting: list[Any] = [layer.layer_collection]
         while waiting:
@@ -57,7 +57,7 @@ def show_all_collections(scene: bpy.types.Scene) -> None:
 
 
 def may_be_clear() -> bool:
-    """Whether any material that is in use may let rays through, or fill a volume."""
+    """Whether any material in use may let rays through, or has a volume."""
     return any(_is_clear(material.node_tree, set()) for material in bpy.data.materials if material.users)
 
 

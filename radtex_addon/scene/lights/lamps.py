@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scratch scene in which some lamps alone are lit: light adds up, so that each can be baked by itself.
+"""Light a scratch scene by some of its lamps only: light adds up, so each lamp can be baked by itself.
 
-The lamps are copies in a light group of their own, whose pass leaves out what materials and the world emit;
-the other lamps are not there. The user's lamps stay what they are.
+The lamps are replaced by copies in a light group of their own, whose pass leaves out the light of materials
+and the world; other lamps are removed. The user's lamps are not changed.
 """
 
 from __future__ import annotations
@@ -14,34 +14,35 @@ from typing import Any, cast
 import bpy
 
 from ...core.errors import InputError
+from ...core.messages import Setting, do, leave_out
 from ..objects import rendered_homes
 from .light import dark_world, may_glow
 from .unlit import take_lamps_away
 
 GROUP = "RadTexLamps"
-WORLD = "world"  # the light of no lamp: the world's, and what glows
-ALL, EACH = "all", "each"  # words that the batch knows, beside names
+WORLD = "world"  # all light that is of no lamp: the world's, and that of materials
+ALL, EACH = "all", "each"  # words for the command line, besides names
 _WORDS = (WORLD, ALL, EACH)
 
 
 def each_light(layer: bpy.types.ViewLayer) -> tuple[tuple[str, ...], ...]:
     """The lights whose atlases add up to the whole: every lamp that a view layer renders, then WORLD.
 
-    Raises InputError where there is no lamp, or one bears a word that means something else.
+    Raises InputError if there is no lamp, or if a lamp is called WORLD, ALL or EACH.
     """
     names = [item.name for item in _lamps(layer)]
     if not names:
-        raise InputError("the scene renders no lamp: add some, or bake without --lights")
+        raise InputError("the scene renders no lamp", do("add some"), leave_out(Setting.LIGHTS))
     for name in names:
         if name in _WORDS:
-            raise InputError(f"lamp '{name}' bears a word that RadTex knows otherwise: rename it")
+            raise InputError(f"lamp '{name}' has a name that means something else here: rename it")
     return (*((name,) for name in names), (WORLD,))
 
 
 def find_lamps(layer: bpy.types.ViewLayer, names: Sequence[str]) -> tuple[bpy.types.Object, ...]:
-    """The lamps that `names` call, sorted: each that of a lamp, of a collection with some, or WORLD.
+    """The lamps called by `names`, sorted; a name is that of a lamp or of a collection with lamps, or WORLD.
 
-    Raises InputError for a name of nothing that lights a render of the view layer.
+    Raises InputError for a name without a lamp that renders in the view layer.
     """
     lamps = {item.name: item for item in _lamps(layer)}
     found: dict[str, bpy.types.Object] = {}
@@ -56,12 +57,11 @@ def find_lamps(layer: bpy.types.ViewLayer, names: Sequence[str]) -> tuple[bpy.ty
 
 
 def light_only(scratch: bpy.types.Scene, names: Sequence[str], *, denoised: bool = False) -> None:
-    """Leave in a scratch scene the lamps that `names` call, and, unless WORLD is among them, no other light.
+    """Light a scratch scene by the lamps called by `names` only; WORLD among them adds all other light.
 
-    What materials emit, and lamps that something instances, are of WORLD; where it is not called they still
-    render, and only the pass of the light group GROUP is without them. Where pictures are to be `denoised`,
-    which Cycles does to the whole light alone, there is no such group unless something glows. Raises
-    InputError as `find_lamps`.
+    Light of materials and of instanced lamps belongs to WORLD. Without WORLD it still renders, but the pass
+    of the light group GROUP leaves it out. Cycles denoises only the combined pass: if pictures are to be
+    `denoised`, the light group is made only if `may_glow`. Raises InputError as `find_lamps`.
     """
     layer = next(layer for layer in scratch.view_layers if layer.use)
     lit = find_lamps(layer, names)
@@ -80,7 +80,7 @@ def light_only(scratch: bpy.types.Scene, names: Sequence[str], *, denoised: bool
 
 
 def _lamps(layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
-    layer.update()  # or it does not know what was linked to it since
+    layer.update()  # or it lacks objects that were linked since
     found = (item for item in layer.objects if item.type == "LIGHT" and not item.hide_render)
     return sorted((item for item in found if _renders(item, layer)), key=lambda item: item.name)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether anything in a scene shines, and materials that no longer do."""
+"""Find out whether a scene emits light, and copy materials and worlds without their light."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import bpy
 
-# Shaders that emit in materials and worlds alike, with the sockets of colour and strength.
+# Shader nodes that emit light, in materials and worlds, with their sockets of colour and strength.
 _EMITTERS = {
     "BACKGROUND": (("Color", "Strength"),),
     "EMISSION": (("Color", "Strength"),),
@@ -21,7 +21,7 @@ _EMITTERS = {
 def is_dark(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> bool:
     """Whether a scene has no rendered lamp, a black world, and no material that could emit light.
 
-    A guess by what is plainly set: a linked socket counts as light. For a warning, not for a decision.
+    A guess, good enough for a warning only: any linked socket counts as light.
     """
     layer.update()  # or it lists objects that a script has just removed
     shown = [item for item in layer.objects if not item.hide_render]
@@ -37,15 +37,15 @@ def is_dark(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> bool:
 
 
 def may_glow(layer: bpy.types.ViewLayer) -> bool:
-    """Whether anything but a view layer's own lamps and the world might emit light. If in doubt, it does."""
+    """Whether anything but a view layer's own lamps and the world might emit light; True if in doubt."""
     if any(_has_nodes(material) and _shines(material.node_tree) for material in _used_materials()):
         return True
     instancing = (item.instance_type != "NONE" or _has_geometry_nodes(item) for item in layer.objects)
-    return any(instancing)  # perhaps lamps
+    return any(instancing)  # the instances may be lamps
 
 
 def _used_materials() -> list[bpy.types.Material]:
-    """Those of slots, and those that nodes set."""
+    """All materials with users: slots, or nodes that set them."""
     return [material for material in bpy.data.materials if material.users]
 
 
@@ -53,7 +53,7 @@ def _has_geometry_nodes(item: bpy.types.Object) -> bool:
     return any(modifier.type == "NODES" for modifier in item.modifiers)
 
 
-def put_out(material: bpy.types.Material) -> bpy.types.Material:
+def without_emission(material: bpy.types.Material) -> bpy.types.Material:
     """A copy of the material that emits no light; the material itself if it emits none."""
     if not (_has_nodes(material) and _shines(material.node_tree)):
         return material
@@ -63,7 +63,7 @@ def put_out(material: bpy.types.Material) -> bpy.types.Material:
 
 
 def dark_world(world: bpy.types.World | None) -> bpy.types.World | None:
-    """A copy of the world that emits no light, with its volume; the world itself if it emits none."""
+    """A copy of the world, with its volume, that emits no light; the world itself if it emits none."""
     if world is None or not _world_shines(world):
         return world
     dark = cast(bpy.types.World, world.copy())
@@ -74,7 +74,7 @@ def dark_world(world: bpy.types.World | None) -> bpy.types.World | None:
 
 
 def _put_out(tree: Any, dark: dict[bpy.types.ID, bpy.types.ID]) -> None:
-    """Link every emitter's strength to 0, drivers or not; groups are copied, each once."""
+    """Link every emitter's strength to 0, which overrides drivers too; copy each node group once."""
     nothing = tree.nodes.new("ShaderNodeValue").outputs[0]
     nothing.default_value = 0.0
     for node in list(tree.nodes):
@@ -100,7 +100,7 @@ def _has_nodes(block: bpy.types.World | bpy.types.Material) -> bool:
 def _shines(tree: bpy.types.NodeTree | None) -> bool:
     if tree is None:
         return False
-    nodes: Iterable[Any] = tree.nodes  # the stubs know no group's tree and no socket's value
+    nodes: Iterable[Any] = tree.nodes  # the stubs lack groups' trees and sockets' values
     for node in nodes:
         if node.type == "GROUP":
             if _shines(node.node_tree):

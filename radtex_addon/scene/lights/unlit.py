@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scratch scene whose lamps and world are gone, for a light of our own."""
+"""Remove the lamps and the world of a scratch scene, to light it otherwise."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ _FLAGS = ("exclude", "holdout", "indirect_only")
 
 
 def take_light_away(scene: bpy.types.Scene) -> None:
-    """Leave lamps out of a scratch scene, as `take_lamps_away` does, and make its world black."""
+    """Remove lamps from a scratch scene, as `take_lamps_away` does, and make its world black."""
     scene.world, _ = open_world("RadTex black")
     take_lamps_away(scene)
 
 
 def take_lamps_away(scene: bpy.types.Scene) -> None:
-    """Leave lamps out of a scratch scene.
+    """Remove lamps from a scratch scene.
 
-    Its collections give way to copies without lamps, which view layers show as they did before: the user's
-    own stay what they are. What is made goes with the scratch scene's other data. Lamps that something
-    instances stay, and so does what materials emit.
+    Its collections are replaced by copies without lamps, with the same flags in view layers: the user's
+    collections are not changed. The copies are removed with the scratch scene's other data. Instanced lamps
+    stay, and so does the light of materials.
     """
     flags = {layer.name: list(_flags(layer.layer_collection)) for layer in scene.view_layers}
     root, copies = scene.collection, dict[bpy.types.Collection, bpy.types.Collection]()
@@ -44,7 +44,7 @@ def take_lamps_away(scene: bpy.types.Scene) -> None:
 def _copied(
     collection: bpy.types.Collection, copies: dict[bpy.types.Collection, bpy.types.Collection]
 ) -> bpy.types.Collection:
-    """The one copy of a collection, with copies in it; Blender copies a collection's own flags."""
+    """The copy of a collection, made once, with copies of its children; Blender copies its own flags."""
     if collection not in copies:
         copy = copies[collection] = cast(bpy.types.Collection, collection.copy())
         children = list(copy.children)
@@ -63,7 +63,7 @@ def _drop_lamps(collection: bpy.types.Collection) -> None:
 
 
 def _tree(layer_collection: bpy.types.LayerCollection) -> Iterator[Any]:
-    """All below a view layer's root, which has no flags, in order."""
+    """All layer collections below this one, in order; a view layer's root itself has no flags."""
     for child in layer_collection.children:
         yield child
         yield from _tree(child)

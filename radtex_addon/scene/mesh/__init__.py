@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mesh that renders, its frame and its neighbours."""
+"""The mesh as renders show it: read, checked, flattened, split, joined and copied for a bake."""

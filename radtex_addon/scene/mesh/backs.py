@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Faces that can be seen from behind, such as a leaf's or a bowl's, get a twin that faces the other way.
 
-A twin has vertices and texels of its own, so that a bake keeps what its side looks like; whoever draws the
-mesh draws front faces alone. Cycles renders the surface without twins: it has both sides already.
+A twin has its own vertices and texels, so that the back can look different from the front; engines then draw
+only front faces. Cycles renders the surface without twins, since it renders both sides of each face.
 """
 
 from __future__ import annotations
@@ -20,26 +20,26 @@ from ...core.frame import normalised
 from ...core.islands import components, surface_areas, weld
 from ...core.ray_offset import ray_offset
 from .evaluated import EvaluatedMesh, MeshAttribute
-from .parts import taken
+from .mesh_parts import taken
 
-TWIN = "radtex_twin"  # of faces: their twin's number, -1 without; of twins: -2 less their face's number
-_RAYS = 200_000  # about so many in all, shared out by area; a large mesh's take one each
-_LEAST, _MOST = 8, 512  # rays of a triangle
-_OFF = 0.05  # of a bake's ray offset: how far behind a triangle they start, less than thin walls are thick
-_SPREAD = 3  # times that triangles take the mean of what they and their neighbours found
-_SEEN = 0.01  # of the rays: how many have to leave the mesh
-_HOLE = 0.02  # of the area that is seen from behind: smaller regions beside it count as seen, too
-_CRACK = 0.02  # of the area of the surface that hangs together: regions smaller than this are left alone
-_INSET = 0.1  # of a triangle: how far from its edges rays start
-_APART = 1.2  # of the mesh's extent: how far twins are moved for the unwrap
+TWIN = "radtex_twin"  # attribute of faces: their twin's index, or -1; of twins: -2 minus their face's index
+_RAYS = 200_000  # about so many in total, in proportion to area, but at least one for each triangle
+_LEAST, _MOST = 8, 512  # rays per triangle; in large meshes the least is lower
+_OFF = 0.05  # times a bake's ray offset: how far behind a triangle rays start; thin walls must be thicker
+_SPREAD = 3  # how often each triangle's result is averaged with its neighbours' results
+_SEEN = 0.01  # share of a triangle's rays that must leave the mesh
+_HOLE = 0.02  # times the area seen from behind: smaller unseen regions next to it count as seen, too
+_CRACK = 0.02  # times the area of the connected surface: smaller seen regions get no twins
+_INSET = 0.1  # share of the way to the triangle's middle: keeps rays' starts away from its edges
+_APART = 1.2  # times the mesh's extent: how far twins are moved for the unwrap
 
 
 def seen_from_behind(mesh: EvaluatedMesh) -> Bools:
     """Which triangles can be seen from behind from outside the mesh, in whole regions: (F,).
 
-    From each triangle's back some rays leave in all directions, by the cosine; it is seen if some meet no
-    other triangle. Not those whose material culls back faces, which no engine would draw, nor those in whose
-    place the mesh has one that faces the other way already.
+    Cosine-distributed rays start at each triangle's back; it can be seen if some of them meet no other
+    triangle. Triangles whose material culls back faces are left out, since engines do not draw their backs,
+    and so are triangles for which the mesh already has one that faces the other way.
     """
     triangles = mesh.triangles
     vertex = weld(mesh.position)[triangles]
@@ -62,9 +62,9 @@ def seen_from_behind(mesh: EvaluatedMesh) -> Bools:
 
 
 def with_twins(mesh: EvaluatedMesh, faces: Bools) -> EvaluatedMesh:
-    """The mesh, and after its triangles a twin for each of `faces` (F,), which the attribute TWIN names.
+    """The mesh with a twin for each of `faces` (F,), after its own triangles; the attribute TWIN pairs them.
 
-    A twin has its triangle's corners in the opposite order, the opposite normals, and all else alike.
+    A twin has its triangle's corners in the opposite order and the opposite normals; all else is the same.
     """
     old, own = np.flatnonzero(faces), len(mesh.triangles)
     used, corner = np.unique(mesh.triangles[old][:, ::-1], return_inverse=True)
@@ -88,13 +88,13 @@ def with_twins(mesh: EvaluatedMesh, faces: Bools) -> EvaluatedMesh:
 
 
 def fronts(twin: Ints) -> Bools:
-    """Which triangles are no twins that were added, by the attribute TWIN (F,)."""
+    """Which triangles are the mesh's own and not twins, by the values (F,) of the attribute TWIN: (F,)."""
     own: Bools = twin >= -1
     return own
 
 
 def fronts_of(mesh: EvaluatedMesh) -> Bools:
-    """The same of a mesh, whether twins were added or not: (F,)."""
+    """`fronts` of a mesh: (F,); True everywhere if no twins were added."""
     for attribute in mesh.attributes:
         if attribute.name == TWIN:
             return fronts(attribute.values[:, 0])
@@ -102,12 +102,12 @@ def fronts_of(mesh: EvaluatedMesh) -> Bools:
 
 
 def without_twins(mesh: EvaluatedMesh) -> EvaluatedMesh:
-    """The mesh as it was; the attribute TWIN stays."""
+    """The mesh without its twins; the attribute TWIN stays."""
     return taken(mesh, fronts_of(mesh))
 
 
-def twins_apart(mesh: EvaluatedMesh) -> EvaluatedMesh:
-    """The mesh with twins moved away, so that what unwraps it takes no twin for a neighbour of its front."""
+def with_twins_moved(mesh: EvaluatedMesh) -> EvaluatedMesh:
+    """The mesh with twins moved away, so that the unwrap does not connect a twin with its front."""
     own = fronts_of(mesh)
     if own.all():
         return mesh
@@ -118,7 +118,7 @@ def twins_apart(mesh: EvaluatedMesh) -> EvaluatedMesh:
 
 
 def twin_numbers(mesh: Any) -> Ints | None:
-    """The attribute TWIN of a Blender mesh, (F,) int64; None without, and where twins were left out."""
+    """The attribute TWIN of a Blender mesh, (F,) int64; None without it, or if twins were left out."""
     attribute = mesh.attributes.get(TWIN)
     if attribute is None:
         return None
@@ -136,12 +136,12 @@ def _culled(mesh: EvaluatedMesh) -> Bools:
 
 
 def _paired(vertex: Ints) -> Bools:
-    """Triangles with vertices (F, 3) another of which lies in the same place and faces the other way."""
+    """Which triangles (F, 3) share all their vertices with a triangle that faces the other way: (F,)."""
     ordered = np.sort(vertex, axis=1)
     turns = ((vertex[:, 0] < vertex[:, 1]).astype(int) + (vertex[:, 1] < vertex[:, 2])) + (
         vertex[:, 2] < vertex[:, 0]
     )
-    odd = turns < 2  # falls more often than it rises, once around
+    odd = turns < 2  # going around, vertex indices fall more often than they rise
     place = weld(ordered)
     ways = np.zeros((int(place.max(initial=-1)) + 1, 2), dtype=bool)
     ways[place, odd.astype(int)] = True
@@ -159,7 +159,7 @@ def _neighbours(vertex: Ints) -> tuple[Ints, Ints]:
 
 
 def _leaving(mesh: EvaluatedMesh, corners: Floats, area: Floats, wanted: Bools) -> Floats:
-    """What share of the rays from behind each triangle leaves the mesh, (F,); 0 of those not `wanted`."""
+    """The share of rays from each triangle's back that leave the mesh: (F,), 0 where not `wanted` (F,)."""
     random = np.random.default_rng(0)
     least = max(1, min(_LEAST, _RAYS // len(area)))
     rays = np.clip(np.rint(_RAYS * area / area.sum()), least, _MOST).astype(np.int64) * wanted
@@ -190,27 +190,27 @@ def _joined(some: Bools, first: Ints, second: Ints) -> Bools:
 
 
 def _regions(some: Bools, first: Ints, second: Ints) -> Ints:
-    """Labels (F,) of the regions that hang together among `some` triangles; each other one is its own."""
+    """Labels (F,) of the connected regions of `some` triangles; each other triangle is its own region."""
     inside = some[first] & some[second]
     return components(np.stack([first[inside], second[inside]], axis=1), len(some))
 
 
 def _area_of_surface(first: Ints, second: Ints, area: Floats) -> Floats:
-    """For each triangle the area of all that hangs together with it, (F,)."""
+    """For each triangle the area of the connected surface that it belongs to, (F,)."""
     label = _regions(np.ones(len(area), dtype=bool), first, second)
     total: Floats = np.bincount(label, area)[label].astype(np.float64)
     return total
 
 
 def _small(some: Bools, first: Ints, second: Ints, area: Floats, least: Floats) -> Bools:
-    """Those of `some` triangles whose region has less area than `least` (F,)."""
+    """Those of `some` triangles whose connected region has less area than `least` (F,)."""
     label = _regions(some, first, second)
     found: Bools = some & (np.bincount(label, area)[label] < least)
     return found
 
 
 def _beside(some: Bools, seen: Bools, first: Ints, second: Ints) -> Bools:
-    """Triangles of the regions of `some` that have a neighbour which is `seen`."""
+    """Triangles in connected regions of `some` that have a `seen` neighbour."""
     label = _regions(some, first, second)
     touched = np.zeros(len(label), dtype=bool)
     touched[label[some & _joined(seen, first, second)]] = True

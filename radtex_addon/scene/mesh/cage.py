@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A cage: the simple object's vertices and faces again, moved out to where rays for a detailed one start."""
+"""A cage: an enlarged copy of the simple object, from which rays to the detailed object start."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from ...core.surface import SurfaceMesh
 from ...core.texel_map import TexelMap
 from .evaluated import render_with
 
-_FLAT = 1e-12  # of a triangle's edges' squares: below it has no inside to speak of
+_FLAT = 1e-12  # times two edges' squared lengths: a triangle with less squared area counts as flat
 
 
 def find_cage(
     scene: bpy.types.Scene, simple: bpy.types.Object, source: str | None, name: str
 ) -> bpy.types.Object:
-    """The object called `name` that is the cage around `simple`; it may be hidden, and is never seen.
+    """The object called `name`, as the cage around `simple`; it may be hidden, since renders leave it out.
 
-    Raises InputError where there is no mesh of that name, or it is one of the two others.
+    Raises InputError if there is no mesh of that name, or if it is `simple` or the `source` itself.
     """
     if name in (simple.name, source):
         raise InputError(f"object '{name}' cannot be the cage too: name a copy of '{simple.name}', enlarged")
@@ -37,9 +37,9 @@ def find_cage(
 
 
 def read_cage(scratch: bpy.types.Scene, simple: bpy.types.Object, cage: bpy.types.Object) -> Floats:
-    """Where the cage has those vertices that faces of `simple` use, in order: (V, 3) float64, world space.
+    """Positions in the cage of the vertices that faces of `simple` use: (V, 3) float64, world space.
 
-    Both are read as renders evaluate them. Raises InputError where the cage has other vertices or faces.
+    Both are read as renders evaluate them. Raises InputError if the cage's vertices or faces differ.
     """
     found: list[Floats] = []
     shown = cast(bpy.types.Object, cage.copy())
@@ -62,10 +62,10 @@ def read_cage(scratch: bpy.types.Scene, simple: bpy.types.Object, cage: bpy.type
 
 
 def rays_from_cage(places: Floats, surface: SurfaceMesh, texels: TexelMap) -> Floats:
-    """From each texel's point of a simple object's `surface` to the cage's: (H, W, 3) in world space.
+    """Vectors from each texel's point on the simple object's `surface` to the cage: (H, W, 3), world space.
 
-    The cage's point lies in the triangle of the same vertices, which are at `places` (V, 3), at the same
-    barycentric coordinates.
+    A vector ends at the point with the same barycentric coordinates in the same triangle of the cage, whose
+    vertices are at `places` (V, 3).
     """
     moved = places - surface.position
     offset = np.zeros(texels.position.shape)
@@ -91,7 +91,7 @@ def take_out(scratch: bpy.types.Scene, item: bpy.types.Object) -> None:
 
 
 class _Faces:
-    """An evaluated object's vertices `places` (V, 3), each face's first corner, and the corners' vertices."""
+    """An evaluated object's vertex positions `places` (V, 3), faces' first corners, and corners' vertices."""
 
     def __init__(self, item: bpy.types.Object) -> None:
         mesh = cast(Any, item.to_mesh())
@@ -119,7 +119,7 @@ def _compare(name: str, simple: _Faces, cage: str, other: _Faces) -> None:
 
 
 def _barycentric(corner: Floats, point: Floats) -> Floats:
-    """Weights (K, 3) of triangles' corners (K, 3, 3) at points (K, 3) of theirs, never below 0."""
+    """Barycentric weights (K, 3), never negative, of points (K, 3) in triangles with corners (K, 3, 3)."""
     along, across, to = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0], point - corner[:, 0]
     aa, ab, bb = (
         np.sum(one * two, axis=1) for one, two in ((along, along), (along, across), (across, across))

@@ -21,8 +21,8 @@ from .tangents import calc_tangents
 
 UV_LAYER = "RadTex"
 NORMAL, TANGENT, SIGN = "radtex_normal", "radtex_tangent", "radtex_sign"  # on corners, in object space
-SHOWN = "radtex_copy"  # of an object whose preview stands in its place: who does, and how it was hidden
-MATRIX = "radtex_matrix_world"  # of the mesh: where the object stood, row by row
+SHOWN = "radtex_copy"  # of an object that a preview replaces: the preview, and how the object was hidden
+MATRIX = "radtex_matrix_world"  # of the mesh: the object's matrix at the bake, row by row
 
 
 def baked_mesh(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> bpy.types.Mesh:
@@ -55,7 +55,8 @@ def baked_mesh(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> b
 def copy_object(original: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
     """A copy of the object that shows `mesh` as it is, linked to no collection yet.
 
-    Transform, parent, constraints and animation stay; the modifiers, which the mesh has behind it, go.
+    Transform, parent, constraints and animation stay; modifiers are removed, since `mesh` includes their
+    effect.
     """
     copy = cast("bpy.types.Object", original.copy())
     copy.data = mesh
@@ -68,9 +69,9 @@ def copy_object(original: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.O
 def surface_mesh(evaluated: EvaluatedMesh, mesh: bpy.types.Mesh, layer: str = UV_LAYER) -> SurfaceMesh:
     """The baked copy's `mesh` as arrays in world space; positions and directions float64.
 
-    Normals go by the inverse transpose of the object's matrix, tangents by the matrix, and the sign changes
-    with the determinant's, so that sign * cross(N, T) points where v grows. A mirroring matrix turns the
-    triangles' winding too.
+    Normals are transformed by the inverse transpose of the object's matrix, tangents by the matrix; a
+    negative determinant negates the sign, so that sign * cross(N, T) points towards larger v. A mirroring
+    matrix also reverses the triangles' winding.
     """
     normal = _corners(mesh, NORMAL).astype(np.float64)
     tangent = _corners(mesh, TANGENT).astype(np.float64)
@@ -100,7 +101,7 @@ def _build(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh) -> None:
 
 
 def _write(mesh: Any, attribute: MeshAttribute) -> None:
-    """Write an attribute; `attributes.new` makes UV layers too, beyond the eight of `uv_layers.new`."""
+    """Write an attribute; for UV layers `attributes.new` has no limit of eight, as `uv_layers.new` has."""
     name, _, dtype = ATTRIBUTE_LAYOUT[attribute.data_type]
     layer = mesh.attributes.get(attribute.name)
     if layer is None:
@@ -136,7 +137,7 @@ def _write_frame(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh, uv: Floats) -> 
 
 
 def _settle_normals(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh) -> None:
-    """Leave normals on the mesh that Cycles understands: exact where it can, else Blender's packed ones."""
+    """Store normals in a form that Cycles reads: exact vectors if it can, else Blender's packed normals."""
     if bpy.app.version >= (5, 0, 0) and not evaluated.flat:
         return
     mesh.attributes.remove(mesh.attributes["custom_normal"])

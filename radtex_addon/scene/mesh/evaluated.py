@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The mesh that Cycles renders, as arrays: modifiers at render level, constraints, parents, normals and all.
 
-Only a render engine is shown the scene as renders evaluate it, so a private one is registered for the moment:
-it renders nothing and reads the mesh.
+Blender shows the scene as renders evaluate it to render engines only. So a private engine is registered for a
+moment: it renders nothing and reads the mesh.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ ATTRIBUTE_LAYOUT: dict[str, tuple[str, int, type[np.generic]]] = {
     "QUATERNION": ("value", 4, np.float32),
 }
 _ENGINE = "RADTEX_EVALUATE"
-_TINY = {  # of a render that nobody sees
+_TINY = {  # settings of the private engine's render, whose picture is not used
     "engine": _ENGINE,
     "resolution_x": 4,
     "resolution_y": 4,
     "resolution_percentage": 100,
     "use_border": False,
 }
-_FARTHEST = 1e18  # coordinates beyond have no finite squares in float32
-_OWN = frozenset({"position", "custom_normal"})  # these have a place of their own in EvaluatedMesh
+_FARTHEST = 1e18  # the squares of larger coordinates are not finite in float32
+_OWN = frozenset({"position", "custom_normal"})  # attributes that are fields of EvaluatedMesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,12 +66,12 @@ class MeshAttribute:
 
 @dataclass(frozen=True, eq=False)
 class EvaluatedMesh:
-    """V vertices and F triangles in object space, just as Cycles renders them.
+    """V vertices and F triangles in object space, as Cycles renders them.
 
     `position` (V, 3) and `normal` (F, 3, 3), the shading normals at the corners, float32; `triangles`
     (F, 3) vertex indices; `material_index` (F,) into `materials`; `matrix_world` (4, 4) float64 from
-    object to world, never singular. `flat` says that all faces are flat; `instances` counts what
-    modifiers or the object itself instance beside the mesh.
+    object to world, never singular. `flat` is True if all faces are shaded flat; `instances` is the
+    number of instances that modifiers or the object itself make in addition to the mesh.
     """
 
     name: str
@@ -91,7 +91,7 @@ class EvaluatedMesh:
 
     @property
     def mirrored(self) -> bool:
-        """True where the object's matrix turns right hands into left ones."""
+        """True if the object's matrix mirrors: its determinant is negative."""
         return float(np.linalg.det(self.matrix_world[:3, :3])) < 0
 
     @property
@@ -112,7 +112,7 @@ class EvaluatedMesh:
         return tuple(a.name for a in self.attributes if a.data_type == "FLOAT2" and a.domain == "CORNER")
 
     def uv(self, layer: str) -> Floats:
-        """A UV layer's coordinates, (F, 3, 2) float32. Raises KeyError where there is none of that name."""
+        """A UV layer's coordinates, (F, 3, 2) float32. Raises KeyError if there is no such layer."""
         for attribute in self.attributes:
             if attribute.name == layer and layer in self.uv_layers:
                 return attribute.values
@@ -149,7 +149,7 @@ def evaluate(scratch: bpy.types.Scene, original: bpy.types.Object) -> EvaluatedM
 def find_rendered(
     depsgraph: bpy.types.Depsgraph, original: bpy.types.Object
 ) -> tuple[bpy.types.Object | None, int]:
-    """The evaluated object, None where renders leave it out, and the number of instances that it makes."""
+    """The evaluated object, None if it is hidden from render, and the number of instances that it makes."""
     evaluated: bpy.types.Object | None = None
     instances = 0
     for item in depsgraph.object_instances:
@@ -161,14 +161,14 @@ def find_rendered(
 
 
 def render_with(scratch: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], None]) -> None:
-    """Call `read` with the depsgraph of a render of the scratch scene; its exceptions come through."""
+    """Call `read` with the depsgraph of a render of the scratch scene, and raise its exceptions here."""
     failures: list[Exception] = []
 
     class Reader(bpy.types.RenderEngine):
         bl_idname = _ENGINE
         bl_label = "RadTex Evaluate"
 
-        def render(self, depsgraph: Any) -> None:  # type: ignore[override]  # the stubs' own render is another
+        def render(self, depsgraph: Any) -> None:  # type: ignore[override]  # the stubs declare other arguments
             try:
                 read(depsgraph)
             except Exception as error:  # noqa: BLE001 (Blender would print it and go on)
@@ -193,14 +193,14 @@ def _registered(engine: type[bpy.types.RenderEngine]) -> Iterator[None]:
 
 @contextmanager
 def _tiny(scratch: bpy.types.Scene) -> Iterator[None]:
-    """Make a render of the scratch scene go to our engine, and cheap; then give it back as it was."""
+    """Let the scratch scene render with our engine, at a tiny size; restore its settings at exit."""
     render, camera = cast("Any", scratch.render), scratch.camera
     before = {name: getattr(render, name) for name in _TINY}
     lens = bpy.data.cameras.new("RadTex camera")
     stand_in = bpy.data.objects.new("RadTex camera", lens)
     try:
         scratch.collection.objects.link(stand_in)
-        scratch.camera = stand_in  # Blender renders nothing without one
+        scratch.camera = stand_in  # Blender renders nothing without a camera
         for name, value in _TINY.items():
             setattr(render, name, value)
         yield
@@ -272,10 +272,10 @@ def _attributes(mesh: Any, take: dict[str, Ints]) -> Iterator[MeshAttribute]:
 def _cycles_normals(
     mesh: bpy.types.Mesh, positions: Floats, vertices: Ints, corners: Ints, faces: Ints
 ) -> Floats:
-    """Shading normals as Cycles has them (intern/cycles/blender/mesh.cpp), not always `corner_normals`.
+    """Shading normals as Cycles computes them (intern/cycles/blender/mesh.cpp), not always `corner_normals`.
 
-    A flat face has its triangles' normals, not the polygon's; Blender 4.5 lets smooth faces beside flat ones
-    keep their vertex normals.
+    Flat faces get the normals of their triangles, not of the polygon. In Blender 4.5, smooth faces next to
+    flat ones keep their vertex normals.
     """
     a, b, c = (positions[vertices[:, k]].astype(np.float64) for k in range(3))
     facet = np.repeat(normalised(np.cross(b - a, c - a))[:, None], 3, axis=1).astype(np.float32)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flattening a surface into islands, to scale: by xatlas, or by Blender's Smart UV Project.
+"""Flatten a surface into islands, to scale: by xatlas, or by Blender's Smart UV Project.
 
 Vertices are welded by position first, so that doubled vertices do not tear islands apart.
 """
@@ -21,17 +21,17 @@ from ..uv.unwrap_options import UnwrapOptions
 from ..uv.xatlas_process import Options, Steps, XatlasProcess
 from .evaluated import EvaluatedMesh
 
-_THIN = 1e-6  # of the mean triangle's area: what is flatter belongs to no island
-_FINE = 2048  # texels of the atlas in which xatlas hands islands over; it rounds their sizes to texels
+_THIN = 1e-6  # times the mean area: triangles with less area belong to no island
+_FINE = 2048  # texels of the atlas in which xatlas returns islands; it rounds their sizes to texels
 _HANDOVER: Options = {"resolution": _FINE, "rotate_charts": False}
-_RESPECTED = 1000.0  # weight from which xatlas never grows an island across an edge of two normals
+_RESPECTED = 1000.0  # from this weight on xatlas never grows an island across an edge with two normals
 
 
 @dataclass(frozen=True, eq=False)
 class FlatIslands:
-    """Triangles flattened to scale: `uv` (F, 3, 2) in scene units, `island` (F,), -1 for those without area.
+    """Triangles flattened to scale: `uv` (F, 3, 2) in scene units, `island` (F,), -1 if without area.
 
-    Islands may lie over one another. `border` is the length of all their borders in space, in scene units.
+    Islands may overlap. `border` is the total length of their borders on the surface, in scene units.
     """
 
     uv: Floats
@@ -57,7 +57,7 @@ class FlatIslands:
 def flatten_with_xatlas(
     xatlas: XatlasProcess, evaluated: EvaluatedMesh, options: UnwrapOptions, iterations: int
 ) -> Steps[FlatIslands]:
-    """Flatten by xatlas in world space, so that scale and stretch of the object count; yields progress."""
+    """Flatten by xatlas, in world space to include the object's scale and stretch. Yields progress."""
     corners, vertex = _world_corners(evaluated)
     points, unit = _normalised(corners)
     shading = _shading_vertices(vertex, evaluated.world_normal, math.cos(math.radians(options.seam_angle)))
@@ -82,7 +82,7 @@ def flatten_with_xatlas(
 
 
 def flatten_with_blender(evaluated: EvaluatedMesh, options: UnwrapOptions) -> FlatIslands:
-    """Flatten by Smart UV Project, each island then scaled to its area in space."""
+    """Flatten by Smart UV Project, and scale each island to its area on the surface."""
     corners, vertex = _world_corners(evaluated)
     # Blender hangs on faces that have a vertex twice.
     whole = (vertex != np.roll(vertex, 1, axis=1)).all(axis=1)
@@ -99,15 +99,15 @@ def flatten_with_blender(evaluated: EvaluatedMesh, options: UnwrapOptions) -> Fl
 
 
 def _world_corners(evaluated: EvaluatedMesh) -> tuple[Floats, Ints]:
-    """Corner positions in world space (F, 3, 3), and their numbers (F, 3), equal where positions are."""
+    """Corner positions in world space (F, 3, 3), and numbers (F, 3) that are equal for equal positions."""
     vertex = weld(evaluated.position)[evaluated.triangles]
     return evaluated.world_position[evaluated.triangles], vertex
 
 
 def _normalised(corners: Floats) -> tuple[Floats, float]:
-    """Corners around the origin, scaled so that the mean triangle has area 1, and the unit they are in now.
+    """Corners centred on the origin, scaled to a mean triangle area of 1; and the length of their new unit.
 
-    xatlas takes areas below 1e-7 for nothing, and float32 is finest near 0.
+    xatlas treats areas below 1e-7 as 0, and float32 is most precise near 0.
     """
     unit = math.sqrt(float(surface_areas(corners).mean()))
     middle = (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) / 2
@@ -115,9 +115,10 @@ def _normalised(corners: Floats) -> tuple[Floats, float]:
 
 
 def _shading_vertices(vertex: Ints, normal: Floats, cosine: float) -> Ints:
-    """Numbers of corners, equal where neither position nor (across a sharp edge) normal parts them: (3F,).
+    """Numbers of corners (3F,), equal for corners at the same position that no sharp edge separates.
 
-    An edge is sharp if the normals of its two triangles differ by more than the angle at one of its ends.
+    An edge is sharp if at one of its ends the normals of its two triangles differ by more than the angle
+    whose cosine is given.
     """
     corner = np.arange(vertex.size).reshape(-1, 3)
     start, end = corner.ravel(), np.roll(corner, -1, axis=1).ravel()
@@ -149,7 +150,7 @@ def _chart_options(options: UnwrapOptions, triangles: int, iterations: int) -> O
 
 
 def _islands(uv: Floats, island: Ints, corners: Floats, vertex: Ints) -> FlatIslands:
-    """Put triangles without area aside, number the rest's islands without gaps, and measure their borders."""
+    """Take triangles without area out of islands, number islands without gaps, and measure their borders."""
     area = np.abs(signed_areas(uv))
     real = (island >= 0) & (area > _THIN * area.mean())
     numbered = np.full(len(island), -1)
@@ -158,7 +159,7 @@ def _islands(uv: Floats, island: Ints, corners: Floats, vertex: Ints) -> FlatIsl
 
 
 def _border(corners: Floats, vertex: Ints, island: Ints) -> float:
-    """Length in space of all edges that have an island's triangle on one side only."""
+    """Length on the surface of all edges that have a triangle of their island on one side only."""
     following = np.roll(vertex, -1, axis=1)
     edges = np.stack([np.minimum(vertex, following), np.maximum(vertex, following)], axis=-1).reshape(-1, 2)
     label = weld(np.column_stack([edges, np.repeat(island, 3)]))
@@ -167,7 +168,7 @@ def _border(corners: Floats, vertex: Ints, island: Ints) -> float:
 
 
 def _smart_project(corners: Floats, vertex: Ints, angle: float) -> Floats:
-    """Blender's Smart UV Project of a mesh that exists only for it, in a scene that exists only for it."""
+    """Run Blender's Smart UV Project on a temporary mesh in a temporary scene: (F, 3, 2)."""
     _, first, face = np.unique(vertex, return_index=True, return_inverse=True)
     mesh = bpy.data.meshes.new("RadTex unwrap")
     mesh.from_pydata(corners.reshape(-1, 3)[first], [], face.reshape(-1, 3))
@@ -181,7 +182,7 @@ def _smart_project(corners: Floats, vertex: Ints, angle: float) -> Floats:
         layer.update()
         layer.objects.active = item
         item.select_set(True, view_layer=layer)
-        with cast("Any", bpy.context).temp_override(  # the stubs of 5.2 know it as no context manager
+        with cast("Any", bpy.context).temp_override(  # in the stubs of 5.2 it is no context manager
             scene=scene, view_layer=layer, active_object=item, object=item, edit_object=item
         ):
             bpy.ops.object.mode_set(mode="EDIT")

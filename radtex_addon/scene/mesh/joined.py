@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baked copies made one mesh: those that share an atlas, or the part of one that has an atlas of its own."""
+"""Join baked copies that share an atlas into one mesh, or take the part of them that has its own atlas."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core.arrays import Bools
 from .copy import NORMAL, SIGN, TANGENT
-from .parts import PART
+from .mesh_parts import PART
 
 _FIELDS = {NORMAL: ("FLOAT_VECTOR", "vector", 3), TANGENT: ("FLOAT_VECTOR", "vector", 3)}
 _SIGN = ("FLOAT", "value", 1)
@@ -20,9 +20,9 @@ _UV = ("FLOAT2", "vector", 2)
 
 
 def joined_copy(copies: Sequence[bpy.types.Object], uv_layer: str, part: int | None) -> bpy.types.Object:
-    """An object whose mesh has all triangles of the copies' meshes, or those of the numbered part alone.
+    """An object whose mesh has all triangles of the copies' meshes, or only those of part number `part`.
 
-    The meshes must be in world space. Of their attributes the frame and the `uv_layer` stay.
+    The meshes must be in world space. Only the frame's attributes and the `uv_layer` are kept.
     """
     meshes: list[Any] = [copy.data for copy in copies]
     chosen = [_faces_of(mesh, part) for mesh in meshes]

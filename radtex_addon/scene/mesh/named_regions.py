@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Places on an object that its user has named: a vertex group, a boolean attribute of faces, a material."""
+"""Named regions of an object: vertex groups, boolean face attributes and materials."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from ...core.arrays import Bools, Floats
 from ...core.errors import InputError
 from .evaluated import find_rendered, render_with
 
-_HALF = 0.5  # of a face's corners' mean weight: from there on a face is in a vertex group
+_HALF = 0.5  # a face is in a vertex group if its corners have this mean weight or more
 _LISTED = 8  # names in a message
-_OWN = ("sharp_face",)  # Blender's, which nobody made to name places
+_OWN = ("sharp_face",)  # Blender's own attributes, which name no region
 
 
 def check_where(items: Sequence[bpy.types.Object], name: str) -> None:
-    """Refuse a name that nothing on any of the objects has, as far as they tell without being evaluated.
+    """Raise InputError if none of the objects has a region called `name`.
 
-    Geometry nodes may make attributes that only a render knows. Raises InputError.
+    The objects are not evaluated: one with geometry nodes passes, since these may make attributes in renders.
     """
     if any(name in places_on(item) or _may_make_more(item) for item in items):
         return
@@ -30,7 +30,7 @@ def check_where(items: Sequence[bpy.types.Object], name: str) -> None:
 
 
 def places_on(item: bpy.types.Object) -> dict[str, str]:
-    """Names that an object has for places on it, and what each is of, in words."""
+    """Names of an object's regions, and the kind of each in words, such as "vertex group"."""
     mesh = cast(Any, item.data)
     found = {slot.material.name: "material" for slot in item.material_slots if slot.material is not None}
     for attribute in mesh.attributes:
@@ -42,11 +42,11 @@ def places_on(item: bpy.types.Object) -> dict[str, str]:
 def chosen_triangles(
     scratch: bpy.types.Scene, originals: Sequence[bpy.types.Object], name: str
 ) -> list[Bools]:
-    """Which triangles of each object's evaluated mesh belong to the place called `name`: (F,) each.
+    """Which triangles of each object's evaluated mesh belong to the region called `name`: (F,) each.
 
-    The triangles are in the order of `evaluated.evaluate`. A face is in a vertex group if its corners weigh
-    half or more in the mean. Raises InputError where no object has such a place, one has two, or no face is
-    in it.
+    The triangles are in the order of `evaluated.evaluate`. A face is in a vertex group if the mean weight of
+    its corners is a half or more. Raises InputError if no object has such a region, if an object has two, or
+    if the region has no face.
     """
     found: list[Bools] = []
 
@@ -67,7 +67,7 @@ def chosen_triangles(
 
 
 def _of_object(title: str, rendered: bpy.types.Object, name: str) -> tuple[Bools, bool]:
-    """The place's triangles, and whether the object knows it at all."""
+    """The region's triangles (F,), and whether the object has such a region."""
     mesh = cast(Any, rendered.to_mesh())
     try:
         places = list(_places(rendered, mesh, name))
@@ -84,7 +84,7 @@ def _of_object(title: str, rendered: bpy.types.Object, name: str) -> tuple[Bools
 
 
 def _places(rendered: bpy.types.Object, mesh: Any, name: str) -> Iterator[tuple[str, Bools]]:
-    """Every place of that name: what it is, and its polygons (P,)."""
+    """Yield each region of that name: its kind in words, and which polygons (P,) it has."""
     count = len(mesh.polygons)
     group = rendered.vertex_groups.get(name)
     if group is not None:

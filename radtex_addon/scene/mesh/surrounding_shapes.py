@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a render shows beside one object, as bare shapes: instances, particles and all, and nothing hidden."""
+"""Shapes of everything that a render shows besides one object, instances and particles included."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """Vertices (V, 3) float32 in object space and triangles (F, 3), never without any."""
+    """Vertices (V, 3) float32 in object space and triangles (F, 3), at least one."""
 
     position: Floats
     triangles: Ints
@@ -35,17 +35,17 @@ class Placed:
 
 @dataclass(frozen=True, eq=False)
 class Beside:
-    """The object's own matrix (4, 4) as it renders, and all else; shapes are shared between instances."""
+    """An object's matrix (4, 4) in renders, and all `others` around it; instances share their shapes."""
 
     matrix: Floats
     others: tuple[Placed, ...]
 
 
 def read_beside(scratch: bpy.types.Scene, baked: bpy.types.Object) -> Beside:
-    """Read what a render of the scratch scene's enabled view layer shows beside `baked`.
+    """Read what a render of the scratch scene's enabled view layer shows besides `baked`.
 
-    Instances of the object itself, and what it instances, stand beside it. Faces whose material is nothing
-    but a volume are left out, as light goes through them. Raises BakeError where Blender does not render.
+    That includes instances of `baked`, and objects that it instances. Faces whose material has a volume but
+    no surface are left out, since light passes through them. Raises BakeError where Blender does not render.
     """
     found: list[Beside] = []
 
@@ -111,7 +111,7 @@ def _shape_of(item: bpy.types.Object) -> Shape | None:
 
 
 def _opaque(item: bpy.types.Object, mesh: bpy.types.Mesh, index: Ints) -> Bools:
-    """Which of the triangles with these material indices light does not simply go through."""
+    """Which triangles, by their material indices `index` (F,), are more than a volume's boundary: (F,)."""
     materials = list(mesh.materials)
     for place, slot in enumerate(item.material_slots[: len(materials)]):
         if slot.link == "OBJECT":

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""MikkTSpace's tangents, to the same bits each time.
+"""MikkTSpace's tangents, bit-identical each time.
 
-Blender works on more than 10,000 faces in several threads, and adds up what meets at a vertex in the order
-in which they come. So large meshes are cut into patches that it takes in one thread.
+For more than 10,000 faces Blender uses several threads, and sums tangents at a vertex in the order in which
+the threads arrive. So large meshes are cut into patches that are small enough for one thread.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ...core.arrays import Floats, Ints
 from ...core.islands import weld
 from ...core.patches import patches
 
-_ALONE = 10_000  # faces that Blender takes in one thread
+_ALONE = 10_000  # faces for which Blender uses one thread only
 _LAYER, _NORMAL = "RadTex patch", "custom_normal"
 
 
@@ -28,7 +28,7 @@ def calc_tangents(position: Floats, triangles: Ints, normal: Floats, uv: Floats)
     """
     tangent = np.empty((len(triangles), 3, 3), dtype=np.float32)
     sign = np.empty((len(triangles), 3), dtype=np.float32)
-    vertex = weld(position)[triangles]  # MikkTSpace's vertices are places, too
+    vertex = weld(position)[triangles]  # MikkTSpace, too, treats vertices at the same position as one
     for own, whole in patches(vertex, position[triangles].mean(axis=1), _ALONE):
         found = _calc(position[triangles[whole]], normal[whole], uv[whole])
         here = np.searchsorted(whole, own)
@@ -37,7 +37,7 @@ def calc_tangents(position: Floats, triangles: Ints, normal: Floats, uv: Floats)
 
 
 def _calc(corners: Floats, normal: Floats, uv: Floats) -> tuple[Floats, Floats]:
-    """The same of triangles' corners (F, 3, 3), all at once."""
+    """`calc_tangents` for triangles with these `corners` (F, 3, 3), by one call of Blender."""
     count = len(corners)
     mesh: Any = bpy.data.meshes.new("RadTex patch")
     try:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surfaces that share an atlas: several meshes made one."""
+"""Join the meshes of objects that share an atlas."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ...core.arrays import Bools
 from ...core.surface import SurfaceMesh
 from .evaluated import EvaluatedMesh
 
-_APART = 0.1  # of a mesh's own extent: how far from the one before it stands
+_APART = 0.1  # times a mesh's extent: the gap between it and the next mesh
 
 
 def side_by_side(meshes: Sequence[EvaluatedMesh], name: str) -> EvaluatedMesh:
-    """The meshes as one called `name`, in world space but for where they stand: in a row, none touching.
+    """The meshes joined into one called `name`, in world space, but moved into a row so that none touch.
 
-    So what unwraps them takes no two for one surface. Attributes and materials are left out. One mesh alone
-    is itself.
+    Then the unwrap cannot connect two of them. Attributes and materials are left out. A single mesh is
+    returned unchanged.
     """
     if len(meshes) == 1:
         return meshes[0]
@@ -46,7 +46,7 @@ def side_by_side(meshes: Sequence[EvaluatedMesh], name: str) -> EvaluatedMesh:
 
 
 def joined_surface(surfaces: Sequence[SurfaceMesh], faces: Sequence[Bools]) -> SurfaceMesh:
-    """Surfaces in world space as one, with those triangles alone where their `faces` (F,) are True."""
+    """Join surfaces in world space, with only the triangles where their `faces` (F,) are True."""
     if len(surfaces) == 1 and faces[0].all():
         return surfaces[0]
     first = np.cumsum([0, *(len(surface.position) for surface in surfaces)])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a mesh encloses a volume: then whoever sees its back sees it through its front."""
+"""Whether a mesh encloses a volume: then viewers outside see back faces only through front faces."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import numpy as np
 
 from ...core.arrays import Ints
 
-_SAME = 1e-5  # of a mesh's size: vertices that are nearer than this are one, as importers split them
+_SAME = 1e-5  # times a mesh's size: vertices nearer than this count as one, since importers split vertices
 
 
 def is_closed(mesh: bpy.types.Mesh) -> bool:
-    """Whether each edge of a mesh has two faces, or four and so on: a ball, not a card or a bowl."""
+    """Whether each edge of a mesh has an even number of faces: true for a ball, not for a card or a bowl."""
     corner = _numbers(mesh.loops, "vertex_index")
     first, count = (_numbers(mesh.polygons, name) for name in ("loop_start", "loop_total"))
     following = np.arange(1, len(corner) + 1)
@@ -27,7 +27,7 @@ def is_closed(mesh: bpy.types.Mesh) -> bool:
 
 
 def _joined(mesh: bpy.types.Mesh) -> Ints:
-    """For each vertex the number of its place, (V,)."""
+    """A number for each vertex, (V,), equal for vertices at the same position."""
     values = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
     mesh.vertices.foreach_get("co", values)
     place = values.reshape(-1, 3)

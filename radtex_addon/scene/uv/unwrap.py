@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Unwrapping: a UV layer of few, large islands with little stretch, packed into the atlas to the texel.
+"""Unwrap a surface into few, large islands with little stretch, packed to the size of the atlas.
 
-Two ways to flatten the surface, xatlas and Blender's Smart UV Project; one way to pack what comes of it.
+Two methods flatten the surface, xatlas and Blender's Smart UV Project; the islands of both are packed alike.
 """
 
 from __future__ import annotations
@@ -18,23 +18,24 @@ from ...bake.spec import Unwrap
 from ...core.arrays import Bools, Floats
 from ...core.errors import InputError
 from ...core.islands import find_overlap, signed_areas, surface_areas, weld
+from ...core.messages import Setting, do
 from ..mesh.evaluated import EvaluatedMesh
 from ..mesh.flatten import FlatIslands, flatten_with_blender, flatten_with_xatlas
-from .packing import Packed, pack_to_density, pack_to_size
+from .island_packing import Packed, pack_to_density, pack_to_size
 from .unwrap_options import UnwrapOptions, Unwrapped
 from .xatlas_process import Steps, XatlasProcess
 
 log = logging.getLogger(__name__)
 
-_LONG = 10.0  # seconds above which an unwrap is announced, and its quick alternative named
-_THREAD = 2e3  # of the area's root: xatlas packs islands of that length for seconds, longer ones for hours
-_TOLERATED_OVERLAP = 1e-3  # share of the covered area: less is a few slivers
+_LONG = 10.0  # seconds: the log announces longer unwraps, and names the quick alternative
+_THREAD = 2e3  # times the root of the area: islands this long are packed in seconds, longer ones in hours
+_TOLERATED_OVERLAP = 1e-3  # share of the covered area: less overlap is only a few slivers
 
 
 def estimate_seconds(triangles: int, options: UnwrapOptions | None = None) -> float:
     """About how long xatlas and the packing take: an estimate, from a busy 2-core machine of 2026.
 
-    Meshes differ: from a third to three times as long. Big islands cost most, loose parts run side by side.
+    Some meshes take a third, others three times as long. Big islands cost most; loose parts run in parallel.
     """
     sized = (options or UnwrapOptions()).for_size(triangles)
     tries = sum(0.75 + 0.25 * iterations for iterations in sized.iterations)
@@ -48,9 +49,9 @@ def unwrap_steps(
 ) -> Steps[Unwrapped]:
     """Unwrap into an atlas whose longer side is `texels`, or as `options.density` needs, if given.
 
-    Of several tries the one that leaves most texels in the interior of islands wins. Yields progress while
-    xatlas works; closed, it ends xatlas. Raises InputError where the surface has no area, or too many islands
-    for so few texels; BakeError where xatlas fails.
+    Of several tries the one with most texels in the interior of islands is returned. Yields progress while
+    xatlas works; closing the generator ends xatlas. Raises InputError if the surface has no area, or too many
+    islands for so few texels; BakeError if xatlas fails.
     """
     options = (options or UnwrapOptions()).for_size(len(evaluated.triangles))
     if method is Unwrap.XATLAS:
@@ -63,15 +64,15 @@ def unwrap_steps(
 
 
 def unwrap_xatlas(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
-    """Unwrap by xatlas at one go: see `unwrap_steps`. Announces a long unwrap before it begins."""
+    """Unwrap by xatlas, without progress: see `unwrap_steps`. The log announces a long unwrap first."""
     return finished(unwrap_steps(evaluated, texels, Unwrap.XATLAS, options))
 
 
 def unwrap_blender(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
     """Unwrap by Blender's Smart UV Project, the quick choice; packed and checked like `unwrap_xatlas`.
 
-    It works in a scene of its own: the user's mode and selection stay. Of the options that shape islands only
-    `blender_angle` counts.
+    It works in a scene of its own: the user's mode and selection stay. Of the options for the shape of
+    islands it uses only `blender_angle`.
     """
     return finished(unwrap_steps(evaluated, texels, Unwrap.BLENDER, options))
 
@@ -97,7 +98,9 @@ def _check_area(evaluated: EvaluatedMesh) -> None:
     if longest > _THREAD * math.sqrt(area):
         raise InputError(
             f"object '{evaluated.name}' is as thin as a thread, with an edge of {longest:.3g} scene units "
-            f"and an area of {area:.3g}: give it a width, or bake it on a UV layer of its own (--uv)"
+            f"and an area of {area:.3g}",
+            do("give it a width"),
+            do("bake it on a UV layer of its own", Setting.UV),
         )
 
 
@@ -116,7 +119,7 @@ def _best(
         except InputError as error:
             failure = failure or error
             continue
-        # Texels that no island's border touches: they are what the atlas is for.
+        # Texels in islands that no border touches: the try with most of them uses the atlas best.
         interior = flat.area * packed.density**2 - 0.5 * flat.border * packed.density
         log.debug("%d islands, %.4g texels per unit, interior %.0f", flat.count, packed.density, interior)
         if best is None or interior > best[0]:
@@ -166,7 +169,7 @@ def _finish(evaluated: EvaluatedMesh, flat: FlatIslands, packed: Packed, seconds
 
 
 def _settle_thin(uv: Floats, evaluated: EvaluatedMesh, real: Bools) -> None:
-    """Give triangles without area, which belong to no island, one uv point of a neighbour each."""
+    """Give each triangle without area, which belongs to no island, one uv point of a neighbour."""
     if real.all():
         return
     vertex = weld(evaluated.position)[evaluated.triangles]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What one may ask of an unwrap, and what an unwrap answers."""
+"""Options and result of an unwrap."""
 
 from __future__ import annotations
 
@@ -10,24 +10,23 @@ from dataclasses import dataclass, replace
 from ...core.arrays import Floats
 from ...core.errors import InputError
 
-_CHAOTIC = (
-    8_000  # triangles above which one try may shatter the surface, and up to 2.5 times that a second pays
-)
-_MANY = 30_000  # triangles above which xatlas's islands are bounded in size, or it takes minutes
+_CHAOTIC = 8_000  # triangles: above, one try may make too many islands; up to 2.5 times that, two are made
+_MANY = 30_000  # triangles above which island size is limited; without a limit xatlas takes minutes
 
 
 @dataclass(frozen=True)
 class UnwrapOptions:
     """How islands are shaped, how far apart they lie, and how large they are.
 
-    `padding` texels at least lie free between islands. `density`, if given, sets the texels per scene
+    At least `padding` free texels lie between islands. `density`, if given, sets the texels per scene
     unit, and the atlas is as large as it needs. Edges whose corner normals differ by more than
-    `seam_angle` degrees (sharp edges, creases) become borders, so that no texel straddles them.
+    `seam_angle` degrees (sharp edges, creases) become borders of islands, so that no texel lies across them.
     `max_cost`, `normal_deviation_weight`, `roundness_weight` and `straightness_weight` are xatlas's own,
     at their defaults: its bound of 75 degrees from an island's mean normal is what ends islands in
-    practice. `max_island_share` bounds an island's share of the surface; smaller islands cost far less
-    time. Each of `iterations` (rounds of xatlas's seeding) is a try, and the best wins; both, left
-    empty, follow the number of triangles. `blender_angle` (degrees) is Smart UV Project's.
+    practice. `max_island_share` limits an island's share of the surface; smaller islands take far less
+    time. Each of `iterations` (rounds of xatlas's seeding) is a try, of which the best is used. If these
+    two are left empty, they depend on the number of triangles. `blender_angle` (degrees) is Smart UV
+    Project's.
     """
 
     padding: int = 2
@@ -50,7 +49,7 @@ class UnwrapOptions:
             raise InputError(f"xatlas iterations must be 1 or more, not {self.iterations}")
 
     def for_size(self, triangles: int) -> UnwrapOptions:
-        """These options with what was left empty chosen for a mesh of so many triangles."""
+        """These options, with empty ones chosen for a mesh of so many triangles."""
         iterations, share = self.iterations, self.max_island_share
         if not iterations:
             iterations = (1, 2) if _CHAOTIC < triangles <= 2.5 * _CHAOTIC else (1,)
@@ -61,7 +60,7 @@ class UnwrapOptions:
 
 @dataclass(frozen=True, eq=False)
 class Unwrapped:
-    """`uv` (F, 3, 2) in 0..1, v up, for an atlas of `width` x `height` texels, and what came of it.
+    """`uv` (F, 3, 2) in 0..1, v up, for an atlas of `width` x `height` texels, and statistics.
 
     `utilisation` is the share of the atlas that islands cover, `density` the texels per scene unit, `overlap`
     the share of the covered area that is covered more than once.

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A UV layer of the user's own to bake on: every texel must belong to one place of the surface."""
+"""Check a UV layer of the user's to bake on: every texel must belong to one place of the surface."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ import numpy as np
 from ...core.arrays import Floats
 from ...core.errors import InputError
 from ...core.islands import find_overlap, signed_areas, surface_areas
+from ...core.messages import Setting, do, leave_out
 from ..mesh.evaluated import EvaluatedMesh
 
 log = logging.getLogger(__name__)
 
-_OUTSIDE = 1e-5  # how far beyond 0..1 still counts as rounding
+_OUTSIDE = 1e-5  # how far outside 0..1 counts as rounding
 _NO_AREA = 1e-12  # of the unit square
-_TOLERATED = 1e-3  # share of the surface without a place in uv, and share of the covered area covered twice
+_TOLERATED = 1e-3  # share of the surface without area in uv; share of the covered area that is covered twice
 
 
 def user_uv(evaluated: EvaluatedMesh, layer: str) -> Floats:
@@ -28,9 +29,9 @@ def user_uv(evaluated: EvaluatedMesh, layer: str) -> Floats:
     overlap, pass with a warning.
     """
     if layer not in evaluated.uv_layers:
-        known = ", ".join(f"'{name}'" for name in evaluated.uv_layers)
-        remedy = f"it has {known}" if known else "it has none; leave --uv out to have one made"
-        raise InputError(f"object '{evaluated.name}' has no UV layer '{layer}' in renders: {remedy}")
+        known = " or ".join(f"'{name}'" for name in evaluated.uv_layers)
+        remedy = do(f"choose {known}") if known else leave_out(Setting.UV, to="to have one made")
+        raise InputError(f"object '{evaluated.name}' has no UV layer '{layer}' in renders", remedy)
     uv = evaluated.uv(layer)
     where = f"UV layer '{layer}' of object '{evaluated.name}'"
     if not np.isfinite(uv).all():
@@ -44,7 +45,7 @@ def user_uv(evaluated: EvaluatedMesh, layer: str) -> Floats:
 def _check_area(evaluated: EvaluatedMesh, uv: Floats, where: str) -> None:
     lost = np.abs(signed_areas(uv.astype(np.float64))) < _NO_AREA
     if lost.all():
-        raise InputError(f"{where} is empty (no triangle has area): unwrap it, or leave --uv out")
+        raise InputError(f"{where} is empty (no triangle has area)", do("unwrap it"), leave_out(Setting.UV))
     surface = surface_areas(evaluated.world_position[evaluated.triangles])
     if not surface.any():
         raise InputError(f"object '{evaluated.name}' has faces, but no area to bake: give it a size")
@@ -63,13 +64,14 @@ def _check_bounds(uv: Floats, where: str) -> None:
     if low.min() < -_OUTSIDE or high.max() > 1 + _OUTSIDE:
         raise InputError(
             f"{where} reaches outside 0..1, from ({low[0]:.3g}, {low[1]:.3g}) to"
-            f" ({high[0]:.3g}, {high[1]:.3g}): pack its islands into the unit square,"
-            " or bake tile by tile (--split udim)"
+            f" ({high[0]:.3g}, {high[1]:.3g})",
+            do("pack its islands into the unit square"),
+            do("bake tile by tile", Setting.SPLIT, value="udim"),
         )
 
 
 def check_apart(uv: Floats, where: str) -> None:
-    """Make sure that triangles (F, 3, 2) do not overlap; `where` names them. Raises InputError."""
+    """Raise InputError if uv triangles (F, 3, 2) overlap; of slivers only warn. `where` names the layer."""
     overlap = find_overlap(uv)
     if overlap.fraction == 0:
         return

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""xatlas, asked from here and run in a process of its own, which can be ended at any time.
+"""Run xatlas in a process of its own, which can be killed at any time.
 
-In Blender's own process it could hang or crash it, and nobody could cancel it: see `xatlas_worker.py`.
+In Blender's process xatlas could freeze or crash Blender, and could not be cancelled: see `xatlas_worker.py`.
 """
 
 from __future__ import annotations
@@ -25,11 +25,12 @@ import bpy
 from ...bake.progress import Progress, Stage
 from ...core.arrays import Floats, Ints
 from ...core.errors import BakeError, InputError
+from ...core.messages import Setting, do
 
 _WORKER = Path(__file__).with_name("xatlas_worker.py")
-_PULSE = 0.1  # seconds between two signs of life
-_LAST_WORDS = 1.0  # seconds that a process which answers nothing of use may take to end by itself
-_REMEDY = "bake on a UV layer of your own, by --uv"
+_PULSE = 0.1  # seconds between two reports of progress
+_LAST_WORDS = 1.0  # seconds that a process without a valid answer gets to end by itself
+_OWN_LAYER = do("bake on a UV layer of your own", Setting.UV)
 
 _Result = TypeVar("_Result")
 Steps: TypeAlias = Generator[Progress, None, _Result]
@@ -40,7 +41,7 @@ Options: TypeAlias = Mapping[str, float]  # attributes of xatlas's ChartOptions 
 class Charts:
     """A flattened mesh: `uv` (V, 2) in 0..1 of the atlas, `index` (F, 3) into it, `owner` (V,) its island.
 
-    An owner that is not below `count` is none.
+    An `owner` of `count` or more means no island.
     """
 
     width: int
@@ -63,28 +64,29 @@ class Placed:
 
 
 def check_xatlas() -> None:
-    """Raise InputError where there is no xatlas, or no Python to run it."""
+    """Raise InputError if there is no xatlas, or no Python to run it."""
     if find_spec("xatlas") is None:
         raise InputError(
-            "the Python module 'xatlas' is missing: install the RadTex extension in Blender, or with Python "
-            f"run it as: uv run bake.py; or {_REMEDY}"
+            "the Python module 'xatlas' is missing",
+            do("install the RadTex extension in Blender, or with Python run it as: uv run bake.py"),
+            _OWN_LAYER,
         )
     if not sys.executable or sys.executable == bpy.app.binary_path:
-        raise InputError(f"this Blender names no Python that could run xatlas: {_REMEDY}")
+        raise InputError("this Blender names no Python that could run xatlas", _OWN_LAYER)
 
 
 class XatlasProcess:
-    """A context in which xatlas answers; at its exit, however that comes, the process is killed.
+    """A context manager for the xatlas process, which is killed at exit, also after an exception.
 
-    A request is a generator that yields progress about ten times a second while xatlas works, and returns the
-    answer; one at a time. It raises BakeError where the process dies.
+    Each request is a generator that yields progress about ten times a second while xatlas works, and returns
+    the answer; it raises BakeError if the process dies. Only one request may run at a time.
     """
 
     def __init__(self) -> None:
-        """Start the process. Raises InputError where that cannot be."""
+        """Start the process. Raises InputError if that fails."""
         check_xatlas()
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  # closed at exit
-        # Isolated: or the worker's own folder came first on its path, and hid the standard library's `copy`.
+        # Isolated: or the worker's own folder would come first on sys.path, and could hide standard modules.
         command = [sys.executable, "-I", str(_WORKER)]
         try:
             self._process = subprocess.Popen(
@@ -97,13 +99,13 @@ class XatlasProcess:
         except OSError as error:
             self._errors.close()
             raise InputError(
-                f"xatlas needs a Python to run in, but {sys.executable} does not start ({error.strerror}): "
-                f"{_REMEDY}"
+                f"xatlas needs a Python to run in, but {sys.executable} does not start ({error.strerror})",
+                _OWN_LAYER,
             ) from error
         self._thread: Thread | None = None
 
     def __enter__(self) -> XatlasProcess:
-        with suppress(OSError):  # the first request will say that it has died
+        with suppress(OSError):  # the first request will report that the process has died
             self._send(sys.path)
         return self
 
@@ -111,7 +113,7 @@ class XatlasProcess:
         self._process.kill()
         self._process.wait()
         if self._thread is not None:
-            self._thread.join()  # its pipes have ended
+            self._thread.join()  # it ends, since the process's pipes are closed
         for pipe in self._pipes:
             with suppress(OSError):  # half a request may be left in it
                 pipe.close()
@@ -128,7 +130,7 @@ class XatlasProcess:
         return Placed(*(yield from self._ask("pack", points, faces, owner, options)))
 
     def _ask(self, name: str, *arguments: object) -> Steps[tuple[Any, ...]]:
-        """Ask in a thread, for Windows cannot wait for a pipe and a clock at once."""
+        """Send a request from a thread: Windows cannot wait for a pipe with a timeout."""
         answers: SimpleQueue[tuple[Any, ...] | None] = SimpleQueue()
         self._thread = Thread(target=self._exchange, args=((name, arguments), answers), daemon=True)
         self._thread.start()
@@ -140,8 +142,9 @@ class XatlasProcess:
                 continue
             if answer is None:
                 raise BakeError(
-                    f"the unwrap failed, xatlas ended early ({self._last_words()}): try --unwrap blender, or "
-                    f"{_REMEDY}"
+                    f"the unwrap failed, xatlas ended early ({self._last_words()})",
+                    do("let Blender unwrap", Setting.UNWRAP, value="blender"),
+                    _OWN_LAYER,
                 )
             return answer
 
@@ -151,7 +154,7 @@ class XatlasProcess:
             self._send(request)
             answer = pickle.load(self._pipes[1])
         except (OSError, EOFError, pickle.UnpicklingError):
-            with suppress(subprocess.TimeoutExpired):  # it has died, or is no Python at all, and says why
+            with suppress(subprocess.TimeoutExpired):  # it has died or is no Python: stderr says why
                 self._process.wait(_LAST_WORDS)
             self._process.kill()
         finally:

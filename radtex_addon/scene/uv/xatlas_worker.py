@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""xatlas in a process of its own: a script that `xatlas_process.py` runs by its path.
+"""The script of the xatlas process, which `xatlas_process.py` runs by its path.
 
-Where an Atlas is destroyed, xatlas may wait for ever for a thread of its own that was not told to end, with
-Python's lock in hand. So no Atlas is destroyed here, also not at the process's end.
+When an Atlas is destroyed, xatlas may wait for ever for one of its threads that was not told to end, and
+holds Python's GIL meanwhile. So no Atlas is destroyed here, not even at the end of the process.
 
 It reads pickles from standard input and answers on standard output: first the parent's sys.path, then
-requests, each the name of a function below and its arguments. It ends with its input.
+requests, each the name of a function below and its arguments. The process ends when its input ends.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _KEPT: list[object] = []
 def flatten(
     points: Floats, faces: Ints, normals: Floats, chart: Mapping[str, object], pack: Mapping[str, object]
 ) -> tuple[object, ...]:
-    """Flatten a mesh: what `xatlas_process.Charts` holds, in that order."""
+    """Flatten a mesh; returns the fields of `xatlas_process.Charts`, in order."""
     import xatlas
 
     atlas = xatlas.Atlas()
@@ -45,9 +45,9 @@ def flatten(
 
 
 def pack(points: Floats, faces: Ints, owner: Ints, options: Mapping[str, object]) -> tuple[object, ...]:
-    """Place flat islands: what `xatlas_process.Placed` holds, in that order.
+    """Place flat islands; returns the fields of `xatlas_process.Placed`, in order.
 
-    Each time by a new Atlas: one that has packed flat islands before would place them otherwise.
+    Each call uses a new Atlas: one that has packed flat islands before would place them differently.
     """
     import xatlas
 
@@ -66,13 +66,13 @@ def _set(options: Any, values: Mapping[str, object]) -> Any:
 
 
 def main() -> None:
-    """Serve the parent until it closes our input."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's, which ends us
+    """Answer the parent process until it closes standard input."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles Ctrl-C, and kills this process
     _end_with_parent()
     answers = _answers()
     requests = sys.stdin.buffer
     sys.path[:] = pickle.load(requests)
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # numpy's threads take long to start, and have nothing to do
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"  # numpy's threads are slow to start, and not needed here
     functions: dict[str, Callable[..., object]] = {"flatten": flatten, "pack": pack}
     while requests.peek(1):
         name, arguments = pickle.load(requests)
@@ -81,7 +81,7 @@ def main() -> None:
 
 
 def _end_with_parent() -> None:
-    """Let Linux kill us should the parent be killed; elsewhere a request that is being served is finished."""
+    """On Linux, have this process killed when its parent dies; elsewhere it first finishes its request."""
     if sys.platform == "linux":
         import ctypes
 
@@ -90,7 +90,7 @@ def _end_with_parent() -> None:
 
 
 def _answers() -> BinaryIO:
-    """Take standard output for ourselves; what libraries print goes to standard error."""
+    """Reserve standard output for answers; what libraries print goes to standard error."""
     ours = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     return ours
@@ -99,7 +99,7 @@ def _answers() -> BinaryIO:
 if __name__ == "__main__":
     try:
         main()
-    except BaseException:  # noqa: BLE001  # Python's own end would destroy what we keep
+    except BaseException:  # noqa: BLE001  # Python's normal exit would destroy the atlases
         traceback.print_exc()
         os._exit(1)
     os._exit(0)

@@ -16,7 +16,7 @@ from typing import Any, TypeAlias, cast
 import bpy
 
 from radtex_addon.scene.checks.see_through import is_see_through
-from radtex_addon.scene.lights.light import put_out
+from radtex_addon.scene.lights.light import without_emission
 from radtex_addon.scene.nodes import NodeBuilder, Operand, Socket
 
 _UNKNOWN = frozenset({"HOLDOUT", "BSDF_RAY_PORTAL", "SCRIPT"})  # they may be clear in ways of their own
@@ -42,7 +42,7 @@ def surface_alone(item: bpy.types.Object) -> Iterator[Clear]:
             continue
         if not _has_unknown(material.node_tree):
             copies[material] = _changed(material, _stop_rays)
-            clear[copies[material]] = _changed(put_out(material), _show_background)
+            clear[copies[material]] = _changed(without_emission(material), _show_background)
             cast(Any, clear[copies[material]]).cycles.emission_sampling = "NONE"
     try:
         _assign(item, [material and copies.get(material, material) for material in before])

@@ -16,7 +16,7 @@ import bpy
 
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.formats.sidecar import read_sidecar
-from radtex_addon.report.finished import read_bake
+from radtex_addon.report.finished_bake import read_bake
 
 from .looking import SUBJECT, Camera, added, baked, empty_scene, lamp, principled, rendered
 from .row import Row

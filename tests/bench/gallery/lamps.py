@@ -19,7 +19,7 @@ import numpy as np
 
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
-from radtex_addon.report.finished import read_bake
+from radtex_addon.report.finished_bake import read_bake
 from radtex_addon.scene.lights.lamps import WORLD, each_light
 
 from .looking import SUBJECT, Camera, Place, baked, empty_scene, lamp, principled, rendered

@@ -17,8 +17,8 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.cycles.building_blocks import render_layers
+from radtex_addon.cycles.capture_settings import keep_passes
 from radtex_addon.cycles.passes import Passes, attributes_of, light_of
-from radtex_addon.cycles.settings import keep_passes
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.report.gbuffer import Array, GBuffer

@@ -21,7 +21,7 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.job import bake_object
 from radtex_addon.prepare.prepared import prepare
-from radtex_addon.report.finished import read_bake
+from radtex_addon.report.finished_bake import read_bake
 from radtex_addon.report.gbuffer import Array, BakedSurface, GBuffer, Rays
 from radtex_addon.scene.nodes import open_world
 from radtex_addon.scene.objects import find_object

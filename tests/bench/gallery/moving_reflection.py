@@ -25,11 +25,11 @@ import numpy as np
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.hit import sample_hit
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.report.gbuffer import Array, Rays, eroded
 from radtex_addon.report.metrics import Mask, psnr
+from tests.reference.hits import sample_hit
 
 from .looking import PIXELS, SUBSAMPLES, Baked, Camera, Place, added, baked, empty_scene, principled, rendered
 from .row import Row

@@ -21,11 +21,11 @@ import numpy as np
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.levels import level_chain
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.report.gbuffer import Array
 from radtex_addon.report.metrics import Picture
+from tests.reference.levels import level_chain
 
 from .hull import UV_LAYER, wrap_hull
 from .looking import SUBJECT, Camera, added, baked, empty_scene, lamp, principled, rendered, resolved

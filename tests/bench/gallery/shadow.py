@@ -30,16 +30,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import to_frame
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.sampler import Filter
-from radtex_addon.core.shadow import (
-    area_weights,
-    cell_visibility,
-    soft_visibility,
-    square_points,
-    sun_directions,
-    sun_weight,
-    unpack_bits,
-    visibility,
-)
+from radtex_addon.core.shadow import unpack_bits
 from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.formats.shadow_files import Words, read_shadow_of
 from radtex_addon.job import bake_object
@@ -51,6 +42,15 @@ from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
 from tests.blender.casting import all_meshes, blocked, plan_of_bake
+from tests.reference.shadows import (
+    area_weights,
+    cell_visibility,
+    soft_visibility,
+    square_points,
+    sun_directions,
+    sun_weight,
+    visibility,
+)
 
 from .row import Row
 

@@ -17,7 +17,7 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.sidecar import Sidecar, preview_path, read_sidecar
 from radtex_addon.job import bake_object
-from radtex_addon.report.finished import read_bake
+from radtex_addon.report.finished_bake import read_bake
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer
 from radtex_addon.scene.preview_file import baked_copy
 

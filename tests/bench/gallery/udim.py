@@ -17,7 +17,7 @@ from radtex_addon.bake.spec import BakeSpec, Split
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, part_specs
-from radtex_addon.report.finished import read_bake
+from radtex_addon.report.finished_bake import read_bake
 from radtex_addon.report.gbuffer import Array, eroded
 from radtex_addon.report.metrics import Mask
 

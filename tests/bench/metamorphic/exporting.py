@@ -16,13 +16,13 @@ from mathutils import Matrix, Quaternion
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.sampler import Filter
-from radtex_addon.export.manifest import read_manifest
-from radtex_addon.export.run import export_steps
+from radtex_addon.export.export_manifest import read_manifest
+from radtex_addon.export.exporting import export_steps
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object
-from radtex_addon.textures.spec import ExportSpec, Target
+from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.bench.metamorphic.scenes import BODY
 from tests.bench.metamorphic.trial import SPEC, Outcome, Relation, Trial
 

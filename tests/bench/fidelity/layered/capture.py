@@ -17,7 +17,7 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.rays import FINER, PROBE_CELLS, PROBES
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats, Ints
-from radtex_addon.cycles.hidden import find_hidden
+from radtex_addon.cycles.find_hidden import find_hidden
 from radtex_addon.cycles.path_ends import path_ends
 from radtex_addon.cycles.sampling import capture_ends, capture_samples
 from radtex_addon.cycles.shared_capture import _reach

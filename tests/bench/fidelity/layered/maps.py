@@ -19,11 +19,11 @@ from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.spec import Kind
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.hemisphere import square_to_direction
+from radtex_addon.cycles.capture_settings import first_hit_only
 from radtex_addon.cycles.passes import attributes_of, colour_of, light_of
 from radtex_addon.cycles.path_ends import path_ends
 from radtex_addon.cycles.portal import Aim, PortalCapture
 from radtex_addon.cycles.sampling import _straight, _tiles
-from radtex_addon.cycles.settings import first_hit_only
 from radtex_addon.scene.checks.camera_nodes import Outputs, nodes_asked
 from radtex_addon.scene.mesh.surrounding_shapes import Beside
 

@@ -1,0 +1,157 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Run a bake from the command line."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+
+from ..bake.key import is_unfinished
+from ..bake.spec import BakeSpec
+from ..bake.thumbnail import Thumbnail
+from ..core.errors import InputError, RadTexError
+from ..core.messages import Message, Setting, do
+from ..formats.disk.atomic import check_writable
+from ..formats.disk.memory import readable_size
+from ..formats.disk.path_checks import check_unicode
+from ..job import BakeResult, OutputFiles
+from ..job.bake_plan import check_plan, plan_bakes, steps_of_bakes
+from ..preview.picture import render_picture
+from .arguments import Request
+from .failure import as_ours
+from .interruption import INTERRUPTED, Interruption
+from .light_options import titled
+from .opening import open_asked
+from .reporting import Report
+from .wording import told
+
+_NAME = 255  # most bytes in a file name
+
+
+def run_bake(request: Request, report: Report, interruption: Interruption) -> None:
+    """Bake each object and report the results. Raises RadTexError."""
+    scene = open_asked(request, interruption)
+    plan = plan_bakes(scene, request.bakes)
+    if not plan.wanted:
+        report.event("note", message=f"all {len(plan.choices)} bakes are finished: nothing is left to do")
+    if plan.skipped:
+        report.event("warning", **told(Message(plan.skipped)))
+    check_plan(scene, plan)
+    _check_thumbnail(request.thumbnail)
+    for line in plan.layout_lines:
+        report.event("note", message=line)
+    thumbnail = partial(_thumbnail, request.thumbnail, report)
+    for number, (name, spec, steps) in enumerate(steps_of_bakes(scene, plan, thumbnail)):
+        title = titled(name, spec, number, len(plan.wanted))
+        with _saying_how_to_resume(name, spec, request):
+            result = interruption.between(steps, partial(report.progress, title))
+        others = [*_pictures(request, result), *result.exported]
+        facts = facts_of(spec, result, others)
+        report.event("done", object=name, summary=summary_of(title, spec, result), **facts)
+
+
+def _check_thumbnail(path: Path | None) -> None:
+    if path is None:
+        return
+    check_unicode(path)
+    if len(os.fsencode(path.name)) > _NAME:
+        raise InputError(f"--thumbnail {path}: this name is longer than {_NAME} bytes: give a shorter one")
+    if path.suffix.lower() != ".png":
+        raise InputError(f"--thumbnail {path}: give the name of a PNG, such as {path.with_suffix('.png')}")
+    if path.is_dir():
+        raise InputError(f"--thumbnail {path} is a folder: name a file")
+    check_writable(path.parent)
+
+
+def _thumbnail(path: Path | None, report: Report, name: str) -> Thumbnail | None:
+    """A picture of what is done of the bake called `name`, if one is wanted."""
+    if path is None:
+        return None
+    return Thumbnail(path, lambda written: report.event("picture", object=name, path=str(written)))
+
+
+@contextmanager
+def _saying_how_to_resume(name: str, spec: BakeSpec, request: Request) -> Iterator[None]:
+    """Add to every error of a bake but InputError, which asks for another request, how to resume it."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (Exception, KeyboardInterrupt) as raised:
+        raise _with_the_way_on(as_ours(raised), name, spec, request) from raised
+
+
+def _with_the_way_on(failure: RadTexError, name: str, spec: BakeSpec, request: Request) -> RadTexError:
+    """The same error; says how to resume if an unfinished bake was kept."""
+    files = OutputFiles.of(name, spec, request.bakes.folder, preview=False)
+    if not is_unfinished(files.unfinished):
+        return failure
+    problem = failure.message.problem
+    what = "interrupted" if problem == INTERRUPTED else problem
+    return failure.saying(
+        f"{what}; what is finished of '{name}' is kept", do("go on with it", Setting.RESUME)
+    )
+
+
+def _pictures(request: Request, result: BakeResult) -> list[Path]:
+    """For the demo, render a picture of the saved preview; returns its path, or nothing."""
+    if not request.demo or result.files.preview is None:
+        return []
+    picture = result.files.preview.with_suffix(".png")
+    render_picture(result.files.preview, picture)
+    return [picture]
+
+
+def summary_of(title: str, spec: BakeSpec, result: BakeResult) -> str:
+    """One line on a finished bake, for people."""
+    if result.was_finished:
+        return f"{title}: was baked already, and now has all that is made of it"
+    layout = result.layout
+    seconds = sum(result.seconds.values())
+    size = readable_size(sum(path.stat().st_size for path in result.files.images))
+    shared = ", shared," if spec.form.by_paths else ""
+    lost = f", {result.fireflies:.1%} of the light lost as fireflies" if result.fireflies > 5e-4 else ""
+    clamped = f", {result.clamped} values clamped to what the file holds" if result.clamped else ""
+    return (
+        f"{title}: {layout.width} x {layout.height} texels of {layout.bucket} x {layout.bucket} cells"
+        f"{shared} at {spec.samples} spp, {result.covered_texels} texels covered, {result.paths:,} paths "
+        f"on {result.device} in {seconds:.1f} s, {size}{_condensed(result)}{lost}{clamped}"
+    )
+
+
+def _condensed(result: BakeResult) -> str:
+    chosen = result.condensed
+    if chosen is None:
+        return ""
+    clusters = " and ".join(str(count) for count in chosen.clusters) or "no"
+    return (
+        f" ({chosen.bytes / 1e6:.2f} MB on a GPU) in {clusters} clusters, "
+        f"{chosen.agreement:.1f} dB from what was fitted"
+    )
+
+
+def facts_of(spec: BakeSpec, result: BakeResult, others: list[Path]) -> dict[str, object]:
+    """The facts of a finished bake, for programs; `others` are files in addition to the bake's own."""
+    return {
+        "files": [str(path) for path in (*result.files.all, *others)],
+        "layout": str(spec.layout),
+        "objects": list(spec.objects),
+        "part": spec.part,
+        "frame": spec.frame,
+        "lights": list(spec.lights),
+        "texels": [result.layout.width, result.layout.height],
+        "bucket": result.layout.bucket,
+        "covered_texels": None if result.was_finished else result.covered_texels,
+        "islands": result.islands,
+        "paths": None if result.was_finished else result.paths,
+        "device": result.device,
+        "clamped": result.clamped,
+        "fireflies": result.fireflies,
+        "condensed": asdict(result.condensed) if result.condensed else None,
+        "seconds": {str(stage): round(value, 3) for stage, value in result.seconds.items()},
+    }

@@ -1,0 +1,51 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Run `bake.py report`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..report.finished_bake import find_bake, object_of
+from ..report.report_bake import ReportResult, report_path, report_steps
+from ..report.report_progress import Step
+from .interruption import Interruption
+from .opening import open_scene
+from .report_arguments import ReportRequest
+from .reporting import Report
+
+
+def run_report(request: ReportRequest, report: Report, interruption: Interruption) -> None:
+    """Measure the bake's quality and report the results. Raises RadTexError."""
+    sidecar = find_bake(request.bake, request.object)
+    sidecar = replace(sidecar, path=sidecar.path.absolute())  # a relative path is Blender's, of its own file
+    name = object_of(sidecar)
+    out = request.out or report_path(sidecar)
+    scene = open_scene(request.scene, request.demo, request.in_scene)
+    steps = report_steps(scene, sidecar, request.spec, out)
+
+    def tell(step: Step) -> None:
+        report.progress(f"{name}, {step.about}" if step.about else name, step)
+
+    result = interruption.between(steps, tell)
+    report.event("done", object=name, summary=_summary(result), **_facts(result))
+
+
+def _summary(result: ReportResult) -> str:
+    flip = "" if result.flip is None else f", FLIP {result.flip:.3f}"
+    floor = f"path tracing to itself {result.floor:.1f} dB"
+    found = f"{result.verdict} Energy {result.energy:.3f}{flip}, {floor}."
+    return found if result.first_change is None else f"{found} {result.first_change}"
+
+
+def _facts(result: ReportResult) -> dict[str, object]:
+    return {
+        "files": [str(result.page)],
+        "psnr": round(result.psnr, 3),
+        "flip": None if result.flip is None else round(result.flip, 4),
+        "energy": round(result.energy, 4),
+        "noise_floor": round(result.floor, 3),
+        "bytes": {"disk": result.disk, "gpu": result.gpu},
+        "lost": {name: round(value, 3) for name, value in result.lost.items()},
+        "first_change": result.first_change,
+    }

@@ -1,0 +1,158 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Run `bake.py work`: what a background worker was ordered by the panel (`worker.orders`)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..bake.layers import Layer
+from ..bake.spec_facts import spec_in
+from ..core.errors import FormatError, InputError
+from ..core.sampler import Filter
+from ..formats.json_reader import Facts
+from ..formats.sidecar_file import read_text
+from ..job.bake_request import BakeRequest
+from ..report.side_by_side import ComparisonSpec
+from ..report.viewpoint import Eye
+from ..textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
+from ..worker.order import Work
+from .arguments import Request
+from .compare_arguments import CompareRequest
+from .export_arguments import ExportRequest
+from .interruption import Interruption
+from .options import ProgressStyle
+from .reporting import Report
+from .run_bake import run_bake
+from .run_compare import run_compare
+from .run_export import run_export
+
+
+@dataclass(frozen=True)
+class WorkRequest:
+    """The order in the file `order`. Its progress is read by the program that ordered it."""
+
+    order: Path
+    inside_blender: bool
+    progress: ProgressStyle = ProgressStyle.JSON
+    verbose: bool = False
+
+
+def parse_work(arguments: list[str], inside_blender: bool) -> WorkRequest:
+    """Parse what follows the command's name: the order's file. Raises InputError."""
+    if len(arguments) != 1:
+        raise InputError("a worker takes one order: the file that the panel wrote")
+    return WorkRequest(Path(arguments[0]), inside_blender)
+
+
+def run_work(request: WorkRequest, report: Report, interruption: Interruption) -> None:
+    """Bake, export or compare as ordered. Raises RadTexError."""
+    ordered = read_order(request)
+    if isinstance(ordered, Request):
+        run_bake(ordered, report, interruption)
+    elif isinstance(ordered, ExportRequest):
+        run_export(ordered, report, interruption)
+    else:
+        run_compare(ordered, report, interruption)
+
+
+def read_order(request: WorkRequest) -> Request | ExportRequest | CompareRequest:
+    """What the order's file asks for. Raises RadTexError."""
+    facts = Facts.parse(read_text(request.order), str(request.order), "order of a worker")
+    work = Work(facts.choice("work", tuple(Work)))
+    read: dict[Work, Callable[[Facts, WorkRequest], Request | ExportRequest | CompareRequest]] = {
+        Work.BAKE: _bake,
+        Work.EXPORT: _export,
+        Work.COMPARISON: _comparison,
+    }
+    try:
+        return read[work](facts, request)
+    except InputError as error:
+        raise FormatError(
+            f"{request.order} is an order that cannot be done ({error}): give it again"
+        ) from error
+
+
+def _bake(facts: Facts, request: WorkRequest) -> Request:
+    name, spec = facts.text("name"), spec_in(facts.inner("spec"))
+    return Request(
+        bakes=BakeRequest(
+            objects=spec.objects or (name,),
+            spec=spec,
+            folder=Path(facts.text("folder")),
+            shared=name if spec.objects else None,
+            preview=None if _absent(facts, "preview") else Filter(facts.choice("preview", tuple(Filter))),
+            overwrite=facts.truth("overwrite"),
+            resume=facts.truth("resume"),
+            exports=tuple(map(Target, facts.choices("exports", tuple(Target)))),
+        ),
+        thumbnail=_path(facts, "picture"),
+        **_of_scene(facts, request),
+    )
+
+
+def _export(facts: Facts, request: WorkRequest) -> ExportRequest:
+    asked = facts.inner("spec")
+    return ExportRequest(
+        bake=Path(facts.text("sidecar")),
+        object=None,
+        spec=ExportSpec(
+            target=Target(asked.choice("target", tuple(Target))),
+            format=TextureFormat(asked.choice("format", tuple(TextureFormat))),
+            zstd=asked.truth("zstd"),
+            arrangement=Arrangement(asked.choice("arrangement", tuple(Arrangement))),
+            levels=None if _absent(asked, "levels") else asked.whole_number("levels", 1),
+            limit=None if _absent(asked, "limit") else asked.whole_number("limit", 1),
+            layers=tuple(map(Layer, asked.choices("layers", tuple(Layer)))),
+            memory_mb=None if _absent(asked, "memory_mb") else asked.whole_number("memory_mb", 1),
+        ),
+        out=Path(facts.text("folder")),
+        overwrite=facts.truth("overwrite"),
+        progress=request.progress,
+        verbose=request.verbose,
+        parent_pipe=True,
+    )
+
+
+def _comparison(facts: Facts, request: WorkRequest) -> CompareRequest:
+    view, window = (_matrix(facts, key) for key in ("view", "window"))
+    return CompareRequest(
+        objects=facts.texts("objects"),
+        bake=_path(facts, "bake") or Path("radtex"),
+        eye=Eye.of_view(view, window),
+        spec=ComparisonSpec(
+            facts.whole_number("pixels", 1), facts.whole_number("samples", 1), facts.text("device")
+        ),
+        out=Path(facts.text("folder")),
+        **_of_scene(facts, request),
+    )
+
+
+def _of_scene(facts: Facts, request: WorkRequest) -> dict[str, Any]:
+    """What to open, and how to report; Blender has opened the file already."""
+    return {
+        "scene": None if request.inside_blender else _path(facts, "blend"),
+        "demo": False,
+        "progress": request.progress,
+        "verbose": request.verbose,
+        "in_scene": facts.text("scene"),
+        "unsaved_images": _path(facts, "images"),
+        "parent_pipe": True,
+    }
+
+
+def _absent(facts: Facts, key: str) -> bool:
+    return facts.values.get(key) is None
+
+
+def _path(facts: Facts, key: str) -> Path | None:
+    return None if _absent(facts, key) else Path(facts.text(key))
+
+
+def _matrix(facts: Facts, key: str) -> list[list[float]]:
+    """16 numbers, as the rows of a matrix. Raises FormatError."""
+    numbers = facts.numbers(key, 16)
+    return [numbers[first : first + 4] for first in range(0, 16, 4)]

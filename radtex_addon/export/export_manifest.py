@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The manifest of an exported folder, `<name>.export.json`: its files, and how the textures are laid out.
+
+Its keys are a contract with other programs: docs/format.md, "Exported textures".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..core.errors import FormatError
+from ..formats.disk.atomic import write_text
+from ..formats.json_reader import Facts, json_text, shown
+from ..formats.sidecar_file import read_text
+from ..forms import Form, form_in
+from ..textures.entry import TextureEntry, file_of
+
+VERSION = 1
+EXTENSION = "export.json"
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """The contents of a folder: the mesh, the flat lightmap, and the textures by layer.
+
+    The keys of `textures` are the layers' names for the shared layout; else the kind, such as "radiance", and
+    the names of additional layers. `bake` is the sidecar's JSON. The flat lightmap's light was multiplied by
+    `flat_scale` before it was encoded.
+    """
+
+    tool: str
+    name: str
+    mesh: str
+    flat: str
+    bake: Mapping[str, Any]
+    textures: Mapping[str, TextureEntry]
+    flat_scale: float = 1.0
+
+    @property
+    def form(self) -> Form:
+        """How the bake is stored."""
+        return form_in(Facts(dict(self.bake), self.name))
+
+    def facts(self) -> dict[str, Any]:
+        """The JSON's keys and values, in order."""
+        return {
+            "version": VERSION,
+            "tool": self.tool,
+            "name": self.name,
+            "mesh": self.mesh,
+            "flat": self.flat,
+            "flat_scale": self.flat_scale,
+            "bake": dict(self.bake),
+            "textures": {layer: entry.facts() for layer, entry in self.textures.items()},
+        }
+
+    def to_json(self) -> str:
+        """The contract's JSON, in ASCII and with a newline at its end."""
+        return json_text(self.facts())
+
+    @classmethod
+    def from_json(cls, text: str, source: str = "the manifest") -> Manifest:
+        """Read the text of `to_json`; `source` names it in errors. Unknown keys are ignored.
+
+        Raises FormatError if it is no JSON object, for another version, a missing or mistyped key, a file
+        outside the folder, a sidecar that RadTex does not read, and if the textures are not the bake's.
+        """
+        facts = Facts.parse(text, source, "RadTex export")
+        version = facts.whole_number("version", 1)
+        if version != VERSION:
+            raise FormatError(f"{source} is of version {version}, this RadTex reads {VERSION}: update RadTex")
+        bake, textures = facts.inner("bake"), facts.inner("textures")
+        layers = form_in(bake).textures_of(bake, textures.values)
+        if set(textures.values) != set(layers):
+            found, expected = (shown(", ".join(names), 200) or "none" for names in (textures.values, layers))
+            raise FormatError(f"{source} has the textures {found}, expected {expected}")
+        return cls(
+            tool=facts.text("tool"),
+            name=facts.text("name"),
+            mesh=file_of(facts, "mesh"),
+            flat=file_of(facts, "flat"),
+            bake=bake.values,
+            textures={layer: TextureEntry.from_facts(textures.inner(layer)) for layer in layers},
+            flat_scale=facts.positive("flat_scale"),
+        )
+
+
+def write_manifest(path: Path, manifest: Manifest) -> None:
+    """Write the manifest's file, whole or not at all. Raises BakeError where the system refuses."""
+    write_text(path, manifest.to_json())
+
+
+def read_manifest(path: Path) -> Manifest:
+    """Read a manifest's file. Raises FormatError, with the path, if it is missing or not one of ours."""
+    return Manifest.from_json(read_text(path), str(path))

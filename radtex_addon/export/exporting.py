@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Export a finished bake to a folder that engines and browsers can load."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..core.errors import FormatError, InputError
+from ..core.messages import Setting, do
+from ..formats.disk.memory import check_allowed
+from ..formats.sidecar import Sidecar, preview_path
+from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
+from ..forms import Form, form_in
+from ..scene.preview_file import baked_copy, check_preview, surface_of
+from ..textures.export_progress import Step, Task
+from ..textures.export_spec import ExportSpec, Target
+from ..textures.flat_lightmap import flat_png
+from ..version import VERSION
+from .engines import write_engine
+from .export_manifest import EXTENSION, Manifest, write_manifest
+from .folder import check_out, files_in, replacing_folder
+from .gltf import check_exporter, write_gltf
+from .pack import Pack
+from .target_checks import check_target
+from .web import check_page, write_web
+from .write_godot import write_godot
+
+_LEAST_BYTES = 192 * 2**20  # memory of any export: a few bands of rows, the mesh, the mesh's file
+_WRITERS: dict[Target, Callable[[Pack, Path], None]] = {
+    Target.WEB: write_web,
+    Target.GODOT: write_godot,
+    Target.GLTF: write_engine,
+    Target.UNITY: write_engine,
+    Target.UNREAL: write_engine,
+    Target.RAW: write_engine,
+}
+
+
+@dataclass(frozen=True)
+class Exported:
+    """The result of an export: the `folder`, the relative paths of its `files`, and their total `bytes`."""
+
+    folder: Path
+    name: str
+    target: Target
+    files: tuple[str, ...]
+    bytes: int
+
+
+@dataclass(frozen=True)
+class ExportSource:
+    """A finished bake to be exported; `name` is the stem of its files' names."""
+
+    sidecar: SidecarFile
+    form: Form
+    bake: Sidecar
+    name: str
+
+    @classmethod
+    def of(cls, sidecar: AnySidecar) -> ExportSource:
+        """The bake with this sidecar. Raises FormatError if it is none, or is not called NAME.KIND.json."""
+        file = opened(sidecar)
+        form = form_in(file.facts)
+        bake = form.read_sidecar(file)
+        ending = f".{bake.kind}.json"
+        if not file.path.name.endswith(ending):
+            raise FormatError(f"{file} is not called NAME{ending}: give the bake's files their names back")
+        return cls(file, form, bake, file.path.name.removesuffix(ending))
+
+    @property
+    def preview(self) -> Path:
+        return preview_path(self.sidecar.path, self.bake.kind, self.bake.part)
+
+    def folder(self, target: Target) -> Path:
+        """The folder that an export writes by default."""
+        return self.sidecar.path.with_name(f"{self.name}.{target}")
+
+
+def _check_layers(bake: ExportSource, spec: ExportSpec) -> None:
+    """Raise InputError for a layer that the bake does not have."""
+    layers = bake.bake.layers if bake.form.traits.layers else ()
+    for layer in spec.layers:
+        if layer not in layers:
+            known = ", ".join(layers) or "none"
+            raise InputError(
+                f"{bake.sidecar} has no layer {layer}, its layers are: {known}",
+                do("bake it with that layer", Setting.LAYER, value=str(layer)),
+            )
+
+
+def check_writer(target: Target) -> None:
+    """Check, even before a bake, what every export for the `target` needs.
+
+    Raises InputError if this Blender has no glTF exporter, or this copy of RadTex no web page.
+    """
+    check_exporter()
+    if target is Target.WEB:
+        check_page()
+
+
+def check_export(bake: ExportSource, spec: ExportSpec, out: Path, *, overwrite: bool = False) -> None:
+    """Preflight checks of an export. Raises InputError and FormatError."""
+    path = bake.sidecar.path
+    check_out(out, path.parent, overwrite)
+    check_target(path, bake.bake.kind, spec.target)
+    _check_layers(bake, spec)
+    needed = _LEAST_BYTES + bake.form.export_bytes(bake.sidecar)
+    check_allowed(f"an export of {path}", needed, spec.memory_mb)
+    check_preview(bake.preview)
+    check_writer(spec.target)
+
+
+def export_steps(
+    sidecar: AnySidecar, spec: ExportSpec, out: Path | None = None, *, overwrite: bool = False
+) -> Generator[Step, None, Exported]:
+    """Export a finished bake, by its sidecar, into the folder `out`, by default NAME.TARGET beside it.
+
+    Yields progress; returns the result. The folder is written whole or not at all, and Blender's session is
+    afterwards as it was, also after an error or when the generator is closed. Raises InputError for a bake
+    that cannot be exported, FormatError for files that cannot be read, BakeError if the export fails.
+    """
+    bake = ExportSource.of(sidecar)
+    out = out or bake.folder(spec.target)
+    check_export(bake, spec, out, overwrite=overwrite)
+    with replacing_folder(out) as folder:
+        pack = yield from _pack(bake, spec, folder)
+        yield Step(Task.PACK, 0, 1)
+        _WRITERS[spec.target](pack, folder)
+        files = tuple(files_in(folder))
+        size = sum((folder / name).stat().st_size for name in files)
+    return Exported(out, bake.name, spec.target, files, size)
+
+
+def _pack(bake: ExportSource, spec: ExportSpec, folder: Path) -> Generator[Step, None, Pack]:
+    """Write the files that all targets need. Yields progress."""
+    yield Step(Task.TEXTURES, 0, 1)
+    textures = bake.form.write_textures(bake.sidecar, spec, folder)
+    layer = bake.bake.uv_map
+    part = None if bake.bake.part is None else bake.bake.part.index
+    with baked_copy(bake.preview, bake.bake.surfaces, layer, part) as (scene, copy):
+        yield Step(Task.FLAT, 0, 1)
+        light = yield from bake.form.flat(bake.sidecar, surface_of(copy, layer))
+        flat, scale = flat_png(light)
+        clear = light.shape[2] > 3  # it has alpha
+        manifest = Manifest(
+            tool=f"RadTex {VERSION}",
+            name=bake.name,
+            mesh=f"{bake.name}.glb",
+            flat=f"{bake.name}.flat.png",
+            bake=bake.sidecar.facts.values,
+            textures=textures,
+            flat_scale=scale,
+        )
+        (folder / manifest.flat).write_bytes(flat)
+        yield Step(Task.MESH, 0, 1)
+        write_gltf(scene, copy, layer, flat, manifest, folder / manifest.mesh, clear)
+    write_manifest(folder / f"{bake.name}.{EXTENSION}", manifest)
+    return Pack(bake.name, manifest, folder, spec)

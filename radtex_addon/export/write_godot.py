@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A small project for Godot: the mesh with its radiance texture, and a camera that orbits around it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+
+from ..core.arrays import Floats
+from ..formats.containers.glb import Glb
+from ..textures.godot_shader import GodotShader
+from .pack import SHADERS, Pack
+
+TEMPLATES = Path(__file__).with_name("godot_project")
+_TO_BLENDER = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])  # the inverse of gltf.to_gltf
+
+
+def write_godot(pack: Pack, folder: Path) -> None:
+    """Make a pack's folder a project: the scene, a material with its shader, the includes, a README.txt."""
+    manifest, name = pack.manifest, pack.name
+    glb = Glb.read(folder / manifest.mesh)
+    shader = manifest.form.godot_shader(manifest.bake, manifest.textures, baked_matrix(glb))
+    files = {"MATERIAL": f"{name}.material.tres", "SHADER": f"{name}.gdshader", "MESH": manifest.mesh}
+    paths = {word: quoted(f"res://{file}") for word, file in files.items()}
+    facts = paths | {"NAME": quoted(name), "MATERIAL_NAME": quoted(glb.document["materials"][0]["name"])}
+    for template in ("project.godot", "main.tscn", "orbit.gd"):
+        _write(folder / template, template, facts)
+    _write(folder / f"{manifest.mesh}.import", "mesh.import", facts)
+    _write(folder / "README.txt", "README.txt", {"NAME": name, **files})
+    _write(folder / files["SHADER"], shader.template, shader.words)
+    material = material_text(shader, files["SHADER"])
+    (folder / files["MATERIAL"]).write_text(material, encoding="utf-8", newline="\n")
+    (folder / "shaders").mkdir()
+    for file in (*(f"{include}.gdshaderinc" for include in shader.includes), "LICENSE"):
+        shutil.copyfile(SHADERS / file, folder / "shaders" / file)
+
+
+def baked_matrix(glb: Glb) -> Floats:
+    """The matrix from directions of the mesh in our .glb to Blender's world space, (3, 3) float64."""
+    (node,) = (node for node in glb.document["nodes"] if "mesh" in node)
+    x, y, z, w = node.get("rotation", (0, 0, 0, 1))
+    turn = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    return cast(Floats, _TO_BLENDER @ (turn * np.array(node.get("scale", (1, 1, 1)), dtype=np.float64)))
+
+
+def material_text(shader: GodotShader, file: str) -> str:
+    """A ShaderMaterial as Godot's text resource, to lie beside its textures and its shader, `file`."""
+    lines = [f'[gd_resource type="ShaderMaterial" load_steps={len(shader.textures) + 2} format=3]', ""]
+    lines.append(f'[ext_resource type="Shader" path={quoted(file)} id="0"]')
+    for number, entry in enumerate(shader.textures.values(), 1):
+        kind = "Texture2DArray" if entry.layers > 1 else "Texture2D"
+        lines.append(f'[ext_resource type="{kind}" path={quoted(entry.file)} id="{number}"]')
+    lines += ["", "[resource]", 'shader = ExtResource("0")']
+    lines += [f"shader_parameter/{name} = {value}" for name, value in shader.parameters.items()]
+    for number, uniform in enumerate(shader.textures, 1):
+        lines.append(f'shader_parameter/{uniform} = ExtResource("{number}")')
+    return "\n".join(lines) + "\n"
+
+
+def quoted(text: str) -> str:
+    """A string in the syntax of Godot's files."""
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _write(path: Path, template: str, words: Mapping[str, str]) -> None:
+    """Write a file of the project: the template with each @WORD@ replaced by its value in `words`."""
+    text = (TEMPLATES / template).read_text(encoding="utf-8")
+    for word, value in words.items():
+        text = text.replace(f"@{word}@", value)
+    path.write_text(text, encoding="utf-8", newline="\n")

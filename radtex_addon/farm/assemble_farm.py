@@ -1,0 +1,176 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Assemble a farm's frames to the atlas that a local bake would have made."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..bake.announce import publish_earlier
+from ..bake.key import is_unfinished, read_key
+from ..bake.progress import Stage
+from ..bake.spec import BakeSpec
+from ..bake.stopwatch import Stopwatch
+from ..core.errors import FormatError, InputError
+from ..formats.containers.numpy_files import read_npz
+from ..formats.disk.atomic import check_writable
+from ..formats.json_reader import shown
+from ..forms.buckets.bake import join_buckets
+from ..job.bake_output import BakeOutput
+from ..job.baking import BakeResult, errors_with_final_paths, publish
+from ..job.existing_bakes import images_of
+from ..job.output_files import OutputFiles
+from ..job.previews import save_preview_of
+from ..job.unfinished import check_files as check_outputs
+from ..job.unfinished import open_checkpoint
+from ..prepare.prepared import Piece
+from ..scene.mesh.copy import MATRIX
+from .farm_files import FarmFiles
+from .farm_manifest import Copies, Manifest, check_files, read_manifest, read_plan
+from .farm_progress import AnyStep
+from .rendered_frames import FarmCapture, check_frames
+
+_FARM = "the farm's job"  # in a key: which frames are joined
+
+
+@dataclass(frozen=True)
+class Assembled:
+    """The result, and the specification of the bake."""
+
+    name: str
+    spec: BakeSpec
+    result: BakeResult
+
+
+def assemble_steps(
+    folder: Path, out: Path | None = None, *, overwrite: bool = False
+) -> Generator[AnyStep, None, Assembled]:
+    """Check the frames of the farm in `folder`, and write what a local bake would.
+
+    The files go into `out`, by default beside the farm's folder. Nothing is evaluated or rendered. If a
+    preview was asked for, **another .blend is open afterwards**. Yields progress. Raises FormatError for a
+    folder without a complete farm, InputError for files that would be overwritten, BakeError, with their
+    names, for missing or unusable frames; then nothing is written.
+    """
+    files = FarmFiles(folder)
+    manifest = read_manifest(files)
+    check_files(files, manifest)
+    spec, copies = manifest.spec, manifest.copies
+    out = folder.absolute().parent if out is None else out
+    outputs = OutputFiles.of(manifest.name, spec, out, copies is not None)
+    check_writable(out)
+    begun = _was_begun(outputs, manifest)  # nothing was rendered: to begin anew is as good as to go on
+    check_outputs(manifest.name, spec, outputs, overwrite or begun, resume=False)
+    plan, hidden = read_plan(files, manifest)
+    yield from check_frames(files, manifest)
+    watch = Stopwatch()
+    capture = FarmCapture(files, manifest, plan)
+    replaces = overwrite or begun
+    publish_earlier(outputs.unfinished)
+    earlier = images_of(outputs.sidecar)
+    with (
+        open_checkpoint(manifest.name, spec, outputs, resume=False, overwrite=replaces) as cells,
+        errors_with_final_paths(outputs),
+    ):  # cells are more than memory may hold
+        cells.set_facts({_FARM: manifest.job})
+        try:
+            sidecar = outputs.sidecar
+            outcome = yield from watch.over(
+                join_buckets(plan, capture, hidden, spec, sidecar, manifest.facts, cells)
+            )
+            made = BakeOutput.by(outcome, outputs, manifest.device, manifest.islands)
+            publish(cells, outputs, made, earlier)
+            if copies is not None:
+                yield watch.start(Stage.PREVIEW)
+                _save_preview(files, manifest, copies, outputs)
+        except BaseException:
+            if cells.made is None:  # else its files are being moved: assembling again goes on with that
+                cells.drop_own()
+            raise
+        cells.drop_own()
+    watch.stop()
+    result = BakeResult(
+        files=made.files,
+        layout=made.layout,
+        covered_texels=made.covered_texels,
+        islands=manifest.islands,
+        paths=made.paths,
+        device=manifest.device,
+        clamped=made.clamped,
+        fireflies=made.fireflies,
+        condensed=None,
+        seconds=watch.seconds,
+    )
+    return Assembled(manifest.name, spec, result)
+
+
+def _was_begun(outputs: OutputFiles, manifest: Manifest) -> bool:
+    """Whether a killed process left an unfinished assembly of the same frames."""
+    if not is_unfinished(outputs.unfinished):
+        return False
+    try:
+        return read_key(outputs.unfinished).facts.get(_FARM) == manifest.job
+    except InputError:  # it has no key that can be read: so it is not taken for ours
+        return False
+
+
+@dataclass(frozen=True, eq=False)
+class _Copied:
+    """What the preview needs of a bake whose baked copies were saved."""
+
+    name: str
+    pieces: tuple[Piece, ...]
+    uv_layer: str
+    digest: str
+    parts: tuple[str, ...]
+
+
+def _save_preview(files: FarmFiles, manifest: Manifest, copies: Copies, outputs: OutputFiles) -> None:
+    """Save the preview. Raises FormatError if the .blend does not have what the manifest lists."""
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(files.preview.absolute()), load_ui=False, use_scripts=False)
+        scene = _named(files, bpy.data.scenes, "scene", copies.scene)
+        pieces = []
+        for number, (name, mesh_name) in enumerate(zip(copies.objects, copies.meshes, strict=True)):
+            item = _named(files, scene.objects, "object", name)
+            mesh = _named(files, bpy.data.meshes, "mesh", mesh_name)
+            mesh.use_fake_user = False
+            matrix = np.array(mesh[MATRIX], dtype=np.float64).reshape(4, 4)
+            part = _part(files, number, mesh, copies) if manifest.spec.split is not None else None
+            pieces.append(Piece(item, mesh, matrix, part))
+        facts = manifest.facts
+        copied = _Copied(manifest.name, tuple(pieces), facts.uv_map, facts.mesh, copies.parts)
+        save_preview_of(scene, manifest.spec, outputs, copied, copies.filter, copies.view_layer)
+    except (LookupError, TypeError, ValueError, AttributeError, RuntimeError) as error:
+        raise FormatError(
+            f"{files.preview} holds other things than {files.manifest} says "
+            f"({' '.join(str(error).split())}): prepare the farm anew"
+        ) from error
+
+
+def _named(files: FarmFiles, blocks: Any, what: str, name: str) -> Any:
+    """The data-block of that name. Raises FormatError if there is none."""
+    try:
+        found = blocks.get(name)
+    except SystemError:  # Blender's answer to a name that is no Unicode
+        found = None
+    if found is None:
+        raise FormatError(f"{files.preview} holds no {what} '{shown(name)}': prepare the farm anew")
+    return found
+
+
+def _part(files: FarmFiles, number: int, mesh: Any, copies: Copies) -> Any:
+    """The part of each of a copy's triangles. Raises FormatError."""
+    key, count = f"arr_{number}", len(mesh.polygons)
+    part = read_npz(files.parts, {key: "iu"}, 8 * count)[key]
+    if part.shape != (count,) or (count and not 0 <= part.min() <= part.max() < len(copies.parts)):
+        raise FormatError(
+            f"{files.parts} tells of parts that mesh '{mesh.name}' has not: prepare the farm anew"
+        )
+    return part

@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The files in a farm's folder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+_SUFFIX = ".radtex-farm"
+
+
+@dataclass(frozen=True)
+class FarmFiles:
+    """Paths of the files in a farm's `folder`."""
+
+    folder: Path
+
+    @classmethod
+    def of(cls, sidecar: Path) -> FarmFiles:
+        """The farm beside the sidecar that its bake will have: `<name>.<kind>.radtex-farm`."""
+        return cls(sidecar.with_suffix(_SUFFIX))
+
+    @property
+    def blend(self) -> Path:
+        """The .blend that renders a sheet per frame."""
+        return self.folder / "farm.blend"
+
+    @property
+    def manifest(self) -> Path:
+        return self.folder / "farm.json"
+
+    @property
+    def plan(self) -> Path:
+        """The texels of the sheets, and their hidden cells."""
+        return self.folder / "plan.npz"
+
+    @property
+    def preview(self) -> Path:
+        """The scene with the baked copies, if a preview is wanted."""
+        return self.folder / "preview.blend"
+
+    @property
+    def parts(self) -> Path:
+        """The part of each of the copies' triangles, if the object is split."""
+        return self.folder / "parts.npz"
+
+    @property
+    def frames(self) -> Path:
+        return self.folder / "frames"
+
+    @property
+    def runner(self) -> Path:
+        """A script that renders frames with the bpy module instead of Blender."""
+        return self.folder / "render_frames.py"
+
+    def frame(self, number: int) -> Path:
+        """The path to which Blender writes a frame."""
+        return self.frames / f"{number:04d}.exr"

@@ -1,0 +1,245 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The manifest of a farm: what its frames show, and the bake that they are assembled to."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+import numpy as np
+
+from ..bake.hidden_cells import HiddenCells
+from ..bake.kinds import KINDS
+from ..bake.plan import CapturePlan
+from ..bake.spec import BakeSpec, CaptureMethod, Layout
+from ..bake.spec_facts import as_json, facts_of, impossible, spec_in
+from ..core.atlas import AtlasLayout
+from ..core.errors import FormatError, InputError
+from ..core.messages import Setting, do, leave_out
+from ..core.sampler import Filter
+from ..formats.condensed_files import digest
+from ..formats.containers.numpy_files import read_npz
+from ..formats.disk.memory import check_memory
+from ..formats.json_reader import Facts, json_text
+from ..formats.sidecar import Sidecar
+from ..formats.sidecar_file import read_text
+from .carried import Carried
+from .farm_files import FarmFiles
+
+VERSION = 1
+_WHAT = "farm's manifest"
+_MOST_FRAMES = 1048574  # of an animation in Blender
+
+
+@dataclass(frozen=True)
+class Copies:
+    """The baked copies in the preview's file: names of objects and meshes; all `parts` of the object."""
+
+    objects: tuple[str, ...]
+    meshes: tuple[str, ...]
+    scene: str
+    view_layer: str | None
+    parts: tuple[str, ...]
+    filter: Filter
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """One farm: frames 1 to `sheets` of the `job` are sheets of `columns` x `sheet_rows` buckets.
+
+    The plan has `rows` rows of buckets; sheets have about `sheet_side`² pixels. `facts` are the atlas's,
+    without `clamped` and `layers`. `digests` are of the files in the folder that assembling reads. `carried`
+    lists the files of the preparing machine that are in the folder: for people, assembling ignores it.
+    """
+
+    job: str
+    name: str
+    spec: BakeSpec
+    facts: Sidecar
+    sheets: int
+    columns: int
+    rows: int
+    sheet_rows: int
+    sheet_side: int
+    device: str
+    islands: int | None
+    digests: dict[str, str]
+    copies: Copies | None = None
+    carried: tuple[Carried, ...] = ()
+
+    @property
+    def note(self) -> str:
+        """The text in the header of every frame."""
+        return f"RadTex job {self.job}"
+
+    @property
+    def bucket(self) -> int:
+        return self.spec.bucket
+
+    @property
+    def pixels(self) -> tuple[int, int]:
+        """A frame's height and width."""
+        return self.sheet_rows * self.bucket, self.columns * self.bucket
+
+    def to_json(self) -> str:
+        """The manifest's text."""
+        copies = self.copies
+        return json_text(
+            {
+                "version": VERSION,
+                "job": self.job,
+                "name": self.name,
+                "frames": [1, self.sheets],
+                "sheet": [self.columns, self.sheet_rows],
+                "rows": self.rows,
+                "sheet_side": self.sheet_side,
+                "device": self.device,
+                "islands": self.islands,
+                "spec": facts_of(self.spec),
+                "sidecar": self.facts.facts(),
+                "digests": self.digests,
+                "preview": None
+                if copies is None
+                else {field.name: as_json(getattr(copies, field.name)) for field in fields(Copies)},
+                "carried": [asdict(each) for each in self.carried],
+            }
+        )
+
+
+def read_manifest(files: FarmFiles) -> Manifest:
+    """Read a farm's manifest.
+
+    Raises InputError if there is none, FormatError for a file that is no manifest, or of another version.
+    """
+    if not files.manifest.is_file():
+        raise InputError(f"{files.folder} holds no farm: name the folder that bake.py prepare wrote")
+    facts = Facts.parse(read_text(files.manifest), str(files.manifest), _WHAT)
+    version = facts.whole_number("version", 1)
+    if version != VERSION:
+        raise FormatError(
+            f"{files.manifest} is of version {version}, this RadTex reads {VERSION}: assemble with "
+            "the RadTex that prepared it"
+        )
+    columns, sheet_rows = facts.size("sheet")
+    _, sheets = facts.size("frames")
+    preview = None if facts.values.get("preview") is None else facts.inner("preview")
+    made = Manifest(
+        job=facts.text("job"),
+        name=facts.text("name"),
+        spec=_spec(facts.inner("spec")),
+        facts=Sidecar.from_facts(facts.inner("sidecar")),
+        sheets=sheets,
+        columns=columns,
+        rows=facts.whole_number("rows", 1),
+        sheet_rows=sheet_rows,
+        sheet_side=facts.whole_number("sheet_side", 1),
+        device=facts.text("device"),
+        islands=None if facts.values.get("islands") is None else facts.whole_number("islands", 0),
+        digests={key: facts.inner("digests").text(key) for key in facts.inner("digests").values},
+        copies=None if preview is None else _copies(preview),
+    )
+    if not _is_possible(made):
+        raise FormatError(f"{files.manifest} tells of sheets that no bake has: prepare the farm anew")
+    if not _is_whole(made, files):
+        raise FormatError(f"{files.manifest} tells of a farm that no bake has: prepare it anew")
+    return made
+
+
+def _is_possible(made: Manifest) -> bool:
+    facts, texels = made.facts, made.spec.texels
+    fits = max(facts.width, facts.height) <= texels and facts.bucket == made.spec.bucket
+    filled = (made.rows - 1) * made.columns < facts.width * facts.height
+    divided = made.sheets == -(-made.rows // made.sheet_rows) and made.sheets <= _MOST_FRAMES
+    return fits and filled and divided
+
+
+def _is_whole(made: Manifest, files: FarmFiles) -> bool:
+    """Whether the files that it names are those that such a farm has."""
+    spec, copies = made.spec, made.copies
+    needed = {files.plan.name}
+    if copies is not None:
+        needed.add(files.preview.name)
+        if spec.split is not None:
+            needed.add(files.parts.name)
+        if copies.objects != (spec.objects or (made.name,)) or len(copies.meshes) != len(copies.objects):
+            return False
+    return set(made.digests) == needed and made.facts.kind == spec.kind
+
+
+def check_files(files: FarmFiles, manifest: Manifest) -> None:
+    """Raises FormatError if a file that assembling needs is missing or was changed."""
+    for name, known in manifest.digests.items():
+        path = files.folder / name
+        if not path.is_file() or digest(path) != known:
+            lost = "is missing" if not path.is_file() else "is damaged"
+            raise FormatError(f"{path} {lost}: copy it from where the farm was prepared, or prepare it anew")
+
+
+def write_plan(path: Path, plan: CapturePlan, hidden: HiddenCells | None) -> None:
+    """Write what assembling needs of a plan, and its `hidden` cells."""
+    bits = np.zeros((0, 0), dtype=np.uint8) if hidden is None else hidden.bits
+    np.savez_compressed(path, texel=plan.texel, hidden=bits)
+
+
+def read_plan(files: FarmFiles, manifest: Manifest) -> tuple[CapturePlan, HiddenCells | None]:
+    """The plan of a farm and its hidden cells; its rays are zeros, for they were traced already.
+
+    Raises FormatError for a file that is damaged or of another farm.
+    """
+    n, count = manifest.bucket, manifest.facts.width * manifest.facts.height
+    row = -(-n * n // 8)  # bytes of a texel's hidden cells
+    check_memory(str(files.plan), count * (row + 8))
+    found = read_npz(files.plan, {"texel": "iu", "hidden": "u"}, count * max(row, 8))
+    texel, bits = found["texel"], found["hidden"]
+    least, most = (manifest.rows - 1) * manifest.columns, manifest.rows * manifest.columns
+    ascends = texel.ndim == 1 and least < len(texel) <= most and bool((texel[1:] > texel[:-1]).all())
+    if not ascends or texel[0] < 0 or texel[-1] >= count or texel.dtype.itemsize > 8:
+        raise FormatError(f"{files.plan} tells of texels that the atlas has not: prepare the farm anew")
+    if bits.dtype != np.uint8 or bits.shape not in ((0, 0), (len(texel), row)):
+        raise FormatError(f"{files.plan} tells of hidden cells that the atlas has not: prepare the farm anew")
+    texel = texel.astype(np.int64)
+    nowhere = np.broadcast_to(np.float32(0), (manifest.rows, manifest.columns, 3))
+    layout = AtlasLayout(manifest.facts.width, manifest.facts.height, n)
+    plan = CapturePlan(layout, texel, *(nowhere,) * 5, sheet=manifest.sheet_side)
+    if (plan.sheets, plan.sheet_rows) != (manifest.sheets, manifest.sheet_rows):
+        raise FormatError(f"{files.manifest} tells of other sheets than this RadTex makes: prepare it anew")
+    return plan, HiddenCells(bits, n) if len(bits) else None
+
+
+def _spec(facts: Facts) -> BakeSpec:
+    spec = spec_in(facts)
+    try:
+        check_farmable(spec)
+    except InputError as error:
+        raise impossible(facts, error) from error
+    return spec
+
+
+def _copies(facts: Facts) -> Copies:
+    layer = facts.values.get("view_layer")
+    return Copies(
+        objects=facts.texts("objects"),
+        meshes=facts.texts("meshes"),
+        scene=facts.text("scene"),
+        view_layer=None if layer is None else facts.text("view_layer"),
+        parts=facts.texts("parts"),
+        filter=Filter(facts.choice("filter", tuple(Filter))),
+    )
+
+
+def check_farmable(spec: BakeSpec) -> None:
+    """Raises InputError, with what to do instead, for a specification that a farm cannot bake."""
+    if not spec.kind.traits.farm:
+        fit = ", ".join(kind for kind, traits in KINDS.items() if traits.farm)
+        raise InputError(f"a farm bakes {fit}, not {spec.kind}: bake that without a farm")
+    if not spec.form.farm:
+        raise InputError(
+            f"a farm bakes the layout {Layout.BUCKETS}, not {spec.layout}: bake that without a farm"
+        )
+    if spec.accumulate or spec.refresh:
+        raise InputError(
+            "a farm bakes anew", leave_out(Setting.ACCUMULATE, Setting.REFRESH), do("bake without a farm")
+        )
+    if spec.capture is not CaptureMethod.PORTAL:
+        raise InputError("a farm's frames are taken by the portal", leave_out(Setting.CAPTURE))

@@ -1,0 +1,221 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Do a bake up to its first ray, and write a folder whose frames any farm can render."""
+
+from __future__ import annotations
+
+import logging
+import secrets
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..bake.plan import CapturePlan
+from ..bake.progress import Progress
+from ..bake.spec import BakeSpec
+from ..bake.stopwatch import Stopwatch
+from ..core.errors import BakeError, InputError
+from ..core.messages import Setting, do
+from ..core.sampler import Filter
+from ..formats.condensed_files import digest
+from ..formats.disk.hidden_folder import hidden_folder
+from ..formats.sidecar import Sidecar
+from ..forms.bake_job import BakeJob
+from ..forms.buckets.bake import capture_of, plan_buckets
+from ..forms.outcome import Outcome
+from ..job.baking import Baked, bake_unchecked
+from ..job.checks import check_request
+from ..job.output_files import OutputFiles
+from ..job.split_parts import check_part
+from ..scene.at_frame import at_frame
+from ..scene.scratch import new_data_removed
+from .blend import check_images_saved, finish_blend, save_draft
+from .carried import Carried
+from .farm_files import FarmFiles
+from .farm_manifest import Copies, Manifest, check_farmable, write_plan
+from .farm_progress import AnyStep, Step, Task
+from .freeze_scene import Held, check_holdable
+from .render_digests import Looks
+from .sheets import check_seed
+from .templates import write_templates
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Farm:
+    """A prepared farm: `beside` are the files that its .blend needs beside it.
+
+    `carried` are the files of this machine that were copied into the folder, in the .blend or beside it.
+    """
+
+    files: FarmFiles
+    manifest: Manifest
+    texels: int
+    beside: tuple[str, ...]
+    carried: tuple[Carried, ...]
+
+
+@dataclass(eq=False)
+class _Draft:
+    """What the bake would capture, known after the preparation."""
+
+    path: Path
+    plan_path: Path
+    found: list[tuple[CapturePlan, Sidecar, Looks, Held, str]] = field(default_factory=list)
+
+    def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
+        """Set the capture up as a bake does, and save it instead of rendering."""
+        scratch, spec, prepared = job.scratch, job.spec, job.prepared
+        texels = prepared.texels()
+        plan, hidden, facts = yield from plan_buckets(scratch, spec, prepared, texels, job.folder, job.store)
+        check_seed(spec.seed, plan.sheets)
+        capture_of(scratch, plan, spec, job.folder, whole=True)
+        looks, cached = save_draft(scratch, self.path)
+        write_plan(self.plan_path, plan, hidden)
+        self.found.append((plan, facts, looks, cached, scratch.name))
+        count = len(plan.texel)
+        return Outcome((), plan.layout, count, count * spec.bucket**2 * spec.samples, 0)
+
+
+def prepare_steps(
+    scene: bpy.types.Scene,
+    name: str,
+    spec: BakeSpec,
+    folder: Path,
+    *,
+    view_layer: str | None = None,
+    preview: Filter | None = None,
+    overwrite: bool = False,
+) -> Generator[AnyStep, None, Farm]:
+    """Write `<name>.<kind>.radtex-farm` into `folder`, of what `bake_steps` would bake.
+
+    Yields progress. No file of the user's changes, but **the session is empty afterwards**: Blender has to
+    open the farm's. On failure nothing is left in the folder. Raises InputError for what cannot be baked, or
+    not by a farm, BakeError for what fails meanwhile.
+    """
+    check_part(name, spec)
+    check_farmable(spec)
+    files = OutputFiles.of(name, spec, folder, preview is not None)
+    for warning in check_request(scene, name, spec, folder, preview is not None, overwrite, view_layer):
+        log.warning(warning)
+    check_images_saved()
+    check_holdable(scene)
+    farm = FarmFiles.of(files.sidecar)
+    with _replacing_folder(farm, overwrite) as place:
+        inside = FarmFiles(place)
+        inside.frames.mkdir()
+        draft = _Draft(place / "draft.blend", inside.plan)
+        with at_frame(scene, spec.frame), new_data_removed():
+            baked = yield from bake_unchecked(
+                scene, name, spec, files, view_layer, Stopwatch(), baker=draft.bake
+            )
+            copies = (
+                None if preview is None else _save_copies(scene, spec, baked, inside, preview, view_layer)
+            )
+        yield Step(Task.HOLD, 0, 1)
+        plan, facts, looks, cached, scene_name = draft.found[0]
+        manifest = _manifest(name, spec, plan, facts, baked, copies, inside)
+        packed = finish_blend(draft.path, scene_name, inside, manifest, looks, cached)
+        manifest = replace(manifest, carried=packed.carried)
+        draft.path.unlink()
+        write_templates(inside, manifest)
+        inside.manifest.write_text(manifest.to_json(), encoding="utf-8", newline="\n")
+    return Farm(farm, manifest, baked.made.covered_texels, packed.beside, packed.carried)
+
+
+def _manifest(
+    name: str,
+    spec: BakeSpec,
+    plan: CapturePlan,
+    facts: Sidecar,
+    baked: Baked,
+    copies: Copies | None,
+    files: FarmFiles,
+) -> Manifest:
+    needed = [files.plan, *(path for path in (files.preview, files.parts) if path.exists())]
+    return Manifest(
+        job=secrets.token_hex(16),
+        name=name,
+        spec=spec,
+        facts=facts,
+        sheets=plan.sheets,
+        columns=plan.columns,
+        rows=plan.rows,
+        sheet_rows=plan.sheet_rows,
+        sheet_side=plan.sheet,
+        device=baked.made.device,
+        islands=baked.prepared.islands,
+        digests={path.name: digest(path) for path in needed},
+        copies=copies,
+    )
+
+
+def _save_copies(
+    scene: bpy.types.Scene,
+    spec: BakeSpec,
+    baked: Baked,
+    files: FarmFiles,
+    preview: Filter,
+    view_layer: str | None,
+) -> Copies:
+    """Save the user's scene with the baked copies' meshes, from which the preview is made later."""
+    prepared = baked.prepared
+    meshes: list[Any] = [piece.mesh for piece in prepared.pieces]
+    for mesh in meshes:
+        mesh.use_fake_user = True
+    try:
+        bpy.ops.wm.save_as_mainfile(
+            filepath=str(files.preview), copy=True, relative_remap=True, compress=True
+        )
+    except RuntimeError as error:
+        raise BakeError(
+            f"{files.preview}: Blender cannot write it ({error}); choose another folder"
+        ) from error
+    if spec.split is not None:
+        np.savez_compressed(files.parts, *(piece.part for piece in prepared.pieces if piece.part is not None))
+    return Copies(
+        objects=spec.objects or (prepared.name,),
+        meshes=tuple(mesh.name for mesh in meshes),
+        scene=scene.name,
+        view_layer=view_layer,
+        parts=prepared.parts,
+        filter=preview,
+    )
+
+
+@contextmanager
+def _replacing_folder(files: FarmFiles, overwrite: bool) -> Iterator[Path]:
+    """Yield a new folder that gets the farm's name on success, and is deleted on failure.
+
+    An earlier farm is replaced as a whole, or kept.
+    """
+    folder = files.folder
+    if folder.exists() and not (overwrite and files.manifest.is_file()):
+        raise InputError(
+            f"{folder} is already there",
+            do("overwrite it", Setting.OVERWRITE),
+            do("choose another folder", Setting.OUT),
+        )
+    try:
+        with hidden_folder(folder.parent) as hidden:
+            place, earlier = hidden.with_suffix(".new"), hidden / "earlier"  # paths in .blends are relative
+            place.mkdir()
+            yield place.absolute()
+            if folder.exists():
+                folder.rename(earlier)  # it goes with the hidden folder
+            try:
+                place.rename(folder)
+            except OSError:
+                if earlier.exists():
+                    earlier.rename(folder)
+                raise
+    except OSError as error:
+        raise BakeError(
+            f"{folder} could not be written: {error.strerror or error}; choose another folder"
+        ) from error

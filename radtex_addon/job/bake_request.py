@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A request for one or more bakes, from the command line or the panel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import bpy
+
+from ..bake.frame_numbers import of_frames
+from ..bake.spec import BakeSpec
+from ..core.errors import InputError
+from ..core.sampler import Filter
+from ..scene.lights.lamps import ALL, EACH, each_light
+from ..scene.scratch import find_view_layer
+from ..textures.export_spec import Target
+from .layout_choice import OpenLayout
+from .split_parts import guessed_parts, part_specs
+from .variants import Bake
+
+
+@dataclass(frozen=True)
+class BakeRequest:
+    """Bakes of `objects`, by name, into `folder`: each for every frame and every entry of `lights`.
+
+    If `shared` is not None the objects share one atlas of that name. An entry of `lights` names lamps, or is
+    (EACH,) for every lamp alone, or (ALL,) for all light together. If `open_layout` is not None, `spec` has
+    layout buckets until a layout is chosen for each object. `preview` is the filter of the previews to save,
+    `exports` are made of every bake. `overwrite` and `resume` are as in `bake_steps`.
+    """
+
+    objects: tuple[str, ...]
+    spec: BakeSpec
+    folder: Path
+    shared: str | None = None
+    preview: Filter | None = None
+    overwrite: bool = False
+    resume: bool = False
+    exports: tuple[Target, ...] = ()
+    frames: tuple[int, ...] = ()
+    lights: tuple[tuple[str, ...], ...] = ()
+    open_layout: OpenLayout | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the atlases: one for each object, or one that all share."""
+        return self.objects if self.shared is None else (self.shared,)
+
+    @property
+    def saves_preview(self) -> bool:
+        return self.preview is not None
+
+    def specs(self, scene: bpy.types.Scene) -> tuple[BakeSpec, ...]:
+        """A specification for each frame and each entry of `lights`, without duplicates.
+
+        Raises InputError if EACH finds no lamp.
+        """
+        spec = self.spec if self.shared is None else replace(self.spec, objects=self.objects)
+        framed = of_frames(spec, self.frames) or (spec,)
+        lit: dict[tuple[str, ...], None] = {}
+        for names in self.lights:
+            found = each_light(find_view_layer(scene, None)) if names == (EACH,) else (names,)
+            lit |= dict.fromkeys(() if one == (ALL,) else one for one in found)
+        return tuple(replace(each, lights=one) for each in framed for one in lit) if lit else framed
+
+    def asked(self, scene: bpy.types.Scene, *, guess: bool = False) -> tuple[Bake, ...]:
+        """Atlas name and specification of every frame, light and part, finished or not.
+
+        Parts are found by evaluating the objects; with `guess` they are taken from the material slots, which
+        is quick. Raises InputError for a shared atlas without a name, and for objects that cannot be split.
+        """
+        if self.shared is not None and not self.shared.strip():
+            raise InputError("the atlas that objects share has no name: give it one")
+        split = guessed_parts if guess else part_specs
+        return tuple(
+            (name, part)
+            for spec in self.specs(scene)
+            for name in self.names
+            for part in split(scene, name, spec)
+        )
+
+    def is_of_several(self, scene: bpy.types.Scene) -> bool:
+        """Whether these are, or may be, several atlases: resuming then bakes those that are not finished."""
+        return self.spec.split is not None or max(len(self.names), len(self.specs(scene))) > 1

@@ -1,0 +1,318 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake from its first check to its preview and exports."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Collection, Generator, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeAlias
+
+import bpy
+
+from ..bake.announce import publish_earlier
+from ..bake.checkpoint import Checkpoint
+from ..bake.pending_files import with_final_paths
+from ..bake.piece_store import NO_STORE, PieceStore
+from ..bake.progress import Progress, Stage, finished
+from ..bake.spec import BakeSpec, View
+from ..bake.stopwatch import Stopwatch
+from ..bake.thumbnail import Thumbnail
+from ..core.atlas import AtlasLayout
+from ..core.blas import one_blas_thread
+from ..core.errors import InputError, RadTexError
+from ..core.messages import Setting, do
+from ..core.sampler import Filter
+from ..cycles.device import use_device
+from ..export.exporting import export_steps
+from ..formats.disk.temporary import temporary_folder
+from ..formats.sidecar_file import read_facts
+from ..forms import form_for
+from ..forms.bake_job import BakeJob
+from ..forms.outcome import Condensed, Outcome
+from ..prepare.prepared import Prepared, prepare
+from ..prepare.unwrapping import Unwraps
+from ..scene.at_frame import at_frame
+from ..scene.camera_place import find_camera_place
+from ..scene.lights.lamps import light_only
+from ..scene.mesh.cage import take_cage_out
+from ..scene.objects import find_object
+from ..scene.proxy_content import EVERYTHING, show_content_only
+from ..scene.scratch import find_view_layer, new_data_removed, scratch_scene
+from ..textures.export_progress import Step
+from ..textures.export_spec import ExportSpec, Target
+from .bake_output import BakeOutput
+from .checks import check_request, check_seen
+from .existing_bakes import images_of, is_there, misses_preview, missing_exports
+from .output_files import OutputFiles
+from .previews import save_preview_of
+from .split_parts import check_part
+from .unfinished import open_checkpoint
+
+log = logging.getLogger(__name__)
+
+Baker: TypeAlias = Callable[[BakeJob], Generator[Progress, None, Outcome]]
+BakeSteps: TypeAlias = "Generator[Progress | Step, None, BakeResult]"
+
+
+@dataclass(frozen=True)
+class BakeResult:
+    """The result of a bake, and what it cost: `paths` are camera paths, `seconds` are by stage.
+
+    `fireflies` is the share of the light that a fit lost because only single paths found it. `condensed`
+    says what was chosen for a budget or a target. `exported` are the folders that were made. If the bake
+    `was_finished`, only its missing preview and exports were made, and paths and covered texels are 0: they
+    are not known.
+    """
+
+    files: OutputFiles
+    layout: AtlasLayout
+    covered_texels: int
+    islands: int | None
+    paths: int
+    device: str
+    clamped: int
+    fireflies: float
+    condensed: Condensed | None
+    seconds: dict[Stage, float]
+    exported: tuple[Path, ...] = ()
+    was_finished: bool = False
+
+    @classmethod
+    def of(
+        cls, made: BakeOutput, seconds: dict[Stage, float], exported: tuple[Path, ...], was_finished: bool
+    ) -> BakeResult:
+        return cls(
+            files=made.files,
+            layout=made.layout,
+            covered_texels=made.covered_texels,
+            islands=made.islands,
+            paths=made.paths,
+            device=made.device,
+            clamped=made.clamped,
+            fireflies=made.fireflies,
+            condensed=made.condensed,
+            seconds=seconds,
+            exported=exported,
+            was_finished=was_finished,
+        )
+
+
+def bake_object(
+    scene: bpy.types.Scene,
+    name: str,
+    spec: BakeSpec,
+    folder: Path,
+    *,
+    view_layer: str | None = None,
+    preview: Filter | None = None,
+    overwrite: bool = False,
+    resume: bool = False,
+    thumbnail: Thumbnail | None = None,
+    unwraps: Unwraps | None = None,
+    exports: Collection[Target] = (),
+) -> BakeResult:
+    """Bake one object and write its files; see `bake_steps`."""
+    return finished(
+        bake_steps(
+            scene,
+            name,
+            spec,
+            folder,
+            view_layer=view_layer,
+            preview=preview,
+            overwrite=overwrite,
+            resume=resume,
+            thumbnail=thumbnail,
+            unwraps=unwraps,
+            exports=exports,
+        )
+    )
+
+
+def bake_steps(
+    scene: bpy.types.Scene,
+    name: str,
+    spec: BakeSpec,
+    folder: Path,
+    *,
+    view_layer: str | None = None,
+    preview: Filter | None = None,
+    overwrite: bool = False,
+    resume: bool = False,
+    thumbnail: Thumbnail | None = None,
+    unwraps: Unwraps | None = None,
+    exports: Collection[Target] = (),
+) -> BakeSteps:
+    """Bake the mesh object `name` as it renders in `scene`'s `view_layer` (if None, the first that renders).
+
+    If the specification has `objects`, these are baked, and `name` is their atlas's name. If it has a split,
+    it must have a part.
+
+    Writes `<name>.<kind>.json` and `.exr` into `folder`, or in the shared layout `<name>.<kind>.<layer>.exr`,
+    and with a `preview` filter `<name>.preview.blend`; the shared layout has only one filter. Then makes the
+    `exports`, folders `<name>.<target>`. A frame's files are `<name>-<frame>.…`, the frame in four digits.
+
+    Yields progress; returns the result. The scene is unchanged afterwards, also after an error or when the
+    generator is closed. Finished pieces are in `<name>.<kind>.radtex-unfinished` until all is done, exports
+    included. With `resume` the bake continues from there; if it is finished, only a missing preview and
+    exports are made. Without `resume` an unfinished bake is replaced only with `overwrite`. The `thumbnail`
+    gets the captured light. `unwraps` are those of earlier bakes, such as other frames'; this bake's is
+    added. Raises InputError for what cannot be baked or resumed, BakeError for what fails during the bake.
+    """
+    check_part(name, spec)
+    files = OutputFiles.of(name, spec, folder, preview is not None)
+    warnings = check_request(
+        scene, name, spec, folder, preview is not None, overwrite, view_layer, resume, exports
+    )
+    for warning in warnings:
+        log.warning(warning)
+    was_finished = is_there(files, overwrite, resume)
+    targets = missing_exports(files, exports) if was_finished else tuple(exports)
+    shown = None if was_finished and not misses_preview(files) else preview
+    if not resume:
+        publish_earlier(files.unfinished)
+    earlier = frozenset() if was_finished else images_of(files.sidecar)
+    watch = Stopwatch()
+    with (
+        open_checkpoint(name, spec, files, resume, overwrite, targets) as checkpoint,
+        errors_with_final_paths(files),
+    ):
+        try:
+            known = _made_before(checkpoint, files, was_finished)
+            made = known
+            if known is None or shown is not None:
+                baker = None if known is None else _finished_baker(known)
+                with at_frame(scene, spec.frame), new_data_removed():
+                    baked = yield from bake_unchecked(
+                        scene, name, spec, files, view_layer, watch, checkpoint, thumbnail, unwraps, baker
+                    )
+                    made = baked.made
+                    if known is None:
+                        publish(checkpoint, files, made, earlier)
+                    if shown is not None:
+                        yield watch.start(Stage.PREVIEW)
+                        save_preview_of(scene, spec, made.files, baked.prepared, shown, view_layer)
+            watch.stop()
+            assert made is not None  # it was known before, or was just baked
+            exported = yield from _export(files, targets, overwrite or resume)  # check_request has checked it
+        except InputError:  # the next try needs other settings, and could not resume this one
+            checkpoint.drop_own()
+            raise
+        checkpoint.remove()
+    return BakeResult.of(made, watch.seconds, exported, was_finished)
+
+
+@contextmanager
+def errors_with_final_paths(files: OutputFiles) -> Iterator[None]:
+    """Make errors name files by their final paths, not by their temporary ones."""
+    try:
+        yield
+    except RadTexError as error:
+        problem = error.message.problem
+        said = with_final_paths(problem, files.unfinished)
+        if said == problem:
+            raise
+        raise error.saying(said) from error
+
+
+def _made_before(checkpoint: Checkpoint, files: OutputFiles, was_finished: bool) -> BakeOutput | None:
+    """The result of a bake whose files were all written before, after publishing them; else None."""
+    told = BakeOutput.known(files).told() if was_finished else checkpoint.made
+    if told is None:
+        return None
+    known = BakeOutput.of(told, files)
+    publish(checkpoint, files, known, BakeOutput.replaced(told, files))
+    return known
+
+
+def publish(
+    checkpoint: Checkpoint, files: OutputFiles, made: BakeOutput, earlier: Collection[Path] = ()
+) -> None:
+    """Move all files to their final names, and delete images of an overwritten bake that this one lacks.
+
+    These are images that this layout may have, and the `earlier` bake's, which may be in another layout.
+    """
+    checkpoint.publish(made.told(earlier))
+    for path in {*files.images, *earlier} - set(made.files.images):
+        path.unlink(missing_ok=True)
+
+
+def _finished_baker(known: BakeOutput) -> Baker:
+    """A baker for a finished bake: bakes nothing. It raises InputError if the mesh has changed since."""
+
+    def bake(job: BakeJob) -> Generator[Progress, None, Outcome]:
+        if read_facts(job.sidecar).values.get("mesh") != job.prepared.digest:
+            raise InputError(
+                f"object '{job.prepared.name}' or its unwrap is no longer what {job.sidecar} is of, so that "
+                "no preview can be made",
+                do("bake it anew", Setting.OVERWRITE),
+            )
+        yield from ()
+        return known.outcome
+
+    return bake
+
+
+def _export(
+    files: OutputFiles, targets: Collection[Target], overwrite: bool
+) -> Generator[Step, None, tuple[Path, ...]]:
+    """Make a folder for each target of the bake with these files."""
+    made = []
+    for target in targets:
+        steps = export_steps(files.sidecar, ExportSpec(target), overwrite=overwrite)
+        made.append((yield from steps).folder)
+    return tuple(made)
+
+
+@dataclass(frozen=True, eq=False)
+class Baked:
+    """The result of a bake, and the prepared objects that it belongs to."""
+
+    made: BakeOutput
+    prepared: Prepared
+
+
+def bake_unchecked(
+    scene: bpy.types.Scene,
+    name: str,
+    spec: BakeSpec,
+    files: OutputFiles,
+    view_layer: str | None,
+    watch: Stopwatch,
+    store: PieceStore = NO_STORE,
+    thumbnail: Thumbnail | None = None,
+    unwraps: Unwraps | None = None,
+    baker: Baker | None = None,
+) -> Generator[Progress, None, Baked]:
+    """Bake as `bake_steps` does, but without checks, preview and exports; the caller removes the baked mesh.
+
+    A `baker` replaces that of the specification's form, to make something else of the prepared objects.
+    """
+    kept: list[bpy.types.ID] = []
+    with (
+        one_blas_thread(),
+        temporary_folder() as temporary,
+        scratch_scene(scene, view_layer, kept) as scratch,
+        use_device(scratch, spec.device) as device,  # before the unwrap, which may take long
+    ):
+        originals = [find_object(scratch, each) for each in spec.objects or (name,)]
+        if spec.frame is not None:
+            check_seen(scratch, find_view_layer(scratch, None), originals, spec)
+        store.set_facts({"device": device})
+        if spec.view is View.CAMERA:
+            store.set_facts({"camera's place": str(find_camera_place(scratch))})
+        prepared = yield from watch.over(prepare(scratch, originals, spec, kept, store, unwraps, name))
+        if prepared.source is not None:
+            show_content_only(scratch, prepared.original, EVERYTHING)
+        if spec.cage is not None:
+            take_cage_out(scratch, spec.cage)
+        if spec.lights:
+            light_only(scratch, spec.lights)
+        bake = baker or form_for(spec).bake
+        job = BakeJob(scratch, spec, files.sidecar, prepared, temporary, store, thumbnail)
+        outcome = yield from watch.over(bake(job))
+    return Baked(BakeOutput.by(outcome, files, device, prepared.islands), prepared)

@@ -1,0 +1,266 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A finished bake in its folder: found by its sidecar, read back, looked up by the reference samplers."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..bake.kinds import DEFAULT_KIND, Kind, is_default_kind
+from ..bake.spec import BakeSpec, Compression, parse_capture, parse_kind, parse_layout
+from ..core.arrays import Floats
+from ..core.errors import FormatError, InputError
+from ..core.messages import Setting, do, leave_out
+from ..formats.sidecar import Sidecar, file_name, part_in, preview_path
+from ..formats.sidecar_file import AnySidecar, SidecarFile, opened, read_facts
+from ..forms import Form, form_in
+from ..forms.form import Lookup
+from ..scene.mesh.copy import UV_LAYER
+from .gbuffer import Array, GBuffer
+
+_PER_LOOKUP = 1 << 18  # fragments that are looked up at once
+
+
+@dataclass(frozen=True, eq=False)
+class Finished:
+    """A bake that was read: the sidecar's `file`, its images, and the light in them.
+
+    `radiance` gives the light (N, 3), linear, along a G-buffer's N rays, zero where they miss. `texels`
+    (H, W, K) are the stored values of each texel: light, or for the shared layout those of `own_texels`.
+    `compression` is None for a method that RadTex does not write, and for textures. `loss` is the greatest
+    relative difference of two `texels` that were equal before lossy compression. `budget` is the size of a
+    condensed bake's textures on a GPU in bytes, None for other bakes.
+    """
+
+    file: SidecarFile
+    form: Form
+    sidecar: Sidecar
+    images: tuple[Path, ...]
+    radiance: Callable[[GBuffer], Array]
+    texels: Floats
+    compression: Compression | None
+    loss: float = 0.0
+    budget: int | None = None
+
+    @property
+    def name(self) -> str:
+        """The sidecar's file name."""
+        return self.file.path.name
+
+    @property
+    def preview(self) -> Path:
+        """The preview's path, if one was saved."""
+        return preview_path(self.file.path, self.sidecar.kind, self.sidecar.part)
+
+    @property
+    def unwrapped(self) -> bool:
+        """Whether the bake made its UV layer itself, judging by the layer's name."""
+        return self.sidecar.uv_map == UV_LAYER
+
+    def spec(self, device: str) -> BakeSpec:
+        """The specification that repeats the bake, as far as its files record it; with the same `budget`."""
+        bake, source = self.sidecar, self.sidecar.source
+        return BakeSpec(
+            kind=parse_kind(bake.kind),
+            layout=parse_layout(self.form.traits.layout),
+            texels=max(bake.width, bake.height),
+            bucket=bake.bucket,
+            samples=bake.samples,
+            seed=bake.seed,
+            capture=parse_capture(bake.capture),
+            uv_layer=None if self.unwrapped else bake.uv_map,
+            compression=self.compression or Compression.ZIP,
+            device=device,
+            budget=self.budget,
+            source=None if source is None else source.object_name,
+            extrusion=None if source is None or source.cage is not None else source.extrusion,
+            cage=None if source is None else source.cage,
+            frame=bake.frame,
+            lights=bake.lights,
+        )
+
+
+def find_bake(
+    place: Path,
+    object_name: str | None,
+    purpose: str = "judged",
+    kinds: Collection[str] = (DEFAULT_KIND,),
+) -> SidecarFile:
+    """The sidecar of a bake of one of the `kinds`: `place` itself, or the one in the folder `place`.
+
+    If there are several, `object_name` selects one, and a bake of radiance is preferred. Errors use `purpose`
+    as in "can be judged". Raises InputError if there is no bake, or more than one; FormatError for a file
+    that is no sidecar.
+    """
+    found = find_bakes(place, object_name, purpose, kinds)
+    if len(found) > 1:
+        names = ", ".join(file.path.name for file in found)
+        raise InputError(f"{place} holds {names}: name one of these files instead of the folder")
+    return found[0]
+
+
+def find_bakes(
+    place: Path, object_name: str | None, purpose: str, kinds: Collection[str] = (DEFAULT_KIND,)
+) -> list[SidecarFile]:
+    """Like `find_bake`, but if an object is split, the sidecars of all its parts that exist."""
+    try:
+        found_there, is_folder = place.exists(), place.is_dir()
+    except (OSError, ValueError):  # not a valid file name
+        found_there = is_folder = False
+    if not found_there:
+        raise InputError(f"there is no {place}: name the folder of a bake, or its sidecar, a .json file")
+    if not is_folder:
+        file = SidecarFile.read(place)
+        _check(file.path, _identity(file), object_name, purpose, kinds)
+        return [file]
+    files = {path: ours for path in _json_files(place) if (ours := _read_if_ours(path))}
+    found = {path: _identity(file) for path, file in files.items()}
+    if not found:
+        raise InputError(f"{place} holds no bake: name a folder with a sidecar, NAME.{DEFAULT_KIND}.json")
+    wanted = {path: identity for path, identity in found.items() if identity.is_of(object_name)}
+    wanted = {path: wanted[path] for path in wanted if wanted[path].name == object_name} or wanted
+    if not wanted:
+        raise InputError(f"{place} holds no bake of '{object_name}': it has {_listed(found.values())}")
+    of_radiance = [path for path, identity in wanted.items() if is_default_kind(identity.kind)]
+    fitting = of_radiance or [path for path, identity in wanted.items() if identity.kind in kinds]
+    if len({wanted[path].name for path in fitting}) > 1:
+        raise InputError(f"{place} holds bakes of {_listed(wanted.values())}", do("name one", Setting.OBJECT))
+    plain = [path for path in fitting if path.name == wanted[path].plain_file]
+    whole = [path for path in plain if wanted[path].split is None]
+    fitting = whole or plain or fitting  # prefer whole objects to parts, and these to frames and single lamps
+    splits = {(wanted[path].split, wanted[path].variant) for path in fitting}
+    if len(fitting) > 1 and (len(splits) > 1 or wanted[fitting[0]].split is None):
+        names = ", ".join(path.name for path in fitting)
+        raise InputError(f"{place} holds {names}: name one of these files instead of the folder")
+    if not fitting:
+        _check(*next(iter(wanted.items())), object_name, purpose, kinds)
+    return [files[path] for path in fitting]
+
+
+def check_whole(sidecar: AnySidecar) -> None:
+    """Make sure that a bake is of one whole object.
+
+    Raises InputError if it is of several objects or of a part, FormatError for a file that is no sidecar.
+    """
+    identity = _identity(sidecar)
+    if identity.objects or identity.split:
+        what = "several objects in one atlas" if identity.objects else "a part of an object"
+        raise InputError(
+            f"{sidecar} is of {what}, which no report judges: compare it instead (bake.py compare)"
+        )
+
+
+def object_of(sidecar: AnySidecar) -> str:
+    """The object that a sidecar names. Raises FormatError."""
+    return _identity(sidecar).name
+
+
+@dataclass(frozen=True)
+class _Identity:
+    """The facts that tell a folder's bakes apart: name, kind and objects.
+
+    For a part of an object, `split` is how the object was split and again the kind, and `part` is the part's
+    name. `variant` is the bake's frame, if one was specified, and its lamps, if not all.
+    """
+
+    name: str
+    kind: str
+    objects: tuple[str, ...]
+    split: tuple[str, str] | None
+    part: str | None
+    variant: tuple[object, ...]
+
+    @property
+    def plain_file(self) -> str:
+        """The sidecar's file name if the bake is of all light and of no specified frame."""
+        return file_name(self.name, self.kind, "json", part=self.part)
+
+    def is_of(self, name: str | None) -> bool:
+        """Whether the bake or one of its objects has this name; True for None."""
+        return name is None or name == self.name or name in self.objects
+
+
+def _json_files(folder: Path) -> list[Path]:
+    try:
+        return sorted(folder / name for name in os.listdir(folder) if name.endswith(".json"))  # noqa: PTH208  # it raises
+    except OSError as error:
+        raise InputError(f"{folder} cannot be read: {error.strerror or error}; name another") from error
+
+
+def _identity(sidecar: AnySidecar) -> _Identity:
+    facts = read_facts(sidecar)
+    facts.text("layout")
+    objects = facts.texts("objects") if "objects" in facts.values else ()
+    part, kind = part_in(facts), facts.text("kind")
+    lights = facts.texts("lights") if "lights" in facts.values else ()
+    variant = (facts.whole_number("frame", 0) if "frame" in facts.values else None, lights)
+    if part is None:
+        return _Identity(facts.text("object"), kind, objects, None, None, variant)
+    return _Identity(facts.text("object"), kind, objects, (part.by, kind), part.name, variant)
+
+
+def _read_if_ours(path: Path) -> SidecarFile | None:
+    try:
+        file = SidecarFile.read(path)
+        _identity(file)
+    except FormatError:
+        return None
+    return file
+
+
+def _check(
+    path: Path, identity: _Identity, object_name: str | None, purpose: str, kinds: Collection[str]
+) -> None:
+    name, kind = identity.name, identity.kind
+    if not identity.is_of(object_name):
+        raise InputError(f"{path} is a bake of '{name}', not of '{object_name}'", leave_out(Setting.OBJECT))
+    if kind not in tuple(Kind):
+        raise InputError(f"{path} is of kind {kind}, which this RadTex does not know: update RadTex")
+    if kind not in kinds:
+        raise InputError(
+            f"{path} holds {kind} light, which no camera sees: "
+            f"only a bake of {' or '.join(kinds)} can be {purpose}"
+        )
+
+
+def _listed(identities: Iterable[_Identity]) -> str:
+    return ", ".join(sorted({f"'{identity.name}'" for identity in identities}))
+
+
+def read_bake(sidecar: AnySidecar) -> Finished:
+    """Read a finished bake by its sidecar.
+
+    Raises FormatError, with the path, for files that are missing, damaged, or of different bakes.
+    """
+    file = opened(sidecar)
+    form = form_in(file.facts)
+    bake = form.open(file)
+    return Finished(
+        file=file,
+        form=form,
+        sidecar=bake.sidecar,
+        images=bake.images,
+        radiance=_looked_up(bake.lookup),
+        texels=bake.texels,
+        compression=bake.compression,
+        loss=bake.loss,
+        budget=bake.budget,
+    )
+
+
+def _looked_up(lookup: Lookup) -> Callable[[GBuffer], Array]:
+    """Wrap a lookup: apply it to a G-buffer's rays in chunks of _PER_LOOKUP."""
+
+    def radiance(buffer: GBuffer) -> Array:
+        hit = (buffer.uv, buffer.normal, buffer.incoming, buffer.incidence)
+        uv, normal, viewer, incidence = (part[buffer.hit] for part in hit)
+        parts = (slice(first, first + _PER_LOOKUP) for first in range(0, len(uv), _PER_LOOKUP))
+        seen = [lookup(uv[some], normal[some], viewer[some], incidence[some]) for some in parts]
+        return buffer.spread(np.concatenate(seen) if seen else np.zeros((0, 3)))
+
+    return radiance

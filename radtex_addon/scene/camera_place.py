@@ -1,0 +1,26 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The place of a scene's camera."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import bpy
+
+from ..bake.transfer_views import Eye
+from ..core.errors import InputError
+
+
+def find_camera_place(scene: bpy.types.Scene) -> Eye:
+    """The place of the scene's camera. Raises InputError if it has no camera."""
+    camera = scene.camera
+    if camera is None or camera.type != "CAMERA":
+        raise InputError(
+            f"scene '{scene.name}' has no camera to be seen from: add one (Add > Camera), "
+            "or choose the view normal"
+        )
+    far = cast(bpy.types.Camera, camera.data).type == "ORTHO"
+    x, y, z = cast(Any, camera.matrix_world).col[2 if far else 3][:3]
+    length = (x * x + y * y + z * z) ** 0.5 if far else 1.0
+    return Eye((x / length, y / length, z / length), far)

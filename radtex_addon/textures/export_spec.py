@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The specification of an export: the target, and how its textures are stored."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from ..bake.choices import parse_layer
+from ..bake.layers import Layer
+from ..core.errors import InputError
+from ..core.messages import Setting, do
+
+
+class Target(StrEnum):
+    """The program or engine that loads the folder."""
+
+    WEB = "web"
+    GODOT = "godot"
+    GLTF = "gltf"
+    UNITY = "unity"
+    UNREAL = "unreal"
+    RAW = "raw"
+
+
+class TextureFormat(StrEnum):
+    """A container and a format in it; AUTO is the target's own choice."""
+
+    AUTO = "auto"
+    EXR = "exr"
+    KTX2_RGBA16F = "ktx2-rgba16f"
+    KTX2_RGB9E5 = "ktx2-rgb9e5"
+    KTX2_BC6H = "ktx2-bc6h"
+    DDS_BC6H = "dds-bc6h"
+    DDS_RGBA16F = "dds-rgba16f"
+
+    @property
+    def label(self) -> str:
+        """As the panel shows it."""
+        return self.upper().replace("-", " ")
+
+
+class Arrangement(StrEnum):
+    """How buckets lie in a texture: the paper's matrix, or an array with a layer for each cell."""
+
+    MATRIX = "matrix"
+    SLICES = "slices"
+
+
+# What targets cannot read: three.js BC6H in a KTX2, Unity and Unreal any KTX2, Unreal BC6H in a DDS.
+_EVERY = frozenset(TextureFormat)
+_KTX2 = frozenset((TextureFormat.KTX2_RGBA16F, TextureFormat.KTX2_RGB9E5))
+_DDS = frozenset((TextureFormat.DDS_BC6H, TextureFormat.DDS_RGBA16F))
+TAKES: dict[Target, frozenset[TextureFormat]] = {
+    Target.WEB: _KTX2 | {TextureFormat.AUTO},
+    Target.GODOT: _EVERY - {TextureFormat.EXR},
+    Target.GLTF: _EVERY,
+    Target.UNITY: _DDS | {TextureFormat.AUTO, TextureFormat.EXR},
+    Target.UNREAL: frozenset((TextureFormat.AUTO, TextureFormat.EXR, TextureFormat.DDS_RGBA16F)),
+    Target.RAW: _EVERY,
+}
+_LIMITS = {Target.WEB: 8192}
+MOST_PIXELS = 16384  # along a side, for targets without a limit of their own
+LEAST_PIXELS = 16
+MOST_LEVELS = 15
+
+
+@dataclass(frozen=True)
+class ExportSpec:
+    """The settings of one export. Raises InputError for invalid ones.
+
+    `levels` is the number of mip levels, None for as many as fit; `limit` the most pixels along a texture's
+    side, None for the target's default. `layers` of the bake are exported in addition to the whole, each
+    once. An export that takes more than `memory_mb`, beside Blender, is refused.
+    """
+
+    target: Target
+    format: TextureFormat = TextureFormat.AUTO
+    zstd: bool = True
+    arrangement: Arrangement = Arrangement.MATRIX
+    levels: int | None = None
+    limit: int | None = None
+    layers: tuple[Layer, ...] = ()
+    memory_mb: int | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "layers", tuple(dict.fromkeys(map(parse_layer, self.layers or ()))))
+        taken = TAKES[self.target]
+        if self.format not in taken:
+            words = ", ".join(form for form in TextureFormat if form in taken)
+            raise InputError(
+                f"format {self.format}: {self.target} does not read it",
+                do(f"choose from {words}", Setting.FORMAT),
+            )
+        if self.levels is not None and not 1 <= self.levels <= MOST_LEVELS:
+            raise InputError(f"levels {self.levels}: give a whole number from 1 to {MOST_LEVELS}")
+        if self.limit is not None and self.limit < LEAST_PIXELS:
+            raise InputError(f"limit {self.limit}: a texture needs {LEAST_PIXELS} pixels at least")
+
+    @property
+    def most_pixels(self) -> int:
+        """The most pixels along a texture's side."""
+        return self.limit or _LIMITS.get(self.target, MOST_PIXELS)

@@ -1,0 +1,200 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The session's background jobs: a queue of worker processes, polled by a timer while any job is active."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+import bpy
+
+from ..panel import panel_state
+from ..panel.redraw import redraw
+from . import pictures
+
+if TYPE_CHECKING:
+    from ...job.bake_plan import BakePlan
+    from ...job.variants import Bake
+    from ...worker.job import Job
+    from ...worker.order import Order
+    from ...worker.queue import Queue
+
+_PULSE = 0.25  # seconds between two polls of the workers
+
+
+@dataclass(frozen=True)
+class Completion:
+    """Callback after a job: `arrived` is called when it is done.
+
+    The folder `results` is deleted when the job is removed from the list.
+    """
+
+    arrived: Callable[[Job], None]
+    results: TemporaryDirectory[str]
+
+
+@dataclass
+class _Session:
+    """State of the jobs of this Blender session.
+
+    `queue` is None before the first job, so that enabling RadTex does not import the worker modules. `shown`
+    is the last snapshot of the jobs; `completions` maps job numbers to completions.
+    """
+
+    queue: Queue | None = None
+    shown: tuple[Job, ...] = field(default=())
+    completions: dict[int, Completion] = field(default_factory=dict)
+
+
+_session = _Session()
+
+
+def submit(scene: bpy.types.Scene, plan: BakePlan) -> float:
+    """Save a copy of the scene in its current state and queue the bakes.
+
+    Returns how long the window was blocked by that, in seconds. Raises InputError if one of the bakes is
+    already queued or running, BakeError if the scene cannot be saved.
+    """
+    from ...worker.handover import hand_over
+    from ...worker.orders import order_bake
+    from ..settings.preferences import preferred
+
+    request, bakes = plan.request, _free(plan)
+    handover = hand_over(scene, preferred().cache)
+    add(
+        order_bake(
+            handover,
+            name,
+            spec,
+            request.folder,
+            request.preview,
+            overwrite=request.overwrite,
+            resume=request.resume,
+            exports=request.exports,
+            picture=handover.folder / f"picture-{place}.png",
+        )
+        for place, (name, spec) in enumerate(bakes)
+    )
+    return handover.stalled
+
+
+def _free(plan: BakePlan) -> tuple[Bake, ...]:
+    """The bakes that are not already queued or running.
+
+    Raises InputError if all are, or if any is and the request does not resume.
+    """
+    from ...core.errors import InputError
+    from ...job.variants import variant_of
+    from ...worker.order import Work
+    from ...worker.orders import kind_of
+
+    request = plan.request
+    busy = {
+        (job.object, job.order.about, job.order.part, job.order.variant)
+        for job in _session.shown
+        if not job.ended and job.work is Work.BAKE and job.out == request.folder
+    }
+    taken = [
+        (name, spec)
+        for name, spec in plan.wanted
+        if (name, kind_of(spec), spec.part or "", variant_of(spec)) in busy
+    ]
+    free = tuple(bake for bake in plan.wanted if bake not in taken)
+    if taken and not (request.resume and free):
+        raise InputError(f"object '{taken[0][0]}' is being baked there already: wait for it, or cancel it")
+    return free
+
+
+def add(orders: Iterable[Order], completion: Completion | None = None) -> None:
+    """Queue jobs, all with the same completion."""
+    for order in orders:
+        number = _queue().add(order)
+        if completion is not None:
+            _session.completions[number] = completion
+    _look()
+
+
+def snapshot() -> tuple[Job, ...]:
+    """The state of all jobs at the last poll, including ended ones."""
+    return _session.shown
+
+
+def busy() -> bool:
+    """Whether any job is running or waiting."""
+    return any(not job.ended for job in _session.shown)
+
+
+def cancel(number: int | None = None) -> None:
+    """Ask one job to stop, or all of them."""
+    if _session.queue is None:
+        return
+    if number is None:
+        _session.queue.cancel_all()
+    else:
+        _session.queue.cancel(number)
+    _look()
+
+
+def forget_ended() -> None:
+    """Remove ended jobs from the panel's list, and delete their `results`."""
+    if _session.queue is not None:
+        _session.queue.forget_ended()
+        _look()
+        for number in _session.completions.keys() - {job.number for job in _session.shown}:
+            _session.completions.pop(number).results.cleanup()
+
+
+def advance() -> bool:
+    """Read the workers' messages and start waiting jobs; returns whether any job is still active."""
+    if _session.queue is None:
+        return False
+    more = _session.queue.advance()
+    before = {job.number for job in _session.shown if job.ended}
+    _session.shown = _session.queue.snapshot()
+    ended = [job for job in _session.shown if job.ended and job.number not in before]
+    if ended:
+        panel_state.mark_stale()  # there are new files
+    for job in ended:
+        if job.state == "done" and job.number in _session.completions:
+            _session.completions[job.number].arrived(job)
+    return more
+
+
+def unregister() -> None:
+    """End all workers and clear the state."""
+    if bpy.app.timers.is_registered(_pulse):
+        bpy.app.timers.unregister(_pulse)
+    if _session.queue is not None:
+        _session.queue.close()
+    for completion in _session.completions.values():
+        completion.results.cleanup()
+    _session.queue, _session.shown = None, ()
+    _session.completions.clear()
+    pictures.unregister()
+
+
+def _queue() -> Queue:
+    from ...worker.handover import this_program
+    from ...worker.queue import Queue
+
+    if _session.queue is None:
+        _session.queue = Queue(this_program())
+    return _session.queue
+
+
+def _look() -> None:
+    """Poll now, and keep polling while jobs are active."""
+    _pulse()
+    if busy() and not bpy.app.timers.is_registered(_pulse):
+        bpy.app.timers.register(_pulse, first_interval=_PULSE, persistent=True)
+
+
+def _pulse() -> float | None:
+    before = _session.shown
+    more = advance()
+    if pictures.update(_session.shown) or _session.shown != before:
+        redraw()
+    return _PULSE if more else None

@@ -1,0 +1,148 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Find the objects that an operator works on, and their bakes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from ...core.errors import RadTexError
+
+
+def originals(
+    layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene | None = None, bake: str = ""
+) -> list[bpy.types.Object]:
+    """The object called `name`; if empty, the selected meshes, or else the active one.
+
+    If `scene` is given, `name` may also be the name of a shared atlas in `bake`: then its objects. Previews
+    are replaced by their originals, unless these were deleted. Raises InputError if no object is found, or
+    several have the name.
+    """
+    from ...core.errors import InputError
+    from ...preview.swap import original_of
+    from ...scene.objects import check_only_one
+
+    if name:
+        check_only_one(layer.objects, name)
+        chosen = [item for item in layer.objects if item.name == name]
+        if not chosen and scene is not None:
+            shared = sharing(layer, name, scene, bake)
+            chosen = [item for item in layer.objects if item.name in shared]
+        if not chosen:
+            raise InputError(f"no object '{name}' in view layer '{layer.name}': name one that is there")
+    else:
+        chosen = selected_meshes(layer)
+    if not chosen:
+        raise InputError("no mesh object is selected: select one that was baked")
+    return list(dict.fromkeys(original_of(item) or item for item in chosen))
+
+
+def sharing(layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene, bake: str) -> tuple[str, ...]:
+    """Names of the objects of the shared atlas `name`; empty if there is none, or an object has that name."""
+    from ...core.errors import RadTexError
+    from ...formats.sidecar_file import read_facts
+    from ...job.variants import variants_in
+    from ...report.shown import shown_bake
+
+    if not name or any(item.name == name for item in layer.objects):
+        return ()
+    kind = scene.radtex.kind  # type: ignore[attr-defined]  # ours
+    try:
+        place = place_of(scene, bake)
+        variants = variants_in(place, name, kind) if place.is_dir() else ()
+        facts = read_facts(variants[0] if variants else shown_bake(place, name))
+        return facts.texts("objects") if "objects" in facts.values else ()
+    except RadTexError:
+        return ()
+
+
+def bake_called(layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene, bake: str) -> str:
+    """Where an operator looks for bakes: the sidecar of the shared atlas `name` if there is one, else `bake`.
+
+    The sidecar, because objects of a shared atlas may have their own bakes in the same folder. Raises
+    RadTexError.
+    """
+    return str(sidecar_of(scene, name, bake)) if sharing(layer, name, scene, bake) else bake
+
+
+def selected_meshes(layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
+    """The selected meshes, sorted by name, or else the active one."""
+    found = [item for item in layer.objects.selected if item.type == "MESH"]
+    active = layer.objects.active
+    if not found and active is not None and active.type == "MESH":
+        found = [active]
+    return sorted(found, key=lambda item: item.name)
+
+
+def has_meshes(operator: type[bpy.types.Operator], context: bpy.types.Context | None) -> bool:
+    """Poll: whether a mesh is selected, in Object Mode; sets the operator's message if not.
+
+    In the background no selection is needed: scripts may name any object.
+    """
+    layer = context.view_layer if context is not None else None
+    if layer is None or not (bpy.app.background or selected_meshes(layer)):
+        operator.poll_message_set("Select a mesh object that was baked")
+        return False
+    if context is not None and context.mode != "OBJECT":
+        operator.poll_message_set("Go back to Object Mode first")
+        return False
+    return True
+
+
+def sidecar_of(scene: bpy.types.Scene, name: str, bake: str) -> Path:
+    """The sidecar of a bake called `name`, of any kind: `bake` itself, or in that folder, or in the scene's.
+
+    Raises InputError if there is none, FormatError for a file that is not a sidecar.
+    """
+    from ...report.shown import shown_bake
+
+    return shown_bake(place_of(scene, bake), name).path
+
+
+def place_of(scene: bpy.types.Scene, bake: str) -> Path:
+    """The folder or file that `bake` names; the scene's output folder if it is empty.
+
+    Raises InputError if the output folder does not exist yet, or the path cannot be read.
+    """
+    from ...core.errors import InputError
+    from ..settings.preferences import preferred
+    from ..settings.request import output_folder
+
+    chosen: str = bake or scene.radtex.directory  # type: ignore[attr-defined]  # ours
+    place = output_folder(chosen, preferred().output)
+    try:
+        is_there = place.exists()
+    except OSError as error:
+        raise InputError(
+            f"{place} cannot be read: {error.strerror or error}; choose another folder"
+        ) from error
+    if not bake and not is_there:
+        raise InputError(f"nothing was baked into {place} yet: bake first")
+    return place
+
+
+def sidecars_of(
+    scene: bpy.types.Scene, items: Iterable[bpy.types.Object], bake: str
+) -> tuple[dict[bpy.types.Object, Path], list[RadTexError]]:
+    """The sidecars of all objects that have a bake, and the errors for the others.
+
+    Raises the first error if no object has a bake.
+    """
+    from ...core.errors import RadTexError
+
+    found: dict[bpy.types.Object, Path] = {}
+    errors: list[RadTexError] = []
+    for item in items:
+        try:
+            found[item] = sidecar_of(scene, item.name, bake)
+        except RadTexError as error:
+            errors.append(error)
+    if errors and not found:
+        raise errors[0]
+    return found, errors

@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators to cancel jobs, clear the list and open output folders."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.props import IntProperty, StringProperty
+
+from ..jobs import jobs
+from ..panel.labels import remark
+from .bake_lookup import place_of
+from .bake_operator import shown
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
+
+
+class RADTEX_OT_cancel(bpy.types.Operator):
+    """End a bake, a comparison or an export that runs or waits; the scene is what it was"""
+
+    bl_idname = "radtex.cancel"
+    bl_label = "Cancel"
+    bl_options = {"INTERNAL"}
+
+    if TYPE_CHECKING:
+        number: int
+    else:
+        number: IntProperty(
+            name="Number",
+            description="The job's number; 0 cancels all",
+            default=0,
+            min=0,
+            options={"SKIP_SAVE"},
+        )
+
+    @classmethod
+    def poll(cls, _: bpy.types.Context | None) -> bool:
+        if not jobs.busy():
+            cls.poll_message_set("Nothing is being baked, compared or exported")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        jobs.cancel(self.number or None)
+        return {"FINISHED"}
+
+
+class RADTEX_OT_cancel_here(bpy.types.Operator):
+    """End all jobs, while the mouse is over the sidebar: anywhere else, Esc belongs to others"""
+
+    bl_idname = "radtex.cancel_here"
+    bl_label = "Cancel All"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context | None) -> bool:
+        region = context.region if context is not None else None
+        if region is None or region.type != "UI":
+            cls.poll_message_set("Put the mouse over the sidebar to cancel by a key")
+            return False
+        return RADTEX_OT_cancel.poll(context)
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        jobs.cancel()
+        return {"FINISHED"}
+
+
+class RADTEX_OT_clear_jobs(bpy.types.Operator):
+    """Take jobs that have ended off the list; their files stay"""
+
+    bl_idname = "radtex.clear_jobs"
+    bl_label = "Clear Finished"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, _: bpy.types.Context | None) -> bool:
+        if not any(job.ended for job in jobs.snapshot()):
+            cls.poll_message_set("No bake on the list has ended")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        jobs.forget_ended()
+        return {"FINISHED"}
+
+
+class RADTEX_OT_open_folder(bpy.types.Operator):
+    """Show the folder in your file manager"""
+
+    bl_idname = "radtex.open_folder"
+    bl_label = "Open Folder"
+    bl_options = {"INTERNAL"}
+
+    if TYPE_CHECKING:
+        directory: str
+    else:
+        directory: StringProperty(
+            name="Folder",
+            description="The folder to open. Left empty, the scene's output folder",
+            subtype="DIR_PATH",
+            options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
+        )
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        from ...core.errors import RadTexError
+
+        scene, _ = shown(context)
+        try:
+            folder = place_of(scene, self.directory)
+        except RadTexError as error:
+            self.report({"ERROR"}, remark(error))
+            return {"CANCELLED"}
+        if not folder.is_dir():
+            self.report({"ERROR"}, f"{folder} is not there yet: bake first")
+            return {"CANCELLED"}
+        bpy.ops.wm.path_open(filepath=str(folder))
+        return {"FINISHED"}

@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operator that switches between an object and the preview of its bake."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.props import EnumProperty
+
+from ..panel.labels import remark
+from ..settings.menu_items import LAYERS
+from .bake_lookup import bake_called, originals, sidecars_of
+from .bake_operator import shown
+from .operator_mixins import OfBake
+from .undo import push_step
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
+
+_ACTIONS = (
+    ("TOGGLE", "Toggle", "Show what is not shown; if all are, the objects themselves"),
+    ("ON", "On", "Show the bake, read anew"),
+    ("OFF", "Off", "Show the object itself"),
+)
+
+
+class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
+    """Show the bake in the object's place, as it was lit. The object is hidden meanwhile, and unchanged"""
+
+    bl_idname = "radtex.preview_toggle"
+    bl_label = "Preview Bake"
+    bl_options = {"REGISTER"}  # pushes its own undo step: see undo.py
+
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
+        action: str
+        layer: str
+    else:
+        action: EnumProperty(
+            name="Action",
+            description="What to show",
+            items=_ACTIONS,
+            default="TOGGLE",
+            options={"SKIP_SAVE"},
+        )
+        layer: EnumProperty(
+            name="Layer",
+            description="What of the bake's light to show, of one with layers. They are shown opaque",
+            items=(("whole", "Whole", "All light"), *LAYERS),
+            default="whole",
+            options={"SKIP_SAVE"},
+        )
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        from ...core.errors import RadTexError
+        from ...preview.swap import is_on, switch_off
+
+        scene, layer = shown(context)
+        try:
+            items = originals(layer, self.object, scene, self.bake)
+            off = self.action == "OFF" or (self.action == "TOGGLE" and all(map(is_on, items)))
+            if not off:
+                self._switch_on(scene, items, bake_called(layer, self.object, scene, self.bake))
+        except RadTexError as error:
+            self.report({"ERROR"}, remark(error))
+            return {"CANCELLED"}
+        for item in items if off else ():
+            switch_off(item)
+        push_step(self.bl_label)
+        return {"FINISHED"}
+
+    def _switch_on(self, scene: bpy.types.Scene, items: list[bpy.types.Object], bake: str) -> None:
+        """Show every bake found in `bake`; if one fails, switch the others off again. Raises RadTexError."""
+        from ...core.errors import RadTexError
+        from ...preview.swap import is_on, switch_all_on, switch_off
+
+        wanted = [item for item in items if self.action == "ON" or not is_on(item)]
+        before = [item for item in wanted if is_on(item)]
+        sidecars, errors = sidecars_of(scene, wanted, bake)
+        layer = None if self.layer == "whole" else self.layer
+        made = []
+        try:
+            for sidecar in dict.fromkeys(sidecars.values()):
+                made += switch_all_on(
+                    [item for item in wanted if sidecars.get(item) == sidecar], sidecar, layer
+                )
+        except RadTexError:
+            for preview in made:
+                if preview.original not in before:
+                    switch_off(preview.original)
+            raise
+        for error in errors:
+            self.report({"WARNING"}, remark(error))
+        for name in (preview.original.name for preview in made if preview.moved):
+            self.report({"WARNING"}, f"{name} has moved since the bake: it shows the light of its old place")

@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draw the buttons that show a bake instead of its object, and those that change the viewport shading."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from ..panel.draw_messages import draw_text
+from ..panel.labels import iface_
+
+LARGE = 1.5  # height of the button for the next step, relative to a normal button
+_BLIND = ("WIREFRAME", "SOLID")  # viewport shadings that do not show materials
+
+
+def draw_switch(layout: Any, item: bpy.types.Object | None) -> Any:
+    """Draw the preview button, pressed if the bake of `item` is shown; returns its operator's properties."""
+    from ...preview.swap import is_on
+
+    pressed = item is not None and is_on(item)
+    row = layout.row()
+    row.scale_y = LARGE
+    return row.operator("radtex.preview_toggle", icon="HIDE_OFF" if pressed else "HIDE_ON", depress=pressed)
+
+
+def draw_layers(layout: Any, item: bpy.types.Object | None) -> None:
+    """Draw a menu to show a single layer, if the bake of `item` is shown and has layers."""
+    from ...preview.swap import copy_of
+    from ...preview.variant import kept_variant
+
+    copy = None if item is None else copy_of(item)
+    if copy is not None and kept_variant(copy).layers:
+        layout.operator_menu_enum("radtex.preview_toggle", "layer", text="Layer").action = "ON"
+
+
+def draw_show(layout: Any) -> Any:
+    """Draw a button that shows one of several bakes of an object; returns its operator's properties."""
+    switch = layout.operator("radtex.preview_toggle", icon="HIDE_OFF")
+    switch.action = "ON"
+    return switch
+
+
+def draw_shading(layout: Any, space: bpy.types.Space | None) -> None:
+    """Draw Blender's shading buttons if the current shading does not show materials, and so no bake."""
+    if not isinstance(space, bpy.types.SpaceView3D) or space.shading.type not in _BLIND:
+        return
+    draw_text(layout, iface_("Seen in these shadings only:"), "INFO")
+    row = layout.row(align=True)
+    row.use_property_split = False
+    for shading, name in (("MATERIAL", "Material"), ("RENDERED", "Rendered")):
+        row.prop_enum(space.shading, "type", shading, text=name)

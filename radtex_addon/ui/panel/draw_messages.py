@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draw messages in the sidebar: wrapped text, with buttons that fix the problem right below."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import blf
+import bpy
+
+from ..settings.bake_settings import BakeSettings
+from .labels import iface_, remark
+from .panel_state import Forecast
+
+_UI_FONT = 0
+_BESIDE = 86.0  # pixels of the sidebar's width not available to text: margins, icon, tabs
+_NARROW = 160.0  # minimum text width in pixels; also used where there is no region
+
+
+def draw_text(layout: Any, text: str, icon: str) -> None:
+    """Draw a message on as many lines as needed; Blender's labels do not wrap."""
+    column = layout.column(align=True)
+    column.scale_y = 0.85
+    for number, line in enumerate(wrapped(text, _room())):
+        column.label(text=line, icon=icon if number == 0 else "BLANK1", translate=False)
+
+
+def wrapped(text: str, room: float) -> list[str]:
+    """Split the text into lines of at most `room` pixels at UI scale 1; longer words are not broken."""
+    preferences = bpy.context.preferences
+    assert preferences is not None  # only restricted contexts have none
+    blf.size(_UI_FONT, preferences.ui_styles[0].widget.points)
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if lines[-1] and blf.dimensions(_UI_FONT, longer)[0] > room:
+            lines.append(word)
+        else:
+            lines[-1] = longer
+    return lines
+
+
+def draw_remarks(layout: Any, settings: BakeSettings, found: Forecast) -> None:
+    """Draw errors, the settings that would fix them, and warnings."""
+    if found.shown and len(found.errors) == len(found.shown):
+        draw_text(layout.box(), iface_("The bake is shown here. Switch it off to bake anew"), "HIDE_OFF")
+    else:
+        for message in found.errors:
+            icon = "CHECKMARK" if found.baked else "ERROR"
+            draw_text(layout.box(), remark(message, found.folder), icon)
+    if found.forgets:
+        text = iface_("An unfinished bake is here: resume it, or begin anew")
+        draw_text(layout.box(), text, "INFO")
+        layout.operator("radtex.bake", text="Resume", icon="PLAY").resume = True
+    if found.remedies:
+        _draw_remedies(layout.column(), settings, found)
+    for message in found.warnings:
+        draw_text(layout.box(), remark(message, found.folder), "INFO")
+
+
+def _draw_remedies(column: Any, settings: BakeSettings, found: Forecast) -> None:
+    """Draw each remedy as a setting, or as a button that applies it at once."""
+    if "directory" in found.remedies:
+        column.operator("wm.save_as_mainfile", text="Save File…", icon="FILE_TICK")
+        column.prop(settings, "directory", text="Folder")
+    row = column.row(align=True)
+    row.use_property_split = False
+    if "overwrite" in found.remedies:
+        row.prop(settings, "overwrite", toggle=True, icon="FILE_REFRESH")
+    if "resume" in found.remedies and settings.resume:
+        row.prop(settings, "resume", toggle=True, icon="PLAY")
+    elif "resume" in found.remedies:
+        row.operator("radtex.bake", text="Resume", icon="PLAY").resume = True
+
+
+def _room() -> float:
+    """Width available to a message line in the current region, in pixels at UI scale 1."""
+    region, preferences = bpy.context.region, bpy.context.preferences
+    if region is None or preferences is None:
+        return _NARROW
+    return max(_NARROW, region.width / preferences.system.ui_scale - _BESIDE)

@@ -1,0 +1,41 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Panel for finished bakes: show, compare, export."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from ..operators.compare_operator import RADTEX_OT_compare, RADTEX_OT_show_comparison
+from ..operators.export_operator import RADTEX_OT_export
+from ..operators.preview_operator import RADTEX_OT_preview_toggle
+from ..operators.switch import draw_layers, draw_switch
+from .main_panel import Sidebar
+
+
+class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
+    """What to do with a finished bake"""
+
+    bl_label = "Baked"
+    bl_order = 10
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        layout: Any = self.layout
+        item = context.active_object if context is not None else None
+        draw_switch(layout, item)
+        draw_layers(layout, item)
+        column = layout.column()
+        column.operator("radtex.compare", icon="IMAGE_REFERENCE")
+        column.operator("radtex.export", text="Export…", icon="EXPORT")
+        column.operator("radtex.open_folder", icon="FILE_FOLDER")
+
+
+CLASSES = (
+    RADTEX_OT_preview_toggle,
+    RADTEX_OT_compare,
+    RADTEX_OT_show_comparison,
+    RADTEX_OT_export,
+    RADTEX_PT_afterwards,
+)

@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Panel that lists jobs (bakes, comparisons, exports) with their progress or results."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import bpy
+
+from ..jobs import jobs, pictures
+from ..operators.switch import draw_show, draw_switch
+from ..settings.menu_items import KINDS, TARGETS
+from .draw_messages import draw_text
+from .labels import duration, iface_, remark, stage
+from .main_panel import Sidebar
+
+if TYPE_CHECKING:
+    from ...worker.job import Job
+
+_ICONS = {
+    "waiting": "SORTTIME",
+    "done": "CHECKMARK",
+    "failed": "ERROR",
+    "cancelled": "CANCEL",
+}
+_RUNNING = {"bake": "RENDER_STILL", "comparison": "IMAGE_REFERENCE", "export": "EXPORT"}
+_TITLES = {"bake": "{}", "comparison": "{}, compared", "export": "{} for {}"}
+_TARGETS = {identifier: name for identifier, name, _ in TARGETS}
+_KINDS = {identifier: name for identifier, name, _ in KINDS}
+
+_PICTURE = 8.0  # size of a job's thumbnail, relative to a button's height
+
+
+class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
+    """Bakes, comparisons and exports that wait, run or have ended"""
+
+    bl_label = "Jobs"
+    bl_parent_id = "RADTEX_PT_bake"
+
+    @classmethod
+    def poll(cls, _: bpy.types.Context | None) -> bool:
+        return bool(jobs.snapshot())
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        layout: Any = self.layout
+        for job in jobs.snapshot():
+            _draw_job(layout.box().column(align=True), job)
+        row = layout.row(align=True)
+        row.operator("radtex.cancel", text="Cancel All", icon="CANCEL")
+        row.operator("radtex.clear_jobs", icon="TRASH")
+
+
+def title(job: Job) -> str:
+    """The job's title: object, part, kind and variant, and the work."""
+    about = job.order.about
+    kind = iface_(_KINDS[about]) if about in _KINDS else ""
+    name = ", ".join(filter(None, (job.object, job.order.part, kind, job.order.variant)))
+    return iface_(_TITLES[job.work]).format(name, _TARGETS.get(about, ""))
+
+
+def phrase(job: Job) -> str:
+    """The job's state or stage, and the time left if known."""
+    if job.cancelling and not job.ended:
+        return iface_("Stopping")
+    if job.state != "running":
+        return iface_(job.state.value.capitalize())
+    if job.seconds_left is None:
+        return stage(job.stage)
+    return iface_("{}, {} left").format(stage(job.stage), duration(job.seconds_left))
+
+
+def _draw_job(column: Any, job: Job) -> None:
+    row = column.row(align=True)
+    row.label(text=title(job), icon=_ICONS.get(job.state, _RUNNING[job.work]), translate=False)
+    if not job.ended:
+        row.operator("radtex.cancel", text="", icon="X").number = job.number
+        column.progress(factor=job.fraction, text=phrase(job), translate=False)
+        if picture := pictures.icon(job):
+            column.template_icon(picture, scale=_PICTURE)
+        return
+    if job.state == "done":  # the icon shows the state, so no text
+        _OFFERS[job.work](column, job)
+    else:
+        row.label(text=phrase(job), translate=False)
+        if job.work == "bake" and not job.order.shared:  # the operator takes one object's name
+            again = row.operator("radtex.bake", text="", icon="PLAY")
+            again.object, again.part, again.resume = job.object, job.order.part, True
+    if job.state == "failed":
+        draw_text(column, remark(job.message, job.out), "BLANK1")
+    for warning in job.warnings:
+        draw_text(column, remark(warning, job.out), "INFO")
+
+
+def _offer_bake(column: Any, job: Job) -> None:
+    """Draw the preview button and the folder button of a finished bake."""
+    if any(path.name.endswith(".preview.blend") for path in job.files):
+        item = bpy.data.objects.get((job.order.shared or (job.object,))[0])
+        switch = draw_show(column) if job.order.variant else draw_switch(column, item)
+        sidecar = next((path for path in job.files if path.suffix == ".json"), job.out)
+        switch.object, switch.bake = job.object, str(sidecar)
+    column.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(job.out)
+
+
+def _offer_comparison(column: Any, job: Job) -> None:
+    """Draw the figures of a finished comparison and the button for its pictures."""
+    from ..jobs.comparison import figures
+
+    for line in figures(job.facts):
+        draw_text(column, line, "BLANK1")
+    column.operator("radtex.show_comparison", icon="IMAGE_DATA").number = job.number
+
+
+def _offer_export(column: Any, job: Job) -> None:
+    """Draw a button for each exported folder."""
+    for folder in job.files:
+        column.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(folder)
+
+
+_OFFERS = {"bake": _offer_bake, "comparison": _offer_comparison, "export": _offer_export}

@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Format numbers, and word messages with the panel's names of settings."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from bpy.app import translations
+
+from ...core.messages import Message, Remedy, Setting, joined
+
+if TYPE_CHECKING:
+    from ...core.errors import RadTexError
+
+_translations: Any = translations  # the stubs type its functions as returning None
+
+# Blender's translation tools look for calls of this name.
+iface_: Callable[[str], str] = _translations.pgettext_iface
+
+# The panel's names of settings. Those that are missing here have none: the panel does not offer them.
+LABELS = {
+    Setting.AO_DISTANCE: "Distance",
+    Setting.ARRANGEMENT: "Arrangement",
+    Setting.BUCKET: "Cells",
+    Setting.BUDGET: "MB on the GPU",
+    Setting.CAGE: "Cage",
+    Setting.COMPRESSION: "Compression",
+    Setting.DEVICE: "Device, in RadTex's preferences",
+    Setting.EXTRUSION: "Extrusion",
+    Setting.FLOAT: "32-bit Floats",
+    Setting.FORMAT: "Format",
+    Setting.FRAMES: "Frames",
+    Setting.FROM: "From",
+    Setting.LAYER: "Layers",
+    Setting.LAYOUT: "Layout",
+    Setting.LEVELS: "Mip Levels",
+    Setting.LIGHTS: "Variants",
+    Setting.LIMIT: "Limit",
+    Setting.MEMORY: "Memory (MB), in RadTex's preferences",
+    Setting.OBJECT: "Object",
+    Setting.OUT: "Folder",
+    Setting.OVERWRITE: "Overwrite",
+    Setting.PART: "Only",
+    Setting.PIXELS: "Pixels",
+    Setting.RESUME: "Resume",
+    Setting.SAVE_PREVIEW: "Preview",
+    Setting.SPLIT: "Split",
+    Setting.TOGETHER: "One Atlas",
+    Setting.UNWRAP: "Unwrap",
+    Setting.UV: "UV Layer",
+}
+STAGES = {  # labels of the stages of bakes, exports and comparisons
+    "evaluate": "Reading the mesh",
+    "unwrap": "Unwrapping",
+    "raster": "Placing texels",
+    "probe": "Finding hidden parts",
+    "capture": "Tracing paths",
+    "fill": "Filling gaps",
+    "fit": "Sharing light",
+    "condense": "Making it small",
+    "write": "Writing files",
+    "preview": "Making the preview",
+    "textures": "Making textures",
+    "flat": "Making the flat picture",
+    "mesh": "Writing the mesh",
+    "pack": "Packing it up",
+    "reference": "Tracing paths",
+    "compare": "Comparing",
+}
+_LEFT_OUT = {Setting.UV: "empty", Setting.FROM: "empty", Setting.RESUME: "off"}  # others: "as it was"
+
+
+def size(count: float) -> str:
+    """Bytes in the units of disks: 1500000 is "1.5 MB"."""
+    for unit, power in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
+        if count >= power:
+            return f"{count / power:.3g} {unit}" if count < 1000 * power else f"{count / power:.0f} {unit}"
+    return f"{count:.0f} B"
+
+
+def number(count: float) -> str:
+    """A count, rounded to be readable: 16777216 is "16.8 million"."""
+    if count >= 1e9:
+        return iface_("{:.3g} billion").format(count / 1e9)
+    if count >= 1e6:
+        return iface_("{:.3g} million").format(count / 1e6)
+    return f"{count:,.0f}"
+
+
+def duration(seconds: float) -> str:
+    """An approximate duration, with its unit."""
+    if seconds < 1:
+        return iface_("under a second")
+    if seconds < 90:
+        return iface_("{:.0f} s").format(seconds)
+    if seconds < 90 * 60:
+        return iface_("{:.0f} min").format(seconds / 60)
+    return iface_("{:.1f} h").format(seconds / 3600)
+
+
+def stage(name: str | None) -> str:
+    """Label of a worker's stage; None means that it is still starting."""
+    return iface_(STAGES[name] if name is not None else "Starting")
+
+
+def remark(said: RadTexError | Message | str, folder: Path | None = None) -> str:
+    """A message as the panel shows it: with the panel's names of settings, first letter a capital.
+
+    Paths in `folder` are shortened to file names, because the sidebar is narrow.
+    """
+    message = Message(said) if isinstance(said, str) else said if isinstance(said, Message) else said.message
+    text = joined(message.problem, map(_remedy, message.remedies))
+    if folder is not None:
+        text = text.replace(f"{folder}{os.sep}", "")
+    return text[:1].upper() + text[1:]
+
+
+def _remedy(remedy: Remedy) -> str:
+    """What to do, with its settings in brackets, unless the panel has none or the text names them."""
+    without = [LABELS.get(setting, str(setting)) for setting in remedy.without]
+    if remedy.leaves_out:
+        how = _LEFT_OUT.get(remedy.without[0], "as it was" if len(without) == 1 else "as they were")
+        return f"leave {' and '.join(without)} {how} {remedy.text}".rstrip()
+    used = [LABELS[setting] for setting in remedy.settings if setting in LABELS]
+    said = remedy.text.lower()
+    words = [] if all(label.lower() in said for label in used) and not without else used
+    if without:
+        words.append(f"without {' and '.join(without)}")
+    return f"{remedy.text} ({', '.join(words)})" if words else remedy.text

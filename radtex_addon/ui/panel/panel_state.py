@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cache of what the panel shows about the next bake: errors, warnings, cost. Computed outside of drawing.
+
+Handlers only mark the cache stale; a timer recomputes it once nothing has changed for a moment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, TypeAlias
+
+import bpy
+from bpy.app.handlers import persistent
+
+from .redraw import redraw
+
+if TYPE_CHECKING:
+    from ...bake.cost import Cost
+    from ...bake.spec import BakeSpec
+    from ...core.messages import Message
+
+_QUIET = 0.3  # seconds without a change before recomputing, so that dragging stays fluid
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What to expect of a bake of the chosen objects: errors, warnings, and the most that any of them costs.
+
+    `spec` and `cost` are None if the settings are invalid. `seconds` is the time of all objects; None if it
+    was not estimated, or if objects share or split their atlases. `folder` is None if there is no output
+    folder. `remedies` are names of settings that would remove errors if toggled. `baked`: the only errors are
+    that bakes already exist. `forgets`: an unfinished bake that could be resumed would be discarded. `shown`
+    are the objects whose bake is shown in their place. `layout` describes the automatically chosen layout and
+    the reason; empty if the user chose the layout.
+    """
+
+    objects: tuple[str, ...]
+    errors: tuple[Message, ...]
+    warnings: tuple[Message, ...]
+    spec: BakeSpec | None = None
+    cost: Cost | None = None
+    seconds: float | None = None
+    folder: Path | None = None
+    remedies: tuple[str, ...] = ()
+    baked: bool = False
+    forgets: bool = False
+    shown: tuple[str, ...] = ()
+    layout: str = ""
+
+
+Compute: TypeAlias = Callable[[bpy.types.Scene, bpy.types.ViewLayer], Forecast]
+
+
+@dataclass
+class _Cache:
+    compute: Compute | None  # set while the add-on is registered
+    found: dict[tuple[int, str], Forecast]
+    changed: float = 0.0
+    looking: bool = False  # ignore the depsgraph updates that our own evaluation causes
+
+
+_cache = _Cache(None, {})
+
+
+def cached_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Forecast | None:
+    """The cached forecast; None if the timer has not computed it yet."""
+    return _cache.found.get(_key(scene, view_layer))
+
+
+def refresh(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Forecast:
+    """Compute the forecast and cache it; the add-on must be registered."""
+    assert _cache.compute is not None
+    _cache.looking = True
+    try:
+        found = _cache.found[_key(scene, view_layer)] = _cache.compute(scene, view_layer)
+    finally:
+        _cache.looking = False
+    return found
+
+
+@persistent  # type: ignore[untyped-decorator]  # untyped in the stubs
+def mark_stale(*_: object) -> None:
+    """Handler: recompute the cache soon. Accepts the arguments of any handler."""
+    if _cache.looking:
+        return
+    _cache.changed = monotonic()
+    if not bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.register(_tick, first_interval=_QUIET, persistent=True)
+
+
+def register(compute: Compute) -> None:
+    """Add the handlers that mark the cache stale, and fill it by `compute` from now on."""
+    _cache.compute = compute
+    for handlers in _lists():
+        handlers.append(mark_stale)
+    mark_stale()
+
+
+def unregister() -> None:
+    """Remove the handlers and clear the cache."""
+    for handlers in _lists():
+        if mark_stale in handlers:  # other add-ons may have cleared the list
+            handlers.remove(mark_stale)
+    if bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.unregister(_tick)
+    _cache.found.clear()
+    _cache.compute = None
+
+
+def _tick() -> float | None:
+    rest = _cache.changed + _QUIET - monotonic()
+    if rest > 0:
+        return rest
+    _cache.found.clear()
+    manager = bpy.context.window_manager
+    for window in manager.windows if manager is not None else ():
+        refresh(window.scene, window.view_layer)
+    redraw()
+    return None
+
+
+def _lists() -> tuple[list[object], ...]:
+    events = bpy.app.handlers
+    return (  # type: ignore[return-value]  # the stubs give each list another type
+        events.depsgraph_update_post,
+        events.undo_post,
+        events.redo_post,
+        events.load_post,
+        events.save_post,
+    )
+
+
+def _key(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> tuple[int, str]:
+    return scene.session_uid, view_layer.name

@@ -1,0 +1,285 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake's settings: stored with the scene for the panel, and keyword arguments of the bake operator."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, cast
+
+import bpy
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from ...bake.kinds import DEFAULT_KIND, Kind, Layout, form_in
+from ..panel.panel_state import mark_stale
+from . import output_settings, surfaces
+from .menu_items import CONTENTS, KINDS, LAYOUTS_OR_AUTOMATIC, LIMITS, UNWRAPS, VARIANTS, VIEWS
+from .update_callbacks import NOTICED
+
+# Property names of the mixin below, in the panel's order.
+NAMES = (
+    "kind",
+    "view",
+    "content",
+    "content_collection",
+    "ao_distance",
+    "atlas_layout",
+    *surfaces.NAMES,
+    "uv_layer",
+    "unwrap",
+    "padding",
+    "source",
+    "extrusion",
+    "cage",
+    "variants",
+    "frames",
+    "texels",
+    "bucket",
+    "samples",
+    "limit",
+    "budget",
+    "target",
+    "seed",
+    *output_settings.NAMES,
+)
+
+
+_OWN_CELLS = "radtex_cells"  # custom property: the user's bucket size for each `_sort_of_cells`
+
+
+def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
+    """Update callback of kind, layout and limit: restore the bucket size last used with them, or the default.
+
+    Only for the panel: an operator's keyword arguments are not adjusted.
+    """
+    if isinstance(settings, bpy.types.PropertyGroup):
+        from .suited_cells import suited_bucket
+
+        own = cast(Any, settings).get(_OWN_CELLS, {}).get(_sort_of_cells(settings))
+        settings.bucket = own or suited_bucket(settings.kind, settings.atlas_layout, settings.limit)
+    mark_stale()
+
+
+def _keep_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
+    """Update callback: remember the bucket size for the current `_sort_of_cells`."""
+    if isinstance(settings, bpy.types.PropertyGroup):
+        known = dict(cast(Any, settings).get(_OWN_CELLS, {}))
+        cast(Any, settings)[_OWN_CELLS] = known | {_sort_of_cells(settings): settings.bucket}
+    mark_stale()
+
+
+def _sort_of_cells(settings: BakeSettings) -> str:
+    """Key of the remembered bucket size; for `ao`, which has no buckets, that is its grid of rays."""
+    kind = Kind(settings.kind).traits
+    if kind.views or kind.ao_distance:
+        return settings.kind
+    if kind.form is None and settings.atlas_layout in tuple(Layout):
+        return form_in(Layout(settings.atlas_layout), condensed=settings.limit != "none").name
+    return settings.atlas_layout if kind.looks_at_surface else Layout.BUCKETS.value
+
+
+class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
+    """Mixin with all bake properties, for the scene's settings and the operator; not registered itself."""
+
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
+        kind: str
+        view: str
+        content: str
+        content_collection: str
+        ao_distance: float
+        atlas_layout: str
+        uv_layer: str
+        unwrap: str
+        padding: int
+        source: str
+        extrusion: float
+        cage: str
+        variants: str
+        frames: str
+        texels: int
+        bucket: int
+        samples: int
+        limit: str
+        budget: float
+        target: float
+        seed: int
+    else:
+        kind: EnumProperty(
+            name="Kind",
+            description="Which light each texel keeps",
+            items=KINDS,
+            default=DEFAULT_KIND.value,
+            update=_suit_bucket,
+            options={"SKIP_SAVE"},
+        )
+        view: EnumProperty(
+            name="View",
+            description="From where the object's answer to light is seen",
+            items=VIEWS,
+            default="normal",
+            **NOTICED,
+        )
+        content: EnumProperty(
+            name="Content",
+            description="What the hull shows in its place; the hull itself is never seen",
+            items=CONTENTS,
+            default="inside",
+            **NOTICED,
+        )
+        content_collection: StringProperty(
+            name="Collection",
+            description="The collection whose objects the hull shows",
+            **NOTICED,
+        )
+        ao_distance: FloatProperty(
+            name="Distance",
+            description="What is farther away than this counts as open. With 0 there is no limit",
+            default=0.0,
+            min=0.0,
+            soft_max=10.0,
+            step=1,
+            precision=3,
+            subtype="DISTANCE",
+            **NOTICED,
+        )
+        atlas_layout: EnumProperty(
+            name="Layout",
+            description="How the light is kept",
+            items=LAYOUTS_OR_AUTOMATIC,
+            default="auto",
+            update=_suit_bucket,
+            options={"SKIP_SAVE"},
+        )
+        uv_layer: StringProperty(
+            name="UV Layer",
+            description="The UV layer to bake on: inside the unit square and without overlaps, or places on "
+            "the surface would show each other's light. Left empty, a copy is unwrapped anew",
+            **NOTICED,
+        )
+        unwrap: EnumProperty(
+            name="Unwrap",
+            description="Who lays out the surface where no UV layer is chosen",
+            items=UNWRAPS,
+            default="xatlas",
+            **NOTICED,
+        )
+        padding: IntProperty(
+            name="Padding",
+            description="Texels left free between islands: too few, and light bleeds across seams",
+            default=2,
+            min=0,
+            max=256,
+            soft_max=16,
+            **NOTICED,
+        )
+        source: StringProperty(
+            name="From",
+            description="A detailed object in the same place, whose light the simple one shall show. The "
+            "simple one is not seen while it is baked. Left empty, objects show their own",
+            **NOTICED,
+        )
+        extrusion: FloatProperty(
+            name="Extrusion",
+            description="How far from the simple surface, outwards and inwards, the detailed one is looked "
+            "for. 0 is 3 % of the object's size",
+            default=0.0,
+            min=0.0,
+            soft_max=1.0,
+            step=1,
+            precision=3,
+            subtype="DISTANCE",
+            **NOTICED,
+        )
+        cage: StringProperty(
+            name="Cage",
+            description="A copy of the simple object whose vertices were moved out: the detailed one is "
+            "looked for from there on, instead of along the normals. It may be hidden",
+            **NOTICED,
+        )
+        variants: EnumProperty(
+            name="Variants",
+            description="Several atlases of each object at once",
+            items=VARIANTS,
+            default="none",
+            **NOTICED,
+        )
+        frames: StringProperty(
+            name="Frames",
+            description="The frames to bake, such as 1,5,10-20",
+            default="1",
+            **NOTICED,
+        )
+        texels: IntProperty(
+            name="Texels",
+            description="Texels along the atlas's longer side: more show finer detail on the surface. Twice "
+            "as many cost four times as much",
+            default=128,
+            min=1,
+            max=65536,
+            soft_min=16,
+            soft_max=1024,
+            **NOTICED,
+        )
+        bucket: IntProperty(
+            name="Cells",
+            description="Cells along each side of a texel's bucket: more keep sharper reflections and "
+            "highlights. In the Buckets layout, twice as many cost four times as much. Automatic takes other "
+            "numbers than 6, 10, 14 and 18 for Buckets",
+            default=14,  # the default of the automatic layout (`job.layout_choice`)
+            min=2,
+            max=256,
+            soft_max=32,
+            update=_keep_bucket,
+            options={"SKIP_SAVE"},
+        )
+        samples: IntProperty(
+            name="Samples",
+            description="Paths traced for each cell: more leave less noise. In the Shared layout each texel "
+            "spends about 64 times as many, however many cells it has",
+            default=16,
+            min=1,
+            max=2**24,
+            soft_max=1024,
+            **NOTICED,
+        )
+        limit: EnumProperty(
+            name="Limit",
+            description="What bounds the size of the Shared layout's textures",
+            items=LIMITS,
+            default="none",
+            update=_suit_bucket,
+            options={"SKIP_SAVE"},
+        )
+        budget: FloatProperty(
+            name="MB on the GPU",
+            description="What the textures may take, in millions of bytes: less blurs what differs from "
+            "texel to texel, first in reflections of near things",
+            default=1.0,
+            min=0.01,
+            max=1e6,
+            soft_max=16.0,
+            step=10,
+            precision=2,
+            **NOTICED,
+        )
+        target: FloatProperty(
+            name="dB",
+            description="How near the textures come to the full bake: at 40 dB hardly anybody tells them "
+            "apart, at 30 dB reflections of near things are softer",
+            default=40.0,
+            min=10.0,
+            max=60.0,
+            step=100,
+            precision=0,
+            **NOTICED,
+        )
+        seed: IntProperty(
+            name="Seed",
+            description="Another seed gives other noise; the same one gives the same picture",
+            default=0,
+            min=0,
+            **NOTICED,
+        )
+
+
+class RADTEX_PG_settings(BakeSettings, bpy.types.PropertyGroup):
+    """What RadTex's panel shows, kept with the scene"""

@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Items of the enum properties: identifier, name and tooltip, in Blender's format."""
+
+from __future__ import annotations
+
+from ...bake.kinds import KINDS as _TABLE
+
+KINDS = tuple((kind.value, traits.title, traits.tooltip) for kind, traits in _TABLE.items())
+
+VIEWS = (
+    (
+        "normal",
+        "Normal",
+        "Each place as it is seen straight from above: right for matt things, from anywhere",
+    ),
+    ("camera", "Camera", "As the scene's camera sees it, gloss and all: for one picture that is lit anew"),
+    (
+        "around",
+        "Around",
+        "From nine directions, between which it blends: nine times the paths and the texture",
+    ),
+)
+
+CONTENTS = (
+    ("inside", "Inside", "All that lies within the hull"),
+    ("collection", "Collection", "What one collection holds, wherever it is"),
+    ("all", "Everything", "All that is behind it, the world too, as through a window"),
+)
+
+VARIANTS = (
+    ("none", "None", "One atlas for each object"),
+    ("frames", "Frames", "One for each of some frames of the animation, on one unwrap"),
+    (
+        "lamps",
+        "Each Lamp",
+        "One for each lamp alone, and one for all other light. Light adds up: games mix them as they like",
+    ),
+)
+
+LAYERS = (
+    ("diffuse", "Diffuse", "Light scattered by the surface, and below it"),
+    ("glossy", "Glossy", "Reflections, sharp or blurred"),
+    ("transmission", "Transmission", "What is seen through glass"),
+    ("volume", "Volume", "Light scattered by smoke and fog"),
+    ("emission", "Emission", "What glows"),
+    ("environment", "Environment", "The world, where nothing else is seen"),
+    ("normal", "Normal", "Which way what is seen there faces, in world space"),
+    ("base", "Base", "Diffuse light, one value for each texel: a small texture that needs no view"),
+    ("rest", "Rest", "What the base lacks of the whole, in each direction"),
+)
+
+LAYOUTS = (
+    ("buckets", "Buckets", "Every texel keeps a picture of its own of the light in all directions"),
+    (
+        "shared",
+        "Shared",
+        "What all texels see in common is kept once, and sharp. For glossy things; radiance only",
+    ),
+)
+
+AUTOMATIC = (
+    "auto",
+    "Automatic",
+    "Shared within 2 MB where that goes, or else Buckets; which, and why, is said below",
+)
+# The numbers are explicit because .blend files store them.
+LAYOUTS_OR_AUTOMATIC = (
+    (*AUTOMATIC, "NONE", 2),
+    *((*layout, "NONE", number) for number, layout in enumerate(LAYOUTS)),
+)
+
+SPLITS = (
+    ("none", "None", "The whole surface has one atlas"),
+    ("material", "Material", "Each material has an atlas, as in engines that draw material by material"),
+    ("udim", "UDIM", "Each tile of the UV layer has an atlas, and tiles are numbered from 1001 on"),
+)
+
+UNWRAPS = (
+    ("xatlas", "xatlas", "Few and even islands, so that no texel is wasted. Takes long on large meshes"),
+    (
+        "blender",
+        "Blender",
+        "Blender's Smart UV Project: quick on large meshes, in more and smaller islands",
+    ),
+)
+
+COMPRESSIONS = (
+    ("zip", "ZIP", "Exact, and small"),
+    ("piz", "PIZ", "Exact, and often smaller where there is noise, but slower to read"),
+    ("dwaa", "DWAA", "Much smaller, and a little light is lost where it differs little"),
+)
+
+# How the size of the shared layout's textures is limited.
+LIMITS = (
+    ("none", "Full", "Every texel keeps buckets of its own: the best picture, and the largest files"),
+    ("budget", "Size", "Texels that are alike share buckets, until the textures take no more than this"),
+    (
+        "target",
+        "Quality",
+        "Texels that are alike share buckets, as few as come this near to the full bake",
+    ),
+)
+
+TARGETS = (
+    ("web", "Web", "A page that shows the object in a browser, by three.js"),
+    ("godot", "Godot", "A project with a scene and a shader that Godot 4 opens"),
+    ("gltf", "glTF", "A .glb whose material names the textures"),
+    ("unity", "Unity", "A mesh, DDS textures and a shader include"),
+    ("unreal", "Unreal", "A mesh, DDS textures and a shader include"),
+    ("raw", "Raw", "A mesh, textures and all shader includes, for an engine of your own"),
+)
+
+DEVICES = (
+    ("auto", "Automatic", "The GPU that is switched on in Blender's preferences, or else the CPU"),
+    ("cpu", "CPU", "The processor: slow, and never short of memory"),
+    ("gpu", "Any GPU", "The first GPU that Cycles can use, whatever Blender's preferences say"),
+    ("optix", "OptiX", "NVIDIA's GPUs from RTX on"),
+    ("cuda", "CUDA", "NVIDIA's GPUs"),
+    ("hip", "HIP", "AMD's GPUs"),
+    ("metal", "Metal", "Apple's GPUs"),
+    ("oneapi", "oneAPI", "Intel's GPUs"),
+)

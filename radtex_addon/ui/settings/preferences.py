@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Add-on preferences: device, folders, memory limit, and the preset of new files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+import bpy
+from bpy.props import EnumProperty, IntProperty, StringProperty
+
+from ..panel.labels import iface_
+from .menu_items import DEVICES
+from .presets import STOCK
+
+# "bl_ext.user_default.radtex" when installed as an extension.
+ADDON = __package__.rpartition(".radtex_addon")[0] or "radtex_addon"
+
+
+@dataclass(frozen=True)
+class Preferred:
+    """The preferences' values; folders and the memory limit are None if not set, `preset` is empty."""
+
+    device: str = "auto"
+    output: Path | None = None
+    cache: Path | None = None
+    memory_mb: int | None = None
+    preset: str = ""
+
+
+class RADTEX_preferences(bpy.types.AddonPreferences):
+    """RadTex's preferences"""
+
+    bl_idname = ADDON
+
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
+        device: str
+        output_folder: str
+        cache_folder: str
+        memory_mb: int
+        default_preset: str
+    else:
+        device: EnumProperty(
+            name="Device",
+            description="What traces the paths. Pictures differ in their noise only",
+            items=DEVICES,
+            default="auto",
+        )
+        output_folder: StringProperty(
+            name="Output Folder",
+            description="Where bakes of files go that were never saved, and so have no folder of their own",
+            subtype="DIR_PATH",
+        )
+        cache_folder: StringProperty(
+            name="Cache Folder",
+            description="Where the scene waits while it is baked: as much room as the .blend takes. Left "
+            "empty, the extension's own folder",
+            subtype="DIR_PATH",
+        )
+        memory_mb: IntProperty(
+            name="Memory (MB)",
+            description="What a bake may take beside the scene: one that needs more is refused, less renders "
+            "smaller tiles of the same picture. 0 is as much as the machine has",
+            default=0,
+            min=0,
+            max=2**24,
+            soft_max=16384,
+        )
+        default_preset: EnumProperty(
+            name="Default Preset",
+            description="What new files start from",
+            items=(("none", "None", "RadTex's own defaults"), *STOCK),
+            default="none",
+        )
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        layout = self.layout
+        assert layout is not None  # Blender always sets it for drawing
+        text = iface_("To bake, press N over a 3D view and open the sidebar's tab RadTex")
+        layout.label(text=text, icon="INFO", translate=False)
+        layout.use_property_split = True
+        for name in ("device", "memory_mb", "output_folder", "cache_folder", "default_preset"):
+            layout.prop(self, name)
+
+
+def preferred() -> Preferred:
+    """The current preferences; defaults if RadTex is not installed as an add-on."""
+    assert bpy.context.preferences is not None  # only restricted contexts have none
+    addon = bpy.context.preferences.addons.get(ADDON)
+    if addon is None or addon.preferences is None:
+        return Preferred()
+    found = cast(RADTEX_preferences, addon.preferences)
+    return Preferred(
+        device=found.device,
+        output=_folder(found.output_folder),
+        cache=_folder(found.cache_folder),
+        memory_mb=found.memory_mb or None,
+        preset="" if found.default_preset == "none" else found.default_preset,
+    )
+
+
+def _folder(text: str) -> Path | None:
+    return Path(bpy.path.abspath(text)) if text.strip() else None

@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings that assign surfaces to atlases (shared or split), and the bakes that result."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, StringProperty
+
+from ...bake.kinds import Kind
+from .menu_items import SPLITS
+from .update_callbacks import NOTICED
+
+if TYPE_CHECKING:
+    from ...bake.spec import BakeSpec
+
+NAMES = ("together", "atlas_name", "split", "part")  # property names of the mixin below
+
+
+class SurfaceSettings:
+    """Mixin with the properties of atlases; not registered itself."""
+
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
+        together: bool
+        atlas_name: str
+        split: str
+        part: str
+    else:
+        together: BoolProperty(
+            name="One Atlas",
+            description="Bake all selected objects into one atlas, so that they need but one texture",
+            default=False,
+            **NOTICED,
+        )
+        atlas_name: StringProperty(
+            name="Name",
+            description="What the atlas that objects share is called, and its files",
+            default="Atlas",
+            **NOTICED,
+        )
+        split: EnumProperty(
+            name="Split",
+            description="What has an atlas of its own",
+            items=SPLITS,
+            default="none",
+            **NOTICED,
+        )
+        part: StringProperty(
+            name="Only",
+            description="The one material, or the tile's number, to bake. Left empty, all are baked",
+            **NOTICED,
+        )
+
+
+def draw_surfaces(column: Any, settings: Any, several: bool, plain: bool) -> None:
+    """Draw the settings that apply; a shared atlas needs `several` objects and layout buckets (`plain`)."""
+    if several and plain and Kind(settings.kind).traits.shared_atlas:
+        column.prop(settings, "together")
+        if settings.together:
+            column.prop(settings, "atlas_name")
+    column.prop(settings, "split")
+    if settings.split == "material":
+        column.prop_search(settings, "part", bpy.data, "materials")
+    elif settings.split != "none":
+        column.prop(settings, "part")
+
+
+def shared_name(values: Mapping[str, Any], spec: BakeSpec) -> str | None:
+    """Name of the atlas that all objects share; None if each object has its own."""
+    fits = spec.form.shared_atlas and spec.kind.traits.shared_atlas
+    name: str = values["atlas_name"]
+    return name if values["together"] and fits else None
+
+
+def have_own_atlases(values: Mapping[str, Any], spec: BakeSpec, count: int) -> bool:
+    """Whether each of `count` objects has exactly one atlas, not shared."""
+    return spec.split is None and (count < 2 or shared_name(values, spec) is None)
