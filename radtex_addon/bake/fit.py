@@ -65,7 +65,7 @@ def fit_shared(
     """
     yield Progress(Stage.FIT, 0, 1)
     plan = light.plan
-    facing = _facing(light)
+    facing = facing_of(light)
     used = facing > 0
     falloff, diffuse = fit_diffuse(light, facing)
     del facing
@@ -212,7 +212,7 @@ def _cosine(square: Floats) -> Floats:
     return square_to_direction(square)[..., 2].astype(np.float32)
 
 
-def _facing(light: LightSamples) -> Floats:
+def facing_of(light: LightSamples) -> Floats:
     """N.I of the samples, (K, S); 0 for those that do not count."""
     facing = np.empty(light.seen.shape, dtype=np.float32)
 

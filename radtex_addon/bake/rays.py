@@ -12,6 +12,8 @@ PROBE_CELLS = 4  # cells along a side of the buckets for finding hidden directio
 CLEAR_SAMPLES = 16  # rays that vote on a shadow's bit where a material may let some of them through
 PROBES = 2  # rays per cell of these buckets; a cell is hidden if all of its rays meet back faces
 
+LAYERED_PANORAMAS = 1280**2 // 2 + 2 * 4 * 896**2 // 2  # paths of what surrounds an object, in layers
+
 _SAMPLES = 16  # samples of a plain bake with 8 x 8 cells that costs as much as the default `Rays`
 _FEWEST = {"light": 4, "ends": 2, "around": 2, "panorama": 1}  # with fewer there is nothing to fit
 _LARGEST_PANORAMA = 64  # paths per cell, a render of 2048 x 2048: beyond that the texels' own noise is larger
@@ -55,3 +57,27 @@ class Rays:
     def most(self, texels: int) -> int:
         """All paths of a bake that covers `texels` texels, if none of them is hidden."""
         return texels * (self.of_texel + FINER**2 + PROBES * PROBE_CELLS**2) + self.of_panorama
+
+
+@dataclass(frozen=True)
+class LayeredRays:
+    """Paths of a texel in the layered layout: `light`², `ends`² twice, and `exits` in each cell of them."""
+
+    light: int = 16
+    ends: int = 10
+    exits: int = 2
+
+    @classmethod
+    def of(cls, samples: int) -> LayeredRays:
+        """At most as many paths as a plain bake of so many samples in each of 8 x 8 cells takes."""
+        share = sqrt(samples / _SAMPLES)
+        return cls(max(4, round(cls.light * share)), max(4, round(cls.ends * share)))
+
+    @property
+    def of_texel(self) -> int:
+        """Paths of one texel, without those of what surrounds the object, and of what comes through it."""
+        return self.light**2 + 2 * self.ends**2
+
+    def most(self, texels: int) -> int:
+        """All paths of a bake of an opaque object that covers `texels` texels, if none of them is hidden."""
+        return texels * (self.of_texel + 1 + FINER**2 + PROBES * PROBE_CELLS**2) + LAYERED_PANORAMAS

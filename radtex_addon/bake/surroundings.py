@@ -60,12 +60,12 @@ class Surroundings:
         return light.T
 
     @cached_property
-    def _maps(self) -> _Maps:
-        return _Maps.of(self.levels)
+    def _maps(self) -> LevelMaps:
+        return LevelMaps.of(self.levels)
 
 
 @dataclass(frozen=True, eq=False)
-class _Maps:
+class LevelMaps:
     """Octahedral maps for many lookups: `around` (4, C, corners) has the four cells around each corner.
 
     The corners of all maps follow each other; `first` is each map's first corner, `size` its cells on a side.
@@ -76,7 +76,7 @@ class _Maps:
     size: Ints
 
     @classmethod
-    def of(cls, maps: Sequence[Floats]) -> _Maps:
+    def of(cls, maps: Sequence[Floats]) -> LevelMaps:
         """From maps (M, M, C), whose M may differ."""
         size = np.array([len(image) for image in maps])
         around = [planes(image.reshape(len(image) ** 2, -1))[:, corner_cells(len(image))] for image in maps]
@@ -123,7 +123,7 @@ def meet_surroundings(nearness: Floats, middle: Floats, position: Floats, direct
     offset, direction = (planes(vectors).T for vectors in (position - middle, direction))
     along = np.sum(offset * direction, axis=1)
     squared = np.sum(offset * offset, axis=1)
-    found, maps = direction, _Maps.of([nearness[..., None]])
+    found, maps = direction, LevelMaps.of([nearness[..., None]])
     for _ in range(_MEETINGS):
         near = maps.look(direction_to_octahedron(found).T, 0)[0]
         distance = np.sqrt(np.maximum(along * along - squared + 1 / (near * near), 0)) - along
@@ -152,7 +152,7 @@ def _blurred(image: Floats, size: int, variance: float) -> Floats:
     sine = np.sqrt(np.maximum(1 - cosine**2, 0))
     azimuth = np.arange(_BLUR_TAPS) * np.pi * (3 - np.sqrt(5))
     direction, tangent, bitangent = (planes(axis).T for axis in (direction, tangent, bitangent))
-    maps = _Maps.of([image])
+    maps = LevelMaps.of([image])
 
     def blurred(some: slice) -> Floats:
         total = np.zeros((3, some.stop - some.start), dtype=np.float32)

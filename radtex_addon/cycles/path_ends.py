@@ -39,32 +39,32 @@ class PathEnds:
         baked: bpy.types.Object,
         group: bpy.types.ShaderNodeTree,
     ) -> None:
-        self.scene, self._original, self._baked, self._group = scene, original, baked, group
+        self.scene, self._original, self.baked, self._group = scene, original, baked, group
 
     @contextmanager
     def named_alike(self) -> Iterator[None]:
         """Give the copy the object's name during a render: Object Info's Random depends on the name."""
-        original, name, own = self._original, self._original.name, self._baked.name
+        original, name, own = self._original, self._original.name, self.baked.name
         local = original.library is None  # names of linked objects cannot clash with the file's own
         try:
             if local:
                 original.name = "RadTex original"
-            self._baked.name = name
+            self.baked.name = name
             yield
         finally:
-            self._baked.name = own
+            self.baked.name = own
             if local:
                 original.name = name
 
     def blacken_object(self) -> None:
         """Make the object black, so that paths end where they meet it."""
-        mesh = cast(bpy.types.Mesh, cast(bpy.types.ID, self._baked.data).copy())
+        mesh = cast(bpy.types.Mesh, cast(bpy.types.ID, self.baked.data).copy())
         mesh.materials.clear()
         material, build = open_material("RadTex black")
         black = build.node("ShaderNodeBsdfDiffuse", (0.0, 0.0, 0.0, 1.0))
         build.node("ShaderNodeOutputMaterial", black.outputs[0])
         mesh.materials.append(material)
-        self._baked.data = mesh
+        self.baked.data = mesh
 
     def emit_directions(self, turn: int) -> None:
         """Emit directions d as d / 2 + 1/2, with components rotated by `turn` among red, green and blue."""

@@ -38,8 +38,8 @@ from .portal import Aim, PortalCapture
 
 _TILE_PIXELS = 3 << 20
 _ITSELF = 0.1  # less than the sum of any encoded direction's components: the ray met the black object
-_LOBES = {"diffuse": "diffuse", "mirrored": "glossy", "through": "transmission"}  # Cycles's names
-_DIFFUSE, _MIRRORED, _THROUGH = map(attributes_of, _LOBES.values())
+LOBES = {"diffuse": "diffuse", "mirrored": "glossy", "through": "transmission"}  # Cycles's names
+DIFFUSE, MIRRORED, THROUGH = map(attributes_of, LOBES.values())
 
 
 def capture_samples(
@@ -57,18 +57,18 @@ def capture_samples(
     BakeError where Cycles fails.
     """
     count, cells = len(plan.texel), plan.layout.bucket**2
-    aim = Aim(spread_shifts(count, seed), _DIFFUSE + _THROUGH)
+    aim = Aim(spread_shifts(count, seed), DIFFUSE + THROUGH)
     capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
-    samples: Arrays = {name: np.empty((count, cells, 3), dtype=np.float16) for name in _LOBES}
+    samples: Arrays = {name: np.empty((count, cells, 3), dtype=np.float16) for name in LOBES}
     samples["colour"] = np.empty((count, 3), dtype=np.float32)
-    for tile in _tiles(plan):
+    for tile in tiles_of(plan):
         first = tile.first_row * plan.columns
         yield Progress(Stage.CAPTURE, first, count)
         found = store.get_or_make(_name("light", tile), partial(_trace_light, capture, tile, cells))
         for name, whole in samples.items():
             whole[first : first + len(found[name])] = found[name]
         if thumbnail is not None:
-            light = np.sum([found[lobe].mean(axis=1, dtype=np.float32) for lobe in _LOBES], axis=0)
+            light = np.sum([found[lobe].mean(axis=1, dtype=np.float32) for lobe in LOBES], axis=0)
             thumbnail.add(plan.layout, plan.texels_of(tile), light)
     yield Progress(Stage.CAPTURE, count, count)
     square = aim.square(plan.layout.bucket)
@@ -94,11 +94,11 @@ def capture_ends(
     Raises BakeError where Cycles fails.
     """
     count, cells = len(plan.texel), plan.layout.bucket**2
-    aim = Aim(spread_shifts(count, seed + 2), _MIRRORED + _THROUGH)
+    aim = Aim(spread_shifts(count, seed + 2), MIRRORED + THROUGH)
     capture = PortalCapture(ends.scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
     found = [
         store.get_or_make(_name("ends", tile), partial(_trace_ends, ends, capture, tile))
-        for tile in _tiles(plan)
+        for tile in tiles_of(plan)
     ]
     parts = {
         name: np.concatenate([tile[name] for tile in found]).reshape(count, cells, 3) for name in found[0]
@@ -110,7 +110,7 @@ def _trace_ends(ends: PathEnds, capture: PortalCapture, tile: Tile) -> Arrays:
     ends.emit_white()
     with ends.named_alike():
         white = capture.render_passes(tile)
-    weights = {lobe: raw_light_of(white, _LOBES[lobe]) for lobe in ("mirrored", "through")}
+    weights = {lobe: raw_light_of(white, LOBES[lobe]) for lobe in ("mirrored", "through")}
     deep = any(any_dark(weight) for weight in weights.values())  # colours with an almost black channel
     emitted = []
     for turn in range(TURNS if deep else 1):
@@ -119,7 +119,7 @@ def _trace_ends(ends: PathEnds, capture: PortalCapture, tile: Tile) -> Arrays:
             emitted.append(capture.render_passes(tile))
     found: Arrays = {}
     for lobe, weight in weights.items():
-        coded = [raw_light_of(passes, _LOBES[lobe]) for passes in emitted]  # directions, not colours
+        coded = [raw_light_of(passes, LOBES[lobe]) for passes in emitted]  # directions, not colours
         end = from_directions(coded, weight)
         found[f"{lobe}_weight"] = np.maximum(white.in_rec709(weight), 0).astype(np.float16)
         found[f"{lobe}_end"] = end.astype(np.float16)
@@ -143,7 +143,7 @@ def capture_surroundings(
     pieces begin with `name`. Raises BakeError where Cycles fails.
     """
     count = len(plan.texel)
-    shift = _straight(count) if plan.layout.bucket == 1 else spread_shifts(count, seed + 1)
+    shift = straight_shifts(count) if plan.layout.bucket == 1 else spread_shifts(count, seed + 1)
     aim = Aim(shift)
 
     def trace(shown: bpy.types.Scene, what: str, coded: bool = False) -> Floats:
@@ -153,7 +153,7 @@ def capture_surroundings(
                 store.get_or_make(
                     _name(f"{name}-{what}", tile), partial(_trace_around, capture, tile, coded)
                 )["rgb"]
-                for tile in _tiles(plan)
+                for tile in tiles_of(plan)
             ]
         )
 
@@ -180,12 +180,12 @@ def capture_colour(
     scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder: Path, store: PieceStore = NO_STORE
 ) -> Floats:
     """Capture the diffuse colour along the normal: (H, W, 3), gutter filled; buckets have one cell."""
-    aim = Aim(_straight(len(plan.texel)), _DIFFUSE)
+    aim = Aim(straight_shifts(len(plan.texel)), DIFFUSE)
     capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
     first_hit_only(scene)
     tiles = [
         store.get_or_make(_name("colour", tile), partial(_trace_colour, capture, tile))["colour"]
-        for tile in _tiles(plan)
+        for tile in tiles_of(plan)
     ]
     return plan.placed(np.concatenate(tiles), gutter=True)
 
@@ -198,18 +198,19 @@ def _name(what: str, tile: Tile) -> str:
     return f"{what}-{tile.first_row:06d}"
 
 
-def _straight(count: int) -> Floats:
+def straight_shifts(count: int) -> Floats:
     """Shifts that aim almost along the normal: the exact middle of a bucket has no azimuth."""
     return np.full((count, 2), 0.51)
 
 
-def _tiles(plan: CapturePlan) -> list[Tile]:
+def tiles_of(plan: CapturePlan) -> list[Tile]:
+    """The tiles in which a plan of single rays is rendered."""
     rows = max(1, _TILE_PIXELS // (plan.columns * plan.layout.bucket**2))
     return [Tile(row, min(rows, plan.rows - row)) for row in range(0, plan.rows, rows)]
 
 
 def _light(passes: Passes, lobe: str) -> Floats:
-    return light_of(passes, _LOBES[lobe])
+    return light_of(passes, LOBES[lobe])
 
 
 def _half(light: Floats) -> Floats:

@@ -74,7 +74,7 @@ def capture_shared(
     lit, fine = plan(rays.light), plan_capture(finer, 1)
     count, all_around = len(lit.texel), rays.of_panorama
     total = count * rays.of_texel + all_around + len(fine.texel)
-    middle, radius = _reach(lit)
+    middle, radius = reach_of(lit)
     yield Progress(Stage.CAPTURE, 0, total)
     beside = read_beside(scratch, baked)
     with scene_copied(scratch) as scene, path_ends(scene, baked, mesh, beside, middle) as ends:
@@ -102,7 +102,7 @@ def capture_shared(
     return SharedCapture(light, found, joined(near, far), colour, total + probes)
 
 
-def _reach(plan: CapturePlan) -> tuple[Floats, float]:
+def reach_of(plan: CapturePlan) -> tuple[Floats, float]:
     """The middle of the plan's points, (3,) float32, and the radius of a sphere around all of them."""
     places = plan.points
     middle: Floats = ((places.min(axis=0) + places.max(axis=0)) / 2).astype(np.float32)

@@ -15,10 +15,10 @@ from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.cycles.sampling import capture_samples
+from radtex_addon.forms.layered.capture.material_maps import capture_maps
+from radtex_addon.forms.layered.capture.opacity import find_alpha_map
+from radtex_addon.forms.layered.capture.surface_alone import surface_alone
 from radtex_addon.scene.scratch import scene_copied, scratch_scene
-from tests.bench.fidelity.layered.maps import capture_maps
-from tests.bench.fidelity.layered.opacity import find_alpha_map
-from tests.bench.fidelity.surface_alone import surface_alone
 from tests.blender.stage import material, plan_of, world
 
 _COLOUR = (0.8, 0.4, 0.2)

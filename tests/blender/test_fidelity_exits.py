@@ -15,11 +15,11 @@ from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
+from radtex_addon.forms.layered.capture.exits import capture_exits
+from radtex_addon.forms.layered.fit.through import fit_ways
 from radtex_addon.prepare.prepared import prepare
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
-from tests.bench.fidelity.layered.exits import capture_exits
-from tests.bench.fidelity.layered.through import fit_ways
 from tests.bench.fidelity.scenes.materials import assign, principled
 from tests.bench.fidelity.scenes.meshes import as_subject, made
 

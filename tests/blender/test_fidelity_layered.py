@@ -12,8 +12,8 @@ import bpy
 import numpy as np
 import pytest
 
+from radtex_addon.forms.layered.capture import lamps, panoramas
 from radtex_addon.report.gbuffer import BakedSurface, Rays
-from tests.bench.fidelity.layered import lamps, panoramas
 from tests.bench.fidelity.methods.layered import make
 from tests.bench.fidelity.rendering import Rendering, render
 from tests.bench.fidelity.scenes import PIXELS, SCENES, Stage

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.errors import InputError
-from tests.bench.fidelity.layered import capture, lamps, panoramas
+from radtex_addon.forms.layered.capture import capturing, lamps, panoramas
 from tests.bench.fidelity.methods.layered import make
 from tests.bench.fidelity.scenes import Stage
 from tests.blender import odd_stages
@@ -68,7 +68,7 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
         (panoramas, "NEAR_WIDTH", 256),
         (panoramas, "SIZE", 128),
         (lamps, "_SIZE", 256),
-        (capture, "OWN_SIDE", 16),
+        (capturing, "OWN_SIDE", 16),
     ):
         monkeypatch.setattr(module, name, size)
 

@@ -19,16 +19,16 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.shared import bilinear
 from radtex_addon.cycles.shared_capture import SharedCapture, capture_shared
+from radtex_addon.forms.layered.capture.opacity import find_alpha_map
+from radtex_addon.forms.layered.capture.surface_alone import surface_alone
 from radtex_addon.prepare.prepared import Prepared, prepare
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 
 from .engine_material import Inputs, read_inputs
-from .layered.opacity import find_alpha_map
 from .lightmaps import texture_bytes
 from .scenes import Stage
-from .surface_alone import surface_alone
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,9 +13,9 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.core.shared import bilinear
+from radtex_addon.forms.layered.fit.harmonics import basis
 from radtex_addon.report.gbuffer import BakedSurface, Rays
 from radtex_addon.scene.mesh.copy import NORMAL, SIGN, TANGENT
-from tests.bench.fidelity.harmonics import basis
 from tests.bench.fidelity.lightmaps import texture_bytes, up_to_white
 from tests.bench.fidelity.orbit import Frame, measure
 from tests.bench.fidelity.reflection_probe import Box, prefiltered

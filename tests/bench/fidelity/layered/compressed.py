@@ -18,14 +18,13 @@ from typing import Any
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.formats.codecs.bc3 import decode_bc3, encode_bc3
 from radtex_addon.formats.codecs.bc5 import decode_bc5, encode_bc5
 from radtex_addon.formats.codecs.bc6h import decode_bc6h, encode_bc6h
 from radtex_addon.formats.codecs.bc7 import decode_bc7, encode_bc7
-
-from .atlas import LayeredAtlas
-from .bc3 import decode_bc3, encode_bc3
-from .edge_grid import EdgeImpostor, EdgePictures, on_edges
-from .environment import Around, Impostor, Layer, Pictures
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
+from radtex_addon.forms.layered.lookup.edge_grid import EdgeImpostor, EdgePictures, on_edges
+from radtex_addon.forms.layered.lookup.environment import Around, Impostor, Layer, Pictures
 
 PLANE_SIZE, THINGS_SIZE = 512, 256  # texels along a side of near layers' pictures, at most
 _BRIGHTEST = 4.0  # of what the object shows of itself: a wider range has coarser steps in the dark

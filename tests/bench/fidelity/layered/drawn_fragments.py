@@ -10,9 +10,9 @@ import moderngl
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.forms.layered.lookup.atlas import Fragments, LayeredAtlas
 from tests.real.opengl import VERSIONS, compiled, drawn
 
-from .atlas import Fragments, LayeredAtlas
 from .lookup import Lookup, material_values
 
 _SHADER = """

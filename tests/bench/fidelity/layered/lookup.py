@@ -15,13 +15,13 @@ import numpy as np
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.octahedron import cell_directions
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
+from radtex_addon.forms.layered.lookup.environment import Pictures, Plane
+from radtex_addon.forms.layered.lookup.lobes import STEPS, Material
 from tests.real.opengl import mipmapped
 
-from .atlas import LayeredAtlas
 from .compressed import Format, Texture, light_texture, picture_texture, to_srgb
 from .conditions import chosen
-from .environment import Pictures, Plane
-from .lobes import STEPS, Material
 
 SRGB8_ALPHA8 = 0x8C43  # GL_SRGB8_ALPHA8
 CODE = Path(__file__).with_suffix(".glsl")

@@ -21,10 +21,10 @@ import moderngl
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from tests.bench.drawing import Model, Painter
 from tests.bench.fragment import diffuse, measured, view_of
 
-from .atlas import LayeredAtlas, sample_layered
 from .compressed import MATERIAL_MAPS, compressed
 from .drawn_fragments import radiance
 from .lookup import FULL, Cost, Lookup, lookup_of, material_values

@@ -8,12 +8,11 @@ import numpy as np
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
-
-from .atlas import Fragments, LayeredAtlas
-from .buckets import CELLS
-from .environment import Around, Impostor, Lamp, Layer, Pictures, Plane
-from .lobes import LOBES, STEPS, Material
-from .panoramas import panorama_directions
+from radtex_addon.forms.layered.capture.panoramas import panorama_directions
+from radtex_addon.forms.layered.cells import CELLS
+from radtex_addon.forms.layered.lookup.atlas import Fragments, LayeredAtlas
+from radtex_addon.forms.layered.lookup.environment import Around, Impostor, Lamp, Layer, Pictures, Plane
+from radtex_addon.forms.layered.lookup.lobes import LOBES, STEPS, Material
 
 
 def made_up_atlas(texels: int, size: int, cells: tuple[int, int] = CELLS[0]) -> LayeredAtlas:

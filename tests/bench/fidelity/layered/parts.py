@@ -19,6 +19,9 @@ from pathlib import Path
 import numpy as np
 
 from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.forms.layered.fit.fitting import fit_layered
+from radtex_addon.forms.layered.fit.parts import Parts
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from radtex_addon.report.gbuffer import BakedSurface
 
 from ..choice import add_scene_options, chosen_scenes
@@ -27,11 +30,8 @@ from ..methods.layered import baked_of
 from ..metrics import compare
 from ..references import View, views
 from ..report import markdown
-from .atlas import LayeredAtlas
-from .capture import Captured, capture_layered
 from .compressed import MATERIAL_MAPS, compressed
-from .fit import fit_layered
-from .parts_of_fit import Parts
+from .staged import Staged, capture_staged
 
 _ALL, _COMPRESSED = "all", "all, compressed in blocks"
 
@@ -54,8 +54,8 @@ def main() -> None:
         names.append(name)
         looked_from = views(build(), options.quick)
         with tempfile.TemporaryDirectory() as folder:
-            captured = capture_layered(build(), spec, Path(folder))
-        for row, psnr in _measured(captured, looked_from).items():
+            staged = capture_staged(build(), spec, Path(folder))
+        for row, psnr in _measured(staged, looked_from).items():
             rows.setdefault(row, []).append(psnr)
             print(f"{name}, {row}: {psnr:.2f} dB", flush=True)
     table = [["", *names, "mean, dB"], ["---"] * (len(names) + 2)]
@@ -67,29 +67,29 @@ def main() -> None:
     print("\n" + markdown(table))
 
 
-def _measured(captured: Captured, looked_from: list[View]) -> dict[str, float]:
+def _measured(staged: Staged, looked_from: list[View]) -> dict[str, float]:
     """The mean PSNR of the untuned views, by what is left out."""
-    prepared, matrix = captured.prepared, captured.matrix_world
+    prepared, matrix = staged.prepared, staged.matrix_world
     surface = BakedSurface(prepared.mesh, matrix, prepared.uv_layer)
     held_out = [view for view in looked_from if view.held_out]
     seen = [(view, surface.gbuffer(view.rays, view.blocked)) for view in held_out]
 
     def psnr(atlas: LayeredAtlas) -> float:
-        baked, figures = baked_of(atlas, captured), []
+        baked, figures = baked_of(atlas, staged), []
         for view, buffer in seen:
             light = seen_light(baked, surface, view.rays, view.blocked, buffer, view.behind)
             picture = buffer.resolve(light)
             figures.append(compare(picture, view.reference, buffer.inside, buffer.eroded).psnr)
         return float(np.mean(figures))
 
-    whole = fit_layered(captured.capture)
+    whole = fit_layered(staged.captured.capture)
     found = {_ALL: psnr(whole)}
     decoded, textures = compressed(whole)
     size = sum(texture.bytes for name, texture in textures.items() if name not in MATERIAL_MAPS)
     print(f"compressed: {size} bytes of textures", flush=True)
     found[_COMPRESSED] = psnr(decoded)
     for part in fields(Parts):
-        without = fit_layered(captured.capture, Parts(**{part.name: False}))
+        without = fit_layered(staged.captured.capture, Parts(**{part.name: False}))
         found[f"without {part.name.replace('_', ' ')}"] = psnr(without)
     return found
 

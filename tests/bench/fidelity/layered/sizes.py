@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
-from .atlas import LayeredAtlas
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
+from radtex_addon.forms.layered.lookup.environment import Impostor
+
 from .compressed import PLANE_SIZE, THINGS_SIZE
-from .environment import Impostor
 
 _MIPS = 4 / 3  # of a texture with its smaller copies
 _BYTE, _HALF = 1.0, 0.5  # a texel of BC7 and BC6H, and of BC4

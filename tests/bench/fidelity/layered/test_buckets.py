@@ -11,14 +11,15 @@ from radtex_addon.bake.light_samples import LightSamples, mirrored, spread_shift
 from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Bools
 from radtex_addon.cycles.portal import Aim
-from tests.bench.fidelity.layered.buckets import Buckets, fit_buckets
-from tests.bench.fidelity.layered.environment import Around, Pictures
-from tests.bench.fidelity.layered.lobes import LOBES, STEPS, Material
-from tests.bench.fidelity.layered.own_light import OwnRays, Surface
-from tests.bench.fidelity.layered.panoramas import panorama_directions
-from tests.bench.fidelity.layered.parts_of_fit import ALL_PARTS, Parts
+from radtex_addon.forms.layered.capture.panoramas import panorama_directions
+from radtex_addon.forms.layered.fit.buckets import Buckets, fit_buckets
+from radtex_addon.forms.layered.fit.own_light import Surface
+from radtex_addon.forms.layered.fit.parts import ALL_PARTS, Parts
+from radtex_addon.forms.layered.fit.visibility import free_share
+from radtex_addon.forms.layered.lookup.environment import Around, Pictures
+from radtex_addon.forms.layered.lookup.lobes import LOBES, STEPS, Material
+from radtex_addon.forms.layered.samples import OwnRays
 from tests.bench.fidelity.layered.test_layered import SIDE, flat_plan, flat_samples
-from tests.bench.fidelity.layered.visibility import free_share
 
 pytestmark = pytest.mark.one_blender
 
@@ -65,7 +66,8 @@ def _fitted(waves: float, hit: Bools | None = None, parts: Parts = ALL_PARTS) ->
         around,
         free,
     )
-    own = OwnRays(rays, hit, np.zeros((*hit.shape, 3), np.float32))
+    met = np.zeros(np.count_nonzero(hit), np.int32)
+    own = OwnRays(rays, hit, met, np.zeros((len(met), 3), np.float32))
     return fit_buckets(surface, own, samples, seen, neighbours, parts)
 
 

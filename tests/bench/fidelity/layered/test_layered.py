@@ -16,13 +16,22 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.octahedron import cell_directions, direction_to_octahedron
 from radtex_addon.core.shared import Axis
 from radtex_addon.cycles.portal import Aim
-
-from .environment import Around, Impostor, Lamp, Layer, Pictures, Plane, lamps_of
-from .lobes import Paths, fit_materials, lobe
-from .panoramas import panorama_directions
-from .residual import fit_rest
-from .visibility import free_share, seen_free
-from .widths import fit_lobes
+from radtex_addon.forms.layered.capture.panoramas import panorama_directions
+from radtex_addon.forms.layered.fit.lobes import Paths, fit_materials
+from radtex_addon.forms.layered.fit.residual import fit_rest
+from radtex_addon.forms.layered.fit.visibility import free_share
+from radtex_addon.forms.layered.fit.widths import fit_lobes
+from radtex_addon.forms.layered.lookup.environment import (
+    Around,
+    Impostor,
+    Lamp,
+    Layer,
+    Pictures,
+    Plane,
+    lamps_of,
+)
+from radtex_addon.forms.layered.lookup.lobes import lobe
+from radtex_addon.forms.layered.lookup.visibility import seen_free
 
 pytestmark = pytest.mark.one_blender
 

@@ -13,13 +13,13 @@ import pytest
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.octahedron import cell_directions, octahedron_to_direction, sample_octahedron
-from tests.bench.fidelity.layered.atlas import LayeredAtlas, sample_layered
-from tests.bench.fidelity.layered.bc3 import decode_bc3, encode_bc3
-from tests.bench.fidelity.layered.buckets import CELLS
+from radtex_addon.formats.codecs.bc3 import decode_bc3, encode_bc3
+from radtex_addon.forms.layered.cells import CELLS
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
+from radtex_addon.forms.layered.lookup.edge_grid import EdgePictures, on_edges
 from tests.bench.fidelity.layered.compressed import Texture, compressed, from_srgb, to_srgb
 from tests.bench.fidelity.layered.conditions import chosen
 from tests.bench.fidelity.layered.drawn_fragments import radiance
-from tests.bench.fidelity.layered.edge_grid import EdgePictures, on_edges
 from tests.bench.fidelity.layered.lookup import FULL, Cost, lookup_of
 from tests.bench.fidelity.layered.made_up import made_up_atlas, made_up_fragments
 

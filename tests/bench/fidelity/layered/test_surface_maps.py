@@ -13,12 +13,13 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.cycles.portal import Aim
-from tests.bench.fidelity.layered.falloffs import falloff_at, fit_falloffs
-from tests.bench.fidelity.layered.own_light import Surface
+from radtex_addon.forms.layered.fit.falloffs import fit_falloffs
+from radtex_addon.forms.layered.fit.own_light import Surface
+from radtex_addon.forms.layered.fit.texel_maps import tints
+from radtex_addon.forms.layered.fit.view_dependence import view_dependence
+from radtex_addon.forms.layered.lookup.falloffs import falloff_at
 from tests.bench.fidelity.layered.test_layered import CELLS, SIDE, flat_plan
 from tests.bench.fidelity.layered.test_ways import stripes_below
-from tests.bench.fidelity.layered.texel_maps import tints
-from tests.bench.fidelity.layered.view_dependence import view_dependence
 
 pytestmark = pytest.mark.one_blender
 

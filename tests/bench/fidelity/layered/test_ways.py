@@ -12,12 +12,19 @@ from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
-
-from .environment import Around, Layer, Pictures, Plane
-from .exits import ExitSamples, in_texels_frames
-from .panoramas import panorama_directions
-from .through import fit_ways
-from .ways import CHANNELS, Through, agreeing, look_through, shown_of, square_taps
+from radtex_addon.forms.layered.capture.exits import in_texels_frames
+from radtex_addon.forms.layered.capture.panoramas import panorama_directions
+from radtex_addon.forms.layered.fit.through import fit_ways
+from radtex_addon.forms.layered.lookup.environment import Around, Layer, Pictures, Plane
+from radtex_addon.forms.layered.lookup.ways import (
+    CHANNELS,
+    Through,
+    agreeing,
+    look_through,
+    shown_of,
+    square_taps,
+)
+from radtex_addon.forms.layered.samples import ExitSamples
 
 pytestmark = pytest.mark.one_blender
 

@@ -13,14 +13,14 @@ import numpy as np
 
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Ints
+from radtex_addon.forms.layered.fit.fitting import fit_layered
+from radtex_addon.forms.layered.fit.parts import ALL_PARTS, Parts
+from radtex_addon.forms.layered.lookup.atlas import Fragments, LayeredAtlas, alpha_at, sample_layered
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.checks.camera_nodes import camera_materials
 
-from ..layered.atlas import Fragments, LayeredAtlas, alpha_at, sample_layered
-from ..layered.capture import Captured, capture_layered
-from ..layered.fit import fit_layered
-from ..layered.parts_of_fit import ALL_PARTS, Parts
 from ..layered.sizes import texture_bytes
+from ..layered.staged import Staged, capture_staged
 from ..method import Baked
 from ..scenes import Stage
 
@@ -42,16 +42,16 @@ def look_alpha(atlas: LayeredAtlas, buffer: GBuffer) -> Array:
     return buffer.spread(alpha[:, None])[:, 0]
 
 
-def baked_of(atlas: LayeredAtlas, captured: Captured, seconds: float = 0.0) -> Baked:
+def baked_of(atlas: LayeredAtlas, staged: Staged, seconds: float = 0.0) -> Baked:
     """An atlas that was fitted to a capture, ready to be looked at."""
     return Baked(
-        paths=captured.paths,
+        paths=staged.captured.paths,
         seconds=seconds,
         bytes=texture_bytes(atlas),
-        radiance=partial(look, atlas, captured.faces),
-        mesh=captured.prepared.mesh,
-        matrix_world=captured.matrix_world,
-        uv_layer=captured.prepared.uv_layer,
+        radiance=partial(look, atlas, staged.captured.faces),
+        mesh=staged.prepared.mesh,
+        matrix_world=staged.matrix_world,
+        uv_layer=staged.prepared.uv_layer,
         alpha=None if atlas.alpha is None else partial(look_alpha, atlas),
     )
 
@@ -68,7 +68,8 @@ class Layered:
         for line in camera_materials(stage.subject):
             log.warning(line)
         started = perf_counter()
-        captured = capture_layered(stage, self.spec, folder)
+        staged = capture_staged(stage, self.spec, folder)
+        captured = staged.captured
         middle = perf_counter()
         atlas = fit_layered(captured.capture, self.parts)
         ended = perf_counter()
@@ -77,7 +78,7 @@ class Layered:
             f"{captured.paths / 1e6:.1f} M paths, {captured.rays / 1e6:.1f} M rays to the object itself",
             flush=True,
         )
-        return baked_of(atlas, captured, ended - started)
+        return baked_of(atlas, staged, ended - started)
 
 
 def make(texels: int, samples: int) -> Layered:

@@ -19,10 +19,10 @@ from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.shared import bilinear
+from radtex_addon.forms.layered.fit.harmonics import COUNT, basis, fit_harmonics
 from radtex_addon.report.gbuffer import Array, GBuffer
 
 from ..captured import capture_stage
-from ..harmonics import COUNT, basis, fit_harmonics
 from ..lightmaps import diffuse_map, means, sample_weights, texture_bytes, up_to_white
 from ..method import Baked
 from ..scenes import Stage

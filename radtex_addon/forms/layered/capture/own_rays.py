@@ -1,0 +1,175 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where mirror rays meet the object itself: asked of an object that sends out its own texture coordinates."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import numpy as np
+
+from ....bake.gloss import LobeSamples
+from ....bake.kinds import Kind
+from ....bake.light_samples import spread_shifts
+from ....bake.plan import CapturePlan
+from ....core.arrays import Bools, Floats, Ints
+from ....core.gutter import nearest_covered
+from ....core.shared import Axis
+from ....core.surface import SurfaceMesh
+from ....cycles.building_blocks import float_image
+from ....cycles.path_ends import path_ends
+from ....cycles.portal import Aim, PortalCapture
+from ....cycles.sampling import tiles_of
+from ....scene.mesh.backs import fronts, twin_numbers
+from ....scene.mesh.surrounding_shapes import Beside
+from ....scene.nodes import open_material, open_world
+from ..samples import OwnRays
+
+_AHEAD = 5  # of the bake's seed
+_FRONT, _BACK = "radtex_front_uv", "radtex_back_uv"  # attributes of corners
+_OUTSIDE = 2.0  # texels: where a hit lies further from its texel's middle, the texel's own point is taken
+_FLAT = 1e-12  # doubled area of a triangle in UV: with less, places on it are not told by UV
+
+
+def capture_own_rays(
+    scene: bpy.types.Scene,
+    baked: bpy.types.Object,
+    mesh: bpy.types.Mesh,
+    matrix: Floats,
+    corner_uv: tuple[Floats, Floats],
+    plan: CapturePlan,
+    surface: SurfaceMesh,
+    triangle: Ints,
+    seed: int,
+    folder: Path,
+    alpha: Floats | None = None,
+    uv_layer: str = "",
+) -> OwnRays:
+    """One mirror ray in each of the plan's cells. Raises BakeError where Cycles fails.
+
+    `corner_uv` are the texture coordinates (F, 3, 2) of the mesh's front faces and of their backs; `triangle`
+    (K,) is each of the plan's texels' in `surface`. Where a map of `alpha` (H, W, 1), over the UV layer, says
+    less than 1, so many rays go on.
+    """
+    aim = own_aim(plan, seed)
+    with path_ends(scene, baked, mesh, Beside(matrix, ()), np.zeros(3, np.float32)) as ends:
+        own: Any = ends.baked
+        own.data = _glowing(own.data, corner_uv, alpha, uv_layer)
+        ends.scene.world = dark_world()
+        capture = PortalCapture(ends.scene, plan, Kind.REFLECTION, 1, seed, folder, aim)
+        count = plan.layout.bucket**2
+        hits, places = [], []
+        for tile in tiles_of(plan):
+            coded = capture.render_passes(tile).raw_whole[..., :3].reshape(-1, count, 3)
+            hits.append(coded[..., 2] > 0.5)
+            places.append(coded[hits[-1]][:, :2] - 1)
+    hit, uv = np.concatenate(hits), np.concatenate(places)
+    met, place = texels_met(plan, surface, triangle, uv)
+    return OwnRays(own_samples(plan, aim, hit), hit, met, place)
+
+
+def own_aim(plan: CapturePlan, seed: int) -> Aim:
+    """Where the rays of each texel aim in its cells."""
+    return Aim(spread_shifts(len(plan.texel), seed + _AHEAD))
+
+
+def own_samples(plan: CapturePlan, aim: Aim, hit: Bools) -> LobeSamples:
+    """The rays as samples without light."""
+    none = np.broadcast_to(np.float16(0), (*hit.shape, 3))
+    every = np.broadcast_to(np.True_, hit.shape)
+    return LobeSamples(plan, Axis.MIRROR, aim.square(plan.layout.bucket), none, every)
+
+
+def texels_met(plan: CapturePlan, surface: SurfaceMesh, triangle: Ints, uv: Floats) -> tuple[Ints, Floats]:
+    """The plan's texels (P,) at texture coordinates (P, 2), and the places there in the world (P, 3).
+
+    `triangle` (K,) is each texel's in `surface`. Where the plan has no texel, the nearest one in the atlas.
+    """
+    width, height = plan.layout.width, plan.layout.height
+    number = np.full(width * height, -1, dtype=np.int32)
+    number[plan.texel] = np.arange(len(plan.texel), dtype=np.int32)
+    rows, columns = nearest_covered((number >= 0).reshape(height, width))
+    filled = number.reshape(height, width)[rows, columns]
+    column = np.clip(np.floor(uv[:, 0] * width), 0, width - 1).astype(np.intp)
+    row = np.clip(np.floor(uv[:, 1] * height), 0, height - 1).astype(np.intp)
+    met = filled[row, column]
+    place = plan.points[met].astype(np.float32)
+    origin, along = _uv_frames(surface)
+    own = triangle[met]
+    corner = surface.uv[own, 0]
+    moved = uv - corner
+    told = origin[own] + (along[own] * moved[:, None]).sum(axis=2)
+    j, i = np.divmod(plan.texel[met], width)
+    off = np.maximum(np.abs(uv[:, 0] * width - i - 0.5), np.abs(uv[:, 1] * height - j - 0.5))
+    usable = (off < _OUTSIDE) & np.isfinite(told).all(axis=1)
+    return met.astype(np.int32), np.where(usable[:, None], told, place).astype(np.float32)
+
+
+def _uv_frames(surface: SurfaceMesh) -> tuple[Floats, Floats]:
+    """Each triangle's first corner (F, 3), and how places change with u and v, (F, 3, 2), or NaN."""
+    corners = surface.corner_position
+    edges = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=2)
+    first, second = surface.uv[:, 1] - surface.uv[:, 0], surface.uv[:, 2] - surface.uv[:, 0]
+    area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    area = np.where(np.abs(area) > _FLAT, area, np.nan)
+    inverse = np.stack(
+        [
+            np.stack([second[:, 1], -second[:, 0]], axis=1),
+            np.stack([-first[:, 1], first[:, 0]], axis=1),
+        ],
+        axis=1,
+    )
+    return corners[:, 0], np.einsum("fce,fea->fca", edges, inverse) / area[:, None, None]
+
+
+def corner_uvs(surface_uv: Floats, mesh: bpy.types.Mesh) -> tuple[Floats, Floats]:
+    """The texture coordinates of a baked copy's front faces, and of their backs, (F, 3, 2) each.
+
+    `surface_uv` are those of all faces of `mesh`; the back of a face without a twin has the front's.
+    """
+    twin = twin_numbers(mesh)
+    if twin is None:
+        return surface_uv, surface_uv
+    own = fronts(twin)
+    front, pair = surface_uv[own], twin[own]
+    back = front.copy()
+    back[pair >= 0] = surface_uv[pair[pair >= 0]][:, ::-1]  # a twin's corners are in the opposite order
+    return front, back
+
+
+def _glowing(
+    mesh: bpy.types.Mesh, corner_uv: tuple[Floats, Floats], alpha: Floats | None, uv_layer: str
+) -> bpy.types.Mesh:
+    """The mesh, sending out the texture coordinates of the side that is met, plus 1."""
+    copy: Any = cast(bpy.types.ID, mesh).copy()
+    copy.materials.clear()
+    for name, uv in zip((_FRONT, _BACK), corner_uv, strict=True):
+        values = np.zeros((uv.shape[0] * 3, 3), dtype=np.float32)
+        values[:, :2] = uv.reshape(-1, 2) + 1
+        values[:, 2] = 1
+        copy.attributes.new(name, "FLOAT_VECTOR", "CORNER").data.foreach_set("vector", values.ravel())
+    material, build = open_material("RadTex UV")
+    behind = build.geometry("Backfacing")
+    shown = build.mix(behind, build.attribute(_FRONT), build.attribute(_BACK))
+    shader = build.node("ShaderNodeEmission", shown, 1.0).outputs[0]
+    if alpha is not None:
+        image = float_image("RadTex alpha", np.repeat(alpha, 3, axis=2))
+        share = build.image(image, build.uv_map(uv_layer), "Linear")[0]
+        chance = build.node("ShaderNodeTexWhiteNoise", build.geometry("Position")).outputs["Value"]
+        through = build.node("ShaderNodeBsdfTransparent").outputs[0]
+        stops = build.math("GREATER_THAN", share, chance)
+        shader = build.node("ShaderNodeMixShader", stops, through, shader).outputs[0]
+    build.node("ShaderNodeOutputMaterial", shader)
+    cast(Any, material).cycles.emission_sampling = "NONE"
+    copy.materials.append(material)
+    return cast(bpy.types.Mesh, copy)
+
+
+def dark_world() -> bpy.types.World:
+    """A world that sends out no light."""
+    world, build = open_world("RadTex dark")
+    background = build.node("ShaderNodeBackground", (0.0, 0.0, 0.0, 1.0), 0.0)
+    build.node("ShaderNodeOutputWorld", background.outputs[0])
+    return world

@@ -1,0 +1,58 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surroundings as named arrays, in which a bake's store keeps what is finished."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....bake.pieces import Arrays
+from ....core.arrays import Floats
+from ..lookup.environment import Around, Impostor, Lamp, Layer, Pictures, Plane
+
+
+def arrays_of(around: Around) -> Arrays:
+    """All of it, by names that `around_of` reads."""
+    found: Arrays = {"middle": around.middle} | _levels("world", around.world)
+    for number, layer in enumerate(around.layers):
+        found |= _levels(f"layer{number}", layer.pictures)
+        if isinstance(layer.shape, Plane):
+            found[f"plane{number}"] = np.array([*layer.shape.normal, layer.shape.height, *layer.shape.eye])
+        else:
+            found[f"nearness{number}"] = layer.shape.nearness
+    found["lamps"] = np.array(
+        [[*lamp.place, *lamp.irradiance, lamp.variance] for lamp in around.lamps], dtype=np.float64
+    ).reshape(-1, 7)
+    return found
+
+
+def around_of(arrays: Arrays) -> Around:
+    """The inverse of `arrays_of`."""
+    layers: list[Layer] = []
+    while f"layer{len(layers)}_sharpest" in arrays:
+        number = len(layers)
+        shape: Plane | Impostor
+        if f"plane{number}" in arrays:
+            plane = arrays[f"plane{number}"]
+            shape = Plane(_single(plane[:3]), float(plane[3]), _single(plane[4:]))
+        else:
+            shape = Impostor(arrays[f"nearness{number}"])
+        layers.append(Layer(_pictures(f"layer{number}", arrays), shape))
+    lamps = tuple(Lamp(_single(row[:3]), _single(row[3:6]), float(row[6])) for row in arrays["lamps"])
+    return Around(arrays["middle"], _pictures("world", arrays), tuple(layers), lamps)
+
+
+def _levels(name: str, pictures: Pictures) -> Arrays:
+    levels = {f"{name}_{number}": level for number, level in enumerate(pictures.levels)}
+    return levels | {f"{name}_sharpest": np.array([pictures.sharpest], dtype=np.float64)}
+
+
+def _pictures(name: str, arrays: Arrays) -> Pictures:
+    levels: list[Floats] = []
+    while f"{name}_{len(levels)}" in arrays:
+        levels.append(arrays[f"{name}_{len(levels)}"])
+    return Pictures(tuple(levels), float(arrays[f"{name}_sharpest"][0]))
+
+
+def _single(values: Floats) -> Floats:
+    return np.asarray(values, dtype=np.float32)

@@ -1,0 +1,164 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An object's surface as a camera sees it with nothing behind: what an engine's shader gives, and its alpha.
+
+Materials that let camera rays go on are replaced by copies in which Transparent shaders, and the
+transparency of Principled ones, are black to camera rays; all other rays pass as before, so light through
+the object and its shadow stay. The light that a camera then sees is premultiplied by the surface's alpha.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from itertools import chain
+from typing import Any, TypeAlias, cast
+
+import bpy
+
+from ....scene.checks.see_through import is_see_through
+from ....scene.lights.light import without_emission
+from ....scene.nodes import NodeBuilder, Operand, Socket
+
+_UNKNOWN = frozenset({"HOLDOUT", "BSDF_RAY_PORTAL", "SCRIPT"})  # they may be clear in ways of their own
+_WHITE = (1.0, 1.0, 1.0, 1.0)
+
+Clear: TypeAlias = Mapping[bpy.types.Material, bpy.types.Material]
+_Change: TypeAlias = Callable[[NodeBuilder, Any], None]  # of a node that is clear, in its tree
+
+
+@contextmanager
+def surface_alone(item: bpy.types.Object, *meshes: bpy.types.Mesh) -> Iterator[Clear]:
+    """Let camera rays end at the surface of `item`, whose slots have their own materials again at the end.
+
+    `meshes` are copies of its mesh, whose materials are exchanged likewise.
+
+    Yields its see-through materials, as they are now, each with one that emits to the camera what is seen
+    through it of an evenly white background, and nothing else. Those with shaders whose transparency is
+    unknown, Holdout, Ray Portal or a script, stay as they are, and are not among them.
+    """
+    before = [slot.material for slot in item.material_slots]
+    of_meshes = [list(mesh.materials) for mesh in meshes]
+    copies: dict[bpy.types.Material, bpy.types.Material] = {}
+    clear: dict[bpy.types.Material, bpy.types.Material] = {}
+    for material in [*before, *chain(*of_meshes)]:
+        if material is None or material in copies or not is_see_through(material):
+            continue
+        if not _has_unknown(material.node_tree):
+            copies[material] = _changed(material, _stop_rays)
+            clear[copies[material]] = _changed(without_emission(material), _show_background)
+            cast(Any, clear[copies[material]]).cycles.emission_sampling = "NONE"
+    try:
+        _assign(item, [material and copies.get(material, material) for material in before])
+        for mesh, own in zip(meshes, of_meshes, strict=True):
+            _assign_to_mesh(mesh, [material and copies.get(material, material) for material in own])
+        yield clear
+    finally:
+        _assign(item, before)
+        for mesh, own in zip(meshes, of_meshes, strict=True):
+            _assign_to_mesh(mesh, own)
+
+
+def _assign(item: bpy.types.Object, materials: list[bpy.types.Material | None]) -> None:
+    for slot, material in zip(item.material_slots, materials, strict=True):
+        if slot.material != material:
+            slot.material = material
+
+
+def _assign_to_mesh(mesh: bpy.types.Mesh, materials: list[bpy.types.Material | None]) -> None:
+    for index, material in enumerate(materials):
+        if mesh.materials[index] != material:
+            mesh.materials[index] = material
+
+
+def _has_unknown(tree: Any) -> bool:
+    if tree is None:
+        return False
+    return any(
+        node.type in _UNKNOWN or (node.type == "GROUP" and _has_unknown(node.node_tree))
+        for node in tree.nodes
+    )
+
+
+def _changed(material: bpy.types.Material, change: _Change) -> bpy.types.Material:
+    copy = cast(bpy.types.Material, material.copy())
+    _change_nodes(copy.node_tree, change, {})
+    return copy
+
+
+def _change_nodes(tree: Any, change: _Change, changed: dict[Any, Any]) -> None:
+    """Change what is clear in a tree; groups are copied, each once."""
+    build = NodeBuilder(tree)
+    for node in list(tree.nodes):
+        if node.mute:
+            continue
+        if node.type == "GROUP" and node.node_tree is not None:
+            if node.node_tree not in changed:
+                copy = changed[node.node_tree] = node.node_tree.copy()
+                _change_nodes(copy, change, changed)
+            node.node_tree = changed[node.node_tree]
+        elif node.type == "BSDF_TRANSPARENT" or (node.type == "BSDF_PRINCIPLED" and _may_be_clear(node)):
+            change(build, node)
+
+
+def _may_be_clear(principled: Any) -> bool:
+    alpha = principled.inputs["Alpha"]
+    return bool(alpha.is_linked or alpha.default_value < 1)
+
+
+def _stop_rays(build: NodeBuilder, node: Any) -> None:
+    """Make a node's transparency black to camera rays."""
+    camera = build.node("ShaderNodeLightPath").outputs["Is Camera Ray"]
+    if node.type == "BSDF_TRANSPARENT":
+        colour = node.inputs["Color"]
+        others = build.math("SUBTRACT", 1.0, camera)
+        build.feed(colour, build.vector("SCALE", _value(colour), others))
+        return
+    alpha = _alpha(build, node)
+    share = build.mix(camera, 1.0, alpha, kind="FLOAT")
+    build.feed(node.inputs["Alpha"], build.math("MAXIMUM", alpha, camera))
+    _replace(build, node, lambda shown: _mixed(build, share, None, shown))
+
+
+def _show_background(build: NodeBuilder, node: Any) -> None:
+    """Let a node emit to the camera what it lets through, of white: a path that goes on would meet more."""
+    camera = build.node("ShaderNodeLightPath").outputs["Is Camera Ray"]
+    if node.type == "BSDF_TRANSPARENT":
+        through = build.vector("SCALE", _value(node.inputs["Color"]), 1.0)
+        emission = build.node("ShaderNodeEmission", through, camera).outputs[0]
+        _replace(build, node, lambda _: emission)
+        return
+    alpha = _alpha(build, node)
+    build.feed(node.inputs["Alpha"], build.math("MAXIMUM", alpha, 1.0))
+    white = build.node("ShaderNodeEmission", _WHITE, camera).outputs[0]
+    _replace(build, node, lambda shown: _mixed(build, alpha, white, shown))
+
+
+def _alpha(build: NodeBuilder, principled: Any) -> Socket:
+    """A Principled node's alpha, within 0 and 1 as Cycles takes it."""
+    return build.math("MINIMUM", build.math("MAXIMUM", _value(principled.inputs["Alpha"]), 0.0), 1.0)
+
+
+def _mixed(build: NodeBuilder, share: Socket, at_zero: Socket | None, at_one: Socket) -> Socket:
+    """A mix of shaders; None is black."""
+    node = build.node("ShaderNodeMixShader", share)
+    if at_zero is not None:
+        build.feed(node.inputs[1], at_zero)
+    build.feed(node.inputs[2], at_one)
+    return node.outputs[0]
+
+
+def _replace(build: NodeBuilder, node: Any, made: Callable[[Socket], Socket]) -> None:
+    """Put the shader that `made` makes of a node's where that one goes."""
+    fed = [link.to_socket for link in node.outputs[0].links]
+    shader = made(node.outputs[0])
+    for socket in fed:
+        build.tree.links.new(shader, socket)
+
+
+def _value(socket: Any) -> Operand:
+    """What feeds an input: the socket linked to it, or its own value."""
+    if socket.is_linked:
+        return cast(Socket, socket.links[0].from_socket)
+    value = socket.default_value
+    return float(value) if socket.type == "VALUE" else tuple(value)[:3]

@@ -1,0 +1,9 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How many cells buckets of the layered layout have along a side, and how many texels have buckets."""
+
+CELLS = ((14, 8), (8, 14))  # of what the object shows of itself, and of the rest
+EXIT_CELLS = 16  # of rays that leave the object
+THROUGH_CELLS = 8  # of the rest of what comes through
+COARSER = 2  # texels along a side of those that have buckets of their own
+OWN_SIDE = 40  # rays along a side of a texel's hemisphere, that tell what it sees of the object itself

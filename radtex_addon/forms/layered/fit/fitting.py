@@ -1,0 +1,184 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fitting the layered layout to its captures."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import cast
+
+import numpy as np
+
+from ....bake.blocks import in_blocks
+from ....bake.fit import facing_of
+from ....bake.gloss import LobeSamples
+from ....bake.plan import CapturePlan
+from ....bake.pooling import Neighbours, Taps
+from ....core.arrays import Bools, Floats
+from ....core.gutter import dilate, nearest_covered
+from ....core.octahedron import cell_directions
+from ....core.shared import Axis
+from ..cells import CELLS, COARSER
+from ..lookup.atlas import LayeredAtlas
+from ..lookup.environment import Around
+from ..lookup.lobes import Material
+from ..lookup.ways import Through
+from ..samples import Capture, ExitSamples
+from .buckets import cosines, fit_buckets, turned_samples
+from .falloffs import fit_falloffs
+from .irradiance import fit_irradiance
+from .lobes import Paths
+from .own_light import Surface
+from .parts import ALL_PARTS, Parts
+from .texel_maps import shading_normals, tints
+from .through import fit_through_rest, fit_ways
+from .view_dependence import view_dependence
+from .visibility import free_share
+from .widths import fit_lobes
+
+_FREE = 0.98  # of a direction, above which a path is taken to leave the object straight away
+
+
+def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
+    """Fit the layered layout to a capture."""
+    light, plan = capture.light, capture.light.plan
+    neighbours = Neighbours(plan, False)
+    facing = facing_of(light)
+    used = facing > 0
+    around = _around(capture.around, parts)
+    maps = (capture.fine, capture.coarse)
+    normal, normal_map = shading_normals(plan, *maps, parts.normals)
+    tint, tint_map = tints(plan, capture.material, *maps, parts.tint)
+    falloff, diffuse = fit_falloffs(light, facing, capture.material)
+    colour = capture.coarse["diffuse"].reshape(-1, 3)[plan.texel].astype(np.float32)
+    if parts.smooth:
+        irradiance = fit_irradiance(light, facing, falloff, capture.material, colour, neighbours)
+    else:
+        irradiance = np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
+    rays = turned_samples(capture.own.rays, normal)
+    own = replace(capture.own, rays=rays)
+    free = free_share(rays, ~own.hit, neighbours, CELLS[0][0])
+    paths = _open_paths(capture, normal, free)
+    vary = parts.widths and normal_map is None  # normals that vary within a texel would count as roughness
+    materials, width = fit_lobes(paths, int(capture.material.max()) + 1, neighbours, vary)
+    if not parts.second_lobe:
+        materials = tuple(map(_single, materials))
+    surface = Surface(
+        plan, normal, irradiance * colour, falloff, tint, width, capture.material, materials, around, free
+    )
+    found = fit_buckets(surface, own, light, used, neighbours, parts)
+    rest = found.rest
+    if parts.rest:
+        cells = found.rest_cells
+        more = view_dependence(light, facing, surface, cells, neighbours)
+        rest = rest if more is None else rest + more
+    return LayeredAtlas(
+        colour=capture.fine["diffuse"].astype(np.float32),
+        irradiance=plan.placed(irradiance, gutter=True),
+        falloff=falloff,
+        tint=tint_map,
+        normal=normal_map,
+        width=plan.placed(np.log2(width)[:, None], gutter=True) if np.ptp(width) > 0 else None,
+        around=around,
+        materials=materials,
+        own=_placed(plan, np.concatenate([found.own, found.free]), COARSER),
+        rest=_placed(plan, rest, COARSER),
+        through=None if capture.exits is None else _through(capture, capture.exits, around, used, neighbours),
+        alpha=capture.alpha,
+    )
+
+
+def _through(
+    capture: Capture, exits: ExitSamples, around: Around, used: Bools, neighbours: Neighbours
+) -> Through:
+    ways = fit_ways(exits, Neighbours(exits.plan, False))
+    none = np.zeros((1, 1, 1, 1, 3), dtype=np.float32)
+    through = Through(_placed(exits.plan, ways, 1), exits.plan.placed(exits.colour, gutter=True), rest=none)
+    rest = fit_through_rest(through, capture.light, around, used, neighbours)
+    return replace(through, rest=_placed(capture.light.plan, rest, COARSER))
+
+
+def _around(around: Around, parts: Parts) -> Around:
+    if not parts.layers:
+        levels = tuple(_flat_level(around, level) for level in around.world.levels)
+        around = replace(around, world=replace(around.world, levels=levels), layers=())
+    return around if parts.lamps else replace(around, lamps=())
+
+
+def _flat_level(around: Around, level: Floats) -> Floats:
+    """A level of the world's picture with the layers before it, as they are seen from the middle."""
+    size = len(level)
+    variance = np.full(
+        size * size, around.world.sharpest * (len(around.world.levels[0]) / size) ** 2, dtype=np.float32
+    )
+    direction = cell_directions(size).astype(np.float32)
+    without = replace(around, lamps=())
+    return cast(Floats, without.look(np.zeros_like(direction), direction, variance).T.reshape(level.shape))
+
+
+def _open_paths(capture: Capture, normal: Floats, free: Floats) -> Paths:
+    """The paths that are taken to leave the object straight away."""
+    ends = capture.alone
+    shape = ends.square.shape[:2]
+    white = turned_samples(
+        LobeSamples(ends.plan, Axis.MIRROR, ends.square, ends.mirrored_weight, np.ones(shape, bool)), normal
+    )
+    axis = np.empty((*shape, 3), dtype=np.float32)
+    open_to, cosine = np.empty(shape, dtype=np.float32), np.empty(shape, dtype=np.float32)
+
+    def look(some: slice) -> None:
+        axes, place = white.along(some)
+        axis[some] = np.moveaxis(axes, 0, -1)
+        open_to[some] = Taps.of(place, CELLS[0][0]).gather(free[:, some])[0]
+        cosine[some] = cosines(ends.plan, ends.square, normal, some)
+
+    in_blocks(look, *shape)
+    chosen = open_to > _FREE
+    for number in np.unique(capture.material):  # a material that lies in hollows alone: its openest paths
+        own = (capture.material == number)[:, None]
+        if (chosen & own).sum() < 0.02 * own.sum() * shape[1]:
+            chosen |= own & (open_to >= np.quantile(open_to[own[:, 0]], 0.95))
+    texel, number = np.nonzero(chosen)
+    return Paths(
+        texel=texel,
+        weight=ends.mirrored_weight[texel, number].astype(np.float32),
+        end=ends.mirrored_end[texel, number].astype(np.float32),
+        axis=axis[texel, number],
+        normal=normal[texel],
+        cosine=cosine[texel, number],
+        material=capture.material[texel],
+    )
+
+
+def _single(material: Material) -> Material:
+    """The same with one lobe, of both ones' mean variance."""
+    bright = material.weight.sum(axis=2)
+    total = np.maximum(bright.sum(axis=0), 1e-9)
+    variance = (bright * material.variance).sum(axis=0) / total
+    weight = np.stack([material.weight.sum(axis=0), np.zeros_like(material.weight[0])])
+    return replace(material, weight=weight, variance=np.stack([np.maximum(variance, 1e-6)] * 2))
+
+
+def _placed(plan: CapturePlan, table: Floats, coarser: int) -> Floats:
+    """A table (C, K, n*n) as buckets (H / coarser, W / coarser, n, n, C), gutter filled.
+
+    Each bucket is the mean of those of its texels that the plan has.
+    """
+    n = round(table.shape[2] ** 0.5)
+    buckets = np.moveaxis(table, 0, -1).reshape(table.shape[1], n * n, -1)
+    if coarser == 1:
+        return plan.placed(buckets.reshape(len(buckets), n, n, -1), gutter=True)
+    height, width = plan.layout.height // coarser, plan.layout.width // coarser
+    j, i = np.divmod(plan.texel, plan.layout.width)
+    block = np.minimum(j // coarser, height - 1) * width + np.minimum(i // coarser, width - 1)
+    order = np.argsort(block, kind="stable")
+    found, first = np.unique(block[order], return_index=True)
+    count = np.diff(np.append(first, len(block)))
+    means = np.add.reduceat(buckets[order], first, axis=0) / count[:, None, None]
+    flat = np.zeros((height * width, n, n, means.shape[-1]), dtype=np.float32)
+    flat[found] = means.reshape(len(found), n, n, -1)
+    covered = np.zeros(height * width, dtype=bool)
+    covered[found] = True
+    image = flat.reshape(height, width, n, n, -1)
+    filled: Floats = dilate(image, nearest_covered(covered.reshape(height, width)))
+    return filled

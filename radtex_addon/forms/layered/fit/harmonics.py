@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Spherical harmonics up to the second band, fitted to what texels show in the directions of a hemisphere."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tests.bench.fidelity.lightmaps import pooled
+
+from ....bake.blocks import in_blocks, planes
+from ....bake.pooling import Neighbours
+from ....core.arrays import Floats
+
+COUNT = 9
+_AT_ONCE = 1 << 13  # samples in hand, of nine numbers each
+
+
+def basis(direction: Floats) -> Floats:
+    """The nine real spherical harmonics of unit directions (..., 3): (..., 9).
+
+    Ramamoorthi and Hanrahan, "An Efficient Representation for Irradiance Environment Maps" (2001).
+    """
+    x, y, z = np.moveaxis(direction, -1, 0)
+    columns = [
+        np.full_like(x, 0.282095),
+        0.488603 * y,
+        0.488603 * z,
+        0.488603 * x,
+        1.092548 * x * y,
+        1.092548 * y * z,
+        0.315392 * (3 * z * z - 1),
+        1.092548 * x * z,
+        0.546274 * (x * x - y * y),
+    ]
+    return np.stack(columns, axis=-1)
+
+
+def fit_harmonics(
+    direction: Floats, values: Floats, weight: Floats, neighbours: Neighbours, ridge: float
+) -> Floats:
+    """Coefficients (K, 9, 3) of samples (K, S, 3) in directions (K, S, 3), by least squares.
+
+    `weight` (K, S) sums to 1 for each of the K texels, whose equations are pooled with their neighbours'. On
+    a hemisphere the nine are all but dependent, and cut off after them a highlight rings: each coefficient
+    but the first costs `ridge` times its square, beside a mean square error.
+    """
+
+    def equations(some: slice) -> Floats:
+        columns = basis(direction[some])
+        weighted = columns * weight[some, :, None]
+        against = np.einsum("ksa,ksb->kab", weighted, columns, optimize=True)
+        towards = np.einsum("ksa,csk->kac", weighted, planes(values[some]).swapaxes(1, 2), optimize=True)
+        return np.concatenate([against, towards], axis=2)
+
+    texels, samples = weight.shape
+    table = np.concatenate(in_blocks(equations, texels, samples, _AT_ONCE))
+    table = pooled(neighbours, table.reshape(texels, -1)).reshape(table.shape).astype(np.float64)
+    penalty = np.diag([0.0] + [ridge] * (COUNT - 1))
+    found: Floats = np.linalg.solve(table[..., :COUNT] + penalty, table[..., COUNT:])
+    return found.astype(np.float32)

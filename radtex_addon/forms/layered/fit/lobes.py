@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The lobes of each material: how much they mirror, how wide, and how far bent, by N.V.
+
+Measured by paths through the object alone in an empty, glowing world: they tell weights and directions
+without the noise of any light. Two lobes of GGX's shape for each step of N.V, by expectation maximisation
+(Dempster et al., 1977; for tails like these Lange, Little and Taylor, "Robust statistical modeling using the
+t distribution", 1989). What is called variance is a lobe's width² (see `lobe`): of such tails there is none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....bake.gloss import LUMINANCE
+from ....core.arrays import Bools, Floats, Ints
+from ..lookup.lobes import LOBES, STEPS, Material, lobe, towards
+
+_ROUNDS = 40
+_AT_MOST = 40_000  # paths of a step
+_AT_LEAST = 200
+_OVERLAP = 0.75  # steps around a step's middle whose paths count
+SHARPEST = 0.003  # radians: no lobe is narrower
+_WIDEST = 1.0
+END = 0.5  # length of a direction: where paths differ too much it is shorter
+
+
+@dataclass(frozen=True, eq=False)
+class Paths:
+    """Paths that left the object straight away, or ended in it: P of them.
+
+    `texel` (P,): of the plan; `weight` (P, 3): how much they bring of white light; `end` (P, 3): where they
+    go; `axis` (P, 3), the mirror direction, and `normal` (P, 3), all in world space; `cosine` (P,): N.V;
+    `material` (P,); `width` (P,): what their material's width² is multiplied by, 1 if None.
+    """
+
+    texel: Ints
+    weight: Floats
+    end: Floats
+    axis: Floats
+    normal: Floats
+    cosine: Floats
+    material: Ints
+    width: Floats | None = None
+
+
+def fit_materials(paths: Paths, count: int) -> tuple[Material, ...]:
+    """The lobes of so many materials; those without paths mirror nothing."""
+    return tuple(_fit_material(paths, paths.material == number) for number in range(count))
+
+
+def _fit_material(paths: Paths, own: Bools) -> Material:
+    weight = np.zeros((LOBES, STEPS, 3))
+    variance, bend = np.full((LOBES, STEPS), 0.1), np.zeros(STEPS)
+    known = []
+    for step in range(STEPS):
+        near = np.flatnonzero(own & (np.abs(paths.cosine * STEPS - 0.5 - step) < _OVERLAP))
+        if len(near) < _AT_LEAST:
+            continue
+        if len(near) > _AT_MOST:
+            near = np.random.default_rng(step).choice(near, _AT_MOST, replace=False)
+        mean = paths.weight[near].mean(axis=0)
+        share, variance[:, step], bend[step] = _two_lobes(paths, near)
+        weight[:, step] = share[:, None] * mean
+        known.append(step)
+    if known:
+        closest = [min(known, key=lambda other: abs(other - step)) for step in range(STEPS)]
+        weight, variance, bend = weight[:, closest], variance[:, closest], bend[closest]
+    return Material(weight.astype(np.float32), variance.astype(np.float32), bend.astype(np.float32))
+
+
+def _two_lobes(paths: Paths, near: Ints) -> tuple[Floats, Floats, float]:
+    """Shares (LOBES,), variances (LOBES,) and the bend that make the paths' directions likeliest."""
+    bright = paths.weight[near] @ LUMINANCE
+    length = np.linalg.norm(paths.end[near], axis=1)
+    told = (bright > 1e-6) & (length > END)
+    if not told.any():
+        return np.array([1.0, 0.0]), np.array([0.1, 0.1]), 0.0
+    near, bright = near[told], bright[told] / bright[told].sum()
+    up, across = angles(paths.end[near] / length[told, None], paths.axis[near], paths.normal[near])
+    bend, width = 0.0, 1.0 if paths.width is None else paths.width[near]
+    squared = np.sort((up**2 + across**2) / width / 2)
+    least, most = SHARPEST**2, _WIDEST**2
+    variance = np.clip(np.quantile(squared, [0.3, 0.9]), least, most)
+    variance[1] = max(variance[1], 2 * variance[0])
+    share = np.array([0.6, 0.4])
+    for turn in range(_ROUNDS):
+        distance = ((up - bend) ** 2 + across**2) / width
+        likely = share[:, None] * lobe(distance, variance[:, None])
+        likely *= bright / np.maximum(likely.sum(axis=0), 1e-30)
+        total = np.maximum(likely.sum(axis=1), 1e-9)
+        share = total / total.sum()
+        likely *= 4 / (2 + distance / variance[:, None])
+        variance = np.clip((likely * distance).sum(axis=1) / (2 * total), least, most)
+        if turn > _ROUNDS // 8:
+            pull = (likely / variance[:, None]).sum(axis=0) / width
+            bend = float((pull * up).sum() / max(pull.sum(), 1e-30))
+    order = np.argsort(variance)
+    return share[order], variance[order], bend
+
+
+def angles(end: Floats, axis: Floats, normal: Floats) -> tuple[Floats, Floats]:
+    """How far ends lie from their axes, radians: in the plane of incidence towards the normal, and across."""
+    aside = towards(axis, normal)
+    across = np.cross(axis, aside)
+    angle = np.arccos(np.clip((end * axis).sum(axis=1), -1, 1))
+    scale = 1 / np.maximum(np.cos(angle / 2), 0.1)
+    return (end * aside).sum(axis=1) * scale, (end * across).sum(axis=1) * scale

@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What maps of the material say of texels, and whether they are worth a texture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import cast
+
+import numpy as np
+
+from ....bake.plan import CapturePlan
+from ....core.arrays import Floats, Ints
+
+_VARIES = 0.02  # standard deviation of the tint, above which it is kept
+_TURNED = 2.0  # degrees between shading normals and the mesh's, in one texel of ten, from which they are kept
+
+
+def shading_normals(
+    plan: CapturePlan, fine: Mapping[str, Floats], coarse: Mapping[str, Floats], wanted: bool
+) -> tuple[Floats, Floats | None]:
+    """The texels' shading normals (K, 3), and their map (H', W', 3) where they are not the mesh's own.
+
+    `fine` and `coarse` as in `Capture`; if they are not `wanted`, the mesh's.
+    """
+    mesh = plan.normals.astype(np.float32)
+    found = coarse["normal"].reshape(-1, 3)[plan.texel].astype(np.float32)
+    length = np.linalg.norm(found, axis=1, keepdims=True)
+    found /= np.maximum(length, 1e-6)
+    usable = (length[:, 0] > 0.5) & ((found * mesh).sum(axis=1) > 0)
+    found = np.where(usable[:, None], found, mesh)
+    turned = np.degrees(np.arccos(np.clip((found * mesh).sum(axis=1), -1, 1)))
+    if not wanted or np.percentile(turned, 90) < _TURNED:
+        return mesh, None
+    return found, fine["normal"].astype(np.float32)
+
+
+def tints(
+    plan: CapturePlan, material: Ints, fine: Mapping[str, Floats], coarse: Mapping[str, Floats], wanted: bool
+) -> tuple[Floats, Floats | None]:
+    """How glossy colours differ from the mean of their `material` (K,): of the texels (K, 3), and a map.
+
+    The map (H', W', 3) is None where they do not differ, or are not `wanted`. Each of its texels is over the
+    mean of its own material, which may be another one than that of the nearest coarse texel.
+    """
+    glossy = coarse["glossy"].reshape(-1, 3)[plan.texel].astype(np.float32)
+    means = np.ones((max(int(material.max()), int(fine["material"].max())) + 1, 3), dtype=np.float32)
+    for number in np.unique(material):
+        means[number] = np.maximum(glossy[material == number].mean(axis=0), 1e-3)
+    tint = glossy / means[material]
+    if not wanted or float(tint.std(axis=0).max()) < _VARIES:
+        return np.ones_like(glossy), None
+    return tint, (fine["glossy"] / means[fine["material"][..., 0].astype(np.intp)]).astype(np.float32)
+
+
+def texel_middles(plan: CapturePlan) -> Floats:
+    """The texture coordinates of a plan's texels, (K, 2) float32."""
+    row, column = np.divmod(plan.texel, plan.layout.width)
+    middles = np.stack([(column + 0.5) / plan.layout.width, (row + 0.5) / plan.layout.height], axis=1)
+    return cast(Floats, middles.astype(np.float32))

@@ -1,0 +1,126 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fitting what comes through the object: the chief path of each cell, and what is left of the light.
+
+The chief path is the one that most of a cell's paths agree with, and its neighbours': where a clear object
+splits light at each surface, the share that refracts every time. Its ray is kept as it is, without pooling.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....bake.blocks import in_blocks, planes
+from ....bake.gloss import LobeSamples
+from ....bake.light_samples import EndSamples, LightSamples, straight_through
+from ....bake.pooling import Neighbours
+from ....core.arrays import Bools, Floats
+from ....core.shared import Axis
+from ..cells import THROUGH_CELLS
+from ..lookup.environment import Around
+from ..lookup.ways import CHANNELS, Through, look_through
+from ..samples import ExitSamples
+from .residual import fit_rest
+from .texel_maps import texel_middles
+
+_FAINT = 1e-3  # of all light: what comes through and is less is left out
+_AGREE = 0.97  # cosine between paths that go the same way
+_NEAR = 0.9  # cosine between a path and those of the texels around, if it goes their way
+_NEARBY = 1.6  # paths that the way of the texels around counts for
+_AGREEING = 2.0  # paths that have to agree
+_ROUNDS = 2
+_LEAST = 1e-6
+
+
+def lets_through(alone: EndSamples, light: LightSamples) -> bool:
+    """Whether enough light comes through the object to be fitted."""
+    through = light.through.sum(dtype=np.float64)
+    total = through + light.mirrored.sum(dtype=np.float64) + light.diffuse.sum(dtype=np.float64)
+    return bool(through > _FAINT * total and alone.through_weight.any())
+
+
+def fit_ways(exits: ExitSamples, neighbours: Neighbours) -> Floats:
+    """The chief paths of the plan's texels and cells, as in `Through`: (8, K, n*n).
+
+    A few paths may all go astray: where too few agree, and the texels around say otherwise,
+    those count. How much gets through is pooled, as it is a share of few paths.
+    """
+    ways, votes = _chief(exits, np.zeros((3, *exits.weight.shape[1:]), dtype=np.float32))
+    for _ in range(_ROUNDS):
+        towards = neighbours.pool(_unit(ways[:3]) * votes)
+        ways, votes = _chief(exits, towards / np.maximum(np.linalg.norm(towards, axis=0), _LEAST))
+    own = ways / np.maximum(ways[3], _LEAST)
+    agreed = (votes >= _AGREEING) & (ways[3] > 0)
+    pooled = neighbours.pool(np.concatenate([own * agreed, ways[3:4], np.ones_like(ways[3:4])]))
+    others = pooled[:CHANNELS] / np.maximum(pooled[3], _LEAST)
+    weight = pooled[CHANNELS] / np.maximum(pooled[CHANNELS + 1], _LEAST)
+    chosen: Floats = np.where(agreed, own, others).astype(np.float32) * weight
+    return chosen
+
+
+def _unit(direction: Floats) -> Floats:
+    unit: Floats = direction / np.maximum(np.linalg.norm(direction, axis=0), _LEAST)
+    return unit
+
+
+def _chief(exits: ExitSamples, around: Floats) -> tuple[Floats, Floats]:
+    """The ways that most paths agree with, (8, K, m), and how many do (K, m), with the texels around.
+
+    `around` (3, K, m): the unit directions of the texels around, 0 where there are none.
+    """
+    times, count, cells = exits.weight.shape
+    found = np.zeros((CHANNELS, count, cells), dtype=np.float32)
+    votes = np.zeros((count, cells), dtype=np.float32)
+
+    def choose(some: slice) -> None:
+        direction, weight = exits.direction[:, some], exits.weight[:, some]
+        best = np.zeros(weight.shape[1:], dtype=np.float32)
+        keep = np.zeros(weight.shape, dtype=np.float32)
+        towards = np.moveaxis(around[:, some], 0, -1)
+        for one, own in zip(direction, weight, strict=True):
+            agree = ((direction * one).sum(axis=-1) > _AGREE) & (weight > 0)
+            near = (towards * one).sum(axis=-1) > _NEAR
+            score = (agree.sum(axis=0) + _NEARBY * near) * (own > 0)
+            better = score > best
+            best = np.where(better, score, best)
+            keep = np.where(better, agree * weight, keep)
+        total = np.maximum(keep.sum(axis=0), _LEAST)
+        mean = (keep[..., None] * direction).sum(axis=0) / total[..., None]
+        place = (keep[..., None] * exits.place[:, some]).sum(axis=0) / total[..., None]
+        length = np.linalg.norm(mean, axis=-1)
+        paths = np.maximum((keep > 0).sum(axis=0), 1)
+        variance = np.where(paths > 1, np.maximum(1 - length, 0) * paths / np.maximum(paths - 1, 1), 0)
+        share = keep.sum(axis=0) / times
+        found[:3, some] = planes(mean / np.maximum(length, _LEAST)[..., None]) * share
+        found[3, some] = share
+        found[4:7, some] = planes(place) * share
+        found[7, some] = variance * share
+        votes[some] = best
+
+    in_blocks(choose, count, cells * times)
+    return found, votes
+
+
+def fit_through_rest(
+    through: Through, light: LightSamples, around: Around, used: Bools, neighbours: Neighbours
+) -> Floats:
+    """What the ways do not show of light samples: (3, K, m*m). `used` (K, S): which count."""
+    plan = light.plan
+    samples = LobeSamples(plan, Axis.THROUGH, light.square, light.through, used)
+    shape = used.shape
+    place, shown = (np.empty((count, *shape), dtype=np.float32) for count in (2, 3))
+    axes = [axis.reshape(-1, 3)[: len(plan.texel)] for axis in (plan.tangent, plan.bitangent, plan.normal)]
+    frame = np.stack(axes, axis=1).astype(np.float32)
+    offset = (plan.points - around.middle).astype(np.float32)
+    uv = texel_middles(plan)
+
+    def look(some: slice) -> None:
+        _, place[:, some] = samples.along(some)
+        viewer = -straight_through(plan, light.square[some].astype(np.float32), some).reshape(-1, 3)
+        each = np.arange(some.start, some.stop).repeat(shape[1])
+        axes = (frame[each, 0], frame[each, 1], frame[each, 2])
+        seen = look_through(through, around, uv[each], offset[each], axes, viewer)
+        shown[:, some] = seen.reshape(3, -1, shape[1])
+
+    in_blocks(look, shape[0], shape[1], 1 << 16)
+    return fit_rest(place, light.through, used, shown, neighbours, THROUGH_CELLS)

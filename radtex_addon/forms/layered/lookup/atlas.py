@@ -1,0 +1,157 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a layered bake keeps, and how it is looked up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from ....bake.pooling import corner_cells, corners
+from ....core.arrays import Floats, Ints
+from ....core.octahedron import direction_to_octahedron
+from ....core.shared import bilinear, bilinear_texels
+from .environment import Around
+from .falloffs import falloff_at
+from .lobes import Material, bent
+from .visibility import seen_free
+from .ways import Through, look_through
+
+_STEEP = 0.3  # cosine between the mesh's normal and a shading normal, below which that is not used
+_LEAST_COSINE = 1e-3
+_LEAST_LEFT = 0.5  # of the light: the rest, in coarse cells, takes no more away beside a highlight
+
+
+@dataclass(frozen=True, eq=False)
+class LayeredAtlas:
+    """A bake in the layered layout; float32, scene-linear Rec.709, row 0 at v = 0, space the world's.
+
+    `colour` (H', W', 3), `irradiance` (H, W, 3) as in the shared layout, and so each material's `falloff`
+    (M, B, 3). `tint`
+    (H', W', 3): what lobes' weights are multiplied by; `normal` (H', W', 3), the shading normal in world
+    space; `width` (H, W, 1): log2 of what lobes' width² is multiplied by; None where they do not vary. `own`
+    (h, w, n, n, 4): what a texel sees of the object itself along an axis of the octahedron, and how much it
+    leaves free; `rest` (h, w, m, m, 3). `through`: the light that comes through, if there is any. `alpha`
+    (H', W', 1), None where it is 1 everywhere: `colour` and `tint` are multiplied by it, and nothing else is.
+    """
+
+    colour: Floats
+    irradiance: Floats
+    falloff: Floats
+    tint: Floats | None
+    normal: Floats | None
+    width: Floats | None
+    around: Around
+    materials: tuple[Material, ...]
+    own: Floats
+    rest: Floats
+    through: Through | None = None
+    alpha: Floats | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Fragments:
+    """Places looked at: `uv` (N, 2); `normal`, `viewer`, `position` (N, 3), world space; `material` (N,).
+
+    `tangent` and `bitangent` (N, 3), the mesh's: for what lets light through.
+    """
+
+    uv: Floats
+    normal: Floats
+    viewer: Floats
+    position: Floats
+    material: Ints
+    tangent: Floats | None = None
+    bitangent: Floats | None = None
+
+
+def sample_layered(atlas: LayeredAtlas, at: Fragments) -> Floats:
+    """Radiance seen at fragments, (N, 3) float32, linear, premultiplied by `alpha_at` them.
+
+    Raises ValueError where light comes through and fragments have no tangents.
+    """
+    normal = at.normal
+    if atlas.normal is not None:
+        shading = bilinear(atlas.normal, at.uv)
+        shading /= np.maximum(np.linalg.norm(shading, axis=1, keepdims=True), 1e-6)
+        agrees = (shading * normal).sum(axis=1, keepdims=True) > _STEEP
+        normal = np.where(agrees, shading, normal)
+    cosine = (normal * at.viewer).sum(axis=1)
+    axis = (2 * cosine[:, None] * normal - at.viewer).astype(np.float32)
+    cosine = np.maximum(cosine, _LEAST_COSINE)
+    light = bilinear(atlas.colour, at.uv) * bilinear(atlas.irradiance, at.uv)
+    light = light * falloff_at(atlas.falloff, at.material, cosine)
+    own = look_up(atlas.own, at.uv, axis)
+    offset = at.position - atlas.around.middle
+    width = np.ones(len(axis), np.float32) if atlas.width is None else 2 ** bilinear(atlas.width, at.uv)[:, 0]
+    direct, share = mirrored_light(
+        atlas.around, atlas.materials, offset, axis, normal, cosine, at.material, width,
+        own[3], atlas.own.shape[2],
+    )  # fmt: skip
+    mirrored = direct + share * own[:3]
+    alpha = alpha_at(atlas, at.uv)
+    mirrored *= bilinear(atlas.tint, at.uv).T if atlas.tint is not None else alpha
+    rest = alpha * look_up(atlas.rest, at.uv, axis)
+    light = light + mirrored.T
+    light = np.maximum(light + rest.T, _LEAST_LEFT * light)
+    if atlas.through is not None:
+        if at.tangent is None or at.bitangent is None:
+            raise ValueError("light comes through: fragments need tangents")
+        frame = (at.tangent, at.bitangent, at.normal)
+        through = look_through(atlas.through, atlas.around, at.uv, offset, frame, at.viewer)
+        light = light + (alpha * (through + look_up(atlas.through.rest, at.uv, -at.viewer))).T
+    return cast(Floats, np.maximum(light, 0).astype(np.float32))
+
+
+def alpha_at(atlas: LayeredAtlas, uv: Floats) -> Floats:
+    """How much of what is behind fragments is hidden, at texture coordinates (N, 2): (N,) float32."""
+    if atlas.alpha is None:
+        return np.ones(len(uv), dtype=np.float32)
+    return cast(Floats, bilinear(atlas.alpha, uv)[:, 0].astype(np.float32))
+
+
+def mirrored_light(
+    around: Around,
+    materials: Sequence[Material],
+    offset: Floats,
+    axis: Floats,
+    normal: Floats,
+    cosine: Floats,
+    material: Ints,
+    width: Floats,
+    free: Floats,
+    cells: int,
+) -> tuple[Floats, Floats]:
+    """What lobes show of the surroundings, (3, N), and how much they show of the object itself, (3, N).
+
+    `offset` (N, 3) is from the middle, `axis` (N, 3) the mirror direction, `cosine` (N,) N.V; `width` (N,)
+    what the lobes' width² is multiplied by; `free` (N,) what the kept mask of `cells` x `cells` says.
+    """
+    direct, share = (np.zeros((3, len(axis)), dtype=np.float32) for _ in range(2))
+    for number, lobes in enumerate(materials):
+        some = np.flatnonzero(material == number)
+        if not len(some) or not lobes.weight.any():
+            continue
+        weight, variance, bend = lobes.at(cosine[some])
+        turned = bent(axis[some], normal[some], bend)
+        for one, wide in zip(weight, (variance * width[some]).astype(np.float32), strict=True):
+            seen = seen_free(free[some], wide, cells)
+            direct[:, some] += one * seen * around.look(offset[some], turned, wide)
+            share[:, some] += one * (1 - seen)
+    return direct, share
+
+
+def look_up(buckets: Floats, uv: Floats, axis: Floats) -> Floats:
+    """Buckets (H, W, n, n, C) at texture coordinates (N, 2) and axes (N, 3): (C, N), filtered in both."""
+    height, width, n = buckets.shape[:3]
+    flat = buckets.reshape(height * width, n * n, -1)
+    corner, weights = corners(direction_to_octahedron(axis).T.astype(np.float32), n)
+    cells = corner_cells(n).take(corner, axis=1)
+    total = np.zeros((len(uv), flat.shape[2]), dtype=np.float32)
+    for texel, share in bilinear_texels(uv.astype(np.float32), width, height):
+        for cell, weight in zip(cells, weights, strict=True):
+            total += (share * weight).astype(np.float32)[:, None] * flat[texel, cell]
+    return cast(Floats, total.T)

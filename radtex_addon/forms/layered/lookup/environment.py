@@ -1,0 +1,250 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surroundings in layers: pictures from the object's middle, and where rays from elsewhere meet them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import cast
+
+import numpy as np
+
+from ....bake.light_samples import SurroundingsSamples
+from ....bake.surroundings import LevelMaps, Surroundings
+from ....core.arrays import Floats, Ints
+from ....core.gutter import dilate, nearest_covered
+from ....core.octahedron import cell_directions, direction_to_octahedron, octahedron_cell
+from .lobes import lobe
+
+DISTANCES = 128  # cells along a side of a layer's map of distances
+STEPS = 2  # by which a ray finds what it meets in such a map
+_LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # of distances from the fragment and from the middle
+_NARROWER = (-12.0, 2.5, 0.5)  # exponents of 2: by how much the Gaussians that make a lobe are narrower
+_PARALLEL, _STEEPEST = 1e-4, 0.999  # sines of angles to a plane: along it, and straight at it
+
+
+@dataclass(frozen=True, eq=False)
+class Pictures:
+    """A picture over the octahedron of directions and its blurred copies: `levels` (M, M, C), float32.
+
+    Level l is blurred by a lobe (see lobes.py) of a width² of `sharpest` 4^l; the first is sharp.
+    """
+
+    levels: tuple[Floats, ...]
+    sharpest: float
+
+    @classmethod
+    def of(cls, direction: Floats, values: Floats, size: int) -> Pictures:
+        """The means of `values` (P, 3) or (P, 4), seen in unit directions (P, 3), in size x size cells."""
+        direction = direction.reshape(-1, 3).astype(np.float32)
+        values = values.reshape(len(direction), -1).astype(np.float32)
+        colours = _blurred(direction, values[:, :3], size)
+        levels = colours.levels
+        if values.shape[1] > 3:
+            alpha = _blurred(direction, np.repeat(values[:, 3:], 3, axis=1), size)
+            both = zip(colours.levels, alpha.levels, strict=True)
+            levels = tuple(np.concatenate([colour, cover[..., :1]], axis=-1) for colour, cover in both)
+        gaussian = cls(levels, colours.sharpest)
+        return cls(
+            (levels[0], *(gaussian._tailed(number) for number in range(1, len(levels)))), colours.sharpest
+        )
+
+    def _tailed(self, number: int) -> Floats:
+        """A level blurred by a lobe with tails, of levels blurred by Gaussians."""
+        size = len(self.levels[number])
+        direction = cell_directions(size).astype(np.float32)
+        narrower = 2.0 ** np.arange(*_NARROWER)
+        share = narrower * np.exp(-narrower)
+        total = np.zeros((self.levels[0].shape[2], size * size), dtype=np.float32)
+        for times, part in zip(narrower, share / share.sum(), strict=True):
+            wide = np.full(size * size, self.sharpest * 4**number / times, dtype=np.float32)
+            total += np.float32(part) * self.look(direction, wide)
+        return np.ascontiguousarray(total.T.reshape(size, size, -1))
+
+    def look(self, direction: Floats, variance: Floats) -> Floats:
+        """The picture around directions (N, 3), blurred by variances (N,): (C, N) float32."""
+        place, level = direction_to_octahedron(direction).T, self.level(variance)
+        lower, above = self.between(level)
+        last = len(self.levels) - 1
+        found = self._maps.look(place, lower) * (1 - above)
+        return cast(Floats, found + self._maps.look(place, np.minimum(lower + 1, last)) * above)
+
+    def level(self, variance: Floats) -> Floats:
+        """Which level is as blurred as these widths² (N,), float32, with fractions of its logarithm."""
+        level = np.log2(np.maximum(variance, 1e-12) / self.sharpest) / 2
+        return cast(Floats, np.clip(level, 0, len(self.levels) - 1).astype(np.float32))
+
+    def between(self, level: Floats) -> tuple[Ints, Floats]:
+        """The level below, and the share of the next: by widths, so that a lobe's tails are nearly right."""
+        lower = np.minimum(level.astype(np.intp), max(len(self.levels) - 2, 0))
+        return lower, (2.0 ** (level - lower) - 1).astype(np.float32)
+
+    @cached_property
+    def _maps(self) -> LevelMaps:
+        return LevelMaps.of(self.levels)
+
+
+def _blurred(direction: Floats, colours: Floats, size: int) -> Surroundings:
+    one = np.ones(len(colours), dtype=np.float32)
+    return Surroundings.of(SurroundingsSamples(np.zeros(3, np.float32), direction, colours, one), size)
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """Points p, from the object's middle, of `normal` . p = `height`; the object is on the normal's side.
+
+    `eye` (3,), from the middle: where the plane is seen from in its picture, which above the horizon has what
+    lies below it once more, mirrored, so that blurring it mixes in nothing else.
+    """
+
+    normal: Floats
+    height: float
+    eye: Floats = field(default_factory=lambda: np.zeros(3, dtype=np.float32))
+
+    def meet(self, offset: Floats, axis: Floats, variance: Floats) -> tuple[Floats, Floats, Floats]:
+        """Where lobes of variances (N,) about unit axes (N, 3), from offsets (N, 3), meet it.
+
+        Directions from the eye (N, 3); what the lobes' variances are multiplied by, as seen from there (N,);
+        and the shares of the lobes that point below the horizon (N,). The direction is the mean one of that
+        share: of a profile like (2 + x²)^-3/2 across the horizon, its sine is -sqrt(sine² + 2 variance).
+        """
+        sine = axis @ self.normal
+        root = np.sqrt(sine * sine + 2 * variance)
+        deep = np.clip(root, _PARALLEL, _STEEPEST)
+        level = axis - sine[:, None] * self.normal
+        level /= np.maximum(np.linalg.norm(level, axis=1, keepdims=True), 1e-6)
+        down = np.sqrt(1 - deep * deep)[:, None] * level - deep[:, None] * self.normal
+        far = np.maximum(offset @ self.normal - self.height, 0) / deep
+        met = offset + far[:, None] * down - self.eye
+        distance = np.maximum(np.linalg.norm(met, axis=1), 1e-6)
+        along = far / distance  # and across, as the eye sees the plane at another slant:
+        slant = (float(self.eye @ self.normal) - self.height) / distance / deep
+        wider = np.clip(along * along * slant, _LEAST_RATIO**2, _MOST_RATIO**2)
+        return met / distance[:, None], wider, (0.5 - 0.5 * sine / root).astype(np.float32)
+
+
+@dataclass(frozen=True, eq=False)
+class Impostor:
+    """One over the distance from the middle of what lies in each direction: `nearness` (D, D).
+
+    Szirmay-Kalos et al., "Approximate Ray-Tracing on the GPU with Distance Impostors" (2005).
+    """
+
+    nearness: Floats
+
+    @classmethod
+    def of(cls, direction: Floats, distance: Floats) -> Impostor:
+        """Of things at distances (P,) in unit directions (P, 3), of which there are some."""
+        cell = octahedron_cell(direction_to_octahedron(direction.astype(np.float32)), DISTANCES)
+        count = np.bincount(cell, minlength=DISTANCES**2)
+        mean = np.bincount(cell, 1 / distance, minlength=DISTANCES**2) / np.maximum(count, 1)
+        image = mean.astype(np.float32).reshape(DISTANCES, DISTANCES)
+        return cls(dilate(image, nearest_covered((count > 0).reshape(image.shape))))
+
+    def meet(self, offset: Floats, axis: Floats, variance: Floats) -> tuple[Floats, Floats, Floats]:
+        """As `Plane.meet`: the sphere is cut that is as large as what lies in the direction found last."""
+        along = (offset * axis).sum(axis=1)
+        squared = (offset * offset).sum(axis=1)
+        met, ratio = axis, np.ones(len(axis), dtype=np.float32)
+        for _ in range(STEPS):
+            distance = 1 / np.maximum(self._maps.look(direction_to_octahedron(met).T, 0)[0], 1e-9)
+            far = np.sqrt(np.maximum(along * along - squared + distance * distance, 0)) - along
+            reached = offset + far[:, None] * axis
+            length = np.maximum(np.linalg.norm(reached, axis=1), 1e-6)
+            met, ratio = reached / length[:, None], far / length
+        wider = np.clip(ratio, _LEAST_RATIO, _MOST_RATIO) ** 2
+        return met, wider, np.ones_like(variance)
+
+    @cached_property
+    def _maps(self) -> LevelMaps:
+        return LevelMaps.of([self.nearness[..., None]])
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """Things near the object, over nothing: `pictures` of premultiplied radiance and alpha, and a `shape`."""
+
+    pictures: Pictures
+    shape: Plane | Impostor
+
+    def over(self, light: Floats, offset: Floats, axis: Floats, variance: Floats) -> Floats:
+        """`light` (3, N) behind the layer, with the layer before it, seen blurred from offsets."""
+        met, wider, cover = self.shape.meet(offset, axis, variance)
+        seen = cover * self.pictures.look(met.astype(np.float32), (variance * wider).astype(np.float32))
+        return cast(Floats, light * (1 - seen[3]) + seen[:3])
+
+
+@dataclass(frozen=True, eq=False)
+class Lamp:
+    """A lamp that is seen: its `place` (3,) from the middle, `irradiance` (3,) there, `variance` of its size.
+
+    The irradiance is that of a surface at the middle that faces it, the variance in radians² along each axis.
+    """
+
+    place: Floats
+    irradiance: Floats
+    variance: float
+
+    def light(self, offset: Floats, axis: Floats, variance: Floats) -> Floats:
+        """What rays see of it, blurred by variances (N,): (3, N)."""
+        towards = (self.place - offset).astype(np.float32)
+        distance = np.linalg.norm(towards, axis=1)
+        squared = 2 * (1 - (axis * towards).sum(axis=1) / distance)
+        nearer = float((self.place**2).sum()) / distance**2
+        wide = variance + self.variance * nearer
+        shown = nearer * lobe(squared, wide)
+        return cast(Floats, self.irradiance[:, None].astype(np.float32) * shown.astype(np.float32))
+
+
+@dataclass(frozen=True, eq=False)
+class Around:
+    """All around the object, from its `middle` (3,): the world, `layers` from far to near, lamps."""
+
+    middle: Floats
+    world: Pictures
+    layers: tuple[Layer, ...]
+    lamps: tuple[Lamp, ...]
+
+    def look(self, offset: Floats, axis: Floats, variance: Floats) -> Floats:
+        """What rays from offsets (N, 3) from the middle see along unit axes (N, 3): (3, N) float32.
+
+        Blurred by variances (N,), radians² along each of two axes.
+        """
+        axis, offset = axis.astype(np.float32), offset.astype(np.float32)
+        light = self.world.look(axis, variance)
+        for layer in self.layers:
+            light = layer.over(light, offset, axis, variance)
+        for lamp in self.lamps:
+            light = light + lamp.light(offset, axis, variance)
+        return light.astype(np.float32)
+
+
+def lamps_of(
+    direction: Floats, radiance: Floats, places: Sequence[Floats], shares: Sequence[float] | None = None
+) -> tuple[Lamp, ...]:
+    """Lamps from a picture of them alone, in size x size cells of the octahedron.
+
+    `direction` (P, 3) and `radiance` (P, 3) are the cells'; `places` (3,) the lamps', from the middle. A lamp
+    that covers no cell's centre is left out. `shares`: the lamps' width² over that of what the picture shows.
+    """
+    lit = radiance.sum(axis=1) > 0
+    solid = 4 * np.abs(direction[lit]).sum(axis=1) ** 3 / len(direction)  # of a cell, on the sphere
+    towards = np.stack([place / np.linalg.norm(place) for place in places])
+    nearest = np.argmax(direction[lit] @ towards.T, axis=1)
+    found = []
+    for number, place in enumerate(places):
+        own = nearest == number
+        if not own.any():
+            continue
+        sent, seen = radiance[lit][own] * solid[own, None], direction[lit][own]
+        weight = sent.sum(axis=1)
+        centre = (seen * weight[:, None]).sum(axis=0)
+        centre /= np.linalg.norm(centre)
+        squared = 2 * np.maximum(1 - seen @ centre, 0)
+        variance = float((squared * weight).sum() / weight.sum() / 2)
+        variance *= 1.0 if shares is None else shares[number]
+        at = centre * np.linalg.norm(place)
+        found.append(Lamp(at.astype(np.float32), sent.sum(axis=0), max(variance, 1e-7)))
+    return tuple(found)

@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A material's lobes, as they are looked up: how much they mirror, how wide, and how far bent, by N.V."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from ....core.arrays import Floats
+
+LOBES = 2
+STEPS = 16  # of N.V
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """One material's lobes at N.V = (k + 0.5) / STEPS: `weight` (LOBES, STEPS, 3), `variance` (LOBES, STEPS).
+
+    `bend` (STEPS,): by how much their axis leaves the mirror direction for the normal, radians.
+    """
+
+    weight: Floats
+    variance: Floats
+    bend: Floats
+
+    def at(self, cosine: Floats) -> tuple[Floats, Floats, Floats]:
+        """Weights (LOBES, 3, N), variances (LOBES, N) and bends (N,) at N.V (N,)."""
+        place = np.clip(cosine * STEPS - 0.5, 0, STEPS - 1)
+        low = np.minimum(place.astype(np.intp), STEPS - 2)
+        above = (place - low).astype(np.float32)
+
+        def between(table: Floats) -> Floats:
+            return cast(Floats, table[..., low] * (1 - above) + table[..., low + 1] * above)
+
+        weight = between(np.moveaxis(self.weight, 2, 1))
+        return weight, np.exp(between(np.log(self.variance))), between(self.bend)
+
+
+def lobe(squared: Floats, variance: Floats) -> Floats:
+    """The lobe of a width² at squared chords from its axis, per steradian.
+
+    GGX (Walter et al., 2007) mirrored at normal incidence, with a width² of 2 a² / (1 - a²): in the plane it
+    is Student's distribution with two degrees of freedom.
+    """
+    return (1 + variance / 2) / (2 * np.pi * variance) / (1 + squared / (2 * variance)) ** 2
+
+
+def bent(axis: Floats, normal: Floats, bend: Floats) -> Floats:
+    """Axes (N, 3) turned by so many radians (N,) towards the normal."""
+    aside = towards(axis, normal)
+    return cast(Floats, (axis * np.cos(bend)[:, None] + aside * np.sin(bend)[:, None]).astype(np.float32))
+
+
+def towards(axis: Floats, normal: Floats) -> Floats:
+    """Unit vectors (N, 3) across the axes, in their plane with the normal."""
+    towards = normal - (normal * axis).sum(axis=1, keepdims=True) * axis
+    return cast(Floats, towards / np.maximum(np.linalg.norm(towards, axis=1, keepdims=True), 1e-6))
