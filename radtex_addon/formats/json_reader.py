@@ -62,6 +62,12 @@ class Facts:
             raise self._mistyped(key, f"a whole number {bound}")
         return value
 
+    def number(self, key: str) -> float:
+        value = self._of(key)
+        if not _is_number(value):
+            raise self._mistyped(key, "a number")
+        return float(value)
+
     def positive(self, key: str) -> float:
         value = self._of(key)
         if not _is_number(value) or value <= 0:

@@ -21,6 +21,7 @@ from .tangents import calc_tangents
 
 UV_LAYER = "RadTex"
 NORMAL, TANGENT, SIGN = "radtex_normal", "radtex_tangent", "radtex_sign"  # on corners, in object space
+MATERIAL = "radtex_material"  # on faces: the material's number, where there are several
 SHOWN = "radtex_copy"  # of an object that a preview replaces: the preview, and how the object was hidden
 MATRIX = "radtex_matrix_world"  # of the mesh: the object's matrix at the bake, row by row
 
@@ -31,7 +32,7 @@ def baked_mesh(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> b
     It carries the UV layers, colours and other attributes of the evaluated mesh, its materials and its
     normals, and for shaders, on corners in object space: `radtex_normal` (exactly Cycles's shading
     normal), `radtex_tangent` (MikkTSpace's of that layer, unit; `fallback_tangent` where the layer has
-    no direction) and `radtex_sign` of the bitangent. Its custom property MATRIX is the object's matrix.
+    no direction) and `radtex_sign` of the bitangent; on faces, `radtex_material`. Its custom property MATRIX is the object's matrix.
     Raises ShapeError where uv does not fit the triangles.
     """
     count = len(evaluated.triangles)
@@ -39,12 +40,15 @@ def baked_mesh(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> b
         raise ShapeError(f"uv: expected shape {(count, 3, 2)}, got {uv.shape}")
     mesh = bpy.data.meshes.new(evaluated.name)
     _build(mesh, evaluated)
-    ours = {layer, NORMAL, TANGENT, SIGN}
+    ours = {layer, NORMAL, TANGENT, SIGN, MATERIAL}
     for attribute in evaluated.attributes:
         if attribute.name not in ours:
             _write(mesh, attribute)
     for material in evaluated.materials:
         mesh.materials.append(material)
+    if len(evaluated.materials) > 1:
+        number = evaluated.material_index.astype(np.int32)[:, None]
+        _write(mesh, MeshAttribute(MATERIAL, "FACE", "INT", number))
     _write(mesh, MeshAttribute(layer, "CORNER", "FLOAT2", uv))
     _choose_active(mesh, evaluated, layer)
     _write_frame(mesh, evaluated, uv)

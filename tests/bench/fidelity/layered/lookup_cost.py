@@ -24,11 +24,11 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from tests.bench.drawing import Model, Painter
 from tests.bench.fragment import diffuse, measured, view_of
+from tests.layered.made_up import made_up_atlas, made_up_fragments
 
 from .compressed import MATERIAL_MAPS, compressed
 from .drawn_fragments import radiance
 from .lookup import FULL, Cost, Lookup, lookup_of, material_values
-from .made_up import made_up_atlas, made_up_fragments
 
 SHADE = """
 vec4 shade() {

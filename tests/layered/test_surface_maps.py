@@ -18,8 +18,8 @@ from radtex_addon.forms.layered.fit.own_light import Surface
 from radtex_addon.forms.layered.fit.texel_maps import tints
 from radtex_addon.forms.layered.fit.view_dependence import view_dependence
 from radtex_addon.forms.layered.lookup.falloffs import falloff_at
-from tests.bench.fidelity.layered.test_layered import CELLS, SIDE, flat_plan
-from tests.bench.fidelity.layered.test_ways import stripes_below
+from tests.layered.test_layered import CELLS, SIDE, flat_plan
+from tests.layered.test_ways import stripes_below
 
 pytestmark = pytest.mark.one_blender
 

@@ -21,7 +21,7 @@ from tests.bench.fidelity.layered.compressed import Texture, compressed, from_sr
 from tests.bench.fidelity.layered.conditions import chosen
 from tests.bench.fidelity.layered.drawn_fragments import radiance
 from tests.bench.fidelity.layered.lookup import FULL, Cost, lookup_of
-from tests.bench.fidelity.layered.made_up import made_up_atlas, made_up_fragments
+from tests.layered.made_up import made_up_atlas, made_up_fragments
 
 _RNG = np.random.default_rng(3)
 Decoded = tuple[LayeredAtlas, dict[str, Texture]]

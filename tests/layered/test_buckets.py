@@ -19,7 +19,7 @@ from radtex_addon.forms.layered.fit.visibility import free_share
 from radtex_addon.forms.layered.lookup.environment import Around, Pictures
 from radtex_addon.forms.layered.lookup.lobes import LOBES, STEPS, Material
 from radtex_addon.forms.layered.samples import OwnRays
-from tests.bench.fidelity.layered.test_layered import SIDE, flat_plan, flat_samples
+from tests.layered.test_layered import SIDE, flat_plan, flat_samples
 
 pytestmark = pytest.mark.one_blender
 

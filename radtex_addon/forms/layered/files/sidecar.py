@@ -1,0 +1,326 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sidecar of a bake in the layered layout: the keys of the plain sidecar, and an object "layered"."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ....core.arrays import Floats
+from ....core.errors import BakeError, FormatError, ShapeError
+from ....formats.json_reader import Facts, json_text
+from ....formats.sidecar import Sidecar
+from ..lookup.atlas import LayeredAtlas
+from ..lookup.environment import Lamp, Pictures, Plane
+from ..lookup.lobes import LOBES, STEPS, Material
+from .arrangement import (
+    ALPHA,
+    CHANNELS,
+    COLOUR,
+    DISTANCES,
+    EXIT_DIRECTION,
+    EXIT_PLACE,
+    IRRADIANCE,
+    NORMAL,
+    OWN,
+    PICTURES,
+    PLANE,
+    REST,
+    THINGS,
+    THROUGH_COLOUR,
+    THROUGH_REST,
+    TINT,
+    WIDTH,
+    WORLD,
+    near_layers,
+    packed_size,
+    padded_size,
+)
+
+LAYOUT = "layered"
+_LARGEST, _MOST_LEVELS = 4096, 12  # of pictures
+_MOST_LAMPS, _MOST_MATERIALS = 1024, 1024
+_MAPS = (TINT, NORMAL, WIDTH, ALPHA)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """The size of an octahedral picture's sharpest level, how many levels it has, and that one's width²."""
+
+    size: int
+    levels: int
+    sharpest: float
+
+
+@dataclass(frozen=True)
+class ThroughCells:
+    """The cells along the sides of buckets of light that comes through: of its exits, and of the rest."""
+
+    exits: int
+    rest: int
+
+
+@dataclass(frozen=True, eq=False)
+class LayeredSidecar:
+    """Facts about one bake in the layered layout.
+
+    `bake` holds the facts of every layout: `width` x `height` texels of the irradiance, and `bucket` cells
+    along a side of what the object shows of itself. `colour` is the size of the maps of the material,
+    `coarse` tells how many texels have buckets, `rest_cells` those of the rest; `distances` are the cells
+    along the side of that map, 0 without. Falloffs (STEPS, 3) are by material, as are the lobes.
+    """
+
+    bake: Sidecar
+    colour: tuple[int, int]
+    coarse: tuple[int, int]
+    rest_cells: int
+    middle: Floats
+    pictures: dict[str, Picture]
+    distances: int
+    plane: Plane | None
+    lamps: tuple[Lamp, ...]
+    falloff: Floats
+    materials: tuple[Material, ...]
+    through: ThroughCells | None
+
+    @classmethod
+    def of(cls, atlas: LayeredAtlas, bake: Sidecar) -> LayeredSidecar:
+        """The facts about `atlas`, the rest from `bake`, whose `layers` are replaced.
+
+        Raises ShapeError if both differ in size, BakeError for numbers that are not finite.
+        """
+        expected = (bake.height, bake.width)
+        if atlas.irradiance.shape[:2] != expected:
+            raise ShapeError(f"irradiance: expected shape {(*expected, 3)}, got {atlas.irradiance.shape}")
+        plane, things = near_layers(atlas)
+        pictures = {WORLD: _picture(atlas.around.world)}
+        pictures |= {
+            name: _picture(layer.pictures) for name, layer in ((PLANE, plane), (THINGS, things)) if layer
+        }
+        shape = plane.shape if plane is not None else None
+        through = atlas.through
+        sidecar = cls(
+            bake=replace(bake, bucket=atlas.own.shape[2]),
+            colour=(atlas.colour.shape[1], atlas.colour.shape[0]),
+            coarse=(atlas.own.shape[1], atlas.own.shape[0]),
+            rest_cells=atlas.rest.shape[2],
+            middle=atlas.around.middle,
+            pictures=pictures,
+            distances=0 if things is None else len(things.shape.nearness),  # type: ignore[union-attr]
+            plane=shape if isinstance(shape, Plane) else None,
+            lamps=atlas.around.lamps,
+            falloff=_resampled(atlas.falloff),
+            materials=atlas.materials,
+            through=None if through is None else ThroughCells(through.ways.shape[2], through.rest.shape[2]),
+        )
+        maps = [name for name in _MAPS if getattr(atlas, name) is not None]
+        sidecar = replace(sidecar, bake=replace(sidecar.bake, layers=sidecar._layers(maps)))
+        if not all(np.isfinite(part).all() for part in sidecar._numbers()):
+            raise BakeError(
+                f'a material, a lamp or the surroundings of "{bake.object_name}" have a value that is no '
+                "finite number: nothing was written; bake it again"
+            )
+        return sidecar
+
+    @property
+    def shapes(self) -> dict[str, tuple[int, int, int]]:
+        """Each layer's width, height and channels."""
+        bake = self.bake
+        sizes = dict.fromkeys((COLOUR, TINT, NORMAL, ALPHA), self.colour)
+        sizes |= dict.fromkeys((IRRADIANCE, WIDTH), (bake.width, bake.height))
+        sizes |= {OWN: self._tiles(bake.bucket), REST: self._tiles(self.rest_cells)}
+        sizes |= {name: packed_size(found.size, found.levels) for name, found in self.pictures.items()}
+        sizes[DISTANCES] = (self.distances, self.distances)
+        if self.through is not None:
+            sizes |= dict.fromkeys((EXIT_DIRECTION, EXIT_PLACE), self._tiles(self.through.exits))
+            sizes |= {THROUGH_COLOUR: self.coarse, THROUGH_REST: self._tiles(self.through.rest)}
+        return {name: (*sizes[name], CHANNELS[name]) for name in bake.layers}
+
+    def to_json(self) -> str:
+        """The sidecar's JSON, in ASCII and with a newline at its end."""
+        layered: dict[str, Any] = {
+            "colour": list(self.colour),
+            "coarse": list(self.coarse),
+            "rest_cells": self.rest_cells,
+            "middle": _row(self.middle),
+            "pictures": {
+                name: {"size": found.size, "levels": found.levels, "sharpest": found.sharpest}
+                for name, found in self.pictures.items()
+            },
+        }
+        if self.plane is not None:
+            plane = self.plane
+            layered["plane"] = {
+                "normal": _row(plane.normal),
+                "height": _short(plane.height),
+                "eye": _row(plane.eye),
+            }
+        if self.distances:
+            layered["distances"] = self.distances
+        layered["lamps"] = [
+            {
+                "place": _row(lamp.place),
+                "irradiance": _row(lamp.irradiance),
+                "variance": _short(lamp.variance),
+            }
+            for lamp in self.lamps
+        ]
+        layered["materials"] = [
+            {
+                "falloff": _rows(falloff),
+                "lobes": [
+                    {"weight": _rows(weight), "variance": _row(variance)}
+                    for weight, variance in zip(material.weight, material.variance, strict=True)
+                ],
+                "bend": _row(material.bend),
+            }
+            for falloff, material in zip(self.falloff, self.materials, strict=True)
+        ]
+        if self.through is not None:
+            layered["through"] = {"exit_cells": self.through.exits, "rest_cells": self.through.rest}
+        return json_text(self.bake.facts(LAYOUT) | {"layered": layered})
+
+    @classmethod
+    def from_json(cls, text: str, source: str = "the sidecar") -> LayeredSidecar:
+        """Read the text of `to_json`; `source` names it in errors. Unknown keys are ignored.
+
+        Raises FormatError if it is no JSON object, for another version or layout, a missing or mistyped key.
+        """
+        return cls.from_facts(Facts.parse(text, source))
+
+    @classmethod
+    def from_facts(cls, facts: Facts) -> LayeredSidecar:
+        """Read the JSON of `to_json`. Raises FormatError as `from_json` does."""
+        bake, layered = Sidecar.from_facts(facts, LAYOUT), facts.inner("layered")
+        pictures = layered.inner("pictures")
+        found = {name: _picture_in(pictures.inner(name)) for name in PICTURES if name in pictures.values}
+        through = layered.inner("through") if "through" in layered.values else None
+        plane = layered.inner("plane") if PLANE in found else None
+        materials = _objects(layered, "materials", _MOST_MATERIALS)
+        sidecar = cls(
+            bake=bake,
+            colour=layered.size("colour"),
+            coarse=layered.size("coarse"),
+            rest_cells=layered.whole_number("rest_cells", 2, 256),
+            middle=_vector(layered, "middle"),
+            pictures=found,
+            distances=layered.whole_number("distances", 2, _LARGEST) if THINGS in found else 0,
+            plane=None
+            if plane is None
+            else Plane(_vector(plane, "normal"), plane.number("height"), _vector(plane, "eye")),
+            lamps=tuple(
+                Lamp(_vector(lamp, "place"), _vector(lamp, "irradiance"), lamp.positive("variance"))
+                for lamp in _objects(layered, "lamps", _MOST_LAMPS)
+            ),
+            falloff=np.array([_table(material, "falloff") for material in materials], dtype=np.float32),
+            materials=tuple(map(_material, materials)),
+            through=None
+            if through is None
+            else ThroughCells(
+                through.whole_number("exit_cells", 2, 256), through.whole_number("rest_cells", 2, 256)
+            ),
+        )
+        maps = [name for name in _MAPS if name in bake.layers]
+        expected = sidecar._layers(maps)
+        if WORLD not in found or not materials:
+            raise FormatError(f'{facts.source}, in "layered", lacks the world\'s picture, or materials')
+        facts.constant("layers", list(expected))
+        return sidecar
+
+    def _layers(self, maps: Sequence[str]) -> tuple[str, ...]:
+        """The names of a bake's images, if it has these optional maps of the surface."""
+        there = {COLOUR, IRRADIANCE, OWN, REST, *maps, *self.pictures}
+        if THINGS in self.pictures:
+            there.add(DISTANCES)
+        if self.through is not None:
+            there |= {EXIT_DIRECTION, EXIT_PLACE, THROUGH_COLOUR, THROUGH_REST}
+        return tuple(name for name in CHANNELS if name in there)
+
+    def _tiles(self, cells: int) -> tuple[int, int]:
+        width, height = padded_size(self.coarse)
+        return cells * width, cells * height
+
+    def _numbers(self) -> list[Floats]:
+        found = [self.middle, self.falloff]
+        for material in self.materials:
+            found += [material.weight, np.log(material.variance), material.bend]
+        for lamp in self.lamps:
+            found += [lamp.place, lamp.irradiance, np.log([lamp.variance])]
+        if self.plane is not None:
+            found += [self.plane.normal, np.array([self.plane.height]), self.plane.eye]
+        return found
+
+
+def _picture(pictures: Pictures) -> Picture:
+    return Picture(len(pictures.levels[0]), len(pictures.levels), float(pictures.sharpest))
+
+
+def _picture_in(facts: Facts) -> Picture:
+    found = Picture(
+        facts.whole_number("size", 2, _LARGEST),
+        facts.whole_number("levels", 1, _MOST_LEVELS),
+        facts.positive("sharpest"),
+    )
+    if found.size % (1 << (found.levels - 1)) or found.size >> (found.levels - 1) < 2:
+        raise FormatError(f"{facts.source} has sizes that no picture has: {found.levels} of {found.size}")
+    return found
+
+
+def _material(facts: Facts) -> Material:
+    lobes = _objects(facts, "lobes", LOBES)
+    if len(lobes) != LOBES:
+        raise FormatError(f"{facts.source} has {len(lobes)} lobes, expected {LOBES}")
+    weight = np.array([_table(lobe, "weight") for lobe in lobes], dtype=np.float32)
+    variance = np.array([lobe.numbers("variance", STEPS) for lobe in lobes], dtype=np.float32)
+    if variance.min() <= 0:
+        raise FormatError(f"{facts.source} has a lobe whose variance is not above 0")
+    return Material(weight, variance, np.array(facts.numbers("bend", STEPS), dtype=np.float32))
+
+
+def _objects(facts: Facts, key: str, most: int) -> list[Facts]:
+    """The objects in a list. Raises FormatError for anything else, or more than `most`."""
+    found = facts.values.get(key)
+    if not isinstance(found, list) or len(found) > most or not all(isinstance(one, dict) for one in found):
+        raise FormatError(f'{facts.source}: "{key}" is no list of at most {most} objects')
+    source = f'{facts.source} in "{key}"'
+    return [Facts(one, f"{source}, number {number},", facts.what) for number, one in enumerate(found)]
+
+
+def _table(facts: Facts, key: str) -> tuple[tuple[float, float, float], ...]:
+    found = facts.colours(key)
+    if len(found) != STEPS:
+        raise FormatError(f'{facts.source}: "{key}" has {len(found)} colours, expected {STEPS}')
+    return found
+
+
+def _vector(facts: Facts, key: str) -> Floats:
+    return np.array(facts.numbers(key, 3), dtype=np.float32)
+
+
+def _short(number: float) -> float:
+    """The shortest decimal number that is the same single float."""
+    return float(str(np.float32(number)))
+
+
+def _row(values: Floats) -> list[float]:
+    return [_short(value) for value in values]
+
+
+def _rows(values: Floats) -> list[list[float]]:
+    return [_row(row) for row in values]
+
+
+def _resampled(falloff: Floats) -> Floats:
+    """Falloffs (M, B, 3) at the lobes' steps of N.V, (M, STEPS, 3)."""
+    count = falloff.shape[1]
+    if count == STEPS:
+        return falloff.astype(np.float32)
+    place = np.clip((np.arange(STEPS) + 0.5) / STEPS * count - 0.5, 0, count - 1)
+    low = np.minimum(place.astype(np.intp), count - 2)
+    above = (place - low)[:, None]
+    found: Floats = (falloff[:, low] * (1 - above) + falloff[:, low + 1] * above).astype(np.float32)
+    return found

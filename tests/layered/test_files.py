@@ -1,0 +1,173 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The layered layout's files: what is written comes back, and what is damaged is refused by name."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from radtex_addon.core.errors import BakeError, FormatError, ShapeError
+from radtex_addon.formats.containers.exr import Compression
+from radtex_addon.formats.sidecar import Sidecar
+from radtex_addon.forms.layered.files.arrangement import arranged, packed, tiled, unpacked, untiled
+from radtex_addon.forms.layered.files.layered_files import read_layered, write_layered
+from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
+from radtex_addon.forms.layered.lookup.atlas import Fragments, LayeredAtlas, sample_layered
+from radtex_addon.forms.layered.lookup.ways import Through
+from tests.layered.made_up import made_up_atlas, made_up_fragments
+
+_RNG = np.random.default_rng(5)
+_BAKE = Sidecar("Vase", "radiance", 16, 16, 14, "RadTex", 16, 0, "portal", "RadTex 0", "5.2")
+
+
+@pytest.fixture(scope="module")
+def atlas() -> LayeredAtlas:
+    return made_up_atlas(16, 64)
+
+
+def _everything(atlas: LayeredAtlas) -> LayeredAtlas:
+    """With every optional map, and light that comes through."""
+    fine, coarse = atlas.colour.shape[:2], atlas.own.shape[:2]
+
+    def values(*shape: int) -> Any:
+        return _RNG.uniform(0.1, 1, shape).astype(np.float32)
+
+    return replace(
+        atlas,
+        tint=values(*fine, 3),
+        normal=values(*fine, 3) * 2 - 1,
+        width=values(*atlas.irradiance.shape[:2], 1),
+        alpha=values(*fine, 1),
+        through=Through(values(*coarse, 16, 16, 8), values(*coarse, 3), values(*coarse, 8, 8, 3)),
+    )
+
+
+def _fragments(atlas: LayeredAtlas) -> Fragments:
+    at = made_up_fragments(atlas, 2000)
+    tangent = np.cross(at.normal, [0.1, 0.2, 0.97]).astype(np.float32)
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    return replace(at, tangent=tangent, bitangent=np.cross(at.normal, tangent))
+
+
+@pytest.mark.parametrize("half", [True, False])
+def test_what_is_written_is_read_again(atlas: LayeredAtlas, tmp_path: Path, half: bool) -> None:
+    path = tmp_path / "Vase.radiance.json"
+    whole = _everything(atlas)
+    written = write_layered(path, whole, _BAKE, half)
+    found, facts = read_layered(path)
+    assert facts.to_json() == written.to_json()
+    assert facts.bake.layers == tuple(arranged(whole))
+    for name, image in arranged(whole).items():
+        np.testing.assert_allclose(
+            arranged(found)[name], image, rtol=1e-3 if half else 0, atol=1e-6, err_msg=name
+        )
+    at = _fragments(whole)
+    once, again = sample_layered(whole, at), sample_layered(found, at)
+    assert np.median(np.abs(once - again) / (once + 0.05)) < 0.01
+
+
+def test_what_a_bake_lacks_has_no_file(atlas: LayeredAtlas, tmp_path: Path) -> None:
+    bare = replace(atlas, around=replace(atlas.around, layers=(), lamps=()))
+    written = write_layered(tmp_path / "Vase.radiance.json", bare, _BAKE)
+    assert written.bake.layers == ("colour", "irradiance", "own", "rest", "world")
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"Vase.radiance.json", *(f"Vase.radiance.{layer}.exr" for layer in written.bake.layers)}
+    found, _ = read_layered(tmp_path / "Vase.radiance.json")
+    assert not found.around.layers
+    assert not found.around.lamps
+    assert found.through is None
+
+
+def test_lossy_compression_spares_what_is_no_light(atlas: LayeredAtlas, tmp_path: Path) -> None:
+    path = tmp_path / "Vase.radiance.json"
+    write_layered(path, atlas, _BAKE, compression=Compression.DWAA)
+    found, _ = read_layered(path)
+    for name in ("own", "distances"):
+        np.testing.assert_allclose(arranged(found)[name], arranged(atlas)[name], rtol=1e-3, atol=1e-6)
+
+
+def test_tiles_and_packed_levels_come_back() -> None:
+    buckets = _RNG.uniform(size=(5, 7, 3, 3, 4)).astype(np.float32)
+    image = tiled(buckets)
+    assert image.shape == (3 * 8, 3 * 8, 4)
+    np.testing.assert_array_equal(untiled(image, 3, (7, 5)), buckets)
+    np.testing.assert_array_equal(image[8 : 8 + 5, 16 : 16 + 7], buckets[:, :, 1, 2])
+    levels = tuple(_RNG.uniform(size=(16 >> level, 16 >> level, 3)).astype(np.float32) for level in range(4))
+    image = packed(levels)
+    assert image.shape == (16, 24, 3)
+    for level, found in zip(levels, unpacked(image, 16, 4), strict=True):
+        np.testing.assert_array_equal(level, found)
+
+
+def test_an_image_of_another_bake_is_named(atlas: LayeredAtlas, tmp_path: Path) -> None:
+    first, other = tmp_path / "Vase.radiance.json", tmp_path / "Pot.radiance.json"
+    write_layered(first, atlas, _BAKE)
+    write_layered(other, atlas, replace(_BAKE, seed=3))
+    (tmp_path / "Pot.radiance.own.exr").replace(tmp_path / "Vase.radiance.own.exr")
+    with pytest.raises(FormatError, match=r"Vase\.radiance\.own\.exr is of another bake"):
+        read_layered(first)
+    (tmp_path / "Vase.radiance.own.exr").unlink()
+    with pytest.raises(FormatError, match=r"Vase\.radiance\.own\.exr"):
+        read_layered(first)
+
+
+def _without(key: str) -> Callable[[dict[str, Any]], None]:
+    return lambda layered: layered.pop(key)
+
+
+def _setting(key: str, value: Any) -> Callable[[dict[str, Any]], None]:
+    return lambda layered: layered.update({key: value})
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (_without("materials"), '"materials" is no list'),
+        (_setting("materials", []), "lacks the world's picture, or materials"),
+        (_without("plane"), 'lacks "plane"'),
+        (_setting("middle", [0, 1]), '"middle" is .* expected 3 numbers'),
+        (_setting("rest_cells", 1), '"rest_cells" is 1'),
+        (_setting("pictures", {}), "lacks the world's picture"),
+        (
+            _setting("pictures", {"world": {"size": 24, "levels": 5, "sharpest": 1}}),
+            "sizes that no picture has",
+        ),
+        (
+            lambda layered: layered["lamps"][0].update(variance=0),
+            '"variance" is 0, expected a number above 0',
+        ),
+        (lambda layered: layered["materials"][0]["bend"].pop(), '"bend" is .* expected 16 numbers'),
+        (lambda layered: layered["materials"][1]["lobes"].pop(), "has 1 lobes, expected 2"),
+        (lambda layered: layered["materials"][1]["falloff"].pop(), "has 15 colours, expected 16"),
+    ],
+)
+def test_a_damaged_sidecar_is_refused(
+    atlas: LayeredAtlas, tmp_path: Path, change: Callable[[dict[str, Any]], None], message: str
+) -> None:
+    path = tmp_path / "Vase.radiance.json"
+    write_layered(path, atlas, _BAKE)
+    facts = json.loads(path.read_text(encoding="utf-8"))
+    change(facts["layered"])
+    with pytest.raises(FormatError, match=message):
+        LayeredSidecar.from_json(json.dumps(facts), str(path))
+
+
+def test_what_does_not_fit_is_not_written(atlas: LayeredAtlas, tmp_path: Path) -> None:
+    path = tmp_path / "Vase.radiance.json"
+    with pytest.raises(ShapeError, match="irradiance: expected shape"):
+        write_layered(path, atlas, replace(_BAKE, width=8))
+    broken = replace(atlas, around=replace(atlas.around, middle=np.array([0, np.nan, 0], np.float32)))
+    with pytest.raises(BakeError, match='of "Vase" have a value that is no finite number'):
+        write_layered(path, broken, _BAKE)
+    own = atlas.own.copy()
+    own[0, 0, 0, 0, 0] = np.nan
+    with pytest.raises(BakeError, match=r"own\.exr was not written"):
+        write_layered(path, replace(atlas, own=own), _BAKE)
+    assert not list(tmp_path.iterdir())
