@@ -49,7 +49,7 @@ def paths_needed(spec: BakeSpec, probe: Probe) -> int:
     """Camera paths of a bake of `spec`, if the covered share of its atlas is the same as the probe's."""
     covered = round(probe.covered * _growth(spec, probe))
     if spec.form.by_paths:
-        return spec.rays.most(covered)
+        return spec.most_paths(covered)
     if not spec.kind.traits.samples:  # the rays per cell depend on the scene, and were measured by the probe
         return round(probe.paths * _growth(spec, probe))
     return covered * spec.bucket**2 * spec.samples

@@ -20,8 +20,9 @@ class FormTraits:
     * `streams`: cells are on disk during the bake, unless an earlier atlas is read.
     * `by_paths`: fitted to single paths, whose number does not depend on the cells.
     * Options that it can be baked with: a `source`, single `lamps`, a `shared_atlas`, `layers`,
-      `accumulates`, a `farm`, the `panoramic` capture, and a limit of size or quality (`condenses`).
-    * `limited`: its bakes have such a limit.
+      `accumulates`, a `farm`, the `panoramic` capture, a limit of size or quality (`condenses`), a `split`
+      object, and `any_cells`.
+    * `limited`: its bakes have such a limit. `backs`: faces that are seen from behind get texels of their own.
     """
 
     name: str
@@ -41,6 +42,9 @@ class FormTraits:
     panoramic: bool = True
     condenses: bool = False
     limited: bool = False
+    split: bool = True
+    any_cells: bool = True
+    backs: bool = False
 
 
 def _shared(name: str, cells: int, limited: bool) -> FormTraits:
@@ -73,7 +77,26 @@ SHARED = _shared("shared", cells=16, limited=False)
 # 14 cells: with its border a bucket is 16 pixels wide, whole blocks of a compressed texture.
 CONDENSED = _shared("condensed", cells=14, limited=True)
 
-FORMS = (BUCKETS, BITS, AMBIENT, SPHERE, SHARED, CONDENSED)
+LAYERED = FormTraits(
+    name="layered",
+    layout="layered",
+    title="the layered layout",
+    cells=14,
+    streams=False,
+    by_paths=True,
+    source=False,
+    lamps=False,
+    shared_atlas=False,
+    layers=False,
+    accumulates=False,
+    farm=False,
+    panoramic=False,
+    split=False,
+    any_cells=False,
+    backs=True,
+)
+
+FORMS = (BUCKETS, BITS, AMBIENT, SPHERE, SHARED, CONDENSED, LAYERED)
 
 
 def has_light_layers(layout: str) -> bool:

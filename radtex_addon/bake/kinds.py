@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum, StrEnum, auto
 
-from .forms import AMBIENT, BITS, BUCKETS, CONDENSED, SHARED, SPHERE, FormTraits
+from .forms import AMBIENT, BITS, BUCKETS, CONDENSED, LAYERED, SHARED, SPHERE, FormTraits
 
 
 class Kind(StrEnum):
@@ -36,6 +36,7 @@ class Layout(StrEnum):
 
     BUCKETS = "buckets"
     SHARED = "shared"
+    LAYERED = "layered"
 
     @property
     def cells(self) -> int:
@@ -227,4 +228,4 @@ def form_in(layout: Layout, condensed: bool) -> FormTraits:
     """The form of a bake in a layout, for kinds without a form of their own."""
     if layout is Layout.SHARED:
         return CONDENSED if condensed else SHARED
-    return BUCKETS
+    return LAYERED if layout is Layout.LAYERED else BUCKETS

@@ -57,7 +57,7 @@ def check(spec: SpecFields) -> None:
         raise InputError("the UV layer's name is empty: name one of the object's, or none to unwrap anew")
     _check_kind(spec)
     if _asked(spec).by_paths:
-        _check_shared(spec)
+        _check_by_paths(spec)
     if spec.condensed:
         _check_condensed(spec)
     _check_size(spec)
@@ -178,7 +178,7 @@ def _check_distance(spec: SpecFields) -> None:
 
 def _check_transfer(spec: SpecFields) -> None:
     for asked, wrong, remedy in (
-        ("the shared layout", _asked(spec).by_paths, _BUCKETS),
+        (_asked(spec).title, _asked(spec).by_paths, _BUCKETS),
         ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, _PORTAL),
         ("a budget or target", spec.condensed, do("leave it out")),
     ):
@@ -223,17 +223,26 @@ def _check_where(spec: SpecFields) -> None:
         )
 
 
-def _check_shared(spec: SpecFields) -> None:
+def _check_by_paths(spec: SpecFields) -> None:
+    form = _asked(spec)
     if not spec.kind.traits.looks_at_surface:
         only = ", ".join(kind for kind, traits in KINDS.items() if traits.looks_at_surface)
-        raise InputError(f"the shared layout knows kind {only} only, not {spec.kind}", _BUCKETS)
+        raise InputError(f"{form.title} knows kind {only} only, not {spec.kind}", _BUCKETS)
     if spec.capture is not CaptureMethod.PORTAL:
         raise InputError(
-            f"the shared layout knows capture {CaptureMethod.PORTAL} only, not {spec.capture}", _BUCKETS
+            f"{form.title} knows capture {CaptureMethod.PORTAL} only, not {spec.capture}", _BUCKETS
         )
     if spec.layers:
-        raise InputError("the shared layout has no layers", _BUCKETS)
-    _check_whole_number("samples in the shared layout", spec.samples, 1, _MOST_SHARED_SAMPLES)
+        raise InputError(f"{form.title} has no layers", _BUCKETS)
+    if spec.split is not None and not form.split:
+        raise InputError(f"{form.title} is baked for whole objects", _BUCKETS, leave_out(Setting.SPLIT))
+    if spec.bucket != form.cells and not form.any_cells:
+        raise InputError(
+            f"{form.title} chooses its cells itself, {form.cells} or fewer, not {spec.bucket}",
+            _BUCKETS,
+            leave_out(Setting.BUCKET),
+        )
+    _check_whole_number(f"samples in {form.title}", spec.samples, 1, _MOST_SHARED_SAMPLES)
 
 
 def _check_condensed(spec: SpecFields) -> None:

@@ -10,12 +10,12 @@ from typing import cast
 
 from ..formats.containers.exr import Compression
 from .choices import CaptureMethod, Unwrap, View
-from .forms import FormTraits
+from .forms import LAYERED, FormTraits
 from .kinds import DEFAULT_KIND, Kind, Layout, form_of
 from .layers import OF_LAYER, WHOLE, Layer, captured
 from .parts import Split
 from .plan import SHEET
-from .rays import CLEAR_SAMPLES, Rays
+from .rays import CLEAR_SAMPLES, LayeredRays, Rays
 from .transfer_views import views_along
 
 _BYTES_PER_CHANNEL = 8  # float32, twice: as cells, and joined to an image (measured: RGBA 33 to 35)
@@ -23,6 +23,7 @@ _BYTES_PER_TEXEL = 256  # points and frames, once as a map and once packed (meas
 _BYTES_OF_BANDS = 160 << 20  # cells in memory while an atlas is written, and the writer (measured)
 _TILE_MB = 1024  # the most that one render may take
 _BYTES_PER_SHARED_PIXEL = 240  # both lobes' ten channels in float32, three times: fitted, as images, stored
+_BYTES_PER_LAYERED_TEXEL = 60_000  # rays to the object itself, and buckets while they are fitted
 _BYTES_PER_RAY = 48  # single paths in float16, their directions, and the fit's arrays
 
 
@@ -87,6 +88,15 @@ class SpecFields:
         return Rays.of(self.samples)
 
     @property
+    def layered_rays(self) -> LayeredRays:
+        """The numbers of paths in the layered layout."""
+        return LayeredRays.of(self.samples)
+
+    def most_paths(self, texels: int) -> int:
+        """The most camera paths of a bake by paths that covers so many texels."""
+        return (self.layered_rays if self.form == LAYERED else self.rays).most(texels)
+
+    @property
     def pixels_a_side(self) -> int:
         """Pixels of the atlas's longer side; in the shared layout buckets have a border of one cell."""
         return self.texels * views_along(self.view) * (self.bucket + self.form.border)
@@ -100,7 +110,7 @@ class SpecFields:
     def path_count(self) -> int:
         """The most camera paths that the bake can take."""
         if self.form.by_paths:
-            return self.rays.most(self.texels**2)
+            return self.most_paths(self.texels**2)
         return self.pixel_count * self._rays_of_cell
 
     @property
@@ -128,6 +138,8 @@ class SpecFields:
         if self.streams:
             of_bands = min(_BYTES_OF_BANDS, 2 * _BYTES_PER_CHANNEL * self.pixel_count * self.channels)
             return self.texels**2 * (_BYTES_PER_TEXEL + self.bucket**2 // 8) + of_bands
+        if self.form == LAYERED:
+            return self.texels**2 * (_BYTES_PER_LAYERED_TEXEL + self.layered_rays.of_texel * _BYTES_PER_RAY)
         if self.form.by_paths:
             return shared_bytes(self.texels, self.bucket, self.samples)
         return self.pixel_count * self.channels * _BYTES_PER_CHANNEL

@@ -35,10 +35,9 @@ _DESCRIPTION = """\
 Bake radiance textures with Cycles: every texel of an object gets a bucket, a
 small picture of the light that leaves it, with a cell for each direction.
 
-Radiance is kept in the shared layout, in textures of 2 MB, where that goes:
-DIR/NAME.KIND.LAYER.dds, or .exr without a budget. Layout buckets writes
-DIR/NAME.KIND.exr, the atlas of all buckets. DIR/NAME.KIND.json describes
-either. The .blend file is never changed."""
+Radiance is kept in the layered layout where that goes: DIR/NAME.KIND.LAYER.exr.
+Layout buckets writes DIR/NAME.KIND.exr, the atlas of all buckets.
+DIR/NAME.KIND.json describes either. The .blend file is never changed."""
 
 _EPILOG = """\
 examples:

@@ -173,11 +173,11 @@ def _add_surface(group: argparse._ArgumentGroup) -> None:
         "--layout",
         Layout,
         None,
+        "layered: what surrounds the object, in layers that are met from each place, what it shows of "
+        "itself, and what is left: the best picture in the fewest bytes; radiance by the portal only; "
         "buckets: every texel keeps a picture of its own; shared: what all texels see in common is kept "
-        "once and sharp, fitted to single paths, which suits glossy things; radiance by the portal only "
-        "(default: shared with --budget 2MB; buckets for other kinds, for an object that can be seen "
-        "through or has hair or a volume, and for what shared within 2 MB refuses: a line says why; what is "
-        "resumed, accumulated or refreshed keeps its layout)",
+        "once (default: layered; buckets for other kinds, for an object with hair or a volume, and for what "
+        "layered refuses: a line says why; what is resumed, accumulated or refreshed keeps its layout)",
     )
     group.add_argument(
         "--uv",
@@ -199,16 +199,16 @@ def add_quality(group: argparse._ArgumentGroup) -> None:
         "bucket",
         "N",
         "cells along a bucket's side: each texel tells N x N directions apart",
-        f"{SHARED_CELLS} in layout shared with a budget or a target, {Layout.SHARED.cells} without; "
-        f"{Layout.BUCKETS.cells} in layout buckets",
+        f"{Layout.BUCKETS.cells} in layout buckets; {SHARED_CELLS} in layout shared with a budget or a "
+        f"target, {Layout.SHARED.cells} without; layered chooses them itself",
     )
     _number(
         group,
         "--samples",
         "samples",
         "N",
-        "light paths for each cell: more paths, less noise; in the shared layout about 64 N for each texel, "
-        "however many cells it has",
+        "light paths for each cell: more paths, less noise; in the layered and the shared layout about 64 N "
+        "for each texel, however many cells it has",
     )
 
     group.add_argument(
@@ -216,7 +216,7 @@ def add_quality(group: argparse._ArgumentGroup) -> None:
         type=_bytes,
         metavar="SIZE",
         help="what the shared layout's textures may take on a GPU, such as 800KB or 8MB: texels that are "
-        "alike then share buckets (default: 2MB; with --layout shared every texel keeps its own)",
+        "alike then share buckets; without --budget and --target every texel keeps its own",
     )
     group.add_argument(
         "--target",

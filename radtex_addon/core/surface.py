@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from .arrays import Floats, Ints
 
 
@@ -16,7 +18,8 @@ class SurfaceMesh:
     V vertices, F triangles: `position` (V, 3); `triangles` (F, 3) vertex indices; `normal` and MikkTSpace's
     `tangent` (F, 3, 3), transformed by the object's matrix but not normalised: shaders interpolate before
     they normalise, and so must rasterisation; `sign` (F, 3) of the bitangent, +1 or -1, already multiplied by
-    the sign of the object matrix's determinant; `uv` (F, 3, 2) with v up.
+    the sign of the object matrix's determinant; `uv` (F, 3, 2) with v up; `material` (F,), the number of each
+    triangle's material, None if all have the first.
     """
 
     position: Floats
@@ -25,6 +28,12 @@ class SurfaceMesh:
     tangent: Floats
     sign: Floats
     uv: Floats
+    material: Ints | None = None
+
+    @property
+    def material_numbers(self) -> Ints:
+        """`material`, (F,) int32, 0 where it is None."""
+        return np.zeros(len(self.triangles), dtype=np.int32) if self.material is None else self.material
 
     @property
     def corner_position(self) -> Floats:

@@ -16,6 +16,7 @@ from ..bake.forms import FormTraits
 from ..bake.progress import Progress
 from ..bake.spec import BakeSpec, Compression
 from ..core.arrays import Floats
+from ..core.fragments import Fragments
 from ..core.sampler import Filter
 from ..core.surface import SurfaceMesh
 from ..formats.condensed_sizes import Shapes
@@ -29,16 +30,14 @@ from ..textures.godot_shader import GodotShader
 from .bake_job import BakeJob
 from .outcome import Outcome
 
-# Linear light (N, 3) of N fragments, from their uv (N, 2), normal (N, 3) and direction to the viewer (N, 3)
-# in world space, and that direction in the fragment's frame (N, 3).
-Lookup: TypeAlias = Callable[[Floats, Floats, Floats, Floats], Floats]
+Lookup: TypeAlias = Callable[[Fragments], Floats]  # the linear light (N, 3) of N fragments
 
 
 @dataclass(frozen=True, eq=False)
 class Opened:
     """A finished bake, read: its sidecar, its images' paths, and a `lookup` of the light in them.
 
-    `texels` (H, W, K) are the stored values that belong to single texels. `compression` is None for GPU
+    `texels` (H, W, K) are the stored values that belong to single texels, of the atlas's or of fewer. `compression` is None for GPU
     textures, and if RadTex does not write it. `loss` is the largest relative difference between two of
     `texels` that were equal before lossy compression. `budget` is the GPU memory of a condensed bake's
     textures in bytes, None for other forms.

@@ -305,7 +305,9 @@ def bake_unchecked(
         store.set_facts({"device": device})
         if spec.view is View.CAMERA:
             store.set_facts({"camera's place": str(find_camera_place(scratch))})
-        prepared = yield from watch.over(prepare(scratch, originals, spec, kept, store, unwraps, name))
+        prepared = yield from watch.over(
+            prepare(scratch, originals, spec, kept, store, unwraps, name, spec.form.backs)
+        )
         if prepared.source is not None:
             show_content_only(scratch, prepared.original, EVERYTHING)
         if spec.cage is not None:

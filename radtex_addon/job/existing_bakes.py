@@ -20,10 +20,11 @@ from ..formats.packing import layer_names
 from ..formats.shared_files import layer_path, texture_path
 from ..formats.sidecar_file import read_facts
 from ..forms import form_for, form_in
+from ..forms.layered.files.arrangement import CHANNELS as LAYERED
 from ..textures.export_spec import Target
 from .output_files import OutputFiles
 
-_LAYERS = frozenset((*Layer, *layer_names(Axis), *layer_names(Axis, condensed=True)))
+_LAYERS = frozenset((*Layer, *layer_names(Axis), *layer_names(Axis, condensed=True), *LAYERED))
 
 
 def is_finished(name: str, spec: BakeSpec, out: Path) -> bool:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Choose the layout of a bake for which none was named: shared within a budget, else buckets.
+"""Choose the layout of a bake for which none was named: layered, else buckets.
 
 The specification, the object and existing files decide; the machine does not.
 """
@@ -18,19 +18,18 @@ from ..bake.forms import FormTraits
 from ..bake.key import is_unfinished, read_key
 from ..bake.kinds import Layout, form_in
 from ..bake.memory_limits import check_memory
-from ..bake.spec import BakeSpec, shared_bytes
+from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError, MemoryLimitError
 from ..core.messages import Setting, do
 from ..formats.disk.memory import readable_size
 from ..formats.sidecar_file import read_facts
 from ..forms import form_in as form_of_facts
-from ..forms.condensed.condense import check_bytes
-from ..scene.checks.see_through import why_see_through
+from ..scene.checks.see_through import why_no_surface
 from .output_files import OutputFiles
 from .variants import Bake
 
 DEFAULT_BUDGET = 2_000_000  # bytes: the same as the preset Preview's
-_MOST_MEMORY = 8 << 30  # bytes: if the shared layout needs more, buckets is chosen, on every machine
+_MOST_MEMORY = 8 << 30  # bytes: if the layered layout needs more, buckets is chosen, on every machine
 SHARED_CELLS = BakeSpec(texels=1, layout=Layout.SHARED, budget=DEFAULT_BUDGET).bucket
 
 
@@ -54,7 +53,7 @@ class Choice:
 
     def told(self, name: str) -> str:
         """A line with the reason, for the user; empty without a reason."""
-        return f"'{name}' is baked in layout buckets, not shared: {self.reason}" if self.reason else ""
+        return f"'{name}' is baked in layout buckets, not layered: {self.reason}" if self.reason else ""
 
 
 def choose_layout(
@@ -84,16 +83,16 @@ def choose_layout(
         if begun is not None:
             return Choice(_as_begun(bake, begun, wish, folder))
     lit = next((one for _, one in others if one.lights), spec)
-    reason = _why_not_shared(lit, wish.cells) or _why_not_objects(scene, name, spec)
+    reason = _why_not_layered(lit, wish.cells) or _why_not_objects(scene, name, spec)
     if reason:
         return Choice(spec, reason)
-    shared = _in_shared(spec, wish.cells, DEFAULT_BUDGET)
+    layered = _in_layout(Layout.LAYERED, spec, wish.cells)
     try:
-        check_memory(shared)
+        check_memory(layered)
     except MemoryLimitError as error:
         buckets = do("choose layout buckets", Setting.LAYOUT, value="buckets")
         raise InputError(error.message.problem, *error.message.remedies, buckets) from error
-    return Choice(shared)
+    return Choice(layered)
 
 
 def choose_layouts(
@@ -113,34 +112,31 @@ def choose_layouts(
     return {(name, choice.spec): choice for (name, _), choice in zip(asked, choices, strict=True)}
 
 
-def _in_shared(
-    spec: BakeSpec, cells: int | None, budget: int | None, target: float | None = None
+def _in_layout(
+    layout: Layout,
+    spec: BakeSpec,
+    cells: int | None,
+    budget: int | None = None,
+    target: float | None = None,
 ) -> BakeSpec:
     bucket = cast(int, cells)  # None: the specification takes the default
-    return replace(spec, layout=Layout.SHARED, bucket=bucket, budget=budget, target=target)
+    return replace(spec, layout=layout, bucket=bucket, budget=budget, target=target)
 
 
-def _why_not_shared(spec: BakeSpec, cells: int | None) -> str:
-    """Why a bake cannot be in the shared layout: its options, the budget or the memory; empty if it can.
-
-    Budget and memory are checked for a square atlas.
-    """
+def _why_not_layered(spec: BakeSpec, cells: int | None) -> str:
+    """Why a bake cannot be in the layered layout: its options, or the memory; empty if it can."""
     try:
-        _in_shared(spec, cells, DEFAULT_BUDGET)
+        layered = _in_layout(Layout.LAYERED, spec, cells)
     except InputError as error:
         return error.message.problem  # without the remedy, layout buckets, which is chosen anyway
-    try:
-        check_bytes(DEFAULT_BUDGET, cells or SHARED_CELLS, spec.texels, spec.texels)
-    except InputError as error:
-        return str(error)
-    if (needed := shared_bytes(spec.texels, cells or SHARED_CELLS, spec.samples)) > _MOST_MEMORY:
+    if (needed := layered.atlas_bytes) > _MOST_MEMORY:
         return f"{spec.texels} texels at {spec.samples} samples would need {readable_size(needed)} of memory"
     return ""
 
 
 def _why_not_objects(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> str:
     wanted = [scene.objects[each] for each in spec.objects or (name,) if each in scene.objects]
-    return next(filter(None, (why_see_through(scene, item) for item in wanted if item.type == "MESH")), "")
+    return next(filter(None, (why_no_surface(scene, item) for item in wanted if item.type == "MESH")), "")
 
 
 @dataclass(frozen=True)
@@ -198,7 +194,7 @@ def _as_begun(bake: Bake, begun: _Begun, wish: OpenLayout, folder: Path) -> Bake
         done = "accumulated" if spec.accumulate else "refreshed"
         sidecar = OutputFiles.of(name, spec, folder, preview=False).sidecar
         raise InputError(
-            f"{sidecar} is in the shared layout, which cannot be {done}",
+            f"{sidecar} is in {begun.form.title}, which cannot be {done}",
             do("bake it anew in layout buckets", Setting.LAYOUT, Setting.OVERWRITE, value="buckets"),
         )
-    return _in_shared(spec, cells, begun.budget, begun.target)
+    return _in_layout(Layout(begun.form.layout), spec, cells, begun.budget, begun.target)

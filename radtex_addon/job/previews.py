@@ -139,7 +139,8 @@ def _material(
 ) -> bpy.types.Material:
     clear = spec.kind.traits.looks_at_surface and scene.render.film_transparent
     closed = clear and all(is_closed(piece.mesh) for piece in prepared.pieces)
-    hull = spec.kind.traits.content or closed  # only its front is shown: its back would be seen through it
+    doubled = any(piece.single is not None for piece in prepared.pieces)  # a back has a face of its own
+    hull = spec.kind.traits.content or closed or doubled  # only fronts are shown
     sidecar = files.sidecar.absolute()
     of = PreviewOf(title, spec, sidecar, prepared.uv_layer, scene, preview, hull)
     return form_for(spec).material(of)

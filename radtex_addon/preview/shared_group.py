@@ -72,7 +72,7 @@ def build_shared_group(images: _Images, sidecar: SharedSidecar) -> bpy.types.Sha
         (lobe,) = build.group(_lobe_group(axis, images, sidecar, octahedron, around), uv, axes[axis])
         light = build.vector("ADD", light, lobe)
     shown = build.mix(1.0, light, (0.0, 0.0, 0.0, 1.0), "RGBA", "LIGHTEN")
-    return close_group(build, Color=_in_working_space(build, shown))
+    return close_group(build, Color=in_working_space(build, shown))
 
 
 def check_shared_previewable(sidecar: SharedSidecar, max_pixels: int = MAX_PIXELS) -> None:
@@ -190,7 +190,7 @@ def _falloff_group(falloff: Sequence[_Triple]) -> bpy.types.ShaderNodeTree:
     return close_group(build, Falloff=_climb(build, falloff, passed))
 
 
-def _in_working_space(build: NodeBuilder, colour: Socket) -> Socket:
+def in_working_space(build: NodeBuilder, colour: Socket) -> Socket:
     """Convert a Rec.709 colour to the file's working space.
 
     Rec.709's primaries are stored as colours, so that Blender converts them if the file's working space is

@@ -140,6 +140,8 @@ def _without(spec: BakeSpec, cause: Cause) -> BakeSpec | None:
     if cause is Cause.SAMPLES:
         return replace(spec, samples=spec.samples // 2) if spec.samples >= 2 else None
     if cause is Cause.CELLS:
+        if not spec.form.any_cells:
+            return None
         if spec.condensed:  # 2, 6, 10 ...: with borders, whole 4 x 4 blocks
             return replace(spec, bucket=spec.bucket // 8 * 4 + 2) if spec.bucket >= 6 else None
         return replace(spec, bucket=spec.bucket // 2) if spec.bucket >= 4 else None
@@ -155,7 +157,7 @@ def first_change(bake: Finished, variants: Sequence[Variant]) -> str:
         done = "halving any" if bake.budget is None else "halving any, or condensing,"
         return (
             f"No setting matters much here: {done} costs less than {_MATTERS} dB. What is left lies in "
-            "the layout itself" + ("; try the shared layout." if not bake.form.traits.by_paths else ".")
+            "the layout itself" + ("; try the layered layout." if not bake.form.traits.by_paths else ".")
         )
     word, shows = worst.cause.word, worst.shows.partition(":")[0]
     if worst.value is None:

@@ -31,7 +31,7 @@ class Finished:
     """A bake that was read: the sidecar's `file`, its images, and the light in them.
 
     `radiance` gives the light (N, 3), linear, along a G-buffer's N rays, zero where they miss. `texels`
-    (H, W, K) are the stored values of each texel: light, or for the shared layout those of `own_texels`.
+    (H, W, K) are the stored values of each texel: light, or those of the form's `own_texels`.
     `compression` is None for a method that RadTex does not write, and for textures. `loss` is the greatest
     relative difference of two `texels` that were equal before lossy compression. `budget` is the size of a
     condensed bake's textures on a GPU in bytes, None for other bakes.
@@ -257,10 +257,9 @@ def _looked_up(lookup: Lookup) -> Callable[[GBuffer], Array]:
     """Wrap a lookup: apply it to a G-buffer's rays in chunks of _PER_LOOKUP."""
 
     def radiance(buffer: GBuffer) -> Array:
-        hit = (buffer.uv, buffer.normal, buffer.incoming, buffer.incidence)
-        uv, normal, viewer, incidence = (part[buffer.hit] for part in hit)
-        parts = (slice(first, first + _PER_LOOKUP) for first in range(0, len(uv), _PER_LOOKUP))
-        seen = [lookup(uv[some], normal[some], viewer[some], incidence[some]) for some in parts]
+        at = buffer.fragments
+        parts = (slice(first, first + _PER_LOOKUP) for first in range(0, len(at.uv), _PER_LOOKUP))
+        seen = [lookup(at.part(some)) for some in parts]
         return buffer.spread(np.concatenate(seen) if seen else np.zeros((0, 3)))
 
     return radiance

@@ -19,9 +19,10 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
 from ..core.arrays import Ints
+from ..core.fragments import Fragments
 from ..core.frame import orthonormal_frame, to_frame
 from ..scene.mesh.backs import fronts, twin_numbers
-from ..scene.mesh.copy import NORMAL, SIGN, TANGENT
+from ..scene.mesh.copy import NORMAL, SIGN, TANGENT, material_numbers
 from .metrics import Mask, Picture
 
 Array = npt.NDArray[np.float64]
@@ -67,7 +68,8 @@ class GBuffer:
     `hit` (N,) bool; `position` (N, 3), in world space; `normal`, `tangent`, `bitangent` (N, 3), the
     orthonormal frame that the preview makes there, in world space; `sign` (N,), the bitangent's, ±1; `uv`
     (N, 2), of the baked layer; `incoming` (N, 3), unit, towards the viewer in world space; `triangle` (N,),
-    of the baked mesh, and `barycentric` (N, 3) in it. `pixels` is the side of the picture.
+    of the baked mesh, `barycentric` (N, 3) in it, and `material` (N,), its material's number. `pixels` is the
+    side of the picture.
     """
 
     pixels: int
@@ -81,12 +83,27 @@ class GBuffer:
     incoming: Array
     triangle: Indices
     barycentric: Array
+    material: Ints
 
     @cached_property
     def incidence(self) -> Array:
         """`incoming` in the frame (T, Bt, N): (N, 3)."""
         incidence = to_frame(self.incoming, self.tangent, self.bitangent, self.normal)
         return incidence.astype(np.float64, copy=False)
+
+    @property
+    def fragments(self) -> Fragments:
+        """Where the rays hit, for lookups."""
+        hit = self.hit
+        return Fragments(
+            uv=self.uv[hit],
+            normal=self.normal[hit],
+            viewer=self.incoming[hit],
+            position=self.position[hit],
+            material=self.material[hit],
+            tangent=self.tangent[hit],
+            bitangent=self.bitangent[hit],
+        )
 
     @property
     def inside(self) -> Mask:
@@ -139,6 +156,7 @@ class BakedSurface:
             _values(attributes[name].data, field, width).reshape(-1, 3, width)
             for name, (field, width) in fields.items()
         )
+        self._material = material_numbers(mesh)
         self._normal, self._tangent, self._sign, self._uv = normal, tangent, sign, uv
 
     def gbuffer(self, rays: Rays, blocked: Array) -> GBuffer:
@@ -179,6 +197,7 @@ class BakedSurface:
             incoming=spread(-rays.away[hit]),
             triangle=triangle,
             barycentric=spread(weights),
+            material=np.where(hit, self._material[triangle], 0).astype(np.int32),
         )
 
     def _facing(self, triangle: Indices, away: Array, twin: Ints) -> Indices:

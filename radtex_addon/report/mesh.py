@@ -22,7 +22,8 @@ from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
 from ..core.gutter import LEAST_AGREEMENT, gutter_agreement
 from ..core.messages import Setting, do
-from ..core.texel_map import rasterise
+from ..core.texel_map import covered_texels
+from ..scene.mesh.backs import seen_from_behind, with_twins, with_twins_moved
 from ..scene.mesh.copy import baked_mesh, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.preview_file import appended
@@ -57,6 +58,8 @@ def find_mesh(
     Yields progress. Raises InputError if no layer fits.
     """
     evaluated = evaluate(scratch, original)
+    if bake.form.traits.backs and bake.unwrapped:
+        evaluated = with_twins(evaluated, seen_from_behind(evaluated))
     best: tuple[float, Found] | None = None
     with closing(_layers(evaluated, bake, padding)) as layers:
         for found in layers:
@@ -108,7 +111,8 @@ def _surface(evaluated: EvaluatedMesh, uv: Floats, bake: Finished) -> tuple[Bake
     with new_data_removed():
         mesh = baked_mesh(evaluated, uv, layer)
         surface = surface_mesh(evaluated, mesh, layer)
-        covered = rasterise(surface, bake.sidecar.width, bake.sidecar.height).covered
+        height, width = bake.texels.shape[:2]
+        covered = covered_texels(surface, width, height)
         agreement = gutter_agreement(covered, bake.texels, bake.loss)
         return BakedSurface(mesh, evaluated.matrix_world, layer), agreement
 
@@ -120,7 +124,9 @@ def _unwrapped(
     width, height = bake.sidecar.width, bake.sidecar.height
     try:
         made = yield from steps_of(
-            unwrap_steps(evaluated, max(width, height), unwrap, UnwrapOptions(padding=padding))
+            unwrap_steps(
+                with_twins_moved(evaluated), max(width, height), unwrap, UnwrapOptions(padding=padding)
+            )
         )
     except InputError:  # too many islands for so few texels: this unwrap did not make the atlas
         return None

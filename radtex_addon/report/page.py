@@ -86,14 +86,15 @@ def page(contents: Contents) -> str:
 
 def _facts(bake: Finished) -> str:
     facts = bake.sidecar
-    shared = "shared layout, " if bake.form.traits.by_paths else ""
+    traits = bake.form.traits
+    shared = f"{traits.layout} layout, " if traits.by_paths else ""
+    cells = f" of {facts.bucket} × {facts.bucket} cells" if traits.any_cells else ""
     condensed = "" if bake.budget is None else "condensed, "
     shows = [] if facts.source is None else [f"from {facts.source.object_name}"]
     shows += [word for word in (variant_of(bake.spec("auto")),) if word]
     return (
-        f"{', '.join([bake.name, *shows])}: {shared}{condensed}{facts.width} × {facts.height} texels of "
-        f"{facts.bucket} × {facts.bucket} cells, {facts.samples} samples, {facts.tool}, "
-        f"Blender {facts.blender}"
+        f"{', '.join([bake.name, *shows])}: {shared}{condensed}{facts.width} × {facts.height} texels"
+        f"{cells}, {facts.samples} samples, {facts.tool}, Blender {facts.blender}"
     )
 
 

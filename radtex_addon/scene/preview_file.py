@@ -17,7 +17,7 @@ from ..core.errors import FormatError, InputError
 from ..core.frame import normalised
 from ..core.messages import Setting, do
 from ..core.surface import SurfaceMesh
-from .mesh.copy import MATRIX, NORMAL, SIGN, TANGENT
+from .mesh.copy import MATRIX, NORMAL, SIGN, TANGENT, material_numbers
 from .mesh.joined import joined_copy, values_in
 from .mesh.mesh_parts import PART
 from .scratch import new_data_removed, remove_scene
@@ -177,4 +177,5 @@ def surface_of(copy: bpy.types.Object, uv_layer: str) -> SurfaceMesh:
         tangent=tangent.astype(np.float64) @ turn.T,
         sign=sign[..., 0] * (-1.0 if mirrored else 1.0),
         uv=uv,
+        material=material_numbers(mesh),
     )

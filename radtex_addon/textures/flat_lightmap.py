@@ -15,6 +15,7 @@ from ..core.arrays import Bools, Floats
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError
 from ..core.gutter import LEAST_AGREEMENT, gutter_agreement
+from ..core.hemisphere import equisolid_inverse
 from ..core.messages import Setting, do
 from ..core.solid_angle import cell_solid_angles_sr
 from ..formats.containers.exr import stored_compression
@@ -23,6 +24,7 @@ from ..formats.gutter_signature import loss_of
 
 _ROUNDED = 1e-4  # by how much the means of equal buckets may differ
 _LEAST_ALPHA = 1 / 512  # eight bits round smaller values to 0
+_GOLDEN = np.pi * (3 - np.sqrt(5))
 _BRIGHT = 99.5  # percent of the texels that the picture shows unclipped
 
 
@@ -51,6 +53,16 @@ def check_surface(sidecar: Path, covered: Bools, stored: Floats, loss: float) ->
             f"the preview beside {sidecar} is of another bake",
             do("bake it again with a preview", Setting.SAVE_PREVIEW),
         )
+
+
+def even_directions(count: int) -> Floats:
+    """Directions (count, 3) in the frame, each for the same solid angle, in a spiral as a sunflower's seeds.
+
+    The equisolid projection preserves areas: points spread evenly on the disc are so on the hemisphere.
+    """
+    index = np.arange(count)
+    radius, angle = np.sqrt((index + 0.5) / count), index * _GOLDEN
+    return equisolid_inverse(np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1))
 
 
 def flat_png(light: Floats) -> tuple[bytes, float]:

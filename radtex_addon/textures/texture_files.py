@@ -41,12 +41,27 @@ def write_image(
     check_limit(source, width, height, spec)
     if spec.format is TextureFormat.EXR:
         return copy_exr(source, folder, (width, height), Arranged.IMAGE, (width, height))
+    return write_levels(source, (image,), spec, folder, straddled, exact)
+
+
+def write_levels(
+    source: Path,
+    levels: tuple[Floats, ...],
+    spec: ExportSpec,
+    folder: Path,
+    straddled: Message | None,
+    exact: bool = False,
+) -> TextureEntry:
+    """Write mip levels (H, W, C), the largest first, as a texture, as `write_image` does; never as an EXR."""
+    image = levels[0]
+    height, width = image.shape[:2]
+    check_limit(source, width, height, spec)
     container, kind = container_of(source, spec, is_array=False), PixelFormat.RGBA16F
     if not exact and image.min() >= 0:
         kind = choice(source, partial(_light_of, image), spec, container, straddled)
-    if kind is PixelFormat.BC6H:
-        image = np.pad(image, ((0, -height % _BLOCK), (0, -width % _BLOCK), (0, 0)), mode="edge")
-    texture = encode_texture([image[None]], kind)
+    if kind is PixelFormat.BC6H and len(levels) == 1:
+        levels = (np.pad(image, ((0, -height % _BLOCK), (0, -width % _BLOCK), (0, 0)), mode="edge"),)
+    texture = encode_texture([level[None] for level in levels], kind)
     path = folder / source.with_suffix(f".{container}").name
     zstd = write_encoded(path, container, texture, spec, premultiplied=False)
     pages = Pages(1, 1, texture.width, texture.height)

@@ -148,12 +148,12 @@ def write_exr(path: Path, image: Floats) -> Path:
 def _inputs(build: NodeBuilder, lookups: Lookups, place: Socket) -> Inputs:
     """Sockets that hold this pixel's lookup."""
     names = ("uv", "normal", "tangent", "viewer")
-    uv, normal, tangent, viewer = (build.image(_data_image(n, getattr(lookups, n)), place)[0] for n in names)
-    sign = build.separate(build.image(_data_image("sign", lookups.sign[:, None]), place)[0])[0]
+    uv, normal, tangent, viewer = (build.image(data_image(n, getattr(lookups, n)), place)[0] for n in names)
+    sign = build.separate(build.image(data_image("sign", lookups.sign[:, None]), place)[0])[0]
     return uv, normal, tangent, sign, viewer
 
 
-def _data_image(name: str, values: Floats) -> bpy.types.Image:
+def data_image(name: str, values: Floats) -> bpy.types.Image:
     """An image that holds (SIDE * SIDE, up to 3) numbers exactly."""
     image = bpy.data.images.new(name, SIDE, SIDE, alpha=True, float_buffer=True, is_data=True)
     image.use_half_precision = False

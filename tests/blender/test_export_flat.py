@@ -19,8 +19,8 @@ from radtex_addon.core.shared import Axis, Lobe, SharedAtlas
 from radtex_addon.core.solid_angle import cell_solid_angles_sr
 from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.core.texel_map import TexelMap, rasterise
-from radtex_addon.forms.shared.flat import even_directions, mean_of_shared
-from radtex_addon.textures.flat_lightmap import flat_png, mean_of_buckets, srgb
+from radtex_addon.forms.shared.flat import mean_of_shared
+from radtex_addon.textures.flat_lightmap import even_directions, flat_png, mean_of_buckets, srgb
 from tests.shared_atlases import random_shared_atlas
 
 

@@ -15,6 +15,7 @@ import pytest
 
 from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 from radtex_addon.core.errors import FormatError
+from radtex_addon.core.fragments import Fragments
 from radtex_addon.formats.containers.exr import read_whole
 from radtex_addon.formats.sidecar_file import SidecarFile
 from radtex_addon.forms import FORMS, cost_of, form_for, form_in
@@ -33,6 +34,7 @@ SPECS = {
     "sphere": replace(PLAIN, kind=Kind.TRANSFER, bucket=3),
     "shared": replace(PLAIN, layout=Layout.SHARED, samples=1),
     "condensed": replace(PLAIN, layout=Layout.SHARED, samples=1, bucket=6, target=30.0),
+    "layered": replace(PLAIN, layout=Layout.LAYERED, samples=1, bucket=14),
 }
 
 
@@ -91,12 +93,14 @@ def test_a_form_keeps_to_the_interface(name: str, tmp_path: Path) -> None:
         form.write_textures(sidecar, ExportSpec(Target.RAW), folder)
 
 
-@pytest.mark.parametrize("name", ["buckets", "shared", "condensed"])
+@pytest.mark.parametrize("name", ["buckets", "shared", "condensed", "layered"])
 def test_light_is_looked_up(name: str, tmp_path: Path) -> None:
     sidecar = SidecarFile.read(bake_object(context.scene, "Ball", SPECS[name], tmp_path).files.sidecar)
     opened = form_in(sidecar.facts).open(sidecar)
     up = np.tile([[0.0, 0.0, 1.0]], (3, 1))
-    light = opened.lookup(np.array([[0.3, 0.5], [0.5, 0.5], [0.7, 0.6]]), up, up, up)
+    uv, across = np.array([[0.3, 0.5], [0.5, 0.5], [0.7, 0.6]]), np.tile([[1.0, 0.0, 0.0]], (3, 1))
+    along = np.cross(up, across)
+    light = opened.lookup(Fragments(uv, up, up, up, np.zeros(3, dtype=np.int32), across, along))
     assert light.shape == (3, 3)
     assert np.isfinite(light).all()
     assert (light > 0).all()

@@ -13,7 +13,7 @@ import pytest
 
 from radtex_addon.bake import memory_limits
 from radtex_addon.bake.key import Key, write_key
-from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout
+from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout, Split
 from radtex_addon.cli.arguments import parse
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.sidecar import file_name
@@ -21,7 +21,7 @@ from radtex_addon.job import Choice, OpenLayout, choose_layout
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
-DEFAULT = BakeSpec(layout=Layout.SHARED, bucket=14, budget=2_000_000)
+DEFAULT = BakeSpec(layout=Layout.LAYERED)
 PLAIN = BakeSpec()
 NOWHERE = Path("/nowhere")
 
@@ -49,69 +49,75 @@ def asked(line: str, folder: Path = NOWHERE) -> Choice:
     )
 
 
-def test_without_a_word_radiance_is_shared_within_a_budget() -> None:
+def test_without_a_word_radiance_is_layered() -> None:
     assert asked("") == Choice(DEFAULT)
-    assert (DEFAULT.texels, DEFAULT.samples) == (128, 16)
+    assert (DEFAULT.texels, DEFAULT.bucket, DEFAULT.samples) == (128, 14, 16)
 
 
 @pytest.mark.parametrize(
     ("line", "spec"),
     [
-        ("--bucket 10", BakeSpec(layout=Layout.SHARED, bucket=10, budget=2_000_000)),
-        ("--texels 64 --samples 4", BakeSpec(layout=Layout.SHARED, texels=64, samples=4, budget=2_000_000)),
+        ("--texels 64 --samples 4", BakeSpec(layout=Layout.LAYERED, texels=64, samples=4)),
+        ("--bucket 14", DEFAULT),
+        (
+            "--float --compression piz",
+            BakeSpec(layout=Layout.LAYERED, half=False, compression=Compression.PIZ),
+        ),
+        ("--layout layered", DEFAULT),
         ("--budget 1MB", BakeSpec(layout=Layout.SHARED, bucket=14, budget=1_000_000)),
         ("--target 30dB", BakeSpec(layout=Layout.SHARED, bucket=14, target=30.0)),
         ("--layout shared", BakeSpec(layout=Layout.SHARED, bucket=16)),
         ("--layout shared --budget 1MB", BakeSpec(layout=Layout.SHARED, bucket=14, budget=1_000_000)),
         ("--layout buckets", PLAIN),
-        ("--split material", BakeSpec(layout=Layout.SHARED, budget=2_000_000, split="material")),  # type: ignore[arg-type]
-        ("--frames 3", BakeSpec(layout=Layout.SHARED, budget=2_000_000, frame=3)),
+        ("--frames 3", BakeSpec(layout=Layout.LAYERED, frame=3)),
     ],
 )
-def test_what_goes_with_the_shared_layout_is_shared(line: str, spec: BakeSpec) -> None:
+def test_what_goes_with_a_layout_gets_it(line: str, spec: BakeSpec) -> None:
     assert asked(line) == Choice(spec)
 
 
-# Everything that layout buckets takes and the shared one does not, and what is said of it.
+# Everything that layout buckets takes and the layered one does not, and what is said of it.
 REFUSED = {
-    "--kind incident": (BakeSpec(kind=Kind.INCIDENT), "the shared layout knows kind radiance only"),
-    "--kind shadow": (BakeSpec(kind=Kind.SHADOW), "the shared layout holds light, not shadow"),
-    "--kind transfer": (BakeSpec(kind=Kind.TRANSFER), "kind transfer does not go with the shared layout"),
-    "--kind incident --capture panoramic": (None, "the shared layout knows kind radiance only"),
-    "--from High": (BakeSpec(source="High"), "the shared layout is not baked from another object"),
-    "--lights Key": (BakeSpec(lights=("Key",)), "the shared layout cannot be baked for some lamps alone"),
-    "--layer base": (BakeSpec(layers=(Layer.BASE,)), "the shared layout has no layers"),
-    "--accumulate": (BakeSpec(accumulate=True), "the shared layout cannot be accumulated"),
-    "--refresh": (BakeSpec(refresh=True), "the shared layout cannot be refreshed"),
+    "--kind incident": (BakeSpec(kind=Kind.INCIDENT), "the layered layout knows kind radiance only"),
+    "--kind shadow": (BakeSpec(kind=Kind.SHADOW), "the layered layout holds light, not shadow"),
+    "--kind transfer": (BakeSpec(kind=Kind.TRANSFER), "kind transfer does not go with the layered layout"),
+    "--kind incident --capture panoramic": (None, "the layered layout knows kind radiance only"),
+    "--from High": (BakeSpec(source="High"), "the layered layout is not baked from another object"),
+    "--lights Key": (BakeSpec(lights=("Key",)), "the layered layout cannot be baked for some lamps alone"),
+    "--layer base": (BakeSpec(layers=(Layer.BASE,)), "the layered layout has no layers"),
+    "--accumulate": (BakeSpec(accumulate=True), "the layered layout cannot be accumulated"),
+    "--refresh": (BakeSpec(refresh=True), "the layered layout cannot be refreshed"),
+    "--split material": (BakeSpec(split=Split.MATERIAL), "the layered layout is baked for whole objects"),
     "--together All --object Box": (
         BakeSpec(objects=("Card", "Box")),
-        "the shared layout is not baked for several objects in one atlas",
+        "the layered layout is not baked for several objects in one atlas",
     ),
-    "--float": (BakeSpec(half=False), "a budget makes textures of one format"),
-    "--compression piz": (BakeSpec(compression=Compression.PIZ), "a budget makes textures of one format"),
-    "--bucket 8": (BakeSpec(bucket=8), "8 cells with a budget: give 6, 10, 14 or 18 cells"),
-    "--bucket 12": (BakeSpec(bucket=12), "12 cells with a budget"),
-    "--texels 1024": (BakeSpec(texels=1024), "1024 x 1024 texels take"),
-    "--texels 5000": (BakeSpec(texels=5000), "makes 80000 pixels a side"),
-    "--samples 5000": (BakeSpec(samples=5000), "samples in the shared layout 5000"),
+    "--bucket 8": (BakeSpec(bucket=8), "the layered layout chooses its cells itself, 14 or fewer, not 8"),
+    "--texels 1024": (BakeSpec(texels=1024), "1024 texels at 16 samples would need"),
+    "--samples 5000": (BakeSpec(samples=5000), "samples in the layered layout 5000"),
 }
 
 
 @pytest.mark.parametrize("line", REFUSED)
-def test_what_the_shared_layout_refuses_gets_buckets_and_a_line_says_why(line: str) -> None:
+def test_what_the_layered_layout_refuses_gets_buckets_and_a_line_says_why(line: str) -> None:
     spec, words = REFUSED[line]
     found = asked(line)
     assert found.spec.layout is Layout.BUCKETS
     assert spec is None or found.spec == spec
     assert found.reason.startswith(words) or words in found.reason
     assert "layout buckets" not in found.reason, "that is no remedy now"
-    assert found.told("Card") == f"'Card' is baked in layout buckets, not shared: {found.reason}"
+    assert found.told("Card") == f"'Card' is baked in layout buckets, not layered: {found.reason}"
     assert "\n" not in found.told("Card")
 
 
 @pytest.mark.parametrize(
     "line",
     [
+        "--layout layered --kind incident",
+        "--layout layered --split material",
+        "--layout layered --bucket 8",
+        "--layout layered --from High",
+        "--layout layered --budget 2MB",
         "--layout shared --kind incident",
         "--layout shared --layer base",
         "--layout shared --lights Key",
@@ -122,22 +128,33 @@ def test_what_the_shared_layout_refuses_gets_buckets_and_a_line_says_why(line: s
         "--budget 2MB --kind incident",
     ],
 )
-def test_a_shared_layout_that_was_named_is_refused_and_never_replaced(line: str) -> None:
+def test_a_layout_that_was_named_is_refused_and_never_replaced(line: str) -> None:
     with pytest.raises(InputError):
         asked(line)
 
 
-def see_through(card: Any) -> None:
-    card.data.materials[0] = stage.material("Veil", "ShaderNodeBsdfTransparent")
+def fill_with_smoke(card: Any) -> None:
+    card.data.materials[0] = stage.material("Smoke", "ShaderNodeBsdfDiffuse")
+    tree = card.data.materials[0].node_tree
+    output = tree.get_output_node("CYCLES")
+    tree.links.new(tree.nodes.new("ShaderNodeVolumePrincipled").outputs[0], output.inputs["Volume"])
 
 
-def test_an_object_that_is_seen_through_gets_buckets(card: Any) -> None:
-    see_through(card)
-    veiled = "its material 'Veil' lets through what is behind it"
-    assert asked("") == Choice(PLAIN, veiled)
-    assert asked("--bucket 14") == Choice(BakeSpec(bucket=14), veiled)
-    assert asked("--layout shared") == Choice(BakeSpec(layout=Layout.SHARED))
+def test_an_object_without_a_surface_gets_buckets(card: Any) -> None:
+    fill_with_smoke(card)
+    smoke = "its material 'Smoke' has a volume"
+    assert asked("") == Choice(PLAIN, smoke)
+    assert asked("--layout layered") == Choice(DEFAULT)
     assert asked("--layout buckets") == Choice(PLAIN)
+
+
+def test_what_is_seen_through_has_an_alpha(card: Any) -> None:
+    card.data.materials[0] = stage.material("Veil", "ShaderNodeBsdfTransparent")
+    assert asked("") == Choice(DEFAULT)
+    card.data.materials[0] = stage.material("Pane", "ShaderNodeBsdfGlass")
+    assert asked("") == Choice(DEFAULT)
+    context.scene.render.film_transparent = context.scene.cycles.film_transparent_glass = True
+    assert asked("") == Choice(PLAIN, "its material 'Pane' is glass, which the transparent film makes clear")
 
 
 def test_an_object_that_is_not_there_is_left_to_who_refuses_it() -> None:
@@ -170,7 +187,7 @@ def test_the_machine_has_no_say(card: Any, monkeypatch: pytest.MonkeyPatch) -> N
                     asked(line)
             else:
                 answers[memory, line] = asked(line)
-        see_through(card)
+        fill_with_smoke(card)
         assert asked("--texels 256").spec == BakeSpec(texels=256)
         card.data.materials[0] = stage.material("Paper", "ShaderNodeBsdfDiffuse")
     assert all(answers[memory, line] == answers[None, line] for memory, line in answers)
@@ -178,10 +195,10 @@ def test_the_machine_has_no_say(card: Any, monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_what_would_take_very_much_memory_is_plain() -> None:
-    assert asked("--texels 256").spec.layout is Layout.SHARED
+    assert asked("--texels 256").spec.layout is Layout.LAYERED
     plain = asked("--texels 384")
     assert plain.spec == BakeSpec(texels=384)
-    assert plain.reason == "384 texels at 16 samples would need 13.6 GiB of memory"
+    assert plain.reason == "384 texels at 16 samples would need 11.2 GiB of memory"
 
 
 def begin(folder: Path, spec: BakeSpec) -> None:
@@ -194,6 +211,7 @@ def begin(folder: Path, spec: BakeSpec) -> None:
 
 BEGUN = {
     "the default": DEFAULT,
+    "condensed": BakeSpec(layout=Layout.SHARED, bucket=14, budget=2_000_000),
     "shared": BakeSpec(layout=Layout.SHARED),
     "a target": BakeSpec(layout=Layout.SHARED, target=32.5),
     "a budget": BakeSpec(layout=Layout.SHARED, bucket=10, budget=700_000),
@@ -208,12 +226,12 @@ def test_to_resume_goes_on_in_the_layout_that_was_begun(case: str, card: Any, ou
     assert asked("--resume", out) == Choice(BEGUN[case])
     assert asked("--resume --overwrite", out) == Choice(BEGUN[case])
     assert asked("--overwrite", out) == Choice(DEFAULT), "begun anew"
-    see_through(card)  # which its own key refuses, by name, if it was not so before
+    fill_with_smoke(card)  # which its own key refuses, by name, if it was not so before
     assert asked("--resume", out) == Choice(BEGUN[case])
 
 
 def test_to_resume_with_a_layout_or_cells_keeps_to_them(out: Path) -> None:
-    begin(out, DEFAULT)
+    begin(out, BEGUN["condensed"])
     assert asked("--resume --layout buckets", out).spec == PLAIN
     assert asked("--resume --bucket 10", out).spec.bucket == 10
     assert asked("--resume --layout shared", out).spec == BakeSpec(layout=Layout.SHARED)
@@ -261,10 +279,10 @@ def test_other_frames_of_a_run_that_goes_on_are_alike(out: Path) -> None:
         wish = request.bakes.open_layout
         return choose_layout(context.scene, bakes[1], wish, out, others=bakes, **options).spec
 
-    assert second(resume=True).layout is Layout.SHARED
+    assert second(resume=True).layout is Layout.LAYERED
     finish(out, 1, bucket=6)
     assert (second(resume=True).layout, second(resume=True).bucket) == (Layout.BUCKETS, 6)
-    assert second().layout is Layout.SHARED
-    assert second(resume=True, overwrite=True).layout is Layout.SHARED
+    assert second().layout is Layout.LAYERED
+    assert second(resume=True, overwrite=True).layout is Layout.LAYERED
     finish(out, 1, bucket=16, shared={})
     assert (second(resume=True).bucket, second(resume=True).budget) == (16, None)

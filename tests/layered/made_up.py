@@ -7,10 +7,11 @@ from __future__ import annotations
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.fragments import Fragments
 from radtex_addon.core.frame import normalised
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.cells import CELLS
-from radtex_addon.forms.layered.lookup.atlas import Fragments, LayeredAtlas
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from radtex_addon.forms.layered.lookup.environment import Around, Impostor, Lamp, Layer, Pictures, Plane
 from radtex_addon.forms.layered.lookup.lobes import LOBES, STEPS, Material
 

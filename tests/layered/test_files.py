@@ -14,12 +14,13 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.errors import BakeError, FormatError, ShapeError
+from radtex_addon.core.fragments import Fragments
 from radtex_addon.formats.containers.exr import Compression
 from radtex_addon.formats.sidecar import Sidecar
 from radtex_addon.forms.layered.files.arrangement import arranged, packed, tiled, unpacked, untiled
 from radtex_addon.forms.layered.files.layered_files import read_layered, write_layered
 from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
-from radtex_addon.forms.layered.lookup.atlas import Fragments, LayeredAtlas, sample_layered
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from radtex_addon.forms.layered.lookup.ways import Through
 from tests.layered.made_up import made_up_atlas, made_up_fragments
 

@@ -47,7 +47,8 @@ class Job:
 
     `textures` are, by their uniforms: arrays (H, W, C), or of layers (L, H, W, C), float16 or float32; lists
     of their mip levels, each half as wide and high as the one before; or files. `hints` say how they are
-    filtered, linearly unless told otherwise, and repeated.
+    filtered, linearly unless told otherwise, and repeated. `values` are vectors of four numbers, or arrays of
+    such. The includes declare the uniforms whose names begin with `declared`.
     """
 
     code: str
@@ -55,6 +56,8 @@ class Job:
     includes: Sequence[str] = ("radtex",)
     defines: str = ""
     hints: Mapping[str, str] = field(default_factory=dict)
+    values: Mapping[str, object] = field(default_factory=dict)
+    declared: str = " "
 
     @property
     def shader(self) -> str:
@@ -63,6 +66,7 @@ class Job:
         uniforms = "".join(
             f"uniform {_sampler(image)} {name} : {self.hints.get(name, 'filter_linear')};\n"
             for name, image in self.textures.items()
+            if not name.startswith(self.declared)
         )
         return head + self.defines + includes + uniforms + self.code + _FRAGMENT
 
@@ -81,6 +85,7 @@ def answers(root: Root, renderer: str, jobs: Sequence[Job]) -> list[Floats]:
             {
                 "shader": f"res://{number}.gdshader",
                 "textures": textures,
+                "values": dict(job.values),
                 "size": [4 * SIDE, SIDE],
                 "output": f"res://{number}.answers",
             }

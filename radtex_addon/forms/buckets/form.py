@@ -18,6 +18,7 @@ from ...bake.progress import Progress
 from ...bake.spec import BakeSpec
 from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
+from ...core.fragments import Fragments
 from ...core.sampler import Filter, sample
 from ...core.surface import SurfaceMesh
 from ...formats.bucket_files import BASE
@@ -89,8 +90,8 @@ class Buckets:
         image, layout = sidecar.path.with_suffix(".exr"), AtlasLayout(facts.width, facts.height, facts.bucket)
         compression = stored_compression(image)
 
-        def lookup(uv: Floats, normal: Floats, viewer: Floats, incidence: Floats) -> Floats:
-            return sample(pixels, layout, uv, incidence, Filter.QUADRILINEAR)[:, :3]
+        def lookup(at: Fragments) -> Floats:
+            return sample(pixels, layout, at.uv, at.incidence, Filter.QUADRILINEAR)[:, :3]
 
         return Opened(
             sidecar=facts,

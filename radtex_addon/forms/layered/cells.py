@@ -6,4 +6,6 @@ CELLS = ((14, 8), (8, 14))  # of what the object shows of itself, and of the res
 EXIT_CELLS = 16  # of rays that leave the object
 THROUGH_CELLS = 8  # of the rest of what comes through
 COARSER = 2  # texels along a side of those that have buckets of their own
+PICTURE_SIZE = 512  # of pictures of what surrounds the object, at their sharpest
+DISTANCES = 128  # of the map of distances to it
 OWN_SIDE = 40  # rays along a side of a texel's hemisphere, that tell what it sees of the object itself

@@ -10,7 +10,6 @@ import numpy as np
 
 from ...core.arrays import Floats
 from ...core.gutter import dilate, nearest_covered
-from ...core.hemisphere import equisolid_inverse
 from ...core.shared import SharedAtlas, sample_shared
 from ...core.surface import SurfaceMesh
 from ...core.texel_map import TexelMap, rasterise
@@ -18,11 +17,10 @@ from ...formats.gutter_signature import own_texels
 from ...formats.shared_files import read_shared
 from ...formats.sidecar_file import SidecarFile
 from ...textures.export_progress import Step, Task
-from ...textures.flat_lightmap import check_surface
+from ...textures.flat_lightmap import check_surface, even_directions
 
 DIRECTIONS = 64  # from which each texel is looked at
 _EACH = 8  # directions between two reports of progress
-_GOLDEN = np.pi * (3 - np.sqrt(5))
 
 
 def flat_shared(sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
@@ -52,13 +50,3 @@ def mean_of_shared(atlas: SharedAtlas, texels: TexelMap) -> Generator[Step, None
     light = np.zeros((height, width, 3), dtype=np.float32)
     light[rows, columns] = total / DIRECTIONS
     return dilate(light, nearest_covered(texels.covered))
-
-
-def even_directions(count: int) -> Floats:
-    """Directions (count, 3) in the frame, each for the same solid angle, in a spiral as a sunflower's seeds.
-
-    The equisolid projection preserves areas: points spread evenly on the disc are so on the hemisphere.
-    """
-    index = np.arange(count)
-    radius, angle = np.sqrt((index + 0.5) / count), index * _GOLDEN
-    return equisolid_inverse(np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1))

@@ -18,6 +18,7 @@ from ...bake.progress import Progress
 from ...bake.rays import FINER
 from ...bake.spec import BakeSpec
 from ...core.arrays import Floats
+from ...core.fragments import Fragments
 from ...core.shared import LEAST_LEVEL, Axis, level_count, sample_shared
 from ...core.surface import SurfaceMesh
 from ...formats.condensed_sizes import Shapes
@@ -169,8 +170,8 @@ def opened_shared(sidecar: SidecarFile, images: tuple[Path, ...], budget: int | 
     atlas, facts = read_shared(sidecar)
     texels, loss = own_texels(sidecar.path, atlas, facts)
 
-    def lookup(uv: Floats, normal: Floats, viewer: Floats, incidence: Floats) -> Floats:
-        return sample_shared(atlas, *(part.astype(np.float32) for part in (uv, normal, viewer)))
+    def lookup(at: Fragments) -> Floats:
+        return sample_shared(atlas, *(part.astype(np.float32) for part in (at.uv, at.normal, at.viewer)))
 
     return Opened(facts.bake, images, lookup, texels, None, loss, budget)
 

@@ -42,6 +42,21 @@ def why_see_through(scene: bpy.types.Scene, item: bpy.types.Object) -> str:
     return "" if hair is None else f"it has hair, '{hair}'"
 
 
+def why_no_surface(scene: bpy.types.Scene, item: bpy.types.Object) -> str:
+    """Why a surface with an alpha cannot stand for the mesh object `item`, as the end of a sentence about it.
+
+    It has a volume, hair, or glass that a transparent film makes clear. Empty if a surface can.
+    """
+    glass = scene.render.film_transparent and cast(Any, scene).cycles.film_transparent_glass
+    for material in materials_of(item):
+        if fills_volume(material):
+            return f"its material '{material.name}' has a volume"
+        if glass and is_see_through(material, glass) and not is_see_through(material):
+            return f"its material '{material.name}' is glass, which the transparent film makes clear"
+    hair = next(_hair(scene, item), None)
+    return "" if hair is None else f"it has hair, '{hair}'"
+
+
 def materials_of(item: bpy.types.Object) -> list[bpy.types.Material]:
     """The materials of the object's slots and of its geometry nodes, each once."""
     found = [slot.material for slot in item.material_slots]

@@ -65,7 +65,10 @@ def with_twins(mesh: EvaluatedMesh, faces: Bools) -> EvaluatedMesh:
     """The mesh with a twin for each of `faces` (F,), after its own triangles; the attribute TWIN pairs them.
 
     A twin has its triangle's corners in the opposite order and the opposite normals; all else is the same.
+    Without any such face, the mesh itself.
     """
+    if not faces.any():
+        return mesh
     old, own = np.flatnonzero(faces), len(mesh.triangles)
     used, corner = np.unique(mesh.triangles[old][:, ::-1], return_inverse=True)
     triangles = corner.reshape(-1, 3) + len(mesh.position)

@@ -12,7 +12,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from ...core.arrays import Floats
+from ...core.arrays import Floats, Ints
 from ...core.errors import ShapeError
 from ...core.frame import DEGENERATE, fallback_tangent, normalised
 from ...core.surface import SurfaceMesh
@@ -32,8 +32,9 @@ def baked_mesh(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> b
     It carries the UV layers, colours and other attributes of the evaluated mesh, its materials and its
     normals, and for shaders, on corners in object space: `radtex_normal` (exactly Cycles's shading
     normal), `radtex_tangent` (MikkTSpace's of that layer, unit; `fallback_tangent` where the layer has
-    no direction) and `radtex_sign` of the bitangent; on faces, `radtex_material`. Its custom property MATRIX is the object's matrix.
-    Raises ShapeError where uv does not fit the triangles.
+    no direction) and `radtex_sign` of the bitangent; on faces, where there are several materials,
+    `radtex_material`. Its custom property MATRIX is the object's matrix. Raises ShapeError where uv does not
+    fit the triangles.
     """
     count = len(evaluated.triangles)
     if uv.shape != (count, 3, 2):
@@ -54,6 +55,15 @@ def baked_mesh(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> b
     _write_frame(mesh, evaluated, uv)
     cast(Any, mesh)[MATRIX] = evaluated.matrix_world.ravel().tolist()
     return mesh
+
+
+def material_numbers(mesh: bpy.types.Mesh) -> Ints:
+    """The number of each triangle's material at the bake, (F,) int32, of a mesh of `baked_mesh`."""
+    numbers = np.zeros(len(mesh.polygons), dtype=np.int32)
+    attribute = cast(Any, mesh).attributes.get(MATERIAL)
+    if attribute is not None:
+        attribute.data.foreach_get("value", numbers)
+    return numbers
 
 
 def copy_object(original: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
@@ -87,6 +97,7 @@ def surface_mesh(evaluated: EvaluatedMesh, mesh: bpy.types.Mesh, layer: str = UV
         tangent=tangent @ matrix.T,
         sign=_corners(mesh, SIGN)[..., 0] * (-1.0 if evaluated.mirrored else 1.0),
         uv=_corners(mesh, layer),
+        material=evaluated.material_index.astype(np.int32),
     )
 
 

@@ -60,4 +60,5 @@ def joined_surface(surfaces: Sequence[SurfaceMesh], faces: Sequence[Bools]) -> S
         tangent=np.concatenate([surface.tangent[some] for surface, some in pairs]),
         sign=np.concatenate([surface.sign[some] for surface, some in pairs]),
         uv=np.concatenate([surface.uv[some] for surface, some in pairs]),
+        material=np.concatenate([surface.material_numbers[some] for surface, some in pairs]),
     )

@@ -68,12 +68,14 @@ def told_layouts(values: Mapping[str, Any], chosen: Chosen) -> str:
         return ""
     others = [(name, choice) for name, choice in chosen if choice.spec.layout != chosen[0][1].spec.layout]
     if others:
-        plain = sum(not choice.spec.form.condenses for _, choice in chosen)
-        told = iface_("Buckets for {} of {} objects, Shared for the others").format(plain, len(chosen))
+        plain = sum(choice.spec.form.shared_atlas for _, choice in chosen)
+        told = iface_("Buckets for {} of {} objects, Layered for the others").format(plain, len(chosen))
         return ". ".join([told, *(remark(choice.told(name)) for name, choice in chosen if choice.reason)][:2])
     choice = chosen[0][1]
     named = next(label for identifier, label, _ in LAYOUTS if identifier == choice.spec.layout)
-    told = iface_("{}, {} cells").format(iface_(named), choice.spec.bucket)
+    told = iface_(named)
+    if choice.spec.form.any_cells:
+        told = iface_("{}, {} cells").format(told, choice.spec.bucket)
     if choice.spec.budget is not None:
         told += iface_(", {} on the GPU").format(size(choice.spec.budget))
     return f"{told}. {remark(choice.reason)}" if choice.reason else told

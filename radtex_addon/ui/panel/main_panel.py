@@ -8,6 +8,7 @@ from typing import Any, cast
 
 import bpy
 
+from ...bake.forms import FormTraits
 from ...bake.kinds import Kind, Layout, form_in
 from ..jobs import jobs
 from ..operators.switch import LARGE, draw_shading, draw_switch
@@ -76,10 +77,14 @@ class RADTEX_PT_quality(Sidebar, bpy.types.Panel):
         layout, settings, _ = drawn(self, context)
         column = layout.column(align=True)
         kind = Kind(settings.kind).traits
-        for name, shown in (("texels", True), ("bucket", kind.cells), ("samples", kind.samples)):
+        for name, shown in (
+            ("texels", True),
+            ("bucket", kind.cells and form_of(settings).any_cells),
+            ("samples", kind.samples),
+        ):
             if shown:
                 column.prop(settings, name)
-        if not is_plain(settings):
+        if form_of(settings).condenses:
             column = layout.column(align=True)
             column.prop(settings, "limit")
             if settings.limit != "none":
@@ -135,9 +140,13 @@ def _draw_kind(column: bpy.types.UILayout, settings: BakeSettings) -> None:
 
 def is_plain(settings: BakeSettings) -> bool:
     """Whether the settings may bake in layout buckets: chosen, automatic, or the kind's only layout."""
-    if Kind(settings.kind).traits.form is not None or settings.atlas_layout not in tuple(Layout):
-        return True
-    return not form_in(Layout(settings.atlas_layout), condensed=False).condenses
+    return form_of(settings).shared_atlas
+
+
+def form_of(settings: BakeSettings) -> FormTraits:
+    """The form that the settings ask for; buckets while the layout is automatic."""
+    chosen = settings.atlas_layout if settings.atlas_layout in tuple(Layout) else Layout.BUCKETS
+    return Kind(settings.kind).traits.form or form_in(Layout(chosen), condensed=False)
 
 
 def drawn(

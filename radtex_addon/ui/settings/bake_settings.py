@@ -222,8 +222,8 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
         bucket: IntProperty(
             name="Cells",
             description="Cells along each side of a texel's bucket: more keep sharper reflections and "
-            "highlights. In the Buckets layout, twice as many cost four times as much. Automatic takes other "
-            "numbers than 6, 10, 14 and 18 for Buckets",
+            "highlights, and twice as many cost four times as much. The Layered layout chooses them itself: "
+            "Automatic takes other numbers than 14 for Buckets",
             default=14,  # the default of the automatic layout (`job.layout_choice`)
             min=2,
             max=256,
@@ -233,8 +233,8 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
         )
         samples: IntProperty(
             name="Samples",
-            description="Paths traced for each cell: more leave less noise. In the Shared layout each texel "
-            "spends about 64 times as many, however many cells it has",
+            description="Paths traced for each cell: more leave less noise. In Layered and Shared "
+            "each texel spends about 64 times as many, however many cells it has",
             default=16,
             min=1,
             max=2**24,

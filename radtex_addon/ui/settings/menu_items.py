@@ -51,23 +51,31 @@ LAYERS = (
 )
 
 LAYOUTS = (
-    ("buckets", "Buckets", "Every texel keeps a picture of its own of the light in all directions"),
+    (
+        "buckets",
+        "Buckets",
+        "Every texel keeps a picture of its own of the light in all directions: exact, plain and large",
+    ),
     (
         "shared",
         "Shared",
         "What all texels see in common is kept once, and sharp. For glossy things; radiance only",
     ),
+    (
+        "layered",
+        "Layered",
+        "What surrounds the object, met from each place, and its own light: the best picture, and small",
+    ),
 )
-
 AUTOMATIC = (
     "auto",
     "Automatic",
-    "Shared within 2 MB where that goes, or else Buckets; which, and why, is said below",
+    "Layered where that goes, or else Buckets; which, and why, is said below",
 )
 # The numbers are explicit because .blend files store them.
 LAYOUTS_OR_AUTOMATIC = (
     (*AUTOMATIC, "NONE", 2),
-    *((*layout, "NONE", number) for number, layout in enumerate(LAYOUTS)),
+    *((*layout, "NONE", number) for layout, number in zip(LAYOUTS, (0, 1, 3), strict=True)),
 )
 
 SPLITS = (

@@ -14,7 +14,5 @@ def suited_bucket(kind: str, layout: str, limit: str) -> int:
     if traits.form is not None:
         return traits.form.cells
     if layout == "auto":
-        from ...job.layout_choice import SHARED_CELLS
-
-        return SHARED_CELLS if traits.looks_at_surface else Layout.BUCKETS.cells
+        return (Layout.LAYERED if traits.looks_at_surface else Layout.BUCKETS).cells
     return form_in(parse_layout(layout), condensed=limit != "none").cells

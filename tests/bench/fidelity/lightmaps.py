@@ -13,7 +13,6 @@ from radtex_addon.bake.fit import GRAZING
 from radtex_addon.bake.gloss import LUMINANCE
 from radtex_addon.bake.light_samples import LightSamples
 from radtex_addon.bake.plan import plan_of_some
-from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.shared import bilinear
@@ -78,14 +77,6 @@ def up_to_white(values: Floats) -> Floats:
     """Linear colours (..., 3), those of a luminance above 1 dimmed to it."""
     limited: Floats = values / np.maximum(values @ LUMINANCE, 1)[..., None]
     return limited
-
-
-def pooled(neighbours: Neighbours, values: Floats) -> Floats:
-    """Values (K, C) of texels, each the weighted mean of its own and its neighbours': (K, C) float32."""
-    table = np.concatenate([values, np.ones((len(values), 1))], axis=1).astype(np.float32)
-    sums = neighbours.pool(np.ascontiguousarray(table.T[..., None]))[..., 0].T
-    found: Floats = sums[:, :-1] / sums[:, -1:]
-    return found
 
 
 def diffuse_map(capture: SharedCapture, weight: Floats, cut_out: bool = False) -> DiffuseMap:

@@ -17,11 +17,11 @@ import numpy as np
 from ....core.arrays import Floats
 from ....formats.containers.exr import read_render
 from ....scene.scratch import render_scene
+from ..cells import PICTURE_SIZE
 from ..lookup.environment import Impostor, Layer, Pictures, Plane
 
 WORLD_WIDTH = 1280  # of the world's panorama in pixels, one ray each: it is free of noise
 NEAR_WIDTH, NEAR_SAMPLES = 896, 3  # of those of near things, which are denoised
-SIZE = 512  # cells along a side of the pictures that are made of them
 EYE = 2.0  # times the middle's height above a plane: whence it is seen, or its far parts are a few pixels
 _FLAT = 1e-3  # thickness of a flat thing, in its length
 _SOLID = 0.99  # alpha of a pixel that its layer covers
@@ -87,7 +87,7 @@ def look_around(scene: bpy.types.Scene, subject: str, middle: Floats, folder: Pa
     direction = panorama_directions(WORLD_WIDTH)
     with _hidden(scene, "hide_render", _others(scene, frozenset())):
         seen = camera.render(WORLD_WIDTH, 1)
-    world = Pictures.of(direction, seen["Combined"][..., :3], SIZE)
+    world = Pictures.of(direction, seen["Combined"][..., :3], PICTURE_SIZE)
     direction = panorama_directions(NEAR_WIDTH)
     layers = []
     for things in near:
@@ -103,12 +103,12 @@ def look_around(scene: bpy.types.Scene, subject: str, middle: Floats, folder: Pa
         shape: Plane | Impostor
         if plane is not None:
             shape = plane
-            pictures = Pictures.of(*_with_mirror_image(plane, direction, seen["Combined"]), SIZE)
+            pictures = Pictures.of(*_with_mirror_image(plane, direction, seen["Combined"]), PICTURE_SIZE)
         else:
             position = where["Position"].reshape(-1, where["Position"].shape[-1])[:, :3]
             distance = np.linalg.norm(position - middle, axis=1)
             shape = Impostor.of(direction.reshape(-1, 3)[solid], distance[solid])
-            pictures = Pictures.of(direction, seen["Combined"], SIZE)
+            pictures = Pictures.of(direction, seen["Combined"], PICTURE_SIZE)
         layers.append(Layer(pictures, shape))
     paths = WORLD_WIDTH**2 // 2 + len(near) * (NEAR_SAMPLES + 1) * NEAR_WIDTH**2 // 2
     return Panoramas(world, tuple(layers), paths)

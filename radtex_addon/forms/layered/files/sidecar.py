@@ -68,15 +68,16 @@ class ThroughCells:
 class LayeredSidecar:
     """Facts about one bake in the layered layout.
 
-    `bake` holds the facts of every layout: `width` x `height` texels of the irradiance, and `bucket` cells
-    along a side of what the object shows of itself. `colour` is the size of the maps of the material,
-    `coarse` tells how many texels have buckets, `rest_cells` those of the rest; `distances` are the cells
+    `bake` holds the facts of every layout: `width` x `height` texels of the irradiance, and as `bucket` the
+    most cells that buckets can have. `colour` is the size of the maps of the material, `coarse` tells how many
+    texels have buckets, of `own_cells` x `own_cells` and `rest_cells` x `rest_cells` cells; `distances` are the cells
     along the side of that map, 0 without. Falloffs (STEPS, 3) are by material, as are the lobes.
     """
 
     bake: Sidecar
     colour: tuple[int, int]
     coarse: tuple[int, int]
+    own_cells: int
     rest_cells: int
     middle: Floats
     pictures: dict[str, Picture]
@@ -104,9 +105,10 @@ class LayeredSidecar:
         shape = plane.shape if plane is not None else None
         through = atlas.through
         sidecar = cls(
-            bake=replace(bake, bucket=atlas.own.shape[2]),
+            bake=bake,
             colour=(atlas.colour.shape[1], atlas.colour.shape[0]),
             coarse=(atlas.own.shape[1], atlas.own.shape[0]),
+            own_cells=atlas.own.shape[2],
             rest_cells=atlas.rest.shape[2],
             middle=atlas.around.middle,
             pictures=pictures,
@@ -132,7 +134,7 @@ class LayeredSidecar:
         bake = self.bake
         sizes = dict.fromkeys((COLOUR, TINT, NORMAL, ALPHA), self.colour)
         sizes |= dict.fromkeys((IRRADIANCE, WIDTH), (bake.width, bake.height))
-        sizes |= {OWN: self._tiles(bake.bucket), REST: self._tiles(self.rest_cells)}
+        sizes |= {OWN: self._tiles(self.own_cells), REST: self._tiles(self.rest_cells)}
         sizes |= {name: packed_size(found.size, found.levels) for name, found in self.pictures.items()}
         sizes[DISTANCES] = (self.distances, self.distances)
         if self.through is not None:
@@ -140,11 +142,26 @@ class LayeredSidecar:
             sizes |= {THROUGH_COLOUR: self.coarse, THROUGH_REST: self._tiles(self.through.rest)}
         return {name: (*sizes[name], CHANNELS[name]) for name in bake.layers}
 
+    def larger(self, texels: int, cells: int) -> LayeredSidecar:
+        """Of a bake with `texels` times as many texels along a side, and `cells` times as many cells."""
+        bake = self.bake
+        return replace(
+            self,
+            bake=replace(
+                bake, width=bake.width * texels, height=bake.height * texels, bucket=bake.bucket * cells
+            ),
+            colour=(self.colour[0] * texels, self.colour[1] * texels),
+            coarse=(self.coarse[0] * texels, self.coarse[1] * texels),
+            own_cells=self.own_cells * cells,
+            rest_cells=self.rest_cells * cells,
+        )
+
     def to_json(self) -> str:
         """The sidecar's JSON, in ASCII and with a newline at its end."""
         layered: dict[str, Any] = {
             "colour": list(self.colour),
             "coarse": list(self.coarse),
+            "own_cells": self.own_cells,
             "rest_cells": self.rest_cells,
             "middle": _row(self.middle),
             "pictures": {
@@ -205,6 +222,7 @@ class LayeredSidecar:
             bake=bake,
             colour=layered.size("colour"),
             coarse=layered.size("coarse"),
+            own_cells=layered.whole_number("own_cells", 2, 256),
             rest_cells=layered.whole_number("rest_cells", 2, 256),
             middle=_vector(layered, "middle"),
             pictures=found,

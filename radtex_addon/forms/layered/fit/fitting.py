@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import replace
 from typing import cast
 
@@ -14,6 +15,7 @@ from ....bake.fit import facing_of
 from ....bake.gloss import LobeSamples
 from ....bake.plan import CapturePlan
 from ....bake.pooling import Neighbours, Taps
+from ....bake.progress import Progress, Stage
 from ....core.arrays import Bools, Floats
 from ....core.gutter import dilate, nearest_covered
 from ....core.octahedron import cell_directions
@@ -36,11 +38,13 @@ from .view_dependence import view_dependence
 from .visibility import free_share
 from .widths import fit_lobes
 
+_STEPS = 5  # of progress
 _FREE = 0.98  # of a direction, above which a path is taken to leave the object straight away
 
 
-def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
-    """Fit the layered layout to a capture."""
+def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> Generator[Progress, None, LayeredAtlas]:
+    """Fit the layered layout to a capture. Yields progress."""
+    yield Progress(Stage.FIT, 0, _STEPS)
     light, plan = capture.light, capture.light.plan
     neighbours = Neighbours(plan, False)
     facing = facing_of(light)
@@ -55,9 +59,11 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
         irradiance = fit_irradiance(light, facing, falloff, capture.material, colour, neighbours)
     else:
         irradiance = np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
+    yield Progress(Stage.FIT, 1, _STEPS)
     rays = turned_samples(capture.own.rays, normal)
     own = replace(capture.own, rays=rays)
     free = free_share(rays, ~own.hit, neighbours, CELLS[0][0])
+    yield Progress(Stage.FIT, 2, _STEPS)
     paths = _open_paths(capture, normal, free)
     vary = parts.widths and normal_map is None  # normals that vary within a texel would count as roughness
     materials, width = fit_lobes(paths, int(capture.material.max()) + 1, neighbours, vary)
@@ -66,12 +72,16 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
     surface = Surface(
         plan, normal, irradiance * colour, falloff, tint, width, capture.material, materials, around, free
     )
+    yield Progress(Stage.FIT, 3, _STEPS)
     found = fit_buckets(surface, own, light, used, neighbours, parts)
     rest = found.rest
     if parts.rest:
         cells = found.rest_cells
         more = view_dependence(light, facing, surface, cells, neighbours)
         rest = rest if more is None else rest + more
+    yield Progress(Stage.FIT, 4, _STEPS)
+    through = None if capture.exits is None else _through(capture, capture.exits, around, used, neighbours)
+    yield Progress(Stage.FIT, _STEPS, _STEPS)
     return LayeredAtlas(
         colour=capture.fine["diffuse"].astype(np.float32),
         irradiance=plan.placed(irradiance, gutter=True),
@@ -83,7 +93,7 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> LayeredAtlas:
         materials=materials,
         own=_placed(plan, np.concatenate([found.own, found.free]), COARSER),
         rest=_placed(plan, rest, COARSER),
-        through=None if capture.exits is None else _through(capture, capture.exits, around, used, neighbours),
+        through=through,
         alpha=capture.alpha,
     )
 

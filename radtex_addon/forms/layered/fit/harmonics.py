@@ -6,8 +6,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.bench.fidelity.lightmaps import pooled
-
 from ....bake.blocks import in_blocks, planes
 from ....bake.pooling import Neighbours
 from ....core.arrays import Floats
@@ -59,3 +57,11 @@ def fit_harmonics(
     penalty = np.diag([0.0] + [ridge] * (COUNT - 1))
     found: Floats = np.linalg.solve(table[..., :COUNT] + penalty, table[..., COUNT:])
     return found.astype(np.float32)
+
+
+def pooled(neighbours: Neighbours, values: Floats) -> Floats:
+    """Values (K, C) of texels, each the weighted mean of its own and its neighbours': (K, C) float32."""
+    table = np.concatenate([values, np.ones((len(values), 1))], axis=1).astype(np.float32)
+    sums = neighbours.pool(np.ascontiguousarray(table.T[..., None]))[..., 0].T
+    found: Floats = sums[:, :-1] / sums[:, -1:]
+    return found

@@ -12,6 +12,7 @@ import numpy as np
 
 from ....bake.pooling import corner_cells, corners
 from ....core.arrays import Floats, Ints
+from ....core.fragments import Fragments
 from ....core.octahedron import direction_to_octahedron
 from ....core.shared import bilinear, bilinear_texels
 from .environment import Around
@@ -50,22 +51,6 @@ class LayeredAtlas:
     rest: Floats
     through: Through | None = None
     alpha: Floats | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Fragments:
-    """Places looked at: `uv` (N, 2); `normal`, `viewer`, `position` (N, 3), world space; `material` (N,).
-
-    `tangent` and `bitangent` (N, 3), the mesh's: for what lets light through.
-    """
-
-    uv: Floats
-    normal: Floats
-    viewer: Floats
-    position: Floats
-    material: Ints
-    tangent: Floats | None = None
-    bitangent: Floats | None = None
 
 
 def sample_layered(atlas: LayeredAtlas, at: Fragments) -> Floats:

@@ -16,9 +16,9 @@ from ....bake.surroundings import LevelMaps, Surroundings
 from ....core.arrays import Floats, Ints
 from ....core.gutter import dilate, nearest_covered
 from ....core.octahedron import cell_directions, direction_to_octahedron, octahedron_cell
+from ..cells import DISTANCES
 from .lobes import lobe
 
-DISTANCES = 128  # cells along a side of a layer's map of distances
 STEPS = 2  # by which a ray finds what it meets in such a map
 _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # of distances from the fragment and from the middle
 _NARROWER = (-12.0, 2.5, 0.5)  # exponents of 2: by how much the Gaussians that make a lobe are narrower

@@ -10,7 +10,8 @@ import moderngl
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.forms.layered.lookup.atlas import Fragments, LayeredAtlas
+from radtex_addon.core.fragments import Fragments
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from tests.real.opengl import VERSIONS, compiled, drawn
 
 from .lookup import Lookup, material_values

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.fit.parts import Parts
@@ -82,14 +83,14 @@ def _measured(staged: Staged, looked_from: list[View]) -> dict[str, float]:
             figures.append(compare(picture, view.reference, buffer.inside, buffer.eroded).psnr)
         return float(np.mean(figures))
 
-    whole = fit_layered(staged.captured.capture)
+    whole = finished(fit_layered(staged.captured.capture))
     found = {_ALL: psnr(whole)}
     decoded, textures = compressed(whole)
     size = sum(texture.bytes for name, texture in textures.items() if name not in MATERIAL_MAPS)
     print(f"compressed: {size} bytes of textures", flush=True)
     found[_COMPRESSED] = psnr(decoded)
     for part in fields(Parts):
-        without = fit_layered(staged.captured.capture, Parts(**{part.name: False}))
+        without = finished(fit_layered(staged.captured.capture, Parts(**{part.name: False})))
         found[f"without {part.name.replace('_', ' ')}"] = psnr(without)
     return found
 

@@ -11,11 +11,13 @@ from time import perf_counter
 
 import numpy as np
 
+from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Ints
+from radtex_addon.core.fragments import Fragments
 from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.fit.parts import ALL_PARTS, Parts
-from radtex_addon.forms.layered.lookup.atlas import Fragments, LayeredAtlas, alpha_at, sample_layered
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at, sample_layered
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.checks.camera_nodes import camera_materials
 
@@ -71,7 +73,7 @@ class Layered:
         staged = capture_staged(stage, self.spec, folder)
         captured = staged.captured
         middle = perf_counter()
-        atlas = fit_layered(captured.capture, self.parts)
+        atlas = finished(fit_layered(captured.capture, self.parts))
         ended = perf_counter()
         print(
             f"{stage.name}: captured in {middle - started:.1f} s, fitted in {ended - middle:.1f} s, "

@@ -18,10 +18,11 @@ import numpy as np
 from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.shared import bilinear
+from radtex_addon.forms.layered.fit.harmonics import pooled
 from radtex_addon.report.gbuffer import Array, GBuffer
 
 from ..captured import capture_stage
-from ..lightmaps import diffuse_map, means, pooled, sample_weights, texture_bytes, up_to_white
+from ..lightmaps import diffuse_map, means, sample_weights, texture_bytes, up_to_white
 from ..method import Baked
 from ..scenes import Stage
 

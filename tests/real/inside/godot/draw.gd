@@ -15,6 +15,8 @@ func drawn(job: Dictionary) -> PackedByteArray:
 	material.shader = load(job.shader)
 	for name: String in job.textures:
 		material.set_shader_parameter(name, texture(job.textures[name]))
+	for name: String in job.values:
+		material.set_shader_parameter(name, vectors(job.values[name]))
 	var viewport := SubViewport.new()
 	viewport.size = Vector2i(job.size[0], job.size[1])
 	viewport.transparent_bg = true
@@ -30,6 +32,15 @@ func drawn(job: Dictionary) -> PackedByteArray:
 	assert(image.get_format() == Image.FORMAT_RGBA8)
 	viewport.queue_free()
 	return image.get_data()
+
+
+func vectors(numbers: Array) -> Variant:
+	if numbers[0] is not Array:
+		return Vector4(numbers[0], numbers[1], numbers[2], numbers[3])
+	var found := PackedVector4Array()
+	for row: Array in numbers:
+		found.append(vectors(row))
+	return found
 
 
 func texture(facts: Dictionary) -> Texture:

@@ -1,0 +1,33 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bake the layered layout: capture, fit, and write it as several images."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+from ...bake.progress import Progress, Stage
+from ...core.atlas import AtlasLayout
+from ...formats.shared_files import layer_path
+from ..bake_job import BakeJob
+from ..outcome import Outcome
+from .capture.capturing import capture_layered
+from .files.layered_files import write_layered
+from .fit.fitting import fit_layered
+
+
+def bake_layered(job: BakeJob) -> Generator[Progress, None, Outcome]:
+    """As `Form.bake`; every finished capture is stored."""
+    spec, prepared = job.spec, job.prepared
+    captured = yield from capture_layered(job.scratch, prepared, spec, job.folder, job.store, job.thumbnail)
+    plan = captured.capture.light.plan
+    atlas = yield from fit_layered(captured.capture)
+    yield Progress(Stage.WRITE, 0, 1)
+    written = write_layered(job.place, atlas, prepared.facts(spec), spec.half, spec.compression)
+    return Outcome(
+        images=tuple(layer_path(job.sidecar, layer) for layer in written.bake.layers),
+        layout=AtlasLayout(plan.layout.width, plan.layout.height, written.bake.bucket),
+        covered_texels=len(plan.texel),
+        paths=captured.paths,
+        clamped=written.bake.clamped,
+    )

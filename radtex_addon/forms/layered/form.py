@@ -1,0 +1,168 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The form of the layered layout, with the interface of all forms."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Generator, Mapping
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ...bake.cost import Cost, cost_of_images
+from ...bake.forms import LAYERED, FormTraits
+from ...bake.progress import Progress
+from ...bake.rays import FINER
+from ...bake.spec import BakeSpec
+from ...core.arrays import Floats
+from ...core.fragments import Fragments
+from ...core.shared import level_count
+from ...core.surface import SurfaceMesh
+from ...formats.condensed_sizes import Shapes
+from ...formats.containers.exr import stored_compression
+from ...formats.json_reader import Facts
+from ...formats.shared_files import layer_path
+from ...formats.sidecar import Sidecar
+from ...formats.sidecar_file import SidecarFile
+from ...textures.entry import TextureEntry
+from ...textures.export_progress import Step
+from ...textures.export_spec import ExportSpec, Target
+from ...textures.godot_shader import GodotShader
+from ..bake_job import BakeJob
+from ..buckets.form import has_samples_and_cells
+from ..form import Form, Opened, PreviewOf
+from ..outcome import Outcome
+from .bake import bake_layered
+from .cells import CELLS, COARSER, EXIT_CELLS, PICTURE_SIZE, THROUGH_CELLS
+from .cells import DISTANCES as DISTANCE_CELLS
+from .files.arrangement import (
+    ALPHA,
+    CHANNELS,
+    COLOUR,
+    DISTANCES,
+    EXIT_DIRECTION,
+    EXIT_PLACE,
+    IRRADIANCE,
+    NORMAL,
+    OWN,
+    PICTURES,
+    REST,
+    THROUGH_COLOUR,
+    THROUGH_REST,
+    TINT,
+    WIDTH,
+    packed_size,
+    padded_size,
+)
+from .files.layered_files import read_layered, read_layered_sidecar
+from .flat import flat_layered
+from .godot import layered_shader
+from .lookup.atlas import sample_layered
+from .preview.material import check_layered_previewable, preview_layered_material
+from .signature import own_texels
+from .textures import write_layered_textures
+
+_VALUE = 12  # bytes per value in an export, which reads whole images
+
+
+class Layered:
+    """An atlas in several images, before surroundings in layers: see `forms.form.Form`."""
+
+    traits: FormTraits = LAYERED
+
+    def images(self, spec: BakeSpec, sidecar: Path) -> tuple[Path, ...]:
+        return tuple(layer_path(sidecar, layer) for layer in CHANNELS)
+
+    def bake(self, job: BakeJob) -> Generator[Progress, None, Outcome]:
+        return bake_layered(job)
+
+    def cost(self, spec: BakeSpec) -> Cost:
+        """With every map, of an object that lets light through."""
+        return cost_of_images(spec, _most_shapes(spec.texels))
+
+    def check_size(self, spec: BakeSpec, width: int, height: int) -> None:
+        """Accept any size that a specification can have."""
+
+    def check_previewable(self, spec: BakeSpec) -> None:
+        check_layered_previewable(_most_shapes(spec.texels))
+
+    def material(self, of: PreviewOf) -> bpy.types.Material:
+        return preview_layered_material(of.title, of.sidecar, of.uv_layer, of.spec.half, of.hull)
+
+    def holds(self, facts: Facts) -> bool:
+        return True
+
+    def is_of(self, facts: Facts, spec: BakeSpec) -> bool:
+        return has_samples_and_cells(facts, spec)
+
+    def read_sidecar(self, sidecar: SidecarFile) -> Sidecar:
+        return read_layered_sidecar(sidecar).bake
+
+    def open(self, sidecar: SidecarFile) -> Opened:
+        atlas, facts = read_layered(sidecar)
+        texels, loss = own_texels(sidecar.path, atlas)
+
+        def lookup(at: Fragments) -> Floats:
+            return sample_layered(atlas, at.single())
+
+        return Opened(
+            sidecar=facts.bake,
+            images=tuple(layer_path(sidecar.path, layer) for layer in facts.bake.layers),
+            lookup=lookup,
+            texels=texels,
+            compression=stored_compression(layer_path(sidecar.path, IRRADIANCE)),
+            loss=loss,
+        )
+
+    def shapes(self, sidecar: SidecarFile, texels: int = 1, cells: int = 1) -> Shapes:
+        return read_layered_sidecar(sidecar).larger(texels, cells).shapes
+
+    def expanded_bytes(self, sidecar: SidecarFile) -> int:
+        return 0
+
+    def export_bytes(self, sidecar: SidecarFile) -> int:
+        shapes = read_layered_sidecar(sidecar).shapes
+        return _VALUE * sum(width * height * channels for width, height, channels in shapes.values())
+
+    def textures_of(self, facts: Facts, present: Collection[str]) -> tuple[str, ...]:
+        return facts.texts("layers")
+
+    def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
+        return flat_layered(sidecar, surface)
+
+    def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
+        return write_layered_textures(sidecar, spec, folder)
+
+    def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:
+        return ("radtex_layered",)
+
+    def usage(
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
+    ) -> list[str]:
+        return [
+            "radtex_layered(uv, position, N, V), premultiplied by radtex_alpha(uv), in the world space of",
+            "the bake, in Blender's axes (z up). What to define, and all uniforms, stand in the manifest under",
+            '"shader"; those of a material are set where faces of that material are drawn.',
+        ]
+
+    def godot_shader(
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], baked: Floats
+    ) -> GodotShader:
+        return layered_shader(bake, textures, baked)
+
+
+def _most_shapes(texels: int) -> Shapes:
+    """Width, height and channels of all images that a bake of a square atlas can have."""
+    fine, coarse = (FINER * texels, FINER * texels), padded_size((max(1, texels // COARSER),) * 2)
+    sizes = dict.fromkeys((COLOUR, TINT, NORMAL, ALPHA), fine)
+    sizes |= dict.fromkeys((IRRADIANCE, WIDTH), (texels, texels))
+    sizes |= dict.fromkeys(PICTURES, packed_size(PICTURE_SIZE, level_count(PICTURE_SIZE)))
+    sizes |= {DISTANCES: (DISTANCE_CELLS,) * 2, THROUGH_COLOUR: (max(1, texels // COARSER),) * 2}
+    tiles = {OWN: CELLS[0][0], REST: CELLS[0][1], THROUGH_REST: THROUGH_CELLS}
+    tiles |= dict.fromkeys((EXIT_DIRECTION, EXIT_PLACE), EXIT_CELLS)
+    sizes |= {name: (cells * coarse[0], cells * coarse[1]) for name, cells in tiles.items()}
+    return {name: (*sizes[name], channels) for name, channels in CHANNELS.items()}
+
+
+FORM: Form = Layered()

@@ -1,0 +1,183 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`lookup.atlas.sample_layered` as native shader nodes, alike in Eevee and Cycles: group "RadTex Layered".
+
+Each step is a group of its own, so that the tree reads like the maths. What a bake lacks is not built.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import bpy
+
+from ....core.errors import InputError
+from ....preview.shared_group import in_working_space, octahedron_group
+from ....preview.taps import readable_size
+from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
+from ..files.arrangement import ALPHA, COLOUR, IRRADIANCE, NORMAL, OWN, REST, TINT, WIDTH
+from ..files.sidecar import LayeredSidecar
+from .curves import curve_group, curves_at
+from .images import buckets_group, map_group
+from .surroundings import around_group
+from .through import through_group
+
+CURVES = "curves"  # the image of `curves_of`
+_STEEP, _LEAST_COSINE, _LEAST_LEFT = 0.3, 1e-3, 0.5  # as in lookup.atlas
+_KEPT, _EDGE = 2.56, 0.04  # as in lookup.visibility
+
+_Images = Mapping[str, bpy.types.Image]
+
+
+def build_layered_group(images: _Images, facts: LayeredSidecar) -> bpy.types.ShaderNodeTree:
+    """A node group that looks up the sidecar's `images`, by layer and CURVES, as `sample_layered` does.
+
+    Inputs: UV (0..1, v up); Normal and Tangent (world space, of any length) and the bitangent's Sign; unit
+    Incoming, towards the viewer, and Position, in world space; the Material's number. Outputs: Color, in the
+    file's working space and premultiplied by Alpha. Raises InputError if an image does not have the size in
+    the sidecar.
+    """
+    _check_sizes(images, facts)
+    octahedron = octahedron_group()
+    around = around_group(images, facts, octahedron)
+    mirrored = _mirrored_group(images, facts, octahedron, around)
+    through = None
+    if facts.through is not None:
+        through = through_group(images, facts, octahedron, around)
+    curves = curve_group(images[CURVES], len(facts.materials))
+    build, (uv, normal, tangent, sign, viewer, position, material) = open_group(
+        "RadTex Layered",
+        UV="Vector",
+        Normal="Vector",
+        Tangent="Vector",
+        Sign="Float",
+        Incoming="Vector",
+        Position="Vector",
+        Material="Float",
+    )
+    outward = build.vector("NORMALIZE", normal)
+    offset = build.vector("SUBTRACT", position, _constant(facts.middle), label="from the middle")
+    shading = outward
+    if NORMAL in images:
+        shading = _shading_normal(build, build.group(map_group("Normal", images[NORMAL]), uv)[0], outward)
+    facing = build.vector("DOT_PRODUCT", shading, viewer, label="N.V")
+    twice = build.vector("SCALE", shading, build.math("MULTIPLY", facing, 2.0))
+    axis = build.vector("SUBTRACT", twice, viewer, label="mirror direction")
+    cosine = build.math("MAXIMUM", facing, _LEAST_COSINE)
+    falloff, first, second, bend, widths = curves_at(build, curves, cosine, material)
+    diffuse = [build.group(map_group(name.title(), images[name]), uv)[0] for name in (COLOUR, IRRADIANCE)]
+    light = build.vector("MULTIPLY", build.vector("MULTIPLY", *diffuse), falloff, label="diffuse")
+    alpha = None
+    if ALPHA in images:
+        alpha = build.separate(build.group(map_group("Alpha", images[ALPHA]), uv)[0])[0]
+    if WIDTH in images:
+        wider = build.separate(build.group(map_group("Width", images[WIDTH]), uv)[0])[0]
+        factor = build.math("POWER", 2.0, wider)
+        widths = (build.math("MULTIPLY", widths[0], factor), build.math("MULTIPLY", widths[1], factor))
+    shown, rest = build.group(mirrored, uv, offset, shading, axis, first, second, bend, *widths)
+    if TINT in images:
+        (tint,) = build.group(map_group("Tint", images[TINT]), uv)
+        shown = build.vector("MULTIPLY", shown, tint)
+    elif alpha is not None:
+        shown = build.vector("SCALE", shown, alpha)
+    if alpha is not None:
+        rest = build.vector("SCALE", rest, alpha)
+    light = build.vector("ADD", light, shown)
+    light = build.vector(
+        "MAXIMUM", build.vector("ADD", light, rest), build.vector("SCALE", light, _LEAST_LEFT)
+    )
+    if through is not None:
+        (behind,) = build.group(through, uv, offset, outward, tangent, sign, viewer)
+        if alpha is not None:
+            behind = build.vector("SCALE", behind, alpha)
+        light = build.vector("ADD", light, behind)
+    shown = build.mix(1.0, light, (0.0, 0.0, 0.0, 1.0), "RGBA", "LIGHTEN")
+    opacity = build.value(1.0) if alpha is None else alpha
+    return close_group(build, Color=in_working_space(build, shown), Alpha=opacity)
+
+
+def _check_sizes(images: _Images, facts: LayeredSidecar) -> None:
+    for layer, (width, height, _) in facts.shapes.items():
+        actual = readable_size(images[layer])
+        if actual != (width, height):
+            raise InputError(
+                f"{images[layer].name}: {actual[0]} x {actual[1]} pixels, but this bake's '{layer}' has "
+                f"{width} x {height}; use the sidecar that belongs to this image"
+            )
+
+
+def _shading_normal(build: NodeBuilder, found: Socket, outward: Socket) -> Socket:
+    """The map's normal, or the mesh's own where the two disagree."""
+    shading = build.vector("NORMALIZE", found)
+    agrees = build.math("GREATER_THAN", build.vector("DOT_PRODUCT", shading, outward), _STEEP)
+    return build.vector("NORMALIZE", build.mix(agrees, outward, shading))
+
+
+def _mirrored_group(
+    images: _Images,
+    facts: LayeredSidecar,
+    octahedron: bpy.types.ShaderNodeTree,
+    around: bpy.types.ShaderNodeTree,
+) -> bpy.types.ShaderNodeTree:
+    """What both lobes show of the surroundings and of the object itself; and the rest: Light and Rest."""
+    own = buckets_group("Own", images[OWN], facts.own_cells, facts.coarse)
+    rest = buckets_group("Rest", images[REST], facts.rest_cells, facts.coarse)
+    lobe = _lobe_group(around, facts.own_cells)
+    build, inputs = open_group(
+        "RadTex Mirrored",
+        UV="Vector",
+        Offset="Vector",
+        Normal="Vector",
+        Axis="Vector",
+        First="Vector",
+        Second="Vector",
+        Bend="Float",
+        Narrow="Float",
+        Wide="Float",
+    )
+    uv, offset, normal, axis, first, second, bend, narrow, wide = inputs
+    (place,) = build.group(octahedron, axis)
+    itself, free = build.group(own, uv, place)
+    along = build.vector("SCALE", axis, build.vector("DOT_PRODUCT", normal, axis))
+    towards = build.vector("NORMALIZE", build.vector("SUBTRACT", normal, along))
+    turned = build.vector(
+        "ADD",
+        build.vector("SCALE", axis, build.math("COSINE", bend)),
+        build.vector("SCALE", towards, build.math("SINE", bend)),
+        label="bent towards the normal",
+    )
+    (light,) = build.group(lobe, offset, turned, first, narrow, itself, free)
+    (more,) = build.group(lobe, offset, turned, second, wide, itself, free)
+    (left, _) = build.group(rest, uv, place)
+    return close_group(build, Light=build.vector("ADD", light, more), Rest=left)
+
+
+def _lobe_group(around: bpy.types.ShaderNodeTree, cells: int) -> bpy.types.ShaderNodeTree:
+    """One lobe's Weight times what it sees: the surroundings where they are Free, else the object Itself.
+
+    The mask is sharpened as `lookup.visibility.seen_free` does.
+    """
+    build, (offset, axis, weight, spread, itself, free) = open_group(
+        "RadTex Lobe",
+        Offset="Vector",
+        Axis="Vector",
+        Weight="Vector",
+        Spread="Float",
+        Itself="Vector",
+        Free="Float",
+    )
+    width = build.math("SQRT", build.math("ADD", spread, _EDGE**2))
+    sharper = build.math("MAXIMUM", build.math("DIVIDE", _KEPT / cells, width), 1.0)
+    side = build.math("MULTIPLY_ADD", free, 2.0, -1.0)
+    side = build.math("MINIMUM", build.math("MAXIMUM", side, -1.0), 1.0)
+    place = build.math("MULTIPLY", side, sharper)
+    flat = build.math("SUBTRACT", 1.0, build.math("MULTIPLY", side, side))
+    root = build.math("SQRT", build.math("MULTIPLY_ADD", place, place, flat))
+    seen = build.math("MULTIPLY_ADD", build.math("DIVIDE", place, root), 0.5, 0.5, label="free")
+    (light,) = build.group(around, offset, axis, spread)
+    return close_group(build, Light=build.vector("MULTIPLY", weight, build.mix(seen, itself, light)))
+
+
+def _constant(values: object) -> tuple[float, float, float]:
+    x, y, z = (float(value) for value in values)  # type: ignore[attr-defined]
+    return x, y, z

@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Look images up by shader nodes: maps of the surface, and buckets.
+
+Images are read with `Closest` and blended here, since Eevee's `Linear` takes mipmaps: see `preview.taps`.
+"""
+
+from __future__ import annotations
+
+import bpy
+
+from ....preview.taps import bilinear, clamp, pair, pixel_centre, readable_size
+from ....scene.nodes import NodeBuilder, Operand, Socket, close_group, open_group
+
+
+def map_group(name: str, image: bpy.types.Image) -> bpy.types.ShaderNodeTree:
+    """Look up a map of the surface at UV, bilinear between four texels: Color."""
+    width, height = readable_size(image)
+    tap, (texel,) = open_group(f"RadTex {name} Texel", Texel="Vector")
+    texels = close_group(tap, Color=tap.image(image, pixel_centre(tap, texel, (width, height)))[0])
+    build, (uv,) = open_group(f"RadTex {name}", UV="Vector")
+    (color,) = bilinear(
+        build, texels, position_of(build, uv, (width, height)), last=pair(width - 1, height - 1)
+    )
+    return close_group(build, Color=color)
+
+
+def buckets_group(
+    name: str, image: bpy.types.Image, cells: int, size: tuple[int, int]
+) -> bpy.types.ShaderNodeTree:
+    """Look up buckets of cells x cells at UV and a Place on the octahedron's square: Color and Alpha.
+
+    They are those of `size` texels, width and height; bilinear between four texels and four cells.
+    """
+    width, height = size
+    bucket = _bucket_group(name, _cell_group(name, image, cells), cells)
+    build, (uv, place) = open_group(f"RadTex {name} Buckets", UV="Vector", Place="Vector")
+    position, last = position_of(build, uv, size), pair(width - 1, height - 1)
+    color, alpha = bilinear(build, bucket, position, place, last=last, in_turn=True)
+    return close_group(build, Color=color, Alpha=alpha)
+
+
+def position_of(build: NodeBuilder, place: Socket, size: tuple[int, int]) -> Socket:
+    """A place in [0, 1]² in texels or cells, whose centres are at whole numbers."""
+    return build.vector("MULTIPLY_ADD", place, pair(*size), pair(-0.5, -0.5), label="position")
+
+
+def folded(build: NodeBuilder, cell: Operand, cells: int) -> Socket:
+    """The cell that lies on the sphere where one beyond an edge of the square would be: mirrored there."""
+    last = cells - 1.0
+    inside = clamp(build, cell, pair(last, last), label="inside")
+    beyond_x, beyond_y, _ = build.separate(build.vector("ABSOLUTE", build.vector("SUBTRACT", cell, inside)))
+    x, y, _ = build.separate(inside)
+    across_x, across_y, _ = build.separate(build.vector("SUBTRACT", pair(last, last), inside))
+    return build.combine(build.mix(beyond_y, x, across_x, "FLOAT"), build.mix(beyond_x, y, across_y, "FLOAT"))
+
+
+def _cell_group(name: str, image: bpy.types.Image, cells: int) -> bpy.types.ShaderNodeTree:
+    """Look up one cell of one texel's bucket: the pixel (x W + i, y H + j) of tiles of W x H pixels."""
+    width, height = readable_size(image)
+    build, (cell, texel) = open_group(f"RadTex {name} Cell", Cell="Vector", Texel="Vector")
+    tile = pair(width // cells, height // cells)
+    pixel = build.vector("MULTIPLY_ADD", folded(build, cell, cells), tile, texel)
+    color, alpha = build.image(image, pixel_centre(build, pixel, (width, height)))
+    return close_group(build, Color=color, Alpha=alpha)
+
+
+def _bucket_group(name: str, cell: bpy.types.ShaderNodeTree, cells: int) -> bpy.types.ShaderNodeTree:
+    """Look up one texel's bucket at a place on the octahedron's square, bilinear between four cells."""
+    build, (texel, place) = open_group(f"RadTex {name} Bucket", Texel="Vector", Place="Vector")
+    color, alpha = bilinear(build, cell, position_of(build, place, (cells, cells)), texel)
+    return close_group(build, Color=color, Alpha=alpha)

@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The material that shows a layered bake on its baked copy, in Eevee and Cycles."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+
+from ....core.errors import InputError
+from ....formats.condensed_sizes import Shapes
+from ....formats.containers.exr import Compression, stored_rows, write_rows
+from ....formats.disk.atomic import replacing
+from ....formats.disk.temporary import temporary_folder
+from ....formats.shared_files import layer_path
+from ....formats.sidecar_file import AnySidecar, opened
+from ....preview.material import build_frame_group, load_atlas
+from ....preview.node_group import MAX_PIXELS
+from ....scene.mesh.copy import MATERIAL
+from ....scene.nodes import open_material
+from ..files.layered_files import read_layered_sidecar
+from ..files.sidecar import LayeredSidecar
+from .curves import curves_of
+from .group import CURVES, build_layered_group
+
+
+def preview_layered_material(
+    name: str, sidecar: Path, uv_layer: str, half: bool = True, hull: bool = False
+) -> bpy.types.Material:
+    """A material that shows a bake in the layered layout on its baked copy: it emits the light.
+
+    The images lie beside the file `sidecar`. It is transparent where the bake has an alpha. `uv_layer` is the
+    baked UV layer, `half` is as in `load_atlas`. With `hull` only front faces are visible. Raises
+    FormatError for files that are not of such a bake, InputError if an image is missing or larger than a GPU
+    takes.
+    """
+    images, facts = load_images(sidecar, half)
+    sampler = build_layered_group(images, facts)
+    material, build = open_material(name)
+    cast(Any, material).cycles.emission_sampling = "NONE"  # rays see it, but Cycles does not sample it
+    place = (build.geometry("Incoming"), build.geometry("Position"), build.attribute(MATERIAL, "Fac"))
+    color, alpha = build.group(sampler, build.uv_map(uv_layer), *build.group(build_frame_group()), *place)
+    front = build.math("SUBTRACT", 1.0, build.geometry("Backfacing")) if hull else 1.0
+    surface = build.node("ShaderNodeEmission", color, front).outputs[0]
+    if hull or "alpha" in images:
+        opaque = build.math("MULTIPLY", alpha, front)
+        behind = build.node("ShaderNodeBsdfTransparent", build.math("SUBTRACT", 1.0, opaque)).outputs[0]
+        surface = build.node("ShaderNodeAddShader", surface, behind).outputs[0]
+    build.node("ShaderNodeOutputMaterial", surface)
+    build.arrange()
+    return material
+
+
+def load_images(sidecar: AnySidecar, half: bool = True) -> tuple[dict[str, bpy.types.Image], LayeredSidecar]:
+    """Load a bake's images by layer, and that of its materials' curves; and read its sidecar.
+
+    No image is converted to the scene's working space: the nodes multiply colours in Rec.709, as the bake
+    did. Raises as `preview_layered_material` does.
+    """
+    file = opened(sidecar)
+    facts = read_layered_sidecar(file)
+    check_layered_previewable(facts.shapes)
+    images = {layer: load_atlas(layer_path(file.path, layer), half, data=True) for layer in facts.shapes}
+    return images | {CURVES: _packed_curves(file.path, facts)}, facts
+
+
+def check_layered_previewable(shapes: Shapes, max_pixels: int = MAX_PIXELS) -> None:
+    """Raise InputError where an image of the bake has more than `max_pixels` along a side."""
+    for layer, (width, height, _) in shapes.items():
+        if max(width, height) > max_pixels:
+            raise InputError(
+                f"the layer '{layer}' has {width} x {height} pixels and cannot be previewed, a GPU takes "
+                f"{max_pixels} a side; bake fewer texels"
+            )
+
+
+def _packed_curves(sidecar: Path, facts: LayeredSidecar) -> bpy.types.Image:
+    """The materials' curves as an image of floats that is packed into the .blend."""
+    with temporary_folder() as folder:
+        path = layer_path(folder / sidecar.name, CURVES)
+        rows, _ = stored_rows(path, curves_of(facts), half=False)
+        with replacing(path, lasting=False) as beside:
+            write_rows(beside, rows, facts.to_json(), Compression.ZIP)
+        image = load_atlas(path, half=False, data=True)
+        image.pack()
+        image.filepath_raw = ""  # the temporary file will be gone
+    return image

@@ -1,0 +1,222 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What surrounds the object, by shader nodes: `lookup.environment.Around.look`, step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import pi
+
+import bpy
+
+from ....preview.taps import bilinear, pair, pixel_centre, readable_size
+from ....scene.nodes import close_group, open_group
+from ..files.arrangement import DISTANCES, PLANE, THINGS, WORLD
+from ..files.sidecar import LayeredSidecar, Picture
+from ..lookup.environment import STEPS, Lamp, Plane
+
+_LEAST = 1e-12  # width²
+_LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # as in lookup.environment
+_PARALLEL, _STEEPEST = 1e-4, 0.999
+
+_Images = Mapping[str, bpy.types.Image]
+
+
+def around_group(
+    images: _Images, facts: LayeredSidecar, octahedron: bpy.types.ShaderNodeTree
+) -> bpy.types.ShaderNodeTree:
+    """What a lobe sees from an Offset from the middle along a unit Axis with a Spread, its width²."""
+    world = picture_group("World", images[WORLD], facts.pictures[WORLD], octahedron)
+    near = []
+    if facts.plane is not None:
+        picture = picture_group("Plane", images[PLANE], facts.pictures[PLANE], octahedron)
+        near.append(_over_group("Plane", picture, _plane_group(facts.plane)))
+    if THINGS in facts.pictures:
+        picture = picture_group("Things", images[THINGS], facts.pictures[THINGS], octahedron)
+        near.append(_over_group("Things", picture, _things_group(images[DISTANCES], octahedron)))
+    lamp = _lamp_group() if facts.lamps else None
+    build, (offset, axis, spread) = open_group(
+        "RadTex Surroundings", Offset="Vector", Axis="Vector", Spread="Float"
+    )
+    light, _ = build.group(world, axis, spread)
+    for layer in near:
+        (light,) = build.group(layer, light, offset, axis, spread)
+    for one in facts.lamps if lamp is not None else ():
+        (shown,) = build.group(lamp, offset, axis, spread, *_lamp_facts(one))  # type: ignore[arg-type]
+        light = build.vector("ADD", light, shown)
+    return close_group(build, Light=light)
+
+
+def picture_group(
+    name: str, image: bpy.types.Image, picture: Picture, octahedron: bpy.types.ShaderNodeTree
+) -> bpy.types.ShaderNodeTree:
+    """Look up an octahedral picture around a Direction, blurred by a Spread: Color and Alpha.
+
+    Two levels, with coordinates of a grid between theirs, are mixed by the width: see `EdgePictures.look`.
+    """
+    level_group = _level_group(name, image, picture)
+    build, (direction, spread) = open_group(f"RadTex {name}", Direction="Vector", Spread="Float")
+    least = build.math("MAXIMUM", spread, _LEAST)
+    exact = build.math(
+        "MULTIPLY", build.math("LOGARITHM", build.math("DIVIDE", least, picture.sharpest), 2.0), 0.5
+    )
+    last = picture.levels - 1.0
+    level = build.math("MINIMUM", build.math("MAXIMUM", exact, 0.0), last, label="level")
+    lower = build.math("MINIMUM", build.math("FLOOR", level), max(last - 1, 0.0))
+    above = build.math("SUBTRACT", build.math("POWER", 2.0, build.math("SUBTRACT", level, lower)), 1.0)
+    half = build.math("MULTIPLY", build.math("POWER", 2.0, level), 0.5 / picture.size)
+    (place,) = build.group(octahedron, direction)
+    inner = build.math("MULTIPLY_ADD", half, -2.0, 1.0)
+    shifted = build.vector("MULTIPLY_ADD", place, build.combine(inner, inner), build.combine(half, half))
+    sharp, sharp_alpha = build.group(level_group, shifted, lower)
+    if picture.levels == 1:
+        return close_group(build, Color=sharp, Alpha=sharp_alpha)
+    blurred, blurred_alpha = build.group(level_group, shifted, build.math("ADD", lower, 1.0))
+    return close_group(
+        build,
+        Color=build.mix(above, sharp, blurred, "RGBA"),
+        Alpha=build.mix(above, sharp_alpha, blurred_alpha, "FLOAT"),
+    )
+
+
+def _level_group(name: str, image: bpy.types.Image, picture: Picture) -> bpy.types.ShaderNodeTree:
+    """Look up one level, a whole number, at a place on the square, bilinear and clamped to the edge."""
+    size = float(picture.size)
+    tap, (cell, corner) = open_group(f"RadTex {name} Pixel", Cell="Vector", Corner="Vector")
+    centre = pixel_centre(tap, tap.vector("ADD", cell, corner), readable_size(image))
+    color, alpha = tap.image(image, centre)
+    pixel = close_group(tap, Color=color, Alpha=alpha)
+    build, (place, level) = open_group(f"RadTex {name} Level", Place="Vector", Level="Float")
+    side = build.math("MULTIPLY", build.math("POWER", 2.0, build.math("MULTIPLY", level, -1.0)), size)
+    side = build.math("ROUND", side, label="texels along the level's side")
+    blurred = build.math("GREATER_THAN", level, 0.5)
+    x = build.math("MULTIPLY", blurred, size)
+    y = build.math("MULTIPLY", blurred, build.math("MULTIPLY_ADD", side, -2.0, size))
+    cells = build.vector("MULTIPLY_ADD", place, build.combine(side, side), pair(-0.5, -0.5))
+    last = build.math("SUBTRACT", side, 1.0)
+    inside = build.vector(
+        "MINIMUM", build.vector("MAXIMUM", cells, (0.0, 0.0, 0.0)), build.combine(last, last)
+    )
+    color, alpha = bilinear(build, pixel, inside, build.combine(x, y), in_turn=True)
+    return close_group(build, Color=color, Alpha=alpha)
+
+
+def _over_group(
+    name: str, picture: bpy.types.ShaderNodeTree, shape: bpy.types.ShaderNodeTree
+) -> bpy.types.ShaderNodeTree:
+    """Light behind a layer, with the layer before it: `Layer.over`."""
+    build, (light, offset, axis, spread) = open_group(
+        f"RadTex {name} Layer", Light="Vector", Offset="Vector", Axis="Vector", Spread="Float"
+    )
+    met, wider, cover = build.group(shape, offset, axis, spread)
+    color, alpha = build.group(picture, met, build.math("MULTIPLY", spread, wider))
+    left = build.math("SUBTRACT", 1.0, build.math("MULTIPLY", cover, alpha))
+    shown = build.vector("SCALE", color, cover)
+    return close_group(build, Light=build.vector("ADD", build.vector("SCALE", light, left), shown))
+
+
+def _plane_group(plane: Plane) -> bpy.types.ShaderNodeTree:
+    """`Plane.meet`."""
+    normal, eye = _constant(plane.normal), _constant(plane.eye)
+    build, (offset, axis, spread) = open_group(
+        "RadTex Plane Shape", Offset="Vector", Axis="Vector", Spread="Float"
+    )
+    sine = build.vector("DOT_PRODUCT", axis, normal)
+    squared = build.math("MULTIPLY_ADD", sine, sine, build.math("MULTIPLY", spread, 2.0))
+    root = build.math("SQRT", squared)
+    deep = build.math("MINIMUM", build.math("MAXIMUM", root, _PARALLEL), _STEEPEST, label="depth of the mean")
+    along = build.vector("SUBTRACT", axis, build.vector("SCALE", normal, sine))
+    level = build.vector("NORMALIZE", along)
+    flat = build.math("SQRT", build.math("SUBTRACT", 1.0, build.math("MULTIPLY", deep, deep)))
+    down = build.vector("SUBTRACT", build.vector("SCALE", level, flat), build.vector("SCALE", normal, deep))
+    above = build.math("SUBTRACT", build.vector("DOT_PRODUCT", offset, normal), float(plane.height))
+    far = build.math("DIVIDE", build.math("MAXIMUM", above, 0.0), deep)
+    met = build.vector("SUBTRACT", build.vector("ADD", offset, build.vector("SCALE", down, far)), eye)
+    distance = build.math("MAXIMUM", build.vector("LENGTH", met), 1e-6)
+    share = build.math("DIVIDE", far, distance)
+    height = float(plane.eye @ plane.normal) - float(plane.height)
+    slant = build.math("DIVIDE", build.math("DIVIDE", height, distance), deep)
+    wider = build.math("MULTIPLY", build.math("MULTIPLY", share, share), slant)
+    wider = build.math("MINIMUM", build.math("MAXIMUM", wider, _LEAST_RATIO**2), _MOST_RATIO**2)
+    ratio = build.math("DIVIDE", sine, build.math("MAXIMUM", root, 1e-9))
+    cover = build.math("MULTIPLY_ADD", ratio, -0.5, 0.5)
+    direction = build.vector("SCALE", met, build.math("DIVIDE", 1.0, distance))
+    return close_group(build, Direction=direction, Wider=wider, Cover=cover)
+
+
+def _things_group(image: bpy.types.Image, octahedron: bpy.types.ShaderNodeTree) -> bpy.types.ShaderNodeTree:
+    """`Impostor.meet`, with the spread as an input that is not used."""
+    nearness = _nearness_group(image, octahedron)
+    build, (offset, axis, _) = open_group(
+        "RadTex Things Shape", Offset="Vector", Axis="Vector", Spread="Float"
+    )
+    along = build.vector("DOT_PRODUCT", offset, axis)
+    squared = build.vector("DOT_PRODUCT", offset, offset)
+    beyond = build.math("SUBTRACT", build.math("MULTIPLY", along, along), squared)
+    met, ratio = axis, build.value(1.0)
+    for _ in range(STEPS):
+        (near,) = build.group(nearness, met)
+        distance = build.math("DIVIDE", 1.0, build.math("MAXIMUM", near, 1e-9))
+        root = build.math("MAXIMUM", build.math("MULTIPLY_ADD", distance, distance, beyond), 0.0)
+        far = build.math("SUBTRACT", build.math("SQRT", root), along)
+        reached = build.vector("ADD", offset, build.vector("SCALE", axis, far))
+        length = build.math("MAXIMUM", build.vector("LENGTH", reached), 1e-6)
+        met = build.vector("SCALE", reached, build.math("DIVIDE", 1.0, length))
+        ratio = build.math("DIVIDE", far, length)
+    ratio = build.math("MINIMUM", build.math("MAXIMUM", ratio, _LEAST_RATIO), _MOST_RATIO)
+    return close_group(
+        build, Direction=met, Wider=build.math("MULTIPLY", ratio, ratio), Cover=build.value(1.0)
+    )
+
+
+def _nearness_group(image: bpy.types.Image, octahedron: bpy.types.ShaderNodeTree) -> bpy.types.ShaderNodeTree:
+    """One over the distance of what lies in a Direction."""
+    size, _ = readable_size(image)
+    tap, (cell,) = open_group("RadTex Distance", Cell="Vector")
+    value = tap.separate(tap.image(image, pixel_centre(tap, cell, (size, size)))[0])[0]
+    pixel = close_group(tap, Nearness=value)
+    build, (direction,) = open_group("RadTex Distances", Direction="Vector")
+    (place,) = build.group(octahedron, direction)
+    position = build.vector("MULTIPLY", place, pair(size - 1, size - 1))
+    (near,) = bilinear(build, pixel, position, last=pair(size - 1, size - 1))
+    return close_group(build, Nearness=near)
+
+
+def _lamp_group() -> bpy.types.ShaderNodeTree:
+    """`Lamp.light`: Place and Irradiance as in `Lamp`, Variance, and the place's squared Distance."""
+    build, (offset, axis, spread, place, irradiance, variance, distance) = open_group(
+        "RadTex Lamp",
+        Offset="Vector",
+        Axis="Vector",
+        Spread="Float",
+        Place="Vector",
+        Irradiance="Vector",
+        Variance="Float",
+        Distance="Float",
+    )
+    towards = build.vector("SUBTRACT", place, offset)
+    length = build.vector("LENGTH", towards)
+    cosine = build.math("DIVIDE", build.vector("DOT_PRODUCT", axis, towards), length)
+    squared = build.math("MULTIPLY", build.math("SUBTRACT", 1.0, cosine), 2.0)
+    nearer = build.math("DIVIDE", distance, build.math("MULTIPLY", length, length))
+    wide = build.math("MULTIPLY_ADD", variance, nearer, spread)
+    tail = build.math("ADD", 1.0, build.math("DIVIDE", squared, build.math("MULTIPLY", wide, 2.0)))
+    shape = build.math(
+        "DIVIDE", build.math("MULTIPLY_ADD", wide, 0.5, 1.0), build.math("MULTIPLY", wide, 2 * pi)
+    )
+    shown = build.math("DIVIDE", shape, build.math("MULTIPLY", tail, tail))
+    return close_group(build, Light=build.vector("SCALE", irradiance, build.math("MULTIPLY", nearer, shown)))
+
+
+def _lamp_facts(lamp: Lamp) -> tuple[tuple[float, ...] | float, ...]:
+    return (
+        _constant(lamp.place),
+        _constant(lamp.irradiance),
+        float(lamp.variance),
+        float(lamp.place @ lamp.place),
+    )
+
+
+def _constant(values: object) -> tuple[float, float, float]:
+    x, y, z = (float(value) for value in values)  # type: ignore[attr-defined]
+    return x, y, z

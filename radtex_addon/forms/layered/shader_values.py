@@ -1,0 +1,233 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What shaders/radtex_layered.* must be told of a bake: definitions, textures and uniforms, the same in every language.
+
+The uniform of a layer's texture is `radtex_<layer>_map`. All others are vectors of four numbers, or arrays of
+such, so that they may lie in a uniform buffer in any order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ...core.errors import InputError
+from .files.arrangement import (
+    ALPHA,
+    COLOUR,
+    DISTANCES,
+    EXIT_DIRECTION,
+    EXIT_PLACE,
+    IRRADIANCE,
+    NORMAL,
+    OWN,
+    PLANE,
+    REST,
+    THINGS,
+    THROUGH_REST,
+    TINT,
+    WIDTH,
+    WORLD,
+    padded_size,
+)
+from .files.sidecar import LayeredSidecar
+from .lookup.lobes import STEPS, Material
+
+Values = dict[str, list[float] | list[list[float]]]
+
+MOST_LAMPS = 8
+_OF_MIRRORS = (TINT, WIDTH, OWN)  # read only where a material has lobes
+_SURROUNDINGS = (WORLD, PLANE, THINGS, DISTANCES)
+_OPTIONAL = (TINT, NORMAL, WIDTH, ALPHA, PLANE, THINGS)  # defined by their names
+
+
+@dataclass(frozen=True)
+class Stored:
+    """How a texture holds a layer: a value is texel * `scale` + `offset`, but for the alpha of CLEAR_ALPHA.
+
+    `part`: the share of the texture's width and height that is the layer's image, not padding beside it.
+    `mean`: of the values, in the distances' texture alone.
+    """
+
+    scale: float = 1.0
+    offset: float = 0.0
+    part: tuple[float, float] = (1.0, 1.0)
+    mean: float = 0.0
+
+
+CLEAR_ALPHA = (OWN, PLANE, THINGS)
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a lookup may cost.
+
+    `steps`: fetches of distances, 0 to 2. `own_taps`, `rest_taps`: cells of a bucket that are blended, 3 or
+    4. `second_lobe`: whether it is looked up, or each material has one lobe in place of two. `exit_taps`: ways
+    of light that comes through that are looked at, 16, or 4 where the textures' filter blends those of texels.
+    """
+
+    steps: int = 1
+    own_taps: int = 3
+    rest_taps: int = 3
+    second_lobe: bool = True
+    exit_taps: int = 16
+
+
+# The uniforms of the buffers that HLSL and WGSL declare, in order, and how many vectors each has.
+BAKE_BUFFER = {
+    "radtex_middle": 1,
+    **{f"radtex_{layer}_range": 1 for layer in (COLOUR, IRRADIANCE, TINT, NORMAL, WIDTH, ALPHA, OWN, REST)},
+    "radtex_own_tile": 1,
+    "radtex_rest_tile": 1,
+    **{f"radtex_{layer}_range": 1 for layer in _SURROUNDINGS},
+    **{f"radtex_{layer}_levels": 1 for layer in (WORLD, PLANE, THINGS)},
+    "radtex_distances_size": 1,
+    "radtex_plane_place": 1,
+    "radtex_plane_eye": 1,
+    "radtex_lamp_place": MOST_LAMPS,
+    "radtex_lamp_light": MOST_LAMPS,
+}
+MATERIAL_BUFFER = {"radtex_material": STEPS, "radtex_lobes": 2 * STEPS}
+THROUGH_BUFFER = {
+    "radtex_exit_direction_range": 1,
+    "radtex_exit_place_range": 1,
+    "radtex_exit_tile": 1,
+    "radtex_through_colour_range": 1,
+    "radtex_through_rest_range": 1,
+    "radtex_through_rest_tile": 1,
+}
+
+DEFAULT = Cost()
+FULL = Cost(steps=2, own_taps=4, rest_taps=4)
+
+
+def layers_read(sidecar: LayeredSidecar) -> tuple[str, ...]:
+    """The layers whose textures the shaders read."""
+    without = () if _mirrors(sidecar) else _OF_MIRRORS
+    if not _mirrors(sidecar) and sidecar.through is None:
+        without += _SURROUNDINGS
+    return tuple(layer for layer in sidecar.bake.layers if layer not in without)
+
+
+def definitions(sidecar: LayeredSidecar, cost: Cost = DEFAULT) -> dict[str, int]:
+    """What is defined before the shaders, or in WGSL overridden. Raises InputError for too many lamps."""
+    layers = layers_read(sidecar)
+    lamps = len(sidecar.lamps) if WORLD in layers else 0
+    if lamps > MOST_LAMPS:
+        raise InputError(
+            f'"{sidecar.bake.object_name}" mirrors {lamps} lamps, shaders at most {MOST_LAMPS}: bake it with '
+            "fewer"
+        )
+    found = {f"RADTEX_{layer.upper()}": 1 for layer in _OPTIONAL if layer in layers}
+    found |= {"RADTEX_LAMPS": lamps, "RADTEX_REST_CELLS": sidecar.rest_cells}
+    found |= {"RADTEX_STEPS": cost.steps, "RADTEX_REST_TAPS": cost.rest_taps}
+    if _mirrors(sidecar):
+        found |= {"RADTEX_MIRRORS": 1, "RADTEX_OWN_CELLS": sidecar.own_cells}
+        found |= {"RADTEX_OWN_TAPS": cost.own_taps, "RADTEX_SECOND_LOBE": int(cost.second_lobe)}
+    if sidecar.through is not None:
+        found |= {"RADTEX_THROUGH": 1, "RADTEX_EXIT_TAPS": cost.exit_taps}
+        found |= {"RADTEX_EXIT_CELLS": sidecar.through.exits, "RADTEX_THROUGH_CELLS": sidecar.through.rest}
+    return found
+
+
+def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored]) -> Values:
+    """The uniforms that are the same for all materials; `stored` tells of textures by layer.
+
+    A layer that it lacks is stored as it is. Raises ValueError for a picture that is padded, and for
+    distances without their mean.
+    """
+    layers = layers_read(sidecar)
+    values: Values = {}
+    for layer in layers:
+        found = stored.get(layer, Stored())
+        cells = _cells(sidecar, layer)
+        if layer in (WORLD, PLANE, THINGS, DISTANCES) and found.part != (1, 1):
+            raise ValueError(f"{layer}: a picture must fill its texture")
+        part = [share / cells for share in found.part]
+        values[f"radtex_{layer}_range"] = _row([*part, found.scale, found.offset])
+        if cells > 1 and layer != EXIT_PLACE:
+            values["radtex_exit_tile" if layer == EXIT_DIRECTION else f"radtex_{layer}_tile"] = _tile(sidecar)
+    if WORLD in layers:
+        values["radtex_middle"] = _row([*sidecar.middle, 0])
+        for layer, picture in sidecar.pictures.items():
+            levels = [picture.size, picture.levels - 1, np.log2(picture.sharpest), 0]
+            values[f"radtex_{layer}_levels"] = _row(levels)
+        if sidecar.lamps:
+            lamps = sidecar.lamps
+            values["radtex_lamp_place"] = [_row([*lamp.place, lamp.variance]) for lamp in lamps]
+            values["radtex_lamp_light"] = [_row([*lamp.irradiance, 0]) for lamp in lamps]
+    if DISTANCES in layers:
+        mean = stored[DISTANCES].mean if DISTANCES in stored else 0.0
+        if mean <= 0:
+            raise ValueError("distances: expected the mean of the texture's values")
+        values["radtex_distances_size"] = _row([sidecar.distances, 1 / mean, 0, 0])
+    if PLANE in layers and sidecar.plane is not None:
+        plane = sidecar.plane
+        values["radtex_plane_place"] = _row([*plane.normal, plane.height])
+        values["radtex_plane_eye"] = _row([*plane.eye, float(plane.eye @ plane.normal) - plane.height])
+    return values
+
+
+def material_values(sidecar: LayeredSidecar, number: int, cost: Cost = DEFAULT) -> Values:
+    """The uniforms of one material: its curves at the steps of N.V."""
+    material = sidecar.materials[number]
+    falloff = sidecar.falloff[min(number, len(sidecar.falloff) - 1)]
+    values: Values = {"radtex_material": _rows(np.column_stack([falloff, np.sin(material.bend)]))}
+    if _mirrors(sidecar):
+        spread = np.log2(material.variance)[..., None]
+        lobes = np.concatenate([material.weight, spread], axis=2) if cost.second_lobe else _merged(material)
+        values["radtex_lobes"] = _rows(lobes.reshape(2 * STEPS, 4))
+    return values
+
+
+def buffer_of(values: Values, layout: Mapping[str, int]) -> list[float]:
+    """One of the buffers above: four numbers a vector, 0 for those that the bake lacks."""
+    numbers: list[float] = []
+    for name, count in layout.items():
+        rows = np.zeros((count, 4))
+        if name in values:
+            given = np.reshape(values[name], (-1, 4))
+            rows[: len(given)] = given
+        numbers += rows.ravel().tolist()
+    return numbers
+
+
+def _mirrors(sidecar: LayeredSidecar) -> bool:
+    return any(material.weight.any() for material in sidecar.materials)
+
+
+def _cells(sidecar: LayeredSidecar, layer: str) -> int:
+    """Cells along the side of a layer's buckets; 1 for an image that is no buckets."""
+    cells = {OWN: sidecar.own_cells, REST: sidecar.rest_cells}
+    if sidecar.through is not None:
+        cells |= {EXIT_DIRECTION: sidecar.through.exits, EXIT_PLACE: sidecar.through.exits}
+        cells[THROUGH_REST] = sidecar.through.rest
+    return cells.get(layer, 1)
+
+
+def _tile(sidecar: LayeredSidecar) -> list[float]:
+    """The size of a tile's texels without padding, and half a texel, in units of a padded tile."""
+    (width, height), (columns, rows) = sidecar.coarse, padded_size(sidecar.coarse)
+    return _row([width / columns, height / rows, 0.5 / columns, 0.5 / rows])
+
+
+def _merged(material: Material) -> npt.NDArray[np.float64]:
+    """One lobe for two, twice (2, STEPS, 4): their weights' sum, and their variances' geometric mean."""
+    bright = material.weight.sum(axis=2)
+    share = bright / np.maximum(bright.sum(axis=0), 1e-9)
+    spread = (share * np.log2(material.variance)).sum(axis=0)
+    one = np.concatenate([material.weight.sum(axis=0), spread[:, None]], axis=1)
+    return np.stack([one, one]).astype(np.float64)
+
+
+def _row(values: npt.ArrayLike) -> list[float]:
+    """Numbers with the digits that tell single floats apart."""
+    return [float(str(number)) for number in np.asarray(values, dtype=np.float32)]
+
+
+def _rows(values: npt.NDArray[np.floating]) -> list[list[float]]:
+    return [_row(row) for row in values]

@@ -1,0 +1,26 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Values of single texels, whose gutter shows which UV layer a layered bake is of."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ...core.arrays import Floats
+from ...formats.containers.exr import stored_compression
+from ...formats.gutter_signature import loss_of
+from ...formats.shared_files import layer_path
+from .files.arrangement import IRRADIANCE
+from .lookup.atlas import LayeredAtlas
+
+
+def own_texels(path: Path, atlas: LayeredAtlas) -> tuple[Floats, float]:
+    """Values (H, W, K) of the texels of the bake with the sidecar `path`, and their largest relative loss.
+
+    The irradiance; where nothing is diffuse, and it is the same everywhere, the buckets of fewer texels.
+    """
+    if np.ptp(atlas.irradiance.reshape(-1, 3), axis=0).max() > 0:
+        return atlas.irradiance, loss_of(stored_compression(layer_path(path, IRRADIANCE)))
+    return atlas.own.reshape(*atlas.own.shape[:2], -1), 0.0

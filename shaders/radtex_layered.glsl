@@ -1,0 +1,367 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+//
+// Look up a radiance texture in the layered layout: GLSL 330 and later, GLSL ES 300 (WebGL 2) and later. Define what
+// the bake has, include this file, then
+//
+//     vec3 V = normalize(camera - position), N = normalize(normal);  // in Blender's world space of the bake, z up
+//     vec3 light = radtex_layered(uv, position, N, V);               // premultiplied by radtex_alpha(uv)
+//
+// or, of an object that light comes through, what radtex_layered_through.glsl adds; RADTEX_THROUGH is defined then.
+//
+// What the bake has. RADTEX_MIRRORS: any of its materials has lobes. RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH,
+// RADTEX_ALPHA, RADTEX_PLANE, RADTEX_THINGS (with distances): these layers. RADTEX_LAMPS: how many, 0 to 8.
+// RADTEX_OWN_CELLS, RADTEX_REST_CELLS: cells along the sides of buckets.
+//
+// What a lookup costs. RADTEX_STEPS (0, 1, 2; default 1): fetches of distances. RADTEX_OWN_TAPS, RADTEX_REST_TAPS (3,
+// 4; default 3): cells of a bucket that are blended. RADTEX_SECOND_LOBE (0, 1; default 1): whether the second lobe is
+// looked up, or materials have one lobe in place of two.
+//
+// Textures, one for each layer, are clamped to their edges and filtered linearly; world, plane and things have mip
+// levels, filtered linearly, too. v = 0 is the first row. A range is the share of a texture's width and height that is
+// no padding, and scale and offset: a value is texel * scale + offset, but for the alpha of own, plane and things.
+// Uniforms are the same for all materials, but for radtex_material and radtex_lobes: draw one material at a time.
+
+#ifdef GL_ES
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+#endif
+
+#ifndef RADTEX_LAMPS
+#define RADTEX_LAMPS 0
+#endif
+#ifndef RADTEX_STEPS
+#define RADTEX_STEPS 1
+#endif
+#ifndef RADTEX_OWN_TAPS
+#define RADTEX_OWN_TAPS 3
+#endif
+#ifndef RADTEX_REST_TAPS
+#define RADTEX_REST_TAPS 3
+#endif
+#ifndef RADTEX_SECOND_LOBE
+#define RADTEX_SECOND_LOBE 1
+#endif
+
+uniform vec4 radtex_material[16];  // by N.V: the falloff, and the sine by which lobes bend towards the normal
+uniform sampler2D radtex_colour_map, radtex_irradiance_map, radtex_rest_map;
+uniform vec4 radtex_colour_range, radtex_irradiance_range;  // part of width and height, scale, offset
+uniform vec4 radtex_rest_range;  // the size of a tile in place of the part
+uniform vec4 radtex_rest_tile;  // size of a tile without its padding, and half a texel, in units of a tile
+#ifdef RADTEX_TINT
+uniform sampler2D radtex_tint_map;
+uniform vec4 radtex_tint_range;
+#endif
+#ifdef RADTEX_NORMAL
+uniform sampler2D radtex_normal_map;
+uniform vec4 radtex_normal_range;
+#endif
+#ifdef RADTEX_ALPHA
+uniform sampler2D radtex_alpha_map;
+uniform vec4 radtex_alpha_range;
+#endif
+#ifdef RADTEX_MIRRORS
+uniform vec4 radtex_lobes[32];  // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
+uniform sampler2D radtex_own_map;
+uniform vec4 radtex_own_range, radtex_own_tile;
+#ifdef RADTEX_WIDTH
+uniform sampler2D radtex_width_map;
+uniform vec4 radtex_width_range;
+#endif
+#endif
+#if defined(RADTEX_MIRRORS) || defined(RADTEX_THROUGH)
+uniform vec4 radtex_middle;  // xyz: from where the surroundings are seen
+uniform sampler2D radtex_world_map;
+uniform vec4 radtex_world_range;
+uniform vec4 radtex_world_levels;  // texels along a side, last level, log2 of level 0's width²
+#ifdef RADTEX_PLANE
+uniform sampler2D radtex_plane_map;
+uniform vec4 radtex_plane_range, radtex_plane_levels;
+uniform vec4 radtex_plane_place;  // its normal and height, from the middle
+uniform vec4 radtex_plane_eye;    // where its picture was taken from, and how high above the plane that is
+#endif
+#ifdef RADTEX_THINGS
+uniform sampler2D radtex_things_map, radtex_distances_map;
+uniform vec4 radtex_things_range, radtex_things_levels, radtex_distances_range;
+uniform vec4 radtex_distances_size;  // texels along a side, and the mean distance
+#endif
+#if RADTEX_LAMPS > 0
+uniform vec4 radtex_lamp_place[RADTEX_LAMPS];  // from the middle, and width²
+uniform vec4 radtex_lamp_light[RADTEX_LAMPS];  // rgb: irradiance at the middle
+#endif
+#endif
+
+// A plain map's value.
+vec4 radtex_map(sampler2D image, vec4 range, vec2 uv) {
+    return texture(image, uv * range.xy) * range.z + range.w;
+}
+
+// How much a fragment hides of what lies behind it.
+float radtex_alpha(vec2 uv) {
+#ifdef RADTEX_ALPHA
+    return radtex_map(radtex_alpha_map, radtex_alpha_range, uv).r;
+#else
+    return 1.0;
+#endif
+}
+
+// Where a direction, of any length, lies on the octahedron's square: 0 to 1.
+vec2 radtex_square(vec3 d) {
+    d *= 1.0 / max(abs(d.x) + abs(d.y) + abs(d.z), 1e-30);
+    vec2 folded = (1.0 - abs(d.yx)) * vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
+    return (d.z < 0.0 ? folded : d.xy) * 0.5 + 0.5;
+}
+
+// Cells around a place in a bucket, and their weights.
+struct RadtexCells {
+    vec2 a, b, c, d;
+    vec4 weight;
+};
+
+// A cell beyond an edge is the one that lies there on the sphere: the same edge's, mirrored at its middle.
+vec2 radtex_folded(vec2 cell, float last) {
+    vec2 inside = clamp(cell, 0.0, last);
+    return vec2(cell.y != inside.y ? last - inside.x : inside.x, cell.x != inside.x ? last - inside.y : inside.y);
+}
+
+// The four of n x n cells around a place on the octahedron's square.
+RadtexCells radtex_four_cells(vec2 place, float n) {
+    vec2 position = place * n - 0.5, low = floor(position), f = position - low;
+    RadtexCells cells;
+    cells.a = radtex_folded(low, n - 1.0);
+    cells.b = radtex_folded(low + vec2(1.0, 0.0), n - 1.0);
+    cells.c = radtex_folded(low + vec2(0.0, 1.0), n - 1.0);
+    cells.d = radtex_folded(low + 1.0, n - 1.0);
+    cells.weight = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
+    return cells;
+}
+
+// Three of them: the square between four centres is two triangles, whose diagonals run as the octahedron's edges do.
+RadtexCells radtex_three_cells(vec2 place, float n) {
+    vec2 position = place * n - 0.5, low = floor(position), f = position - low;
+    bool flipped = (place.x - 0.5) * (place.y - 0.5) < 0.0;
+    f.x = flipped ? 1.0 - f.x : f.x;
+    bool upper = f.x + f.y > 1.0;
+    vec2 corner = upper ? vec2(1.0, 1.0) : vec2(0.0, 0.0), g = upper ? 1.0 - f.yx : f;
+    RadtexCells cells;
+    cells.a = radtex_folded(low + vec2(flipped ? 1.0 - corner.x : corner.x, corner.y), n - 1.0);
+    cells.b = radtex_folded(low + vec2(flipped ? 0.0 : 1.0, 0.0), n - 1.0);
+    cells.c = radtex_folded(low + vec2(flipped ? 1.0 : 0.0, 1.0), n - 1.0);
+    cells.d = cells.a;
+    cells.weight = vec4(1.0 - g.x - g.y, g, 0.0);
+    return cells;
+}
+
+// A place in a tile: `tile` as radtex_rest_tile.
+vec2 radtex_inside(vec4 tile, vec2 uv) {
+    return clamp(uv * tile.xy, tile.zw, tile.xy - tile.zw);
+}
+
+vec4 radtex_three(sampler2D image, RadtexCells cells, vec2 inside, vec2 size) {
+    return textureLod(image, (cells.a + inside) * size, 0.0) * cells.weight.x
+        + textureLod(image, (cells.b + inside) * size, 0.0) * cells.weight.y
+        + textureLod(image, (cells.c + inside) * size, 0.0) * cells.weight.z;
+}
+
+vec4 radtex_four(sampler2D image, RadtexCells cells, vec2 inside, vec2 size) {
+    return radtex_three(image, cells, inside, size)
+        + textureLod(image, (cells.d + inside) * size, 0.0) * cells.weight.w;
+}
+
+// What lobes and other paths, in coarse cells, do not tell, in the direction that lies at a place on the square.
+vec3 radtex_rest(sampler2D image, vec4 range, vec4 tile, float n, vec2 uv, vec2 place) {
+#if RADTEX_REST_TAPS == 4
+    vec4 found = radtex_four(image, radtex_four_cells(place, n), radtex_inside(tile, uv), range.xy);
+#else
+    vec4 found = radtex_three(image, radtex_three_cells(place, n), radtex_inside(tile, uv), range.xy);
+#endif
+    return found.rgb * range.z + range.w;
+}
+
+#if defined(RADTEX_MIRRORS) || defined(RADTEX_THROUGH)
+// The same as radtex_square on a picture of so many texels a side, whose outermost texels' centres lie on its edge.
+vec2 radtex_on_edges(vec2 place, float size) {
+    return place + (0.5 - place) / size;
+}
+
+// A picture around the direction d, blurred by a width² whose log2 is `spread`. Between levels it is mixed by the
+// width, not by its logarithm: so a lobe's tails are nearly right.
+vec4 radtex_picture(sampler2D image, vec4 range, vec4 levels, vec3 d, float spread) {
+    float level = clamp(0.5 * (spread - levels.z), 0.0, levels.y);
+    vec2 place = radtex_on_edges(radtex_square(d), levels.x * exp2(-level));
+    vec4 found = textureLod(image, place, floor(level) + exp2(fract(level)) - 1.0);
+    return vec4(found.rgb * range.z + range.w, found.a);
+}
+
+#if RADTEX_LAMPS > 0
+// What a lobe of that width² shows of a lamp.
+vec3 radtex_lamp(vec4 place, vec4 light, vec3 from, vec3 ray, float width) {
+    vec3 towards = place.xyz - from;
+    float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
+    float wide = width + place.w * nearer;
+    float off = wide + 1.0 - dot(ray, towards) * inversesqrt(squared);
+    return light.rgb * (nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
+}
+#endif
+
+vec3 radtex_lamps(vec3 from, vec3 ray, float width) {
+    vec3 light = vec3(0.0, 0.0, 0.0);
+#if RADTEX_LAMPS > 0
+    light += radtex_lamp(radtex_lamp_place[0], radtex_lamp_light[0], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 1
+    light += radtex_lamp(radtex_lamp_place[1], radtex_lamp_light[1], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 2
+    light += radtex_lamp(radtex_lamp_place[2], radtex_lamp_light[2], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 3
+    light += radtex_lamp(radtex_lamp_place[3], radtex_lamp_light[3], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 4
+    light += radtex_lamp(radtex_lamp_place[4], radtex_lamp_light[4], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 5
+    light += radtex_lamp(radtex_lamp_place[5], radtex_lamp_light[5], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 6
+    light += radtex_lamp(radtex_lamp_place[6], radtex_lamp_light[6], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 7
+    light += radtex_lamp(radtex_lamp_place[7], radtex_lamp_light[7], from, ray, width);
+#endif
+    return light;
+}
+
+#ifdef RADTEX_PLANE
+// What a lobe shows of the plane, and by how much that hides what lies behind: the mean direction of the share of the
+// lobe that is below the horizon meets the plane, where its picture's eye sees the lobe wider or narrower.
+vec4 radtex_below(vec3 from, vec3 ray, float spread) {
+    vec3 N = radtex_plane_place.xyz;
+    float sine = dot(ray, N), squared = sine * sine + 2.0 * exp2(spread), root = inversesqrt(squared);
+    float deep = clamp(squared * root, 1e-4, 0.999);
+    vec3 level = ray - sine * N;
+    level *= inversesqrt(max(dot(level, level), 1e-12));
+    float far = max(dot(from, N) - radtex_plane_place.w, 0.0) / deep;
+    vec3 met = from + far * (sqrt(1.0 - deep * deep) * level - deep * N) - radtex_plane_eye.xyz;
+    float nearness = inversesqrt(max(dot(met, met), 1e-12)), along = far * nearness;
+    float wider = clamp(along * along * radtex_plane_eye.w * nearness / deep, 0.00390625, 16.0);
+    vec4 found = radtex_picture(radtex_plane_map, radtex_plane_range, radtex_plane_levels, met, spread + log2(wider));
+    return found * (0.5 - 0.5 * sine * root);
+}
+#endif
+
+#ifdef RADTEX_THINGS
+// How far along the unit ray is a sphere of that radius about the middle; `along` is from . ray, `squared` from . from.
+float radtex_reach(float along, float squared, float radius) {
+    return sqrt(max(along * along - squared + radius * radius, 0.0)) - along;
+}
+
+// The distance from the middle of what lies in a direction.
+float radtex_distance(vec3 d) {
+    vec2 place = radtex_on_edges(radtex_square(d), radtex_distances_size.x);
+    vec4 range = radtex_distances_range;
+    return 1.0 / max(textureLod(radtex_distances_map, place, 0.0).r * range.z + range.w, 1e-9);
+}
+#endif
+
+// Where a ray meets things, from the middle, and log2 of how much a lobe's width² is larger as seen from there.
+vec4 radtex_met(vec3 from, vec3 ray) {
+#ifdef RADTEX_THINGS
+    float along = dot(from, ray), squared = dot(from, from), reach;
+    vec3 met = ray;
+#if RADTEX_STEPS < 2  // begin on a sphere
+    reach = radtex_reach(along, squared, radtex_distances_size.y);
+    met = from + reach * ray;
+#endif
+#if RADTEX_STEPS > 0
+    reach = radtex_reach(along, squared, radtex_distance(met));
+    met = from + reach * ray;
+#endif
+#if RADTEX_STEPS > 1
+    reach = radtex_reach(along, squared, radtex_distance(met));
+    met = from + reach * ray;
+#endif
+    return vec4(met, 2.0 * log2(clamp(reach * inversesqrt(max(dot(met, met), 1e-12)), 0.0625, 4.0)));
+#else
+    return vec4(ray, 0.0);
+#endif
+}
+
+// What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
+// given from the middle; `met` is radtex_met of both.
+vec3 radtex_around(vec3 from, vec3 ray, vec4 met, float spread) {
+    vec3 light = radtex_picture(radtex_world_map, radtex_world_range, radtex_world_levels, ray, spread).rgb;
+    vec4 before;
+#ifdef RADTEX_PLANE
+    before = radtex_below(from, ray, spread);
+    light = light * (1.0 - before.a) + before.rgb;
+#endif
+#ifdef RADTEX_THINGS
+    before = radtex_picture(radtex_things_map, radtex_things_range, radtex_things_levels, met.xyz, spread + met.w);
+    light = light * (1.0 - before.a) + before.rgb;
+#endif
+    return light + radtex_lamps(from, ray, exp2(spread));
+}
+#endif
+
+#ifdef RADTEX_MIRRORS
+// How much the object leaves free of its surroundings, as a lobe of that width² sees it; `kept` is as cells see it.
+float radtex_free(float kept, float width) {
+    float side = clamp(2.0 * kept - 1.0, -1.0, 1.0);
+    float sharper = side * max(2.56 / float(RADTEX_OWN_CELLS) * inversesqrt(width + 0.0016), 1.0);
+    return 0.5 + 0.5 * sharper * inversesqrt(1.0 - side * side + sharper * sharper);
+}
+#endif
+
+// Radiance towards the viewer, in the unit direction V, from a fragment at `position` whose unit normal is N.
+vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
+#ifdef RADTEX_NORMAL
+    vec3 shading = radtex_map(radtex_normal_map, radtex_normal_range, uv).xyz;
+    shading *= inversesqrt(max(dot(shading, shading), 1e-12));
+    N = dot(shading, N) > 0.3 ? shading : N;
+#endif
+    float opacity = radtex_alpha(uv), cosine = dot(N, V), curve = clamp(cosine * 16.0 - 0.5, 0.0, 15.0);
+    float below = min(floor(curve), 14.0), above = curve - below;
+    int low = int(below);
+    vec4 facts = mix(radtex_material[low], radtex_material[low + 1], above);
+    vec3 light = radtex_map(radtex_colour_map, radtex_colour_range, uv).rgb
+        * radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb * facts.rgb;
+    vec3 axis = 2.0 * cosine * N - V;
+    vec2 place = radtex_square(axis);
+#ifdef RADTEX_MIRRORS
+    vec3 from = position - radtex_middle.xyz;
+#if RADTEX_OWN_TAPS == 4
+    RadtexCells cells = radtex_four_cells(place, float(RADTEX_OWN_CELLS));
+    vec4 own = radtex_four(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
+#else
+    RadtexCells cells = radtex_three_cells(place, float(RADTEX_OWN_CELLS));
+    vec4 own = radtex_three(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
+#endif
+    own.rgb = own.rgb * radtex_own_range.z + radtex_own_range.w;
+    vec3 towards = N - dot(N, axis) * axis;
+    towards *= inversesqrt(max(dot(towards, towards), 1e-12));
+    vec3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
+    vec4 met = radtex_met(from, ray), lobe = mix(radtex_lobes[low], radtex_lobes[low + 1], above);
+    float wider = 0.0;
+#ifdef RADTEX_WIDTH
+    wider = radtex_map(radtex_width_map, radtex_width_range, uv).r;
+#endif
+    lobe.a += wider;
+    vec3 mirrored = lobe.rgb * mix(own.rgb, radtex_around(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+#if RADTEX_SECOND_LOBE > 0
+    lobe = mix(radtex_lobes[low + 16], radtex_lobes[low + 17], above);
+    lobe.a += wider;
+    mirrored += lobe.rgb * mix(own.rgb, radtex_around(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+#endif
+#ifdef RADTEX_TINT
+    light += mirrored * radtex_map(radtex_tint_map, radtex_tint_range, uv).rgb;
+#else
+    light += mirrored * opacity;
+#endif
+#endif
+    vec3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, float(RADTEX_REST_CELLS), uv, place);
+    light += max(opacity * rest, -0.5 * light);
+    return max(light, 0.0);
+}

@@ -1,0 +1,392 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+//
+// Look up a radiance texture in the layered layout: HLSL, shader model 5 and later. Define what the bake has, include
+// this file, then
+//
+//     float3 V = normalize(camera - position), N = normalize(normal);  // in Blender's world space of the bake, z up
+//     float3 light = radtex_layered(uv, position, N, V);               // premultiplied by radtex_alpha(uv)
+//
+// or, of an object that light comes through, what radtex_layered_through.hlsl adds; RADTEX_THROUGH is defined then.
+//
+// What the bake has. RADTEX_MIRRORS: any of its materials has lobes. RADTEX_TINT, RADTEX_NORMAL, RADTEX_WIDTH,
+// RADTEX_ALPHA, RADTEX_PLANE, RADTEX_THINGS (with distances): these layers. RADTEX_LAMPS: how many, 0 to 8.
+// RADTEX_OWN_CELLS, RADTEX_REST_CELLS: cells along the sides of buckets.
+//
+// What a lookup costs. RADTEX_STEPS (0, 1, 2; default 1): fetches of distances. RADTEX_OWN_TAPS, RADTEX_REST_TAPS (3,
+// 4; default 3): cells of a bucket that are blended. RADTEX_SECOND_LOBE (0, 1; default 1): whether the second lobe is
+// looked up, or materials have one lobe in place of two.
+//
+// Textures, one for each layer, are clamped to their edges and filtered linearly; world, plane and things have mip
+// levels, filtered linearly, too. v = 0 is the first row, or with RADTEX_TOP_DOWN the last one. A range is the share of
+// a texture's width and height that is no padding, and scale and offset: a value is texel * scale + offset, but for the
+// alpha of own, plane and things.
+// Uniforms are the same for all materials, but for radtex_material and radtex_lobes: draw one material at a time.
+//
+// Where things are bound. RADTEX_SAMPLER: a linear, clamped SamplerState that is declared before; without, there is
+// radtex_filtering. RADTEX_TEXTURE(k), RADTEX_BUFFER(k): what follows the declaration of the k-th texture or buffer,
+// such as `: register(t##k)`; without, the compiler chooses. RADTEX_NO_DERIVATIVES: for stages but the pixel's.
+
+#ifndef RADTEX_LAYERED_HLSL
+#define RADTEX_LAYERED_HLSL
+
+#ifndef RADTEX_LAMPS
+#define RADTEX_LAMPS 0
+#endif
+#ifndef RADTEX_STEPS
+#define RADTEX_STEPS 1
+#endif
+#ifndef RADTEX_OWN_TAPS
+#define RADTEX_OWN_TAPS 3
+#endif
+#ifndef RADTEX_REST_TAPS
+#define RADTEX_REST_TAPS 3
+#endif
+#ifndef RADTEX_SECOND_LOBE
+#define RADTEX_SECOND_LOBE 1
+#endif
+#ifndef RADTEX_TEXTURE
+#define RADTEX_TEXTURE(k)
+#endif
+#ifndef RADTEX_BUFFER
+#define RADTEX_BUFFER(k)
+#endif
+#ifndef RADTEX_SAMPLER
+SamplerState radtex_filtering;
+#define RADTEX_SAMPLER radtex_filtering
+#endif
+
+Texture2D radtex_colour_map RADTEX_TEXTURE(0);
+Texture2D radtex_irradiance_map RADTEX_TEXTURE(1);
+Texture2D radtex_tint_map RADTEX_TEXTURE(2);
+Texture2D radtex_normal_map RADTEX_TEXTURE(3);
+Texture2D radtex_width_map RADTEX_TEXTURE(4);
+Texture2D radtex_alpha_map RADTEX_TEXTURE(5);
+Texture2D radtex_own_map RADTEX_TEXTURE(6);
+Texture2D radtex_rest_map RADTEX_TEXTURE(7);
+Texture2D radtex_world_map RADTEX_TEXTURE(8);
+Texture2D radtex_plane_map RADTEX_TEXTURE(9);
+Texture2D radtex_things_map RADTEX_TEXTURE(10);
+Texture2D radtex_distances_map RADTEX_TEXTURE(11);
+
+cbuffer RadtexBake RADTEX_BUFFER(0) {
+    float4 radtex_middle;        // xyz: from where the surroundings are seen
+    float4 radtex_colour_range;  // part of width and height, scale, offset
+    float4 radtex_irradiance_range;
+    float4 radtex_tint_range;
+    float4 radtex_normal_range;
+    float4 radtex_width_range;
+    float4 radtex_alpha_range;
+    float4 radtex_own_range;     // the size of a tile in place of the part
+    float4 radtex_rest_range;
+    float4 radtex_own_tile;      // size of a tile without its padding, and half a texel, in units of a tile
+    float4 radtex_rest_tile;
+    float4 radtex_world_range;
+    float4 radtex_plane_range;
+    float4 radtex_things_range;
+    float4 radtex_distances_range;
+    float4 radtex_world_levels;  // texels along a side, last level, log2 of level 0's width²
+    float4 radtex_plane_levels;
+    float4 radtex_things_levels;
+    float4 radtex_distances_size;  // texels along a side, and the mean distance
+    float4 radtex_plane_place;   // its normal and height, from the middle
+    float4 radtex_plane_eye;     // where its picture was taken from, and how high above the plane that is
+    float4 radtex_lamp_place[8];  // from the middle, and width²
+    float4 radtex_lamp_light[8];  // rgb: irradiance at the middle
+};
+
+cbuffer RadtexMaterial RADTEX_BUFFER(1) {
+    float4 radtex_material[16];  // by N.V: the falloff, and the sine by which lobes bend towards the normal
+    float4 radtex_lobes[32];     // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
+};
+
+float2 radtex_turned(float2 place) {
+#ifdef RADTEX_TOP_DOWN
+    place.y = 1.0 - place.y;
+#endif
+    return place;
+}
+
+float4 radtex_looked_up(Texture2D image, float2 place, float level) {
+    return image.SampleLevel(RADTEX_SAMPLER, radtex_turned(place), level);
+}
+
+// A plain map's value.
+float4 radtex_map(Texture2D image, float4 range, float2 uv) {
+#ifdef RADTEX_NO_DERIVATIVES
+    return radtex_looked_up(image, uv * range.xy, 0.0) * range.z + range.w;
+#else
+    return image.Sample(RADTEX_SAMPLER, radtex_turned(uv * range.xy)) * range.z + range.w;
+#endif
+}
+
+// How much a fragment hides of what lies behind it.
+float radtex_alpha(float2 uv) {
+#ifdef RADTEX_ALPHA
+    return radtex_map(radtex_alpha_map, radtex_alpha_range, uv).r;
+#else
+    return 1.0;
+#endif
+}
+
+// Where a direction, of any length, lies on the octahedron's square: 0 to 1.
+float2 radtex_square(float3 d) {
+    d *= 1.0 / max(abs(d.x) + abs(d.y) + abs(d.z), 1e-30);
+    float2 folded = (1.0 - abs(d.yx)) * float2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
+    return (d.z < 0.0 ? folded : d.xy) * 0.5 + 0.5;
+}
+
+// Cells around a place in a bucket, and their weights.
+struct RadtexCells {
+    float2 a, b, c, d;
+    float4 weight;
+};
+
+// A cell beyond an edge is the one that lies there on the sphere: the same edge's, mirrored at its middle.
+float2 radtex_folded(float2 cell, float last) {
+    float2 inside = clamp(cell, 0.0, last);
+    return float2(cell.y != inside.y ? last - inside.x : inside.x, cell.x != inside.x ? last - inside.y : inside.y);
+}
+
+// The four of n x n cells around a place on the octahedron's square.
+RadtexCells radtex_four_cells(float2 place, float n) {
+    float2 position = place * n - 0.5, low = floor(position), f = position - low;
+    RadtexCells cells;
+    cells.a = radtex_folded(low, n - 1.0);
+    cells.b = radtex_folded(low + float2(1.0, 0.0), n - 1.0);
+    cells.c = radtex_folded(low + float2(0.0, 1.0), n - 1.0);
+    cells.d = radtex_folded(low + 1.0, n - 1.0);
+    cells.weight = float4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
+    return cells;
+}
+
+// Three of them: the square between four centres is two triangles, whose diagonals run as the octahedron's edges do.
+RadtexCells radtex_three_cells(float2 place, float n) {
+    float2 position = place * n - 0.5, low = floor(position), f = position - low;
+    bool flipped = (place.x - 0.5) * (place.y - 0.5) < 0.0;
+    f.x = flipped ? 1.0 - f.x : f.x;
+    bool upper = f.x + f.y > 1.0;
+    float2 corner = upper ? float2(1.0, 1.0) : float2(0.0, 0.0), g = upper ? 1.0 - f.yx : f;
+    RadtexCells cells;
+    cells.a = radtex_folded(low + float2(flipped ? 1.0 - corner.x : corner.x, corner.y), n - 1.0);
+    cells.b = radtex_folded(low + float2(flipped ? 0.0 : 1.0, 0.0), n - 1.0);
+    cells.c = radtex_folded(low + float2(flipped ? 1.0 : 0.0, 1.0), n - 1.0);
+    cells.d = cells.a;
+    cells.weight = float4(1.0 - g.x - g.y, g, 0.0);
+    return cells;
+}
+
+// A place in a tile: `tile` as radtex_rest_tile.
+float2 radtex_inside(float4 tile, float2 uv) {
+    return clamp(uv * tile.xy, tile.zw, tile.xy - tile.zw);
+}
+
+float4 radtex_three(Texture2D image, RadtexCells cells, float2 inside, float2 size) {
+    return radtex_looked_up(image, (cells.a + inside) * size, 0.0) * cells.weight.x
+        + radtex_looked_up(image, (cells.b + inside) * size, 0.0) * cells.weight.y
+        + radtex_looked_up(image, (cells.c + inside) * size, 0.0) * cells.weight.z;
+}
+
+float4 radtex_four(Texture2D image, RadtexCells cells, float2 inside, float2 size) {
+    return radtex_three(image, cells, inside, size)
+        + radtex_looked_up(image, (cells.d + inside) * size, 0.0) * cells.weight.w;
+}
+
+// What lobes and other paths, in coarse cells, do not tell, in the direction that lies at a place on the square.
+float3 radtex_rest(Texture2D image, float4 range, float4 tile, float n, float2 uv, float2 place) {
+#if RADTEX_REST_TAPS == 4
+    float4 found = radtex_four(image, radtex_four_cells(place, n), radtex_inside(tile, uv), range.xy);
+#else
+    float4 found = radtex_three(image, radtex_three_cells(place, n), radtex_inside(tile, uv), range.xy);
+#endif
+    return found.rgb * range.z + range.w;
+}
+
+#if defined(RADTEX_MIRRORS) || defined(RADTEX_THROUGH)
+// The same as radtex_square on a picture of so many texels a side, whose outermost texels' centres lie on its edge.
+float2 radtex_on_edges(float2 place, float size) {
+    return place + (0.5 - place) / size;
+}
+
+// A picture around the direction d, blurred by a width² whose log2 is `spread`. Between levels it is mixed by the
+// width, not by its logarithm: so a lobe's tails are nearly right.
+float4 radtex_picture(Texture2D image, float4 range, float4 levels, float3 d, float spread) {
+    float level = clamp(0.5 * (spread - levels.z), 0.0, levels.y);
+    float2 place = radtex_on_edges(radtex_square(d), levels.x * exp2(-level));
+    float4 found = radtex_looked_up(image, place, floor(level) + exp2(frac(level)) - 1.0);
+    return float4(found.rgb * range.z + range.w, found.a);
+}
+
+#if RADTEX_LAMPS > 0
+// What a lobe of that width² shows of a lamp.
+float3 radtex_lamp(float4 place, float4 light, float3 from, float3 ray, float width) {
+    float3 towards = place.xyz - from;
+    float squared = dot(towards, towards), nearer = dot(place.xyz, place.xyz) / squared;
+    float wide = width + place.w * nearer;
+    float off = wide + 1.0 - dot(ray, towards) * rsqrt(squared);
+    return light.rgb * (nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
+}
+#endif
+
+float3 radtex_lamps(float3 from, float3 ray, float width) {
+    float3 light = float3(0.0, 0.0, 0.0);
+#if RADTEX_LAMPS > 0
+    light += radtex_lamp(radtex_lamp_place[0], radtex_lamp_light[0], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 1
+    light += radtex_lamp(radtex_lamp_place[1], radtex_lamp_light[1], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 2
+    light += radtex_lamp(radtex_lamp_place[2], radtex_lamp_light[2], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 3
+    light += radtex_lamp(radtex_lamp_place[3], radtex_lamp_light[3], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 4
+    light += radtex_lamp(radtex_lamp_place[4], radtex_lamp_light[4], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 5
+    light += radtex_lamp(radtex_lamp_place[5], radtex_lamp_light[5], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 6
+    light += radtex_lamp(radtex_lamp_place[6], radtex_lamp_light[6], from, ray, width);
+#endif
+#if RADTEX_LAMPS > 7
+    light += radtex_lamp(radtex_lamp_place[7], radtex_lamp_light[7], from, ray, width);
+#endif
+    return light;
+}
+
+#ifdef RADTEX_PLANE
+// What a lobe shows of the plane, and by how much that hides what lies behind: the mean direction of the share of the
+// lobe that is below the horizon meets the plane, where its picture's eye sees the lobe wider or narrower.
+float4 radtex_below(float3 from, float3 ray, float spread) {
+    float3 N = radtex_plane_place.xyz;
+    float sine = dot(ray, N), squared = sine * sine + 2.0 * exp2(spread), root = rsqrt(squared);
+    float deep = clamp(squared * root, 1e-4, 0.999);
+    float3 level = ray - sine * N;
+    level *= rsqrt(max(dot(level, level), 1e-12));
+    float far = max(dot(from, N) - radtex_plane_place.w, 0.0) / deep;
+    float3 met = from + far * (sqrt(1.0 - deep * deep) * level - deep * N) - radtex_plane_eye.xyz;
+    float nearness = rsqrt(max(dot(met, met), 1e-12)), along = far * nearness;
+    float wider = clamp(along * along * radtex_plane_eye.w * nearness / deep, 0.00390625, 16.0);
+    float4 found = radtex_picture(radtex_plane_map, radtex_plane_range, radtex_plane_levels, met, spread + log2(wider));
+    return found * (0.5 - 0.5 * sine * root);
+}
+#endif
+
+#ifdef RADTEX_THINGS
+// How far along the unit ray is a sphere of that radius about the middle; `along` is from . ray, `squared` from . from.
+float radtex_reach(float along, float squared, float radius) {
+    return sqrt(max(along * along - squared + radius * radius, 0.0)) - along;
+}
+
+// The distance from the middle of what lies in a direction.
+float radtex_distance(float3 d) {
+    float2 place = radtex_on_edges(radtex_square(d), radtex_distances_size.x);
+    float4 range = radtex_distances_range;
+    return 1.0 / max(radtex_looked_up(radtex_distances_map, place, 0.0).r * range.z + range.w, 1e-9);
+}
+#endif
+
+// Where a ray meets things, from the middle, and log2 of how much a lobe's width² is larger as seen from there.
+float4 radtex_met(float3 from, float3 ray) {
+#ifdef RADTEX_THINGS
+    float along = dot(from, ray), squared = dot(from, from), reach;
+    float3 met = ray;
+#if RADTEX_STEPS < 2  // begin on a sphere
+    reach = radtex_reach(along, squared, radtex_distances_size.y);
+    met = from + reach * ray;
+#endif
+#if RADTEX_STEPS > 0
+    reach = radtex_reach(along, squared, radtex_distance(met));
+    met = from + reach * ray;
+#endif
+#if RADTEX_STEPS > 1
+    reach = radtex_reach(along, squared, radtex_distance(met));
+    met = from + reach * ray;
+#endif
+    return float4(met, 2.0 * log2(clamp(reach * rsqrt(max(dot(met, met), 1e-12)), 0.0625, 4.0)));
+#else
+    return float4(ray, 0.0);
+#endif
+}
+
+// What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
+// given from the middle; `met` is radtex_met of both.
+float3 radtex_around(float3 from, float3 ray, float4 met, float spread) {
+    float3 light = radtex_picture(radtex_world_map, radtex_world_range, radtex_world_levels, ray, spread).rgb;
+    float4 before;
+#ifdef RADTEX_PLANE
+    before = radtex_below(from, ray, spread);
+    light = light * (1.0 - before.a) + before.rgb;
+#endif
+#ifdef RADTEX_THINGS
+    before = radtex_picture(radtex_things_map, radtex_things_range, radtex_things_levels, met.xyz, spread + met.w);
+    light = light * (1.0 - before.a) + before.rgb;
+#endif
+    return light + radtex_lamps(from, ray, exp2(spread));
+}
+#endif
+
+#ifdef RADTEX_MIRRORS
+// How much the object leaves free of its surroundings, as a lobe of that width² sees it; `kept` is as cells see it.
+float radtex_free(float kept, float width) {
+    float side = clamp(2.0 * kept - 1.0, -1.0, 1.0);
+    float sharper = side * max(2.56 / float(RADTEX_OWN_CELLS) * rsqrt(width + 0.0016), 1.0);
+    return 0.5 + 0.5 * sharper * rsqrt(1.0 - side * side + sharper * sharper);
+}
+#endif
+
+// Radiance towards the viewer, in the unit direction V, from a fragment at `position` whose unit normal is N.
+float3 radtex_layered(float2 uv, float3 position, float3 N, float3 V) {
+#ifdef RADTEX_NORMAL
+    float3 shading = radtex_map(radtex_normal_map, radtex_normal_range, uv).xyz;
+    shading *= rsqrt(max(dot(shading, shading), 1e-12));
+    N = dot(shading, N) > 0.3 ? shading : N;
+#endif
+    float opacity = radtex_alpha(uv), cosine = dot(N, V), curve = clamp(cosine * 16.0 - 0.5, 0.0, 15.0);
+    float below = min(floor(curve), 14.0), above = curve - below;
+    int low = int(below);
+    float4 facts = lerp(radtex_material[low], radtex_material[low + 1], above);
+    float3 light = radtex_map(radtex_colour_map, radtex_colour_range, uv).rgb
+        * radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb * facts.rgb;
+    float3 axis = 2.0 * cosine * N - V;
+    float2 place = radtex_square(axis);
+#ifdef RADTEX_MIRRORS
+    float3 from = position - radtex_middle.xyz;
+#if RADTEX_OWN_TAPS == 4
+    RadtexCells cells = radtex_four_cells(place, float(RADTEX_OWN_CELLS));
+    float4 own = radtex_four(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
+#else
+    RadtexCells cells = radtex_three_cells(place, float(RADTEX_OWN_CELLS));
+    float4 own = radtex_three(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
+#endif
+    own.rgb = own.rgb * radtex_own_range.z + radtex_own_range.w;
+    float3 towards = N - dot(N, axis) * axis;
+    towards *= rsqrt(max(dot(towards, towards), 1e-12));
+    float3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
+    float4 met = radtex_met(from, ray), lobe = lerp(radtex_lobes[low], radtex_lobes[low + 1], above);
+    float wider = 0.0;
+#ifdef RADTEX_WIDTH
+    wider = radtex_map(radtex_width_map, radtex_width_range, uv).r;
+#endif
+    lobe.a += wider;
+    float3 mirrored = lobe.rgb * lerp(own.rgb, radtex_around(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+#if RADTEX_SECOND_LOBE > 0
+    lobe = lerp(radtex_lobes[low + 16], radtex_lobes[low + 17], above);
+    lobe.a += wider;
+    mirrored += lobe.rgb * lerp(own.rgb, radtex_around(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+#endif
+#ifdef RADTEX_TINT
+    light += mirrored * radtex_map(radtex_tint_map, radtex_tint_range, uv).rgb;
+#else
+    light += mirrored * opacity;
+#endif
+#endif
+    float3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, float(RADTEX_REST_CELLS), uv, place);
+    light += max(opacity * rest, -0.5 * light);
+    return max(light, 0.0);
+}
+
+#endif

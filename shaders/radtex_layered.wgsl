@@ -1,0 +1,339 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+//
+// Look up a radiance texture in the layered layout: WGSL. Put it before your shader's text, then
+//
+//     let V = normalize(camera - position); let N = normalize(normal);  // in Blender's world space of the bake, z up
+//     let light = radtex_layered(uv, position, N, V);                   // premultiplied by radtex_alpha(uv)
+//
+// or, of an object that light comes through, what radtex_layered_through.wgsl adds.
+//
+// What the bake has and what a lookup costs is overridden when a pipeline is made, which leaves out what is not needed.
+// Textures, one for each layer, have mip levels if they are the world's, the plane's or the things'; in place of one
+// that the bake lacks, any of 1 x 1 is bound. The sampler clamps to the edge and filters linearly, between levels, too.
+// v = 0 is the first row. A range is the share of a texture's width and height that is no padding, and scale and offset:
+// a value is texel * scale + offset, but for the alpha of own, plane and things. `radtex` is the same for all materials,
+// radtex_of is of one: draw one material at a time. For another group of bindings, replace "@group(1)" in this text.
+
+override RADTEX_MIRRORS: bool = false;  // any of the materials has lobes
+override RADTEX_TINT: bool = false;     // the bake has this layer; and so on
+override RADTEX_NORMAL: bool = false;
+override RADTEX_WIDTH: bool = false;
+override RADTEX_ALPHA: bool = false;
+override RADTEX_PLANE: bool = false;
+override RADTEX_THINGS: bool = false;   // and their distances
+override RADTEX_LAMPS: i32 = 0;         // how many, 0 to 8
+override RADTEX_OWN_CELLS: i32 = 14;    // cells along the sides of buckets
+override RADTEX_REST_CELLS: i32 = 8;
+override RADTEX_STEPS: i32 = 1;         // fetches of distances, 0 to 2
+override RADTEX_OWN_TAPS: i32 = 3;      // cells of a bucket that are blended, 3 or 4
+override RADTEX_REST_TAPS: i32 = 3;
+override RADTEX_SECOND_LOBE: bool = true;  // it is looked up, or materials have one lobe in place of two
+
+struct RadtexBake {
+    middle: vec4f,        // xyz: from where the surroundings are seen
+    colour_range: vec4f,  // part of width and height, scale, offset
+    irradiance_range: vec4f,
+    tint_range: vec4f,
+    normal_range: vec4f,
+    width_range: vec4f,
+    alpha_range: vec4f,
+    own_range: vec4f,     // the size of a tile in place of the part
+    rest_range: vec4f,
+    own_tile: vec4f,      // size of a tile without its padding, and half a texel, in units of a tile
+    rest_tile: vec4f,
+    world_range: vec4f,
+    plane_range: vec4f,
+    things_range: vec4f,
+    distances_range: vec4f,
+    world_levels: vec4f,  // texels along a side, last level, log2 of level 0's width²
+    plane_levels: vec4f,
+    things_levels: vec4f,
+    distances_size: vec4f,  // texels along a side, and the mean distance
+    plane_place: vec4f,   // its normal and height, from the middle
+    plane_eye: vec4f,     // where its picture was taken from, and how high above the plane that is
+    lamp_place: array<vec4f, 8>,  // from the middle, and width²
+    lamp_light: array<vec4f, 8>,  // rgb: irradiance at the middle
+}
+
+struct RadtexMaterial {
+    curves: array<vec4f, 16>,  // by N.V: the falloff, and the sine by which lobes bend towards the normal
+    lobes: array<vec4f, 32>,   // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
+}
+
+@group(1) @binding(0) var<uniform> radtex: RadtexBake;
+@group(1) @binding(1) var<uniform> radtex_of: RadtexMaterial;
+@group(1) @binding(2) var radtex_filtering: sampler;
+@group(1) @binding(3) var radtex_colour_map: texture_2d<f32>;
+@group(1) @binding(4) var radtex_irradiance_map: texture_2d<f32>;
+@group(1) @binding(5) var radtex_tint_map: texture_2d<f32>;
+@group(1) @binding(6) var radtex_normal_map: texture_2d<f32>;
+@group(1) @binding(7) var radtex_width_map: texture_2d<f32>;
+@group(1) @binding(8) var radtex_alpha_map: texture_2d<f32>;
+@group(1) @binding(9) var radtex_own_map: texture_2d<f32>;
+@group(1) @binding(10) var radtex_rest_map: texture_2d<f32>;
+@group(1) @binding(11) var radtex_world_map: texture_2d<f32>;
+@group(1) @binding(12) var radtex_plane_map: texture_2d<f32>;
+@group(1) @binding(13) var radtex_things_map: texture_2d<f32>;
+@group(1) @binding(14) var radtex_distances_map: texture_2d<f32>;
+
+// A plain map's value.
+fn radtex_map(image: texture_2d<f32>, range: vec4f, uv: vec2f) -> vec4f {
+    return textureSampleLevel(image, radtex_filtering, uv * range.xy, 0.0) * range.z + range.w;
+}
+
+// How much a fragment hides of what lies behind it.
+fn radtex_alpha(uv: vec2f) -> f32 {
+    if RADTEX_ALPHA {
+        return radtex_map(radtex_alpha_map, radtex.alpha_range, uv).r;
+    }
+    return 1.0;
+}
+
+// Where a direction, of any length, lies on the octahedron's square: 0 to 1.
+fn radtex_square(direction: vec3f) -> vec2f {
+    let d = direction / max(abs(direction.x) + abs(direction.y) + abs(direction.z), 1e-30);
+    let folded = (1.0 - abs(d.yx)) * select(vec2f(1.0), vec2f(-1.0), d.xy < vec2f(0.0));
+    return select(d.xy, folded, d.z < 0.0) * 0.5 + 0.5;
+}
+
+// Cells around a place in a bucket, and their weights.
+struct RadtexCells {
+    a: vec2f,
+    b: vec2f,
+    c: vec2f,
+    d: vec2f,
+    weight: vec4f,
+}
+
+// A cell beyond an edge is the one that lies there on the sphere: the same edge's, mirrored at its middle.
+fn radtex_folded(cell: vec2f, last: f32) -> vec2f {
+    let inside = clamp(cell, vec2f(0.0), vec2f(last));
+    return select(inside, last - inside, cell.yx != inside.yx);
+}
+
+// The four of n x n cells around a place on the octahedron's square.
+fn radtex_four_cells(place: vec2f, n: f32) -> RadtexCells {
+    let position = place * n - 0.5;
+    let low = floor(position);
+    let f = position - low;
+    var cells: RadtexCells;
+    cells.a = radtex_folded(low, n - 1.0);
+    cells.b = radtex_folded(low + vec2f(1.0, 0.0), n - 1.0);
+    cells.c = radtex_folded(low + vec2f(0.0, 1.0), n - 1.0);
+    cells.d = radtex_folded(low + 1.0, n - 1.0);
+    cells.weight = vec4f((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
+    return cells;
+}
+
+// Three of them: the square between four centres is two triangles, whose diagonals run as the octahedron's edges do.
+fn radtex_three_cells(place: vec2f, n: f32) -> RadtexCells {
+    let position = place * n - 0.5;
+    let low = floor(position);
+    let flipped = (place.x - 0.5) * (place.y - 0.5) < 0.0;
+    var f = position - low;
+    f.x = select(f.x, 1.0 - f.x, flipped);
+    let upper = f.x + f.y > 1.0;
+    let corner = select(0.0, 1.0, upper);
+    let g = select(f, 1.0 - f.yx, upper);
+    var cells: RadtexCells;
+    cells.a = radtex_folded(low + vec2f(select(corner, 1.0 - corner, flipped), corner), n - 1.0);
+    cells.b = radtex_folded(low + vec2f(select(1.0, 0.0, flipped), 0.0), n - 1.0);
+    cells.c = radtex_folded(low + vec2f(select(0.0, 1.0, flipped), 1.0), n - 1.0);
+    cells.d = cells.a;
+    cells.weight = vec4f(1.0 - g.x - g.y, g, 0.0);
+    return cells;
+}
+
+// A place in a tile: `tile` as rest_tile.
+fn radtex_inside(tile: vec4f, uv: vec2f) -> vec2f {
+    return clamp(uv * tile.xy, tile.zw, tile.xy - tile.zw);
+}
+
+// A bucket's texels between three or four cells, in the direction that lies at a place on the square.
+fn radtex_cells(image: texture_2d<f32>, size: vec2f, tile: vec4f, n: f32, taps: i32, uv: vec2f,
+                place: vec2f) -> vec4f {
+    let inside = radtex_inside(tile, uv);
+    var cells: RadtexCells;
+    if taps == 4 {
+        cells = radtex_four_cells(place, n);
+    } else {
+        cells = radtex_three_cells(place, n);
+    }
+    var found = textureSampleLevel(image, radtex_filtering, (cells.a + inside) * size, 0.0) * cells.weight.x
+        + textureSampleLevel(image, radtex_filtering, (cells.b + inside) * size, 0.0) * cells.weight.y
+        + textureSampleLevel(image, radtex_filtering, (cells.c + inside) * size, 0.0) * cells.weight.z;
+    if taps == 4 {
+        found += textureSampleLevel(image, radtex_filtering, (cells.d + inside) * size, 0.0) * cells.weight.w;
+    }
+    return found;
+}
+
+// What lobes and other paths, in coarse cells, do not tell.
+fn radtex_rest(image: texture_2d<f32>, range: vec4f, tile: vec4f, n: i32, uv: vec2f, place: vec2f) -> vec3f {
+    return radtex_cells(image, range.xy, tile, f32(n), RADTEX_REST_TAPS, uv, place).rgb * range.z + range.w;
+}
+
+// The same as radtex_square on a picture of so many texels a side, whose outermost texels' centres lie on its edge.
+fn radtex_on_edges(place: vec2f, size: f32) -> vec2f {
+    return place + (0.5 - place) / size;
+}
+
+// A picture around the direction d, blurred by a width² whose log2 is `spread`. Between levels it is mixed by the
+// width, not by its logarithm: so a lobe's tails are nearly right.
+fn radtex_picture(image: texture_2d<f32>, range: vec4f, levels: vec4f, d: vec3f, spread: f32) -> vec4f {
+    let level = clamp(0.5 * (spread - levels.z), 0.0, levels.y);
+    let place = radtex_on_edges(radtex_square(d), levels.x * exp2(-level));
+    let found = textureSampleLevel(image, radtex_filtering, place, floor(level) + exp2(fract(level)) - 1.0);
+    return vec4f(found.rgb * range.z + range.w, found.a);
+}
+
+// What a lobe of that width² shows of a lamp.
+fn radtex_lamp(number: i32, whence: vec3f, ray: vec3f, width: f32) -> vec3f {
+    let place = radtex.lamp_place[number];
+    let towards = place.xyz - whence;
+    let squared = dot(towards, towards);
+    let nearer = dot(place.xyz, place.xyz) / squared;
+    let wide = width + place.w * nearer;
+    let off = wide + 1.0 - dot(ray, towards) * inverseSqrt(squared);
+    return radtex.lamp_light[number].rgb * (nearer * (1.0 + 0.5 * wide) * wide / (6.2831853 * off * off));
+}
+
+fn radtex_lamps(whence: vec3f, ray: vec3f, width: f32) -> vec3f {
+    var light = vec3f(0.0);
+    if RADTEX_LAMPS > 0 { light += radtex_lamp(0, whence, ray, width); }
+    if RADTEX_LAMPS > 1 { light += radtex_lamp(1, whence, ray, width); }
+    if RADTEX_LAMPS > 2 { light += radtex_lamp(2, whence, ray, width); }
+    if RADTEX_LAMPS > 3 { light += radtex_lamp(3, whence, ray, width); }
+    if RADTEX_LAMPS > 4 { light += radtex_lamp(4, whence, ray, width); }
+    if RADTEX_LAMPS > 5 { light += radtex_lamp(5, whence, ray, width); }
+    if RADTEX_LAMPS > 6 { light += radtex_lamp(6, whence, ray, width); }
+    if RADTEX_LAMPS > 7 { light += radtex_lamp(7, whence, ray, width); }
+    return light;
+}
+
+// What a lobe shows of the plane, and by how much that hides what lies behind: the mean direction of the share of the
+// lobe that is below the horizon meets the plane, where its picture's eye sees the lobe wider or narrower.
+fn radtex_below(whence: vec3f, ray: vec3f, spread: f32) -> vec4f {
+    let N = radtex.plane_place.xyz;
+    let sine = dot(ray, N);
+    let squared = sine * sine + 2.0 * exp2(spread);
+    let root = inverseSqrt(squared);
+    let deep = clamp(squared * root, 1e-4, 0.999);
+    var level = ray - sine * N;
+    level *= inverseSqrt(max(dot(level, level), 1e-12));
+    let far = max(dot(whence, N) - radtex.plane_place.w, 0.0) / deep;
+    let met = whence + far * (sqrt(1.0 - deep * deep) * level - deep * N) - radtex.plane_eye.xyz;
+    let nearness = inverseSqrt(max(dot(met, met), 1e-12));
+    let along = far * nearness;
+    let wider = clamp(along * along * radtex.plane_eye.w * nearness / deep, 0.00390625, 16.0);
+    return (0.5 - 0.5 * sine * root)
+        * radtex_picture(radtex_plane_map, radtex.plane_range, radtex.plane_levels, met, spread + log2(wider));
+}
+
+// How far along the unit ray is a sphere of that radius about the middle; `along` is whence . ray, `squared` whence².
+fn radtex_reach(along: f32, squared: f32, radius: f32) -> f32 {
+    return sqrt(max(along * along - squared + radius * radius, 0.0)) - along;
+}
+
+// The distance from the middle of what lies in a direction.
+fn radtex_distance(d: vec3f) -> f32 {
+    let place = radtex_on_edges(radtex_square(d), radtex.distances_size.x);
+    let found = textureSampleLevel(radtex_distances_map, radtex_filtering, place, 0.0).r;
+    return 1.0 / max(found * radtex.distances_range.z + radtex.distances_range.w, 1e-9);
+}
+
+// Where a ray meets things, from the middle, and log2 of how much a lobe's width² is larger as seen from there.
+fn radtex_met(whence: vec3f, ray: vec3f) -> vec4f {
+    if !RADTEX_THINGS { return vec4f(ray, 0.0); }
+    let along = dot(whence, ray);
+    let squared = dot(whence, whence);
+    var met = ray;
+    var reach = 0.0;
+    if RADTEX_STEPS < 2 {  // begin on a sphere
+        reach = radtex_reach(along, squared, radtex.distances_size.y);
+        met = whence + reach * ray;
+    }
+    if RADTEX_STEPS > 0 {
+        reach = radtex_reach(along, squared, radtex_distance(met));
+        met = whence + reach * ray;
+    }
+    if RADTEX_STEPS > 1 {
+        reach = radtex_reach(along, squared, radtex_distance(met));
+        met = whence + reach * ray;
+    }
+    return vec4f(met, 2.0 * log2(clamp(reach * inverseSqrt(max(dot(met, met), 1e-12)), 0.0625, 4.0)));
+}
+
+// What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
+// given from the middle; `met` is radtex_met of both.
+fn radtex_around(whence: vec3f, ray: vec3f, met: vec4f, spread: f32) -> vec3f {
+    var light = radtex_picture(radtex_world_map, radtex.world_range, radtex.world_levels, ray, spread).rgb;
+    if RADTEX_PLANE {
+        let before = radtex_below(whence, ray, spread);
+        light = light * (1.0 - before.a) + before.rgb;
+    }
+    if RADTEX_THINGS {
+        let before = radtex_picture(radtex_things_map, radtex.things_range, radtex.things_levels, met.xyz,
+                                    spread + met.w);
+        light = light * (1.0 - before.a) + before.rgb;
+    }
+    return light + radtex_lamps(whence, ray, exp2(spread));
+}
+
+// How much the object leaves free of its surroundings, as a lobe of that width² sees it; `kept` is as cells see it.
+fn radtex_free(kept: f32, width: f32) -> f32 {
+    let side = clamp(2.0 * kept - 1.0, -1.0, 1.0);
+    let sharper = side * max(2.56 / f32(RADTEX_OWN_CELLS) * inverseSqrt(width + 0.0016), 1.0);
+    return 0.5 + 0.5 * sharper * inverseSqrt(1.0 - side * side + sharper * sharper);
+}
+
+// What a lobe (weight and log2 of its width²) shows; `own` is what the object shows of itself.
+fn radtex_mirrored(whence: vec3f, ray: vec3f, met: vec4f, own: vec4f, lobe: vec4f) -> vec3f {
+    return lobe.rgb * mix(own.rgb, radtex_around(whence, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+}
+
+// Radiance towards the viewer, in the unit direction V, from a fragment at `position` whose unit normal is `face`.
+fn radtex_layered(uv: vec2f, position: vec3f, face: vec3f, V: vec3f) -> vec3f {
+    var N = face;
+    if RADTEX_NORMAL {
+        var shading = radtex_map(radtex_normal_map, radtex.normal_range, uv).xyz;
+        shading *= inverseSqrt(max(dot(shading, shading), 1e-12));
+        N = select(N, shading, dot(shading, N) > 0.3);
+    }
+    let opacity = radtex_alpha(uv);
+    let cosine = dot(N, V);
+    let curve = clamp(cosine * 16.0 - 0.5, 0.0, 15.0);
+    let low = min(i32(curve), 14);
+    let above = curve - f32(low);
+    let facts = mix(radtex_of.curves[low], radtex_of.curves[low + 1], above);
+    var light = radtex_map(radtex_colour_map, radtex.colour_range, uv).rgb
+        * radtex_map(radtex_irradiance_map, radtex.irradiance_range, uv).rgb * facts.rgb;
+    let axis = 2.0 * cosine * N - V;
+    let place = radtex_square(axis);
+    if RADTEX_MIRRORS {
+        let whence = position - radtex.middle.xyz;
+        var own = radtex_cells(radtex_own_map, radtex.own_range.xy, radtex.own_tile, f32(RADTEX_OWN_CELLS),
+                               RADTEX_OWN_TAPS, uv, place);
+        own = vec4f(own.rgb * radtex.own_range.z + radtex.own_range.w, own.a);
+        var towards = N - dot(N, axis) * axis;
+        towards *= inverseSqrt(max(dot(towards, towards), 1e-12));
+        let ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
+        let met = radtex_met(whence, ray);
+        var wider = vec4f(0.0);
+        if RADTEX_WIDTH { wider.a = radtex_map(radtex_width_map, radtex.width_range, uv).r; }
+        var mirrored = radtex_mirrored(whence, ray, met, own,
+                                       mix(radtex_of.lobes[low], radtex_of.lobes[low + 1], above) + wider);
+        if RADTEX_SECOND_LOBE {
+            mirrored += radtex_mirrored(whence, ray, met, own,
+                                        mix(radtex_of.lobes[low + 16], radtex_of.lobes[low + 17], above) + wider);
+        }
+        if RADTEX_TINT {
+            light += mirrored * radtex_map(radtex_tint_map, radtex.tint_range, uv).rgb;
+        } else {
+            light += mirrored * opacity;
+        }
+    }
+    let rest = radtex_rest(radtex_rest_map, radtex.rest_range, radtex.rest_tile, RADTEX_REST_CELLS, uv, place);
+    return max(light + max(opacity * rest, -0.5 * light), vec3f(0.0));
+}

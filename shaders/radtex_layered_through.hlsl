@@ -1,0 +1,116 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+//
+// Look up a radiance texture in the layered layout, of an object that light comes through: HLSL, shader model 5 and
+// later. radtex_layered.hlsl, which says what is defined before, must lie beside it. Define RADTEX_THROUGH, include
+// this file, then
+//
+//     float3 light = radtex_layered_through(uv, position, N, V, T, B);
+//
+// where N, T and B are the unit normal, tangent and bitangent of the baked UV map in the world space of the bake. Also
+// defined before are RADTEX_EXIT_CELLS and RADTEX_THROUGH_CELLS, cells along the sides of buckets; and RADTEX_EXIT_TAPS
+// (16, 4; default 16): the ways around are taken one by one, 32 fetches; or as the textures' filter blends those of
+// texels, 8 fetches, which is far off where they part.
+
+#ifndef RADTEX_LAYERED_THROUGH_HLSL
+#define RADTEX_LAYERED_THROUGH_HLSL
+
+#include "radtex_layered.hlsl"
+
+#ifndef RADTEX_EXIT_TAPS
+#define RADTEX_EXIT_TAPS 16
+#endif
+
+Texture2D radtex_exit_direction_map RADTEX_TEXTURE(12);
+Texture2D radtex_exit_place_map RADTEX_TEXTURE(13);
+Texture2D radtex_through_colour_map RADTEX_TEXTURE(14);
+Texture2D radtex_through_rest_map RADTEX_TEXTURE(15);
+
+cbuffer RadtexThrough RADTEX_BUFFER(2) {
+    float4 radtex_exit_direction_range;
+    float4 radtex_exit_place_range;
+    float4 radtex_exit_tile;
+    float4 radtex_through_colour_range;
+    float4 radtex_through_rest_range;
+    float4 radtex_through_rest_tile;
+};
+
+// A way, at a place in texels' units of tiles: luminance * direction, luminance.
+float4 radtex_way(float2 at) {
+    float4 range = radtex_exit_direction_range;
+    return radtex_looked_up(radtex_exit_direction_map, at * range.xy, 0.0) * range.z + range.w;
+}
+
+// And its line: luminance * place, luminance * width².
+float4 radtex_path(float2 at) {
+    float4 range = radtex_exit_place_range;
+    return radtex_looked_up(radtex_exit_place_map, at * range.xy, 0.0) * range.z + range.w;
+}
+
+// Where to look for a way's k-th tap: within the tile of a cell beside `low`, as the filter blends texels around
+// `inside`, or at one of these.
+float2 radtex_tap(int k, float2 low, float2 inside) {
+    float2 cell = low + float2(k & 1, (k >> 1) & 1);
+#if RADTEX_EXIT_TAPS == 16
+    float2 half_texel = radtex_exit_tile.zw, corner = floor(inside / half_texel * 0.5 - 0.5) * 2.0 + 1.0;
+    float2 texel = (corner + 2.0 * float2((k >> 2) & 1, k >> 3)) * half_texel;
+    return cell + clamp(texel, half_texel, radtex_exit_tile.xy - half_texel);
+#else
+    return cell + inside;
+#endif
+}
+
+// The weight of a tap; f and g are the places between four cells and between four texels.
+float radtex_tap_weight(int k, float2 f, float2 g) {
+    float2 cell = lerp(1.0 - f, f, float2(k & 1, (k >> 1) & 1));
+#if RADTEX_EXIT_TAPS == 16
+    cell *= lerp(1.0 - g, g, float2((k >> 2) & 1, k >> 3));
+#endif
+    return cell.x * cell.y;
+}
+
+// What is seen of the surroundings. Of the ways around, those are followed that agree with the strongest one.
+float3 radtex_through(float2 uv, float3 from, float3 N, float3 V, float3 T, float3 B) {
+    float n = float(RADTEX_EXIT_CELLS);
+    float3 I = float3(dot(V, T), dot(V, B), max(dot(V, N), 0.0));
+    I *= rsqrt(max(dot(I, I), 1e-18));
+    float2 disc = I.xy * rsqrt(1.0 + I.z);  // equal area; and from there to the square
+    float2 square = disc * (length(disc) / max(max(abs(disc.x), abs(disc.y)), 1e-9));
+    float2 place = clamp((clamp(square, -1.0, 1.0) * 0.5 + 0.5) * n - 0.5, 0.0, n - 1.0);
+    float2 low = min(floor(place), n - 2.0), f = place - low, inside = radtex_inside(radtex_exit_tile, uv);
+    float2 g = frac(inside / radtex_exit_tile.zw * 0.5 - 0.5);
+    float4 ways[RADTEX_EXIT_TAPS], way = float4(0.0, 0.0, 0.0, 0.0), path = way;
+    float3 chief = float3(0.0, 0.0, 0.0);
+    float total = 0.0;
+    [unroll] for (int k = 0; k < RADTEX_EXIT_TAPS; k++) {
+        ways[k] = radtex_tap_weight(k, f, g) * radtex_way(radtex_tap(k, low, inside));
+        chief = dot(ways[k].xyz, ways[k].xyz) > dot(chief, chief) ? ways[k].xyz : chief;
+        total += ways[k].w;
+    }
+    chief *= rsqrt(max(dot(chief, chief), 1e-24));
+    [unroll] for (int k = 0; k < RADTEX_EXIT_TAPS; k++) {
+        float cosine = dot(ways[k].xyz, chief) * rsqrt(max(dot(ways[k].xyz, ways[k].xyz), 1e-24));
+        float kept = clamp((cosine - 0.8) / 0.15, 0.0, 1.0);
+        way += kept * ways[k];
+        if (kept > 0.0) path += kept * radtex_tap_weight(k, f, g) * radtex_path(radtex_tap(k, low, inside));
+    }
+    float brighter = total / max(way.w, 1e-9);  // as bright as all of them
+    way *= brighter;
+    path *= brighter;
+    float luminance = max(way.w, 1e-6), even = length(way.xyz);
+    float width = max(path.w / luminance + max(1.0 - even / luminance - 0.03, 0.0), 1e-12);  // more if they disagree
+    float3 away = way.xyz / max(even, 1e-9), moved = path.xyz / luminance;
+    float3 ray = away.x * T + away.y * B + away.z * N, whence = from + moved.x * T + moved.y * B + moved.z * N;
+    return way.w * radtex_map(radtex_through_colour_map, radtex_through_colour_range, uv).rgb
+        * radtex_around(whence, ray, radtex_met(whence, ray), log2(width));
+}
+
+// Radiance towards the viewer, in the unit direction V, from a fragment at `position`.
+float3 radtex_layered_through(float2 uv, float3 position, float3 N, float3 V, float3 T, float3 B) {
+    float3 through = radtex_through(uv, position - radtex_middle.xyz, N, V, T, B)
+        + radtex_rest(radtex_through_rest_map, radtex_through_rest_range, radtex_through_rest_tile,
+                      float(RADTEX_THROUGH_CELLS), uv, radtex_square(-V));
+    return max(radtex_layered(uv, position, N, V) + radtex_alpha(uv) * through, 0.0);
+}
+
+#endif

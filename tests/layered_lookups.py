@@ -1,0 +1,223 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes in the layered layout as textures, and ten thousand lookups of each, for shaders to be held to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.frame import normalised
+from radtex_addon.core.hemisphere import cell_centres, square_to_direction
+from radtex_addon.formats.sidecar import Sidecar
+from radtex_addon.forms.layered.files.arrangement import (
+    DISTANCES,
+    OF_MATERIAL,
+    PICTURES,
+    arranged,
+    packed,
+    unpacked,
+)
+from radtex_addon.forms.layered.files.layered_files import atlas_of
+from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
+from radtex_addon.forms.layered.lookup.atlas import Fragments, LayeredAtlas, sample_layered
+from radtex_addon.forms.layered.lookup.environment import Around, Lamp
+from radtex_addon.forms.layered.lookup.ways import Through
+from radtex_addon.forms.layered.shader_values import CLEAR_ALPHA, Stored
+from tests.layered.made_up import _buckets, _image, _waves, made_up_atlas, made_up_fragments
+from tests.lookups import COUNT
+
+TEXELS, SIZE, EXITS, THROUGH = 16, 64, 8, 6
+FACTS = Sidecar("Vase", "radiance", TEXELS, TEXELS, 14, "RadTex", 16, 0, "portal", "RadTex 0", "5.2")
+MEAN, MOST = 3e-3, 0.05  # as far off as a shader may be
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A bake and lookups: `textures` are mip levels (H, W, C) float16 by layer, `stored` says how.
+
+    `atlas` is what the textures hold.
+    """
+
+    atlas: LayeredAtlas
+    sidecar: LayeredSidecar
+    textures: dict[str, list[Floats]]
+    stored: dict[str, Stored]
+    at: Fragments
+
+    @property
+    def through(self) -> bool:
+        return self.sidecar.through is not None
+
+    @property
+    def fields(self) -> dict[str, Floats]:
+        """What a lookup takes, by name: (N, C) float32."""
+        at, unused = self.at, np.zeros_like(self.at.normal)
+        tangent, bitangent = (unused if part is None else part for part in (at.tangent, at.bitangent))
+        found = {"uvs": at.uv, "positions": at.position, "normals": at.normal, "viewers": at.viewer}
+        return found | {"tangents": tangent, "bitangents": bitangent}
+
+    def answers(self) -> Floats:
+        """What the reference sampler sees, (N, 3)."""
+        return sample_layered(self.atlas, self.at)
+
+    def by_material(self, drawn: Callable[[int], Floats]) -> Floats:
+        """Each fragment's answer (N, 3), of those of a picture that is drawn with each material."""
+        found = np.zeros((COUNT, 3), dtype=np.float32)
+        for number in range(len(self.sidecar.materials)):
+            some = self.at.material == number
+            found[some] = drawn(number)[some, :3]
+        return found
+
+
+def off(found: Floats, expected: Floats) -> Floats:
+    """Differences over what was expected and a twentieth of white."""
+    return np.asarray(np.abs(found - expected) / (np.abs(expected) + 0.05))
+
+
+def assert_agrees(name: str, found: Floats, case: Case) -> None:
+    wrong = off(found, case.answers())
+    print(f"{name}: mean error {wrong.mean():.1e}, 99.9 % {np.quantile(wrong, 0.999):.1e}, {wrong.max():.1e}")
+    assert wrong.mean() < MEAN
+    assert wrong.max() < MOST
+
+
+@cache
+def case_of(name: str) -> Case:
+    """One of CASES."""
+    atlas = CASES[name](made_up_atlas(TEXELS, SIZE))
+    sidecar, images = LayeredSidecar.of(atlas, FACTS), arranged(atlas)
+    ranged = name == "everything, in ranges"
+    textures, stored = {}, {}
+    for layer, image in images.items():
+        textures[layer], stored[layer] = _stored(layer, image, sidecar, ranged)
+        images[layer] = _decoded(layer, textures[layer], stored[layer], image.shape)
+    at = made_up_fragments(atlas, COUNT)
+    tangent = normalised(np.cross(at.normal, [0.1, 0.2, 0.97])).astype(np.float32)
+    bitangent = np.cross(at.normal, tangent).astype(np.float32)
+    at = replace(at, tangent=tangent, bitangent=bitangent)
+    return Case(atlas_of(images, sidecar), sidecar, textures, stored, at)
+
+
+def parted(atlas: LayeredAtlas) -> LayeredAtlas:
+    """With everything, and ways that part within a texel or a cell, at a third of the lookups."""
+    whole = everything(atlas)
+    assert whole.through is not None
+    ways = whole.through.ways.copy()
+    rng = np.random.default_rng(9)
+    aside = rng.random(ways.shape[:4]) < 0.1
+    turned = np.roll(ways[..., :3], 1, axis=-1) * [1, -1, 1]
+    ways[..., :3][aside] = turned[aside]
+    return replace(whole, through=replace(whole.through, ways=ways.astype(np.float32)))
+
+
+def everything(atlas: LayeredAtlas) -> LayeredAtlas:
+    """With every optional map, more lamps, and light that comes through."""
+    rng = np.random.default_rng(7)
+    fine, texels, coarse = len(atlas.colour), len(atlas.irradiance), len(atlas.own)
+    alpha = 0.2 + 0.8 * _image(rng, fine, 1)
+    along = (np.arange(coarse) + 0.5) / coarse
+    uv = np.stack(np.meshgrid(along, along), axis=-1).reshape(-1, 2)
+    rest = _buckets(rng, uv, THROUGH, 3) * 0.4 - 0.1
+    lamps = tuple(
+        Lamp(place.astype(np.float32), light.astype(np.float32), float(size))
+        for place, light, size in zip(
+            3 * normalised(rng.normal(size=(7, 3))),
+            rng.uniform(0, 1, (7, 3)),
+            rng.uniform(1e-3, 0.02, 7),
+            strict=True,
+        )
+    )
+    return replace(
+        atlas,
+        colour=atlas.colour * alpha,
+        tint=_image(rng, fine, 3) * alpha,
+        normal=normalised(_image(rng, fine, 3) - 0.5).astype(np.float32),
+        width=_image(rng, texels, 1) * 4 - 2,
+        alpha=alpha,
+        around=replace(atlas.around, lamps=(*atlas.around.lamps, *lamps)),
+        through=Through(_ways(rng, uv), 0.5 + _image(rng, coarse, 3), rest),
+    )
+
+
+def clear(atlas: LayeredAtlas) -> LayeredAtlas:
+    """With alpha and no tint."""
+    alpha = 0.2 + 0.8 * _image(np.random.default_rng(8), len(atlas.colour), 1)
+    return replace(atlas, colour=atlas.colour * alpha, alpha=alpha)
+
+
+def bare(atlas: LayeredAtlas) -> LayeredAtlas:
+    """With nothing optional."""
+    around = Around(atlas.around.middle, atlas.around.world, (), ())
+    return replace(atlas, around=around, materials=atlas.materials[:1], falloff=atlas.falloff[:1])
+
+
+def matt(atlas: LayeredAtlas) -> LayeredAtlas:
+    """Without lobes."""
+    lobes = (replace(material, weight=material.weight * 0) for material in atlas.materials)
+    return replace(atlas, materials=tuple(lobes))
+
+
+CASES: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
+    "everything": everything,
+    "everything, in ranges": everything,
+    "parted ways": parted,
+    "made up": lambda atlas: atlas,
+    "things alone": lambda atlas: replace(
+        atlas, around=replace(atlas.around, layers=atlas.around.layers[1:])
+    ),
+    "clear": clear,
+    "bare": bare,
+    "matt": matt,
+}
+
+
+def _ways(rng: np.random.Generator, uv: Floats) -> Floats:
+    """Ways that bend by the cell and the texel."""
+    side = round(len(uv) ** 0.5)
+    out = -square_to_direction(cell_centres(EXITS).reshape(1, -1, 2)) * [0.6, 0.6, 1]
+    turn = _waves(rng, uv, 3)[:, None] - 0.5
+    direction = normalised(out + 0.5 * turn)
+    shape = direction.shape[:2]
+    weight = 0.3 + 0.6 * _waves(rng, uv, 1)[:, None] * _waves(rng, out[0], 1)
+    place = 0.3 * (_waves(rng, uv, 3)[:, None] - 0.5 + 0.3 * direction)
+    variance = np.broadcast_to(0.002 + 0.02 * _waves(rng, uv, 1)[:, None], (*shape, 1))
+    ways = weight * np.concatenate([direction, np.ones((*shape, 1)), place, variance], axis=2)
+    return np.ascontiguousarray(ways.reshape(side, side, EXITS, EXITS, 8), dtype=np.float32)
+
+
+def _stored(layer: str, image: Floats, sidecar: LayeredSidecar, ranged: bool) -> tuple[list[Floats], Stored]:
+    """A layer's texture, in a range and padded on the right and at the top or as it is."""
+    part, scale, offset = (1.0, 1.0), 1.0, 0.0
+    levels = [image]
+    if layer in PICTURES:
+        picture = sidecar.pictures[layer]
+        levels = list(unpacked(image, picture.size, picture.levels))
+    mean = float(image.mean()) if layer == DISTANCES else 0.0
+    if ranged:
+        spared = layer in CLEAR_ALPHA
+        light = image[..., :3] if spared else image
+        offset, scale = float(light.min()), float(np.ptp(light))
+        coded = [(level - offset) / scale for level in levels]
+        if spared:
+            coded = [np.dstack([new[..., :3], old[..., 3]]) for new, old in zip(coded, levels, strict=True)]
+        levels = coded
+        if layer in (*OF_MATERIAL, "irradiance"):
+            height, width = image.shape[:2]
+            levels = [np.pad(levels[0], ((0, 4), (0, 12), (0, 0)), mode="edge")]
+            part = (width / (width + 12), height / (height + 4))
+    return [level.astype(np.float16) for level in levels], Stored(scale, offset, part, mean)
+
+
+def _decoded(layer: str, levels: list[Floats], stored: Stored, shape: tuple[int, ...]) -> Floats:
+    """The image (H, W, C) that a texture holds."""
+    image = packed(tuple(levels)) if layer in PICTURES else levels[0].astype(np.float32)
+    image = image[: shape[0], : shape[1]]
+    found = image * np.float32(stored.scale) + np.float32(stored.offset)
+    if layer in CLEAR_ALPHA:
+        found[..., 3] = image[..., 3]
+    return found
