@@ -91,7 +91,7 @@ def case_of(name: str) -> Case:
     """One of CASES."""
     atlas = CASES[name](made_up_atlas(TEXELS, SIZE))
     sidecar, images = LayeredSidecar.of(atlas, FACTS), arranged(atlas)
-    ranged = name == "everything, in ranges"
+    ranged = name.endswith("in ranges")
     textures, stored = {}, {}
     for layer, image in images.items():
         textures[layer], stored[layer] = _stored(layer, image, sidecar, ranged)
@@ -165,6 +165,7 @@ def matt(atlas: LayeredAtlas) -> LayeredAtlas:
 CASES: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "everything": everything,
     "everything, in ranges": everything,
+    "opaque, in ranges": lambda atlas: replace(everything(atlas), alpha=None),
     "parted ways": parted,
     "made up": lambda atlas: atlas,
     "things alone": lambda atlas: replace(

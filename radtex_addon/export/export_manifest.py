@@ -29,7 +29,8 @@ class Manifest:
 
     The keys of `textures` are the layers' names for the shared layout; else the kind, such as "radiance", and
     the names of additional layers. `bake` is the sidecar's JSON. The flat lightmap's light was multiplied by
-    `flat_scale` before it was encoded.
+    `flat_scale` before it was encoded. `culled`: only front faces are drawn, since those that are seen from
+    behind have others for their backs.
     """
 
     tool: str
@@ -39,6 +40,7 @@ class Manifest:
     bake: Mapping[str, Any]
     textures: Mapping[str, TextureEntry]
     flat_scale: float = 1.0
+    culled: bool = False
 
     @property
     def form(self) -> Form:
@@ -47,6 +49,7 @@ class Manifest:
 
     def facts(self) -> dict[str, Any]:
         """The JSON's keys and values, in order."""
+        shader = self.form.shader_facts(self.bake, self.textures)
         return {
             "version": VERSION,
             "tool": self.tool,
@@ -54,7 +57,9 @@ class Manifest:
             "mesh": self.mesh,
             "flat": self.flat,
             "flat_scale": self.flat_scale,
+            **({"culled": True} if self.culled else {}),
             "bake": dict(self.bake),
+            **({} if shader is None else {"shader": shader}),
             "textures": {layer: entry.facts() for layer, entry in self.textures.items()},
         }
 
@@ -86,6 +91,7 @@ class Manifest:
             bake=bake.values,
             textures={layer: TextureEntry.from_facts(textures.inner(layer)) for layer in layers},
             flat_scale=facts.positive("flat_scale"),
+            culled=facts.truth("culled") if "culled" in facts.values else False,
         )
 
 

@@ -14,6 +14,7 @@ from ..formats.disk.memory import check_allowed
 from ..formats.sidecar import Sidecar, preview_path
 from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..forms import Form, form_in
+from ..scene.mesh.backs import twin_numbers
 from ..scene.preview_file import baked_copy, check_preview, surface_of
 from ..textures.export_progress import Step, Task
 from ..textures.export_spec import ExportSpec, Target
@@ -153,6 +154,7 @@ def _pack(bake: ExportSource, spec: ExportSpec, folder: Path) -> Generator[Step,
             bake=bake.sidecar.facts.values,
             textures=textures,
             flat_scale=scale,
+            culled=bake.form.traits.backs and twin_numbers(copy.data) is not None,
         )
         (folder / manifest.flat).write_bytes(flat)
         yield Step(Task.MESH, 0, 1)

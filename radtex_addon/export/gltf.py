@@ -9,7 +9,7 @@ are replaced by the bake's. In glTF y points up and v runs down: (x, y, z) becom
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
@@ -26,13 +26,14 @@ from ..core.errors import BakeError, InputError
 from ..core.frame import normalised
 from ..formats.containers.glb import Glb
 from ..formats.disk.temporary import temporary_folder
-from ..scene.mesh.copy import NORMAL, SIGN, TANGENT
+from ..scene.mesh.copy import NORMAL, SIGN, TANGENT, material_numbers
 from .export_manifest import Manifest
 
 EXTENSION = "RADTEX_radiance_texture"
 UNLIT = "KHR_materials_unlit"
 _EXPORTER = "io_scene_gltf2"
 _CARRIED = {NORMAL: "_RADTEX_NORMAL", TANGENT: "_RADTEX_TANGENT", SIGN: "_RADTEX_SIGN"}
+_PLACE = "RadTex "  # how temporary materials' names begin, before the place of their slot
 _CLAMP, _LINEAR, _LINEAR_MIPMAPPED = 33071, 9729, 9987
 
 
@@ -50,10 +51,13 @@ def write_gltf(
     `flat` is the fallback's PNG; if `clear`, its alpha is blended. The material of a hull is single-sided.
     Raises BakeError if Blender's exporter fails.
     """
-    _strip(copy, uv_layer)
+    numbers = (
+        _split_by_material(copy) if manifest.form.shader_facts(manifest.bake, manifest.textures) else [0]
+    )
+    _strip(copy, uv_layer, several=len(numbers) > 1)
     with temporary_folder() as folder:
         file = folder / "mesh.glb"
-        _export(scene, file)
+        _export(scene, file, several=len(numbers) > 1)
         glb = Glb.read(file)
     document = glb.document
     (mesh,), (node,) = document["meshes"], document["nodes"]
@@ -61,10 +65,11 @@ def write_gltf(
     document["scenes"][0]["name"] = manifest.name
     for primitive in mesh["primitives"]:
         _set_frame(glb, primitive["attributes"])
-        primitive["material"] = 0
-    _add_material(glb, flat, manifest)
+        primitive["material"] = _place_of(document, primitive) if len(numbers) > 1 else 0
+    _add_materials(glb, flat, manifest, numbers)
     if clear:
-        document["materials"][0]["alphaMode"] = "BLEND"
+        for material in document["materials"]:
+            material["alphaMode"] = "BLEND"
     glb.compact()
     document["asset"]["generator"] = f"{manifest.tool}, {document['asset']['generator']}"
     glb.write(path)
@@ -84,25 +89,47 @@ def to_gltf(vectors: Floats) -> Floats:
     return turned
 
 
-def _strip(copy: bpy.types.Object, uv_layer: str) -> None:
-    """Keep only the copy's triangles, baked UV layer, and frame, under names that the exporter keeps."""
+def _split_by_material(copy: bpy.types.Object) -> list[int]:
+    """Give the copy's mesh a slot for each material that it had at the bake; returns their numbers."""
+    mesh: Any = copy.data
+    numbers, place = np.unique(material_numbers(mesh), return_inverse=True)
+    mesh.materials.clear()
+    if len(numbers) > 1:
+        for index in range(len(numbers)):
+            mesh.materials.append(bpy.data.materials.new(f"{_PLACE}{index}"))
+        mesh.polygons.foreach_set("material_index", place.astype(np.int32))
+    return [int(number) for number in numbers]
+
+
+def _place_of(document: dict[str, Any], primitive: dict[str, Any]) -> int:
+    """The slot of `_split_by_material` that a primitive is of."""
+    name: str = document["materials"][primitive["material"]]["name"]
+    return int(name.removeprefix(_PLACE).partition(".")[0])
+
+
+def _strip(copy: bpy.types.Object, uv_layer: str, several: bool) -> None:
+    """Keep only the copy's triangles, baked UV layer, and frame, under names that the exporter keeps.
+
+    If it has `several` materials, these stay.
+    """
     mesh: Any = copy.data
     mesh.animation_data_clear()
     copy.vertex_groups.clear()
-    mesh.materials.clear()
+    if not several:
+        mesh.materials.clear()
     for name in [layer.name for layer in mesh.uv_layers if layer.name != uv_layer]:
         mesh.uv_layers.remove(mesh.uv_layers[name])
     for name in [layer.name for layer in mesh.color_attributes]:
         mesh.color_attributes.remove(mesh.color_attributes[name])
     foreign = [each.name for each in mesh.attributes if each.name.startswith(("_", "KHR_"))]
-    for name in [*foreign, "material_index"]:
+    for name in foreign if several else [*foreign, "material_index"]:
         if name in mesh.attributes:
             mesh.attributes.remove(mesh.attributes[name])
     for ours, carried in _CARRIED.items():
         mesh.attributes[ours].name = carried
 
 
-def _export(scene: bpy.types.Scene, path: Path) -> None:
+def _export(scene: bpy.types.Scene, path: Path, several: bool) -> None:
     wanted = {
         "export_format": "GLB",
         "use_active_scene": True,
@@ -110,7 +137,7 @@ def _export(scene: bpy.types.Scene, path: Path) -> None:
         "export_normals": False,
         "export_tangents": False,
         "export_texcoords": True,
-        "export_materials": "NONE",
+        "export_materials": "EXPORT" if several else "NONE",
         "export_animations": False,
         "export_current_frame": True,
         "export_morph": False,
@@ -183,24 +210,27 @@ def _unit(vectors: Floats, otherwise: tuple[float, float, float]) -> Floats:
     return unit
 
 
-def _add_material(glb: Glb, flat: bytes, manifest: Manifest) -> None:
+def _add_materials(glb: Glb, flat: bytes, manifest: Manifest, numbers: Sequence[int]) -> None:
+    """Add a material for each of these numbers, as shaders count a bake's materials."""
     document = glb.document
     document["images"] = [{"bufferView": glb.add_view(flat), "mimeType": "image/png", "name": manifest.flat}]
     sampler = {"magFilter": _LINEAR, "minFilter": _LINEAR_MIPMAPPED, "wrapS": _CLAMP, "wrapT": _CLAMP}
     document["samplers"] = [sampler]
     document["textures"] = [{"source": 0, "sampler": 0}]
     facts = extension_facts(manifest)
+    culled = manifest.culled or Kind(manifest.bake["kind"]).traits.content
     document["materials"] = [
         {
-            "name": f"{manifest.name} radiance",
-            "doubleSided": not Kind(manifest.bake["kind"]).traits.content,
+            "name": f"{manifest.name} radiance" + (f" {place}" if place else ""),
+            "doubleSided": not culled,
             "pbrMetallicRoughness": {
                 "baseColorTexture": {"index": 0, "texCoord": 0},
                 "metallicFactor": 0.0,
                 "roughnessFactor": 1.0,
             },
             "extensions": {UNLIT: {}, EXTENSION: facts},
-            "extras": {"radtex": facts},
+            "extras": {"radtex": facts} | ({"radtex_material": number} if len(numbers) > 1 else {}),
         }
+        for place, number in enumerate(numbers)
     ]
     document["extensionsUsed"] = sorted({*document.get("extensionsUsed", []), UNLIT, EXTENSION})

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import cast
 
@@ -25,24 +25,46 @@ def write_godot(pack: Pack, folder: Path) -> None:
     """Make a pack's folder a project: the scene, a material with its shader, the includes, a README.txt."""
     manifest, name = pack.manifest, pack.name
     glb = Glb.read(folder / manifest.mesh)
-    shader = manifest.form.godot_shader(manifest.bake, manifest.textures, baked_matrix(glb))
+    shader = manifest.form.godot_shader(manifest.bake, manifest.textures, baked_matrix(glb), manifest.culled)
     files = {"MATERIAL": f"{name}.material.tres", "SHADER": f"{name}.gdshader", "MESH": manifest.mesh}
     paths = {word: quoted(f"res://{file}") for word, file in files.items()}
-    facts = paths | {"NAME": quoted(name), "MATERIAL_NAME": quoted(glb.document["materials"][0]["name"])}
+    materials = _materials(shader, glb, name)
+    facts = paths | {"NAME": quoted(name), "MATERIALS": _external(glb, materials)}
     for template in ("project.godot", "main.tscn", "orbit.gd"):
         _write(folder / template, template, facts)
     _write(folder / f"{manifest.mesh}.import", "mesh.import", facts)
     _write(folder / "README.txt", "README.txt", {"NAME": name, **files})
     _write(folder / files["SHADER"], shader.template, shader.words)
-    material = material_text(shader, files["SHADER"])
-    (folder / files["MATERIAL"]).write_text(material, encoding="utf-8", newline="\n")
+    for file, number in materials.items():
+        material = material_text(shader, files["SHADER"], number)
+        (folder / file).write_text(material, encoding="utf-8", newline="\n")
     (folder / "shaders").mkdir()
     for file in (*(f"{include}.gdshaderinc" for include in shader.includes), "LICENSE"):
         shutil.copyfile(SHADERS / file, folder / "shaders" / file)
 
 
+def _materials(shader: GodotShader, glb: Glb, name: str) -> dict[str, int]:
+    """The material files, in the order of the mesh's materials, and the number of each in the shader's."""
+    numbers = [each.get("extras", {}).get("radtex_material", 0) for each in glb.document["materials"]]
+    ends = ["", *(f"-{place}" for place in range(1, len(numbers)))]
+    return {f"{name}.material{end}.tres": number for end, number in zip(ends, numbers, strict=True)}
+
+
+def _external(glb: Glb, files: Iterable[str]) -> str:
+    """The lines of an import file by which the mesh's materials are replaced by those files."""
+    found = (
+        f'{quoted(each["name"])}: {{\n"use_external/enabled": true,\n'
+        f'"use_external/path": {quoted(f"res://{file}")}\n}}'
+        for each, file in zip(glb.document["materials"], files, strict=True)
+    )
+    return ",\n".join(found)
+
+
 def baked_matrix(glb: Glb) -> Floats:
-    """The matrix from directions of the mesh in our .glb to Blender's world space, (3, 3) float64."""
+    """The matrix from places of the mesh in our .glb to Blender's world space, (3, 4) float64.
+
+    Its first three columns are that of directions.
+    """
     (node,) = (node for node in glb.document["nodes"] if "mesh" in node)
     x, y, z, w = node.get("rotation", (0, 0, 0, 1))
     turn = np.array(
@@ -52,18 +74,23 @@ def baked_matrix(glb: Glb) -> Floats:
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
         ]
     )
-    return cast(Floats, _TO_BLENDER @ (turn * np.array(node.get("scale", (1, 1, 1)), dtype=np.float64)))
+    turn *= np.array(node.get("scale", (1, 1, 1)), dtype=np.float64)
+    return cast(Floats, _TO_BLENDER @ np.column_stack([turn, node.get("translation", (0, 0, 0))]))
 
 
-def material_text(shader: GodotShader, file: str) -> str:
-    """A ShaderMaterial as Godot's text resource, to lie beside its textures and its shader, `file`."""
+def material_text(shader: GodotShader, file: str, material: int = 0) -> str:
+    """A ShaderMaterial as Godot's text resource, to lie beside its textures and its shader, `file`.
+
+    `material` is its number among the shader's.
+    """
     lines = [f'[gd_resource type="ShaderMaterial" load_steps={len(shader.textures) + 2} format=3]', ""]
     lines.append(f'[ext_resource type="Shader" path={quoted(file)} id="0"]')
     for number, entry in enumerate(shader.textures.values(), 1):
         kind = "Texture2DArray" if entry.layers > 1 else "Texture2D"
         lines.append(f'[ext_resource type="{kind}" path={quoted(entry.file)} id="{number}"]')
     lines += ["", "[resource]", 'shader = ExtResource("0")']
-    lines += [f"shader_parameter/{name} = {value}" for name, value in shader.parameters.items()]
+    parameters = {**shader.parameters, **shader.materials[material]}
+    lines += [f"shader_parameter/{name} = {value}" for name, value in parameters.items()]
     for number, uniform in enumerate(shader.textures, 1):
         lines.append(f'shader_parameter/{uniform} = ExtResource("{number}")')
     return "\n".join(lines) + "\n"

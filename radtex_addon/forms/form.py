@@ -166,8 +166,21 @@ class Form(Protocol):
         """Lines that show how a shader calls the lookup for these textures."""
         ...
 
+    def shader_facts(
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]
+    ) -> dict[str, Any] | None:
+        """What shaders must be told of an exported bake besides its sidecar, as JSON; None if nothing."""
+        ...
+
     def godot_shader(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], baked: Floats
+        self,
+        bake: Mapping[str, Any],
+        textures: Mapping[str, TextureEntry],
+        baked: Floats,
+        culled: bool = False,
     ) -> GodotShader:
-        """The Godot shader; `baked` (3, 3) transforms directions from the mesh to Blender's world."""
+        """The Godot shader; `baked` (3, 4) transforms places of the mesh to Blender's world.
+
+        Of a `culled` mesh only front faces are drawn.
+        """
         ...

@@ -18,7 +18,8 @@ from .entry import TextureEntry
 class GodotShader:
     """A `template` file, the values of its `words`, and the material's `parameters` and textures by uniform.
 
-    `parameters` are in the syntax of Godot's text resources.
+    `parameters` are in the syntax of Godot's text resources. A mesh with several materials has, for each, the
+    parameters in `materials`, too.
     """
 
     template: str
@@ -26,6 +27,7 @@ class GodotShader:
     includes: tuple[str, ...]
     parameters: Mapping[str, str]
     textures: Mapping[str, TextureEntry]
+    materials: tuple[Mapping[str, str], ...] = ({},)
 
 
 def integers(values: Any) -> str:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One small real bake of the demo's head, the same cameras for every program, and what each must show.
 
-    python -m tests.real.exhibit plain FOLDER        bakes it; also shared, condensed
+    python -m tests.real.exhibit plain FOLDER        bakes it; also shared, condensed, layered
 
 The head is turned, moved and stretched, so that a program which forgets the object's matrix shows it, and
 its gold is worn, so that it scatters light too. It stands alone: behind it everything is black.
@@ -45,12 +45,15 @@ class Form(StrEnum):
     PLAIN = "plain"
     SHARED = "shared"
     CONDENSED = "condensed"
+    LAYERED = "layered"
 
     @property
     def spec(self) -> BakeSpec:
         small = BakeSpec(texels=64, bucket=8, samples=4)
         if self is Form.PLAIN:
             return small
+        if self is Form.LAYERED:
+            return BakeSpec(texels=64, samples=2, layout=Layout.LAYERED)
         budget = 400_000 if self is Form.CONDENSED else None
         return BakeSpec(texels=64, bucket=6, samples=2, layout=Layout.SHARED, budget=budget)
 
@@ -165,6 +168,11 @@ class Exhibit:
     def condensed(self) -> Bake:
         return self._baked(Form.CONDENSED)
 
+    @cached_property
+    def layered(self) -> Bake:
+        """Of two materials."""
+        return self._baked(Form.LAYERED)
+
     def _baked(self, form: Form) -> Bake:
         """Bake in a process of its own: the file that is open here stays as it is."""
         folder = self.folder / form
@@ -179,6 +187,19 @@ def decibels(picture: Picture, reference: Picture, mask: Mask) -> float:
     return psnr(picture, reference, mask)
 
 
+def _paint_upper_half(head: Any) -> None:
+    """Give the faces above the middle a second material: blue paint, duller than the gold."""
+    paint = head.active_material.copy()
+    shader = next(node for node in paint.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    for name, value in (("Base Color", (0.05, 0.1, 0.5, 1.0)), ("Metallic", 0.0), ("Roughness", 0.4)):
+        for link in shader.inputs[name].links:
+            paint.node_tree.links.remove(link)
+        shader.inputs[name].default_value = value
+    head.data.materials.append(paint)
+    for face in head.data.polygons:
+        face.material_index = int(face.center.z > 0)
+
+
 def main(form: Form, folder: Path) -> None:
     """Bake the head in one form, with its preview."""
     scene = build_demo_scene()
@@ -186,6 +207,8 @@ def main(form: Form, folder: Path) -> None:
     head.matrix_world = PLACE
     gold = next(node for node in head.active_material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
     gold.inputs["Metallic"].default_value = 0.6
+    if form is Form.LAYERED:
+        _paint_upper_half(head)
     bake_object(scene, OBJECT, form.spec, folder, preview=Filter.QUADRILINEAR, overwrite=True)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""shaders/radtex_layered.hlsl, through SPIR-V on a real Vulkan, against the layered layout's reference sampler."""
+"""shaders/radtex_layered.hlsl, through SPIR-V on a real Vulkan, against the layout's reference sampler."""
 
 from __future__ import annotations
 

@@ -146,8 +146,17 @@ class Buckets:
             )
         return [*defines(entry, target), *lookups]
 
+    def shader_facts(
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]
+    ) -> dict[str, Any] | None:
+        return None
+
     def godot_shader(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], baked: Floats
+        self,
+        bake: Mapping[str, Any],
+        textures: Mapping[str, TextureEntry],
+        baked: Floats,
+        culled: bool = False,
     ) -> GodotShader:
         return buckets_shader(bake, textures)
 

@@ -60,6 +60,7 @@ from .flat import flat_layered
 from .godot import layered_shader
 from .lookup.atlas import sample_layered
 from .preview.material import check_layered_previewable, preview_layered_material
+from .shader_values import exported_facts
 from .signature import own_texels
 from .textures import write_layered_textures
 
@@ -135,7 +136,8 @@ class Layered:
         return write_layered_textures(sidecar, spec, folder)
 
     def includes(self, bake: Mapping[str, Any]) -> tuple[str, ...]:
-        return ("radtex_layered",)
+        through = "through" in bake["layered"]
+        return ("radtex_layered", "radtex_layered_through") if through else ("radtex_layered",)
 
     def usage(
         self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
@@ -146,10 +148,19 @@ class Layered:
             '"shader"; those of a material are set where faces of that material are drawn.',
         ]
 
+    def shader_facts(
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]
+    ) -> dict[str, Any] | None:
+        return exported_facts(bake, textures)
+
     def godot_shader(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], baked: Floats
+        self,
+        bake: Mapping[str, Any],
+        textures: Mapping[str, TextureEntry],
+        baked: Floats,
+        culled: bool = False,
     ) -> GodotShader:
-        return layered_shader(bake, textures, baked)
+        return layered_shader(exported_facts(bake, textures), textures, baked, culled)
 
 
 def _most_shapes(texels: int) -> Shapes:

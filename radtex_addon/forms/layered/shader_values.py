@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What shaders/radtex_layered.* must be told of a bake: definitions, textures and uniforms, the same in every language.
+"""What shaders/radtex_layered.* must be told of a bake, in every language: definitions, textures, uniforms.
 
 The uniform of a layer's texture is `radtex_<layer>_map`. All others are vectors of four numbers, or arrays of
 such, so that they may lie in a uniform buffer in any order.
@@ -9,12 +9,15 @@ such, so that they may lie in a uniform buffer in any order.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ...core.errors import InputError
+from ...formats.json_reader import Facts
+from ...textures.entry import TextureEntry
 from .files.arrangement import (
     ALPHA,
     COLOUR,
@@ -105,9 +108,30 @@ DEFAULT = Cost()
 FULL = Cost(steps=2, own_taps=4, rest_taps=4)
 
 
+def shader_facts(
+    sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: Cost = DEFAULT
+) -> dict[str, Any]:
+    """All of it, as JSON: "defines", "layers" whose textures are read, "values", and "materials"."""
+    return {
+        "defines": definitions(sidecar, cost),
+        "layers": list(layers_read(sidecar)),
+        "values": bake_values(sidecar, stored),
+        "materials": [material_values(sidecar, number, cost) for number in range(len(sidecar.materials))],
+    }
+
+
+def exported_facts(bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]) -> dict[str, Any]:
+    """The `shader_facts` of an exported bake with this sidecar's JSON and these textures, of half floats."""
+    sidecar = LayeredSidecar.from_facts(Facts(dict(bake), "the bake"))
+    stored = {layer: _stored(entry) for layer, entry in textures.items()}
+    if DISTANCES in stored:
+        stored[DISTANCES] = replace(stored[DISTANCES], mean=sidecar.nearness)
+    return shader_facts(sidecar, stored)
+
+
 def layers_read(sidecar: LayeredSidecar) -> tuple[str, ...]:
     """The layers whose textures the shaders read."""
-    without = () if _mirrors(sidecar) else _OF_MIRRORS
+    without: tuple[str, ...] = () if _mirrors(sidecar) else _OF_MIRRORS
     if not _mirrors(sidecar) and sidecar.through is None:
         without += _SURROUNDINGS
     return tuple(layer for layer in sidecar.bake.layers if layer not in without)
@@ -194,6 +218,12 @@ def buffer_of(values: Values, layout: Mapping[str, int]) -> list[float]:
             rows[: len(given)] = given
         numbers += rows.ravel().tolist()
     return numbers
+
+
+def _stored(entry: TextureEntry) -> Stored:
+    """How a texture is stored: as it is, and maybe padded to whole blocks."""
+    width, height = entry.size
+    return Stored(part=(entry.texels[0] / width, entry.texels[1] / height))
 
 
 def _mirrors(sidecar: LayeredSidecar) -> bool:

@@ -40,6 +40,15 @@ def write_layered_textures(sidecar: SidecarFile, spec: ExportSpec, folder: Path)
     return {layer: _write_layer(sidecar, facts, layer, spec, folder) for layer in facts.shapes}
 
 
+def _to_one_texel(levels: tuple[Floats, ...]) -> tuple[Floats, ...]:
+    """Mip levels down to one texel, as some engines want them; no lookup reads those that are added."""
+    while len(levels[-1]) > 1:
+        last = levels[-1]
+        side = len(last) // 2
+        levels = (*levels, last.reshape(side, 2, side, 2, -1).mean(axis=(1, 3)))
+    return levels
+
+
 def _write_layer(
     sidecar: SidecarFile, facts: LayeredSidecar, layer: str, spec: ExportSpec, folder: Path
 ) -> TextureEntry:
@@ -47,7 +56,7 @@ def _write_layer(
     levels: tuple[Floats, ...] = (image.astype(np.float32),)
     if layer in facts.pictures:
         picture = facts.pictures[layer]
-        levels = unpacked(levels[0], picture.size, picture.levels)
+        levels = _to_one_texel(unpacked(levels[0], picture.size, picture.levels))
     if image.shape[2] == 1:  # as grey
         levels = tuple(np.repeat(level, 3, axis=2) for level in levels)
     return write_levels(source, levels, spec, folder, None, exact=layer not in _LIGHT)

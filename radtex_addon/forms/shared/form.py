@@ -159,8 +159,17 @@ class Shared:
             '"The shared layout". All numbers stand in the manifest under "bake".',
         ]
 
+    def shader_facts(
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]
+    ) -> dict[str, Any] | None:
+        return None
+
     def godot_shader(
-        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], baked: Floats
+        self,
+        bake: Mapping[str, Any],
+        textures: Mapping[str, TextureEntry],
+        baked: Floats,
+        culled: bool = False,
     ) -> GodotShader:
         return shared_shader(bake, textures, baked)
 

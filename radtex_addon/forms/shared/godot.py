@@ -28,7 +28,7 @@ def shared_shader(
     terms = ["radtex_diffuse(colour, fine, irradiance, texels, falloff, uv, dot(N, V))"]
     numbers = ["ivec2 fine", "ivec2 texels", "ivec2 around", "int cells", "vec3 falloff[RADTEX_FALLOFF]"]
     parameters = {
-        "baked": f"Basis({number_list(baked)})",
+        "baked": f"Basis({number_list(baked[:, :3])})",
         "fine": integers(shared["colour"]),
         "texels": integers(bake["texels"]),
         "around": integers((shared["surroundings"], shared["levels"])),

@@ -4,11 +4,12 @@
 
 import { FloatType, Mesh, PlaneGeometry, RGBAFormat, Scene, UnsignedByteType, WebGLRenderTarget } from "three";
 
+import { WHOLE } from "./layers";
 import type { Filter, Stage } from "./parts";
 import { lightMaterial, shown, TONES } from "./shaders";
 import type { SurfacePoint, Viewer } from "./viewer";
 
-const SYNTHETIC = 32; // cells a side of a shared bake's bucket, which is made for the inspector
+const SYNTHETIC = 32; // cells a side of a shared or layered bake's bucket, which is made for the inspector
 
 /** What the inspector knows of a point; light is linear, premultiplied RGBA. */
 export interface Inspection {
@@ -23,7 +24,7 @@ export interface Inspection {
   light: number[];
   /** Cells a side. */
   side: number;
-  /** Whether the bucket is stored so; that of a shared bake is looked up. */
+  /** Whether the bucket is stored so; that of a shared or layered bake is looked up. */
   stored: boolean;
   /** All cells, the lowest row first. */
   bucket: Float32Array;
@@ -62,7 +63,7 @@ export class Inspector {
       return;
     }
     const { bake } = viewer.manifest;
-    const stored = bake.layout !== "shared";
+    const stored = bake.layout !== "shared" && bake.layout !== "layered";
     const side = stored ? bake.bucket : SYNTHETIC;
     const texel = point.uv.map((along, axis) => {
       const count = bake.texels[axis] as number;
@@ -144,6 +145,7 @@ export class Inspector {
       u_normal: point?.normal,
       u_tangent: point?.tangent,
       u_viewer: toViewer.toArray(),
+      u_place: point?.place.toArray(),
     };
     for (const [name, value] of Object.entries(values)) {
       const uniform = material.uniforms[name];
@@ -171,9 +173,10 @@ export class Inspector {
   }
 
   private material(stage: Stage, filter: Filter): ReturnType<typeof lightMaterial> {
-    const key = `${stage} ${filter}`;
+    const number = this.point?.material ?? 0;
+    const key = `${stage} ${filter} ${number}`;
     const { manifest, textures } = this.viewer;
-    const material = this.materials.get(key) ?? lightMaterial(manifest, textures, filter, stage);
+    const material = this.materials.get(key) ?? lightMaterial(manifest, textures, filter, stage, WHOLE, number);
     this.materials.set(key, material);
     return material;
   }

@@ -72,7 +72,11 @@ async function loadMeshes(url: URL, manifest: Manifest): Promise<Mesh[]> {
   scene.updateMatrixWorld(true);
   const meshes: Mesh[] = [];
   scene.traverse((each) => {
-    if (each instanceof Mesh) meshes.push(each);
+    if (!(each instanceof Mesh)) return;
+    const mesh = each as Mesh;
+    const own = Array.isArray(mesh.material) ? mesh.material[0] : mesh.material;
+    mesh.userData["radtexMaterial"] = (own?.userData["radtex_material"] as number | undefined) ?? 0;
+    meshes.push(mesh);
   });
   const wanted = ["position", "normal", "uv", ...(manifest.bake.layout === "shared" ? [] : ["tangent"])];
   const lacking = wanted.filter((name) => meshes.some((mesh) => !mesh.geometry.hasAttribute(name)));

@@ -44,10 +44,24 @@ export interface SharedFacts {
   condensed?: { rank: number; columns: number; lobes: Record<Lobe, CondensedLobe> };
 }
 
+/** The values of shader uniforms, by name: vectors of four numbers, or arrays of such. */
+export type UniformValues = Record<string, number[] | number[][]>;
+
+/** What a layered bake's shaders are told: docs/format.md. */
+export interface ShaderFacts {
+  defines: Record<string, number>;
+  /** Those whose textures are read. */
+  layers: string[];
+  /** The same for all materials. */
+  values: UniformValues;
+  /** Of each material, by its number. */
+  materials: UniformValues[];
+}
+
 /** The bake's sidecar, as far as the page reads it. */
 export interface Sidecar {
   kind: Kind;
-  layout: "buckets" | "shared" | "sphere";
+  layout: "buckets" | "shared" | "sphere" | "layered";
   texels: Size;
   bucket: number;
   samples: number;
@@ -65,6 +79,10 @@ export interface Manifest {
   /** The flat lightmap's light was multiplied by this before it was encoded. */
   flat_scale: number;
   bake: Sidecar;
+  /** Faces are drawn from the front alone: those that are seen from behind have others for their backs. */
+  culled?: boolean;
+  /** Of a layered bake. */
+  shader?: ShaderFacts;
   textures: Record<string, TextureEntry>;
 }
 
@@ -94,9 +112,10 @@ export async function readManifest(url: URL): Promise<Manifest> {
       `${manifest.tool ?? "A newer RadTex"} wrote it: take the page that the same export made.`,
     );
   }
-  if (!["buckets", "shared", "sphere"].includes(layout) || !(texels?.length === 2) || !(bucket >= 1)) {
+  if (!["buckets", "shared", "sphere", "layered"].includes(layout) || !(texels?.length === 2) || !(bucket >= 1)) {
     throw damaged(url, "its “bake” is no sidecar that this page knows");
   }
+  if (layout === "layered" && !manifest.shader?.materials?.length) throw damaged(url, "it has no “shader”");
   if (layout === "shared" && !manifest.bake.shared) throw damaged(url, "its “bake” has no “shared”");
   return manifest;
 }

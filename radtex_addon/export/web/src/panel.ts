@@ -19,6 +19,7 @@ const FILTER_WORDS: Record<Filter, [string, string]> = {
   quadrilinear: ["Quadrilinear", "Four texels, each blended between its cells"],
   levels: ["Levels", "Quadrilinear, and mip levels where texels are smaller than pixels"],
   shared: ["Shared", "The shared layout is looked up in one way"],
+  layered: ["Layered", "The layered layout is looked up in one way"],
 };
 const TONE_WORDS: Record<Tone, string> = { none: "None", aces: "ACES", agx: "AgX", neutral: "Neutral" };
 const CLICK = 5; // CSS pixels that a click may stray
@@ -69,13 +70,14 @@ export class Panel {
   /** What is shown, in one line. */
   private describe({ name, bake, textures }: Manifest): void {
     const formats = [...new Set(Object.values(textures).map(({ format }) => format))].join(", ");
-    const layout = bake.shared?.condensed ? "condensed" : bake.layout === "shared" ? "shared layout" : "";
-    const arrangement = bake.layout === "shared" ? "" : textures[bake.kind]?.arrangement;
+    const several = bake.layout === "shared" || bake.layout === "layered"; // images
+    const layout = bake.shared?.condensed ? "condensed" : several ? `${bake.layout} layout` : "";
+    const arrangement = several ? "" : textures[bake.kind]?.arrangement;
     const { title, about, way } = KINDS[bake.kind];
     const facts = [
       bake.kind === "radiance" ? "" : title,
       `${bake.texels.join(" × ")} texels`,
-      bake.kind === "ao" ? "" : `${bake.bucket} × ${bake.bucket} cells`,
+      bake.kind === "ao" || bake.layout === "layered" ? "" : `${bake.bucket} × ${bake.bucket} cells`,
       bake.kind === "shadow" ? "" : `${bake.samples} samples`,
       layout,
       arrangement,

@@ -5,12 +5,15 @@
 import condensedLookups from "../../../../shaders/radtex_condensed.glsl";
 import bucketLookups from "../../../../shaders/radtex.glsl";
 import shadowLookups from "../../../../shaders/radtex_shadow.glsl";
+import layeredLookups from "../../../../shaders/radtex_layered.glsl";
+import throughLookups from "../../../../shaders/radtex_layered_through.glsl";
 import sharedLookups from "../../../../shaders/radtex_shared.glsl";
 import transferLookups from "../../../../shaders/radtex_transfer.glsl";
 import { BASE, bucketsOf, SUM, WHOLE } from "./layers";
-import type { Lobe, Manifest, Sidecar } from "./manifest";
+import type { Lobe, Manifest, ShaderFacts, Sidecar, UniformValues } from "./manifest";
 import { Problem } from "./problem";
 import bucketLight from "./shaders/buckets.glsl";
+import layeredLight from "./shaders/layered.glsl";
 import lobeLight from "./shaders/lobe.glsl";
 import shadowLight from "./shaders/shadow.glsl";
 import sharedLight from "./shaders/shared.glsl";
@@ -19,7 +22,7 @@ import transferLight from "./shaders/transfer.glsl";
 import { sunlight } from "./sun";
 import type { Loaded } from "./textures";
 
-export type Filter = "nearest" | "linear" | "quadrilinear" | "levels" | "shared";
+export type Filter = "nearest" | "linear" | "quadrilinear" | "levels" | "shared" | "layered";
 
 /** What is drawn: the mesh, the inspector's picture of one bucket, or its three pixels of numbers. */
 export type Stage = "mesh" | "bucket" | "probe";
@@ -36,8 +39,10 @@ export function partsOf(
   filter: Filter,
   stage: Stage,
   layer: string,
+  material: number,
 ): Parts {
   const { bake } = manifest;
+  if (bake.layout === "layered") return layeredParts(manifest.shader as ShaderFacts, textures, stage, material);
   if (bake.layout === "shared") return sharedParts(bake, textures, stage);
   const loaded = needed(textures, bucketsOf(layer, bake.kind));
   if (bake.kind === "shadow") return shadowParts(bake, loaded, stage);
@@ -154,6 +159,20 @@ function sharedParts(bake: Sidecar, textures: Map<string, Loaded>, stage: Stage)
   if (stage !== "mesh") lookups.unshift(bucketLookups); // for the surface's frame
   const lobes = facts.lobes.map((lobe) => lobeLight.replaceAll("LOBE", lobe));
   return [[...defines, ...lookups, sharedImages, ...lobes, sharedLight].join("\n"), uniforms];
+}
+
+function layeredParts(facts: ShaderFacts, textures: Map<string, Loaded>, stage: Stage, material: number): Parts {
+  const told = Object.entries(facts.defines).map(([name, value]) => `#define ${name} ${value}`);
+  const through = "RADTEX_THROUGH" in facts.defines;
+  const uniforms: Uniforms = { ...valued(facts.values), ...valued(facts.materials[material] ?? {}) };
+  for (const layer of facts.layers) uniforms[`radtex_${layer}_map`] = { value: needed(textures, layer).texture };
+  // The surface's frame is for the inspector alone.
+  const lookups = [stage === "mesh" ? "" : bucketLookups, layeredLookups, through ? throughLookups : "", layeredLight];
+  return [["#define LAYERED", "#define RADTEX_NO_DERIVATIVES", ...told, ...lookups].join("\n"), uniforms];
+}
+
+function valued(values: UniformValues): Uniforms {
+  return Object.fromEntries(Object.entries(values).map(([name, value]) => [name, { value: value.flat() }]));
 }
 
 /** The twelve vec4 of radtex_condensed.glsl. */

@@ -39,7 +39,7 @@ export const shown = { toneMappingExposure: { value: 1 }, u_tone: { value: 0 } }
 
 /** How the manifest's textures can be filtered, the best last. */
 export function filtersOf(manifest: Manifest): Filter[] {
-  if (manifest.bake.layout === "shared") return ["shared"];
+  if (manifest.bake.layout === "shared" || manifest.bake.layout === "layered") return [manifest.bake.layout];
   const radiance = manifest.textures[manifest.bake.kind];
   if (!radiance) throw new Problem(`The manifest names no texture “${manifest.bake.kind}”`, "Export the object again.");
   if (KINDS[manifest.bake.kind].way === "L") return ["quadrilinear"];
@@ -54,11 +54,17 @@ export function lightMaterial(
   filter: Filter,
   stage: Stage,
   layer: string = WHOLE,
+  number = 0,
 ): RawShaderMaterial {
-  const shared = manifest.bake.layout === "shared";
-  const material = assembled(...partsOf(manifest, textures, filter, stage, layer), stage, sidesOf(manifest));
-  const clear = !shared && [...textures.values()].some((loaded) => loaded.entry.format === "RGBA16F");
+  const parts = partsOf(manifest, textures, filter, stage, layer, number);
+  const material = assembled(...parts, stage, sidesOf(manifest));
+  const clear = hasAlpha(manifest, textures);
   return stage === "mesh" && clear ? blended(material) : material; // what has no alpha of its own is not blended
+}
+
+function hasAlpha({ bake }: Manifest, textures: Map<string, Loaded>): boolean {
+  if (bake.layout === "layered") return textures.has("alpha");
+  return bake.layout !== "shared" && [...textures.values()].some(({ entry }) => entry.format === "RGBA16F");
 }
 
 /** The flat lightmap on the mesh. */
@@ -76,9 +82,9 @@ function blended(material: RawShaderMaterial): RawShaderMaterial {
   return material;
 }
 
-/** A hull shows its front alone: what is seen through it is in its texture. */
+/** A hull shows its front alone: what is seen through it is in its texture; and so do faces with backs of their own. */
 function sidesOf(manifest: Manifest): Side {
-  return manifest.bake.kind === "proxy" ? FrontSide : DoubleSide;
+  return manifest.bake.kind === "proxy" || manifest.culled ? FrontSide : DoubleSide;
 }
 
 function assembled(lookups: string, uniforms: Uniforms, stage: Stage, sides: Side): RawShaderMaterial {
@@ -90,6 +96,7 @@ function assembled(lookups: string, uniforms: Uniforms, stage: Stage, sides: Sid
     u_normal: { value: [0, 0, 1] },
     u_tangent: { value: [1, 0, 0, 1] },
     u_viewer: { value: [0, 0, 1] },
+    u_place: { value: [0, 0, 0] },
   };
   return new RawShaderMaterial({
     glslVersion: GLSL3,

@@ -111,9 +111,9 @@ function upload(gl: WebGL2RenderingContext, pixels: Pixels, entry: TextureEntry,
   pixels.levels.forEach((_, level) => uploadLevel(gl, pixels, level));
   const filter = entry.arrangement === "words" ? gl.NEAREST : gl.LINEAR; // whole numbers have nothing between them
   gl.texParameteri(target, gl.TEXTURE_MAG_FILTER, filter);
-  // Mip levels of a matrix are always named, and blended by the shader.
-  const manyLevels = pixels.levels.length > 1;
-  gl.texParameteri(target, gl.TEXTURE_MIN_FILTER, manyLevels ? gl.LINEAR_MIPMAP_NEAREST : filter);
+  // Mip levels of a matrix are always named, and blended by the shader; a picture's are blended by the device.
+  const between = entry.arrangement === "image" ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR_MIPMAP_NEAREST;
+  gl.texParameteri(target, gl.TEXTURE_MIN_FILTER, pixels.levels.length > 1 ? between : filter);
   gl.texParameteri(target, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
   gl.texParameteri(target, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
   if (gl.getError() === gl.OUT_OF_MEMORY) {

@@ -41,6 +41,8 @@ export interface SurfacePoint {
   normal: [number, number, number];
   /** Its fourth number is the bitangent's sign. */
   tangent: [number, number, number, number];
+  /** The number of its material. */
+  material: number;
 }
 
 const FOVY = 35; // degrees
@@ -256,6 +258,7 @@ export class Viewer {
       uv: [u, 1 - v],
       normal: normal.normalize().toArray(),
       tangent: [...tangent.normalize().toArray(), sign * mirrored],
+      material: numberOf(hit.object),
     };
   }
 
@@ -270,11 +273,11 @@ export class Viewer {
     renderer.setScissorTest(true);
     if (edge > 0) {
       renderer.setScissor(0, 0, edge, height);
-      this.render(this.light());
+      this.render((mesh) => this.light(mesh));
     }
     if (edge < width) {
       renderer.setScissor(edge, 0, width - edge, height);
-      this.render(this.flat);
+      this.render(() => this.flat);
     }
     renderer.setScissorTest(false);
     this.drawn();
@@ -285,18 +288,19 @@ export class Viewer {
     const { renderer } = this;
     const { width, height } = renderer.getDrawingBufferSize(new Vector2());
     const target = new WebGLRenderTarget(width, height, { type: FloatType });
-    const material = flat ? this.flat : this.light();
-    const { blending } = material;
-    material.blending = NoBlending; // many devices do not blend floats
+    const materialOf = flat ? () => this.flat : (mesh: Mesh) => this.light(mesh);
+    const materials = [...new Set(this.meshes.map(materialOf))];
+    const blendings = materials.map(({ blending }) => blending);
+    for (const material of materials) material.blending = NoBlending; // many devices do not blend floats
     shown.u_tone.value = -1;
     renderer.setRenderTarget(target);
     renderer.clear();
-    this.render(material);
+    this.render(materialOf);
     const below = new Float32Array(width * height * 4);
     renderer.readRenderTargetPixels(target, 0, 0, width, height, below);
     renderer.setRenderTarget(null);
     target.dispose();
-    material.blending = blending;
+    materials.forEach((material, place) => (material.blending = blendings[place] ?? material.blending));
     this.setTone(this.tone);
     const values = new Float32Array(below.length);
     for (let row = 0; row < height; row++) {
@@ -305,20 +309,22 @@ export class Viewer {
     return { width, height, values };
   }
 
-  private light(): RawShaderMaterial {
-    const { filter, layer } = this;
-    const key = `${filter} ${layer}`;
-    const material = this.materials.get(key) ?? lightMaterial(this.manifest, this.textures, filter, "mesh", layer);
+  private light(mesh: Mesh): RawShaderMaterial {
+    const { filter, layer, manifest, textures } = this;
+    const number = numberOf(mesh);
+    const key = `${filter} ${layer} ${number}`;
+    const material = this.materials.get(key) ?? lightMaterial(manifest, textures, filter, "mesh", layer, number);
     this.materials.set(key, material);
     return material;
   }
 
-  private render(material: Material): void {
-    for (const mesh of this.meshes) mesh.material = material;
+  private render(materialOf: (mesh: Mesh) => Material): void {
+    for (const mesh of this.meshes) mesh.material = materialOf(mesh);
     if (this.manifest.bake.kind === "proxy") {
-      material.colorWrite = false; // first the depths: of a hull in folds nothing is seen but its nearest side
-      this.renderer.render(this.scene, this.camera);
-      material.colorWrite = true;
+      const materials = new Set(this.meshes.map(materialOf));
+      for (const material of materials) material.colorWrite = false; // first the depths: of a hull in folds nothing is
+      this.renderer.render(this.scene, this.camera); // seen but its nearest side
+      for (const material of materials) material.colorWrite = true;
     }
     this.renderer.render(this.scene, this.camera);
   }
@@ -362,6 +368,11 @@ export class Viewer {
     const { right, bottom } = this.covered;
     if (width && height) this.camera.setViewOffset(width, height, right / 2, bottom / 2, width, height);
   }
+}
+
+/** The number of a mesh's material, which loading has left there. */
+function numberOf(mesh: Mesh): number {
+  return (mesh.userData["radtexMaterial"] as number | undefined) ?? 0;
 }
 
 /** A vertex attribute between three vertices. */

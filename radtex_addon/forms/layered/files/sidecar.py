@@ -71,7 +71,7 @@ class LayeredSidecar:
     `bake` holds the facts of every layout: `width` x `height` texels of the irradiance, and as `bucket` the
     most cells that buckets can have. `colour` is the size of the maps of the material, `coarse` tells how many
     texels have buckets, of `own_cells` x `own_cells` and `rest_cells` x `rest_cells` cells; `distances` are the cells
-    along the side of that map, 0 without. Falloffs (STEPS, 3) are by material, as are the lobes.
+    along the side of that map and `nearness` its mean, 0 without. Falloffs (STEPS, 3) are by material, as are the lobes.
     """
 
     bake: Sidecar
@@ -82,6 +82,7 @@ class LayeredSidecar:
     middle: Floats
     pictures: dict[str, Picture]
     distances: int
+    nearness: float
     plane: Plane | None
     lamps: tuple[Lamp, ...]
     falloff: Floats
@@ -113,6 +114,7 @@ class LayeredSidecar:
             middle=atlas.around.middle,
             pictures=pictures,
             distances=0 if things is None else len(things.shape.nearness),  # type: ignore[union-attr]
+            nearness=0.0 if things is None else float(things.shape.nearness.mean()),  # type: ignore[union-attr]
             plane=shape if isinstance(shape, Plane) else None,
             lamps=atlas.around.lamps,
             falloff=_resampled(atlas.falloff),
@@ -177,7 +179,7 @@ class LayeredSidecar:
                 "eye": _row(plane.eye),
             }
         if self.distances:
-            layered["distances"] = self.distances
+            layered["distances"] = {"size": self.distances, "nearness": _short(self.nearness)}
         layered["lamps"] = [
             {
                 "place": _row(lamp.place),
@@ -217,6 +219,7 @@ class LayeredSidecar:
         found = {name: _picture_in(pictures.inner(name)) for name in PICTURES if name in pictures.values}
         through = layered.inner("through") if "through" in layered.values else None
         plane = layered.inner("plane") if PLANE in found else None
+        distances = layered.inner("distances") if THINGS in found else None
         materials = _objects(layered, "materials", _MOST_MATERIALS)
         sidecar = cls(
             bake=bake,
@@ -226,7 +229,8 @@ class LayeredSidecar:
             rest_cells=layered.whole_number("rest_cells", 2, 256),
             middle=_vector(layered, "middle"),
             pictures=found,
-            distances=layered.whole_number("distances", 2, _LARGEST) if THINGS in found else 0,
+            distances=0 if distances is None else distances.whole_number("size", 2, _LARGEST),
+            nearness=0.0 if distances is None else distances.positive("nearness"),
             plane=None
             if plane is None
             else Plane(_vector(plane, "normal"), plane.number("height"), _vector(plane, "eye")),

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One bucket, a pixel a cell, for the inspector. A shared bake has none in the surface's frame: it is looked up there.
+// One bucket, a pixel a cell, for the inspector. Shared and layered bakes have none in the surface's frame: they are looked up there.
 
 uniform ivec2 u_texel;
 uniform int u_side;
@@ -8,8 +8,14 @@ uniform vec2 u_point;
 uniform vec3 u_normal;
 uniform vec4 u_tangent;
 out vec4 pixel;
+#ifdef LAYERED
+uniform vec3 u_place;
+#endif
 
 void main() {
+#ifdef LAYERED
+    surface_place = u_place;
+#endif
     ivec2 cell = ivec2(gl_FragCoord.xy);
 #ifdef STORED
     pixel = displayed(stored_cell(u_texel, cell));

@@ -9,5 +9,8 @@ uniform vec3 cameraPosition;
 out vec4 pixel;
 
 void main() {
+#ifdef LAYERED
+    surface_place = v_position;
+#endif
     pixel = displayed(light(v_uv, v_normal, v_tangent, normalize(cameraPosition - v_position)));
 }

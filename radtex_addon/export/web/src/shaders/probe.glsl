@@ -7,6 +7,9 @@ uniform vec2 u_point;
 uniform vec3 u_normal, u_viewer;
 uniform vec4 u_tangent;
 out vec4 pixel;
+#ifdef LAYERED
+uniform vec3 u_place;
+#endif
 
 #ifdef SUNLIT
 #define ASKED u_to_sun
@@ -15,6 +18,9 @@ out vec4 pixel;
 #endif
 
 void main() {
+#ifdef LAYERED
+    surface_place = u_place;
+#endif
     vec3 I = radtex_incidence(ASKED, u_normal, u_tangent.xyz, u_tangent.w);
 #ifdef SPHERE
     vec2 B = radtex_sphere(I) * 2.0 - 1.0;
