@@ -11,6 +11,7 @@ from functools import cache
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.fragments import Fragments
 from radtex_addon.core.frame import normalised
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.formats.sidecar import Sidecar
@@ -24,7 +25,7 @@ from radtex_addon.forms.layered.files.arrangement import (
 )
 from radtex_addon.forms.layered.files.layered_files import atlas_of
 from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
-from radtex_addon.forms.layered.lookup.atlas import Fragments, LayeredAtlas, sample_layered
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from radtex_addon.forms.layered.lookup.environment import Around, Lamp
 from radtex_addon.forms.layered.lookup.ways import Through
 from radtex_addon.forms.layered.shader_values import CLEAR_ALPHA, Stored

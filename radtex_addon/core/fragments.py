@@ -17,8 +17,8 @@ from .frame import to_frame
 class Fragments:
     """Places looked at: `uv` (N, 2); `normal`, `viewer`, `position` (N, 3), world space; `material` (N,).
 
-    `tangent` and `bitangent` (N, 3) are the mesh's, None if no lookup needs them. Directions are unit vectors;
-    `viewer` points to the viewer.
+    `tangent` and `bitangent` (N, 3) are the mesh's, None if no lookup needs them. Directions are unit
+    vectors; `viewer` points to the viewer.
     """
 
     uv: Floats

@@ -28,7 +28,7 @@ def write_godot(pack: Pack, folder: Path) -> None:
     shader = manifest.form.godot_shader(manifest.bake, manifest.textures, baked_matrix(glb), manifest.culled)
     files = {"MATERIAL": f"{name}.material.tres", "SHADER": f"{name}.gdshader", "MESH": manifest.mesh}
     paths = {word: quoted(f"res://{file}") for word, file in files.items()}
-    materials = _materials(shader, glb, name)
+    materials = _materials(glb, name)
     facts = paths | {"NAME": quoted(name), "MATERIALS": _external(glb, materials)}
     for template in ("project.godot", "main.tscn", "orbit.gd"):
         _write(folder / template, template, facts)
@@ -43,7 +43,7 @@ def write_godot(pack: Pack, folder: Path) -> None:
         shutil.copyfile(SHADERS / file, folder / "shaders" / file)
 
 
-def _materials(shader: GodotShader, glb: Glb, name: str) -> dict[str, int]:
+def _materials(glb: Glb, name: str) -> dict[str, int]:
     """The material files, in the order of the mesh's materials, and the number of each in the shader's."""
     numbers = [each.get("extras", {}).get("radtex_material", 0) for each in glb.document["materials"]]
     ends = ["", *(f"-{place}" for place in range(1, len(numbers)))]

@@ -37,10 +37,10 @@ Lookup: TypeAlias = Callable[[Fragments], Floats]  # the linear light (N, 3) of 
 class Opened:
     """A finished bake, read: its sidecar, its images' paths, and a `lookup` of the light in them.
 
-    `texels` (H, W, K) are the stored values that belong to single texels, of the atlas's or of fewer. `compression` is None for GPU
-    textures, and if RadTex does not write it. `loss` is the largest relative difference between two of
-    `texels` that were equal before lossy compression. `budget` is the GPU memory of a condensed bake's
-    textures in bytes, None for other forms.
+    `texels` (H, W, K) are the stored values that belong to single texels, of the atlas's or of fewer.
+    `compression` is None for GPU textures, and if RadTex does not write it. `loss` is the largest relative
+    difference between two of `texels` that were equal before lossy compression. `budget` is the GPU memory of
+    a condensed bake's textures in bytes, None for other forms.
     """
 
     sidecar: Sidecar

@@ -17,10 +17,11 @@ from radtex_addon.formats.codecs.bc3 import decode_bc3, encode_bc3
 from radtex_addon.forms.layered.cells import CELLS
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from radtex_addon.forms.layered.lookup.edge_grid import EdgePictures, on_edges
+from radtex_addon.forms.layered.shader_values import DEFAULT, FULL, Cost
 from tests.bench.fidelity.layered.compressed import Texture, compressed, from_srgb, to_srgb
-from tests.bench.fidelity.layered.conditions import chosen
+from tests.bench.fidelity.layered.conditions import chosen, fetches
 from tests.bench.fidelity.layered.drawn_fragments import radiance
-from tests.bench.fidelity.layered.lookup import FULL, Cost, lookup_of
+from tests.bench.fidelity.layered.lookup import lookup_of
 from tests.layered.made_up import made_up_atlas, made_up_fragments
 
 _RNG = np.random.default_rng(3)
@@ -91,7 +92,7 @@ def test_the_shader_knows_how_many_cells_buckets_have(context: moderngl.Context)
 
 @pytest.mark.parametrize(
     ("cost", "fetches"),
-    [(FULL, 18), (Cost(), 13), (Cost(product=True), 12), (Cost(second="none", rest=False), 9)],
+    [(FULL, 18), (DEFAULT, 15), (Cost(second_lobe=False), 12), (Cost(steps=0, second_lobe=False), 11)],
 )
 def test_fetches_are_those_of_the_parts(decoded: Decoded, cost: Cost, fetches: int) -> None:
     assert lookup_of(*decoded, cost).fetches == fetches
@@ -103,6 +104,25 @@ def test_conditions_leave_the_right_lines() -> None:
     )
     assert chosen(source, {"A": 1, "N": 2}).split() == ["a", "b", "c", "e"]
     assert chosen(source, {"B": 1}).split() == ["a", "e"]
+    assert chosen("#ifndef N\n#define N 2\n#endif\n#if N > 1\na\n#endif", {}).split()[-1] == "a"
+    assert not chosen("#ifndef N\n#define N 2\n#endif\n#if N > 1\na\n#endif", {"N": 1})
+
+
+def test_fetches_of_calls_and_loops_are_counted() -> None:
+    source = """#define N 4
+float twice(vec2 uv) {
+    return texture(a, uv).r + textureLod(a, uv, 0.0).r;
+}
+float all(vec2 uv) {
+    float sum = twice(uv);
+    for (int k = 0; k < N; k++) {
+        sum += twice(uv);
+    }
+    return sum;
+}
+"""
+    assert fetches(source, {}, "all") == 10
+    assert fetches(source, {}, "twice") == 2
 
 
 def test_colours_and_alpha_come_back_from_bc3() -> None:

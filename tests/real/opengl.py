@@ -7,7 +7,7 @@ from __future__ import annotations
 import ctypes
 import ctypes.util
 from collections.abc import Mapping, Sequence
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import moderngl
 import numpy as np
@@ -49,6 +49,19 @@ def drawn(
     target.use()
     context.vertex_array(program, []).render(vertices=3)
     return np.frombuffer(target.read(components=4, dtype="f4"), np.float32).reshape(-1, 4)
+
+
+def set_values(program: moderngl.Program, values: Mapping[str, Any]) -> None:
+    """Set those uniforms that the program has: vectors, or lists of such."""
+    for name, value in values.items():
+        if name in program:
+            program[name] = uniform(value)
+
+
+def uniform(value: Sequence[Any]) -> Any:
+    """A vector, or a list of such, as moderngl wants it: a list of one without its brackets."""
+    rows = [tuple(row) for row in value] if isinstance(value[0], list) else [tuple(value)]
+    return rows if len(rows) > 1 else rows[0]
 
 
 def mipmapped(context: moderngl.Context, chain: Sequence[Floats], minified: int) -> Texture:

@@ -4,10 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import moderngl
 import numpy as np
@@ -26,7 +24,7 @@ from radtex_addon.forms.layered.shader_values import (
 from tests.bench.fidelity.layered.conditions import fetches
 from tests.layered_lookups import CASES, Case, assert_agrees, case_of, off
 from tests.lookups import SIDE
-from tests.real.opengl import VERSIONS, Texture, compiled, drawn, mipmapped
+from tests.real.opengl import VERSIONS, Texture, compiled, drawn, mipmapped, set_values
 
 SHADERS = Path(__file__).parents[2] / "shaders"
 FRAGMENT = """
@@ -63,25 +61,17 @@ def run(context: moderngl.Context, version: str, case: Case, cost: Cost) -> Floa
             case.textures[layer],
             moderngl.LINEAR_MIPMAP_LINEAR if len(case.textures[layer]) > 1 else moderngl.LINEAR,
         )
-        for layer in layers_read(case.sidecar)
+        for layer in layers_read(case.sidecar, cost)
     }
     textures |= {name: values.reshape(SIDE, SIDE, -1) for name, values in case.fields.items()}
     textures = {name: texture for name, texture in textures.items() if name in program}
-    set_values(program, bake_values(case.sidecar, case.stored))
+    set_values(program, bake_values(case.sidecar, case.stored, cost))
 
     def with_material(number: int) -> Floats:
         set_values(program, material_values(case.sidecar, number, cost))
         return drawn(context, program, textures, SIDE)
 
     return case.by_material(with_material)
-
-
-def set_values(program: moderngl.Program, values: Mapping[str, Any]) -> None:
-    """Set uniforms; moderngl wants an array of one element without its brackets."""
-    for name, value in values.items():
-        if name in program:
-            rows = [tuple(row) for row in value] if isinstance(value[0], list) else tuple(value)
-            program[name] = rows[0] if isinstance(value[0], list) and len(rows) == 1 else rows
 
 
 @pytest.mark.parametrize("version", VERSIONS)

@@ -40,10 +40,10 @@ def jobs(case: Case, cost: Cost) -> list[Job]:
     defines = "".join(f"#define {name} {value}\n" for name, value in definitions(case.sidecar, cost).items())
     includes = ("radtex_layered", *(["radtex_layered_through"] if case.through else []))
     textures: dict[str, Image] = {
-        f"radtex_{layer}_map": _levels(case.textures[layer]) for layer in layers_read(case.sidecar)
+        f"radtex_{layer}_map": _levels(case.textures[layer]) for layer in layers_read(case.sidecar, cost)
     }
     textures |= {name: values.reshape(SIDE, SIDE, -1) for name, values in case.fields.items()}
-    values = bake_values(case.sidecar, case.stored)
+    values = bake_values(case.sidecar, case.stored, cost)
     return [
         Job(
             CODE,

@@ -15,13 +15,14 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.fragments import Fragments
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.export.write_godot import TEMPLATES, baked_matrix, material_text
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.ktx2 import write_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat, encode_texture
 from radtex_addon.forms.layered.godot import layered_shader
-from radtex_addon.forms.layered.lookup.atlas import Fragments, sample_layered
+from radtex_addon.forms.layered.lookup.atlas import sample_layered
 from radtex_addon.forms.layered.shader_values import FULL, shader_facts
 from radtex_addon.report.metrics import Picture
 from radtex_addon.textures.entry import Arranged, Container, TextureEntry
@@ -62,15 +63,15 @@ def project(bake: Bake, case: Case, folder: Path) -> Path:
     place = folder / "project"
     deque(export_steps(bake.sidecar, ExportSpec(Target.GODOT), place), maxlen=0)
     (glb,), (file,), (material,) = (place.glob(f"*.{kind}") for kind in ("glb", "gdshader", "material.tres"))
-    facts = {"layered": {"shader": shader_facts(case.sidecar, case.stored, FULL)}}
+    facts = shader_facts(case.sidecar, case.stored, FULL)
     entries = {layer: texture(layer, levels, place) for layer, levels in case.textures.items()}
-    shader = layered_shader(facts, entries, baked_matrix(Glb.read(glb)), MATERIAL)
+    shader = layered_shader(facts, entries, baked_matrix(Glb.read(glb)))
     text = (TEMPLATES / shader.template).read_text(encoding="utf-8")
     for word, value in shader.words.items():
         text = text.replace(f"@{word}@", value)
     assert "@" not in text.replace("@D", "")
     file.write_text(text, encoding="utf-8")
-    material.write_text(material_text(shader, file.name), encoding="utf-8")
+    material.write_text(material_text(shader, file.name, MATERIAL), encoding="utf-8")
     for include in shader.includes:
         source = SHADERS / f"{include}.gdshaderinc"
         (place / "shaders" / source.name).write_text(source.read_text(encoding="utf-8"), encoding="utf-8")

@@ -64,7 +64,7 @@ def run(root: Root, compiler: str, defines: str, case: Case, cost: Cost) -> Floa
     for name, value in definitions(case.sidecar, cost).items():
         defines += f"#define {name} {value}\n"
     source = defines + SHADER % ("radtex_layered_through" if case.through else "radtex_layered")
-    values = bake_values(case.sidecar, case.stored)
+    values = bake_values(case.sidecar, case.stored, cost)
     resources: dict[str, Resource] = {
         "s0": Sampler("linear"),
         "b0": packed(values, BAKE_BUFFER),

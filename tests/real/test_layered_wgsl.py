@@ -57,7 +57,7 @@ def run(root: Root, case: Case, cost: Cost) -> Floats:
     code = code.replace("@group(1)", "@group(0)") + FRAGMENT % (THROUGH if case.through else LOOKUP)
     constants = {name: float(value) for name, value in definitions(case.sidecar, cost).items()}
     constants.pop("RADTEX_THROUGH", None)
-    values = bake_values(case.sidecar, case.stored)
+    values = bake_values(case.sidecar, case.stored, cost)
     resources: dict[int | str, Resource] = {
         "radtex": packed(values, BAKE_BUFFER),
         "radtex_filtering": Sampler("linear"),

@@ -144,8 +144,8 @@ class Layered:
     ) -> list[str]:
         return [
             "radtex_layered(uv, position, N, V), premultiplied by radtex_alpha(uv), in the world space of",
-            "the bake, in Blender's axes (z up). What to define, and all uniforms, stand in the manifest under",
-            '"shader"; those of a material are set where faces of that material are drawn.',
+            "the bake, in Blender's axes (z up). What to define, and all uniforms, stand in the manifest,",
+            'under "shader"; those of a material are set where faces of that material are drawn.',
         ]
 
     def shader_facts(

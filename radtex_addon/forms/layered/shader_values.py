@@ -69,8 +69,9 @@ class Cost:
     """What a lookup may cost.
 
     `steps`: fetches of distances, 0 to 2. `own_taps`, `rest_taps`: cells of a bucket that are blended, 3 or
-    4. `second_lobe`: whether it is looked up, or each material has one lobe in place of two. `exit_taps`: ways
-    of light that comes through that are looked at, 16, or 4 where the textures' filter blends those of texels.
+    4. `second_lobe`: whether it is looked up, or each material has one lobe in place of two. `exit_taps`: of
+    the ways of light that comes through, 16 are looked at, or 4, as the textures' filter blends those of
+    texels.
     """
 
     steps: int = 1
@@ -114,8 +115,8 @@ def shader_facts(
     """All of it, as JSON: "defines", "layers" whose textures are read, "values", and "materials"."""
     return {
         "defines": definitions(sidecar, cost),
-        "layers": list(layers_read(sidecar)),
-        "values": bake_values(sidecar, stored),
+        "layers": list(layers_read(sidecar, cost)),
+        "values": bake_values(sidecar, stored, cost),
         "materials": [material_values(sidecar, number, cost) for number in range(len(sidecar.materials))],
     }
 
@@ -129,17 +130,19 @@ def exported_facts(bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]
     return shader_facts(sidecar, stored)
 
 
-def layers_read(sidecar: LayeredSidecar) -> tuple[str, ...]:
+def layers_read(sidecar: LayeredSidecar, cost: Cost = DEFAULT) -> tuple[str, ...]:
     """The layers whose textures the shaders read."""
     without: tuple[str, ...] = () if _mirrors(sidecar) else _OF_MIRRORS
     if not _mirrors(sidecar) and sidecar.through is None:
         without += _SURROUNDINGS
+    if not cost.steps:
+        without += (DISTANCES,)
     return tuple(layer for layer in sidecar.bake.layers if layer not in without)
 
 
 def definitions(sidecar: LayeredSidecar, cost: Cost = DEFAULT) -> dict[str, int]:
     """What is defined before the shaders, or in WGSL overridden. Raises InputError for too many lamps."""
-    layers = layers_read(sidecar)
+    layers = layers_read(sidecar, cost)
     lamps = len(sidecar.lamps) if WORLD in layers else 0
     if lamps > MOST_LAMPS:
         raise InputError(
@@ -158,13 +161,13 @@ def definitions(sidecar: LayeredSidecar, cost: Cost = DEFAULT) -> dict[str, int]
     return found
 
 
-def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored]) -> Values:
+def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored], cost: Cost = DEFAULT) -> Values:
     """The uniforms that are the same for all materials; `stored` tells of textures by layer.
 
     A layer that it lacks is stored as it is. Raises ValueError for a picture that is padded, and for
     distances without their mean.
     """
-    layers = layers_read(sidecar)
+    layers = layers_read(sidecar, cost)
     values: Values = {}
     for layer in layers:
         found = stored.get(layer, Stored())
@@ -184,7 +187,7 @@ def bake_values(sidecar: LayeredSidecar, stored: Mapping[str, Stored]) -> Values
             lamps = sidecar.lamps
             values["radtex_lamp_place"] = [_row([*lamp.place, lamp.variance]) for lamp in lamps]
             values["radtex_lamp_light"] = [_row([*lamp.irradiance, 0]) for lamp in lamps]
-    if DISTANCES in layers:
+    if THINGS in layers:
         mean = stored[DISTANCES].mean if DISTANCES in stored else 0.0
         if mean <= 0:
             raise ValueError("distances: expected the mean of the texture's values")

@@ -69,9 +69,10 @@ class LayeredSidecar:
     """Facts about one bake in the layered layout.
 
     `bake` holds the facts of every layout: `width` x `height` texels of the irradiance, and as `bucket` the
-    most cells that buckets can have. `colour` is the size of the maps of the material, `coarse` tells how many
-    texels have buckets, of `own_cells` x `own_cells` and `rest_cells` x `rest_cells` cells; `distances` are the cells
-    along the side of that map and `nearness` its mean, 0 without. Falloffs (STEPS, 3) are by material, as are the lobes.
+    most cells that buckets can have. `colour` is the size of the maps of the material; `coarse` tells how
+    many texels have buckets, of `own_cells` x `own_cells` and `rest_cells` x `rest_cells` cells. `distances`
+    are the cells along the side of that map and `nearness` its mean, 0 without. Falloffs (STEPS, 3) are by
+    material, as are the lobes.
     """
 
     bake: Sidecar
@@ -122,8 +123,8 @@ class LayeredSidecar:
             through=None if through is None else ThroughCells(through.ways.shape[2], through.rest.shape[2]),
         )
         maps = [name for name in _MAPS if getattr(atlas, name) is not None]
-        sidecar = replace(sidecar, bake=replace(sidecar.bake, layers=sidecar._layers(maps)))
-        if not all(np.isfinite(part).all() for part in sidecar._numbers()):
+        sidecar = replace(sidecar, bake=replace(sidecar.bake, layers=sidecar.layers_with(maps)))
+        if not all(np.isfinite(part).all() for part in sidecar.numbers()):
             raise BakeError(
                 f'a material, a lamp or the surroundings of "{bake.object_name}" have a value that is no '
                 "finite number: nothing was written; bake it again"
@@ -247,13 +248,13 @@ class LayeredSidecar:
             ),
         )
         maps = [name for name in _MAPS if name in bake.layers]
-        expected = sidecar._layers(maps)
+        expected = sidecar.layers_with(maps)
         if WORLD not in found or not materials:
             raise FormatError(f'{facts.source}, in "layered", lacks the world\'s picture, or materials')
         facts.constant("layers", list(expected))
         return sidecar
 
-    def _layers(self, maps: Sequence[str]) -> tuple[str, ...]:
+    def layers_with(self, maps: Sequence[str]) -> tuple[str, ...]:
         """The names of a bake's images, if it has these optional maps of the surface."""
         there = {COLOUR, IRRADIANCE, OWN, REST, *maps, *self.pictures}
         if THINGS in self.pictures:
@@ -266,7 +267,8 @@ class LayeredSidecar:
         width, height = padded_size(self.coarse)
         return cells * width, cells * height
 
-    def _numbers(self) -> list[Floats]:
+    def numbers(self) -> list[Floats]:
+        """All numbers that must be finite."""
         found = [self.middle, self.falloff]
         for material in self.materials:
             found += [material.weight, np.log(material.variance), material.bend]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Radiance at given fragments by lookup.glsl on a real OpenGL, to be compared with `sample_layered`."""
+"""Radiance at given fragments by the layered layout's GLSL, to be compared with `sample_layered`."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy as np
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.fragments import Fragments
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
-from tests.real.opengl import VERSIONS, compiled, drawn
+from tests.real.opengl import VERSIONS, compiled, drawn, set_values
 
-from .lookup import Lookup, material_values
+from .lookup import Lookup
 
 _SHADER = """
 uniform sampler2D uvs, normals, viewers, positions;
@@ -41,9 +41,7 @@ def radiance(context: moderngl.Context, atlas: LayeredAtlas, lookup: Lookup, at:
     textures = {name: texture for name, texture in textures.items() if name in program}
     found = np.zeros((count, 3), dtype=np.float32)
     for number in range(len(atlas.materials)):
-        for name, value in {**lookup.values, **material_values(atlas, number, lookup)}.items():
-            if name in program:
-                program[name] = value
+        set_values(program, lookup.values(number))
         own = at.material == number
         found[own] = drawn(context, program, textures, side)[:count, :3][own]
     return found

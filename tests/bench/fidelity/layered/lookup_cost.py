@@ -22,13 +22,15 @@ import numpy as np
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
+from radtex_addon.forms.layered.shader_values import DEFAULT, FULL
 from tests.bench.drawing import Model, Painter
 from tests.bench.fragment import diffuse, measured, view_of
 from tests.layered.made_up import made_up_atlas, made_up_fragments
+from tests.real.opengl import uniform
 
 from .compressed import MATERIAL_MAPS, compressed
 from .drawn_fragments import radiance
-from .lookup import FULL, Cost, Lookup, lookup_of, material_values
+from .lookup import Lookup, lookup_of
 
 SHADE = """
 vec4 shade() {
@@ -39,11 +41,9 @@ WAYS = {
     "all of it": FULL,
     "three cells of a direction": replace(FULL, own_taps=3, rest_taps=3),
     "one fetch of distances": replace(FULL, steps=1),
-    "second lobe in one picture": replace(FULL, second="whole"),
-    "these three": Cost(),
-    "and colour x irradiance in one": Cost(product=True),
-    "and no distances": Cost(product=True, steps=0),
-    "and one lobe": Cost(product=True, steps=0, second="none"),
+    "both, as it is by default": DEFAULT,
+    "and no distances": replace(DEFAULT, steps=0),
+    "and one lobe": replace(DEFAULT, steps=0, second_lobe=False),
 }
 
 
@@ -84,14 +84,13 @@ def main() -> None:
 
 
 def light_bytes(lookup: Lookup) -> int:
-    """Without the maps of the material; colour times irradiance is counted as one of these."""
-    maps = (*MATERIAL_MAPS, "shading_normal", "lit")
-    return sum(texture.bytes for name, texture in lookup.textures.items() if name not in maps)
+    """Without the maps of the material."""
+    return sum(texture.bytes for layer, texture in lookup.textures.items() if layer not in MATERIAL_MAPS)
 
 
 def painter_of(context: moderngl.Context, model: Model, atlas: LayeredAtlas, lookup: Lookup) -> Painter:
     """Draws the model with the atlas's first material."""
-    values = {**lookup.values, **material_values(atlas, 0, lookup)}
+    values = {name: uniform(value) for name, value in lookup.values(0).items()}
     return Painter(context, model, lookup.code + SHADE, lookup.uploaded(context), values)
 
 

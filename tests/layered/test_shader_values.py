@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What shaders are told of a layered bake: as JSON, in buffers, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from radtex_addon.core.errors import InputError
+from radtex_addon.formats.containers.texture import PixelFormat
+from radtex_addon.forms.layered.files.arrangement import CHANNELS
+from radtex_addon.forms.layered.godot import layered_shader
+from radtex_addon.forms.layered.shader_values import (
+    BAKE_BUFFER,
+    FULL,
+    MATERIAL_BUFFER,
+    THROUGH_BUFFER,
+    Cost,
+    Stored,
+    bake_values,
+    buffer_of,
+    definitions,
+    layers_read,
+    material_values,
+    shader_facts,
+)
+from radtex_addon.textures.entry import Arranged, Container, TextureEntry
+from tests.layered_lookups import case_of
+
+SHADERS = Path(__file__).parents[2] / "shaders"
+BUFFERS = {"RadtexBake": BAKE_BUFFER, "RadtexMaterial": MATERIAL_BUFFER, "RadtexThrough": THROUGH_BUFFER}
+
+
+@pytest.mark.parametrize("name", ["everything, in ranges", "bare", "matt"])
+def test_facts_survive_json(name: str) -> None:
+    case = case_of(name)
+    facts = shader_facts(case.sidecar, case.stored)
+    assert json.loads(json.dumps(facts)) == facts
+
+
+def test_every_uniform_of_everything_is_in_a_buffer() -> None:
+    case = case_of("everything")
+    values = bake_values(case.sidecar, case.stored) | material_values(case.sidecar, 0)
+    assert set(values) == set(BAKE_BUFFER) | set(MATERIAL_BUFFER) | set(THROUGH_BUFFER)
+    numbers = np.reshape(buffer_of(values, BAKE_BUFFER), (-1, 4))
+    assert len(numbers) == sum(BAKE_BUFFER.values())
+    np.testing.assert_allclose(numbers[0, :3], case.sidecar.middle, rtol=1e-6)
+    np.testing.assert_allclose(numbers[-1, :3], case.sidecar.lamps[-1].irradiance, rtol=1e-6)
+
+
+def test_hlsl_declares_the_buffers() -> None:
+    text = _text("hlsl")
+    for name, layout in BUFFERS.items():
+        (body,) = re.findall(rf"cbuffer {name} [^{{]*{{(.*?)}}", text, re.DOTALL)
+        found = re.findall(r"float4 (\w+)(?:\[(\d+)\])?;", body)
+        assert [(member, int(count or 1)) for member, count in found] == list(layout.items())
+
+
+def test_wgsl_declares_the_buffers() -> None:
+    text = _text("wgsl")
+    for name, layout in BUFFERS.items():
+        (body,) = re.findall(rf"struct {name} {{(.*?)}}", text, re.DOTALL)
+        found = re.findall(r"(\w+): (?:vec4f|array<vec4f, (\d+)>),", body)
+        assert [int(count or 1) for _, count in found] == list(layout.values())
+        if name == "RadtexBake":
+            assert [f"radtex_{member}" for member, _ in found] == list(layout)
+
+
+def test_a_bake_without_lobes_reads_no_surroundings() -> None:
+    sidecar = case_of("matt").sidecar
+    assert layers_read(sidecar) == ("colour", "irradiance", "rest")
+    assert definitions(sidecar)["RADTEX_LAMPS"] == 0
+    assert "RADTEX_PLANE" not in definitions(sidecar)
+
+
+def test_distances_that_are_not_looked_up_are_not_read() -> None:
+    case = case_of("made up")
+    assert "distances" in layers_read(case.sidecar)
+    assert "distances" not in layers_read(case.sidecar, Cost(steps=0))
+
+
+def test_one_lobe_is_as_bright_as_two() -> None:
+    sidecar = case_of("made up").sidecar
+    one, two = (
+        np.reshape(material_values(sidecar, 1, Cost(second_lobe=both))["radtex_lobes"], (2, 16, 4))
+        for both in (False, True)
+    )
+    np.testing.assert_allclose(one[0, :, :3], two[..., :3].sum(axis=0), rtol=1e-5)
+    assert (one[0, :, 3] > two[..., 3].min(axis=0)).all()
+    assert (one[0, :, 3] < two[..., 3].max(axis=0)).all()
+
+
+def test_what_shaders_cannot_do_is_refused() -> None:
+    case = case_of("made up")
+    many = replace(case.sidecar, lamps=case.sidecar.lamps * 9)
+    with pytest.raises(InputError, match='"Vase" mirrors 9 lamps, shaders at most 8'):
+        definitions(many)
+    with pytest.raises(ValueError, match="world: a picture must fill its texture"):
+        bake_values(case.sidecar, case.stored | {"world": Stored(part=(0.5, 1.0))})
+    with pytest.raises(ValueError, match="expected the mean"):
+        bake_values(case.sidecar, {})
+
+
+def test_godot_is_told_of_each_material() -> None:
+    case = case_of("everything")
+    facts, size = shader_facts(case.sidecar, case.stored, FULL), (4, 4)
+    kind, form = Container.KTX2, PixelFormat.RGBA16F
+    entries = {
+        layer: TextureEntry(
+            f"{layer}.ktx2", kind, form, False, Arranged.IMAGE, size, 1, size, size, 1, (1, 1), size
+        )
+        for layer in CHANNELS
+    }
+    baked = np.column_stack([np.eye(3) * 2, [1, 2, 3]])
+    first = layered_shader(facts, entries, baked)
+    assert first.parameters["baked"] == "Basis(2.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0)"
+    assert first.parameters["baked_place"] == "Vector3(1.0, 2.0, 3.0)"
+    assert first.materials[0]["radtex_lobes"] != first.materials[1]["radtex_lobes"]
+    assert first.words["SIDES"] == "cull_disabled"
+    assert layered_shader(facts, entries, baked, culled=True).words["SIDES"] == "cull_back"
+    assert first.includes == ("radtex_layered", "radtex_layered_through")
+    assert first.words["ALPHA"]
+    assert list(first.textures) == [f"radtex_{layer}_map" for layer in CHANNELS]
+    opaque = shader_facts(case_of("bare").sidecar, {}, FULL)
+    bare = layered_shader(opaque, entries, baked)
+    assert bare.includes == ("radtex_layered",)
+    assert not bare.words["ALPHA"]
+
+
+def _text(language: str) -> str:
+    names = ("radtex_layered", "radtex_layered_through")
+    return "".join((SHADERS / f"{name}.{language}").read_text(encoding="utf-8") for name in names)
