@@ -22,7 +22,8 @@ class FormTraits:
     * Options that it can be baked with: a `source`, single `lamps`, a `shared_atlas`, `layers`,
       `accumulates`, a `farm`, the `panoramic` capture, a limit of size or quality (`condenses`), a `split`
       object, and `any_cells`.
-    * `limited`: its bakes have such a limit. `backs`: faces that are seen from behind get texels of their own.
+    * `limited`: its bakes have such a limit. `backs`: faces that are seen from
+      behind get texels of their own.
     """
 
     name: str

@@ -115,12 +115,12 @@ def summary_of(title: str, spec: BakeSpec, result: BakeResult) -> str:
     seconds = sum(result.seconds.values())
     size = readable_size(sum(path.stat().st_size for path in result.files.images))
     cells = f" of {layout.bucket} x {layout.bucket} cells" if spec.form.any_cells else ""
-    layout_name = f", {spec.form.layout}," if spec.form.by_paths else ""
+    stored = f", {spec.form.layout}," if spec.form.by_paths else ""
     lost = f", {result.fireflies:.1%} of the light lost as fireflies" if result.fireflies > 5e-4 else ""
     clamped = f", {result.clamped} values clamped to what the file holds" if result.clamped else ""
     return (
         f"{title}: {layout.width} x {layout.height} texels{cells}"
-        f"{layout_name} at {spec.samples} spp, {result.covered_texels} texels covered, {result.paths:,} paths "
+        f"{stored} at {spec.samples} spp, {result.covered_texels} texels covered, {result.paths:,} paths "
         f"on {result.device} in {seconds:.1f} s, {size}{_condensed(result)}{lost}{clamped}"
     )
 

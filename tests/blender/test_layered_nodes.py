@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -67,7 +68,11 @@ def clear(atlas: LayeredAtlas) -> LayeredAtlas:
     return replace(atlas, through=Through(ways, _values(*coarse, 3), _values(*coarse, 8, 8, 3)))
 
 
-CASES = {"plain": lambda atlas: atlas, "bare": bare, "all": lambda atlas: clear(with_maps(atlas))}
+CASES: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
+    "plain": lambda atlas: atlas,
+    "bare": bare,
+    "all": lambda atlas: clear(with_maps(atlas)),
+}
 
 
 def fragments_of(atlas: LayeredAtlas) -> Fragments:
