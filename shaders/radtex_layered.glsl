@@ -21,6 +21,9 @@
 // levels, filtered linearly, too. v = 0 is the first row. A range is the share of a texture's width and height that is
 // no padding, and scale and offset: a value is texel * scale + offset, but for the alpha of own, plane and things.
 // Uniforms are the same for all materials, but for radtex_material and radtex_lobes: draw one material at a time.
+//
+// RADTEX_DECLARED: you declare the uniforms before, in blocks if you like, as Vulkan must have it.
+// RADTEX_NO_DERIVATIVES: for stages other than the fragment's.
 
 #ifdef GL_ES
 precision highp float;
@@ -44,6 +47,7 @@ precision highp sampler2D;
 #define RADTEX_SECOND_LOBE 1
 #endif
 
+#ifndef RADTEX_DECLARED
 uniform vec4 radtex_material[16];  // by N.V: the falloff, and the sine by which lobes bend towards the normal
 uniform sampler2D radtex_colour_map, radtex_irradiance_map, radtex_rest_map;
 uniform vec4 radtex_colour_range, radtex_irradiance_range;  // part of width and height, scale, offset
@@ -91,10 +95,15 @@ uniform vec4 radtex_lamp_place[RADTEX_LAMPS];  // from the middle, and width²
 uniform vec4 radtex_lamp_light[RADTEX_LAMPS];  // rgb: irradiance at the middle
 #endif
 #endif
+#endif
 
 // A plain map's value.
 vec4 radtex_map(sampler2D image, vec4 range, vec2 uv) {
+#ifdef RADTEX_NO_DERIVATIVES
+    return textureLod(image, uv * range.xy, 0.0) * range.z + range.w;
+#else
     return texture(image, uv * range.xy) * range.z + range.w;
+#endif
 }
 
 // How much a fragment hides of what lies behind it.
@@ -158,23 +167,23 @@ vec2 radtex_inside(vec4 tile, vec2 uv) {
     return clamp(uv * tile.xy, tile.zw, tile.xy - tile.zw);
 }
 
-vec4 radtex_three(sampler2D image, RadtexCells cells, vec2 inside, vec2 size) {
+vec4 radtex_three_taps(sampler2D image, RadtexCells cells, vec2 inside, vec2 size) {
     return textureLod(image, (cells.a + inside) * size, 0.0) * cells.weight.x
         + textureLod(image, (cells.b + inside) * size, 0.0) * cells.weight.y
         + textureLod(image, (cells.c + inside) * size, 0.0) * cells.weight.z;
 }
 
-vec4 radtex_four(sampler2D image, RadtexCells cells, vec2 inside, vec2 size) {
-    return radtex_three(image, cells, inside, size)
+vec4 radtex_four_taps(sampler2D image, RadtexCells cells, vec2 inside, vec2 size) {
+    return radtex_three_taps(image, cells, inside, size)
         + textureLod(image, (cells.d + inside) * size, 0.0) * cells.weight.w;
 }
 
 // What lobes and other paths, in coarse cells, do not tell, in the direction that lies at a place on the square.
 vec3 radtex_rest(sampler2D image, vec4 range, vec4 tile, float n, vec2 uv, vec2 place) {
 #if RADTEX_REST_TAPS == 4
-    vec4 found = radtex_four(image, radtex_four_cells(place, n), radtex_inside(tile, uv), range.xy);
+    vec4 found = radtex_four_taps(image, radtex_four_cells(place, n), radtex_inside(tile, uv), range.xy);
 #else
-    vec4 found = radtex_three(image, radtex_three_cells(place, n), radtex_inside(tile, uv), range.xy);
+    vec4 found = radtex_three_taps(image, radtex_three_cells(place, n), radtex_inside(tile, uv), range.xy);
 #endif
     return found.rgb * range.z + range.w;
 }
@@ -291,7 +300,7 @@ vec4 radtex_met(vec3 from, vec3 ray) {
 
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
 // given from the middle; `met` is radtex_met of both.
-vec3 radtex_around(vec3 from, vec3 ray, vec4 met, float spread) {
+vec3 radtex_shown(vec3 from, vec3 ray, vec4 met, float spread) {
     vec3 light = radtex_picture(radtex_world_map, radtex_world_range, radtex_world_levels, ray, spread).rgb;
     vec4 before;
 #ifdef RADTEX_PLANE
@@ -334,10 +343,10 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
     vec3 from = position - radtex_middle.xyz;
 #if RADTEX_OWN_TAPS == 4
     RadtexCells cells = radtex_four_cells(place, float(RADTEX_OWN_CELLS));
-    vec4 own = radtex_four(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
+    vec4 own = radtex_four_taps(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
 #else
     RadtexCells cells = radtex_three_cells(place, float(RADTEX_OWN_CELLS));
-    vec4 own = radtex_three(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
+    vec4 own = radtex_three_taps(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
 #endif
     own.rgb = own.rgb * radtex_own_range.z + radtex_own_range.w;
     vec3 towards = N - dot(N, axis) * axis;
@@ -349,11 +358,11 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
     wider = radtex_map(radtex_width_map, radtex_width_range, uv).r;
 #endif
     lobe.a += wider;
-    vec3 mirrored = lobe.rgb * mix(own.rgb, radtex_around(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+    vec3 mirrored = lobe.rgb * mix(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
 #if RADTEX_SECOND_LOBE > 0
     lobe = mix(radtex_lobes[low + 16], radtex_lobes[low + 17], above);
     lobe.a += wider;
-    mirrored += lobe.rgb * mix(own.rgb, radtex_around(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+    mirrored += lobe.rgb * mix(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
 #endif
 #ifdef RADTEX_TINT
     light += mirrored * radtex_map(radtex_tint_map, radtex_tint_range, uv).rgb;

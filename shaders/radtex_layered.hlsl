@@ -25,7 +25,8 @@
 //
 // Where things are bound. RADTEX_SAMPLER: a linear, clamped SamplerState that is declared before; without, there is
 // radtex_filtering. RADTEX_TEXTURE(k), RADTEX_BUFFER(k): what follows the declaration of the k-th texture or buffer,
-// such as `: register(t##k)`; without, the compiler chooses. RADTEX_NO_DERIVATIVES: for stages but the pixel's.
+// such as `: register(t##k)`; without, the compiler chooses. RADTEX_DECLARED: you declare textures and buffers before.
+// RADTEX_NO_DERIVATIVES: for stages other than the pixel's.
 
 #ifndef RADTEX_LAYERED_HLSL
 #define RADTEX_LAYERED_HLSL
@@ -56,6 +57,7 @@ SamplerState radtex_filtering;
 #define RADTEX_SAMPLER radtex_filtering
 #endif
 
+#ifndef RADTEX_DECLARED
 Texture2D radtex_colour_map RADTEX_TEXTURE(0);
 Texture2D radtex_irradiance_map RADTEX_TEXTURE(1);
 Texture2D radtex_tint_map RADTEX_TEXTURE(2);
@@ -99,6 +101,7 @@ cbuffer RadtexMaterial RADTEX_BUFFER(1) {
     float4 radtex_material[16];  // by N.V: the falloff, and the sine by which lobes bend towards the normal
     float4 radtex_lobes[32];     // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
 };
+#endif
 
 float2 radtex_turned(float2 place) {
 #ifdef RADTEX_TOP_DOWN
@@ -181,23 +184,23 @@ float2 radtex_inside(float4 tile, float2 uv) {
     return clamp(uv * tile.xy, tile.zw, tile.xy - tile.zw);
 }
 
-float4 radtex_three(Texture2D image, RadtexCells cells, float2 inside, float2 size) {
+float4 radtex_three_taps(Texture2D image, RadtexCells cells, float2 inside, float2 size) {
     return radtex_looked_up(image, (cells.a + inside) * size, 0.0) * cells.weight.x
         + radtex_looked_up(image, (cells.b + inside) * size, 0.0) * cells.weight.y
         + radtex_looked_up(image, (cells.c + inside) * size, 0.0) * cells.weight.z;
 }
 
-float4 radtex_four(Texture2D image, RadtexCells cells, float2 inside, float2 size) {
-    return radtex_three(image, cells, inside, size)
+float4 radtex_four_taps(Texture2D image, RadtexCells cells, float2 inside, float2 size) {
+    return radtex_three_taps(image, cells, inside, size)
         + radtex_looked_up(image, (cells.d + inside) * size, 0.0) * cells.weight.w;
 }
 
 // What lobes and other paths, in coarse cells, do not tell, in the direction that lies at a place on the square.
 float3 radtex_rest(Texture2D image, float4 range, float4 tile, float n, float2 uv, float2 place) {
 #if RADTEX_REST_TAPS == 4
-    float4 found = radtex_four(image, radtex_four_cells(place, n), radtex_inside(tile, uv), range.xy);
+    float4 found = radtex_four_taps(image, radtex_four_cells(place, n), radtex_inside(tile, uv), range.xy);
 #else
-    float4 found = radtex_three(image, radtex_three_cells(place, n), radtex_inside(tile, uv), range.xy);
+    float4 found = radtex_three_taps(image, radtex_three_cells(place, n), radtex_inside(tile, uv), range.xy);
 #endif
     return found.rgb * range.z + range.w;
 }
@@ -314,7 +317,7 @@ float4 radtex_met(float3 from, float3 ray) {
 
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
 // given from the middle; `met` is radtex_met of both.
-float3 radtex_around(float3 from, float3 ray, float4 met, float spread) {
+float3 radtex_shown(float3 from, float3 ray, float4 met, float spread) {
     float3 light = radtex_picture(radtex_world_map, radtex_world_range, radtex_world_levels, ray, spread).rgb;
     float4 before;
 #ifdef RADTEX_PLANE
@@ -357,10 +360,10 @@ float3 radtex_layered(float2 uv, float3 position, float3 N, float3 V) {
     float3 from = position - radtex_middle.xyz;
 #if RADTEX_OWN_TAPS == 4
     RadtexCells cells = radtex_four_cells(place, float(RADTEX_OWN_CELLS));
-    float4 own = radtex_four(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
+    float4 own = radtex_four_taps(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
 #else
     RadtexCells cells = radtex_three_cells(place, float(RADTEX_OWN_CELLS));
-    float4 own = radtex_three(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
+    float4 own = radtex_three_taps(radtex_own_map, cells, radtex_inside(radtex_own_tile, uv), radtex_own_range.xy);
 #endif
     own.rgb = own.rgb * radtex_own_range.z + radtex_own_range.w;
     float3 towards = N - dot(N, axis) * axis;
@@ -372,11 +375,11 @@ float3 radtex_layered(float2 uv, float3 position, float3 N, float3 V) {
     wider = radtex_map(radtex_width_map, radtex_width_range, uv).r;
 #endif
     lobe.a += wider;
-    float3 mirrored = lobe.rgb * lerp(own.rgb, radtex_around(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+    float3 mirrored = lobe.rgb * lerp(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
 #if RADTEX_SECOND_LOBE > 0
     lobe = lerp(radtex_lobes[low + 16], radtex_lobes[low + 17], above);
     lobe.a += wider;
-    mirrored += lobe.rgb * lerp(own.rgb, radtex_around(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+    mirrored += lobe.rgb * lerp(own.rgb, radtex_shown(from, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
 #endif
 #ifdef RADTEX_TINT
     light += mirrored * radtex_map(radtex_tint_map, radtex_tint_range, uv).rgb;
@@ -384,7 +387,8 @@ float3 radtex_layered(float2 uv, float3 position, float3 N, float3 V) {
     light += mirrored * opacity;
 #endif
 #endif
-    float3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, float(RADTEX_REST_CELLS), uv, place);
+    float n = float(RADTEX_REST_CELLS);
+    float3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, n, uv, place);
     light += max(opacity * rest, -0.5 * light);
     return max(light, 0.0);
 }

@@ -11,9 +11,9 @@
 // What the bake has and what a lookup costs is overridden when a pipeline is made, which leaves out what is not needed.
 // Textures, one for each layer, have mip levels if they are the world's, the plane's or the things'; in place of one
 // that the bake lacks, any of 1 x 1 is bound. The sampler clamps to the edge and filters linearly, between levels, too.
-// v = 0 is the first row. A range is the share of a texture's width and height that is no padding, and scale and offset:
-// a value is texel * scale + offset, but for the alpha of own, plane and things. `radtex` is the same for all materials,
-// radtex_of is of one: draw one material at a time. For another group of bindings, replace "@group(1)" in this text.
+// v = 0 is the first row. A range is the share of a texture's width and height that is no padding, and scale and
+// offset: a value is texel * scale + offset, but for the alpha of own, plane and things. `radtex` is the same for all
+// materials, radtex_of is of one: draw one material at a time. For another group of bindings, replace "@group(1)".
 
 override RADTEX_MIRRORS: bool = false;  // any of the materials has lobes
 override RADTEX_TINT: bool = false;     // the bake has this layer; and so on
@@ -151,7 +151,7 @@ fn radtex_inside(tile: vec4f, uv: vec2f) -> vec2f {
 }
 
 // A bucket's texels between three or four cells, in the direction that lies at a place on the square.
-fn radtex_cells(image: texture_2d<f32>, size: vec2f, tile: vec4f, n: f32, taps: i32, uv: vec2f,
+fn radtex_blended(image: texture_2d<f32>, size: vec2f, tile: vec4f, n: f32, taps: i32, uv: vec2f,
                 place: vec2f) -> vec4f {
     let inside = radtex_inside(tile, uv);
     var cells: RadtexCells;
@@ -171,7 +171,7 @@ fn radtex_cells(image: texture_2d<f32>, size: vec2f, tile: vec4f, n: f32, taps: 
 
 // What lobes and other paths, in coarse cells, do not tell.
 fn radtex_rest(image: texture_2d<f32>, range: vec4f, tile: vec4f, n: i32, uv: vec2f, place: vec2f) -> vec3f {
-    return radtex_cells(image, range.xy, tile, f32(n), RADTEX_REST_TAPS, uv, place).rgb * range.z + range.w;
+    return radtex_blended(image, range.xy, tile, f32(n), RADTEX_REST_TAPS, uv, place).rgb * range.z + range.w;
 }
 
 // The same as radtex_square on a picture of so many texels a side, whose outermost texels' centres lie on its edge.
@@ -267,7 +267,7 @@ fn radtex_met(whence: vec3f, ray: vec3f) -> vec4f {
 
 // What a lobe about the unit ray, of a width² whose log2 is `spread`, shows of the surroundings from a place that is
 // given from the middle; `met` is radtex_met of both.
-fn radtex_around(whence: vec3f, ray: vec3f, met: vec4f, spread: f32) -> vec3f {
+fn radtex_shown(whence: vec3f, ray: vec3f, met: vec4f, spread: f32) -> vec3f {
     var light = radtex_picture(radtex_world_map, radtex.world_range, radtex.world_levels, ray, spread).rgb;
     if RADTEX_PLANE {
         let before = radtex_below(whence, ray, spread);
@@ -290,7 +290,7 @@ fn radtex_free(kept: f32, width: f32) -> f32 {
 
 // What a lobe (weight and log2 of its width²) shows; `own` is what the object shows of itself.
 fn radtex_mirrored(whence: vec3f, ray: vec3f, met: vec4f, own: vec4f, lobe: vec4f) -> vec3f {
-    return lobe.rgb * mix(own.rgb, radtex_around(whence, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
+    return lobe.rgb * mix(own.rgb, radtex_shown(whence, ray, met, lobe.a), radtex_free(own.a, exp2(lobe.a)));
 }
 
 // Radiance towards the viewer, in the unit direction V, from a fragment at `position` whose unit normal is `face`.
@@ -313,7 +313,7 @@ fn radtex_layered(uv: vec2f, position: vec3f, face: vec3f, V: vec3f) -> vec3f {
     let place = radtex_square(axis);
     if RADTEX_MIRRORS {
         let whence = position - radtex.middle.xyz;
-        var own = radtex_cells(radtex_own_map, radtex.own_range.xy, radtex.own_tile, f32(RADTEX_OWN_CELLS),
+        var own = radtex_blended(radtex_own_map, radtex.own_range.xy, radtex.own_tile, f32(RADTEX_OWN_CELLS),
                                RADTEX_OWN_TAPS, uv, place);
         own = vec4f(own.rgb * radtex.own_range.z + radtex.own_range.w, own.a);
         var towards = N - dot(N, axis) * axis;

@@ -15,9 +15,11 @@
 #define RADTEX_EXIT_TAPS 16
 #endif
 
+#ifndef RADTEX_DECLARED
 uniform sampler2D radtex_exit_direction_map, radtex_exit_place_map, radtex_through_colour_map, radtex_through_rest_map;
 uniform vec4 radtex_exit_direction_range, radtex_exit_place_range, radtex_exit_tile;
 uniform vec4 radtex_through_colour_range, radtex_through_rest_range, radtex_through_rest_tile;
+#endif
 
 // A way, at a place in texels' units of tiles: luminance * direction, luminance.
 vec4 radtex_way(vec2 at) {
@@ -86,7 +88,7 @@ vec3 radtex_through(vec2 uv, vec3 from, vec3 N, vec3 V, vec3 T, vec3 B) {
     vec3 away = way.xyz / max(even, 1e-9), moved = path.xyz / luminance;
     vec3 ray = away.x * T + away.y * B + away.z * N, whence = from + moved.x * T + moved.y * B + moved.z * N;
     return way.w * radtex_map(radtex_through_colour_map, radtex_through_colour_range, uv).rgb
-        * radtex_around(whence, ray, radtex_met(whence, ray), log2(width));
+        * radtex_shown(whence, ray, radtex_met(whence, ray), log2(width));
 }
 
 // Radiance towards the viewer, in the unit direction V, from a fragment at `position`.

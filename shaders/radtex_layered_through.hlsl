@@ -21,6 +21,7 @@
 #define RADTEX_EXIT_TAPS 16
 #endif
 
+#ifndef RADTEX_DECLARED
 Texture2D radtex_exit_direction_map RADTEX_TEXTURE(12);
 Texture2D radtex_exit_place_map RADTEX_TEXTURE(13);
 Texture2D radtex_through_colour_map RADTEX_TEXTURE(14);
@@ -34,6 +35,7 @@ cbuffer RadtexThrough RADTEX_BUFFER(2) {
     float4 radtex_through_rest_range;
     float4 radtex_through_rest_tile;
 };
+#endif
 
 // A way, at a place in texels' units of tiles: luminance * direction, luminance.
 float4 radtex_way(float2 at) {
@@ -102,7 +104,7 @@ float3 radtex_through(float2 uv, float3 from, float3 N, float3 V, float3 T, floa
     float3 away = way.xyz / max(even, 1e-9), moved = path.xyz / luminance;
     float3 ray = away.x * T + away.y * B + away.z * N, whence = from + moved.x * T + moved.y * B + moved.z * N;
     return way.w * radtex_map(radtex_through_colour_map, radtex_through_colour_range, uv).rgb
-        * radtex_around(whence, ray, radtex_met(whence, ray), log2(width));
+        * radtex_shown(whence, ray, radtex_met(whence, ray), log2(width));
 }
 
 // Radiance towards the viewer, in the unit direction V, from a fragment at `position`.

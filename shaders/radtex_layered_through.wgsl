@@ -105,7 +105,7 @@ fn radtex_through(uv: vec2f, whence: vec3f, N: vec3f, V: vec3f, T: vec3f, B: vec
     let ray = away.x * T + away.y * B + away.z * N;
     let at = whence + moved.x * T + moved.y * B + moved.z * N;
     return way.w * radtex_map(radtex_through_colour_map, radtex_exit.colour_range, uv).rgb
-        * radtex_around(at, ray, radtex_met(at, ray), log2(width));
+        * radtex_shown(at, ray, radtex_met(at, ray), log2(width));
 }
 
 // Radiance towards the viewer, in the unit direction V, from a fragment at `position`.

@@ -109,14 +109,8 @@ def test_what_shaders_cannot_do_is_refused() -> None:
 
 def test_godot_is_told_of_each_material() -> None:
     case = case_of("everything")
-    facts, size = shader_facts(case.sidecar, case.stored, FULL), (4, 4)
-    kind, form = Container.KTX2, PixelFormat.RGBA16F
-    entries = {
-        layer: TextureEntry(
-            f"{layer}.ktx2", kind, form, False, Arranged.IMAGE, size, 1, size, size, 1, (1, 1), size
-        )
-        for layer in CHANNELS
-    }
+    facts = shader_facts(case.sidecar, case.stored, FULL)
+    entries = {layer: _entry(layer) for layer in CHANNELS}
     baked = np.column_stack([np.eye(3) * 2, [1, 2, 3]])
     first = layered_shader(facts, entries, baked)
     assert first.parameters["baked"] == "Basis(2.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0)"
@@ -131,6 +125,12 @@ def test_godot_is_told_of_each_material() -> None:
     bare = layered_shader(opaque, entries, baked)
     assert bare.includes == ("radtex_layered",)
     assert not bare.words["ALPHA"]
+
+
+def _entry(layer: str) -> TextureEntry:
+    size, kind = (4, 4), PixelFormat.RGBA16F
+    file, container, arranged = f"{layer}.ktx2", Container.KTX2, Arranged.IMAGE
+    return TextureEntry(file, container, kind, False, arranged, size, 1, size, size, 1, (1, 1), size)
 
 
 def _text(language: str) -> str:

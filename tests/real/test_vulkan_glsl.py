@@ -40,6 +40,44 @@ void main() {
     result = vec4(light, 1.0);
 }
 """
+LAYERED = """#version 450
+#extension GL_GOOGLE_include_directive : require
+#define RADTEX_DECLARED
+#define RADTEX_MIRRORS 1
+#define RADTEX_WIDTH 1
+#define RADTEX_ALPHA 1
+#define RADTEX_PLANE 1
+#define RADTEX_THINGS 1
+#define RADTEX_LAMPS 2
+#define RADTEX_OWN_CELLS 14
+#define RADTEX_REST_CELLS 8
+layout(set = 0, binding = 0) uniform Bake {
+    vec4 radtex_material[16], radtex_lobes[32], radtex_lamp_place[2], radtex_lamp_light[2];
+    vec4 radtex_colour_range, radtex_irradiance_range, radtex_rest_range, radtex_rest_tile;
+    vec4 radtex_alpha_range, radtex_width_range, radtex_own_range, radtex_own_tile, radtex_middle;
+    vec4 radtex_world_range, radtex_world_levels, radtex_plane_range, radtex_plane_levels;
+    vec4 radtex_plane_place, radtex_plane_eye, radtex_things_range, radtex_things_levels;
+    vec4 radtex_distances_range, radtex_distances_size;
+};
+layout(set = 0, binding = 1) uniform sampler2D radtex_colour_map;
+layout(set = 0, binding = 2) uniform sampler2D radtex_irradiance_map;
+layout(set = 0, binding = 3) uniform sampler2D radtex_rest_map;
+layout(set = 0, binding = 4) uniform sampler2D radtex_alpha_map;
+layout(set = 0, binding = 5) uniform sampler2D radtex_width_map;
+layout(set = 0, binding = 6) uniform sampler2D radtex_own_map;
+layout(set = 0, binding = 7) uniform sampler2D radtex_world_map;
+layout(set = 0, binding = 8) uniform sampler2D radtex_plane_map;
+layout(set = 0, binding = 9) uniform sampler2D radtex_things_map;
+layout(set = 0, binding = 10) uniform sampler2D radtex_distances_map;
+#include "radtex.glsl"
+#include "radtex_shared.glsl"
+#include "radtex_layered.glsl"
+layout(location = 0) out vec4 result;
+void main() {
+    vec2 uv = vec2(0.5);
+    result = vec4(radtex_layered(uv, vec3(1, 0, 0), vec3(1, 0, 0), vec3(0, 0, 1)), radtex_alpha(uv));
+}
+"""
 COMPUTE = """#version 450
 #extension GL_GOOGLE_include_directive : require
 #define RADTEX_NO_DERIVATIVES
@@ -77,6 +115,16 @@ def test_all_includes_go_together(root: Root, hardware: list[str]) -> None:
     here, inside = root.shared("lobes")
     (here / "all.frag").write_text(LOBES, encoding="utf-8")
     check(root, ["-I/repository/shaders", *hardware, "all.frag"], inside)
+
+
+@pytest.mark.parametrize("stage", ["frag", "vert"])
+def test_the_layered_layout_is_declared_in_a_block(root: Root, stage: str) -> None:
+    here, inside = root.shared("layered")
+    code = LAYERED.replace(
+        "#define RADTEX_DECLARED", "#define RADTEX_DECLARED\n#define RADTEX_NO_DERIVATIVES"
+    )
+    (here / f"all.{stage}").write_text(LAYERED if stage == "frag" else code, encoding="utf-8")
+    check(root, ["-I/repository/shaders", f"all.{stage}"], inside)
 
 
 def test_lookups_work_in_stages_without_derivatives(root: Root) -> None:
