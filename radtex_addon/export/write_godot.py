@@ -72,7 +72,8 @@ def baked_matrix(glb: Glb) -> Floats:
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
             [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
+        ],
+        dtype=np.float64,
     )
     turn *= np.array(node.get("scale", (1, 1, 1)), dtype=np.float64)
     return cast(Floats, _TO_BLENDER @ np.column_stack([turn, node.get("translation", (0, 0, 0))]))

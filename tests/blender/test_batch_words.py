@@ -61,8 +61,8 @@ def test_help_shows_every_option_with_its_default() -> None:
     names = ("kind", "unwrap", "texels", "samples", "capture", "seed", "device", "compression")
     for name in names:
         assert f"(default: {getattr(default, name)})" in told
-    assert "(default: 14 in layout shared with a budget or a target, 16 without; 8 in layout buckets)" in told
-    assert "(default: shared with --budget 2MB; buckets for other kinds, for an object that can be" in told
+    assert "(default: 8 in layout buckets; 14 in layout shared with a budget or a target, 16 without;" in told
+    assert "(default: layered; buckets for other kinds, for an object with hair or a volume, and for" in told
     for word in ("(default: radtex)", "(default: quadrilinear)", "(default: bar)"):
         assert word in told
     assert "exit codes:" in ended.out

@@ -47,10 +47,10 @@ OPTIONS: dict[str, dict[str, Any]] = {
 _INTRODUCTION = """\
 # What goes with what
 
-Each row is a kind of bake, in layout buckets, the layered or the shared layout; each column something that it can be
-baked with, or exported to. **yes**: it works. A number: it is refused, for the reason of that number below,
-in the words of the error. The page is written by `python -m tests.package.support_matrix`, which asks the
-code that refuses; a test compares.
+Each row is a kind of bake, in layout buckets, the layered or the shared layout; each column something that
+it can be baked with, or exported to. **yes**: it works. A number: it is refused, for the reason of that
+number below, in the words of the error. The page is written by `python -m tests.package.support_matrix`,
+which asks the code that refuses; a test compares.
 """
 
 

@@ -32,7 +32,8 @@ def curve_group(image: bpy.types.Image, materials: int) -> bpy.types.ShaderNodeT
     place = build.math("MULTIPLY_ADD", cosine, float(STEPS), -0.5)
     place = build.math("MINIMUM", build.math("MAXIMUM", place, 0.0), STEPS - 1.0)
     low = build.math("MINIMUM", build.math("FLOOR", place), STEPS - 2.0)
-    number = build.math("MINIMUM", build.math("ROUND", material), materials - 1.0)
+    number = build.math("MAXIMUM", build.math("ROUND", material), 0.0)
+    number = build.math("MINIMUM", number, materials - 1.0)
     line = build.math("MULTIPLY_ADD", number, float(ROWS), row)
     first, second = (
         build.image(image, pixel_centre(build, build.combine(step, line), size))[0]

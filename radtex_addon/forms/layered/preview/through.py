@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 
 import bpy
 
-from ....preview.node_group import bucket_group
+from ....preview.node_group import bucket_group, incidence_group
 from ....preview.taps import after, clamp, pair, pixel_centre, readable_size
 from ....scene.nodes import NodeBuilder, Operand, Socket, close_group, open_group
 from ..files.arrangement import EXIT_DIRECTION, EXIT_PLACE, THROUGH_COLOUR, THROUGH_REST
@@ -75,11 +75,12 @@ def through_group(
 def _frame(
     build: NodeBuilder, normal: Socket, tangent: Socket, sign: Socket
 ) -> tuple[Socket, Socket, Socket]:
-    """Tangent, bitangent and normal, orthonormal: `core.frame.orthonormal_frame`."""
-    along = build.vector("SCALE", normal, build.vector("DOT_PRODUCT", normal, tangent))
-    unit = build.vector("NORMALIZE", build.vector("SUBTRACT", tangent, along))
-    bitangent = build.vector("SCALE", build.vector("CROSS_PRODUCT", normal, unit), sign)
-    return unit, bitangent, normal
+    """Tangent, bitangent and normal in world space: the columns of what `incidence_group` multiplies by."""
+    group = incidence_group()
+    axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    parts = [build.separate(build.group(group, normal, tangent, sign, axis)[0]) for axis in axes]
+    along, across, up = (build.combine(*(part[index] for part in parts)) for index in range(3))
+    return along, across, up
 
 
 def _square(build: NodeBuilder, viewer: Socket, frame: tuple[Socket, Socket, Socket]) -> Socket:
