@@ -220,7 +220,8 @@ def test_a_thumbnail_shows_what_there_is(layout: Layout, tmp_path: Path, out: Pa
     )
     told: list[Path] = []
     path = tmp_path / "small.png"
-    spec = BakeSpec(layout=layout, texels=24, bucket=4, samples=1)
+    cells = 14 if layout is Layout.LAYERED else 4
+    spec = BakeSpec(layout=layout, texels=24, bucket=cells, samples=1)
     bake_object(context.scene, "Ball", spec, out, thumbnail=Thumbnail(path, told.append))
     assert told
     assert set(told) == {path}
