@@ -29,7 +29,7 @@ def coarsen(monkeypatch: pytest.MonkeyPatch) -> None:
     for module, name, size in (
         (panoramas, "WORLD_WIDTH", 768),
         (panoramas, "NEAR_WIDTH", 384),
-        (panoramas, "SIZE", 256),
+        (panoramas, "PICTURE_SIZE", 256),
         (lamps, "_SIZE", 256),
     ):
         monkeypatch.setattr(module, name, size)

@@ -66,7 +66,7 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     for module, name, size in (
         (panoramas, "WORLD_WIDTH", 384),
         (panoramas, "NEAR_WIDTH", 256),
-        (panoramas, "SIZE", 128),
+        (panoramas, "PICTURE_SIZE", 128),
         (lamps, "_SIZE", 256),
         (capturing, "OWN_SIDE", 16),
     ):

@@ -42,7 +42,7 @@ def test_saved_files_keep_their_layouts() -> None:
     """Blender saves a choice by its number."""
     setting = bpy.ops.radtex.bake.get_rna_type().properties["atlas_layout"]  # type: ignore[attr-defined]  # ours, not Blender's
     numbers = {item.identifier: item.value for item in setting.enum_items}
-    assert numbers == {"buckets": 0, "shared": 1, "auto": 2}
+    assert numbers == {"buckets": 0, "shared": 1, "auto": 2, "layered": 3}
 
 
 def test_every_setting_has_a_tooltip() -> None:
