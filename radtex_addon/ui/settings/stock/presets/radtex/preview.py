@@ -7,9 +7,8 @@ import bpy
 radtex = bpy.context.scene.radtex  # type: ignore[union-attr]  # ours, not Blender's
 
 radtex.kind = "radiance"
-radtex.atlas_layout = "shared"
-radtex.limit = "budget"
-radtex.budget = 2.0
+radtex.atlas_layout = "layered"
+radtex.limit = "none"
 radtex.texels = 128
 radtex.bucket = 14
 radtex.samples = 4
