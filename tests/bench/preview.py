@@ -29,7 +29,6 @@ from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.job import BakeResult, bake_object
-from radtex_addon.job.layout_choice import DEFAULT_BUDGET
 from radtex_addon.report.gbuffer import eroded
 from radtex_addon.report.metrics import Mask, Picture, display, psnr
 from radtex_addon.scene.demo import OBJECT, add_camera, build_demo_scene
@@ -45,7 +44,7 @@ def main() -> None:
     )
     parser.add_argument("scene", help="demo, gold, or obj:DIR")
     parser.add_argument("--texels", type=int, default=128)
-    parser.add_argument("--layout", choices=list(Layout), help="(default: shared within a budget, as bakes)")
+    parser.add_argument("--layout", choices=list(Layout), help="(default: layered, as bakes)")
     parser.add_argument("--bucket", type=int, help="(default: the layout's)")
     parser.add_argument("--samples", type=int, default=16)
     parser.add_argument("--pixels", type=int, default=192, help="of a picture's side")
@@ -54,15 +53,14 @@ def main() -> None:
     parser.add_argument("--no-eevee", action="store_true")
     options = parser.parse_args()
     name, build = _scene(options.scene)
-    layout = Layout.SHARED if options.layout is None else Layout(options.layout)
+    layout = Layout.LAYERED if options.layout is None else Layout(options.layout)
     spec = BakeSpec(
         layout=layout,
         texels=options.texels,
         bucket=options.bucket,
         samples=options.samples,
-        budget=DEFAULT_BUDGET if options.layout is None else None,
     )
-    filters = tuple(Filter) if layout is Layout.BUCKETS else (Filter.QUADRILINEAR,)  # shared has but one
+    filters = tuple(Filter) if layout is Layout.BUCKETS else (Filter.QUADRILINEAR,)  # others have but one
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         scene = build()

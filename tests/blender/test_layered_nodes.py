@@ -99,9 +99,7 @@ def rendered(engine: str, path: Path, at: Fragments) -> Floats:
     return stage.render(path.parent / "answers.exr")[0]
 
 
-@pytest.mark.parametrize(
-    ("engine", "case"), [*(("Cycles", case) for case in CASES), ("Eevee", "bare"), ("Eevee", "all")]
-)
+@pytest.mark.parametrize(("engine", "case"), [*(("Cycles", case) for case in CASES), ("Eevee", "all")])
 def test_the_group_agrees_with_the_reference(
     engine: str, case: str, plain: LayeredAtlas, tmp_path: Path
 ) -> None:
