@@ -21,7 +21,7 @@ from radtex_addon.formats.sidecar import Sidecar
 from radtex_addon.forms.layered.files.layered_files import read_layered, write_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at, sample_layered
 from radtex_addon.forms.layered.lookup.ways import Through
-from radtex_addon.forms.layered.preview.group import build_layered_group
+from radtex_addon.forms.layered.preview.group import SHOWS_THROUGH, build_layered_group
 from radtex_addon.forms.layered.preview.material import check_layered_previewable, load_images
 from radtex_addon.scene.nodes import NodeBuilder, Socket
 from tests.blender.lookup_stage import ENGINES, Inputs, LookupStage, data_image
@@ -71,7 +71,7 @@ def clear(atlas: LayeredAtlas) -> LayeredAtlas:
 CASES: dict[str, Callable[[LayeredAtlas], LayeredAtlas]] = {
     "plain": lambda atlas: atlas,
     "bare": bare,
-    "all": lambda atlas: clear(with_maps(atlas)),
+    "all": lambda atlas: clear(with_maps(atlas)) if SHOWS_THROUGH else with_maps(atlas),
 }
 
 

@@ -7,13 +7,13 @@ Each step is a group of its own, so that the tree reads like the maths. What a b
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import bpy
 
 from ....core.errors import InputError
 from ....preview.shared_group import in_working_space, octahedron_group
-from ....preview.taps import readable_size
+from ....preview.taps import after, readable_size
 from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..files.arrangement import ALPHA, COLOUR, IRRADIANCE, NORMAL, OWN, REST, TINT, WIDTH
 from ..files.sidecar import LayeredSidecar
@@ -23,6 +23,7 @@ from .surroundings import around_group
 from .through import through_group
 
 CURVES = "curves"  # the image of `curves_of`
+SHOWS_THROUGH = bpy.app.version >= (5, 0)  # else the nodes overflow the stack of 4.5's Cycles
 _STEEP, _LEAST_COSINE, _LEAST_LEFT = 0.3, 1e-3, 0.5  # as in lookup.atlas
 _KEPT, _EDGE = 2.56, 0.04  # as in lookup.visibility
 
@@ -34,15 +35,15 @@ def build_layered_group(images: _Images, facts: LayeredSidecar) -> bpy.types.Sha
 
     Inputs: UV (0..1, v up); Normal and Tangent (world space, of any length) and the bitangent's Sign; unit
     Incoming, towards the viewer, and Position, in world space; the Material's number. Outputs: Color, in the
-    file's working space and premultiplied by Alpha. Raises InputError if an image does not have the size in
-    the sidecar.
+    file's working space and premultiplied by Alpha, without what comes through unless SHOWS_THROUGH. Raises
+    InputError if an image does not have the size in the sidecar.
     """
     _check_sizes(images, facts)
     octahedron = octahedron_group()
     around = around_group(images, facts, octahedron)
     mirrored = _mirrored_group(images, facts, octahedron, around)
     through = None
-    if facts.through is not None:
+    if facts.through is not None and SHOWS_THROUGH:
         through = through_group(images, facts, octahedron, around)
     curves = curve_group(images[CURVES], len(facts.materials))
     build, (uv, normal, tangent, sign, viewer, position, material) = open_group(
@@ -65,18 +66,23 @@ def build_layered_group(images: _Images, facts: LayeredSidecar) -> bpy.types.Sha
     axis = build.vector("SUBTRACT", twice, viewer, label="mirror direction")
     cosine = build.math("MAXIMUM", facing, _LEAST_COSINE)
     falloff, first, second, bend, widths = curves_at(build, curves, cosine, material)
-    diffuse = [build.group(map_group(name.title(), images[name]), uv)[0] for name in (COLOUR, IRRADIANCE)]
-    light = build.vector("MULTIPLY", build.vector("MULTIPLY", *diffuse), falloff, label="diffuse")
+    (colour,) = build.group(map_group("Colour", images[COLOUR]), _later(build, uv, (falloff, first, second)))
+    (irradiance,) = build.group(map_group("Irradiance", images[IRRADIANCE]), _later(build, uv, (colour,)))
+    light = build.vector("MULTIPLY", build.vector("MULTIPLY", colour, irradiance), falloff, label="diffuse")
     alpha = None
     if ALPHA in images:
-        alpha = build.separate(build.group(map_group("Alpha", images[ALPHA]), uv)[0])[0]
+        there = _later(build, uv, (light,))
+        alpha = build.separate(build.group(map_group("Alpha", images[ALPHA]), there)[0])[0]
     if WIDTH in images:
-        wider = build.separate(build.group(map_group("Width", images[WIDTH]), uv)[0])[0]
+        there = _later(build, uv, (light,))
+        wider = build.separate(build.group(map_group("Width", images[WIDTH]), there)[0])[0]
         factor = build.math("POWER", 2.0, wider)
         widths = (build.math("MULTIPLY", widths[0], factor), build.math("MULTIPLY", widths[1], factor))
-    shown, rest = build.group(mirrored, uv, offset, shading, axis, first, second, bend, *widths)
+    shown, rest = build.group(
+        mirrored, _later(build, uv, (light, *widths)), offset, shading, axis, first, second, bend, *widths
+    )
     if TINT in images:
-        (tint,) = build.group(map_group("Tint", images[TINT]), uv)
+        (tint,) = build.group(map_group("Tint", images[TINT]), _later(build, uv, (shown, rest)))
         shown = build.vector("MULTIPLY", shown, tint)
     elif alpha is not None:
         shown = build.vector("SCALE", shown, alpha)
@@ -87,13 +93,19 @@ def build_layered_group(images: _Images, facts: LayeredSidecar) -> bpy.types.Sha
         "MAXIMUM", build.vector("ADD", light, rest), build.vector("SCALE", light, _LEAST_LEFT)
     )
     if through is not None:
-        (behind,) = build.group(through, uv, offset, outward, tangent, sign, viewer)
+        (behind,) = build.group(through, _later(build, uv, (light,)), offset, outward, tangent, sign, viewer)
         if alpha is not None:
             behind = build.vector("SCALE", behind, alpha)
         light = build.vector("ADD", light, behind)
     shown = build.mix(1.0, light, (0.0, 0.0, 0.0, 1.0), "RGBA", "LIGHTEN")
     opacity = build.value(1.0) if alpha is None else alpha
     return close_group(build, Color=in_working_space(build, shown), Alpha=opacity)
+
+
+def _later(build: NodeBuilder, uv: Socket, known: Iterable[Socket]) -> Socket:
+    """The same coordinates, evaluated only after all the sockets in `known`: see `taps.after`."""
+    u, v, _ = build.separate(uv)
+    return build.combine(after(build, u, known), v)
 
 
 def _check_sizes(images: _Images, facts: LayeredSidecar) -> None:
@@ -146,9 +158,11 @@ def _mirrored_group(
         build.vector("SCALE", towards, build.math("SINE", bend)),
         label="bent towards the normal",
     )
+    narrow = after(build, narrow, (itself, free))
     (light,) = build.group(lobe, offset, turned, first, narrow, itself, free)
+    wide = after(build, wide, (light,))
     (more,) = build.group(lobe, offset, turned, second, wide, itself, free)
-    (left, _) = build.group(rest, uv, place)
+    (left, _) = build.group(rest, _later(build, uv, (more,)), _later(build, place, (more,)))
     return close_group(build, Light=build.vector("ADD", light, more), Rest=left)
 
 

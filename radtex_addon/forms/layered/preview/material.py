@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 from typing import Any, cast
 
@@ -23,7 +24,9 @@ from ....scene.nodes import open_material
 from ..files.layered_files import read_layered_sidecar
 from ..files.sidecar import LayeredSidecar
 from .curves import curves_of
-from .group import CURVES, build_layered_group
+from .group import CURVES, SHOWS_THROUGH, build_layered_group
+
+log = logging.getLogger(__name__)
 
 
 def preview_layered_material(
@@ -37,6 +40,12 @@ def preview_layered_material(
     takes.
     """
     images, facts = load_images(sidecar, half)
+    if facts.through is not None and not SHOWS_THROUGH:
+        log.warning(
+            "the preview of '%s' lacks the light that comes through it, for which Blender 4.5 has too little "
+            "room: open the bake in a later Blender, or export it",
+            facts.bake.object_name,
+        )
     sampler = build_layered_group(images, facts)
     material, build = open_material(name)
     cast(Any, material).cycles.emission_sampling = "NONE"  # rays see it, but Cycles does not sample it

@@ -9,8 +9,8 @@ from math import pi
 
 import bpy
 
-from ....preview.taps import bilinear, pair, pixel_centre, readable_size
-from ....scene.nodes import close_group, open_group
+from ....preview.taps import after, bilinear, pair, pixel_centre, readable_size
+from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..files.arrangement import DISTANCES, PLANE, THINGS, WORLD
 from ..files.sidecar import LayeredSidecar, Picture
 from ..lookup.environment import STEPS, Lamp, Plane
@@ -40,9 +40,11 @@ def around_group(
     )
     light, _ = build.group(world, axis, spread)
     for layer in near:
-        (light,) = build.group(layer, light, offset, axis, spread)
+        there, along, wide = _all_late(build, offset, axis, spread, light)
+        (light,) = build.group(layer, light, there, along, wide)
     for one in facts.lamps if lamp is not None else ():
-        (shown,) = build.group(lamp, offset, axis, spread, *_lamp_facts(one))  # type: ignore[arg-type]
+        there, along, wide = _all_late(build, offset, axis, spread, light)
+        (shown,) = build.group(lamp, there, along, wide, *_lamp_facts(one))  # type: ignore[arg-type]
         light = build.vector("ADD", light, shown)
     return close_group(build, Light=light)
 
@@ -71,7 +73,8 @@ def picture_group(
     sharp, sharp_alpha = build.group(level_group, shifted, lower)
     if picture.levels == 1:
         return close_group(build, Color=sharp, Alpha=sharp_alpha)
-    blurred, blurred_alpha = build.group(level_group, shifted, build.math("ADD", lower, 1.0))
+    next_level = after(build, build.math("ADD", lower, 1.0), (sharp, sharp_alpha))
+    blurred, blurred_alpha = build.group(level_group, shifted, next_level)
     return close_group(
         build,
         Color=build.mix(above, sharp, blurred, "RGBA"),
@@ -145,15 +148,15 @@ def _plane_group(plane: Plane) -> bpy.types.ShaderNodeTree:
 
 
 def _things_group(image: bpy.types.Image, octahedron: bpy.types.ShaderNodeTree) -> bpy.types.ShaderNodeTree:
-    """`Impostor.meet`, with the spread as an input that is not used."""
+    """`Impostor.meet`; of the spread only when it is known matters, see `taps.after`."""
     nearness = _nearness_group(image, octahedron)
-    build, (offset, axis, _) = open_group(
+    build, (offset, axis, spread) = open_group(
         "RadTex Things Shape", Offset="Vector", Axis="Vector", Spread="Float"
     )
-    along = build.vector("DOT_PRODUCT", offset, axis)
+    along = after(build, build.vector("DOT_PRODUCT", offset, axis), (spread,))
     squared = build.vector("DOT_PRODUCT", offset, offset)
     beyond = build.math("SUBTRACT", build.math("MULTIPLY", along, along), squared)
-    met, ratio = axis, build.value(1.0)
+    met, ratio = _late(build, axis, along), build.value(1.0)
     for _ in range(STEPS):
         (near,) = build.group(nearness, met)
         distance = build.math("DIVIDE", 1.0, build.math("MAXIMUM", near, 1e-9))
@@ -167,6 +170,20 @@ def _things_group(image: bpy.types.Image, octahedron: bpy.types.ShaderNodeTree) 
     return close_group(
         build, Direction=met, Wider=build.math("MULTIPLY", ratio, ratio), Cover=build.value(1.0)
     )
+
+
+def _all_late(
+    build: NodeBuilder, offset: Socket, axis: Socket, spread: Socket, known: Socket
+) -> tuple[Socket, Socket, Socket]:
+    """A lobe's place, axis and width², evaluated only after a colour: see `taps.after`."""
+    grey = after(build, build.value(0.0), (known,))
+    return _late(build, offset, grey), _late(build, axis, grey), after(build, spread, (grey,))
+
+
+def _late(build: NodeBuilder, vector: Socket, known: Socket) -> Socket:
+    """A vector that is evaluated only after a number."""
+    x, y, z = build.separate(vector)
+    return build.combine(after(build, x, (known,)), y, z)
 
 
 def _nearness_group(image: bpy.types.Image, octahedron: bpy.types.ShaderNodeTree) -> bpy.types.ShaderNodeTree:
