@@ -262,5 +262,5 @@ def _row(values: npt.ArrayLike) -> list[float]:
     return [float(str(number)) for number in np.asarray(values, dtype=np.float32)]
 
 
-def _rows(values: npt.NDArray[np.floating]) -> list[list[float]]:
+def _rows(values: npt.NDArray[np.float64]) -> list[list[float]]:
     return [_row(row) for row in values]

@@ -13,12 +13,12 @@ import bpy
 
 from ....core.errors import InputError
 from ....preview.shared_group import in_working_space, octahedron_group
-from ....preview.taps import after, readable_size
+from ....preview.taps import readable_size
 from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..files.arrangement import ALPHA, COLOUR, IRRADIANCE, NORMAL, OWN, REST, TINT, WIDTH
 from ..files.sidecar import LayeredSidecar
 from .curves import curve_group, curves_at
-from .images import buckets_group, map_group
+from .images import buckets_group, map_group, ordered
 from .surroundings import around_group
 from .through import through_group
 
@@ -103,9 +103,9 @@ def build_layered_group(images: _Images, facts: LayeredSidecar) -> bpy.types.Sha
 
 
 def _later(build: NodeBuilder, uv: Socket, known: Iterable[Socket]) -> Socket:
-    """The same coordinates, evaluated only after all the sockets in `known`: see `taps.after`."""
+    """The same coordinates, evaluated only after all the sockets in `known`: see `images.ordered`."""
     u, v, _ = build.separate(uv)
-    return build.combine(after(build, u, known), v)
+    return build.combine(ordered(build, u, known), v)
 
 
 def _check_sizes(images: _Images, facts: LayeredSidecar) -> None:
@@ -158,9 +158,9 @@ def _mirrored_group(
         build.vector("SCALE", towards, build.math("SINE", bend)),
         label="bent towards the normal",
     )
-    narrow = after(build, narrow, (itself, free))
+    narrow = ordered(build, narrow, (itself, free))
     (light,) = build.group(lobe, offset, turned, first, narrow, itself, free)
-    wide = after(build, wide, (light,))
+    wide = ordered(build, wide, (light,))
     (more,) = build.group(lobe, offset, turned, second, wide, itself, free)
     (left, _) = build.group(rest, _later(build, uv, (more,)), _later(build, place, (more,)))
     return close_group(build, Light=build.vector("ADD", light, more), Rest=left)

@@ -7,10 +7,17 @@ Images are read with `Closest` and blended here, since Eevee's `Linear` takes mi
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import bpy
 
-from ....preview.taps import bilinear, clamp, pair, pixel_centre, readable_size
+from ....preview.taps import after, bilinear, clamp, pair, pixel_centre, readable_size
 from ....scene.nodes import NodeBuilder, Operand, Socket, close_group, open_group
+
+
+def ordered(build: NodeBuilder, number: Socket, known: Iterable[Socket]) -> Socket:
+    """`taps.after`, which Blender 4.5 needs for its stack; later ones manage without it."""
+    return number if bpy.app.version >= (5, 0) else after(build, number, known)
 
 
 def map_group(name: str, image: bpy.types.Image) -> bpy.types.ShaderNodeTree:

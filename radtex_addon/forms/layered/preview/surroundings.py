@@ -9,11 +9,12 @@ from math import pi
 
 import bpy
 
-from ....preview.taps import after, bilinear, pair, pixel_centre, readable_size
+from ....preview.taps import bilinear, pair, pixel_centre, readable_size
 from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..files.arrangement import DISTANCES, PLANE, THINGS, WORLD
 from ..files.sidecar import LayeredSidecar, Picture
 from ..lookup.environment import STEPS, Lamp, Plane
+from .images import ordered
 
 _LEAST = 1e-12  # width²
 _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # as in lookup.environment
@@ -73,7 +74,7 @@ def picture_group(
     sharp, sharp_alpha = build.group(level_group, shifted, lower)
     if picture.levels == 1:
         return close_group(build, Color=sharp, Alpha=sharp_alpha)
-    next_level = after(build, build.math("ADD", lower, 1.0), (sharp, sharp_alpha))
+    next_level = ordered(build, build.math("ADD", lower, 1.0), (sharp, sharp_alpha))
     blurred, blurred_alpha = build.group(level_group, shifted, next_level)
     return close_group(
         build,
@@ -148,12 +149,12 @@ def _plane_group(plane: Plane) -> bpy.types.ShaderNodeTree:
 
 
 def _things_group(image: bpy.types.Image, octahedron: bpy.types.ShaderNodeTree) -> bpy.types.ShaderNodeTree:
-    """`Impostor.meet`; of the spread only when it is known matters, see `taps.after`."""
+    """`Impostor.meet`; of the spread only when it is known matters, see `images.ordered`."""
     nearness = _nearness_group(image, octahedron)
     build, (offset, axis, spread) = open_group(
         "RadTex Things Shape", Offset="Vector", Axis="Vector", Spread="Float"
     )
-    along = after(build, build.vector("DOT_PRODUCT", offset, axis), (spread,))
+    along = ordered(build, build.vector("DOT_PRODUCT", offset, axis), (spread,))
     squared = build.vector("DOT_PRODUCT", offset, offset)
     beyond = build.math("SUBTRACT", build.math("MULTIPLY", along, along), squared)
     met, ratio = _late(build, axis, along), build.value(1.0)
@@ -175,15 +176,15 @@ def _things_group(image: bpy.types.Image, octahedron: bpy.types.ShaderNodeTree) 
 def _all_late(
     build: NodeBuilder, offset: Socket, axis: Socket, spread: Socket, known: Socket
 ) -> tuple[Socket, Socket, Socket]:
-    """A lobe's place, axis and width², evaluated only after a colour: see `taps.after`."""
-    grey = after(build, build.value(0.0), (known,))
-    return _late(build, offset, grey), _late(build, axis, grey), after(build, spread, (grey,))
+    """A lobe's place, axis and width², evaluated only after a colour: see `images.ordered`."""
+    grey = ordered(build, build.value(0.0), (known,))
+    return _late(build, offset, grey), _late(build, axis, grey), ordered(build, spread, (grey,))
 
 
 def _late(build: NodeBuilder, vector: Socket, known: Socket) -> Socket:
     """A vector that is evaluated only after a number."""
     x, y, z = build.separate(vector)
-    return build.combine(after(build, x, (known,)), y, z)
+    return build.combine(ordered(build, x, (known,)), y, z)
 
 
 def _nearness_group(image: bpy.types.Image, octahedron: bpy.types.ShaderNodeTree) -> bpy.types.ShaderNodeTree:

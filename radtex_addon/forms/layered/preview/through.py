@@ -8,11 +8,11 @@ those that go where it does.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
 
 import bpy
 
-from ....preview.node_group import bucket_group, incidence_group
+from ....preview.node_group import bucket_group
 from ....preview.taps import after, clamp, pair, pixel_centre, readable_size
 from ....scene.nodes import NodeBuilder, Operand, Socket, close_group, open_group
 from ..files.arrangement import EXIT_DIRECTION, EXIT_PLACE, THROUGH_COLOUR, THROUGH_REST
@@ -20,9 +20,6 @@ from ..files.sidecar import LayeredSidecar
 from .images import buckets_group, map_group, position_of
 
 _APART, _ALIKE, _EVEN = 0.8, 0.95, 0.03  # as in lookup.ways
-
-_CORNERS = tuple((float(x), float(y), 0.0) for y in range(2) for x in range(2))
-_SIXTEEN = tuple((texel, cell) for texel in _CORNERS for cell in _CORNERS)
 
 _Images = Mapping[str, bpy.types.Image]
 
@@ -53,33 +50,36 @@ def through_group(
     )
     frame = _frame(build, normal, tangent, sign)
     square = _square(build, viewer, frame)
-    tap = _tap_group(facts.coarse, cells)
+    position = position_of(build, square, (cells, cells))
+    inside = clamp(build, position, pair(cells - 1, cells - 1))
+    corner = build.vector("MINIMUM", build.vector("FLOOR", inside), pair(cells - 2, cells - 2))
+    share = build.vector("SUBTRACT", inside, corner)
     chief: Socket = build.combine(0.0, 0.0, 0.0)
     known: tuple[Socket, ...] = ()
-    for step, cell_step in _SIXTEEN:
-        there = _later(build, uv, known) if known else uv
-        (chief,) = known = build.group(stronger, chief, *build.group(tap, there, square, step, cell_step))
+    for texel, cell, weight in _sixteen(build, uv, facts.coarse, corner, share):
+        x, y, _ = build.separate(texel)
+        ordered = build.combine(after(build, x, known), y) if known else texel
+        (chief,) = known = build.group(stronger, chief, ordered, cell, weight)
     sums: tuple[Operand, ...] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0, 0.0)
-    for step, cell_step in _SIXTEEN:
-        found = build.group(tap, _later(build, uv, known), square, step, cell_step)
-        sums = known = build.group(agreeing, chief, *sums, *found)
+    for texel, cell, weight in _sixteen(build, uv, facts.coarse, corner, share):
+        x, y, _ = build.separate(texel)
+        ordered = build.combine(after(build, x, known), y)
+        sums = known = build.group(agreeing, chief, *sums, ordered, cell, weight)
     away, moved, kept, spread, total = sums
     light = _looked_up(build, around, offset, frame, (away, moved, kept, spread, total))  # type: ignore[arg-type]
     light = build.vector("MULTIPLY", light, build.group(colour, uv)[0])
     (place,) = build.group(octahedron, build.vector("SCALE", viewer, -1.0))
-    (left, _) = build.group(rest, _later(build, uv, (light,)), _later(build, place, (light,)))
-    return close_group(build, Light=build.vector("ADD", light, left))
+    return close_group(build, Light=build.vector("ADD", light, build.group(rest, uv, place)[0]))
 
 
 def _frame(
     build: NodeBuilder, normal: Socket, tangent: Socket, sign: Socket
 ) -> tuple[Socket, Socket, Socket]:
-    """Tangent, bitangent and normal in world space: the columns of what `incidence_group` multiplies by."""
-    group = incidence_group()
-    axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    parts = [build.separate(build.group(group, normal, tangent, sign, axis)[0]) for axis in axes]
-    along, across, up = (build.combine(*(part[index] for part in parts)) for index in range(3))
-    return along, across, up
+    """Tangent, bitangent and normal, orthonormal: `core.frame.orthonormal_frame`."""
+    along = build.vector("SCALE", normal, build.vector("DOT_PRODUCT", normal, tangent))
+    unit = build.vector("NORMALIZE", build.vector("SUBTRACT", tangent, along))
+    bitangent = build.vector("SCALE", build.vector("CROSS_PRODUCT", normal, unit), sign)
+    return unit, bitangent, normal
 
 
 def _square(build: NodeBuilder, viewer: Socket, frame: tuple[Socket, Socket, Socket]) -> Socket:
@@ -90,38 +90,30 @@ def _square(build: NodeBuilder, viewer: Socket, frame: tuple[Socket, Socket, Soc
     return build.vector("MULTIPLY_ADD", square, pair(0.5, 0.5), pair(0.5, 0.5))
 
 
-def _tap_group(size: tuple[int, int], cells: int) -> bpy.types.ShaderNodeTree:
-    """One of the four texels around UV, and of the four cells around a place: Texel, Cell and Weight.
-
-    `Step` and `Cell Step` are 0 or 1 along both axes.
-    """
-    build, (uv, square, step, cell_step) = open_group(
-        "RadTex Tap", UV="Vector", Place="Vector", Step="Vector", CellStep="Vector"
-    )
+def _sixteen(
+    build: NodeBuilder, uv: Socket, size: tuple[int, int], corner: Socket, share: Socket
+) -> Iterator[tuple[Socket, Socket, Socket]]:
+    """Texels, cells and weights of the four texels at UV and the four cells at `corner`."""
+    last = pair(size[0] - 1, size[1] - 1)
     position = position_of(build, uv, size)
     low, between = build.vector("FLOOR", position), build.vector("FRACTION", position)
-    texel = clamp(build, build.vector("ADD", low, step), pair(size[0] - 1, size[1] - 1))
-    inside = clamp(build, position_of(build, square, (cells, cells)), pair(cells - 1, cells - 1))
-    corner = build.vector("MINIMUM", build.vector("FLOOR", inside), pair(cells - 2, cells - 2))
-    share = build.vector("SUBTRACT", inside, corner)
-    parts = [*_shares(build, between, step), *_shares(build, share, cell_step)]
-    weight = build.math("MULTIPLY", parts[0], parts[1])
-    for part in parts[2:]:
-        weight = build.math("MULTIPLY", weight, part)
-    return close_group(build, Texel=texel, Cell=build.vector("ADD", corner, cell_step), Weight=weight)
+    texels = _corners(build, between)
+    cells = _corners(build, share)
+    for step, part in texels:
+        texel = clamp(build, build.vector("ADD", low, step), last)
+        for cell_step, cell_part in cells:
+            yield texel, build.vector("ADD", corner, cell_step), build.math("MULTIPLY", part, cell_part)
 
 
-def _shares(build: NodeBuilder, place: Socket, step: Socket) -> tuple[Socket, Socket]:
-    """What a corner of the unit square counts for along both axes, at a place in it."""
-    apart = build.vector("SUBTRACT", build.vector("SUBTRACT", (1.0, 1.0, 0.0), step), place)
-    x, y, _ = build.separate(build.vector("ABSOLUTE", apart))
-    return x, y
-
-
-def _later(build: NodeBuilder, uv: Socket, known: Iterable[Socket]) -> Socket:
-    """The same coordinates, evaluated only after all the sockets in `known`: see `taps.after`."""
-    u, v, _ = build.separate(uv)
-    return build.combine(after(build, u, known), v)
+def _corners(build: NodeBuilder, share: Socket) -> list[tuple[tuple[float, float, float], Socket]]:
+    """The four corners of a unit square, and their weights at a place in it."""
+    x, y, _ = build.separate(share)
+    less_x, less_y = build.math("SUBTRACT", 1.0, x), build.math("SUBTRACT", 1.0, y)
+    return [
+        (pair(i, j), build.math("MULTIPLY", (less_x, x)[i], (less_y, y)[j]))
+        for j in range(2)
+        for i in range(2)
+    ]
 
 
 def _tap(
