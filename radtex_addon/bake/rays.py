@@ -12,7 +12,8 @@ PROBE_CELLS = 4  # cells along a side of the buckets for finding hidden directio
 CLEAR_SAMPLES = 16  # rays that vote on a shadow's bit where a material may let some of them through
 PROBES = 2  # rays per cell of these buckets; a cell is hidden if all of its rays meet back faces
 
-LAYERED_PANORAMAS = 1280**2 // 2 + 2 * 4 * 896**2 // 2  # paths of what surrounds an object, in layers
+WORLD_WIDTH = 1280  # of a layered bake's panorama of the world in pixels, one ray each: it is free of noise
+NEAR_WIDTH, NEAR_SAMPLES = 896, 3  # of those of near things, which are denoised; one more ray tells where
 
 _SAMPLES = 16  # samples of a plain bake with 8 x 8 cells that costs as much as the default `Rays`
 _FEWEST = {"light": 4, "ends": 2, "around": 2, "panorama": 1}  # with fewer there is nothing to fit
@@ -80,4 +81,9 @@ class LayeredRays:
 
     def most(self, texels: int) -> int:
         """All paths of a bake of an opaque object that covers `texels` texels, if none of them is hidden."""
-        return texels * (self.of_texel + 1 + FINER**2 + PROBES * PROBE_CELLS**2) + LAYERED_PANORAMAS
+        return texels * (self.of_texel + 1 + FINER**2 + PROBES * PROBE_CELLS**2) + panorama_paths(2)
+
+
+def panorama_paths(layers: int, world: int = WORLD_WIDTH, near: int = NEAR_WIDTH) -> int:
+    """Paths of a layered bake's panoramas, of the world and of so many layers, of these widths in pixels."""
+    return world**2 // 2 + layers * (NEAR_SAMPLES + 1) * near**2 // 2

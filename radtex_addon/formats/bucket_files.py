@@ -16,7 +16,7 @@ from ..core.errors import BakeError, FormatError, ShapeError
 from .containers.exr import CHANNELS, Compression, header_text, read_pixels
 from .containers.exr_bands import BandWriter
 from .disk.atomic import replacing
-from .shared_files import layer_path
+from .image_files import layer_path
 from .sidecar import Sidecar, read_sidecar
 from .sidecar_file import AnySidecar, mismatch_error, opened
 

@@ -12,8 +12,9 @@ from ..core.arrays import Floats
 from ..core.shared import SharedAtlas
 from .condensed_files import read_texture
 from .containers.exr import Compression, stored_compression
+from .image_files import layer_path
 from .packing import IRRADIANCE, WEIGHTS
-from .shared_files import layer_path, texture_path
+from .shared_files import texture_path
 from .shared_sidecar import SharedSidecar
 
 _DWAA, _BC6H = 0.05, 0.1  # with 0.1 for BC6H the right UV layer's gutter agrees by 90 %, a wrong one's by 83

@@ -22,9 +22,10 @@ from ..core.shared import SharedAtlas
 from .condensed_files import StoredAtlas, digest, read_textures
 from .condensed_sizes import texture_format
 from .containers.dds import write_dds
-from .containers.exr import Compression, header_text, read_pixels, stored_rows, write_rows
+from .containers.exr import Compression, header_text, read_pixels
 from .disk.atomic import replacing
 from .disk.memory import check_memory
+from .image_files import layer_path, write_images
 from .packing import (
     COLOUR,
     ENDS,
@@ -38,11 +39,6 @@ from .packing import (
 from .shared_sidecar import SharedSidecar
 from .sidecar import Sidecar
 from .sidecar_file import AnySidecar, mismatch_error, opened, read_facts
-
-
-def layer_path(sidecar: Path, layer: str) -> Path:
-    """The EXR of `layer` beside a sidecar's file: Vase.radiance.json has Vase.radiance.colour.exr."""
-    return sidecar.with_name(f"{sidecar.stem}.{layer}.exr")
 
 
 def texture_path(sidecar: Path, layer: str) -> Path:
@@ -64,24 +60,14 @@ def write_shared(
     atlas does not fit `bake` or the files, BakeError for values that are not numbers and where the system
     refuses.
     """
-    sidecar = SharedSidecar.of(atlas, bake)
-    stored: dict[str, Floats] = {}
-    clamped = 0
-    for layer, image in pack(atlas).items():
-        stored[layer], beyond = stored_rows(layer_path(path, layer), image, half)
-        clamped += beyond
-    sidecar = replace(sidecar, bake=replace(sidecar.bake, clamped=clamped))
-    text = sidecar.to_json()
-    # Entered first, left last: the sidecar is renamed after all its images.
-    with ExitStack() as files:
-        files.enter_context(replacing(path)).write_text(text, encoding="utf-8", newline="\n")
-        for layer, rows in stored.items():
-            beside = files.enter_context(replacing(layer_path(path, layer)))
-            # DWAA's losses are meant for light, but ends are shifts and variances.
-            no_light = layer.endswith(ENDS)
-            lossless = no_light and compression is Compression.DWAA
-            write_rows(beside, rows, text, Compression.ZIP if lossless else compression)
-    return sidecar
+    sidecar, images = SharedSidecar.of(atlas, bake), pack(atlas)
+
+    def with_clamped(count: int) -> SharedSidecar:
+        return replace(sidecar, bake=replace(sidecar.bake, clamped=count))
+
+    ends = [layer for layer in images if layer.endswith(ENDS)]  # shifts and variances
+    clamped = write_images(path, images, lambda count: with_clamped(count).to_json(), half, compression, ends)
+    return with_clamped(clamped)
 
 
 def write_condensed(path: Path, atlas: CondensedAtlas, bake: Sidecar) -> SharedSidecar:

@@ -15,9 +15,10 @@ from ..core.shared import Axis
 from ..export.exporting import check_writer
 from ..export.folder import check_out, is_whole
 from ..export.target_checks import check_target
+from ..formats.image_files import layer_path
 from ..formats.json_reader import Facts
 from ..formats.packing import layer_names
-from ..formats.shared_files import layer_path, texture_path
+from ..formats.shared_files import texture_path
 from ..formats.sidecar_file import read_facts
 from ..forms import form_for, form_in
 from ..forms.layered.files.arrangement import CHANNELS as LAYERED

@@ -20,8 +20,9 @@ from ..core.sampler import Filter
 from ..formats.containers.exr import Compression, stored_rows, write_rows
 from ..formats.disk.atomic import replacing
 from ..formats.disk.temporary import temporary_folder
+from ..formats.image_files import layer_path
 from ..formats.packing import WEIGHTS
-from ..formats.shared_files import layer_path, read_condensed, read_shared_sidecar
+from ..formats.shared_files import read_condensed, read_shared_sidecar
 from ..formats.shared_sidecar import SharedSidecar
 from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..scene.nodes import close_group, open_group, open_material

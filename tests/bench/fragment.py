@@ -26,7 +26,8 @@ from radtex_addon.core.levels import fitting_levels
 from radtex_addon.core.slices import to_slices
 from radtex_addon.formats.containers.dds import read_dds
 from radtex_addon.formats.containers.exr import read_atlas, read_pixels
-from radtex_addon.formats.shared_files import layer_path, read_shared_sidecar, texture_path
+from radtex_addon.formats.image_files import layer_path
+from radtex_addon.formats.shared_files import read_shared_sidecar, texture_path
 from radtex_addon.formats.shared_sidecar import SharedSidecar
 from radtex_addon.report.finished_bake import Finished
 from tests.bench.drawing import SHADERS, Model, Painter, View, canvas, read_model

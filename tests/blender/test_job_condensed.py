@@ -21,8 +21,9 @@ from radtex_addon.core.condensed import CondensedAtlas
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.core.shared import Axis, SharedAtlas
+from radtex_addon.formats.image_files import layer_path
 from radtex_addon.formats.packing import layer_names
-from radtex_addon.formats.shared_files import layer_path, read_condensed, texture_path
+from radtex_addon.formats.shared_files import read_condensed, texture_path
 from radtex_addon.job import BakeResult, bake_object, bake_steps
 from tests.blender import stage
 from tests.blender.conftest import PlannedError

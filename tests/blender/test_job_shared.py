@@ -21,8 +21,9 @@ from radtex_addon.core.frame import normalised
 from radtex_addon.core.sampler import Filter
 from radtex_addon.core.shared import Axis, SharedAtlas, sample_shared
 from radtex_addon.cycles import shared_capture
+from radtex_addon.formats.image_files import layer_path
 from radtex_addon.formats.packing import layer_names
-from radtex_addon.formats.shared_files import layer_path, read_shared
+from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.forms.shared import bake as shared
 from radtex_addon.job import BakeResult, bake_object, bake_steps, check_request
 from radtex_addon.preview.node_group import MAX_PIXELS

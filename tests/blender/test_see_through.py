@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.scene.checks.see_through import is_see_through, why_see_through
+from radtex_addon.scene.checks.see_through import is_see_through, why_no_surface
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -167,22 +167,29 @@ def through_glass(film: bool) -> Any:
     return plane(principled(Transmission_Weight=1.0))
 
 
+BY_NODES = "its material 'Veil', set by geometry nodes, lets through what is behind it"
 OBJECTS: dict[str, tuple[Callable[[], Any], str]] = {
     "opaque": (lambda: plane(principled()), ""),
     "without a material": (plane, ""),
     "the second of its materials": (
         lambda: plane(principled(), stage.material("Veil", CLEAR)),
-        "its material 'Veil' lets through what is behind it",
+        "",
     ),
     "a volume": (lambda: plane(with_volume()), "its material 'Principled' has a volume"),
     "particle hair": (grown, "it has hair, 'Fur'"),
     "hair curves": (curved, "it has hair, 'Tufts'"),
-    "geometry nodes": (by_nodes, "its material 'Veil' lets through what is behind it"),
-    "an input of geometry nodes": (by_input, "its material 'Veil' lets through what is behind it"),
+    "geometry nodes": (
+        by_nodes,
+        "its material 'Veil', set by geometry nodes, lets through what is behind it",
+    ),
+    "an input of geometry nodes": (
+        by_input,
+        "its material 'Veil', set by geometry nodes, lets through what is behind it",
+    ),
     "glass before a film": (lambda: through_glass(film=False), ""),
     "glass that a film shows through": (
         lambda: through_glass(film=True),
-        "its material 'Principled' lets through what is behind it",
+        "its material 'Principled' is glass, which the transparent film makes clear",
     ),
 }
 
@@ -190,13 +197,13 @@ OBJECTS: dict[str, tuple[Callable[[], Any], str]] = {
 @pytest.mark.parametrize("case", OBJECTS)
 def test_an_object_says_why(case: str) -> None:
     make, reason = OBJECTS[case]
-    assert why_see_through(context.scene, make()) == reason
+    assert why_no_surface(context.scene, make()) == reason
 
 
 def test_hair_that_does_not_render_is_none() -> None:
     item = grown()
     item.modifiers["Fur"].show_render = False
-    assert why_see_through(context.scene, item) == ""
+    assert why_no_surface(context.scene, item) == ""
     other = curved()
     bpy.data.objects["Tufts"].hide_render = True
-    assert why_see_through(context.scene, other) == ""
+    assert why_no_surface(context.scene, other) == ""

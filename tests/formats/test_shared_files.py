@@ -17,7 +17,8 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError, FormatError, ShapeError
 from radtex_addon.core.shared import Axis, Lobe, SharedAtlas, level_sizes
 from radtex_addon.formats.containers.exr import Compression, read_atlas, write_rows
-from radtex_addon.formats.shared_files import layer_path, read_shared, read_shared_sidecar, write_shared
+from radtex_addon.formats.image_files import layer_path
+from radtex_addon.formats.shared_files import read_shared, read_shared_sidecar, write_shared
 from radtex_addon.formats.shared_sidecar import SharedSidecar
 from radtex_addon.formats.sidecar import file_name, read_sidecar
 from tests.shared_atlases import SHARPEST, facts_about, random_shared_atlas
@@ -175,7 +176,7 @@ def test_a_failing_write_leaves_the_old_files(
         if len(calls) == failing:
             raise OSError(f"no space for {beside}")
 
-    monkeypatch.setattr("radtex_addon.formats.shared_files.write_rows", full_disk)
+    monkeypatch.setattr("radtex_addon.formats.image_files.write_rows", full_disk)
     image = layer_path(path, LAYERS[failing - 1])
     other = random_shared_atlas(seed=2)
     with pytest.raises(BakeError) as raised:

@@ -14,8 +14,9 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import normalised
 from radtex_addon.core.shared import SharedAtlas
 from radtex_addon.formats.containers.exr import read_pixels
+from radtex_addon.formats.image_files import layer_path
 from radtex_addon.formats.packing import pack
-from radtex_addon.formats.shared_files import layer_path, read_shared, write_shared
+from radtex_addon.formats.shared_files import read_shared, write_shared
 from tests.lookups import SIDE, Lookups, relative_error
 from tests.real.root import Root
 from tests.real.webgpu import Resource, Sampler, drawn, fields, image

@@ -29,7 +29,7 @@ from ...cycles.panoramic import PanoramicCapture
 from ...cycles.portal import PortalCapture
 from ...formats.bucket_files import write_bands
 from ...formats.disk.memory import readable_size
-from ...formats.shared_files import layer_path
+from ...formats.image_files import layer_path
 from ...formats.sidecar import Content, Sidecar
 from ...prepare.prepared import Prepared
 from ...scene.checks.enclosing_volumes import has_volumes

@@ -8,7 +8,7 @@ from collections.abc import Generator
 
 from ...bake.progress import Progress, Stage
 from ...core.atlas import AtlasLayout
-from ...formats.shared_files import layer_path
+from ...formats.image_files import layer_path
 from ..bake_job import BakeJob
 from ..outcome import Outcome
 from .capture.capturing import capture_layered

@@ -21,8 +21,8 @@ from ...core.shared import level_count
 from ...core.surface import SurfaceMesh
 from ...formats.condensed_sizes import Shapes
 from ...formats.containers.exr import stored_compression
+from ...formats.image_files import layer_path
 from ...formats.json_reader import Facts
-from ...formats.shared_files import layer_path
 from ...formats.sidecar import Sidecar
 from ...formats.sidecar_file import SidecarFile
 from ...textures.entry import TextureEntry

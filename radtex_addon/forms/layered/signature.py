@@ -11,7 +11,7 @@ import numpy as np
 from ...core.arrays import Floats
 from ...formats.containers.exr import stored_compression
 from ...formats.gutter_signature import loss_of
-from ...formats.shared_files import layer_path
+from ...formats.image_files import layer_path
 from .files.arrangement import IRRADIANCE
 from .lookup.atlas import LayeredAtlas
 

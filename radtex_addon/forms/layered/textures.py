@@ -11,7 +11,7 @@ import numpy as np
 from ...core.arrays import Floats
 from ...core.errors import InputError
 from ...core.messages import Setting, do, leave_out
-from ...formats.shared_files import layer_path
+from ...formats.image_files import layer_path
 from ...formats.sidecar_file import SidecarFile
 from ...textures.choice import choose
 from ...textures.entry import TextureEntry

@@ -16,7 +16,8 @@ from ...bake.spec import BakeSpec
 from ...core.atlas import AtlasLayout
 from ...core.shared import SharedAtlas
 from ...cycles.shared_capture import capture_shared
-from ...formats.shared_files import layer_path, write_shared
+from ...formats.image_files import layer_path
+from ...formats.shared_files import write_shared
 from ...formats.sidecar import Sidecar
 from ..bake_job import BakeJob
 from ..outcome import Outcome

@@ -24,6 +24,7 @@ from ...core.surface import SurfaceMesh
 from ...formats.condensed_sizes import Shapes
 from ...formats.containers.exr import stored_compression
 from ...formats.gutter_signature import own_texels
+from ...formats.image_files import layer_path
 from ...formats.json_reader import Facts
 from ...formats.packing import (
     COLOUR,
@@ -34,12 +35,7 @@ from ...formats.packing import (
     lobe_layer,
     surroundings_size,
 )
-from ...formats.shared_files import (
-    expanded_bytes,
-    layer_path,
-    read_shared,
-    read_shared_sidecar,
-)
+from ...formats.shared_files import expanded_bytes, read_shared, read_shared_sidecar
 from ...formats.shared_sidecar import SharedSidecar
 from ...formats.sidecar import Sidecar
 from ...formats.sidecar_file import SidecarFile

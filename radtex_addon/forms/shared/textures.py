@@ -8,9 +8,10 @@ from pathlib import Path
 
 from ...core.errors import InputError
 from ...core.messages import Setting, leave_out
+from ...formats.image_files import layer_path
 from ...formats.packing import COLOUR, ENDS, IRRADIANCE, SURROUNDINGS
-from ...formats.shared_files import layer_path, read_shared_sidecar
 from ...formats.shared_files import read_layer as read_shared_layer
+from ...formats.shared_files import read_shared_sidecar
 from ...formats.shared_sidecar import SharedSidecar
 from ...formats.sidecar_file import SidecarFile
 from ...textures.choice import straddled_bucket

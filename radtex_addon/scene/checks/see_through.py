@@ -27,32 +27,22 @@ _ARITHMETIC: dict[str, Callable[[float, float], float]] = {
 _Groups: TypeAlias = tuple[Any, ...]  # the group nodes that a socket lies in, outermost first
 
 
-def why_see_through(scene: bpy.types.Scene, item: bpy.types.Object) -> str:
-    """Why a camera may see through the mesh object `item`, as the end of a sentence about it; empty if not.
-
-    Hair and volumes count as see-through: they have no surface.
-    """
-    glass = scene.render.film_transparent and cast(Any, scene).cycles.film_transparent_glass
-    for material in materials_of(item):
-        if fills_volume(material):
-            return f"its material '{material.name}' has a volume"
-        if is_see_through(material, glass):
-            return f"its material '{material.name}' lets through what is behind it"
-    hair = next(_hair(scene, item), None)
-    return "" if hair is None else f"it has hair, '{hair}'"
-
-
 def why_no_surface(scene: bpy.types.Scene, item: bpy.types.Object) -> str:
     """Why a surface with an alpha cannot stand for the mesh object `item`, as the end of a sentence about it.
 
-    It has a volume, hair, or glass that a transparent film makes clear. Empty if a surface can.
+    It has a volume, hair, glass that a transparent film makes clear, or a clear material that is in none of
+    its slots but set by geometry nodes. Empty if a surface can.
     """
     glass = scene.render.film_transparent and cast(Any, scene).cycles.film_transparent_glass
+    in_slots = {slot.material for slot in item.material_slots}
     for material in materials_of(item):
         if fills_volume(material):
             return f"its material '{material.name}' has a volume"
-        if glass and is_see_through(material, glass) and not is_see_through(material):
+        clear = is_see_through(material)
+        if glass and not clear and is_see_through(material, glass):
             return f"its material '{material.name}' is glass, which the transparent film makes clear"
+        if clear and material not in in_slots:
+            return f"its material '{material.name}', set by geometry nodes, lets through what is behind it"
     hair = next(_hair(scene, item), None)
     return "" if hair is None else f"it has hair, '{hair}'"
 

@@ -14,14 +14,13 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
+from ....bake.rays import NEAR_SAMPLES, NEAR_WIDTH, WORLD_WIDTH, panorama_paths
 from ....core.arrays import Floats
 from ....formats.containers.exr import read_render
 from ....scene.scratch import render_scene
 from ..cells import PICTURE_SIZE
 from ..lookup.environment import Impostor, Layer, Pictures, Plane
 
-WORLD_WIDTH = 1280  # of the world's panorama in pixels, one ray each: it is free of noise
-NEAR_WIDTH, NEAR_SAMPLES = 896, 3  # of those of near things, which are denoised
 EYE = 2.0  # times the middle's height above a plane: whence it is seen, or its far parts are a few pixels
 _FLAT = 1e-3  # thickness of a flat thing, in its length
 _SOLID = 0.99  # alpha of a pixel that its layer covers
@@ -110,7 +109,7 @@ def look_around(scene: bpy.types.Scene, subject: str, middle: Floats, folder: Pa
             shape = Impostor.of(direction.reshape(-1, 3)[solid], distance[solid])
             pictures = Pictures.of(direction, seen["Combined"], PICTURE_SIZE)
         layers.append(Layer(pictures, shape))
-    paths = WORLD_WIDTH**2 // 2 + len(near) * (NEAR_SAMPLES + 1) * NEAR_WIDTH**2 // 2
+    paths = panorama_paths(len(near), WORLD_WIDTH, NEAR_WIDTH)
     return Panoramas(world, tuple(layers), paths)
 
 

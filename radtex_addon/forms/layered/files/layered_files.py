@@ -4,16 +4,14 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from ....core.arrays import Floats
-from ....formats.containers.exr import Compression, header_text, read_pixels, stored_rows, write_rows
-from ....formats.disk.atomic import replacing
-from ....formats.shared_files import layer_path
+from ....formats.containers.exr import Compression, header_text, read_pixels
+from ....formats.image_files import layer_path, write_images
 from ....formats.sidecar import Sidecar
 from ....formats.sidecar_file import AnySidecar, mismatch_error, opened, read_facts
 from ..lookup.atlas import LayeredAtlas
@@ -58,22 +56,14 @@ def write_layered(
     atlas does not fit `bake`, BakeError for values that are not numbers and where the system refuses.
     """
     sidecar = LayeredSidecar.of(atlas, bake)
-    stored: dict[str, Floats] = {}
-    clamped = 0
-    for layer, image in arranged(atlas).items():
-        stored[layer], beyond = stored_rows(layer_path(path, layer), image, half)
-        clamped += beyond
-    sidecar = replace(sidecar, bake=replace(sidecar.bake, clamped=clamped))
-    text = sidecar.to_json()
-    # Entered first, left last: the sidecar is renamed after all its images.
-    with ExitStack() as files:
-        files.enter_context(replacing(path)).write_text(text, encoding="utf-8", newline="\n")
-        for layer, rows in stored.items():
-            beside = files.enter_context(replacing(layer_path(path, layer)))
-            # DWAA's losses are meant for light.
-            lossless = layer in _NO_LIGHT and compression is Compression.DWAA
-            write_rows(beside, rows, text, Compression.ZIP if lossless else compression)
-    return sidecar
+
+    def with_clamped(count: int) -> LayeredSidecar:
+        return replace(sidecar, bake=replace(sidecar.bake, clamped=count))
+
+    clamped = write_images(
+        path, arranged(atlas), lambda count: with_clamped(count).to_json(), half, compression, _NO_LIGHT
+    )
+    return with_clamped(clamped)
 
 
 def read_layered(sidecar: AnySidecar) -> tuple[LayeredAtlas, LayeredSidecar]:

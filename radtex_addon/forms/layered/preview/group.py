@@ -18,7 +18,7 @@ from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..files.arrangement import ALPHA, COLOUR, IRRADIANCE, NORMAL, OWN, REST, TINT, WIDTH
 from ..files.sidecar import LayeredSidecar
 from .curves import curve_group, curves_at
-from .images import buckets_group, map_group, ordered
+from .images import buckets_group, constant, map_group, ordered
 from .surroundings import around_group
 from .through import through_group
 
@@ -57,7 +57,7 @@ def build_layered_group(images: _Images, facts: LayeredSidecar) -> bpy.types.Sha
         Material="Float",
     )
     outward = build.vector("NORMALIZE", normal)
-    offset = build.vector("SUBTRACT", position, _constant(facts.middle), label="from the middle")
+    offset = build.vector("SUBTRACT", position, constant(facts.middle), label="from the middle")
     shading = outward
     if NORMAL in images:
         shading = _shading_normal(build, build.group(map_group("Normal", images[NORMAL]), uv)[0], outward)
@@ -190,8 +190,3 @@ def _lobe_group(around: bpy.types.ShaderNodeTree, cells: int) -> bpy.types.Shade
     seen = build.math("MULTIPLY_ADD", build.math("DIVIDE", place, root), 0.5, 0.5, label="free")
     (light,) = build.group(around, offset, axis, spread)
     return close_group(build, Light=build.vector("MULTIPLY", weight, build.mix(seen, itself, light)))
-
-
-def _constant(values: object) -> tuple[float, float, float]:
-    x, y, z = (float(value) for value in values)  # type: ignore[attr-defined]
-    return x, y, z

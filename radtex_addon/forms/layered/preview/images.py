@@ -11,8 +11,15 @@ from collections.abc import Iterable
 
 import bpy
 
+from ....core.arrays import Floats
 from ....preview.taps import after, bilinear, clamp, pair, pixel_centre, readable_size
 from ....scene.nodes import NodeBuilder, Operand, Socket, close_group, open_group
+
+
+def constant(values: Floats) -> tuple[float, float, float]:
+    """A vector (3,) as a node takes it."""
+    x, y, z = (float(value) for value in values)
+    return x, y, z
 
 
 def ordered(build: NodeBuilder, number: Socket, known: Iterable[Socket]) -> Socket:

@@ -15,7 +15,7 @@ from ....formats.condensed_sizes import Shapes
 from ....formats.containers.exr import Compression, stored_rows, write_rows
 from ....formats.disk.atomic import replacing
 from ....formats.disk.temporary import temporary_folder
-from ....formats.shared_files import layer_path
+from ....formats.image_files import layer_path
 from ....formats.sidecar_file import AnySidecar, opened
 from ....preview.material import build_frame_group, load_atlas
 from ....preview.node_group import MAX_PIXELS

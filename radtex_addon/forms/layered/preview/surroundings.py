@@ -14,7 +14,7 @@ from ....scene.nodes import NodeBuilder, Socket, close_group, open_group
 from ..files.arrangement import DISTANCES, PLANE, THINGS, WORLD
 from ..files.sidecar import LayeredSidecar, Picture
 from ..lookup.environment import STEPS, Lamp, Plane
-from .images import ordered
+from .images import constant, ordered
 
 _LEAST = 1e-12  # width²
 _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # as in lookup.environment
@@ -121,7 +121,7 @@ def _over_group(
 
 def _plane_group(plane: Plane) -> bpy.types.ShaderNodeTree:
     """`Plane.meet`."""
-    normal, eye = _constant(plane.normal), _constant(plane.eye)
+    normal, eye = constant(plane.normal), constant(plane.eye)
     build, (offset, axis, spread) = open_group(
         "RadTex Plane Shape", Offset="Vector", Axis="Vector", Spread="Float"
     )
@@ -228,13 +228,8 @@ def _lamp_group() -> bpy.types.ShaderNodeTree:
 
 def _lamp_facts(lamp: Lamp) -> tuple[tuple[float, ...] | float, ...]:
     return (
-        _constant(lamp.place),
-        _constant(lamp.irradiance),
+        constant(lamp.place),
+        constant(lamp.irradiance),
         float(lamp.variance),
         float(lamp.place @ lamp.place),
     )
-
-
-def _constant(values: object) -> tuple[float, float, float]:
-    x, y, z = (float(value) for value in values)  # type: ignore[attr-defined]
-    return x, y, z
