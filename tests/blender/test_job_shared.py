@@ -324,7 +324,7 @@ def test_a_bake_that_cannot_be_written_leaves_the_one_before(
     def full(*_: object) -> None:
         raise BakeError("the disk is full")
 
-    monkeypatch.setattr("radtex_addon.formats.shared_files.write_rows", full)
+    monkeypatch.setattr("radtex_addon.formats.image_files.write_rows", full)
     with pytest.raises(BakeError, match="full"):
         bake("Card", BakeSpec(layout=Layout.SHARED, texels=4, bucket=4, samples=1), out, overwrite=True)
     assert take_pieces(out)
