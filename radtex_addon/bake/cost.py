@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import prod
 
-from ..formats.condensed_sizes import Shapes
+from ..formats.image_files import Shapes
 from .spec import BakeSpec
 
 _GPU_CHANNELS = 4  # a GPU texture of three channels takes as much memory as one of four

@@ -38,10 +38,7 @@ def probe_specs(spec: BakeSpec) -> tuple[BakeSpec, BakeSpec]:
     """The two small bakes from which to estimate `spec`; the one with fewer paths comes first."""
     texels = min(spec.texels, _TEXELS)
     padding = spec.padding if texels == spec.texels else 0
-    few, more = (
-        replace(spec, texels=texels, padding=padding, samples=samples, budget=None, target=None)
-        for samples in _SAMPLES
-    )
+    few, more = (replace(spec, texels=texels, padding=padding, samples=samples) for samples in _SAMPLES)
     return few, more
 
 
@@ -56,7 +53,7 @@ def paths_needed(spec: BakeSpec, probe: Probe) -> int:
 
 
 def seconds_needed(spec: BakeSpec, few: Probe, more: Probe) -> float:
-    """How many seconds a bake of `spec` takes, without condensing."""
+    """How many seconds a bake of `spec` takes."""
     growth = _growth(spec, more)
     further = paths_needed(spec, more) - more.paths
     total = more.spent(*_ONCE) + growth * more.spent(*_BY_TEXEL)

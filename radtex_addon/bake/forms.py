@@ -15,22 +15,19 @@ class FormTraits:
     """One row: facts about a form.
 
     * `name`: unique, also that of the form's folder; `layout`: as in sidecars; `title`: for messages.
-    * `cells`: the default bucket size; `border`: pixels around a bucket, both sides together.
+    * `cells`: the default bucket size.
     * `channels`: of a cell while it is baked; None for light and its layers.
     * `streams`: cells are on disk during the bake, unless an earlier atlas is read.
     * `by_paths`: fitted to single paths, whose number does not depend on the cells.
     * Options that it can be baked with: a `source`, single `lamps`, a `shared_atlas`, `layers`,
-      `accumulates`, a `farm`, the `panoramic` capture, a limit of size or quality (`condenses`), a `split`
-      object, and `any_cells`.
-    * `limited`: its bakes have such a limit. `backs`: faces that are seen from
-      behind get texels of their own.
+      `accumulates`, a `farm`, the `panoramic` capture, a `split` object, and `any_cells`.
+    * `backs`: faces that are seen from behind get texels of their own.
     """
 
     name: str
     layout: str
     title: str
     cells: int = 8
-    border: int = 0
     channels: int | None = None
     streams: bool = True
     by_paths: bool = False
@@ -41,32 +38,9 @@ class FormTraits:
     accumulates: bool = True
     farm: bool = True
     panoramic: bool = True
-    condenses: bool = False
-    limited: bool = False
     split: bool = True
     any_cells: bool = True
     backs: bool = False
-
-
-def _shared(name: str, cells: int, limited: bool) -> FormTraits:
-    return FormTraits(
-        name=name,
-        layout="shared",
-        title="the shared layout",
-        cells=cells,
-        border=2,
-        streams=False,
-        by_paths=True,
-        source=False,
-        lamps=False,
-        shared_atlas=False,
-        layers=False,
-        accumulates=False,
-        farm=False,
-        panoramic=False,
-        condenses=True,
-        limited=limited,
-    )
 
 
 BUCKETS = FormTraits("buckets", "buckets", "layout buckets")
@@ -74,10 +48,6 @@ BITS = FormTraits("bits", "buckets", "bits", channels=1, panoramic=False)
 AMBIENT = FormTraits("ambient", "buckets", "ambient occlusion", channels=1, panoramic=False)
 # 9 cells: odd, so that the creases of octahedral maps run through the middles of cells.
 SPHERE = FormTraits("sphere", "sphere", "spheres", cells=9, streams=False, layers=False, panoramic=False)
-SHARED = _shared("shared", cells=16, limited=False)
-# 14 cells: with its border a bucket is 16 pixels wide, whole blocks of a compressed texture.
-CONDENSED = _shared("condensed", cells=14, limited=True)
-
 LAYERED = FormTraits(
     name="layered",
     layout="layered",
@@ -97,7 +67,7 @@ LAYERED = FormTraits(
     backs=True,
 )
 
-FORMS = (BUCKETS, BITS, AMBIENT, SPHERE, SHARED, CONDENSED, LAYERED)
+FORMS = (BUCKETS, BITS, AMBIENT, SPHERE, LAYERED)
 
 
 def has_light_layers(layout: str) -> bool:

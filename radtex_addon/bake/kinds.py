@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum, StrEnum, auto
 
-from .forms import AMBIENT, BITS, BUCKETS, CONDENSED, LAYERED, SHARED, SPHERE, FormTraits
+from .forms import AMBIENT, BITS, BUCKETS, LAYERED, SPHERE, FormTraits
 
 
 class Kind(StrEnum):
@@ -35,13 +35,12 @@ class Layout(StrEnum):
     """How an atlas stores light, for kinds that leave the choice: see `KindTraits.form`."""
 
     BUCKETS = "buckets"
-    SHARED = "shared"
     LAYERED = "layered"
 
     @property
     def cells(self) -> int:
         """The default bucket size: cells along a side."""
-        return form_in(self, condensed=False).cells
+        return form_in(self).cells
 
 
 class Light(Enum):
@@ -72,7 +71,7 @@ class KindTraits:
     """One row: facts about a kind.
 
     * `title`, `tooltip`: what the panel calls it. `light`, `rays`: what it records, and how it is captured.
-    * `form`: how its atlas is stored; None where the specification's layout and budget decide.
+    * `form`: how its atlas is stored; None where the specification's layout decides.
     * Options that it can be baked with: `layers`; a `source` (from another object); single `lamps`;
       `accumulates` (and refreshes); on a `farm`; several objects in a `shared_atlas`; by the `panoramic`
       capture; in `full_floats`; with `lossy` compression.
@@ -219,13 +218,11 @@ def is_default_kind(kind: str) -> bool:
     return kind == DEFAULT_KIND
 
 
-def form_of(kind: Kind, layout: Layout, condensed: bool) -> FormTraits:
-    """The form of a bake; `layout` and `condensed` are used only if the kind has no form of its own."""
-    return kind.traits.form or form_in(layout, condensed)
+def form_of(kind: Kind, layout: Layout) -> FormTraits:
+    """The form of a bake; the `layout` is used only if the kind has no form of its own."""
+    return kind.traits.form or form_in(layout)
 
 
-def form_in(layout: Layout, condensed: bool) -> FormTraits:
+def form_in(layout: Layout) -> FormTraits:
     """The form of a bake in a layout, for kinds without a form of their own."""
-    if layout is Layout.SHARED:
-        return CONDENSED if condensed else SHARED
     return LAYERED if layout is Layout.LAYERED else BUCKETS

@@ -39,7 +39,6 @@ LIGHT = (
     Layer.EMISSION,
     Layer.ENVIRONMENT,
 )  # add up to the whole
-SIGNED = (Layer.NORMAL, Layer.REST)  # hold values below 0
 
 
 def captured(layers: Sequence[Layer]) -> tuple[Layer, ...]:

@@ -1,24 +1,29 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Single paths of light, traced for the shared layout: many directions, one sample each."""
+"""Single paths of light, traced for a fit: many directions, one sample each."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import cast
 
 import numpy as np
 
 from ..core.arrays import Bools, Floats, Ints
-from ..core.atlas import AtlasLayout
-from ..core.frame import fallback_tangent, orthonormal_frame
 from ..core.hemisphere import mirror_direction, square_to_direction
-from ..core.octahedron import direction_to_octahedron, octahedron_cell, octahedron_to_direction
+from ..core.octahedron import direction_to_octahedron
+from .blocks import planes
 from .plan import CapturePlan
 
 ALL = slice(None)  # all texels
-_NEAR_SIZE = 64  # cells along a side of the map of near things
-_BEFORE = 0.95  # rays to a near thing start at this share of its distance from the middle
+
+
+class Axis(StrEnum):
+    """The direction that indexes a lobe's buckets: the viewer's mirror direction or the line of sight."""
+
+    MIRROR = "mirror"
+    THROUGH = "through"
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,63 +62,28 @@ class EndSamples:
 
 
 @dataclass(frozen=True, eq=False)
-class SurroundingsSamples:
-    """The light that arrives at the object: P samples of where it comes from, in world space.
+class LobeSamples:
+    """Samples along a lobe's axis, S for each of the plan's K texels.
 
-    `direction` (P, 3), unit, from the object's `middle` (3,) to the source, its `radiance` (P, 3), and
-    `nearness` (P,), one over its distance from the middle.
+    `square` (K, S, 2): bucket coordinates B of the viewers. `values` (K, S, 3): the light that they see, or
+    how much of it the object lets through. `used` (K, S): which samples count.
     """
 
-    middle: Floats
-    direction: Floats
-    radiance: Floats
-    nearness: Floats
+    plan: CapturePlan
+    axis: Axis
+    square: Floats
+    values: Floats
+    used: Bools
 
+    def along(self, some: slice) -> tuple[Floats, Floats]:
+        """The axes of some texels' samples, (3, k, S), and their places on the octahedron, (2, k, S)."""
+        towards = mirrored if self.axis is Axis.MIRROR else straight_through
+        axis = planes(towards(self.plan, self.square[some].astype(np.float32), some))
+        return axis, planes(direction_to_octahedron(np.moveaxis(axis, 0, -1)))
 
-def joined(first: SurroundingsSamples, second: SurroundingsSamples) -> SurroundingsSamples:
-    """Join two sets of samples that have the same middle."""
-    return SurroundingsSamples(
-        first.middle,
-        np.concatenate([first.direction, second.direction]),
-        np.concatenate([first.radiance, second.radiance]),
-        np.concatenate([first.nearness, second.nearness]),
-    )
-
-
-def distance_along(direction: Floats, offset: Floats, away: Floats) -> Floats:
-    """The distance along `direction` from the origin at which a ray from `offset` along `away` is nearest.
-
-    Returns (P,); all others are (P, 3). Infinite where the two are parallel, or meet behind the origin.
-    """
-    across = np.cross(direction, away)
-    squared = np.sum(across * across, axis=-1)
-    along = np.sum(np.cross(offset, away) * across, axis=-1)
-    found: Floats = np.where((squared > 1e-8) & (along > 0), along / np.maximum(squared, 1e-8), np.inf)
-    return found
-
-
-def panorama_plan(
-    near: SurroundingsSamples, middle: Floats, radius: float, size: int, rays: int
-) -> CapturePlan:
-    """Plan rays straight away from the object: `rays` per cell of a size x size octahedral map, stratified.
-
-    They start `radius` from `middle` (3,), which is outside the object, or nearer where `near` has met
-    something in their direction: then just before it.
-    """
-    side = int(np.ceil(np.sqrt(rays)))
-    count = size * side
-    place = (np.stack(np.meshgrid(np.arange(count), np.arange(count)), axis=-1).reshape(-1, 2) + 0.5) / count
-    direction = octahedron_to_direction(place.astype(np.float32))
-    cell = octahedron_cell(direction_to_octahedron(near.direction), _NEAR_SIZE)
-    nearness = np.full(_NEAR_SIZE**2, 1 / radius)
-    np.maximum.at(nearness, cell, near.nearness / _BEFORE)
-    start = (1 / nearness)[octahedron_cell(place, _NEAR_SIZE)].astype(np.float32)
-    tangent, bitangent, normal = orthonormal_frame(
-        direction, fallback_tangent(direction), np.ones(len(place))
-    )
-    fields = (middle + start[:, None] * direction, tangent, bitangent, normal, normal)
-    packed = [field.reshape(count, count, 3).astype(np.float32) for field in fields]
-    return CapturePlan(AtlasLayout(count, count, 1), np.arange(count * count), *packed)
+    def seen(self, some: slice) -> Floats:
+        """Some texels' values, (3, k, S); 0 for samples that do not count."""
+        return np.where(self.used[some], planes(self.values[some]), np.float32(0))
 
 
 def mirrored(plan: CapturePlan, square: Floats, some: slice = ALL) -> Floats:

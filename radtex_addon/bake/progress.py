@@ -25,7 +25,6 @@ class Stage(StrEnum):
     CAPTURE = "capture"
     FILL = "fill"
     FIT = "fit"
-    CONDENSE = "condense"
     WRITE = "write"
     PREVIEW = "preview"
 

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The numbers of paths in the shared layout."""
+"""The numbers of paths in the layered layout."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, sqrt
+from math import sqrt
 
 FINER = 4  # times as many texels along each side for the diffuse colour, as it needs no light
 PROBE_CELLS = 4  # cells along a side of the buckets for finding hidden directions
@@ -15,49 +15,7 @@ PROBES = 2  # rays per cell of these buckets; a cell is hidden if all of its ray
 WORLD_WIDTH = 1280  # of a layered bake's panorama of the world in pixels, one ray each: it is free of noise
 NEAR_WIDTH, NEAR_SAMPLES = 896, 3  # of those of near things, which are denoised; one more ray tells where
 
-_SAMPLES = 16  # samples of a plain bake with 8 x 8 cells that costs as much as the default `Rays`
-_FEWEST = {"light": 4, "ends": 2, "around": 2, "panorama": 1}  # with fewer there is nothing to fit
-_LARGEST_PANORAMA = 64  # paths per cell, a render of 2048 x 2048: beyond that the texels' own noise is larger
-
-
-@dataclass(frozen=True)
-class Rays:
-    """Numbers of paths: `light`² per texel, `ends`² and `around`² per texel twice, `panorama` per cell twice.
-
-    The panorama has `size` x `size` cells, for all texels together.
-    """
-
-    light: int = 23
-    ends: int = 10
-    around: int = 5
-    panorama: int = 9
-    size: int = 256
-
-    @classmethod
-    def of(cls, samples: int) -> Rays:
-        """About as many paths as a plain bake with 8 x 8 cells takes: 64 times `samples` per texel."""
-        most = cls()
-        share = samples / _SAMPLES
-        return cls(
-            light=max(_FEWEST["light"], round(most.light * sqrt(share))),
-            ends=max(_FEWEST["ends"], round(most.ends * sqrt(share))),
-            around=max(_FEWEST["around"], round(most.around * sqrt(share))),
-            panorama=min(_LARGEST_PANORAMA, max(_FEWEST["panorama"], round(most.panorama * share))),
-        )
-
-    @property
-    def of_texel(self) -> int:
-        """Paths of one texel, without its share of the panorama."""
-        return self.light**2 + 2 * self.ends**2 + 2 * self.around**2
-
-    @property
-    def of_panorama(self) -> int:
-        """Paths of both panoramas; the number per cell is rounded up to a square."""
-        return 2 * self.size**2 * ceil(sqrt(self.panorama)) ** 2
-
-    def most(self, texels: int) -> int:
-        """All paths of a bake that covers `texels` texels, if none of them is hidden."""
-        return texels * (self.of_texel + FINER**2 + PROBES * PROBE_CELLS**2) + self.of_panorama
+_SAMPLES = 16  # samples of a plain bake with 8 x 8 cells that costs as much as the default `LayeredRays`
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from .kinds import Kind, Layout
 from .layers import Layer
 from .parts import Split
 from .spec_checks import check
-from .spec_fields import SpecFields, shared_bytes
+from .spec_fields import SpecFields
 
 __all__ = [
     "BakeSpec",
@@ -45,7 +45,6 @@ __all__ = [
     "parse_split",
     "parse_unwrap",
     "parse_view",
-    "shared_bytes",
 ]
 
 
@@ -55,9 +54,9 @@ class BakeSpec(SpecFields):
 
     Enums may be given as text. Raises InputError for what cannot be baked.
 
-    * `layout`: in the shared layout, which bakes radiance by the portal, buckets are octahedral, and a texel
-      takes about 64 paths per sample, however many cells it has (`Rays.of`). Default of `bucket`:
-      `layout.cells`, but 14 if condensed, and 9 for kind `transfer`.
+    * `layout`: in the layered layout, which bakes radiance by the portal, a texel takes about 64 paths per
+      sample, however many cells it has (`LayeredRays.of`). Default of `bucket`: `layout.cells`, but 9 for
+      kind `transfer`.
     * `uv_layer`: the object's layer to bake on; without one, `unwrap` makes a layer, with `padding` texels
       between islands. `device`: see `cycles.device.use_device`. `memory_mb`: limit for the bake's memory,
       without the scene's. `half`, `compression`: the format of the files.
@@ -66,8 +65,6 @@ class BakeSpec(SpecFields):
     * `accumulate` adds the samples to the existing atlas; `refresh` bakes only its changed texels again, with
       as many samples as it has; `where` limits both to the faces of a vertex group, a boolean face attribute
       or a material.
-    * `budget` (bytes of its textures on a GPU) or `target` (accuracy against the fit, in dB): condense a bake
-      in the shared layout (`core.condensed`).
     * `source`: the atlas holds what this other object shows, found along the baked object's normals; the
       baked object itself is invisible. `extrusion`: how far it is searched for, in scene units; None for a
       few per cent of the size. `cage`: an object with the same vertices and faces further out; the search

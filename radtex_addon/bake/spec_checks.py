@@ -22,8 +22,7 @@ _NAMES = {
 }  # names of fields in messages, if they differ
 _BUCKETS = do("choose layout buckets", Setting.LAYOUT, value="buckets")
 _PORTAL = do("capture by portal", Setting.CAPTURE, value="portal")
-_MOST_SHARED_SAMPLES = 2**12  # 177 thousand paths per texel
-_TARGETS = (10.0, 60.0)  # dB; textures of 8 bits are no more accurate
+_MOST_SAMPLES_BY_PATHS = 2**12  # 117 thousand paths per texel
 
 LEAST_MEMORY, MOST_MEMORY = 16, 2**24  # limits of --memory, in MiB
 
@@ -36,11 +35,10 @@ _LIMITS = {
     "padding": (0, 256),
     "sheet": (16, MAX_IMAGE_SIDE),
     "memory_mb": (LEAST_MEMORY, MOST_MEMORY),
-    "budget": (1, 2**40),
     "frame": (0, 1048574),
     "unwrap_at": (0, 1048574),
 }
-_OPTIONAL = ("budget", "frame", "unwrap_at", "memory_mb")
+_OPTIONAL = ("frame", "unwrap_at", "memory_mb")
 
 
 def check(spec: SpecFields) -> None:
@@ -58,14 +56,12 @@ def check(spec: SpecFields) -> None:
     _check_kind(spec)
     if _asked(spec).by_paths:
         _check_by_paths(spec)
-    if spec.condensed:
-        _check_condensed(spec)
     _check_size(spec)
 
 
 def _asked(spec: SpecFields) -> FormTraits:
     """The form of the layout that is asked for, even if the kind has a form of its own."""
-    return form_in(spec.layout, spec.condensed)
+    return form_in(spec.layout)
 
 
 def _check_kind(spec: SpecFields) -> None:
@@ -180,7 +176,6 @@ def _check_transfer(spec: SpecFields) -> None:
     for asked, wrong, remedy in (
         (_asked(spec).title, _asked(spec).by_paths, _BUCKETS),
         ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, _PORTAL),
-        ("a budget or target", spec.condensed, do("leave it out")),
     ):
         if wrong:
             raise InputError(f"kind transfer does not go with {asked}", remedy)
@@ -242,31 +237,7 @@ def _check_by_paths(spec: SpecFields) -> None:
             _BUCKETS,
             leave_out(Setting.BUCKET),
         )
-    _check_whole_number(f"samples in {form.title}", spec.samples, 1, _MOST_SHARED_SAMPLES)
-
-
-def _check_condensed(spec: SpecFields) -> None:
-    asked = "a budget" if spec.target is None else "a target"
-    if not _asked(spec).condenses:
-        raise InputError(
-            f"{asked} needs the shared layout",
-            do("choose that layout", Setting.LAYOUT, value="shared"),
-            do("leave it out"),
-        )
-    if spec.budget is not None and spec.target is not None:
-        raise InputError("a budget and a target contradict each other: give one of them")
-    if not spec.half or spec.compression is not Compression.ZIP:
-        raise InputError(
-            f"{asked} makes textures of one format", leave_out(Setting.FLOAT, Setting.COMPRESSION)
-        )
-    least, most = _TARGETS
-    if spec.target is not None and not least <= spec.target <= most:
-        raise InputError(f"target {spec.target:g} dB: give {least:g} to {most:g} dB")
-    if spec.bucket % 4 != 2:
-        raise InputError(
-            f"{spec.bucket} cells with {asked}: give 6, 10, 14 or 18 cells, which with their border "
-            "fill the blocks of compressed textures"
-        )
+    _check_whole_number(f"samples in {form.title}", spec.samples, 1, _MOST_SAMPLES_BY_PATHS)
 
 
 def _check_size(spec: SpecFields) -> None:

@@ -10,19 +10,18 @@ from typing import cast
 
 from ..formats.containers.exr import Compression
 from .choices import CaptureMethod, Unwrap, View
-from .forms import LAYERED, FormTraits
+from .forms import FormTraits
 from .kinds import DEFAULT_KIND, Kind, Layout, form_of
 from .layers import OF_LAYER, WHOLE, Layer, captured
 from .parts import Split
 from .plan import SHEET
-from .rays import CLEAR_SAMPLES, LayeredRays, Rays
+from .rays import CLEAR_SAMPLES, LayeredRays
 from .transfer_views import views_along
 
 _BYTES_PER_CHANNEL = 8  # float32, twice: as cells, and joined to an image (measured: RGBA 33 to 35)
 _BYTES_PER_TEXEL = 256  # points and frames, once as a map and once packed (measured: 180 to 240)
 _BYTES_OF_BANDS = 160 << 20  # cells in memory while an atlas is written, and the writer (measured)
 _TILE_MB = 1024  # the most that one render may take
-_BYTES_PER_SHARED_PIXEL = 240  # both lobes' ten channels in float32, three times: fitted, as images, stored
 _BYTES_PER_LAYERED_TEXEL = 60_000  # rays to the object itself, and buckets while they are fitted
 _BYTES_PER_RAY = 48  # single paths in float16, their directions, and the fit's arrays
 
@@ -45,8 +44,6 @@ class SpecFields:
     padding: int = 2
     memory_mb: int | None = None
     layout: Layout = Layout.BUCKETS
-    budget: int | None = None
-    target: float | None = None
     layers: tuple[Layer, ...] = ()
     content: str | None = None
     accumulate: bool = False
@@ -66,14 +63,9 @@ class SpecFields:
     sheet: int = SHEET
 
     @property
-    def condensed(self) -> bool:
-        """Whether the files hold mixtures of a few buckets per cluster, as compressed textures."""
-        return self.budget is not None or self.target is not None
-
-    @property
     def form(self) -> FormTraits:
         """How the atlas is stored."""
-        return form_of(self.kind, self.layout, self.condensed)
+        return form_of(self.kind, self.layout)
 
     @property
     def channels(self) -> int:
@@ -83,23 +75,18 @@ class SpecFields:
         return WHOLE + OF_LAYER * len(captured(self.layers))
 
     @property
-    def rays(self) -> Rays:
-        """The numbers of paths in the shared layout."""
-        return Rays.of(self.samples)
-
-    @property
     def layered_rays(self) -> LayeredRays:
         """The numbers of paths in the layered layout."""
         return LayeredRays.of(self.samples)
 
     def most_paths(self, texels: int) -> int:
         """The most camera paths of a bake by paths that covers so many texels."""
-        return (self.layered_rays if self.form == LAYERED else self.rays).most(texels)
+        return self.layered_rays.most(texels)
 
     @property
     def pixels_a_side(self) -> int:
-        """Pixels of the atlas's longer side; in the shared layout buckets have a border of one cell."""
-        return self.texels * views_along(self.view) * (self.bucket + self.form.border)
+        """Pixels of the atlas's longer side."""
+        return self.texels * views_along(self.view) * self.bucket
 
     @property
     def pixel_count(self) -> int:
@@ -138,14 +125,6 @@ class SpecFields:
         if self.streams:
             of_bands = min(_BYTES_OF_BANDS, 2 * _BYTES_PER_CHANNEL * self.pixel_count * self.channels)
             return self.texels**2 * (_BYTES_PER_TEXEL + self.bucket**2 // 8) + of_bands
-        if self.form == LAYERED:
-            return self.texels**2 * (_BYTES_PER_LAYERED_TEXEL + self.layered_rays.of_texel * _BYTES_PER_RAY)
         if self.form.by_paths:
-            return shared_bytes(self.texels, self.bucket, self.samples)
+            return self.texels**2 * (_BYTES_PER_LAYERED_TEXEL + self.layered_rays.of_texel * _BYTES_PER_RAY)
         return self.pixel_count * self.channels * _BYTES_PER_CHANNEL
-
-
-def shared_bytes(texels: int, cells: int, samples: int) -> int:
-    """The most memory that an atlas in the shared layout can take during the bake, in bytes."""
-    of_texel = (cells + 2) ** 2 * _BYTES_PER_SHARED_PIXEL + Rays.of(samples).of_texel * _BYTES_PER_RAY
-    return texels**2 * of_texel

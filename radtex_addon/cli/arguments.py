@@ -84,9 +84,8 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
     chosen = {
         field.name: getattr(found, field.name) for field in fields(BakeSpec) if hasattr(found, field.name)
     }
-    sized = found.budget is not None or found.target is not None
-    open_layout = OpenLayout(found.bucket) if found.layout is None and not sized else None
-    chosen["layout"] = found.layout or (Layout.SHARED if sized else Layout.BUCKETS)
+    open_layout = OpenLayout(found.bucket) if found.layout is None else None
+    chosen["layout"] = found.layout or Layout.BUCKETS
     chosen["layers"] = tuple(found.layers or ())
     if found.frames:
         chosen["frame"] = found.frames[0]

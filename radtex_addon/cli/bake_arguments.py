@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import argparse
-import re
 from functools import partial
 
 from ..bake.frame_numbers import parse_frames
@@ -13,9 +12,8 @@ from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layer, Layou
 from ..bake.spec_checks import LEAST_MEMORY
 from ..core.errors import InputError
 from ..core.sampler import Filter
-from ..job.layout_choice import SHARED_CELLS
 from ..textures.export_spec import Target
-from .options import DEMO, add_choice, add_device, add_memory, add_number, add_progress, parse_size
+from .options import DEMO, add_choice, add_device, add_memory, add_number, add_progress
 
 _DEFAULT = BakeSpec()
 
@@ -175,9 +173,9 @@ def _add_surface(group: argparse._ArgumentGroup) -> None:
         None,
         "layered: what surrounds the object, in layers that are met from each place, what it shows of "
         "itself, and what is left: the best picture in the fewest bytes; radiance by the portal only; "
-        "buckets: every texel keeps a picture of its own; shared: what all texels see in common is kept "
-        "once (default: layered; buckets for other kinds, for an object with hair or a volume, and for what "
-        "layered refuses: a line says why; what is resumed, accumulated or refreshed keeps its layout)",
+        "buckets: every texel keeps a picture of its own (default: layered; buckets for other kinds, for an "
+        "object with hair or a volume, and for what layered refuses: a line says why; what is resumed, "
+        "accumulated or refreshed keeps its layout)",
     )
     group.add_argument(
         "--uv",
@@ -191,7 +189,7 @@ def _add_surface(group: argparse._ArgumentGroup) -> None:
 
 
 def add_quality(group: argparse._ArgumentGroup) -> None:
-    """Add options for texels, cells, samples, and the textures' size (`--budget`, `--target`)."""
+    """Add options for texels, cells and samples."""
     _number(group, "--texels", "texels", "N", "texels along the atlas's longer side")
     _number(
         group,
@@ -199,36 +197,16 @@ def add_quality(group: argparse._ArgumentGroup) -> None:
         "bucket",
         "N",
         "cells along a bucket's side: each texel tells N x N directions apart",
-        f"{Layout.BUCKETS.cells} in layout buckets; {SHARED_CELLS} in layout shared with a budget or a "
-        f"target, {Layout.SHARED.cells} without; layered chooses them itself",
+        f"{Layout.BUCKETS.cells} in layout buckets; layered chooses them itself",
     )
     _number(
         group,
         "--samples",
         "samples",
         "N",
-        "light paths for each cell: more paths, less noise; in the layered and the shared layout about 64 N "
+        "light paths for each cell: more paths, less noise; in the layered layout about 64 N "
         "for each texel, however many cells it has",
     )
-
-    group.add_argument(
-        "--budget",
-        type=_bytes,
-        metavar="SIZE",
-        help="what the shared layout's textures may take on a GPU, such as 800KB or 8MB: texels that are "
-        "alike then share buckets; without --budget and --target every texel keeps its own",
-    )
-    group.add_argument(
-        "--target",
-        type=_decibels,
-        metavar="DB",
-        help="condense the shared layout to the fewest clusters, ever doubled, that come that near to "
-        "what was fitted, such as 40dB",
-    )
-
-
-def _bytes(word: str) -> int:
-    return parse_size("--budget", word, "800KB or 8MB")
 
 
 def _frame(word: str) -> int:
@@ -242,13 +220,6 @@ def _distance(word: str, flag: str, such_as: str) -> float:
         return float(word)
     except ValueError:
         raise InputError(f"{flag} {word}: give a distance in scene units, such as {such_as}") from None
-
-
-def _decibels(word: str) -> float:
-    found = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(?:dB)?", word.strip(), re.IGNORECASE)
-    if found is None:
-        raise InputError(f"--target {word}: give decibels, such as 40dB")
-    return float(found[1])
 
 
 def add_how(group: argparse._ArgumentGroup) -> None:

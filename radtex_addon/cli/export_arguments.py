@@ -119,8 +119,7 @@ def _add_textures(group: argparse._ArgumentGroup) -> None:
         "--format",
         TextureFormat,
         TextureFormat.AUTO,
-        "how textures are stored; auto: what the target loads best; "
-        "a condensed bake's are copied as they are",
+        "how textures are stored; auto: what the target loads best",
     )
     group.add_argument(
         "--no-zstd", dest="zstd", action="store_false", help="leave KTX2 files uncompressed (default: zstd)"

@@ -120,9 +120,8 @@ def _add_how(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--variants",
         action="store_true",
-        help="bake the object again, into a temporary folder, with half of each setting (a condensed "
-        "bake also not condensed), and say what that costs; takes about as long as the bake itself took, "
-        "for a condensed one three times that",
+        help="bake the object again, into a temporary folder, with half of each setting, "
+        "and say what that costs; takes about as long as the bake itself took",
     )
     add_device(group)
     add_memory(group, "memory that the bake may take to be read: one that needs more is refused", None)

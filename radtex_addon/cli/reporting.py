@@ -32,7 +32,6 @@ _SAYS: dict[StrEnum, str] = {
     Stage.CAPTURE: "rendering",
     Stage.FILL: "filling gutters",
     Stage.FIT: "fitting",
-    Stage.CONDENSE: "condensing",
     Stage.WRITE: "writing",
     Stage.PREVIEW: "saving the preview",
     Task.FIND_MESH: "finding its UV layer",

@@ -7,7 +7,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 
@@ -116,23 +115,11 @@ def summary_of(title: str, spec: BakeSpec, result: BakeResult) -> str:
     size = readable_size(sum(path.stat().st_size for path in result.files.images))
     cells = f" of {layout.bucket} x {layout.bucket} cells" if spec.form.any_cells else ""
     stored = f", {spec.form.layout}," if spec.form.by_paths else ""
-    lost = f", {result.fireflies:.1%} of the light lost as fireflies" if result.fireflies > 5e-4 else ""
     clamped = f", {result.clamped} values clamped to what the file holds" if result.clamped else ""
     return (
         f"{title}: {layout.width} x {layout.height} texels{cells}"
         f"{stored} at {spec.samples} spp, {result.covered_texels} texels covered, {result.paths:,} paths "
-        f"on {result.device} in {seconds:.1f} s, {size}{_condensed(result)}{lost}{clamped}"
-    )
-
-
-def _condensed(result: BakeResult) -> str:
-    chosen = result.condensed
-    if chosen is None:
-        return ""
-    clusters = " and ".join(str(count) for count in chosen.clusters) or "no"
-    return (
-        f" ({chosen.bytes / 1e6:.2f} MB on a GPU) in {clusters} clusters, "
-        f"{chosen.agreement:.1f} dB from what was fitted"
+        f"on {result.device} in {seconds:.1f} s, {size}{clamped}"
     )
 
 
@@ -152,7 +139,5 @@ def facts_of(spec: BakeSpec, result: BakeResult, others: list[Path]) -> dict[str
         "paths": None if result.was_finished else result.paths,
         "device": result.device,
         "clamped": result.clamped,
-        "fireflies": result.fireflies,
-        "condensed": asdict(result.condensed) if result.condensed else None,
         "seconds": {str(stage): round(value, 3) for stage, value in result.seconds.items()},
     }

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from .arrays import Floats
 
 REC_709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)  # x, y of red, green, blue, white
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)  # of Rec.709
 _CHROMATICITIES = {  # x, y of red, green, blue, white
     "lin_rec709_scene": REC_709,
     "lin_rec2020_scene": (0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.3290),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Capture the input of the shared layout's fit: light in many directions, path ends, surroundings, colour.
+"""Capture single paths: light in many directions, and where paths end.
 
 All captures use the portal's rays, aimed at known points of their cells. Each needs a scratch scene of its
 own, to which it adds its planes and camera.
@@ -19,10 +19,7 @@ from ..bake.kinds import Kind
 from ..bake.light_samples import (
     EndSamples,
     LightSamples,
-    SurroundingsSamples,
     cells_of,
-    distance_along,
-    mirrored,
     spread_shifts,
 )
 from ..bake.piece_store import NO_STORE, PieceStore
@@ -31,13 +28,11 @@ from ..bake.plan import CapturePlan, Tile
 from ..bake.progress import Progress, Stage
 from ..bake.thumbnail import Thumbnail
 from ..core.arrays import Bools, Floats
-from .capture_settings import first_hit_only
 from .passes import Passes, attributes_of, colour_of, light_of, raw_light_of
 from .path_ends import TURNS, PathEnds, any_dark, from_directions
 from .portal import Aim, PortalCapture
 
 _TILE_PIXELS = 3 << 20
-_ITSELF = 0.1  # less than the sum of any encoded direction's components: the ray met the black object
 LOBES = {"diffuse": "diffuse", "mirrored": "glossy", "through": "transmission"}  # Cycles's names
 DIFFUSE, MIRRORED, THROUGH = map(attributes_of, LOBES.values())
 
@@ -124,74 +119,6 @@ def _trace_ends(ends: PathEnds, capture: PortalCapture, tile: Tile) -> Arrays:
         found[f"{lobe}_weight"] = np.maximum(white.in_rec709(weight), 0).astype(np.float16)
         found[f"{lobe}_end"] = end.astype(np.float16)
     return found
-
-
-def capture_surroundings(
-    scene: bpy.types.Scene,
-    ends: PathEnds,
-    plan: CapturePlan,
-    middle: Floats,
-    seed: int,
-    folder: Path,
-    store: PieceStore = NO_STORE,
-    name: str = "around",
-) -> SurroundingsSamples:
-    """Look from the object in the mirror direction of each of the plan's cells.
-
-    `middle` (3,) is the object's middle in world space. `scene` is a scratch scene and `ends` its path ends;
-    both are unusable afterwards. Rays that meet the object itself give no sample. In the `store`, names of
-    pieces begin with `name`. Raises BakeError where Cycles fails.
-    """
-    count = len(plan.texel)
-    shift = straight_shifts(count) if plan.layout.bucket == 1 else spread_shifts(count, seed + 1)
-    aim = Aim(shift)
-
-    def trace(shown: bpy.types.Scene, what: str, coded: bool = False) -> Floats:
-        capture = PortalCapture(shown, plan, Kind.REFLECTION, 1, seed, folder, aim)
-        return np.concatenate(
-            [
-                store.get_or_make(
-                    _name(f"{name}-{what}", tile), partial(_trace_around, capture, tile, coded)
-                )["rgb"]
-                for tile in tiles_of(plan)
-            ]
-        )
-
-    light = trace(scene, "light")
-    ends.emit_directions(0)
-    ends.blacken_object()
-    coded = trace(ends.scene, "ends", coded=True)
-    met = coded.sum(axis=1) > _ITSELF
-    direction = coded[met] * 2 - 1
-    away = mirrored(plan, aim.square(plan.layout.bucket)).reshape(-1, 3)[met]
-    start = np.repeat(plan.points, plan.layout.bucket**2, axis=0)[met]
-    return SurroundingsSamples(
-        middle, direction, light[met], 1 / distance_along(direction, start - middle, away)
-    )
-
-
-def _trace_around(capture: PortalCapture, tile: Tile, coded: bool) -> Arrays:
-    passes = capture.render_passes(tile)
-    seen = passes.raw_whole if coded else passes.whole
-    return {"rgb": seen[..., :3].reshape(-1, 3)}
-
-
-def capture_colour(
-    scene: bpy.types.Scene, plan: CapturePlan, seed: int, folder: Path, store: PieceStore = NO_STORE
-) -> Floats:
-    """Capture the diffuse colour along the normal: (H, W, 3), gutter filled; buckets have one cell."""
-    aim = Aim(straight_shifts(len(plan.texel)), DIFFUSE)
-    capture = PortalCapture(scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
-    first_hit_only(scene)
-    tiles = [
-        store.get_or_make(_name("colour", tile), partial(_trace_colour, capture, tile))["colour"]
-        for tile in tiles_of(plan)
-    ]
-    return plan.placed(np.concatenate(tiles), gutter=True)
-
-
-def _trace_colour(capture: PortalCapture, tile: Tile) -> Arrays:
-    return {"colour": colour_of(capture.render_passes(tile), "diffuse").reshape(-1, 3)}
 
 
 def _name(what: str, tile: Tile) -> str:

@@ -27,10 +27,10 @@ EXTENSION = "export.json"
 class Manifest:
     """The contents of a folder: the mesh, the flat lightmap, and the textures by layer.
 
-    The keys of `textures` are the layers' names for the shared layout; else the kind, such as "radiance", and
-    the names of additional layers. `bake` is the sidecar's JSON. The flat lightmap's light was multiplied by
-    `flat_scale` before it was encoded. `culled`: only front faces are drawn, since those that are seen from
-    behind have others for their backs.
+    The keys of `textures` are the layers' names for the layered layout; else the kind, such as "radiance",
+    and the names of additional layers. `bake` is the sidecar's JSON. The flat lightmap's light was
+    multiplied by `flat_scale` before it was encoded. `culled`: only front faces are drawn, since those that
+    are seen from behind have others for their backs.
     """
 
     tool: str

@@ -103,8 +103,6 @@ def assemble_steps(
         paths=made.paths,
         device=manifest.device,
         clamped=made.clamped,
-        fireflies=made.fireflies,
-        condensed=None,
         seconds=watch.seconds,
     )
     return Assembled(manifest.name, spec, result)

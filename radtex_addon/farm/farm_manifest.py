@@ -18,8 +18,8 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do, leave_out
 from ..core.sampler import Filter
-from ..formats.condensed_files import digest
 from ..formats.containers.numpy_files import read_npz
+from ..formats.disk.file_digest import digest
 from ..formats.disk.memory import check_memory
 from ..formats.json_reader import Facts, json_text
 from ..formats.sidecar import Sidecar

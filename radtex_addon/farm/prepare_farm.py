@@ -22,7 +22,7 @@ from ..bake.stopwatch import Stopwatch
 from ..core.errors import BakeError, InputError
 from ..core.messages import Setting, do
 from ..core.sampler import Filter
-from ..formats.condensed_files import digest
+from ..formats.disk.file_digest import digest
 from ..formats.disk.hidden_folder import hidden_folder
 from ..formats.sidecar import Sidecar
 from ..forms.bake_job import BakeJob

@@ -7,10 +7,13 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from contextlib import ExitStack
 from pathlib import Path
+from typing import TypeAlias
 
 from ..core.arrays import Floats
 from .containers.exr import Compression, stored_rows, write_rows
 from .disk.atomic import replacing
+
+Shapes: TypeAlias = dict[str, tuple[int, int, int]]  # width, height and channels of images, by layer
 
 
 def layer_path(sidecar: Path, layer: str) -> Path:

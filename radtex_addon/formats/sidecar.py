@@ -76,8 +76,7 @@ class Sidecar:
     counts the values that were beyond the file's range; `layers` are the bake's images besides the first.
     `mesh` is a digest of the baked copy's shape and UVs, empty if unknown. If several `objects` share the
     atlas, `object_name` is the atlas's name. Anything farther than the `ao_distance` does not occlude. If
-    `texel_samples` (`formats.sample_counts`) is given, `samples` is its smallest number. `fireflies` is the
-    share of the light that a fit lost, 0 to 1.
+    `texel_samples` (`formats.sample_counts`) is given, `samples` is its smallest number.
     """
 
     object_name: str
@@ -102,7 +101,6 @@ class Sidecar:
     ao_distance: float | None = None
     texel_samples: str = ""
     content: Content | None = None
-    fireflies: float = 0.0
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -151,8 +149,6 @@ class Sidecar:
             facts["ao_distance"] = self.ao_distance
         if self.part is not None:
             facts["part"] = {"by": self.part.by, "name": self.part.name, "index": self.part.index}
-        if self.fireflies:
-            facts["fireflies"] = self.fireflies
         if self.texel_samples:
             facts["texel_samples"] = self.texel_samples
         if self.content is not None:
@@ -204,7 +200,6 @@ class Sidecar:
             ao_distance=facts.positive("ao_distance") if "ao_distance" in facts.values else None,
             texel_samples=facts.text("texel_samples") if "texel_samples" in facts.values else "",
             content=content_in(facts),
-            fireflies=facts.positive("fireflies") if "fireflies" in facts.values else 0.0,
         )
 
 

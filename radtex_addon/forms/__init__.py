@@ -20,6 +20,8 @@ from .form import Form
 
 __all__ = ["FORMS", "Form", "cost_of", "form_for", "form_in"]
 
+_FORMER = "shared"  # a layout that earlier versions wrote
+
 FORMS: tuple[Form, ...] = tuple(import_module(f"{__name__}.{traits.name}.form").FORM for traits in _ROWS)
 
 
@@ -39,4 +41,10 @@ def form_in(facts: Facts) -> Form:
     for form in FORMS:
         if form.traits.layout == layout and form.holds(facts):
             return form
+    if layout == _FORMER:
+        tool = shown(repr(facts.text("tool")))
+        raise FormatError(
+            f"{facts.source} is in the shared layout, made by {tool}, which this RadTex no longer reads: "
+            "bake the object anew, in the layered layout, or use that version"
+        )
     raise FormatError(f'{facts.source}: "layout" is {shown(repr(layout))}, which this RadTex does not read')

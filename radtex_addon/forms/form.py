@@ -19,7 +19,7 @@ from ..core.arrays import Floats
 from ..core.fragments import Fragments
 from ..core.sampler import Filter
 from ..core.surface import SurfaceMesh
-from ..formats.condensed_sizes import Shapes
+from ..formats.image_files import Shapes
 from ..formats.json_reader import Facts
 from ..formats.sidecar import Sidecar
 from ..formats.sidecar_file import SidecarFile
@@ -38,9 +38,8 @@ class Opened:
     """A finished bake, read: its sidecar, its images' paths, and a `lookup` of the light in them.
 
     `texels` (H, W, K) are the stored values that belong to single texels, of the atlas's or of fewer.
-    `compression` is None for GPU textures, and if RadTex does not write it. `loss` is the largest relative
-    difference between two of `texels` that were equal before lossy compression. `budget` is the GPU memory of
-    a condensed bake's textures in bytes, None for other forms.
+    `compression` is None if RadTex does not write it. `loss` is the largest relative
+    difference between two of `texels` that were equal before lossy compression.
     """
 
     sidecar: Sidecar
@@ -49,7 +48,6 @@ class Opened:
     texels: Floats
     compression: Compression | None
     loss: float = 0.0
-    budget: int | None = None
 
 
 @dataclass(frozen=True)
@@ -94,7 +92,7 @@ class Form(Protocol):
         ...
 
     def check_size(self, spec: BakeSpec, width: int, height: int) -> None:
-        """Raise InputError if `width` x `height` texels cannot be stored as specified, or in the budget."""
+        """Raise InputError if `width` x `height` texels cannot be stored as specified."""
         ...
 
     def check_previewable(self, spec: BakeSpec) -> None:
@@ -128,10 +126,6 @@ class Form(Protocol):
 
         For a bake with `texels` times as many texels along a side, and `cells` times as many cells.
         """
-        ...
-
-    def expanded_bytes(self, sidecar: SidecarFile) -> int:
-        """Bytes of memory that reading needs in addition to the images' own pixels."""
         ...
 
     # For its export

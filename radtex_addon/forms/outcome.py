@@ -11,20 +11,6 @@ from ..core.atlas import AtlasLayout
 
 
 @dataclass(frozen=True)
-class Condensed:
-    """How a bake was condensed: `clusters` of each lobe, sides of `colour` and `surroundings` in pixels.
-
-    `bytes` is the textures' size on a GPU; `agreement` is that of the files, read back, with the fit, in dB.
-    """
-
-    clusters: tuple[int, ...]
-    colour: tuple[int, int]
-    surroundings: int
-    bytes: int
-    agreement: float
-
-
-@dataclass(frozen=True)
 class Outcome:
     """The `images` that were written, and what they cost: see `job.baking.BakeResult`."""
 
@@ -33,5 +19,3 @@ class Outcome:
     covered_texels: int
     paths: int
     clamped: int
-    fireflies: float = 0.0
-    condensed: Condensed | None = None

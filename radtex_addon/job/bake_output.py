@@ -13,21 +13,19 @@ from ..core.atlas import AtlasLayout
 from ..core.errors import InputError, ShapeError
 from ..core.messages import Setting, do
 from ..formats.sidecar_file import read_facts
-from ..forms.outcome import Condensed, Outcome
+from ..forms.outcome import Outcome
 from .output_files import OutputFiles
 
 
 @dataclass(frozen=True)
 class BakeOutput:
-    """The result of a bake: its `files` on disk, what it cost, and how it was `condensed` (None if not)."""
+    """The result of a bake: its `files` on disk, and what it cost."""
 
     files: OutputFiles
     layout: AtlasLayout
     covered_texels: int
     paths: int
     clamped: int
-    fireflies: float = 0.0
-    condensed: Condensed | None = None
     device: str = ""
     islands: int | None = None
 
@@ -40,8 +38,6 @@ class BakeOutput:
             covered_texels=outcome.covered_texels,
             paths=outcome.paths,
             clamped=outcome.clamped,
-            fireflies=outcome.fireflies,
-            condensed=outcome.condensed,
             device=device,
             islands=islands,
         )
@@ -55,8 +51,6 @@ class BakeOutput:
             covered_texels=self.covered_texels,
             paths=self.paths,
             clamped=self.clamped,
-            fireflies=self.fireflies,
-            condensed=self.condensed,
         )
 
     def told(self, earlier: Collection[Path] = ()) -> dict[str, Any]:
@@ -68,8 +62,6 @@ class BakeOutput:
             "covered_texels": self.covered_texels,
             "paths": self.paths,
             "clamped": self.clamped,
-            "fireflies": self.fireflies,
-            "condensed": None if self.condensed is None else asdict(self.condensed),
             "device": self.device,
             "islands": self.islands,
         }
@@ -92,15 +84,13 @@ class BakeOutput:
     def of(cls, told: Mapping[str, Any], files: OutputFiles) -> BakeOutput:
         """Inverse of `told`, for a bake with these `files`. Raises InputError for malformed values."""
         try:
-            condensed, layout = told["condensed"], told["layout"]
+            layout = told["layout"]
             return cls(
                 files=replace(files, images=tuple(files.sidecar.with_name(name) for name in told["images"])),
                 layout=AtlasLayout(int(layout["width"]), int(layout["height"]), int(layout["bucket"])),
                 covered_texels=int(told["covered_texels"]),
                 paths=int(told["paths"]),
                 clamped=int(told["clamped"]),
-                fireflies=float(told["fireflies"]),
-                condensed=None if condensed is None else _condensed(condensed),
                 device=str(told["device"]),
                 islands=None if told["islands"] is None else int(told["islands"]),
             )
@@ -119,15 +109,4 @@ class BakeOutput:
         facts = read_facts(files.sidecar)
         images = tuple(path for path in files.images if path.is_file())
         layout = AtlasLayout(*facts.size("texels"), facts.whole_number("bucket", 1))
-        lost = facts.positive("fireflies") if "fireflies" in facts.values else 0.0
-        return cls(replace(files, images=images), layout, 0, 0, facts.whole_number("clamped", 0), lost)
-
-
-def _condensed(told: Mapping[str, Any]) -> Condensed:
-    return Condensed(
-        clusters=tuple(int(count) for count in told["clusters"]),
-        colour=(int(told["colour"][0]), int(told["colour"][1])),
-        surroundings=int(told["surroundings"]),
-        bytes=int(told["bytes"]),
-        agreement=float(told["agreement"]),
-    )
+        return cls(replace(files, images=images), layout, 0, 0, facts.whole_number("clamped", 0))

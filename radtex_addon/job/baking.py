@@ -32,7 +32,7 @@ from ..formats.disk.temporary import temporary_folder
 from ..formats.sidecar_file import read_facts
 from ..forms import form_for
 from ..forms.bake_job import BakeJob
-from ..forms.outcome import Condensed, Outcome
+from ..forms.outcome import Outcome
 from ..prepare.prepared import Prepared, prepare
 from ..prepare.unwrapping import Unwraps
 from ..scene.at_frame import at_frame
@@ -62,8 +62,7 @@ BakeSteps: TypeAlias = "Generator[Progress | Step, None, BakeResult]"
 class BakeResult:
     """The result of a bake, and what it cost: `paths` are camera paths, `seconds` are by stage.
 
-    `fireflies` is the share of the light that a fit lost because only single paths found it. `condensed`
-    says what was chosen for a budget or a target. `exported` are the folders that were made. If the bake
+    `exported` are the folders that were made. If the bake
     `was_finished`, only its missing preview and exports were made, and paths and covered texels are 0: they
     are not known.
     """
@@ -75,8 +74,6 @@ class BakeResult:
     paths: int
     device: str
     clamped: int
-    fireflies: float
-    condensed: Condensed | None
     seconds: dict[Stage, float]
     exported: tuple[Path, ...] = ()
     was_finished: bool = False
@@ -93,8 +90,6 @@ class BakeResult:
             paths=made.paths,
             device=made.device,
             clamped=made.clamped,
-            fireflies=made.fireflies,
-            condensed=made.condensed,
             seconds=seconds,
             exported=exported,
             was_finished=was_finished,
@@ -152,8 +147,8 @@ def bake_steps(
     If the specification has `objects`, these are baked, and `name` is their atlas's name. If it has a split,
     it must have a part.
 
-    Writes `<name>.<kind>.json` and `.exr` into `folder`, or in the shared layout `<name>.<kind>.<layer>.exr`,
-    and with a `preview` filter `<name>.preview.blend`; the shared layout has only one filter. Then makes the
+    Writes `<name>.<kind>.json` and `.exr` into `folder`, or if layered `<name>.<kind>.<layer>.exr`, and with
+    a `preview` filter `<name>.preview.blend`; the layered layout has only one filter. Then makes the
     `exports`, folders `<name>.<target>`. A frame's files are `<name>-<frame>.…`, the frame in four digits.
 
     Yields progress; returns the result. The scene is unchanged afterwards, also after an error or when the

@@ -11,21 +11,26 @@ from typing import Any
 from ..bake.key import is_unfinished, replaced_by
 from ..bake.spec import BakeSpec, Layer
 from ..core.errors import FormatError
-from ..core.shared import Axis
 from ..export.exporting import check_writer
 from ..export.folder import check_out, is_whole
 from ..export.target_checks import check_target
 from ..formats.image_files import layer_path
 from ..formats.json_reader import Facts
-from ..formats.packing import layer_names
-from ..formats.shared_files import texture_path
 from ..formats.sidecar_file import read_facts
 from ..forms import form_for, form_in
 from ..forms.layered.files.arrangement import CHANNELS as LAYERED
 from ..textures.export_spec import Target
 from .output_files import OutputFiles
 
-_LAYERS = frozenset((*Layer, *layer_names(Axis), *layer_names(Axis, condensed=True), *LAYERED))
+_FORMER = (  # of the layouts that this RadTex no longer reads
+    "surroundings",
+    *(
+        f"{lobe}_{part}"
+        for lobe in ("mirror", "through")
+        for part in ("weights", "ends", "ends_xy", "ends_zs", "gain", "rest")
+    ),
+)
+_LAYERS = frozenset((*Layer, *LAYERED, *_FORMER))
 
 
 def is_finished(name: str, spec: BakeSpec, out: Path) -> bool:
@@ -76,8 +81,9 @@ def images_of(sidecar: Path) -> frozenset[Path]:
         layers = set(read_facts(sidecar).texts("layers")) & _LAYERS
     except FormatError:
         return frozenset()
-    named = (path_of(sidecar, layer) for layer in layers for path_of in (layer_path, texture_path))
-    return frozenset((sidecar.with_suffix(".exr"), *named))
+    named = (layer_path(sidecar, layer) for layer in layers)
+    textures = (sidecar.with_name(f"{sidecar.stem}.{layer}.dds") for layer in layers)  # of former layouts
+    return frozenset((sidecar.with_suffix(".exr"), *named, *textures))
 
 
 def misses_preview(files: OutputFiles) -> bool:

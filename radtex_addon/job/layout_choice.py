@@ -28,14 +28,12 @@ from ..scene.checks.see_through import why_no_surface
 from .output_files import OutputFiles
 from .variants import Bake
 
-DEFAULT_BUDGET = 2_000_000  # bytes: the same as the preset Preview's
 _MOST_MEMORY = 8 << 30  # bytes: if the layered layout needs more, buckets is chosen, on every machine
-SHARED_CELLS = BakeSpec(texels=1, layout=Layout.SHARED, budget=DEFAULT_BUDGET).bucket
 
 
 @dataclass(frozen=True)
 class OpenLayout:
-    """The user named no layout, budget or target; `cells` along a bucket's side, if the user named them."""
+    """The user named no layout; `cells` along a bucket's side, if the user named them."""
 
     cells: int | None = None
 
@@ -71,8 +69,8 @@ def choose_layout(
     Without a `wish` the layout was named, and stays. To `resume`, accumulate or refresh, the layout is that
     of the existing bake, or of the first existing one of the `others` in this run with the same name. If any
     of the `others` is of single lamps, all get the same layout, because they are added up. Objects that do
-    not exist are ignored. Raises InputError if a bake in the shared layout is to be accumulated or refreshed,
-    if the shared layout does not fit into memory, and as `BakeSpec` does.
+    not exist are ignored. Raises InputError if a layered bake is to be accumulated or refreshed,
+    if the layered layout does not fit into memory, and as `BakeSpec` does.
     """
     name, spec = bake
     if wish is None:
@@ -112,15 +110,9 @@ def choose_layouts(
     return {(name, choice.spec): choice for (name, _), choice in zip(asked, choices, strict=True)}
 
 
-def _in_layout(
-    layout: Layout,
-    spec: BakeSpec,
-    cells: int | None,
-    budget: int | None = None,
-    target: float | None = None,
-) -> BakeSpec:
+def _in_layout(layout: Layout, spec: BakeSpec, cells: int | None) -> BakeSpec:
     bucket = cast(int, cells)  # None: the specification takes the default
-    return replace(spec, layout=layout, bucket=bucket, budget=budget, target=target)
+    return replace(spec, layout=layout, bucket=bucket)
 
 
 def _why_not_layered(spec: BakeSpec, cells: int | None) -> str:
@@ -145,8 +137,6 @@ class _Begun:
 
     form: FormTraits
     bucket: int
-    budget: int | None
-    target: float | None
 
 
 def _begun(bakes: Sequence[Bake], folder: Path, anew: bool) -> _Begun | None:
@@ -164,16 +154,14 @@ def _begun(bakes: Sequence[Bake], folder: Path, anew: bool) -> _Begun | None:
 
 def _from_key(facts: Mapping[str, str]) -> _Begun | None:
     """From the facts in an unfinished bake's key; None if they are not as RadTex writes them."""
-    budget, target = (facts.get(name, "None") for name in ("budget", "target"))
     try:
-        limits = (None if budget == "None" else int(budget), None if target == "None" else float(target))
-        return _Begun(form_in(Layout(facts["layout"]), limits != (None, None)), int(facts["bucket"]), *limits)
+        return _Begun(form_in(Layout(facts["layout"])), int(facts["bucket"]))
     except (KeyError, ValueError):
         return None
 
 
 def _from_sidecar(path: Path) -> _Begun | None:
-    """From a finished bake's sidecar, None if unreadable; the budget, not in it, is the default one."""
+    """From a finished bake's sidecar, None if unreadable."""
     try:
         facts = read_facts(path)
         form = form_of_facts(facts).traits
@@ -182,7 +170,7 @@ def _from_sidecar(path: Path) -> _Begun | None:
     bucket: Any = facts.values.get("bucket")
     if not isinstance(bucket, int):
         return None
-    return _Begun(form, bucket, DEFAULT_BUDGET if form.limited else None, None)
+    return _Begun(form, bucket)
 
 
 def _as_begun(bake: Bake, begun: _Begun, wish: OpenLayout, folder: Path) -> BakeSpec:
@@ -197,4 +185,4 @@ def _as_begun(bake: Bake, begun: _Begun, wish: OpenLayout, folder: Path) -> Bake
             f"{sidecar} is in {begun.form.title}, which cannot be {done}",
             do("bake it anew in layout buckets", Setting.LAYOUT, Setting.OVERWRITE, value="buckets"),
         )
-    return _in_layout(Layout(begun.form.layout), spec, cells, begun.budget, begun.target)
+    return _in_layout(Layout(begun.form.layout), spec, cells)

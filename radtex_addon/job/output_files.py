@@ -51,7 +51,7 @@ class OutputFiles:
 
     @property
     def atlas(self) -> Path:
-        """The image of the plain layout, or the first one of the shared layout."""
+        """The image of the plain layout, or the first one of the layered layout."""
         return self.images[0]
 
     @property

@@ -15,8 +15,8 @@ from ..bake.key import DIGEST, check_free, is_announced, is_unfinished, replaced
 from ..bake.spec import BakeSpec
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do, leave_out
-from ..formats.condensed_files import digest
 from ..formats.disk.atomic import check_absent
+from ..formats.disk.file_digest import digest
 from ..formats.sidecar import part_in
 from ..formats.sidecar_file import read_facts
 from ..textures.export_spec import Target

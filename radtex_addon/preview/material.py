@@ -17,18 +17,8 @@ import bpy
 from ..core.atlas import AtlasLayout
 from ..core.errors import FormatError, InputError
 from ..core.sampler import Filter
-from ..formats.containers.exr import Compression, stored_rows, write_rows
-from ..formats.disk.atomic import replacing
-from ..formats.disk.temporary import temporary_folder
-from ..formats.image_files import layer_path
-from ..formats.packing import WEIGHTS
-from ..formats.shared_files import read_condensed, read_shared_sidecar
-from ..formats.shared_sidecar import SharedSidecar
-from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..scene.nodes import close_group, open_group, open_material
-from .condensed_group import condensed_layers
 from .node_group import build_sample_group
-from .shared_group import build_shared_group, check_shared_previewable
 from .taps import image_size
 
 
@@ -53,23 +43,6 @@ def load_atlas(path: Path, half: bool = True, data: bool = False) -> bpy.types.I
         bpy.data.images.remove(image)
         raise FormatError(f"{path}: Blender reads no image in it; bake it again")
     return image
-
-
-def load_layers(sidecar: AnySidecar, half: bool = True) -> tuple[dict[str, bpy.types.Image], SharedSidecar]:
-    """Load the images of a bake in the shared layout, by layer, and read its sidecar.
-
-    Blender's nodes cannot look up the textures of a condensed bake: these are decoded and packed into the
-    .blend. No image is converted to the scene's working space: the nodes multiply colours in Rec.709, as the
-    bake did. `half` is as in `load_atlas`. Raises FormatError for files that are not of such a bake,
-    InputError if an image is missing or larger than a GPU takes.
-    """
-    file = opened(sidecar)
-    facts = read_shared_sidecar(file)
-    check_shared_previewable(facts)
-    if facts.condensed is not None:
-        return _decoded(file, facts.condensed.columns, half), facts
-    images = {layer: load_atlas(layer_path(file.path, layer), half, data=True) for layer in facts.shapes}
-    return images, facts
 
 
 def preview_material(
@@ -104,23 +77,6 @@ def preview_material(
     return material
 
 
-def preview_shared_material(name: str, sidecar: Path, uv_layer: str, half: bool = True) -> bpy.types.Material:
-    """A material that shows a bake in the shared layout on its baked copy: it emits the light.
-
-    The images lie beside the file `sidecar`; the other arguments are as in `preview_material`. Raises as
-    `load_layers` and `build_shared_group` do.
-    """
-    sampler = build_shared_group(*load_layers(sidecar, half))
-    material, build = open_material(name)
-    cast(Any, material).cycles.emission_sampling = "NONE"
-    normal = build.group(build_frame_group())[0]
-    (color,) = build.group(sampler, build.uv_map(uv_layer), normal, build.geometry("Incoming"))
-    emission = build.node("ShaderNodeEmission", color)
-    build.node("ShaderNodeOutputMaterial", emission.outputs[0])
-    build.arrange()
-    return material
-
-
 def build_frame_group() -> bpy.types.ShaderNodeTree:
     """A node group without inputs: the copy's Normal, Tangent and Sign at the shaded point, in world space.
 
@@ -141,20 +97,3 @@ def build_frame_group() -> bpy.types.ShaderNodeTree:
     tangent = build.vector("NORMALIZE", build.transform(build.attribute("radtex_tangent"), "VECTOR"))
     sign = build.math("MULTIPLY", d, build.attribute("radtex_sign", "Fac"))
     return close_group(build, Normal=build.vector("SCALE", outward, d), Tangent=tangent, Sign=sign)
-
-
-def _decoded(sidecar: SidecarFile, columns: int, half: bool) -> dict[str, bpy.types.Image]:
-    """The images of `condensed_layers`, written to temporary files, loaded and packed into the .blend."""
-    atlas, facts = read_condensed(sidecar)
-    images: dict[str, bpy.types.Image] = {}
-    with temporary_folder() as folder:
-        for layer, values in condensed_layers(atlas, columns).items():
-            path = layer_path(folder / sidecar.path.name, layer)
-            halved = half and not layer.endswith(WEIGHTS)  # half floats are exact up to 2048 only
-            rows, _ = stored_rows(path, values, halved)
-            with replacing(path, lasting=False) as beside:
-                write_rows(beside, rows, facts.to_json(), Compression.ZIP)
-            images[layer] = load_atlas(path, halved, data=True)
-            images[layer].pack()
-            images[layer].filepath_raw = ""  # the temporary file will be gone
-    return images

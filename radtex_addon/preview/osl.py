@@ -22,15 +22,11 @@ import bpy
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.sampler import Filter
-from ..core.shared import Axis
-from ..formats.shared_files import read_shared_sidecar
 from ..scene.working_space import REC_709, working_space
 
 _SHADERS = Path(__file__).parents[2] / "shaders"
 SOURCE = _SHADERS / "radtex.osl"
-SHARED_SOURCE = _SHADERS / "radtex_shared.osl"
 TRANSFER_SOURCE = _SHADERS / "radtex_transfer.osl"
-_FALLOFF = 16  # points that the shader takes
 _FILTERS = {Filter.NEAREST: 0, Filter.LINEAR: 1, Filter.QUADRILINEAR: 2}
 
 _log = logging.getLogger(__name__)
@@ -52,34 +48,6 @@ def add_osl_node(
         "Height": layout.height,
         "Bucket": layout.bucket,
         "Filter": _FILTERS[kind],
-    }
-    return _script_node(tree, source, constants)
-
-
-def add_shared_osl_node(tree: bpy.types.NodeTree, path: Path, source: Path = SHARED_SOURCE) -> bpy.types.Node:
-    """A Script node that samples the bake in the shared layout whose sidecar is the file `path`.
-
-    Inputs: UV; Normal and Incoming in world space, with the defaults of `add_osl_node`; output: Color. The
-    scene must render as described there. Raises FormatError as `read_shared_sidecar` does, InputError for a
-    condensed bake and as `add_osl_node` does.
-    """
-    sidecar = read_shared_sidecar(path)
-    if sidecar.condensed is not None:
-        raise InputError(f"{path} is of a condensed bake, which OSL does not read: use the node group")
-    if len(sidecar.falloff) != _FALLOFF:
-        found = f"{path}: a falloff of {len(sidecar.falloff)} points"
-        raise InputError(f"{found}, the shader takes {_FALLOFF}: use the node group")
-    constants = {
-        "Bake": str(path.with_suffix("")),
-        "ColourWidth": sidecar.colour[0],
-        "ColourHeight": sidecar.colour[1],
-        "Width": sidecar.bake.width,
-        "Height": sidecar.bake.height,
-        "Bucket": sidecar.bake.bucket,
-        "Surroundings": sidecar.surroundings,
-        "Levels": sidecar.levels,
-        **{axis.title(): axis in sidecar.lobes for axis in Axis},
-        **{f"Falloff{point}": (*light, 1.0) for point, light in enumerate(sidecar.falloff)},
     }
     return _script_node(tree, source, constants)
 

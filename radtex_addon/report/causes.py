@@ -1,9 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Error by cause: the object is baked again with half the samples, cells and texels, and judged each time.
-
-If the bake is condensed, these bakes are condensed to the same budget, and one more is not condensed.
-"""
+"""Error by cause: the object is baked again with half the samples, cells and texels, and judged each time."""
 
 from __future__ import annotations
 
@@ -34,30 +31,27 @@ _MATTERS = 0.2  # decibels: the least loss that counts as a cause
 
 
 class Cause(StrEnum):
-    """What a bake may have too little of; the value is the specification's field, or "compression"."""
+    """What a bake may have too little of; the value is the specification's field."""
 
     SAMPLES = "samples"
     CELLS = "bucket"
     TEXELS = "texels"
-    COMPRESSION = "compression"
 
     @property
     def word(self) -> str:
         """What a bake is given more of."""
-        return {Cause.CELLS: "cells", Cause.COMPRESSION: "budget"}.get(self, str(self))
+        return "cells" if self is Cause.CELLS else str(self)
 
 
 _SHOWS = {
     Cause.SAMPLES: "noise: blotches that no light explains",
     Cause.CELLS: "directions: reflections are blurred, and step where they should glide",
     Cause.TEXELS: "surface: textures, shadows and edges of light are blurred",
-    Cause.COMPRESSION: "condensing: reflections differ from place to place less than they should",
 }
 _ABOUT = {
     Cause.SAMPLES: "half the samples",
     Cause.CELLS: "half the cells",
     Cause.TEXELS: "half the texels",
-    Cause.COMPRESSION: "not condensed",
 }
 
 
@@ -65,12 +59,11 @@ _ABOUT = {
 class Variant:
     """The result of a bake with one setting halved; `lost` is by how many decibels its PSNR is lower.
 
-    `value` is the halved setting. It is None for the bake that is not condensed; then `lost` is by how many
-    decibels that is better.
+    `value` is the halved setting.
     """
 
     cause: Cause
-    value: int | None
+    value: int
     psnr: float
     flip: float | None
     lost: float
@@ -80,7 +73,7 @@ class Variant:
     @property
     def name(self) -> str:
         """A description of the bake, such as "half of --texels: 64"."""
-        return _ABOUT[self.cause] if self.value is None else f"half of {self.cause.word}: {self.value}"
+        return f"half of {self.cause.word}: {self.value}"
 
     @property
     def shows(self) -> str:
@@ -128,22 +121,16 @@ def _judge_again(
         size = gpu_bytes(bake)
     psnr = mean_psnr(judged)
     flip, paths = mean_flip(judged), baked.made.paths
-    if cause is Cause.COMPRESSION:
-        return Variant(cause, None, psnr, flip, psnr - whole, paths, size)
     return Variant(cause, int(getattr(spec, cause)), psnr, flip, whole - psnr, paths, size)
 
 
 def _without(spec: BakeSpec, cause: Cause) -> BakeSpec | None:
-    """The same bake with one setting halved, or not condensed; None if that is impossible."""
-    if cause is Cause.COMPRESSION:
-        return replace(spec, budget=None) if spec.condensed else None
+    """The same bake with one setting halved; None if that is impossible."""
     if cause is Cause.SAMPLES:
         return replace(spec, samples=spec.samples // 2) if spec.samples >= 2 else None
     if cause is Cause.CELLS:
         if not spec.form.any_cells:
             return None
-        if spec.condensed:  # 2, 6, 10 ...: with borders, whole 4 x 4 blocks
-            return replace(spec, bucket=spec.bucket // 8 * 4 + 2) if spec.bucket >= 6 else None
         return replace(spec, bucket=spec.bucket // 2) if spec.bucket >= 4 else None
     return replace(spec, texels=spec.texels // 2) if spec.texels >= 2 else None
 
@@ -154,20 +141,12 @@ def first_change(bake: Finished, variants: Sequence[Variant]) -> str:
     if worst is None:
         return "The bake is too small for any of its settings to be halved."
     if worst.lost < _MATTERS:
-        done = "halving any" if bake.budget is None else "halving any, or condensing,"
         return (
-            f"No setting matters much here: {done} costs less than {_MATTERS} dB. What is left lies in "
+            f"No setting matters much here: halving any costs less than {_MATTERS} dB. What is left lies in "
             "the layout itself" + ("; try the layered layout." if not bake.form.traits.by_paths else ".")
         )
     word, shows = worst.cause.word, worst.shows.partition(":")[0]
-    if worst.value is None:
-        return (
-            f"First give it a larger {word}: condensing costs most, {worst.lost:.1f} dB. Without it the bake "
-            f"takes {_grown(worst.bytes, bake)}; a {word} between them takes no more paths."
-        )
     more = 4 * worst.value
-    if worst.cause is Cause.CELLS and bake.budget is not None:
-        more = 2 * bake.sidecar.bucket + 2  # twice as many, counting the borders
     return (
         f"First give it more {word}: half of them costs most, {worst.lost:.1f} dB ({shows}). "
         f"{more} {word} take {_price(worst.cause, bake)}."
@@ -178,11 +157,7 @@ def _price(cause: Cause, bake: Finished) -> str:
     """The cost in paths and bytes of doubling a setting."""
     if cause is Cause.SAMPLES:
         return "twice the paths, and no bytes"
-    paths = "about four times the paths"
-    if cause is Cause.CELLS:
-        paths = "no paths" if bake.form.traits.by_paths else "four times the paths"
-    if bake.budget is not None:
-        return f"{paths}, and as many bytes as its budget allows"
+    paths = "four times the paths" if cause is Cause.CELLS else "about four times the paths"
     twice = gpu_bytes(bake, cells=2) if cause is Cause.CELLS else gpu_bytes(bake, texels=2)
     return f"{paths}, and {_grown(twice, bake)}"
 

@@ -32,9 +32,8 @@ class Finished:
 
     `radiance` gives the light (N, 3), linear, along a G-buffer's N rays, zero where they miss. `texels`
     (H, W, K) are the stored values of each texel: light, or those of the form's `own_texels`.
-    `compression` is None for a method that RadTex does not write, and for textures. `loss` is the greatest
-    relative difference of two `texels` that were equal before lossy compression. `budget` is the size of a
-    condensed bake's textures on a GPU in bytes, None for other bakes.
+    `compression` is None for a method that RadTex does not write. `loss` is the greatest
+    relative difference of two `texels` that were equal before lossy compression.
     """
 
     file: SidecarFile
@@ -45,7 +44,6 @@ class Finished:
     texels: Floats
     compression: Compression | None
     loss: float = 0.0
-    budget: int | None = None
 
     @property
     def name(self) -> str:
@@ -63,7 +61,7 @@ class Finished:
         return self.sidecar.uv_map == UV_LAYER
 
     def spec(self, device: str) -> BakeSpec:
-        """The specification that repeats the bake, as far as its files record it; with the same `budget`."""
+        """The specification that repeats the bake, as far as its files record it."""
         bake, source = self.sidecar, self.sidecar.source
         return BakeSpec(
             kind=parse_kind(bake.kind),
@@ -76,7 +74,6 @@ class Finished:
             uv_layer=None if self.unwrapped else bake.uv_map,
             compression=self.compression or Compression.ZIP,
             device=device,
-            budget=self.budget,
             source=None if source is None else source.object_name,
             extrusion=None if source is None or source.cage is not None else source.extrusion,
             cage=None if source is None else source.cage,
@@ -249,7 +246,6 @@ def read_bake(sidecar: AnySidecar) -> Finished:
         texels=bake.texels,
         compression=bake.compression,
         loss=bake.loss,
-        budget=bake.budget,
     )
 
 

@@ -17,7 +17,7 @@ _SHOWN = 28  # bytes per pixel in Blender and Cycles together
 def check_judged(sidecar: AnySidecar, allowed_mb: int | None) -> None:
     """Make sure that a report fits into memory. Raises as `check_allowed` does, and FormatError."""
     file = opened(sidecar)
-    needed = _pixels(file) * _JUDGED + form_in(file.facts).expanded_bytes(file)
+    needed = _pixels(file) * _JUDGED
     check_allowed(f"a report on {sidecar}", needed, allowed_mb)
 
 

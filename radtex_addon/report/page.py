@@ -19,7 +19,7 @@ from .causes import Variant, first_change
 from .finished_bake import Finished
 from .judging import Judged, mean_energy, mean_flip, mean_psnr, verdict
 from .metrics import Figures, Picture, display
-from .sizes import ImageSize, TextureSize, gpu_bytes
+from .sizes import ImageSize, gpu_bytes
 
 GAIN = 4  # the factor of the error pictures
 _STYLE = """
@@ -51,7 +51,7 @@ class Contents:
     bake: Finished
     judged: Sequence[Judged]
     floor: Figures
-    sizes: list[ImageSize] | list[TextureSize]
+    sizes: list[ImageSize]
     variants: Sequence[Variant] | None
     reference_samples: int
 
@@ -87,13 +87,12 @@ def page(contents: Contents) -> str:
 def _facts(bake: Finished) -> str:
     facts = bake.sidecar
     traits = bake.form.traits
-    shared = f"{traits.layout} layout, " if traits.by_paths else ""
+    named = f"{traits.layout} layout, " if traits.by_paths else ""
     cells = f" of {facts.bucket} × {facts.bucket} cells" if traits.any_cells else ""
-    condensed = "" if bake.budget is None else "condensed, "
     shows = [] if facts.source is None else [f"from {facts.source.object_name}"]
     shows += [word for word in (variant_of(bake.spec("auto")),) if word]
     return (
-        f"{', '.join([bake.name, *shows])}: {shared}{condensed}{facts.width} × {facts.height} texels"
+        f"{', '.join([bake.name, *shows])}: {named}{facts.width} × {facts.height} texels"
         f"{cells}, {facts.samples} samples, {facts.tool}, Blender {facts.blender}"
     )
 
@@ -136,24 +135,7 @@ def _data(picture: Picture) -> str:
     return "data:image/png;base64," + b64encode(encode_png(picture)).decode("ascii")
 
 
-def _sizes(sizes: Sequence[ImageSize | TextureSize]) -> str:
-    textures = [size for size in sizes if isinstance(size, TextureSize)]
-    images = [size for size in sizes if isinstance(size, ImageSize)]
-    return _texture_sizes(textures) if textures else _image_sizes(images)
-
-
-def _texture_sizes(sizes: Sequence[TextureSize]) -> str:
-    rows = [["texture", "pixels", "format", "on disk", "on a GPU"]]
-    for size in sizes:
-        pixels = f"{size.width} × {size.height}"
-        rows.append([size.name, pixels, size.format, _size(size.disk), _size(size.gpu)])
-    disk, gpu = sum(size.disk for size in sizes), sum(size.gpu for size in sizes)
-    rows.append(["together", "", "", _size(disk), _size(gpu)])
-    note = "A GPU takes the textures as they are stored."
-    return _table(rows) + f'<p class="note">{note}</p>'
-
-
-def _image_sizes(sizes: Sequence[ImageSize]) -> str:
+def _sizes(sizes: Sequence[ImageSize]) -> str:
     rows = [["image", "pixels", "on disk", "GPU, RGBA16F", "RGB9E5", "BC6H"]]
     for size in sizes:
         packed = [_size(size.rgb9e5), _size(size.bc6h)]
@@ -196,11 +178,6 @@ def _causes(contents: Contents) -> str:
         "Each further row is a bake with half of one thing, against the same views. Less than nothing lost "
         "means that the smaller bake is the closer one."
     )
-    if bake.budget is not None:
-        note += (
-            " They are condensed to as many bytes at most. What is not condensed is larger (as RGBA16F), and "
-            "lost there is what condensing costs."
-        )
     first = escape(first_change(bake, variants))
     return f'<p class="verdict">{first}</p>{_table(rows)}<p class="note">{note}</p><ul>{shown}</ul>'
 

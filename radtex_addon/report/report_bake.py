@@ -37,9 +37,8 @@ _LIMITS = {"views": (1, 64), "pixels": (16, MOST_PIXELS), "samples": (1, 2**24)}
 class ReportSpec:
     """How a bake is judged: `views` pictures of `pixels` a side, path traced at `samples` and denoised.
 
-    With `variants` the object is also baked with half of each setting, and, if the bake is condensed, once
-    without condensing. A bake that takes more than `memory_mb` to read is refused. Raises InputError for
-    numbers out of range.
+    With `variants` the object is also baked with half of each setting. A bake that takes more than
+    `memory_mb` to read is refused. Raises InputError for numbers out of range.
     """
 
     views: int = 3

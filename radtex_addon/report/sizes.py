@@ -10,8 +10,8 @@ from math import ceil
 import numpy as np
 
 from ..core.arrays import Floats
-from ..formats.condensed_sizes import Shapes, texture_bytes, texture_format
 from ..formats.containers.exr import read_pixels
+from ..formats.image_files import Shapes
 from .finished_bake import Finished
 
 _HALF_PIXEL = 8  # bytes: four half floats, as GPUs have no format of three
@@ -35,40 +35,8 @@ class ImageSize:
     bc6h: int | None
 
 
-@dataclass(frozen=True)
-class TextureSize:
-    """A condensed bake's texture: bytes of its file, and on a GPU, which uses it as it is stored."""
-
-    name: str
-    width: int
-    height: int
-    format: str
-    disk: int
-    gpu: int
-
-
-def sizes_of(bake: Finished) -> list[ImageSize] | list[TextureSize]:
+def sizes_of(bake: Finished) -> list[ImageSize]:
     """The sizes of a bake's images. Raises FormatError if one cannot be read."""
-    return image_sizes(bake) if bake.budget is None else texture_sizes(bake)
-
-
-def texture_sizes(bake: Finished) -> list[TextureSize]:
-    """The sizes of a condensed bake's textures, in the files' order."""
-    return [
-        TextureSize(
-            name=texture.name,
-            width=shape[0],
-            height=shape[1],
-            format=texture_format(layer).name,
-            disk=texture.stat().st_size,
-            gpu=texture_bytes({layer: shape}),
-        )
-        for texture, (layer, shape) in zip(bake.images, _shapes(bake).items(), strict=True)
-    ]
-
-
-def image_sizes(bake: Finished) -> list[ImageSize]:
-    """The sizes of the images of a bake that is not condensed. Raises FormatError if one cannot be read."""
     sizes = []
     for image, (width, height, _) in zip(bake.images, _shapes(bake).values(), strict=True):
         pixels = read_pixels(image, width, height)
@@ -88,13 +56,11 @@ def image_sizes(bake: Finished) -> list[ImageSize]:
 
 
 def gpu_bytes(bake: Finished, texels: int = 1, cells: int = 1) -> int:
-    """A bake's bytes on a GPU: of a condensed bake's textures as they are stored, else as RGBA16F.
+    """A bake's bytes on a GPU, as RGBA16F.
 
     `texels` and `cells` are factors of their numbers along a side, for the size of a larger bake.
     """
     shapes = _shapes(bake, texels, cells)
-    if bake.budget is not None:
-        return texture_bytes(shapes)
     return sum(width * height * _HALF_PIXEL for width, height, _ in shapes.values())
 
 

@@ -23,7 +23,7 @@ class Container(StrEnum):
 
 
 class Arranged(StrEnum):
-    """What a texture contains: a bucket matrix, its slices, an image of the shared layout, or bits."""
+    """What a texture contains: a bucket matrix, its slices, an image of the layered layout, or bits."""
 
     MATRIX = "matrix"
     SLICES = "slices"

@@ -18,9 +18,8 @@ from ..core.gutter import LEAST_AGREEMENT, gutter_agreement
 from ..core.hemisphere import equisolid_inverse
 from ..core.messages import Setting, do
 from ..core.solid_angle import cell_solid_angles_sr
-from ..formats.containers.exr import stored_compression
+from ..formats.containers.exr import loss_of, stored_compression
 from ..formats.containers.png import encode_png
-from ..formats.gutter_signature import loss_of
 
 _ROUNDED = 1e-4  # by how much the means of equal buckets may differ
 _LEAST_ALPHA = 1 / 512  # eight bits round smaller values to 0

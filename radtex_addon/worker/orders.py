@@ -33,7 +33,6 @@ _BAKE = {
     Stage.CAPTURE: 80,
     Stage.FILL: 2,
     Stage.FIT: 30,
-    Stage.CONDENSE: 60,
     Stage.WRITE: 3,
     Stage.PREVIEW: 2,
 }
@@ -158,8 +157,6 @@ def _on_device(spec: BakeSpec, device: str) -> BakeSpec:
 def _stages(spec: BakeSpec, preview: bool) -> dict[str, float]:
     """The fraction of the time for each stage of a bake; they add up to 1."""
     absent = {Stage.FILL} if spec.form.by_paths else {Stage.FIT}
-    if not spec.condensed:
-        absent.add(Stage.CONDENSE)
     if not preview:
         absent.add(Stage.PREVIEW)
     return parts({stage: 0 if stage in absent else share for stage, share in _BAKE.items()})

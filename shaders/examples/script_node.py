@@ -20,21 +20,14 @@ def values(sidecar, facts):
     """What the shader's sockets take, from the sidecar's facts."""
     (width, height), bucket = facts["texels"], facts["bucket"]
     known = {"Width": width, "Height": height, "Bucket": bucket, "BottomUp": bpy.app.version >= (5, 0)}
-    if facts["layout"] == "buckets":
-        return known | {"Atlas": str(sidecar.with_suffix(".exr"))}
-    shared = facts["shared"]
-    known |= {"Bake": str(sidecar.with_suffix(""))}
-    known |= dict(zip(("ColourWidth", "ColourHeight"), shared["colour"], strict=True))
-    known |= {"Surroundings": shared["surroundings"], "Levels": shared["levels"]}
-    known |= {"Mirror": "mirror" in shared["lobes"], "Through": "through" in shared["lobes"]}
-    return known | {f"Falloff{k}": (*light, 1) for k, light in enumerate(shared["falloff"])}
+    return known | {"Atlas": str(sidecar.with_suffix(".exr"))}
 
 
 def main(sidecar):
     """Give the active object a material that looks the bake up."""
     facts = json.loads(sidecar.read_text(encoding="utf-8"))
-    if "condensed" in facts.get("shared", {}):
-        sys.exit(f"{sidecar} is of a condensed bake, whose textures OSL does not read")
+    if facts["layout"] != "buckets":
+        sys.exit(f"{sidecar} is not in layout buckets, which alone is looked up in OSL")
     scene, baked = bpy.context.scene, bpy.context.object
     scene.render.engine, scene.cycles.device, scene.cycles.shading_system = "CYCLES", "CPU", True
     material = bpy.data.materials.new("radiance texture")
@@ -44,20 +37,18 @@ def main(sidecar):
     tree.nodes.clear()
 
     lookup = tree.nodes.new("ShaderNodeScript")
-    source = SHADERS / ("radtex.osl" if facts["layout"] == "buckets" else "radtex_shared.osl")
-    lookup.script = bpy.data.texts.load(str(source))  # compiles it
+    lookup.script = bpy.data.texts.load(str(SHADERS / "radtex.osl"))  # compiles it
     for name, value in values(sidecar, facts).items():
         lookup.inputs[name].default_value = value
 
     uv = tree.nodes.new("ShaderNodeUVMap")
     uv.uv_map = facts["uv_map"]
     tree.links.new(uv.outputs["UV"], lookup.inputs["UV"])
-    if facts["layout"] == "buckets":  # the shared layout needs no tangents
-        tangent, sign = tree.nodes.new("ShaderNodeTangent"), tree.nodes.new("ShaderNodeAttribute")
-        tangent.direction_type, tangent.uv_map = "UV_MAP", facts["uv_map"]
-        sign.attribute_name = "radtex_sign"
-        tree.links.new(tangent.outputs["Tangent"], lookup.inputs["Tangent"])
-        tree.links.new(sign.outputs["Fac"], lookup.inputs["Sign"])
+    tangent, sign = tree.nodes.new("ShaderNodeTangent"), tree.nodes.new("ShaderNodeAttribute")
+    tangent.direction_type, tangent.uv_map = "UV_MAP", facts["uv_map"]
+    sign.attribute_name = "radtex_sign"
+    tree.links.new(tangent.outputs["Tangent"], lookup.inputs["Tangent"])
+    tree.links.new(sign.outputs["Fac"], lookup.inputs["Sign"])
 
     glow, output = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(lookup.outputs["Color"], glow.inputs["Color"])

@@ -16,9 +16,7 @@ COVERED = 0.75  # of every atlas
 def taken(spec: BakeSpec) -> Probe:
     """A bake on a machine of 1 us a path and 1 ms a texel, which needs 2 s to begin and 3 s to unwrap."""
     covered = round(COVERED * spec.texels**2)
-    paths = (
-        spec.rays.most(covered) if spec.layout is Layout.SHARED else covered * spec.bucket**2 * spec.samples
-    )
+    paths = spec.most_paths(covered) if spec.form.by_paths else covered * spec.bucket**2 * spec.samples
     seconds = {Stage.UNWRAP: 3.0, Stage.RASTER: 1e-3 * spec.texels**2, Stage.CAPTURE: 2.0 + 1e-6 * paths}
     return Probe(spec.texels, covered, paths, seconds)
 
@@ -28,8 +26,8 @@ def taken(spec: BakeSpec) -> Probe:
     [
         BakeSpec(texels=512, samples=64),
         BakeSpec(texels=16, samples=1),
-        BakeSpec(texels=128, layout=Layout.SHARED, samples=16),
-        BakeSpec(texels=32, layout=Layout.SHARED, samples=100),
+        BakeSpec(texels=128, layout=Layout.LAYERED, samples=16),
+        BakeSpec(texels=32, layout=Layout.LAYERED, samples=100),
     ],
 )
 def test_times_by_path_and_by_texel_are_told_apart(spec: BakeSpec) -> None:
@@ -40,10 +38,10 @@ def test_times_by_path_and_by_texel_are_told_apart(spec: BakeSpec) -> None:
 
 
 def test_the_small_bakes_are_small_and_differ_in_their_paths_alone() -> None:
-    few, more = probe_specs(BakeSpec(texels=128, layout=Layout.SHARED, budget=10**6, samples=64))
-    assert (few.texels, few.padding, few.bucket, few.budget) == (96, 0, 14, None)
+    few, more = probe_specs(BakeSpec(texels=128, layout=Layout.LAYERED, samples=64))
+    assert (few.texels, few.padding, few.bucket) == (96, 0, 14)
     assert few.samples < more.samples
-    assert few.path_count + more.path_count < 6_000_000
+    assert few.path_count + more.path_count < 11_000_000  # 9 of them for the surroundings
     assert probe_specs(BakeSpec(texels=40, padding=3))[0].padding == 3  # the unwrap that it will have
 
 

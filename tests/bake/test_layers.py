@@ -66,6 +66,6 @@ def test_arriving_light_has_no_layers(kind: Kind) -> None:
         BakeSpec(kind=kind, layers=LIGHT)
 
 
-def test_the_shared_layout_has_no_layers() -> None:
-    with pytest.raises(InputError, match="the shared layout has no layers"):
-        BakeSpec(layout=Layout.SHARED, layers=LIGHT)
+def test_the_layered_layout_has_no_layers() -> None:
+    with pytest.raises(InputError, match="the layered layout has no layers"):
+        BakeSpec(layout=Layout.LAYERED, layers=LIGHT)

@@ -13,7 +13,7 @@ from radtex_addon.bake.pooling import SHARE, Neighbours, Taps, upsampled
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.octahedron import octahedron_taps, sample_octahedron
-from tests.bake.known_object import HEIGHT, WIDTH, floor, sphere
+from tests.bake.known_plans import HEIGHT, WIDTH, floor, sphere
 
 TEXELS, SAMPLES = 5, 300
 

@@ -88,7 +88,7 @@ def test_an_atlas_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) 
     assert BakeSpec(texels=1024, bucket=8).atlas_bytes < 2**30
 
 
-@pytest.mark.parametrize("other", [{}, {"layout": "shared"}, {"kind": "transfer"}, {"accumulate": True}])
+@pytest.mark.parametrize("other", [{}, {"layout": "layered"}, {"kind": "transfer"}, {"accumulate": True}])
 def test_a_bake_beyond_the_memory_that_is_allowed_is_refused(
     other: dict[str, object], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -117,10 +117,10 @@ def test_a_panorama_cannot_look_inwards() -> None:
         replace(BakeSpec(capture=CaptureMethod.PANORAMIC, kind=Kind.INCIDENT), kind=Kind.RADIANCE)
 
 
-def test_the_shared_layout_has_finer_buckets_unless_told() -> None:
-    assert BakeSpec(layout=Layout.SHARED).bucket == 16
-    assert BakeSpec(layout=Layout.SHARED, bucket=8).bucket == 8
-    assert BakeSpec(layout="shared") == BakeSpec(layout=Layout.SHARED)  # type: ignore[arg-type]
+def test_the_layered_layout_chooses_its_cells_itself() -> None:
+    assert BakeSpec(layout=Layout.LAYERED).bucket == 14
+    assert "chooses its cells itself, 14 or fewer, not 8" in refusal(layout=Layout.LAYERED, bucket=8)
+    assert BakeSpec(layout="layered") == BakeSpec(layout=Layout.LAYERED)  # type: ignore[arg-type]
     assert BakeSpec().layout is Layout.BUCKETS
 
 
@@ -130,37 +130,28 @@ def test_the_shared_layout_has_finer_buckets_unless_told() -> None:
         ({"kind": Kind.INCIDENT}, "knows kind radiance only, not incident: choose layout buckets"),
         ({"kind": Kind.REFLECTION}, "knows kind radiance only, not reflection"),
         ({"bucket": 1}, "cells 1: give a whole number from 2 to 256"),
-        ({"samples": 4097}, "samples in the shared layout 4097: give a whole number from 1 to 4096"),
+        ({"samples": 4097}, "samples in the layered layout 4097: give a whole number from 1 to 4096"),
     ],
 )
-def test_what_the_shared_layout_does_not_know_is_refused(changes: dict[str, Any], words: str) -> None:
-    assert words in refusal(layout=Layout.SHARED, **changes)
+def test_what_the_layered_layout_does_not_know_is_refused(changes: dict[str, Any], words: str) -> None:
+    assert words in refusal(layout=Layout.LAYERED, **changes)
 
 
-def test_the_shared_layout_is_captured_by_the_portal() -> None:
-    assert "panoramic" in refusal(layout=Layout.SHARED, capture=CaptureMethod.PANORAMIC)
-    incident = BakeSpec(kind=Kind.INCIDENT, capture=CaptureMethod.PANORAMIC)
-    with pytest.raises(InputError, match="the shared layout knows"):
-        replace(incident, layout=Layout.SHARED)
+def test_the_layered_layout_is_captured_by_the_portal() -> None:
+    assert "panoramic" in refusal(layout=Layout.LAYERED, capture=CaptureMethod.PANORAMIC)
 
 
-def test_a_shared_bakes_paths_do_not_depend_on_its_cells() -> None:
-    coarse, fine = (BakeSpec(layout=Layout.SHARED, bucket=bucket) for bucket in (4, 16))
-    assert coarse.path_count == fine.path_count
-    plain = BakeSpec().path_count
-    assert 0.6 * plain < fine.path_count < plain
+def test_a_layered_bake_takes_fewer_paths_than_a_plain_one() -> None:
+    assert 0.3 * BakeSpec().path_count < BakeSpec(layout=Layout.LAYERED).path_count < BakeSpec().path_count
 
 
-def test_the_shared_layouts_images_are_bounded_with_their_borders(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory_limits, "physical_memory", lambda: None)
-    assert BakeSpec(layout=Layout.SHARED, texels=8192, bucket=6).pixels_a_side == 65536
-    assert "makes 73728 pixels a side" in refusal(layout=Layout.SHARED, texels=8192, bucket=7)
+def test_a_layered_bake_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(memory_limits, "physical_memory", lambda: 2**31)
+    assert "a side of 4096 texels with 14 cells needs" in refusal(layout=Layout.LAYERED, texels=4096)
 
 
-def test_a_shared_bake_beyond_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory_limits, "physical_memory", lambda: 2**32)
-    assert "a side of 256 texels with 16 cells needs" in refusal(layout=Layout.SHARED, texels=256)
-    assert BakeSpec(layout=Layout.SHARED).atlas_bytes < 2**31
+def test_a_former_layout_is_refused_with_those_that_there_are() -> None:
+    assert refusal(layout="shared") == "there is no layout 'shared': choose from buckets, layered"
 
 
 def test_an_empty_uv_layer_is_refused() -> None:
@@ -186,26 +177,3 @@ def test_an_unknown_choice_is_refused_with_the_choices() -> None:
     ):
         with pytest.raises(InputError, match=f"there is no {word} 'x': choose from "):
             parse("x")
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"budget": 1000, "layout": Layout.BUCKETS}, "a budget needs the shared layout"),
-        ({"target": 40.0, "layout": Layout.BUCKETS}, "a target needs the shared layout"),
-        ({"budget": 1000, "target": 40.0}, "a budget and a target contradict each other"),
-        ({"target": 70.0}, "target 70 dB: give 10 to 60 dB"),
-        ({"target": float("nan")}, "target nan dB: give 10 to 60 dB"),
-        ({"budget": 0}, "budget 0: give a whole number from 1"),
-        ({"budget": 1000, "bucket": 16}, "16 cells with a budget: give 6, 10, 14 or 18 cells"),
-        ({"budget": 1000, "half": False}, "leave the 32-bit floats and the compression out"),
-        ({"budget": 1000, "compression": "piz"}, "leave the 32-bit floats and the compression out"),
-    ],
-)
-def test_what_cannot_be_condensed_is_refused(changes: dict[str, Any], words: str) -> None:
-    assert words in refusal(**{"layout": Layout.SHARED} | changes)
-
-
-def test_condensed_buckets_fill_whole_blocks() -> None:
-    assert BakeSpec(layout=Layout.SHARED, budget=10**6).bucket == 14
-    assert BakeSpec(layout=Layout.SHARED, target=40.0).bucket == 14

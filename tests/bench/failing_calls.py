@@ -60,7 +60,7 @@ LINES = {
         "--uv",
         "UVMap",
     ),
-    "shared": ("--texels", "16", "--bucket", "4", "--samples", "1", "--layout", "shared", "--uv", "UVMap"),
+    "layered": ("--texels", "16", "--samples", "1", "--layout", "layered", "--uv", "UVMap"),
     "ao": ("--texels", "12", "--bucket", "4", "--samples", "1", "--kind", "ao", "--uv", "UVMap"),
 }
 _ERRORS = (errno.ENOSPC, errno.EACCES, errno.EIO, errno.EMFILE, errno.EROFS)

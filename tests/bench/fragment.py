@@ -1,13 +1,14 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What does a lookup cost? Frame times of each shader over those of a diffuse-only textured one.
+"""What does a lookup in layout buckets cost? Frame times of each shader over those of a diffuse-only one.
 
     python -m tests.bench.fragment DIR
 
-DIR keeps the bakes of `tests.real.exhibit`, which are made if they are missing. The head fills a square
+DIR keeps the plain bake of `tests.real.exhibit`, which is made if it is missing. The head fills a square
 picture of 8-bit colours; all shaders draw in turns, round after round. Prints the median frame and the
-median, over the rounds, of its ratio to the diffuse shader's on the same mesh. On llvmpipe that is the
-processor's time, all threads together, which other programs disturb less.
+median, over the rounds, of its ratio to the diffuse shader's. On llvmpipe that is the processor's time, all
+threads together, which other programs disturb less. `tests.bench.fidelity.layered.lookup_cost` measures the
+layered layout.
 """
 
 from __future__ import annotations
@@ -16,7 +17,6 @@ import argparse
 from collections.abc import Mapping
 from pathlib import Path
 from time import perf_counter, process_time
-from typing import Any
 
 import moderngl
 import numpy as np
@@ -24,17 +24,11 @@ import numpy as np
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.levels import fitting_levels
 from radtex_addon.core.slices import to_slices
-from radtex_addon.formats.containers.dds import read_dds
-from radtex_addon.formats.containers.exr import read_atlas, read_pixels
-from radtex_addon.formats.image_files import layer_path
-from radtex_addon.formats.shared_files import read_shared_sidecar, texture_path
-from radtex_addon.formats.shared_sidecar import SharedSidecar
+from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.report.finished_bake import Finished
 from tests.bench.drawing import SHADERS, Model, Painter, View, canvas, read_model
-from tests.condensed_textures import pixels, rows_of
 from tests.real.exhibit import Bake, Exhibit, Form
-from tests.real.opengl import Texture, mipmapped
-from tests.real.test_condensed_glsl import uploaded
+from tests.real.opengl import mipmapped
 from tests.reference.levels import level_chain
 from tests.reference.slices import mip_chain
 
@@ -54,33 +48,6 @@ vec4 shade() {{
 }}"""
 SLICES = f"""uniform sampler2DArray slices; uniform int n;
 vec4 shade() {{ return radtex_slices(slices, n, uv, {INCIDENCE}); }}"""
-SHARED = """
-uniform sampler2D colour, irradiance, mirror_ends, mirror_gain, mirror_rest, surroundings;
-uniform vec3 falloff[RADTEX_FALLOFF];
-uniform ivec2 around;
-uniform int n;
-vec4 shade() {
-    vec3 V = normalize(camera - position), N = normalize(normal);
-    vec3 light = radtex_diffuse(colour, irradiance, falloff, uv, dot(N, V)) + radtex_lobe(
-        mirror_ends, mirror_gain, mirror_rest, n, surroundings, around, uv, reflect(-V, N));
-    return vec4(max(light, 0.0), 1.0);
-}
-"""
-CONDENSED = """
-uniform sampler2D colour, irradiance, surroundings;
-uniform sampler2D mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest;
-uniform vec4 mirror_ranges[12];
-uniform vec3 falloff[RADTEX_FALLOFF];
-uniform ivec2 fine, texels, around;
-uniform int columns, n;
-vec4 shade() {
-    vec3 V = normalize(camera - position), N = normalize(normal);
-    vec3 light = radtex_diffuse(colour, fine, irradiance, texels, falloff, uv, dot(N, V));
-    light += radtex_condensed_lobe(mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest,
-        mirror_ranges, columns, n, texels, surroundings, around, uv, reflect(-V, N));
-    return vec4(max(light, 0.0), 1.0);
-}
-"""
 Painters = dict[str, Painter]
 
 
@@ -88,22 +55,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("bakes", type=Path, help="folder for the bakes")
+    parser.add_argument("bakes", type=Path, help="folder for the bake")
     parser.add_argument("--pixels", type=int, default=1024, help="of the picture's side")
     parser.add_argument("--rounds", type=int, default=40)
     options = parser.parse_args()
-    exhibit = Exhibit(options.bakes)
     with moderngl.create_context(standalone=True, backend="egl") as context:  # type: ignore[arg-type]  # wrong stub
-        makers = {Form.PLAIN: plain, Form.SHARED: shared, Form.CONDENSED: condensed}
-        groups, views = [], []
-        for form, make in makers.items():
-            folder = options.bakes / form
-            bake: Bake = Bake(folder) if folder.is_dir() else getattr(exhibit, form)
-            model = read_model(bake.finished)
-            views.append(view_of(model))
-            groups.append({"diffuse": diffuse(context, model)} | make(context, model, bake.finished))
+        folder = options.bakes / Form.PLAIN
+        bake = Bake(folder) if folder.is_dir() else Exhibit(options.bakes).plain
+        model = read_model(bake.finished)
+        painters = {"diffuse": diffuse(context, model)} | plain(context, model, bake.finished)
         print(f"{context.info['GL_RENDERER']}, {options.pixels} x {options.pixels}, {options.rounds} rounds")
-        print_table(measured(context, groups, views[0], options.pixels, options.rounds))
+        print_table(measured(context, painters, view_of(model), options.pixels, options.rounds))
 
 
 def view_of(model: Model) -> View:
@@ -152,82 +114,22 @@ def plain(context: moderngl.Context, model: Model, bake: Finished) -> Painters:
     }
 
 
-def shared(context: moderngl.Context, model: Model, bake: Finished) -> Painters:
-    """The dense shared layout, bilinear by hand and by hardware."""
-    sidecar = read_shared_sidecar(bake.file.path)
-    textures: dict[str, Texture] = {}
-    for layer, (width, height, channels) in sidecar.shapes.items():
-        image = read_pixels(layer_path(bake.file.path, layer), width, height, [channels])
-        textures[layer] = mipmapped(context, [image], moderngl.LINEAR)
-    code = (SHADERS / "radtex_shared.glsl").read_text(encoding="utf-8") + SHARED
-    return in_both_ways(context, model, "shared", code, textures, shared_values(sidecar))
-
-
-def condensed(context: moderngl.Context, model: Model, bake: Finished) -> Painters:
-    """The condensed form as its files are; decoded for llvmpipe, which reads blocks in seconds."""
-    sidecar = read_shared_sidecar(bake.file.path)
-    facts = sidecar.condensed
-    assert facts is not None
-    textures: dict[str, Texture] = {}
-    for layer in sidecar.shapes:
-        kind, blocks, *size = read_dds(texture_path(bake.file.path, layer))
-        if "llvmpipe" in context.info["GL_RENDERER"]:
-            textures[layer] = mipmapped(context, [pixels(kind, blocks).astype(np.float16)], moderngl.LINEAR)
-        else:
-            textures[layer] = uploaded(context, kind, blocks, *size)
-    values = shared_values(sidecar) | {
-        "fine": sidecar.colour,
-        "texels": (sidecar.bake.width, sidecar.bake.height),
-        "columns": facts.columns,
-    }
-    for axis, tiles in facts.lobes.items():
-        values[f"{axis}_ranges"] = [tuple(row) for row in rows_of(tiles.ranges).tolist()]
-    names = ("shared", "condensed")
-    code = "".join((SHADERS / f"radtex_{name}.glsl").read_text(encoding="utf-8") for name in names)
-    head = f"#define RADTEX_RANK {facts.rank}\n"
-    return in_both_ways(context, model, "condensed", head + code + CONDENSED, textures, values)
-
-
-def shared_values(sidecar: SharedSidecar) -> dict[str, Any]:
-    return {
-        "n": sidecar.bake.bucket,
-        "around": (sidecar.surroundings, sidecar.levels),
-        "falloff": list(sidecar.falloff),
-    }
-
-
-def in_both_ways(
-    context: moderngl.Context,
-    model: Model,
-    name: str,
-    code: str,
-    textures: Mapping[str, Texture],
-    values: Mapping[str, Any],
-) -> Painters:
-    return {
-        name: Painter(context, model, code, textures, values),
-        f"{name}, by hardware": Painter(context, model, HARDWARE + code, textures, values),
-    }
-
-
 def measured(
-    context: moderngl.Context, groups: list[Painters], view: View, pixels: int, rounds: int
+    context: moderngl.Context, painters: Painters, view: View, pixels: int, rounds: int
 ) -> dict[str, tuple[float, float]]:
     """Each shader's median frame in milliseconds, and the median of its ratio to the diffuse shader's."""
     target = canvas(context, pixels, dtype="f1").drawn
     clock = process_time if "llvmpipe" in context.info["GL_RENDERER"] else perf_counter
-    frames: list[dict[str, list[float]]] = [{name: [] for name in group} for group in groups]
+    times: dict[str, list[float]] = {name: [] for name in painters}
     for number in range(-2, rounds):  # two to warm up
-        for group, times in zip(groups, frames, strict=True):
-            for name, painter in group.items():
-                start = clock()
-                painter.draw(target, view)
-                context.finish()
-                if number >= 0:
-                    times[name].append(1e3 * (clock() - start))
+        for name, painter in painters.items():
+            start = clock()
+            painter.draw(target, view)
+            context.finish()
+            if number >= 0:
+                times[name].append(1e3 * (clock() - start))
     return {
         name: (float(np.median(own)), float(np.median(np.array(own) / times["diffuse"])))
-        for times in frames
         for name, own in times.items()
     }
 

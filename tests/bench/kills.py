@@ -41,7 +41,7 @@ ARGUMENTS = {
         ),
         *("--layer", "diffuse", "--save-preview"),
     ),
-    "shared": ("--layout", "shared", "--texels", "48", "--bucket", "6", "--samples", "2", "--save-preview"),
+    "layered": ("--layout", "layered", "--texels", "48", "--samples", "2", "--save-preview"),
 }
 _POLITE = (signal.SIGINT, signal.SIGTERM)
 _WORDS = "radtex: interrupted: "

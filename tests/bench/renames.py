@@ -42,7 +42,7 @@ _SMALL = (
     "--sheet",
     "96",
 )
-_SHARED = ("--layout", "shared", "--texels", "20", "--bucket", "4", "--samples", "1")
+_LAYERED = ("--layout", "layered", "--texels", "20", "--samples", "1")
 _BALL = ("--object", "Ball")
 _BOTH = (*_BALL, "--object", "Floor")
 _SHOWN = "--save-preview"
@@ -79,8 +79,7 @@ def put_own_things(out: Path) -> None:
 _EXPORT = ("export", "{out}/Ball.radiance.json", "--out", "{out}/Ball.raw", "--overwrite")
 SCENARIOS = {
     "plain": _bake(*_BALL, *_SMALL, "--layer", "diffuse", _SHOWN),
-    "shared": _bake(*_BALL, *_SHARED, _SHOWN),
-    "condensed": _bake(*_BALL, *_SHARED, "--bucket", "6", "--budget", "200KB", _SHOWN),
+    "layered": _bake(*_BALL, *_LAYERED, _SHOWN),
     "export": _bake(*_BALL, *_SMALL, _SHOWN, "--export", "raw", "--export", "gltf"),
     "objects": _bake(*_BOTH, *_SMALL, _SHOWN, "--export", "raw"),
     "frames": _bake(*_BALL, *_SMALL, _SHOWN, "--frames", "1,2", "--export", "raw"),

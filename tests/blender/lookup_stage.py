@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
@@ -65,33 +65,6 @@ class LookupStage:
             np.concatenate([plane[:SIDE].reshape(-1, 3), plane[SIDE:, :, :1].reshape(-1, 1)], axis=1)
             for plane in planes
         ]
-
-
-def render_groups(
-    engine: str,
-    groups: Iterable[bpy.types.ShaderNodeTree],
-    lookups: Lookups,
-    folder: Path,
-    viewer: bool = True,
-) -> list[Floats]:
-    """What groups of the shared layout answer, each (K, 3), in one render.
-
-    Without `viewer` Incoming stays zero.
-    """
-
-    def shader(group: bpy.types.ShaderNodeTree) -> Shader:
-        def colour(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
-            uv, normal, _, _, towards = inputs
-            return *build.group(group, uv, normal, *([towards] if viewer else [])), build.math(
-                "ADD", 1.0, 0.0
-            )
-
-        return colour
-
-    stage = LookupStage(cast(bpy.types.Scene, bpy.context.scene), engine)
-    for group in groups:
-        stage.add(lookups, shader(group))
-    return [answers[:, :3] for answers in stage.render(folder / "answers.exr")]
 
 
 def set_up_render(scene: bpy.types.Scene, engine: str) -> None:

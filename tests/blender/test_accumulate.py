@@ -152,7 +152,7 @@ def test_what_fails_leaves_the_atlas_and_is_resumed(out: Path, monkeypatch: pyte
     ("options", "words"),
     [
         ({"kind": Kind.SHADOW}, "kind shadow cannot be accumulated"),
-        ({"layout": Layout.SHARED}, "the shared layout cannot be accumulated"),
+        ({"layout": Layout.LAYERED}, "the layered layout cannot be accumulated"),
         ({"layers": (Layer.BASE,)}, "layers cannot be accumulated"),
         ({"kind": Kind.INCIDENT, "capture": CaptureMethod.PANORAMIC}, "capture panoramic cannot be"),
     ],

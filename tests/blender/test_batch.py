@@ -28,9 +28,9 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError
 from radtex_addon.cycles.portal import PortalCapture
 from radtex_addon.formats.containers.exr import read_atlas
-from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.forms.buckets import bake as buckets
+from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.preview.picture import render_picture
 from tests.blender import stage
 from tests.blender.batch_process import BAKE, Batch, process, refusal
@@ -104,7 +104,7 @@ def test_a_bake_in_a_process_of_its_own_prints_json_lines_and_nothing_else(room:
     events = [json.loads(line) for line in ended.out.splitlines()]
     assert {event["event"] for event in events} == {"progress", "done"}
     stages = [event["stage"] for event in events if event.get("object") == "Box" and "stage" in event]
-    order = [str(stage) for stage in Stage if stage not in (Stage.FIT, Stage.CONDENSE)]
+    order = [str(stage) for stage in Stage if stage is not Stage.FIT]
     assert list(dict.fromkeys(stages)) == order
     done = [event for event in events if event["event"] == "done"]
     assert [event["object"] for event in done] == ["Card", "Box"]
@@ -158,15 +158,15 @@ def test_every_option_reaches_the_file(room: Path, out: Path, batch: Batch) -> N
     assert (header.kind, header.capture, header.uv_map) == ("incident", "panoramic", "UVMap")
 
 
-def test_the_shared_layout_names_all_its_files(room: Path, out: Path, batch: Batch) -> None:
-    arguments = ("--object", "Box", "--layout", "shared", "--texels", 16, "--samples", 1)
+def test_the_layered_layout_names_all_its_files(room: Path, out: Path, batch: Batch) -> None:
+    arguments = ("--object", "Box", "--layout", "layered", "--texels", 16, "--samples", 1)
     ended = batch(room, *arguments, "--out", out, "--save-preview", "--overwrite")
     assert ended.code == 0
     assert "Box: fitting" in ended.err.splitlines()
     summary, *files = ended.out.splitlines()
-    assert "texels of 16 x 16 cells, shared, at 1 spp" in summary
+    assert "texels, layered, at 1 spp" in summary
     assert {Path(line.strip()) for line in files} == set(out.iterdir())
-    atlas, sidecar = read_shared(out / "Box.radiance.json")
+    atlas, sidecar = read_layered(out / "Box.radiance.json")
     assert sidecar.bake.object_name == "Box"
     assert len(files) == len(sidecar.shapes) + 2
     assert atlas.irradiance.max() > 0.1
@@ -175,13 +175,13 @@ def test_the_shared_layout_names_all_its_files(room: Path, out: Path, batch: Bat
 
 
 def test_json_tells_the_layout(room: Path, out: Path, batch: Batch) -> None:
-    ended = batch(room, "--object", "Card", *TINY, "--layout", "shared", "--out", out, "--progress", "json")
+    arguments = ("--object", "Card", "--layout", "layered", "--texels", 8, "--samples", 1)
+    ended = batch(room, *arguments, "--out", out, "--progress", "json")
     events = [json.loads(line) for line in ended.out.splitlines()]
     stages = [event["stage"] for event in events if event["event"] == "progress"]
-    others = (Stage.FILL, Stage.CONDENSE, Stage.PREVIEW)
-    order = [str(stage) for stage in Stage if stage not in others]
+    order = [str(stage) for stage in Stage if stage not in (Stage.FILL, Stage.PREVIEW)]
     assert list(dict.fromkeys(stages)) == order
-    assert (events[-1]["layout"], events[-1]["bucket"], events[-1]["fireflies"]) == ("shared", 2, 0.0)
+    assert (events[-1]["layout"], events[-1]["bucket"]) == ("layered", 14)
     assert {Path(path) for path in events[-1]["files"]} == set(out.iterdir())
 
 
@@ -268,11 +268,11 @@ BAD = {
         ["--object", "Card", "--capture", "panoramic"],
         ["panoramic", "capture by portal"],
     ),
-    "a shared layout of what arrives": (
-        ["--object", "Card", "--layout", "shared", "--kind", "incident"],
-        ["the shared layout", "kind radiance only", "layout buckets"],
+    "a layered layout of what arrives": (
+        ["--object", "Card", "--layout", "layered", "--kind", "incident"],
+        ["the layered layout", "kind radiance only", "layout buckets"],
     ),
-    "an unknown layout": (["--object", "Card", "--layout", "x"], ["--layout x", "buckets, shared"]),
+    "an unknown layout": (["--object", "Card", "--layout", "x"], ["--layout x", "buckets, layered"]),
     "an unknown filter": (["--object", "Card", "--filter", "cubic"], ["--filter cubic", "quadrilinear"]),
     "not a number": (["--object", "Card", "--samples", "many"], ["--samples many", "a whole number"]),
     "no samples": (["--object", "Card", "--samples", "0"], ["samples 0", "from 1 to"]),

@@ -61,7 +61,7 @@ def test_help_shows_every_option_with_its_default() -> None:
     names = ("kind", "unwrap", "texels", "samples", "capture", "seed", "device", "compression")
     for name in names:
         assert f"(default: {getattr(default, name)})" in told
-    assert "(default: 8 in layout buckets; 14 in layout shared with a budget or a target, 16 without;" in told
+    assert "(default: 8 in layout buckets; layered chooses them itself)" in told
     assert "(default: layered; buckets for other kinds, for an object with hair or a volume, and for" in told
     for word in ("(default: radtex)", "(default: quadrilinear)", "(default: bar)"):
         assert word in told
@@ -170,12 +170,6 @@ def test_no_memory_is_refused_everywhere(read: Callable[[list[str], bool], Any],
     assert read([*words, "--memory=1MiB"], False).spec.memory_mb == 1
     with pytest.raises(InputError, match=r"^--memory 1MB: give 1MiB at least, and 16TiB at most$"):
         read([*words, "--memory=1MB"], False)
-
-
-def test_the_shared_layout_has_cells_of_its_own() -> None:
-    line = ["a.blend", "--object", "A", "--layout", "shared"]
-    assert parse(line, inside_blender=False).bakes.spec == BakeSpec(layout=spec.Layout.SHARED, bucket=16)
-    assert parse([*line, "--bucket", "8"], inside_blender=False).bakes.spec.bucket == 8
 
 
 def test_exports_are_listed_once_and_need_the_preview() -> None:

@@ -21,10 +21,9 @@ from radtex_addon.cli import run_bake as baking
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.job import bake_object, bake_steps
-from radtex_addon.job.layout_choice import DEFAULT_BUDGET
 from radtex_addon.preview.picture import render_picture
 from radtex_addon.ui.panel import panel_state
-from radtex_addon.ui.panel.main_panel import RADTEX_PT_bake, RADTEX_PT_quality
+from radtex_addon.ui.panel.main_panel import RADTEX_PT_bake
 from tests.blender import stage
 from tests.blender.batch_process import Batch, refusal
 from tests.blender.ui_stage import ops, registered, settings
@@ -120,8 +119,6 @@ def test_a_bake_in_another_layout_leaves_none_of_the_earlier_images(
     layered = baked()
     assert {"Card.radiance.json", "Card.radiance.own.exr", "Card.radiance.world.exr"} < layered
     assert not layered & {"Card.radiance.exr", "Card.radiance.diffuse.exr"}
-    textures = baked("--budget", "2MB")
-    assert {Path(name).suffix for name in textures} == {".json", ".dds"}
     assert baked("--layout", "buckets", "--bucket", "2") == {"Card.radiance.json", "Card.radiance.exr"}
 
 
@@ -170,8 +167,8 @@ def test_a_line_says_why_and_json_too(line: str, words: str, tmp_path: Path, out
 
 def test_a_layout_that_was_named_is_refused(tmp_path: Path, out: Path, batch: Batch) -> None:
     blend = saved(tmp_path)
-    for line in ("--layout layered --layer base", "--layout shared --layer base", "--budget 2MB --float"):
-        refusal(batch(blend, "--object", "Card", *QUICK, *line.split(), "--out", out))
+    line = ("--layout", "layered", "--layer", "base")
+    refusal(batch(blend, "--object", "Card", *QUICK, *line, "--out", out))
     assert not out.exists()
 
 
@@ -179,11 +176,9 @@ def test_a_layout_that_was_named_is_refused(tmp_path: Path, out: Path, batch: Ba
     "spec",
     [
         BakeSpec(layout=Layout.LAYERED, uv_layer="UVMap", texels=16, samples=1),
-        BakeSpec(layout=Layout.SHARED, budget=DEFAULT_BUDGET, uv_layer="UVMap", texels=16, samples=1),
-        BakeSpec(layout=Layout.SHARED, uv_layer="UVMap", texels=16, samples=1),
         BakeSpec(uv_layer="UVMap", texels=16, samples=1),
     ],
-    ids=["default", "condensed", "shared", "buckets"],
+    ids=["default", "buckets"],
 )
 def test_what_was_begun_is_resumed_without_its_layout(
     spec: BakeSpec, tmp_path: Path, out: Path, batch: Batch
@@ -340,8 +335,6 @@ def test_the_panel_draws_the_line_and_no_setting_of_a_layout_that_was_not_chosen
     seen = drawn(RADTEX_PT_bake)
     assert "Buckets, 8 cells. Its material 'Smoke' has a volume" in " ".join(seen.labels)
     assert {"atlas_layout", "source", "split"} <= set(seen.settings)
-    assert "limit" not in drawn(RADTEX_PT_quality).settings
-    panel.atlas_layout = "shared"
+    panel.atlas_layout = "layered"
     told()
     assert "Smoke" not in " ".join(drawn(RADTEX_PT_bake).labels)
-    assert "limit" in drawn(RADTEX_PT_quality).settings

@@ -15,7 +15,7 @@ from tests.bench.determinism import scenes
 from tests.bench.determinism.__main__ import baked, started
 from tests.blender import stage
 
-CHEAP = ["radiance", "layers", "incident", "shadow", "ao", "transfer", "lights", "shared", "condensed"]
+CHEAP = ["radiance", "layers", "incident", "shadow", "ao", "transfer", "lights", "layered"]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are kept to one core")

@@ -34,8 +34,7 @@ from tests.blender.fingerprint import differences, fingerprint
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 PLAIN = BakeSpec(texels=24, bucket=4, samples=1)
-SHARED = BakeSpec(texels=16, bucket=6, samples=1, layout=Layout.SHARED)
-CONDENSED = replace(SHARED, budget=40_000)
+LAYERED = BakeSpec(texels=16, samples=1, layout=Layout.LAYERED)
 GLTF = ExportSpec(Target.GLTF)
 ENGINES = (Target.GLTF, Target.UNITY, Target.UNREAL, Target.RAW)
 GLOW = (0.5, 0.25, 0.125)
@@ -55,7 +54,7 @@ def _baked(spec: BakeSpec, folder: Path) -> Path:
 @pytest.fixture(scope="module")
 def bakes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Folders of one bake each; not to be written to."""
-    specs = {"plain": PLAIN, "shared": SHARED, "condensed": CONDENSED}
+    specs = {"plain": PLAIN, "layered": LAYERED}
     return {name: _baked(spec, tmp_path_factory.mktemp(name) / "baked") for name, spec in specs.items()}
 
 
@@ -77,7 +76,7 @@ def export(sidecar: Path, spec: ExportSpec = GLTF, out: Path | None = None, **op
 # what is in a folder
 
 
-@pytest.mark.parametrize("form", ["plain", "shared", "condensed"])
+@pytest.mark.parametrize("form", ["plain", "layered"])
 @pytest.mark.parametrize("target", ENGINES)
 def test_a_folder_has_all_that_its_manifest_names(
     target: Target, form: str, bake: Callable[[str], Path], temporary: Path
@@ -103,8 +102,8 @@ def test_a_folder_has_all_that_its_manifest_names(
     ("target", "form", "expected"),
     [
         (Target.GLTF, "plain", {"radtex.glsl"}),
-        (Target.UNITY, "shared", {"radtex.hlsl", "radtex_shared.hlsl"}),
-        (Target.UNREAL, "condensed", {"radtex.ush", "radtex_shared.ush", "radtex_condensed.ush"}),
+        (Target.UNITY, "layered", {"radtex_layered.hlsl"}),
+        (Target.UNREAL, "layered", {"radtex_layered.ush"}),
     ],
 )
 def test_includes_are_those_that_the_layout_needs(
@@ -257,7 +256,7 @@ def test_an_empty_folder_is_as_good_as_none(bake: Callable[[str], Path], out: Pa
 def test_wherever_an_export_stops_nothing_is_left(
     bake: Callable[[str], Path], tmp_path: Path, temporary: Path
 ) -> None:
-    sidecar, out = bake("shared"), tmp_path / "out"
+    sidecar, out = bake("layered"), tmp_path / "out"
     before, there = fingerprint(), set(tmp_path.iterdir())
     taken = 0
     while True:
@@ -364,20 +363,17 @@ def test_a_bake_that_cannot_be_read_is_named(
     [
         (PLAIN, "Diffuse"),
         (replace(PLAIN, compression=Compression.DWAA), "Diffuse"),
-        (SHARED, "Diffuse"),
-        (SHARED, "Glossy"),
-        (replace(SHARED, compression=Compression.DWAA), "Glossy"),
-        (CONDENSED, "Glossy"),
+        (LAYERED, "Diffuse"),
+        (replace(LAYERED, compression=Compression.DWAA), "Glossy"),
     ],
-    ids=["plain", "dwaa", "shared", "shared-glossy", "shared-glossy-dwaa", "condensed"],
+    ids=["plain", "dwaa", "layered", "layered-glossy-dwaa"],
 )
 def test_a_preview_of_another_unwrap_is_refused(spec: BakeSpec, shader: str, tmp_path: Path) -> None:
     bpy.ops.mesh.primitive_monkey_add()
     name, scene = context.object.name, context.scene
     context.object.data.materials.append(stage.material("white", f"ShaderNodeBsdf{shader}"))
     stage.hdri(stage.world())
-    budget = None if spec.budget is None else 120_000
-    spec = replace(spec, texels=64, bucket=2, budget=budget)
+    spec = replace(spec, texels=64, bucket=2 if spec.layout is Layout.BUCKETS else spec.bucket)
     bake_object(scene, name, replace(spec, padding=4), tmp_path / "baked", preview=Filter.QUADRILINEAR)
     files = bake_object(scene, name, spec, tmp_path / "new", preview=Filter.QUADRILINEAR).files
     export(files.sidecar, GLTF, tmp_path / "good")

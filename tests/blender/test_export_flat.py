@@ -15,13 +15,15 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
-from radtex_addon.core.shared import Axis, Lobe, SharedAtlas
 from radtex_addon.core.solid_angle import cell_solid_angles_sr
 from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.core.texel_map import TexelMap, rasterise
-from radtex_addon.forms.shared.flat import mean_of_shared
+from radtex_addon.forms.layered.capture.panoramas import panorama_directions
+from radtex_addon.forms.layered.flat import mean_of_layered
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
+from radtex_addon.forms.layered.lookup.environment import Around, Pictures
 from radtex_addon.textures.flat_lightmap import even_directions, flat_png, mean_of_buckets, srgb
-from tests.shared_atlases import random_shared_atlas
+from tests.layered.made_up import made_up_atlas
 
 
 def one_cell(bucket: int, q: int, p: int) -> Floats:
@@ -74,42 +76,54 @@ def square(normal: tuple[float, float, float] = (0, 0, 1)) -> TexelMap:
     return rasterise(surface, 8, 8)
 
 
-def lit_from_above(atlas: SharedAtlas) -> SharedAtlas:
-    """Light from above, white, that a mirror lobe shows; and no other light."""
-    lobe = atlas.lobes[0]
-    sharp = np.zeros_like(lobe.ends)
-    up = np.zeros((48, 48, 3), dtype=np.float32)
-    side = (np.arange(48) + 0.5) / 24 - 1
-    up[np.abs(side[:, None]) + np.abs(side) < 1] = 1
-    mirror = Lobe(Axis.MIRROR, sharp, np.ones_like(lobe.gain), np.zeros_like(lobe.rest))
+def lit_from_above() -> LayeredAtlas:
+    """Light from above, white, that a mirror shows; and no other light."""
+    atlas = made_up_atlas(8, 48)
+    direction = panorama_directions(96)
+    up = np.broadcast_to(direction[..., 2:] > 0, direction.shape).astype(np.float32)
+    around = Around(atlas.around.middle, Pictures.of(direction, up, 48), (), ())
+    steps = atlas.materials[0]
+    sharp, weight = np.full_like(steps.variance, 1e-6), np.full_like(steps.weight, 0.5)
+    mirror = replace(steps, weight=weight, variance=sharp, bend=np.zeros_like(steps.bend))
+    own = np.zeros_like(atlas.own)
+    own[..., 3] = 1
     return replace(
         atlas,
         colour=np.zeros_like(atlas.colour),
-        surroundings=(up,),
-        sharpest=1e-6,
-        lobes=(mirror,),
+        around=around,
+        materials=(mirror,),
+        own=own,
+        rest=np.zeros_like(atlas.rest),
     )
 
 
-def test_the_shared_layout_is_seen_from_all_around() -> None:
-    atlas = lit_from_above(random_shared_atlas(8, 8, lobes=(Axis.MIRROR,)))
-    seen = finished(mean_of_shared(atlas, square()))
+def mean_on(atlas: LayeredAtlas, texels: TexelMap) -> Floats:
+    """The mean light of texels that are all of the first material."""
+    material = np.zeros(np.count_nonzero(texels.covered), dtype=np.intp)
+    return finished(mean_of_layered(atlas, texels, material))
+
+
+def test_the_layered_layout_is_seen_from_all_around() -> None:
+    atlas = lit_from_above()
+    seen = mean_on(atlas, square())
     np.testing.assert_allclose(seen, 1, atol=0.03)  # mirrored views go up, and the gutter is filled
-    below = finished(mean_of_shared(atlas, square((0, 0, -1))))
+    below = mean_on(atlas, square((0, 0, -1)))
     np.testing.assert_allclose(below, 0, atol=0.02)
-    tilted = finished(mean_of_shared(atlas, square((0, -1, 1e-9))))
+    tilted = mean_on(atlas, square((0, -1, 1e-9)))
     np.testing.assert_allclose(tilted, 0.5, atol=0.03)
 
 
 def test_diffuse_light_is_colour_times_irradiance() -> None:
-    atlas = random_shared_atlas(8, 8, lobes=())
+    atlas = lit_from_above()
+    dark = replace(atlas.materials[0], weight=np.zeros_like(atlas.materials[0].weight))
     even = replace(
         atlas,
         colour=np.full_like(atlas.colour, 0.5),
         irradiance=np.full_like(atlas.irradiance, 3),
         falloff=np.full_like(atlas.falloff, 0.25),
+        materials=(dark,),
     )
-    np.testing.assert_allclose(finished(mean_of_shared(even, square())), 0.375, rtol=1e-5)
+    np.testing.assert_allclose(mean_on(even, square()), 0.375, rtol=1e-5)
 
 
 def test_the_picture_is_srgb_and_its_top_row_is_v_1() -> None:

@@ -19,7 +19,7 @@ import pytest
 
 from radtex_addon.bake.spec import BakeSpec, Layer
 from radtex_addon.core.errors import BakeError, FormatError, RadTexError
-from radtex_addon.formats.condensed_files import digest
+from radtex_addon.formats.disk.file_digest import digest
 from radtex_addon.job import bake_object
 from tests.blender import stage
 from tests.blender.farming import assembled, prepared, render
@@ -84,7 +84,7 @@ def _set(*keys: str, to: Any) -> Callable[[Facts], None]:
         _set("preview", "objects", to=["Nobody"]),
         _set("preview", "scene", to="Nowhere"),
         _set("spec", "kind", to="transfer"),
-        _set("spec", "layout", to="shared"),
+        _set("spec", "layout", to="layered"),
         _set("spec", "kind", to="proxy"),
         _set("spec", "split", to="material"),
         _set("spec", "source", to="Nobody"),

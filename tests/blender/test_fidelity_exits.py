@@ -37,7 +37,7 @@ def test_a_sheet_of_glass_moves_rays_aside(tmp_path: Path) -> None:
     scene = cast(bpy.types.Scene, bpy.context.scene)
     with scratch_scene(scene, None, kept) as scratch:
         item = find_object(scratch, sheet.name)
-        prepared = finished(prepare(scratch, [item], BakeSpec(layout=Layout.SHARED, texels=32), kept))
+        prepared = finished(prepare(scratch, [item], BakeSpec(layout=Layout.LAYERED, texels=32), kept))
         plan = plan_capture(prepared.texels(), _CELLS)
         exits = capture_exits(
             scratch, item, prepared.mesh, np.eye(4), np.zeros(3, np.float32), 1.6, plan, _TIMES, 1, tmp_path

@@ -15,7 +15,7 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.formats.containers.exr import read_atlas
-from radtex_addon.formats.shared_files import read_shared
+from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.job import bake_object, check_request
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
@@ -24,16 +24,17 @@ pytestmark = pytest.mark.usefixtures("temporary")
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 SPEC = BakeSpec(texels=8, bucket=4, samples=4, half=False, uv_layer="UVMap")
-SHARED = replace(SPEC, layout=Layout.SHARED, bucket=4, samples=1)
+LAYERED = replace(SPEC, layout=Layout.LAYERED, texels=16, bucket=14, samples=1)
 
 
-def lit_cube(shader: str = "ShaderNodeBsdfDiffuse") -> Any:
-    """A cube "Body" above a floor, under two lamps and a dim world."""
+def lit_cube(shader: str = "ShaderNodeBsdfDiffuse", floor: bool = True) -> Any:
+    """A cube "Body", perhaps above a floor, under two lamps and a dim world."""
     stage.world((0.3, 0.4, 0.5))
     stage.lamps()
-    bpy.ops.mesh.primitive_plane_add(size=6, location=(0, 0, -1))
-    floor = stage.material("floor", "ShaderNodeBsdfDiffuse", Color=(0.2, 0.5, 0.8, 1))
-    context.object.data.materials.append(floor)
+    if floor:
+        bpy.ops.mesh.primitive_plane_add(size=6, location=(0, 0, -1))
+        blue = stage.material("floor", "ShaderNodeBsdfDiffuse", Color=(0.2, 0.5, 0.8, 1))
+        context.object.data.materials.append(blue)
     bpy.ops.mesh.primitive_cube_add(size=1)
     context.object.name = "Body"
     context.object.data.materials.append(stage.material("body", shader, Color=(0.8, 0.6, 0.4, 1)))
@@ -74,22 +75,23 @@ def test_a_view_layers_own_world_is_the_scenes() -> None:
     assert (context.scene.world, context.view_layer.world_override) == (own, other)
 
 
-def test_the_shared_layout_under_a_view_layers_own_world_is_that_under_the_world(out: Path) -> None:
-    lit_cube("ShaderNodeBsdfAnisotropic")
+def test_the_layered_layout_under_a_view_layers_own_world_is_that_under_the_world(out: Path) -> None:
+    lit_cube("ShaderNodeBsdfAnisotropic", floor=False)
     dim, bright = context.scene.world, stage.world((1, 0.5, 0.2))
     found = []
     for world, override in ((bright, None), (dim, bright)):
         context.scene.world, context.view_layer.world_override = world, override
-        result = bake_object(context.scene, "Body", SHARED, out, overwrite=True)
-        found.append(read_shared(result.files.sidecar)[0])
-    for name in ("ends", "gain", "rest"):
-        first, second = (getattr(atlas.lobes[0], name) for atlas in found)
-        np.testing.assert_array_equal(second, first, err_msg=name)
+        result = bake_object(context.scene, "Body", LAYERED, out, overwrite=True)
+        found.append(read_layered(result.files.sidecar)[0])
+    one, other = found
+    np.testing.assert_array_equal(other.around.world.levels[0], one.around.world.levels[0])
+    np.testing.assert_array_equal(other.materials[0].weight, one.materials[0].weight)
+    np.testing.assert_array_equal(other.rest, one.rest)
 
 
-def test_the_shared_layout_knows_an_objects_random_number(out: Path) -> None:
+def test_the_layered_layout_knows_an_objects_random_number(out: Path) -> None:
     """Cycles makes it of the object's name: the copy that tells where paths end must have the same."""
-    body = lit_cube("ShaderNodeEmission")
+    body = lit_cube("ShaderNodeEmission", floor=False)
     glow = body.data.materials[0].node_tree
     glow.links.new(glow.nodes.new("ShaderNodeObjectInfo").outputs["Random"], glow.nodes[0].inputs["Color"])
     number = float(baked(out)[0, 0, 0])
@@ -97,10 +99,11 @@ def test_the_shared_layout_knows_an_objects_random_number(out: Path) -> None:
     shader, found = shiny.node_tree.nodes[0], []
     shader.inputs["Color"].default_value = (number, number, number, 1)
     for _ in range(2):
-        result = bake_object(context.scene, "Body", SHARED, out, overwrite=True)
-        found.append(read_shared(result.files.sidecar)[0].lobes[0].gain)
+        result = bake_object(context.scene, "Body", LAYERED, out, overwrite=True)
+        found.append(read_layered(result.files.sidecar)[0].materials[0].weight)
         info = shiny.node_tree.nodes.new("ShaderNodeObjectInfo")
         shiny.node_tree.links.new(info.outputs["Random"], shader.inputs["Color"])
+    assert found[0].max() > 0.1
     np.testing.assert_allclose(found[1], found[0], atol=1e-3)
     assert body.name == "Body"
     assert "Body" in bpy.data.objects

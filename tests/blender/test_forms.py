@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from math import prod
 from pathlib import Path
@@ -32,8 +33,6 @@ SPECS = {
     "bits": replace(PLAIN, kind=Kind.SHADOW),
     "ambient": replace(PLAIN, kind=Kind.AO),
     "sphere": replace(PLAIN, kind=Kind.TRANSFER, bucket=3),
-    "shared": replace(PLAIN, layout=Layout.SHARED, samples=1),
-    "condensed": replace(PLAIN, layout=Layout.SHARED, samples=1, bucket=6, target=30.0),
     "layered": replace(PLAIN, layout=Layout.LAYERED, samples=1, bucket=14),
 }
 
@@ -93,7 +92,7 @@ def test_a_form_keeps_to_the_interface(name: str, tmp_path: Path) -> None:
         form.write_textures(sidecar, ExportSpec(Target.RAW), folder)
 
 
-@pytest.mark.parametrize("name", ["buckets", "shared", "condensed", "layered"])
+@pytest.mark.parametrize("name", ["buckets", "layered"])
 def test_light_is_looked_up(name: str, tmp_path: Path) -> None:
     sidecar = SidecarFile.read(bake_object(context.scene, "Ball", SPECS[name], tmp_path).files.sidecar)
     opened = form_in(sidecar.facts).open(sidecar)
@@ -110,3 +109,21 @@ def test_light_is_looked_up(name: str, tmp_path: Path) -> None:
         opened.sidecar.height,
         opened.sidecar.width,
     )
+
+
+def test_a_bake_of_the_former_shared_layout_is_refused_and_overwritten(tmp_path: Path) -> None:
+    layers = ["colour", "irradiance", "surroundings", "mirror_gain", "through_ends_xy"]
+    path = tmp_path / "Ball.radiance.json"
+    path.write_text(json.dumps({"layout": "shared", "layers": layers, "tool": "RadTex 0.9.2"}))
+    former = {tmp_path / f"Ball.radiance.{layer}.{ending}" for layer in layers for ending in ("exr", "dds")}
+    for image in former:
+        image.touch()
+    words = (
+        r"Ball\.radiance\.json is in the shared layout, made by 'RadTex 0\.9\.2', which this RadTex no "
+        "longer reads: bake the object anew, in the layered layout, or use that version"
+    )
+    with pytest.raises(FormatError, match=words):
+        form_in(SidecarFile.read(path).facts)
+    assert former < images_of(path)
+    files = bake_object(context.scene, "Ball", PLAIN, tmp_path, overwrite=True).files
+    assert set(tmp_path.iterdir()) == {files.sidecar, *files.images}

@@ -381,8 +381,8 @@ def test_the_file_is_one_pixel_a_texel(out: Path) -> None:
         ("ao", {"ao_distance": float("nan")}, "ao distance nan: give one above 0"),
         ("shadow", {"ao_distance": 1.0}, "shadow looks at any distance: bake ao, or leave the distance"),
         ("radiance", {"ao_distance": 1.0}, "radiance looks at any distance: bake ao"),
-        ("shadow", {"layout": "shared"}, "the shared layout holds light, not shadow: choose layout buckets"),
-        ("ao", {"layout": "shared"}, "the shared layout holds light, not ao"),
+        ("shadow", {"layout": "layered"}, "the layered layout holds light, not shadow: choose layout"),
+        ("ao", {"layout": "layered"}, "the layered layout holds light, not ao"),
         ("shadow", {"capture": "panoramic"}, "capture panoramic cannot bake shadow: capture by portal"),
     ],
 )

@@ -212,7 +212,7 @@ def test_without_lamps_or_with_a_word_for_a_name_there_is_no_each() -> None:
         ({"lights": ("",)}, "a light's name is empty"),
         ({"kind": Kind.SHADOW}, "kind shadow cannot be baked for some lamps alone"),
         ({"kind": Kind.TRANSFER}, "kind transfer cannot be baked for some lamps alone"),
-        ({"layout": Layout.SHARED}, "the shared layout cannot be baked for some lamps alone"),
+        ({"layout": Layout.LAYERED, "bucket": 14}, "the layered layout cannot be baked for some lamps alone"),
         ({"layers": (Layer.DIFFUSE,)}, "layers cannot be baked for some lamps alone"),
         (
             {"kind": Kind.INCIDENT, "capture": CaptureMethod.PANORAMIC},

@@ -64,10 +64,6 @@ def test_without_a_word_radiance_is_layered() -> None:
             BakeSpec(layout=Layout.LAYERED, half=False, compression=Compression.PIZ),
         ),
         ("--layout layered", DEFAULT),
-        ("--budget 1MB", BakeSpec(layout=Layout.SHARED, bucket=14, budget=1_000_000)),
-        ("--target 30dB", BakeSpec(layout=Layout.SHARED, bucket=14, target=30.0)),
-        ("--layout shared", BakeSpec(layout=Layout.SHARED, bucket=16)),
-        ("--layout shared --budget 1MB", BakeSpec(layout=Layout.SHARED, bucket=14, budget=1_000_000)),
         ("--layout buckets", PLAIN),
         ("--frames 3", BakeSpec(layout=Layout.LAYERED, frame=3)),
     ],
@@ -116,16 +112,10 @@ def test_what_the_layered_layout_refuses_gets_buckets_and_a_line_says_why(line: 
         "--layout layered --kind incident",
         "--layout layered --split material",
         "--layout layered --bucket 8",
+        "--layout layered --layer base",
+        "--layout layered --lights Key",
         "--layout layered --from High",
-        "--layout layered --budget 2MB",
-        "--layout shared --kind incident",
-        "--layout shared --layer base",
-        "--layout shared --lights Key",
-        "--layout shared --from High",
-        "--layout shared --accumulate",
-        "--layout shared --budget 2MB --bucket 8",
-        "--budget 2MB --float",
-        "--budget 2MB --kind incident",
+        "--layout layered --accumulate",
     ],
 )
 def test_a_layout_that_was_named_is_refused_and_never_replaced(line: str) -> None:
@@ -203,7 +193,7 @@ def test_what_would_take_very_much_memory_is_plain() -> None:
 
 def begin(folder: Path, spec: BakeSpec) -> None:
     """Leave what an interrupted bake does."""
-    facts = {name: str(getattr(spec, name)) for name in ("layout", "bucket", "budget", "target")}
+    facts = {name: str(getattr(spec, name)) for name in ("layout", "bucket")}
     place = folder / file_name("Card", spec.kind, "radtex-unfinished")
     place.mkdir(parents=True)
     write_key(place, Key(facts, [], []))
@@ -211,10 +201,6 @@ def begin(folder: Path, spec: BakeSpec) -> None:
 
 BEGUN = {
     "the default": DEFAULT,
-    "condensed": BakeSpec(layout=Layout.SHARED, bucket=14, budget=2_000_000),
-    "shared": BakeSpec(layout=Layout.SHARED),
-    "a target": BakeSpec(layout=Layout.SHARED, target=32.5),
-    "a budget": BakeSpec(layout=Layout.SHARED, bucket=10, budget=700_000),
     "buckets": PLAIN,
     "buckets of other cells": BakeSpec(bucket=6),
 }
@@ -231,10 +217,10 @@ def test_to_resume_goes_on_in_the_layout_that_was_begun(case: str, card: Any, ou
 
 
 def test_to_resume_with_a_layout_or_cells_keeps_to_them(out: Path) -> None:
-    begin(out, BEGUN["condensed"])
-    assert asked("--resume --layout buckets", out).spec == PLAIN
+    begin(out, BEGUN["buckets of other cells"])
+    assert asked("--resume --layout layered", out).spec == DEFAULT
     assert asked("--resume --bucket 10", out).spec.bucket == 10
-    assert asked("--resume --layout shared", out).spec == BakeSpec(layout=Layout.SHARED)
+    assert asked("--resume --layout buckets", out).spec == PLAIN
 
 
 def test_a_key_that_says_nothing_of_layouts_is_no_hindrance(out: Path) -> None:
@@ -243,10 +229,9 @@ def test_a_key_that_says_nothing_of_layouts_is_no_hindrance(out: Path) -> None:
     assert asked("--resume", out) == Choice(DEFAULT)
 
 
-def finish(folder: Path, frame: int | None = None, **facts: object) -> None:
+def finish(folder: Path, frame: int | None = None, layout: str = "buckets", **facts: object) -> None:
     folder.mkdir(exist_ok=True)
     name = "Card" if frame is None else f"Card-{frame:04d}"
-    layout = "shared" if "shared" in facts else "buckets"
     told = {"object": "Card", "kind": "radiance", "layout": layout, **facts}
     (folder / f"{name}.radiance.json").write_text(json.dumps(told))
 
@@ -257,9 +242,9 @@ def test_what_is_folded_in_has_the_cells_of_what_is_there(way: str, out: Path) -
     found = asked(way, out)
     assert (found.spec.layout, found.spec.bucket, found.reason) == (Layout.BUCKETS, 6, "")
     assert asked(f"{way} --bucket 8", out).spec.bucket == 8
-    finish(out, bucket=14, shared={"condensed": {}})
-    words = r"Card\.radiance\.json is in the shared layout, which cannot be (accumulated|refreshed): bake it "
-    with pytest.raises(InputError, match=words + r"anew in layout buckets"):
+    finish(out, bucket=14, layout="layered")
+    words = r"Card\.radiance\.json is in the layered layout, which cannot be (accumulated|refreshed): "
+    with pytest.raises(InputError, match=words + "bake it anew in layout buckets"):
         asked(way, out)
 
 
@@ -284,5 +269,5 @@ def test_other_frames_of_a_run_that_goes_on_are_alike(out: Path) -> None:
     assert (second(resume=True).layout, second(resume=True).bucket) == (Layout.BUCKETS, 6)
     assert second().layout is Layout.LAYERED
     assert second(resume=True, overwrite=True).layout is Layout.LAYERED
-    finish(out, 1, bucket=16, shared={})
-    assert (second(resume=True).bucket, second(resume=True).budget) == (16, None)
+    finish(out, 1, bucket=14, layout="layered")
+    assert (second(resume=True).layout, second(resume=True).bucket) == (Layout.LAYERED, 14)

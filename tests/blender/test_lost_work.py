@@ -24,7 +24,7 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.export import web
 from radtex_addon.export.folder import is_whole
 from radtex_addon.formats.sidecar import read_sidecar
-from radtex_addon.forms.shared import bake as shared
+from radtex_addon.forms.layered import bake as layered
 from radtex_addon.job import bake_object
 from radtex_addon.job import baking as run
 from radtex_addon.job.existing_bakes import images_of
@@ -328,22 +328,22 @@ def test_going_on_with_no_unfinished_accumulation_tells_the_samples(out: Path) -
         replace(SPEC, kind=Kind.SHADOW),
         replace(SPEC, kind=Kind.AO),
         replace(SPEC, kind=Kind.TRANSFER),
-        replace(SPEC, layout=Layout.SHARED, bucket=4),
-        replace(SPEC, layout=Layout.SHARED, bucket=6, budget=200_000),
+        replace(SPEC, layout=Layout.LAYERED, bucket=14),
     ],
-    ids=lambda spec: f"{spec.kind}-{spec.layout}-{spec.budget}",
+    ids=lambda spec: f"{spec.kind}-{spec.layout}",
 )
 def test_all_files_of_a_layout_get_their_places_without_a_second_bake(
     spec: BakeSpec, out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = out.with_name("whole")
+    bpy.data.objects["Floor"].hide_render = True  # the layered layout would take pictures of it
     bake(whole, spec)
     with monkeypatch.context() as patch:
         fail_at(patch, ".json")
         with pytest.raises(BakeError, match=r"out/Ball\S*\.json could not be written"):
             bake(out, spec)
     monkeypatch.setattr(run, "form_for", full)
-    monkeypatch.setattr(shared, "fit_shared", full)
+    monkeypatch.setattr(layered, "fit_layered", full)
     made = bake(out, spec, resume=True)
     assert made.paths > 0
     assert contents(out) == contents(whole)
@@ -364,12 +364,12 @@ def test_a_kill_at_a_rename_costs_nothing(scenario: str, kills: int, offset: flo
 def test_an_overwrite_in_another_layout_that_stopped_leaves_none_of_the_earlier_images(
     batch: Run, out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    shared = ("--object", "Ball", "--layout", "shared", "--bucket", "4")
+    other = ("--object", "Ball", "--layout", "layered", "--bucket", "14")
     assert batch("--object", "Ball", "--layer", "diffuse").code == 0
     with monkeypatch.context() as patch:
         fail_at(patch, "Ball.radiance.json")
-        assert batch(*shared, "--overwrite").code == 1
-    assert batch(*shared, "--resume").code == 0
+        assert batch(*other, "--overwrite").code == 1
+    assert batch(*other, "--resume").code == 0
     names = {path.name for path in out.iterdir()}
     assert "Ball.radiance.colour.exr" in names
     assert not names & {"Ball.radiance.exr", "Ball.radiance.diffuse.exr"}

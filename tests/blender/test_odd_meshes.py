@@ -245,9 +245,8 @@ def test_missing_images_and_libraries_are_told(tmp_path: Path, out: Path) -> Non
         {"memory_mb": 10**12},
         {"texels": 65536, "bucket": 256},
         {"frame": 10**9},
-        {"budget": 10**15, "layout": "shared"},
-        {"samples": 10**6, "layout": "shared"},
-        {"texels": 20000, "layout": "shared"},
+        {"samples": 10**6, "layout": "layered"},
+        {"texels": 20000, "layout": "layered"},
         {"texels": 20000, "kind": "transfer"},
     ],
 )

@@ -10,7 +10,6 @@ import bpy
 import pytest
 
 from radtex_addon.bake.spec import BakeSpec, Kind, Layout
-from radtex_addon.job.layout_choice import SHARED_CELLS
 from radtex_addon.ui import registration
 from radtex_addon.ui.settings.menu_items import KINDS, LAYOUTS
 
@@ -35,14 +34,15 @@ def test_the_operator_starts_from_the_specs_defaults(name: str) -> None:
 
 def test_the_operators_cells_are_those_of_the_layout_that_is_chosen_for_itself() -> None:
     properties = bpy.ops.radtex.bake.get_rna_type().properties  # type: ignore[attr-defined]  # ours, not Blender's
-    assert (properties["atlas_layout"].default, properties["bucket"].default) == ("auto", SHARED_CELLS)
+    found = (properties["atlas_layout"].default, properties["bucket"].default)
+    assert found == ("auto", Layout.LAYERED.cells)
 
 
 def test_saved_files_keep_their_layouts() -> None:
     """Blender saves a choice by its number."""
     setting = bpy.ops.radtex.bake.get_rna_type().properties["atlas_layout"]  # type: ignore[attr-defined]  # ours, not Blender's
     numbers = {item.identifier: item.value for item in setting.enum_items}
-    assert numbers == {"buckets": 0, "shared": 1, "auto": 2, "layered": 3}
+    assert numbers == {"buckets": 0, "auto": 2, "layered": 3}
 
 
 def test_every_setting_has_a_tooltip() -> None:

@@ -18,8 +18,6 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
-from radtex_addon.core.shared import Axis, SharedAtlas
-from radtex_addon.formats.shared_files import read_shared, write_condensed, write_shared
 from radtex_addon.formats.sidecar import Sidecar, write_sidecar
 from radtex_addon.preview import osl
 from radtex_addon.scene.nodes import NodeBuilder, Socket
@@ -43,11 +41,6 @@ from tests.lookups import (
     relative_error,
     worst_error,
 )
-from tests.shared_atlases import facts_about, random_condensed_atlas, random_shared_atlas
-from tests.shared_lookups import random_fragments, shared_answers, shared_hit_answers
-
-WIDTH, HEIGHT = 7, 5  # of the shared layout's atlases
-FRAGMENTS = random_fragments(WIDTH, HEIGHT)
 
 
 def osl_shader(atlas: Path, kind: Filter) -> Shader:
@@ -78,8 +71,6 @@ def test_a_ray_stands_in_for_the_viewer(tmp_path: Path) -> None:
     """The viewer stays linked, and must not matter."""
     atlas, lookups = random_atlas(), random_lookups()
     path = write_exr(tmp_path / "random.exr", atlas)
-    shared = random_shared_atlas(WIDTH, HEIGHT)
-    write_shared(tmp_path / "a.radiance.json", shared, facts_about(shared))
 
     def plain(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
         node = osl.add_osl_node(build.tree, path, LAYOUT, Filter.QUADRILINEAR)
@@ -88,25 +79,13 @@ def test_a_ray_stands_in_for_the_viewer(tmp_path: Path) -> None:
         build.feed(node.inputs["Ray"], build.vector("SCALE", inputs[4], -1.0))
         return node.outputs["Color"], node.outputs["Alpha"]
 
-    def by_shared(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
-        node = osl.add_shared_osl_node(build.tree, tmp_path / "a.radiance.json")
-        ray = build.vector("SCALE", inputs[4], -1.0)
-        for name, source in {"UV": inputs[0], "Normal": inputs[1], "Ray": ray, "Incoming": inputs[0]}.items():
-            build.feed(node.inputs[name], source)
-        return node.outputs["Color"], build.math("ADD", 1.0, 0.0)
-
     stage = LookupStage(cast(bpy.types.Scene, bpy.context.scene), "CYCLES")
     cast(Any, stage.scene).cycles.shading_system = True
     stage.add(lookups, plain)
-    stage.add(FRAGMENTS, by_shared)
-    result, lobes = stage.render(tmp_path / "answers.exr")
+    (result,) = stage.render(tmp_path / "answers.exr")
     error = relative_error(result, hit_answers(atlas, lookups))
-    worse = relative_error(
-        lobes[:, :3], shared_hit_answers(read_shared(tmp_path / "a.radiance.json")[0], FRAGMENTS)
-    )
-    print(f"OSL rays: worst error {error.max():.1e}, shared layout {worse.max():.1e}")
+    print(f"OSL rays: worst error {error.max():.1e}")
     assert error.max() <= 2e-3
-    assert worse.max() <= 2e-3
 
 
 @pytest.mark.parametrize("linked", [("UV", "Tangent", "Sign"), ("UV", "Normal", "Tangent", "Sign")])
@@ -129,70 +108,6 @@ def test_unlinked_vectors_are_the_shaded_point_s_own(linked: tuple[str, ...], tm
     up = np.tile(np.array([0, 0, 1], np.float32), (len(lookups.uv), 1))
     normal = lookups.normal if "Normal" in linked else up
     assert worst_error(result, atlas, replace(lookups, normal=normal, viewer=up), Filter.LINEAR)[0] <= 2e-3
-
-
-def shared_shader(sidecar: Path, viewer: bool = True) -> Shader:
-    """Without `viewer` Incoming is not linked."""
-
-    def shader(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
-        node = osl.add_shared_osl_node(build.tree, sidecar)
-        sources = {"UV": inputs[0], "Normal": inputs[1]} | ({"Incoming": inputs[4]} if viewer else {})
-        for name, source in sources.items():
-            build.feed(node.inputs[name], source)
-        return node.outputs["Color"], build.math("ADD", 1.0, 0.0)
-
-    return shader
-
-
-def shared_results(atlases: list[SharedAtlas], folder: Path, viewer: bool = True) -> list[Floats]:
-    """What the Script node answers to FRAGMENTS for each atlas, (K, 3)."""
-    stage = LookupStage(cast(bpy.types.Scene, bpy.context.scene), "CYCLES")
-    cast(Any, stage.scene).cycles.shading_system = True
-    for index, atlas in enumerate(atlases):
-        write_shared(folder / f"{index}.radiance.json", atlas, facts_about(atlas))
-        stage.add(FRAGMENTS, shared_shader(folder / f"{index}.radiance.json", viewer))
-    return [answers[:, :3] for answers in stage.render(folder / "answers.exr")]
-
-
-def test_the_shared_layout_s_node_agrees_with_the_reference(tmp_path: Path) -> None:
-    atlases = [
-        random_shared_atlas(WIDTH, HEIGHT),
-        random_shared_atlas(WIDTH, HEIGHT, lobes=()),
-        random_shared_atlas(WIDTH, HEIGHT, lobes=(Axis.THROUGH,), levels=1),
-        random_shared_atlas(WIDTH, HEIGHT, lobes=(Axis.MIRROR,), surroundings=33, levels=7, bucket=1),
-    ]
-    for index, result in enumerate(shared_results(atlases, tmp_path)):
-        stored, _ = read_shared(tmp_path / f"{index}.radiance.json")
-        worst = float(relative_error(result, shared_answers(stored, FRAGMENTS)).max())
-        print(f"OSL, shared layout {index}: worst error {worst:.1e}")
-        assert worst <= 2e-3
-
-
-def test_the_shared_layout_s_light_below_zero_is_none(tmp_path: Path) -> None:
-    atlas = random_shared_atlas(WIDTH, HEIGHT, lobes=(Axis.THROUGH,))
-    (lobe,) = atlas.lobes
-    (result,) = shared_results([replace(atlas, lobes=(replace(lobe, rest=lobe.rest - 10_000),))], tmp_path)
-    assert not result.any()
-
-
-def test_the_shared_layout_s_viewer_is_the_ray_s_where_none_is_linked(tmp_path: Path) -> None:
-    (result,) = shared_results([random_shared_atlas(WIDTH, HEIGHT)], tmp_path, viewer=False)
-    from_above = replace(FRAGMENTS, viewer=np.full_like(FRAGMENTS.viewer, [0, 0, 1]))
-    stored, _ = read_shared(tmp_path / "0.radiance.json")
-    assert relative_error(result, shared_answers(stored, from_above)).max() <= 2e-3
-
-
-def test_a_bake_that_the_shared_shader_cannot_show_is_refused(tmp_path: Path) -> None:
-    tree, path = empty_tree(), tmp_path / "a.json"
-    condensed = random_condensed_atlas(WIDTH, HEIGHT)
-    write_condensed(path, condensed, facts_about(condensed))
-    with pytest.raises(InputError, match=r"a\.json is of a condensed bake.*: use the node group"):
-        osl.add_shared_osl_node(tree, path)
-    atlas = random_shared_atlas(WIDTH, HEIGHT)
-    write_shared(path, replace(atlas, falloff=atlas.falloff[:8]), facts_about(atlas))
-    with pytest.raises(InputError, match="a falloff of 8 points, the shader takes 16: use the node group"):
-        osl.add_shared_osl_node(tree, path)
-    assert not tree.nodes
 
 
 def test_a_shader_that_does_not_compile_is_refused_and_leaves_nothing(tmp_path: Path) -> None:
@@ -269,17 +184,6 @@ def test_the_example_shows_an_atlas(example: Callable[[Path], Floats], tmp_path:
     write_sidecar(sidecar, facts)
     result = example(sidecar)[:, :3]
     assert worst_error(result, atlas, seen_from_above(), Filter.QUADRILINEAR)[0] <= 2e-3
-
-
-def test_the_example_shows_a_bake_in_the_shared_layout(
-    example: Callable[[Path], Floats], tmp_path: Path
-) -> None:
-    written, sidecar = random_shared_atlas(WIDTH, HEIGHT), tmp_path / "Vase.radiance.json"
-    write_shared(sidecar, written, facts_about(written))
-    answers = shared_answers(read_shared(sidecar)[0], seen_from_above())
-    error = relative_error(example(sidecar)[:, :3], answers)
-    assert error.max() <= 1e-2  # a ray is up to 1/200 of a pixel beside its pixel's middle
-    assert np.median(error) <= 1e-4
 
 
 def empty_tree() -> bpy.types.NodeTree:

@@ -8,7 +8,6 @@ import logging
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -18,13 +17,11 @@ import pytest
 
 from radtex_addon.core.errors import BakeError
 from radtex_addon.core.sampler import Filter
-from radtex_addon.formats.shared_files import write_shared
 from radtex_addon.preview import save
-from radtex_addon.preview.material import preview_material, preview_shared_material
+from radtex_addon.preview.material import preview_material
 from radtex_addon.preview.save import StandIn, save_preview
 from tests.blender.lookup_stage import ENGINES, add_camera_above, render_exr, set_up_render, write_exr
 from tests.lookups import LAYOUT
-from tests.shared_atlases import facts_about, random_shared_atlas
 
 COLOUR = np.array([0.5, 0.25, 0.125, 1], np.float16)
 UV_LAYER = "RadTex"
@@ -153,44 +150,6 @@ def test_the_file_shows_the_preview_wherever_its_folder_goes(
     set_up_render(current_scene(), engine)
     image = render_exr(current_scene(), tmp_path / "view.exr")
     np.testing.assert_allclose(image, np.broadcast_to(COLOUR, image.shape), rtol=1e-3)
-
-
-@pytest.mark.parametrize("saved", [False, True], ids=["a file never saved", "a saved file"])
-def test_a_bake_in_the_shared_layout_is_found_beside_the_file(pane: Any, tmp_path: Path, saved: bool) -> None:
-    if saved:
-        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "user.blend"))
-    folder = tmp_path / "out"
-    folder.mkdir()
-    material = preview_shared_material("RadTex pane", even_light(folder), UV_LAYER)
-    add_camera_above(current_scene(), (0, 0), (2, 2), 8)
-    path = folder / "pane.preview.blend"
-    save_preview(current_scene(), [StandIn(pane, baked_copy(pane), (material,))], path)
-    moved = shutil.move(folder, tmp_path / "elsewhere")
-    bpy.ops.wm.open_mainfile(filepath=str(Path(moved) / "pane.preview.blend"))
-    assert {image.filepath[:16] for image in bpy.data.images} == {"//pane.radiance."}
-    set_up_render(current_scene(), "CYCLES")
-    image = render_exr(current_scene(), tmp_path / "view.exr")
-    np.testing.assert_allclose(image, np.broadcast_to([2, 2, 2, 1], image.shape), rtol=1e-3)
-
-
-def even_light(folder: Path) -> Path:
-    """The sidecar of a bake that shows 2 wherever one looks: 1 scattered, 1/2 met, 1/2 of the texel's own."""
-    random = random_shared_atlas()
-    lobe = replace(
-        random.lobes[0],
-        gain=np.full_like(random.lobes[0].gain, 0.25),
-        rest=np.full_like(random.lobes[0].rest, 0.5),
-    )
-    even = replace(
-        random,
-        colour=np.full_like(random.colour, 0.5),
-        irradiance=np.full_like(random.irradiance, 2),
-        falloff=np.ones_like(random.falloff),
-        surroundings=tuple(np.full_like(level, 2) for level in random.surroundings),
-        lobes=(lobe,),
-    )
-    write_shared(folder / "pane.radiance.json", even, facts_about(even))
-    return folder / "pane.radiance.json"
 
 
 @pytest.mark.parametrize("saved", [False, True], ids=["a file never saved", "a saved file"])

@@ -263,4 +263,4 @@ def test_what_does_not_fit_a_proxy_is_refused() -> None:
     with pytest.raises(InputError, match="cannot bake proxy"):
         BakeSpec(kind=Kind.PROXY, capture=CaptureMethod.PANORAMIC)
     with pytest.raises(InputError, match="knows kind radiance only, not proxy"):
-        BakeSpec(kind=Kind.PROXY, layout=Layout.SHARED)
+        BakeSpec(kind=Kind.PROXY, layout=Layout.LAYERED)

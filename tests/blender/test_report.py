@@ -18,13 +18,12 @@ from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layout, Unwrap
 from radtex_addon.core.errors import FormatError, InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.sidecar_file import SidecarFile
-from radtex_addon.forms import form_for
 from radtex_addon.job import bake_object
 from radtex_addon.report.causes import Cause, Variant, first_change
 from radtex_addon.report.finished_bake import find_bake, read_bake
 from radtex_addon.report.gbuffer import BakedSurface, Rays, eroded
 from radtex_addon.report.report_bake import ReportResult, ReportSpec, report_path, report_steps
-from radtex_addon.report.sizes import gpu_bytes, image_sizes, texture_sizes
+from radtex_addon.report.sizes import gpu_bytes, sizes_of
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene
@@ -32,7 +31,6 @@ from tests.blender.lived_in import lived_in_scene
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 TINY = BakeSpec(texels=24, bucket=2, samples=1)
-CONDENSED = BakeSpec(layout=Layout.SHARED, texels=16, bucket=6, samples=1, budget=40_000)
 QUICK = ReportSpec(views=2, pixels=48, samples=1)
 GLOW = (0.5, 0.25, 0.125)
 DENOISED = 42  # decibels: the denoiser darkens even surfaces by up to a hundredth
@@ -106,48 +104,6 @@ def test_stripes_cost_texels_and_nothing_else(out: Path, temporary: Path) -> Non
         assert words in text
 
 
-def shiny(name: str = "Ball") -> Any:
-    """A ball that reflects, roughly, in a world with lamps."""
-    stage.lamps()
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=8)
-    made = context.object
-    made.name = name
-    made.data.materials.append(stage.material(name, "ShaderNodeBsdfAnisotropic", Roughness=0.1))
-    return made
-
-
-def test_condensing_is_a_cause_of_its_own(out: Path, temporary: Path) -> None:
-    shiny()
-    scant = replace(CONDENSED, texels=32, samples=2, budget=40_000)
-    found = report(bake("Ball", scant, out), replace(QUICK, variants=True))
-    dense = report(bake("Ball", replace(scant, budget=None), out / "dense"))
-    assert set(found.lost) == {"samples", "bucket", "texels", "compression"}
-    assert found.lost["compression"] == pytest.approx(dense.psnr - found.psnr, abs=1e-3)
-    assert found.gpu < dense.gpu / 4
-    text = found.page.read_text(encoding="utf-8")
-    for words in (
-        "half of samples: 1<",
-        "half of cells: 2<",
-        "half of texels: 16<",
-        ">not condensed<",
-    ):
-        assert words in text, words
-    assert "condensing" in text
-
-
-def test_nothing_is_said_of_compression_where_there_is_none_or_nobody_asks(
-    out: Path, temporary: Path
-) -> None:
-    shiny()
-    asked = report(
-        bake("Ball", replace(CONDENSED, budget=None), out / "dense"), replace(QUICK, variants=True)
-    )
-    assert "compression" not in asked.lost
-    unasked = report(bake("Ball", CONDENSED, out / "condensed"))
-    assert unasked.lost == {}
-    assert "condensing" not in unasked.page.read_text(encoding="utf-8")
-
-
 def test_a_bake_of_other_light_is_found_out(out: Path) -> None:
     item = ball()
     sidecar = bake("Ball", TINY, out)
@@ -188,20 +144,6 @@ def test_the_unwrap_is_found_again_by_its_gutter(unwrap: Unwrap, out: Path) -> N
 def test_a_lossy_atlas_is_told_its_layer_too(out: Path) -> None:
     striped(ball(), 0.2)
     assert report(bake("Ball", replace(TINY, compression=Compression.DWAA), out)).psnr > 14
-
-
-@pytest.mark.parametrize("shader", ["ShaderNodeBsdfAnisotropic", "ShaderNodeBsdfDiffuse"])
-def test_a_condensed_bake_is_told_its_layer_too(shader: str, out: Path, temporary: Path) -> None:
-    """By its weights, and where it has none by its light, which is packed."""
-    item = shiny()
-    item.data.materials[0] = stage.material("other", shader)
-    sidecar = bake("Ball", replace(CONDENSED, texels=32), out)
-    lobes = any("weights" in layer for layer in read_bake(sidecar).sidecar.layers)
-    assert lobes == (shader == "ShaderNodeBsdfAnisotropic")
-    report(sidecar)
-    item.modifiers.new("Bend", "SUBSURF").render_levels = 1
-    with pytest.raises(InputError, match=r"object 'Ball' does not fit"):
-        report(sidecar)
 
 
 def test_another_padding_is_found_in_the_preview_only(out: Path) -> None:
@@ -324,45 +266,21 @@ def test_sizes_are_of_the_formats(out: Path) -> None:
     ball()
     plain = read_bake(bake("Ball", TINY, out / "plain"))
     width, height = plain.sidecar.width * 2, plain.sidecar.height * 2
-    (size,) = image_sizes(plain)
+    (size,) = sizes_of(plain)
     assert (size.width, size.height, size.rgba16f) == (width, height, 8 * width * height)
     assert size.disk == plain.images[0].stat().st_size
     assert size.rgb9e5 == 4 * width * height
     assert size.bc6h == -(-width // 4) * -(-height // 4) * 16
     assert gpu_bytes(plain, cells=2) == gpu_bytes(plain, texels=2) == 4 * gpu_bytes(plain)
-    shared = read_bake(bake("Ball", replace(TINY, layout=Layout.SHARED, bucket=4), out / "shared"))
-    sizes = {size.name.split(".")[-2]: size for size in image_sizes(shared)}
-    assert gpu_bytes(shared) == sum(size.rgba16f for size in sizes.values())
-    assert sizes["mirror_ends"].bc6h is None, "it has an alpha"
+    layered = read_bake(bake("Ball", replace(TINY, layout=Layout.LAYERED, bucket=14), out / "layered"))
+    sizes = {size.name.split(".")[-2]: size for size in sizes_of(layered)}
+    assert gpu_bytes(layered) == sum(size.rgba16f for size in sizes.values())
     assert sizes["colour"].rgb9e5 == sizes["colour"].rgba16f // 2
-    assert gpu_bytes(shared, cells=2) < 4 * gpu_bytes(shared)
-
-
-def test_a_condensed_bakes_sizes_are_those_of_its_files(out: Path, temporary: Path) -> None:
-    shiny()
-    made = read_bake(bake("Ball", CONDENSED, out))
-    sizes = texture_sizes(made)
-    assert [size.name for size in sizes] == [path.name for path in made.images]
-    assert [size.disk for size in sizes] == [path.stat().st_size for path in made.images]
-    assert all(size.gpu == size.disk - 148 for size in sizes), "a header"
-    assert gpu_bytes(made) == made.budget == sum(size.gpu for size in sizes)
-    formats = {size.name.split(".")[-2]: size.format for size in sizes}
-    assert formats["colour"] == "BC6H_UF16"
-    assert formats["mirror_weights"] == "R8G8B8A8_UNORM"
-    assert formats["mirror_ends_xy"] == "BC5_UNORM"
-    assert formats["mirror_gain"] == "BC7_UNORM"
-    text = report(made.file.path).page.read_text(encoding="utf-8")
-    assert "BC7_UNORM" in text
-    assert "RGB9E5" not in text
-
-
-def test_a_condensed_bake_again_takes_as_many_bytes(out: Path, temporary: Path) -> None:
-    shiny()
-    made = read_bake(bake("Ball", CONDENSED, out / "one"))
-    spec = made.spec("auto")
-    assert spec == replace(CONDENSED, budget=gpu_bytes(made))
-    again = read_bake(bake("Ball", spec, out / "two"))
-    assert 0.85 * gpu_bytes(made) < gpu_bytes(again) <= gpu_bytes(made)  # clusters may come to be empty
+    assert gpu_bytes(layered, cells=2) < 4 * gpu_bytes(layered)
+    context.scene.render.film_transparent = True
+    context.object.data.materials[0] = stage.material("clear", "ShaderNodeBsdfTransparent")
+    (size,) = sizes_of(read_bake(bake("Ball", TINY, out / "clear")))
+    assert (size.rgb9e5, size.bc6h) == (None, None), "it has an alpha"
 
 
 # words
@@ -387,23 +305,6 @@ def test_what_costs_most_is_changed_first(finished: Any) -> None:
     assert "16 cells take four times the paths" in words
     assert "No setting matters much" in first_change(finished, [replace(samples, lost=-1.0)])
     assert "too small" in first_change(finished, [])
-
-
-def test_what_a_condensed_bake_is_given_first(finished: Any) -> None:
-    small = replace(
-        finished, form=form_for(CONDENSED), budget=100_000, sidecar=replace(finished.sidecar, bucket=14)
-    )
-    dense = Variant(Cause.COMPRESSION, None, 30.0, None, 3.0, 1000, 7_000_000)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("radtex_addon.report.causes.gpu_bytes", lambda bake: bake.budget)
-        words = first_change(small, [variant(Cause.CELLS, 6, 1.0), dense])
-    assert words.startswith("First give it a larger budget: condensing costs most, 3.0 dB.")
-    assert "takes 7.0 MB on a GPU instead of 0.1" in words
-    assert "halving any, or condensing, costs less" in first_change(small, [replace(dense, lost=0.1)])
-    words = first_change(small, [variant(Cause.CELLS, 6, 4.0), dense])
-    assert "30 cells take no paths, and as many bytes as its budget allows" in words
-    words = first_change(small, [variant(Cause.TEXELS, 12, 4.0), dense])
-    assert "48 texels take about four times the paths, and as many bytes as its budget" in words
 
 
 @pytest.mark.parametrize(("views", "pixels", "samples"), [(0, 64, 8), (1, 8, 8), (1, 4096, 8), (1, 64, 0)])

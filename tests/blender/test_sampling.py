@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Aimed rays: they go where they say, and bring what the shared layout is fitted to."""
+"""Aimed rays: they go where they say, and bring what layered bakes and the baselines are fitted to."""
 
 from __future__ import annotations
 
@@ -13,21 +13,17 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.light_samples import EndSamples, SurroundingsSamples, mirrored
+from radtex_addon.bake.light_samples import EndSamples, mirrored
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised
 from radtex_addon.cycles.path_ends import PathEnds, path_ends
-from radtex_addon.cycles.sampling import (
-    capture_colour,
-    capture_ends,
-    capture_samples,
-    capture_surroundings,
-)
+from radtex_addon.cycles.sampling import capture_ends, capture_samples
 from radtex_addon.scene.mesh.surrounding_shapes import read_beside
 from radtex_addon.scene.scratch import scratch_scene
+from tests.bench.fidelity.single_paths import SurroundingsSamples, capture_colour, capture_surroundings
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None

@@ -62,9 +62,9 @@ def test_a_thing_is_all_its_triangles_where_it_stands(baked: Any) -> None:
 
 def test_the_object_is_not_beside_itself_but_its_instances_are(baked: Any) -> None:
     assert beside(baked).others == ()
-    collection = moved(baked, "shared")
+    collection = moved(baked, "instanced")
     collection.objects.link(cube((0, 0, 2)))
-    bpy.ops.object.collection_instance_add(collection="shared", location=(7, 0, 0))
+    bpy.ops.object.collection_instance_add(collection="instanced", location=(7, 0, 0))
     assert places(beside(baked)) == [[0, 0, 2], [7, 0, -5], [7, 0, 2]]
 
 

@@ -25,8 +25,7 @@ BAKES = {
     "bits": ("shadow", "--kind shadow --bucket 4"),
     "ambient": ("ao", "--kind ao --bucket 4"),
     "sphere": ("transfer", "--kind transfer --bucket 3"),
-    "shared": ("radiance", "--layout shared --bucket 4"),
-    "condensed": ("radiance", "--layout shared --bucket 6 --budget 100KB"),
+    "layered": ("radiance", "--layout layered"),
 }
 
 

@@ -438,7 +438,7 @@ def test_a_source_that_is_none_is_named(out: Path, source: str, words: str) -> N
         ({"cage": "Cage"}, "a cage and an extrusion contradict each other"),
         ({"kind": Kind.PROXY}, "proxy is not baked from another object"),
         ({"kind": Kind.TRANSFER}, "transfer is not baked from another object"),
-        ({"layout": Layout.SHARED}, "the shared layout is not baked from another object"),
+        ({"layout": Layout.LAYERED, "bucket": 14}, "the layered layout is not baked from another object"),
         (
             {"kind": Kind.INCIDENT, "capture": CaptureMethod.PANORAMIC},
             "capture panoramic bakes from no other object",

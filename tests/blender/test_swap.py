@@ -26,7 +26,7 @@ from tests.blender.lookup_stage import render_exr, set_up_render
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
 PLAIN = BakeSpec(texels=16, bucket=2, samples=1)
-SHARED = BakeSpec(texels=16, bucket=6, samples=1, layout=Layout.SHARED)
+LAYERED = BakeSpec(texels=16, samples=1, layout=Layout.LAYERED)
 GLOW = (0.5, 0.25, 0.125)
 NAME = "Ball"
 
@@ -49,7 +49,7 @@ def bake_of(spec: BakeSpec, folder: Path) -> Path:
 @pytest.fixture(scope="module")
 def bakes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Sidecars of bakes of one ball; not to be written to."""
-    specs = {"plain": PLAIN, "shared": SHARED}
+    specs = {"plain": PLAIN, "layered": LAYERED}
     return {name: bake_of(spec, tmp_path_factory.mktemp(name)) for name, spec in specs.items()}
 
 
@@ -133,7 +133,7 @@ def test_the_copy_stands_in_the_objects_place(sidecar: Path) -> None:
 
 
 @pytest.mark.parametrize("saved", [False, True], ids=["a file never saved", "a saved file"])
-@pytest.mark.parametrize("layout", ["plain", "shared"])
+@pytest.mark.parametrize("layout", ["plain", "layered"])
 def test_a_picture_of_the_preview_is_that_of_its_file(
     bakes: dict[str, Path], layout: str, saved: bool, tmp_path: Path
 ) -> None:
@@ -185,7 +185,7 @@ def test_on_once_more_shows_the_bake_anew(sidecar: Path) -> None:
 # off
 
 
-@pytest.mark.parametrize("layout", ["plain", "shared"])
+@pytest.mark.parametrize("layout", ["plain", "layered"])
 @pytest.mark.parametrize("by_copy", [False, True], ids=["by the object", "by the copy"])
 def test_on_and_off_leaves_no_trace(bakes: dict[str, Path], layout: str, by_copy: bool) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)

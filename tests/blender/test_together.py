@@ -116,7 +116,7 @@ def test_layers_that_lie_on_one_another_are_refused_by_name(out: Path) -> None:
     ("fields", "message"),
     [
         ({"objects": ("Left",)}, "object 'Left' is alone: name others to share its atlas"),
-        ({"objects": ("A", "B"), "layout": Layout.SHARED}, "shared layout is not baked for several objects"),
+        ({"objects": ("A", "B"), "layout": Layout.LAYERED}, "layout is not baked for several objects"),
         ({"objects": ("A", "B"), "kind": Kind.PROXY}, "a proxy is not baked for several objects"),
         ({"objects": ("A", "B"), "source": "High"}, "is not baked for several objects in one atlas"),
         ({"split": "udim"}, r"UDIM tiles are a UV layer's: name the layer"),

@@ -79,7 +79,7 @@ def test_a_part_of_another_layout_is_shown_as_it_is(out: Path) -> None:
     cold = bake("Cube", COLD, out)
     text = cold.read_text()
     assert text.count('"layout": "buckets"') == 1
-    cold.write_text(text.replace('"layout": "buckets"', '"layout": "shared"'))
+    cold.write_text(text.replace('"layout": "buckets"', '"layout": "layered"'))
     bake("Cube", HOT, out)
     _, worn = triangles_in(out / "Cube.material.preview.blend", "Cube")
     assert worn == ["RadTex Cube Hot"] * 6 + ["Cold / wet"] * 6

@@ -155,10 +155,8 @@ def test_the_users_scene_is_what_it_was(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("wrong", "says"),
     [
-        ({"layout": "shared"}, "kind transfer does not go with the shared layout: choose layout buckets"),
+        ({"layout": "layered"}, "kind transfer does not go with the layered layout: choose layout buckets"),
         ({"capture": "panoramic"}, "kind transfer does not go with capture panoramic: capture by portal"),
-        ({"budget": 10**6}, "kind transfer does not go with a budget or target: leave it out"),
-        ({"target": 40.0}, "kind transfer does not go with a budget or target: leave it out"),
     ],
 )
 def test_what_it_cannot_be_is_refused(wrong: dict[str, Any], says: str) -> None:

@@ -65,8 +65,8 @@ def test_keyword_arguments_go_before_settings_and_settings_before_defaults(out: 
 def test_a_layout_given_to_the_operator_brings_its_cells(out: Path) -> None:
     plane()
     settings().bucket = 3
-    assert ops.radtex.bake(atlas_layout="shared", texels=4, samples=1, preview=False) == {"FINISHED"}
-    assert facts(out / "Card.radiance.json")["bucket"] == 16
+    assert ops.radtex.bake(atlas_layout="layered", texels=8, samples=1, preview=False) == {"FINISHED"}
+    assert facts(out / "Card.radiance.json")["bucket"] == 14
 
 
 def test_all_selected_meshes_are_baked_or_the_one_that_is_named(out: Path) -> None:

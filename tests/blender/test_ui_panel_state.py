@@ -140,9 +140,9 @@ def test_what_no_setting_settles_is_not_offered_to_be(tmp_path: Path) -> None:
 
 def test_what_cannot_be_is_said_and_costs_nothing() -> None:
     plane()
-    settings().atlas_layout, settings().kind = "shared", "incident"
+    settings().atlas_layout, settings().kind = "layered", "incident"
     (error,) = map(str, seen().errors)
-    assert "the shared layout knows kind radiance only" in error
+    assert "the layered layout knows kind radiance only" in error
     assert seen().cost is None
     assert seen().spec is None
 
@@ -155,16 +155,12 @@ def test_a_file_never_saved_still_has_its_cost() -> None:
     assert seen().cost is not None
 
 
-def test_the_dark_and_tight_budgets_are_warned_of() -> None:
+def test_the_dark_is_warned_of() -> None:
     plane()
     context.scene.world = None
-    settings().atlas_layout, settings().limit, settings().budget = "shared", "budget", 0.05
     found = seen()
     assert found.errors == ()
     assert any("has no light" in str(warning) for warning in found.warnings)
-    assert any("128 x 128 texels take" in str(warning) for warning in found.warnings)
-    settings().uv_layer = "UVMap"  # the atlas is square then, for certain
-    assert any("128 x 128 texels take" in str(error) for error in seen().errors)
 
 
 def test_of_many_objects_as_many_are_looked_at_as_time_allows(tmp_path: Path) -> None:
@@ -218,11 +214,9 @@ def test_looking_ahead_changes_nothing(tmp_path: Path) -> None:
     [
         {"texels": 8, "bucket": 4, "samples": 2},
         {"texels": 8, "bucket": 4, "samples": 2, "full_floats": True, "uv_layer": "UVMap"},
-        {"atlas_layout": "shared", "texels": 8, "bucket": 8, "samples": 1},
-        {"atlas_layout": "shared", "texels": 16, "limit": "budget", "budget": 0.3, "samples": 1},
-        {"atlas_layout": "shared", "texels": 8, "limit": "target", "target": 20, "samples": 1},
+        {"atlas_layout": "layered", "texels": 8, "samples": 1},
     ],
-    ids=["buckets", "floats", "shared", "budget", "target"],
+    ids=["buckets", "floats", "layered"],
 )
 def test_a_bake_takes_no_more_than_was_said(choice: dict[str, object], tmp_path: Path) -> None:
     plane()
@@ -236,12 +230,11 @@ def test_a_bake_takes_no_more_than_was_said(choice: dict[str, object], tmp_path:
     disk = sum(path.stat().st_size for path in made.files.images)
     print(f"{choice}: paths {made.paths} of {found.cost.paths}, disk {disk} of {found.cost.disk}")
     headers = 4096 * len(made.files.images)  # and the sidecar's JSON in them
-    assert 0.4 * found.cost.paths < made.paths <= found.cost.paths
+    assert made.paths <= found.cost.paths
+    if not found.spec.form.by_paths:  # else what is around the object has a say too
+        assert made.paths > 0.4 * found.cost.paths
     assert disk <= found.cost.disk + headers
-    if made.condensed is not None:
-        print(f"gpu {made.condensed.bytes} of {found.cost.gpu}")
-        assert made.condensed.bytes <= found.cost.gpu
-    assert made.layout.pixel_width <= found.cost.side or found.spec.condensed
+    assert made.layout.pixel_width <= found.cost.side
 
 
 def test_figures_are_for_people() -> None:

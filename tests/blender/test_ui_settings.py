@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from enum import StrEnum
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import bpy
 import pytest
@@ -17,13 +17,13 @@ from radtex_addon.bake.kinds import KINDS, Light
 from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout, Unwrap
 from radtex_addon.core.errors import InputError
 from radtex_addon.cycles.device import GPU_TYPES
-from radtex_addon.job.layout_choice import SHARED_CELLS, OpenLayout
+from radtex_addon.job.layout_choice import OpenLayout
 from radtex_addon.textures.export_spec import Target
 from radtex_addon.ui import registration
 from radtex_addon.ui.settings import menu_items as choices
 from radtex_addon.ui.settings.bake_settings import NAMES
 from radtex_addon.ui.settings.output_settings import places
-from radtex_addon.ui.settings.presets import STOCK, RADTEX_OT_preset_add
+from radtex_addon.ui.settings.presets import STOCK, RADTEX_OT_preset_add, apply_preset
 from radtex_addon.ui.settings.request import request_of, spec_of, values_of, values_with
 from radtex_addon.ui.settings.values import open_layout_of
 from tests.blender.ui_stage import context, ops, preferences, properties_of, registered, settings
@@ -47,7 +47,7 @@ def test_the_panels_page_tells_of_every_setting_preset_and_operator() -> None:
     shown = [*properties_of(type(settings())), *properties_of(type(preferences()))]
     told = {one.name.removesuffix(" (MB)") for one in shown}
     told |= {name for _, name, _ in STOCK}
-    told |= {name for items in (choices.KINDS, choices.LAYOUTS, choices.LIMITS) for _, name, _ in items}
+    told |= {name for items in (choices.KINDS, choices.LAYOUTS) for _, name, _ in items}
     told.add(choices.AUTOMATIC[1])
     told |= {cls.bl_idname for cls in registration.CLASSES if issubclass(cls, bpy.types.Operator)}
     missing = {name for name in told - _UNTOLD if name not in page}
@@ -93,24 +93,21 @@ def test_settings_can_be_neither_more_nor_less_than_the_names() -> None:
     assert {one.identifier for one in properties_of(type(settings()))} == set(NAMES)
 
 
-@pytest.mark.parametrize(
-    ("layout", "limit", "cells"),
-    [("buckets", "none", 5), ("buckets", "budget", 5), ("shared", "none", 16), ("shared", "target", 14)],
-)
-def test_a_layout_brings_the_cells_that_suit_it(layout: str, limit: str, cells: int) -> None:
+@pytest.mark.parametrize(("layout", "cells"), [("buckets", 5), ("layered", 14)])
+def test_a_layout_brings_the_cells_that_suit_it(layout: str, cells: int) -> None:
     settings().atlas_layout, settings().bucket = "buckets", 5
-    settings().limit, settings().atlas_layout = limit, layout
+    settings().atlas_layout = layout
     assert settings().bucket == cells
     assert spec_of(values_of(settings())).bucket == cells
 
 
 @pytest.mark.parametrize("kind", [kind for kind, traits in KINDS.items() if traits.form is not None])
 def test_a_kind_brings_the_cells_that_suit_it(kind: str) -> None:
-    settings().atlas_layout, settings().bucket = "shared", 5
+    settings().atlas_layout, settings().bucket = "auto", 5
     settings().kind = kind
     assert settings().bucket == BakeSpec(kind=Kind(kind)).bucket
     settings().kind = "radiance"
-    assert settings().bucket == 5  # which was chosen for the shared layout
+    assert settings().bucket == 5  # which was chosen for the automatic layout
 
 
 def test_cells_that_were_chosen_come_back() -> None:
@@ -126,16 +123,14 @@ def test_cells_that_were_chosen_come_back() -> None:
     assert settings().bucket == 12
     settings().kind = "transfer"
     assert settings().bucket == 15
-    settings().kind, settings().atlas_layout = "radiance", "shared"
-    assert settings().bucket == 16
-    settings().limit = "budget"
+    settings().kind, settings().atlas_layout = "radiance", "layered"
     assert settings().bucket == 14
-    settings().limit, settings().atlas_layout = "none", "buckets"
+    settings().atlas_layout = "buckets"
     assert settings().bucket == 12
 
 
 def test_an_automatic_layout_has_cells_of_its_own_until_they_are_chosen() -> None:
-    assert (settings().atlas_layout, settings().bucket) == ("auto", SHARED_CELLS)
+    assert (settings().atlas_layout, settings().bucket) == ("auto", Layout.LAYERED.cells)
     assert open_layout_of(values_of(settings())) == OpenLayout()
     settings().bucket = 10
     assert open_layout_of(values_of(settings())) == OpenLayout(10)
@@ -151,27 +146,24 @@ def test_an_automatic_layout_has_cells_of_its_own_until_they_are_chosen() -> Non
     assert settings().bucket == 10
 
 
-@pytest.mark.parametrize(
-    ("given", "wanted"),
-    [
-        ({}, BakeSpec()),
-        ({"budget": 1.0}, BakeSpec(layout=Layout.SHARED, budget=1_000_000)),
-        ({"target": 30.0}, BakeSpec(layout=Layout.SHARED, target=30.0)),
-        ({"limit": "budget"}, BakeSpec(layout=Layout.SHARED, budget=1_000_000)),
-        ({"limit": "none", "budget": 1.0}, BakeSpec()),
-        ({"atlas_layout": "buckets", "budget": 1.0}, BakeSpec()),
-        ({"atlas_layout": "shared"}, BakeSpec(layout=Layout.SHARED)),
-    ],
-)
-def test_a_size_without_a_layout_is_the_shared_ones(given: dict[str, Any], wanted: BakeSpec) -> None:
-    arguments = SimpleNamespace(**values_of(settings()) | given)
-    values = values_with(settings(), cast(Any, arguments), given)
-    assert spec_of(values) == wanted
+def test_a_layout_of_an_earlier_version_is_the_automatic_one() -> None:
+    """A .blend file has its number, which no layout has any longer."""
+    chosen: Any = settings()
+    chosen["atlas_layout"] = 1
+    assert chosen.atlas_layout == ""
+    assert spec_of(values_of(chosen)) == BakeSpec()
+    assert open_layout_of(values_of(chosen)) == OpenLayout()
+
+
+def test_the_preset_draft_is_layered() -> None:
+    apply_preset("draft")
+    assert spec_of(values_of(settings())) == BakeSpec(layout=Layout.LAYERED, texels=64, samples=2)
 
 
 def test_cells_that_are_named_are_meant_also_where_they_suit() -> None:
     arguments: Any = SimpleNamespace(**values_of(settings()))
-    assert open_layout_of(values_with(settings(), arguments, ["bucket"])) == OpenLayout(SHARED_CELLS)
+    named = values_with(settings(), arguments, ["bucket"])
+    assert open_layout_of(named) == OpenLayout(Layout.LAYERED.cells)
     assert open_layout_of(values_with(settings(), arguments, ["texels"])) == OpenLayout()
 
 
@@ -226,7 +218,7 @@ def test_what_another_object_shows_is_asked_for_where_it_can_be_had() -> None:
     assert (spec_of(values_of(settings())).source, spec_of(values_of(settings())).extrusion) == ("High", None)
     settings().extrusion = 0.25
     assert spec_of(values_of(settings())).extrusion == 0.25
-    for name, value in (("atlas_layout", "shared"), ("kind", "proxy"), ("kind", "transfer"), ("source", "")):
+    for name, value in (("atlas_layout", "layered"), ("kind", "proxy"), ("kind", "transfer"), ("source", "")):
         before = getattr(settings(), name)
         setattr(settings(), name, value)
         asked = spec_of(values_of(settings()))
@@ -237,7 +229,7 @@ def test_what_another_object_shows_is_asked_for_where_it_can_be_had() -> None:
 def test_layers_are_for_light_in_buckets() -> None:
     settings().layers = {"rest", "base"}
     assert spec_of(values_of(settings())).layers == (Layer.BASE, Layer.REST)
-    settings().atlas_layout = "shared"
+    settings().atlas_layout = "layered"
     assert spec_of(values_of(settings())).layers == ()
     settings().kind = "shadow"
     assert spec_of(values_of(settings())).layers == ()
@@ -245,15 +237,13 @@ def test_layers_are_for_light_in_buckets() -> None:
 
 def test_settings_become_the_spec_that_they_say() -> None:
     chosen = settings()
-    chosen.atlas_layout, chosen.limit, chosen.budget = "shared", "budget", 0.8
-    chosen.texels, chosen.bucket, chosen.samples, chosen.seed = 64, 10, 4, 7
+    chosen.atlas_layout = "layered"
+    chosen.texels, chosen.samples, chosen.seed = 64, 4, 7
     chosen.uv_layer = "UVMap"
     preferences().device, preferences().memory_mb = "cpu", 4096
     expected = BakeSpec(
-        layout=Layout.SHARED,
-        budget=800_000,
+        layout=Layout.LAYERED,
         texels=64,
-        bucket=10,
         samples=4,
         seed=7,
         uv_layer="UVMap",
@@ -263,22 +253,12 @@ def test_settings_become_the_spec_that_they_say() -> None:
     assert spec_of(values_of(chosen)) == expected
 
 
-def test_what_a_layout_does_not_take_is_left_out() -> None:
-    settings().limit = "target"  # of the shared layout only
-    settings().full_floats, settings().compression = True, "dwaa"
-    plain = spec_of(values_of(settings()))
-    assert (plain.target, plain.half, plain.compression) == (None, False, Compression.DWAA)
-    settings().atlas_layout = "shared"
-    condensed = spec_of(values_of(settings()))
-    assert (condensed.target, condensed.half, condensed.compression) == (40.0, True, Compression.ZIP)
-
-
 @pytest.mark.parametrize("kind", [kind for kind, traits in KINDS.items() if traits.light is Light.OCCLUSION])
 def test_what_a_kind_without_light_does_not_take_is_left_out(kind: str) -> None:
-    settings().kind, settings().atlas_layout, settings().limit = kind, "shared", "budget"
+    settings().kind, settings().atlas_layout = kind, "layered"
     settings().full_floats = True
     made = spec_of(values_of(settings()))
-    assert (made.kind, made.layout, made.budget, made.half) == (kind, Layout.BUCKETS, None, kind == "shadow")
+    assert (made.kind, made.layout, made.half) == (kind, Layout.BUCKETS, kind == "shadow")
 
 
 def test_a_file_never_saved_goes_to_the_preferred_folder(tmp_path: Path) -> None:

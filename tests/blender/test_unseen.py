@@ -75,8 +75,8 @@ UNSEEN = [
 
 @pytest.mark.parametrize(
     "spec",
-    [TINY, replace(TINY, layout=Layout.SHARED), replace(TINY, kind=Kind.TRANSFER, bucket=3)],
-    ids=["plain", "shared", "transfer"],
+    [TINY, replace(TINY, layout=Layout.LAYERED, bucket=14), replace(TINY, kind=Kind.TRANSFER, bucket=3)],
+    ids=["plain", "layered", "transfer"],
 )
 @pytest.mark.parametrize(("hide", "words"), UNSEEN)
 def test_what_cameras_see_through_is_refused(

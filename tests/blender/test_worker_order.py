@@ -52,7 +52,7 @@ CHOSEN: dict[str, Any] = {
 SPECS = {
     "every choice": BakeSpec(**CHOSEN),
     "none": BakeSpec(device="cpu"),
-    "a budget": BakeSpec(layout=Layout.SHARED, budget=800_000, device="cpu"),
+    "layered": BakeSpec(layout=Layout.LAYERED, device="cpu"),
     "layers": BakeSpec(layers=(Layer.DIFFUSE, Layer.NORMAL), device="cpu"),
     "a proxy": BakeSpec(kind=Kind.PROXY, content="-Shelf", device="cpu"),
     "another object's": BakeSpec(source="-High", extrusion=0.05, device="cpu"),
@@ -66,7 +66,6 @@ SPECS = {
     "objects in one atlas": BakeSpec(objects=("--Vase", "Cup"), device="cpu"),
     "a part": BakeSpec(split=Split.UDIM, uv_layer="Layer", part="1002", device="cpu"),
     "some lamps": BakeSpec(lights=("Key, left", "-Fill"), device="cpu"),
-    "a target": BakeSpec(layout=Layout.SHARED, target=42.5, bucket=10, device="cpu"),
 }
 
 
@@ -82,8 +81,6 @@ def test_every_field_of_a_spec_is_among_the_cases() -> None:
     others = {
         "ao_distance",
         "layout",
-        "budget",
-        "target",
         "layers",
         "content",
         "view",
@@ -228,10 +225,8 @@ def job(spec: BakeSpec | None = None) -> Job:
 
 @pytest.mark.parametrize("case", SPECS)
 def test_the_bar_runs_once_from_nothing_to_the_end(case: str) -> None:
-    shared = SPECS[case].layout is Layout.SHARED
-    absent = {Stage.PREVIEW, Stage.FILL if shared else Stage.FIT}
-    if not SPECS[case].condensed:
-        absent.add(Stage.CONDENSE)
+    layered = SPECS[case].layout is Layout.LAYERED
+    absent = {Stage.PREVIEW, Stage.FILL if layered else Stage.FIT}
     known, fractions = job(SPECS[case]), [0.0]
     for stage in Stage:
         for done in range(3) if stage not in absent else ():
@@ -254,9 +249,9 @@ def test_the_time_left_covers_what_comes_after_a_stage() -> None:
     assert half.seconds_left is not None
     assert 30 < half.seconds_left < 60
     assert half.hears(progress(Stage.WRITE, 0, 1)).seconds_left == half.seconds_left
-    condensed = job(SPECS["a budget"]).hears(progress(Stage.CAPTURE, 2, 4, left=30))
-    assert condensed.seconds_left is not None
-    assert condensed.seconds_left > 60, "fitting and condensing are to come"
+    layered = job(SPECS["layered"]).hears(progress(Stage.CAPTURE, 2, 4, left=30))
+    assert layered.seconds_left is not None
+    assert layered.seconds_left > half.seconds_left, "fitting is to come"
 
 
 def test_an_exports_bar_runs_over_its_own_stages() -> None:

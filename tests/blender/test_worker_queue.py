@@ -162,8 +162,8 @@ def test_three_wait_for_one_another_and_one_that_fails_holds_up_none(
 ) -> None:
     card()
     handover = hand_over(context.scene, jobs)
-    shared = BakeSpec(texels=8, samples=1, uv_layer="UVMap", layout=Layout.SHARED)
-    for name, spec, folder in (("Card", TINY, "one"), ("Crad", TINY, "two"), ("Card", shared, "three")):
+    layered = BakeSpec(texels=8, samples=1, uv_layer="UVMap", layout=Layout.LAYERED)
+    for name, spec, folder in (("Card", TINY, "one"), ("Crad", TINY, "two"), ("Card", layered, "three")):
         queue.add(order_bake(handover, name, spec, out / folder))
     assert [job.state for job in queue.snapshot()] == [State.WAITING] * 3
     until(queue, lambda job: job.stage is not None)

@@ -21,17 +21,15 @@ from radtex_addon.bake.layers import Layer
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.atlas import AtlasLayout
-from radtex_addon.core.colour_spaces import converted, matrix_to_rec709
+from radtex_addon.core.colour_spaces import matrix_to_rec709
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.containers.exr import read_buckets
-from radtex_addon.formats.render_space import render_matrix
-from radtex_addon.formats.shared_files import read_shared, write_shared
+from radtex_addon.forms.layered.capture.panoramas import look_around
+from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.job import bake_object
-from radtex_addon.preview.material import load_layers
 from radtex_addon.preview.osl import add_osl_node
-from radtex_addon.preview.shared_group import build_shared_group
 from radtex_addon.report.side_by_side import ComparisonSpec, compare_steps
 from radtex_addon.report.viewpoint import Eye
 from radtex_addon.scene import working_space
@@ -39,11 +37,7 @@ from radtex_addon.scene.digests import scene_digests
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.ui.jobs.comparison import make_images
 from tests.blender import stage
-from tests.blender.lookup_stage import ENGINES, render_groups
 from tests.blender.working_space_cases import REC_709, WIDE, WORLD, Images, images_of, work_in, worst
-from tests.lookups import relative_error
-from tests.shared_atlases import facts_about, random_shared_atlas
-from tests.shared_lookups import random_fragments, shared_answers
 
 pytestmark = [
     pytest.mark.usefixtures("temporary"),
@@ -81,7 +75,6 @@ def lambert_ball(space: str) -> None:
         "radiance, all layers",
         "radiance, a lamp",
         "radiance by a farm, all layers",
-        "radiance, shared",
         "transfer",
     ],
 )
@@ -90,9 +83,7 @@ def test_a_bake_is_what_it_is_in_rec709(name: str, space: str, out: Path, folder
     gaps = worst(images_of(name, space, out), expected)
     print("\n" + "\n".join(f"{name}, {image}: {gap:.1e}" for image, gap in gaps.items()))
     for image, gap in gaps.items():
-        # Gain and rest share light out between them, by ends of paths too that bring next to nothing (6e-8).
-        fitted = " " in image or image == "shown"
-        assert gap < (5e-2 if fitted else 1e-3), image
+        assert gap < 1e-3, image
 
 
 @pytest.mark.parametrize("space", [REC_709, *WIDE])
@@ -102,8 +93,8 @@ def test_a_lambert_ball_has_the_worlds_colour(out: Path, space: str) -> None:
     sidecar = bake_object(context.scene, "Ball", spec, out).files.sidecar
     for pixels in (read_buckets(sidecar)[0][..., :3], read_layer(sidecar, Layer.DIFFUSE)):
         np.testing.assert_allclose(pixels.mean(axis=(0, 1), dtype=np.float64), LAMBERT, rtol=5e-3)
-    spec = BakeSpec(uv_layer="UVMap", layout=Layout.SHARED, texels=8, bucket=4, samples=4)
-    atlas, _ = read_shared(bake_object(context.scene, "Ball", spec, out / "shared").files.sidecar)
+    spec = BakeSpec(uv_layer="UVMap", layout=Layout.LAYERED, texels=8, samples=4)
+    atlas, _ = read_layered(bake_object(context.scene, "Ball", spec, out / "layered").files.sidecar)
     np.testing.assert_allclose(atlas.irradiance.mean(axis=(0, 1)), WORLD, rtol=5e-3)
 
 
@@ -123,26 +114,6 @@ def test_a_comparison_sees_both_in_rec709(out: Path) -> None:
         np.testing.assert_allclose(picture[found.inside].mean(axis=0), LAMBERT, rtol=6e-2)
     traced = cast(Any, make_images(found.traced, found.baked)[0])
     assert traced.colorspace_settings.name == REC_709
-
-
-@pytest.mark.parametrize("space", WIDE)
-@pytest.mark.parametrize("before", [False, True], ids=["nodes made there", "nodes made in Rec.709"])
-def test_the_shared_preview_multiplies_as_the_bake_did(tmp_path: Path, space: str, before: bool) -> None:
-    """Colour times irradiance, and gain times surroundings, are other colours in another space."""
-    lookups = random_fragments(7, 5)
-    path, atlas = tmp_path / "a.json", random_shared_atlas(7, 5)
-    write_shared(path, atlas, facts_about(atlas))
-    expected = shared_answers(read_shared(path)[0], lookups)
-    if not before:
-        work_in(space)
-    group = build_shared_group(*load_layers(path))
-    if before:
-        group.use_fake_user = True
-        work_in(space)
-    (found,) = render_groups(ENGINES["Cycles"], [group], lookups, tmp_path)
-    shown = converted(found, render_matrix(tmp_path / "answers.exr"))
-    assert relative_error(shown, expected).max() <= 1e-3
-    assert relative_error(found, expected).max() > 0.1, "Blender did work in the other space"
 
 
 def test_our_matrices_are_blenders() -> None:
@@ -182,3 +153,10 @@ def test_osl_is_refused_in_another_space(tmp_path: Path) -> None:
         InputError, match=r"OSL shows Rec.709, and the file works in ACEScg: use the node group"
     ):
         add_osl_node(tree, tmp_path / "a.exr", AtlasLayout(1, 1, 1), Filter.NEAREST)
+
+
+@pytest.mark.parametrize("space", WIDE)
+def test_a_layered_bakes_panorama_has_the_worlds_colour(tmp_path: Path, space: str) -> None:
+    lambert_ball(space)
+    found = look_around(context.scene, "Ball", np.zeros(3, np.float32), tmp_path, 0)
+    np.testing.assert_allclose(found.world.levels[0], np.broadcast_to(WORLD, (512, 512, 3)), rtol=1e-3)

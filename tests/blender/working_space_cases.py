@@ -19,23 +19,25 @@ import numpy as np
 from radtex_addon.bake.layers import Layer
 from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layout
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.frame import normalised
 from radtex_addon.core.transfer import mean_over_lights
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.shadow_files import read_shadow_of
-from radtex_addon.formats.shared_files import read_shared
 from radtex_addon.formats.transfer_files import read_transfer
+from radtex_addon.forms.layered.files.layered_files import read_layered
+from radtex_addon.forms.layered.lookup.atlas import sample_layered
 from radtex_addon.job import bake_object
 from tests.blender import farming, stage
-from tests.shared_lookups import random_fragments, shared_answers
+from tests.layered.made_up import made_up_fragments
 
 REC_709, WIDE = "Linear Rec.709", ("ACEScg", "Linear Rec.2020")
 WORLD = (0.3, 0.5, 2.0)
 Images = dict[str, Floats]
 
 PLAIN = BakeSpec(uv_layer="UVMap", texels=8, bucket=4, samples=4, half=False)
-LAYERED = replace(PLAIN, layers=tuple(Layer))
-SHARED = BakeSpec(uv_layer="UVMap", layout=Layout.SHARED, texels=8, bucket=4, samples=4)
+ALL_LAYERS = replace(PLAIN, layers=tuple(Layer))
+LAYERED = BakeSpec(uv_layer="UVMap", layout=Layout.LAYERED, texels=8, samples=4)
 
 
 def work_in(space: str) -> None:
@@ -97,20 +99,14 @@ def plain(spec: BakeSpec, out: Path) -> Images:
     return _buckets(_bake(spec, out), spec)
 
 
-def shared(spec: BakeSpec, out: Path) -> Images:
-    """The parts of a bake in the shared layout."""
-    return shared_parts(_bake(spec, out))
-
-
-def shared_parts(sidecar: Path) -> Images:
-    """The same of a sidecar, and what they show together."""
-    atlas, _ = read_shared(sidecar)
-    found: Images = {"colour": atlas.colour, "irradiance": atlas.irradiance}
-    found["surroundings"] = np.concatenate([level.ravel() for level in atlas.surroundings])
-    for lobe in atlas.lobes:
-        found |= {f"{lobe.axis} {part}": getattr(lobe, part) for part in ("gain", "rest")}
-    found["shown"] = shared_answers(atlas, random_fragments(8, 8))
-    return {name: np.asarray(image, dtype=np.float32) for name, image in found.items()}
+def in_the_layered_layout(spec: BakeSpec, out: Path) -> Images:
+    """Parts of a bake in the layered layout, and what they show together."""
+    atlas, _ = read_layered(_bake(spec, out))
+    at = made_up_fragments(atlas, 64)
+    across = normalised(np.cross(at.normal, [0.1, 0.2, 0.97])).astype(np.float32)
+    at = replace(at, tangent=across, bitangent=np.cross(at.normal, across).astype(np.float32))
+    parts = {"colour": atlas.colour, "irradiance": atlas.irradiance, "own": atlas.own}
+    return parts | {"world": atlas.around.world.levels[0], "shown": sample_layered(atlas, at)}
 
 
 def transferred(spec: BakeSpec, out: Path) -> Images:
@@ -149,14 +145,13 @@ Case = tuple[Callable[[BakeSpec, Path], Images], BakeSpec]
 
 CASES: Mapping[str, Case] = {
     "radiance": (plain, PLAIN),
-    "radiance, all layers": (plain, LAYERED),
+    "radiance, all layers": (plain, ALL_LAYERS),
     "radiance, a lamp": (plain, replace(PLAIN, lights=("Lamp",))),
     "radiance, world": (plain, replace(PLAIN, lights=("world",))),
     "radiance, accumulated": (accumulated, PLAIN),
     "radiance by a farm": (farmed, PLAIN),
-    "radiance by a farm, all layers": (farmed, LAYERED),
-    "radiance, shared": (shared, SHARED),
-    "radiance, shared, 100 kB": (shared, replace(SHARED, texels=16, bucket=6, budget=100_000)),
+    "radiance by a farm, all layers": (farmed, ALL_LAYERS),
+    "radiance, layered": (in_the_layered_layout, LAYERED),
     "incident": (plain, replace(PLAIN, kind=Kind.INCIDENT)),
     "incident, panoramic": (plain, replace(PLAIN, kind=Kind.INCIDENT, capture=CaptureMethod.PANORAMIC)),
     "reflection": (plain, replace(PLAIN, kind=Kind.REFLECTION)),

@@ -11,9 +11,7 @@ from radtex_addon.core.errors import ShapeError
 from radtex_addon.core.frame import normalised
 from radtex_addon.core.sampler import Filter, sample
 from tests.lookups import LAYOUT, random_atlas, random_lookups
-from tests.reference.hits import hit_viewer, sample_hit, sample_shared_hit
-from tests.shared_atlases import random_shared_atlas
-from tests.shared_lookups import random_fragments, shared_answers
+from tests.reference.hits import hit_viewer, sample_hit
 
 LOOKUPS = random_lookups()
 RNG = np.random.default_rng(8)
@@ -52,15 +50,6 @@ def test_the_viewer_of_a_ray_stands_on_or_above_the_horizon() -> None:
     on_a_plane = np.linalg.det(np.stack([viewer, ray, normal], axis=1))
     np.testing.assert_allclose(on_a_plane, 0, atol=1e-12)
     assert (np.sum(viewer * ray, axis=1) < 0).all()
-
-
-def test_the_shared_layout_is_hit_as_it_is_seen() -> None:
-    atlas, fragments = random_shared_atlas(7, 5), random_fragments(7, 5)
-    normal, viewer = (normalised(v.astype(float)) for v in (fragments.normal, fragments.viewer))
-    found = sample_shared_hit(atlas, fragments.uv.astype(float), normal, -viewer)
-    front = np.sum(normal * viewer, axis=1) > 1e-6
-    assert 0.9 < front.mean() < 1
-    np.testing.assert_allclose(found[front], shared_answers(atlas, fragments)[front], rtol=1e-4)
 
 
 def test_rays_that_do_not_fit_are_refused() -> None:

@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 _MEMBER = '    TRANSFER = "transfer"\n'
 _END_OF_KINDS = "}\n\n\nDEFAULT_KIND"
-_END_OF_FORMS = "CONDENSED, LAYERED)"
+_END_OF_FORMS = "SPHERE, LAYERED)"
 
 KIND_MEMBER = '    IRRADIANCE = "irradiance"\n'
 KIND_ROW = """    Kind.IRRADIANCE: KindTraits(
@@ -47,7 +47,7 @@ def add_form(folder: Path) -> Path:
     package = add_kind(folder, form="MEAN")
     shutil.copytree(ROOT / "tests" / "examples" / "mean", package / "forms" / "mean")
     row = f"MEAN = {FORM_ROW}\n"
-    forms = {"\nFORMS = (": f"\n{row}FORMS = (", _END_OF_FORMS: "CONDENSED, LAYERED, MEAN)"}
+    forms = {"\nFORMS = (": f"\n{row}FORMS = (", _END_OF_FORMS: "SPHERE, LAYERED, MEAN)"}
     _insert(package / "bake" / "forms.py", forms)
     _insert(package / "bake" / "kinds.py", {"AMBIENT, BITS": "AMBIENT, BITS, MEAN"})
     return package

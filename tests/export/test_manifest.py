@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +14,10 @@ import pytest
 from radtex_addon.core.errors import FormatError
 from radtex_addon.export.export_manifest import Manifest, read_manifest, write_manifest
 from radtex_addon.formats.containers.texture import PixelFormat
-from radtex_addon.formats.shared_files import write_shared
 from radtex_addon.formats.sidecar import Sidecar
+from radtex_addon.forms.layered.files.layered_files import write_layered
 from radtex_addon.textures.entry import Arranged, Container, TextureEntry
-from tests.shared_atlases import facts_about, random_shared_atlas
+from tests.layered.made_up import made_up_atlas
 
 BAKE = Sidecar("Vase", "radiance", 100, 60, 8, "RadTex", 4, 0, "portal", "RadTex 1", "5.2")
 
@@ -86,18 +87,24 @@ def test_slices_have_layers_in_one_page() -> None:
     assert Manifest.from_json(written.to_json()) == written
 
 
-def test_a_shared_bake_has_its_layers(tmp_path: Path) -> None:
-    atlas = random_shared_atlas()
-    shared = write_shared(tmp_path / "Vase.radiance.json", atlas, facts_about(atlas))
-    image = entry(arrangement=Arranged.IMAGE, layers=1, pages=(1, 1), page_texels=(104, 64))
-    bake = json.loads(shared.to_json())
-    written = manifest(bake=bake, textures=dict.fromkeys(shared.bake.layers, image))
+def test_a_layered_bake_has_its_layers(tmp_path: Path) -> None:
+    facts = replace(BAKE, width=16, height=16, bucket=14)
+    layered = write_layered(tmp_path / "Vase.radiance.json", made_up_atlas(16, 16), facts)
+    image = entry(
+        arrangement=Arranged.IMAGE,
+        size=(104, 64),
+        layers=1,
+        texels=(104, 64),
+        pages=(1, 1),
+        page_texels=(104, 64),
+    )
+    bake = json.loads(layered.to_json())
+    written = manifest(bake=bake, textures=dict.fromkeys(layered.bake.layers, image))
     assert Manifest.from_json(written.to_json()) == written
-    lacking = manifest(bake=bake, textures={"colour": image})
-    with pytest.raises(
-        FormatError, match="has the textures colour, expected colour, irradiance, surroundings"
-    ):
-        Manifest.from_json(lacking.to_json())
+    lacking = json.loads(written.to_json())
+    lacking["textures"] = {"colour": lacking["textures"]["colour"]}
+    with pytest.raises(FormatError, match="has the textures colour, expected colour, irradiance, own"):
+        Manifest.from_json(json.dumps(lacking))
 
 
 @pytest.mark.parametrize(

@@ -21,17 +21,17 @@ from radtex_addon.formats.containers.dds import read_texture
 from radtex_addon.formats.containers.exr import read_atlas, read_buckets, write_atlas
 from radtex_addon.formats.containers.ktx2 import read_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat, Texture, decode_texture
-from radtex_addon.formats.packing import pack
-from radtex_addon.formats.shared_files import texture_path, write_condensed, write_shared
 from radtex_addon.formats.sidecar import Sidecar, write_sidecar
 from radtex_addon.formats.sidecar_file import SidecarFile
 from radtex_addon.forms import form_in
+from radtex_addon.forms.layered.files.arrangement import unpacked
+from radtex_addon.forms.layered.files.layered_files import read_layer, read_layered_sidecar, write_layered
 from radtex_addon.textures.entry import Arranged, Container, TextureEntry
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
+from tests.layered.made_up import made_up_atlas
 from tests.reference.levels import level_chain
 from tests.reference.pages import join_pages
 from tests.reference.slices import from_slices, mip_chain
-from tests.shared_atlases import facts_about, random_condensed_atlas, random_shared_atlas
 
 WEB = ExportSpec(Target.WEB)
 RAW = ExportSpec(Target.RAW)
@@ -322,45 +322,52 @@ def test_bad_files_are_refused_by_name(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
-def test_shared_layers_are_images_and_ends_are_exact(tmp_path: Path) -> None:
-    atlas = random_shared_atlas()
-    sidecar = tmp_path / "Vase.radiance.json"
-    write_shared(sidecar, atlas, facts_about(atlas))
+def layered(folder: Path, texels: int = 16, irradiance: Floats | None = None) -> Path:
+    """A bake in the layered layout, of other `irradiance` if it is given; its sidecar."""
+    path = folder / "Vase.radiance.json"
+    facts = Sidecar("Vase", "radiance", texels, texels, 14, "RadTex", 16, 0, "portal", "RadTex 1", "5.2")
+    atlas = made_up_atlas(texels, 32)
+    write_layered(path, atlas if irradiance is None else replace(atlas, irradiance=irradiance), facts)
+    return path
+
+
+def test_layered_light_is_packed_and_all_else_is_exact(tmp_path: Path) -> None:
+    sidecar = layered(tmp_path)
     entries = write_textures(sidecar, WEB, tmp_path / "out")
-    assert list(entries) == list(pack(atlas))
-    for layer, image in pack(atlas).items():
-        entry = entries[layer]
-        decoded = decode_texture(texture_of(tmp_path / "out", entry))[0][0]
+    facts = read_layered_sidecar(sidecar)
+    assert list(entries) == list(facts.bake.layers)
+    for layer, entry in entries.items():
+        image = read_layer(sidecar, facts, layer).astype(np.float32)
+        levels = decode_texture(texture_of(tmp_path / "out", entry))
         assert entry.file == f"Vase.radiance.{layer}.ktx2"
         assert entry.arrangement is Arranged.IMAGE
+        if layer in facts.pictures:
+            picture = facts.pictures[layer]
+            image = unpacked(image, picture.size, picture.levels)[0]
         assert entry.texels == entry.stored == (image.shape[1], image.shape[0])
-        if layer.endswith("ends"):
-            assert entry.format is PixelFormat.RGBA16F
-            np.testing.assert_array_equal(decoded, np.clip(image, -65504, 65504).astype(np.float16))
-        else:
+        decoded = levels[0][0][..., : image.shape[2]]
+        if layer in ("colour", "irradiance", "world"):
             assert entry.format is PixelFormat.RGB9E5
-            lit = image.max(axis=2) > 0
+            lit = image.max(axis=2) > 1e-3
             assert stops(decoded[lit], image[lit]) <= 0.005
-            assert not decoded[~lit].any()
+        else:
+            assert entry.format is PixelFormat.RGBA16F
+            np.testing.assert_array_equal(decoded, image)
 
 
-def test_shared_light_below_zero_keeps_its_sign(tmp_path: Path) -> None:
-    atlas = random_shared_atlas()
-    atlas.lobes[0].rest[0, 0, 0, 0] = -0.5
-    sidecar = tmp_path / "Vase.radiance.json"
-    write_shared(sidecar, atlas, facts_about(atlas))
+def test_layered_light_below_zero_keeps_its_sign(tmp_path: Path) -> None:
+    irradiance = np.ones((16, 16, 3), np.float32)
+    irradiance[3, 4] = -0.5
     spec = replace(RAW, format=TextureFormat.KTX2_RGB9E5)
-    entries = write_textures(sidecar, spec, tmp_path / "out")
-    assert entries["mirror_rest"].format is PixelFormat.RGBA16F
-    assert entries["through_rest"].format is PixelFormat.RGB9E5
+    entries = write_textures(layered(tmp_path, irradiance=irradiance), spec, tmp_path / "out")
+    assert entries["irradiance"].format is PixelFormat.RGBA16F
+    assert entries["colour"].format is PixelFormat.RGB9E5
 
 
-def test_shared_blocks_are_filled_up_as_condensed_ones_are(tmp_path: Path) -> None:
-    atlas = replace(random_shared_atlas(bucket=6), irradiance=np.full((5, 7, 3), 1.5))
-    sidecar = tmp_path / "Vase.radiance.json"
-    write_shared(sidecar, atlas, facts_about(atlas))
+def test_blocks_are_filled_up_with_the_last_pixels(tmp_path: Path) -> None:
+    sidecar = layered(tmp_path, 6, irradiance=np.full((6, 6, 3), 1.5, np.float32))
     entries = write_textures(sidecar, replace(RAW, format=TextureFormat.DDS_BC6H), tmp_path / "out")
-    assert (entries["irradiance"].texels, entries["irradiance"].stored) == ((7, 5), (8, 8))
+    assert (entries["irradiance"].texels, entries["irradiance"].stored) == ((6, 6), (8, 8))
     blocks = decode_texture(texture_of(tmp_path / "out", entries["irradiance"]))[0][0]
     np.testing.assert_array_equal(blocks, np.full((8, 8, 3), 1.5))
 
@@ -370,42 +377,14 @@ def test_shared_blocks_are_filled_up_as_condensed_ones_are(tmp_path: Path) -> No
     [
         (
             replace(RAW, arrangement=Arrangement.SLICES),
-            "shared layout: leave the arrangement and the levels out",
+            "layered layout: leave the arrangement and the levels out",
         ),
-        (replace(RAW, levels=2), "shared layout: leave the arrangement and the levels out"),
-        (replace(RAW, limit=48), r"surroundings\.exr would be a texture of .* cannot be split"),
-        (replace(RAW, format=TextureFormat.DDS_BC6H), "straddle buckets of 5 cells"),
+        (replace(RAW, levels=2), "layered layout: leave the arrangement and the levels out"),
+        (replace(RAW, limit=48), r"colour\.exr would be a texture of .* cannot be split"),
+        (replace(RAW, format=TextureFormat.EXR), "whose pictures have mip levels, which EXRs cannot hold"),
     ],
 )
-def test_what_shared_bakes_cannot_be_is_refused(tmp_path: Path, spec: ExportSpec, message: str) -> None:
-    atlas = random_shared_atlas(bucket=5)
-    write_shared(tmp_path / "Vase.radiance.json", atlas, facts_about(atlas))
+def test_what_layered_bakes_cannot_be_is_refused(tmp_path: Path, spec: ExportSpec, message: str) -> None:
+    sidecar = layered(tmp_path)
     with pytest.raises(InputError, match=message):
-        write_textures(tmp_path / "Vase.radiance.json", spec, tmp_path / "out")
-
-
-def test_condensed_textures_are_copied_byte_for_byte(tmp_path: Path) -> None:
-    atlas = random_condensed_atlas()
-    sidecar = tmp_path / "Vase.radiance.json"
-    facts = write_condensed(sidecar, atlas, facts_about(atlas))
-    entries = write_textures(sidecar, WEB, tmp_path / "out")
-    assert list(entries) == list(facts.bake.layers)
-    for layer, entry in entries.items():
-        texture = texture_of(tmp_path / "out", entry)
-        assert (tmp_path / "out" / entry.file).read_bytes() == texture_path(sidecar, layer).read_bytes()
-        assert entry.texels == facts.shapes[layer][:2]
-        assert entry.stored == (texture.width, texture.height)
-    formats = {layer.partition("_")[2] or layer: str(entry.format) for layer, entry in entries.items()}
-    assert formats == {
-        **dict.fromkeys(("colour", "irradiance", "surroundings"), "BC6H"),
-        **dict.fromkeys(("ends_xy", "ends_zs"), "BC5"),
-        **dict.fromkeys(("gain", "rest"), "BC7"),
-        "weights": "RGBA8",
-    }
-    with pytest.raises(InputError, match="its textures are DDS files already: leave the format out"):
-        write_textures(sidecar, replace(WEB, format=TextureFormat.KTX2_RGBA16F), tmp_path / "out")
-    with texture_path(sidecar, "mirror_gain").open("r+b") as file:
-        file.seek(200)
-        file.write(b"x")
-    with pytest.raises(FormatError, match=r"mirror_gain\.dds is of another bake than"):
-        write_textures(sidecar, WEB, tmp_path / "other")
+        write_textures(sidecar, spec, tmp_path / "out")

@@ -72,7 +72,6 @@ def test_blocks_come_back_as_they_were(tmp_path: Path, kind: DdsFormat) -> None:
     ],
 )
 def test_the_header_is_as_microsoft_has_it(tmp_path: Path, kind: DdsFormat, flags: int, pitch: int) -> None:
-    """Of a condensed bake's textures: their digests must not change from one RadTex to the next."""
     blocks = random_blocks(kind)
     write_dds(tmp_path / "a.dds", blocks, kind)
     width, height = 9 * kind.side, 6 * kind.side

@@ -23,20 +23,22 @@ from radtex_addon.farm.farm_files import FarmFiles
 from radtex_addon.farm.farm_manifest import Copies
 from radtex_addon.farm.farm_manifest import Manifest as FarmManifest
 from radtex_addon.formats.bucket_files import write_buckets
-from radtex_addon.formats.condensed_files import digest
 from radtex_addon.formats.containers.dds import DdsFormat, write_dds, write_texture
 from radtex_addon.formats.containers.exr import Compression, write_atlas
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.ktx2 import write_ktx2
 from radtex_addon.formats.containers.texture import ENCODED, PixelFormat, encode_texture
+from radtex_addon.formats.disk.file_digest import digest
 from radtex_addon.formats.shadow_files import write_shadow
-from radtex_addon.formats.shared_files import write_condensed, write_shared
 from radtex_addon.formats.sidecar import Content, Part, Sidecar, Source, write_sidecar
 from radtex_addon.formats.transfer_files import TransferSidecar, write_transfer
+from radtex_addon.forms.layered.files.layered_files import write_layered
 from radtex_addon.textures.entry import Arranged, Container, TextureEntry
-from tests.shared_atlases import facts_about, random_condensed_atlas, random_shared_atlas
+from tests.layered.made_up import made_up_atlas
+from tests.layered_lookups import everything
 
 PAINTED = "Painted"  # the image of the open file
+_LAYERED = 4  # texels
 FACTS = {"scene": "a digest", "spec": "texels 8"}  # of the checkpoint's key
 _BAKE = Sidecar("Vase", "radiance", 3, 2, 4, "UVMap", 16, 0, "portal", "RadTex 1", "5.2.0")
 _RICH = replace(
@@ -108,10 +110,8 @@ def _write_sets(folder: Path) -> None:
     layers = {"base": _pixels(2, 3, 3), "rest": _pixels(8, 12, 3)}
     write_buckets(folder / "Vase.radiance.json", _pixels(8, 12, 4), layers, _BAKE)
     write_sidecar(folder / "Rich.radiance.json", _RICH)
-    shared = random_shared_atlas(3, 2, bucket=2, surroundings=8, levels=2)
-    write_shared(folder / "Coat.radiance.json", shared, facts_about(shared))
-    condensed = random_condensed_atlas(3, 2, clusters=2, bucket=2, surroundings=8, levels=2)
-    write_condensed(folder / "Gold.radiance.json", condensed, facts_about(condensed))
+    coat = replace(_BAKE, object_name="Coat", width=_LAYERED, height=_LAYERED, bucket=14)
+    write_layered(folder / "Coat.radiance.json", everything(made_up_atlas(_LAYERED, 16)), coat)
     sphere = TransferSidecar(replace(_BAKE, object_name="Wax", kind="transfer"), suns=16)
     write_transfer(folder / "Wax.transfer.json", _pixels(8, 12, 4), sphere)
     seen = replace(sphere, view="camera", eye=(1.0, 2.0, 3.0, 1.0))
@@ -231,8 +231,10 @@ def _exports(folder: Path) -> Iterator[tuple[Path, TextureEntry]]:
         pages=(1, 1),
         page_texels=(3, 2),
     )
-    for name in ("Rich.radiance", "Coat.radiance", "Gold.radiance", "Wax.transfer"):
+    for name in ("Rich.radiance", "Wax.transfer"):
         yield folder / f"{name}.json", entry
+    whole = replace(entry, arrangement=Arranged.IMAGE, texels=(12, 8), stored=(12, 8), page_texels=(12, 8))
+    yield folder / "Coat.radiance.json", whole
 
 
 def _write_orders(folder: Path) -> None:

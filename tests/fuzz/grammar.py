@@ -96,7 +96,7 @@ def _value(random: Random, folder: Path) -> str:
 
 
 def _path(random: Random, folder: Path) -> str:
-    known = ("", "Vase.radiance.json", "Gold.radiance.json", "Vase.radiance.exr", "mesh.glb", "nothing.blend")
+    known = ("", "Vase.radiance.json", "Coat.radiance.json", "Vase.radiance.exr", "mesh.glb", "nothing.blend")
     odd = random.choice(_NAMES + _ODD + _WINDOWS)
     places = (folder / random.choice(known), folder / "nowhere" / "x.blend", odd, f"{folder}/{odd}")
     return str(random.choice(places))

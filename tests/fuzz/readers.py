@@ -25,7 +25,6 @@ from radtex_addon.farm.farm_manifest import read_manifest as read_farm_manifest
 from radtex_addon.farm.farm_manifest import read_plan
 from radtex_addon.formats.bucket_files import read_layer
 from radtex_addon.formats.bucket_rows import open_buckets
-from radtex_addon.formats.condensed_files import digest
 from radtex_addon.formats.containers.dds import read_dds
 from radtex_addon.formats.containers.dds import read_texture as read_dds_texture
 from radtex_addon.formats.containers.exr import (
@@ -40,13 +39,14 @@ from radtex_addon.formats.containers.exr import (
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.ktx2 import read_ktx2
 from radtex_addon.formats.containers.texture import ENCODED, Texture, decode_texture
-from radtex_addon.formats.gutter_signature import own_texels
+from radtex_addon.formats.disk.file_digest import digest
 from radtex_addon.formats.sample_counts import read_counts
 from radtex_addon.formats.shadow_files import read_shadow, visible_buckets
-from radtex_addon.formats.shared_files import read_shared, read_shared_sidecar
 from radtex_addon.formats.sidecar import preview_path, read_sidecar
 from radtex_addon.formats.sidecar_file import read_facts
 from radtex_addon.formats.transfer_files import read_transfer, read_transfer_sidecar
+from radtex_addon.forms.layered.files.layered_files import read_layered, read_layered_sidecar
+from radtex_addon.forms.layered.signature import own_texels
 
 from .corpus import FACTS, PAINTED
 from .mutate import Mutator
@@ -77,7 +77,7 @@ class Reader:
 def _facts(path: Path) -> None:
     """Whatever asks a sidecar of any layout."""
     facts = read_facts(path)
-    for read in (read_sidecar, read_shared_sidecar, read_transfer_sidecar):
+    for read in (read_sidecar, read_layered_sidecar, read_transfer_sidecar):
         try:
             read(path)
         except FormatError as error:
@@ -95,10 +95,10 @@ def _rows(path: Path) -> None:
         pass
 
 
-def _shared(path: Path) -> None:
-    sidecar = path.with_name(f"{path.name.split('.')[0]}.radiance.json")
-    atlas, facts = read_shared(sidecar)
-    own_texels(sidecar, atlas, facts)
+def _layered(path: Path) -> None:
+    sidecar = path.with_name("Coat.radiance.json")
+    atlas, _ = read_layered(sidecar)
+    own_texels(sidecar, atlas)
 
 
 def _ktx2(path: Path) -> None:
@@ -228,17 +228,9 @@ def _headers_as_sidecar(path: Path) -> None:
         image.write_bytes(data)
 
 
-def _sidecar_with_digest(path: Path) -> None:
-    """Let the sidecar name the damaged texture's digest."""
-    sidecar = path.with_name("Gold.radiance.json")
-    facts = json.loads(sidecar.read_text())
-    facts["shared"]["condensed"]["digests"][path.stem.rpartition(".")[2]] = digest(path)
-    sidecar.write_text(json.dumps(facts))
-
-
-def _texture(layer: str) -> Reader:
-    name = f"Gold.radiance.{layer}.dds"
-    return Reader(name, name, (mutate_dds,), _shared, follow=_sidecar_with_digest)
+def _layer(layer: str) -> Reader:
+    name = f"Coat.radiance.{layer}.exr"
+    return Reader(name, name, (mutate_exr,), _layered)
 
 
 _EXR, _KTX2, _DDS = "exr.seeds/zip4.exr", "ktx2.seeds/BC6H1.ktx2", "dds.seeds/BC6H.dds"
@@ -291,22 +283,18 @@ READERS = {
         2,
         follow=_sidecar_as_header,
     ),
-    "shared-ends": Reader(
-        "Coat.radiance.mirror_ends.exr", "Coat.radiance.mirror_ends.exr", (mutate_exr,), _shared
-    ),
-    "shared-sidecar": Reader(
+    "layered-sidecar": Reader(
         "Coat.radiance.json",
         "Coat.radiance.json",
         (mutate_json,),
-        _shared,
-        2,
+        _layered,
+        4,
         follow=_headers_as_sidecar,
     ),
-    "condensed-sidecar": Reader("Gold.radiance.json", "Gold.radiance.json", (mutate_json,), _shared, 3),
-    "condensed-colour": _texture("colour"),
-    "condensed-weights": _texture("mirror_weights"),
-    "condensed-ends": _texture("mirror_ends_xy"),
-    "condensed-gain": _texture("through_gain"),
+    "layered-irradiance": _layer("irradiance"),
+    "layered-own": _layer("own"),
+    "layered-exit": _layer("exit_direction"),
+    "layered-things": _layer("things"),
     "sidecar": Reader("Rich.radiance.json", "*.json", (mutate_json,), _facts, 8),
     "manifest": Reader("manifest.seeds/0.json", "manifest.seeds/*.json", (mutate_json,), read_manifest, 6),
     "farm": Reader(_FARM, _FARM, (mutate_json,), lambda path: read_farm_manifest(FarmFiles(path.parent)), 3),

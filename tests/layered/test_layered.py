@@ -7,14 +7,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from radtex_addon.bake.gloss import LobeSamples
-from radtex_addon.bake.light_samples import mirrored, spread_shifts
+from radtex_addon.bake.light_samples import Axis, LobeSamples, mirrored, spread_shifts
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.octahedron import cell_directions, direction_to_octahedron
-from radtex_addon.core.shared import Axis
 from radtex_addon.cycles.portal import Aim
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.fit.lobes import Paths, fit_materials

@@ -22,8 +22,6 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "support.md"
 LAYOUTS: dict[str, dict[str, Any]] = {
     "": {},
     ", layered": {"layout": Layout.LAYERED},
-    ", shared": {"layout": Layout.SHARED},
-    ", shared, within a size": {"layout": Layout.SHARED, "budget": 2_000_000},
 }
 ROWS: dict[str, dict[str, Any]] = {
     f"{kind}{title}": {"kind": kind, **layout} for kind in Kind for title, layout in LAYOUTS.items()
@@ -47,10 +45,10 @@ OPTIONS: dict[str, dict[str, Any]] = {
 _INTRODUCTION = """\
 # What goes with what
 
-Each row is a kind of bake, in layout buckets, the layered or the shared layout; each column something that
-it can be baked with, or exported to. **yes**: it works. A number: it is refused, for the reason of that
-number below, in the words of the error. The page is written by `python -m tests.package.support_matrix`,
-which asks the code that refuses; a test compares.
+Each row is a kind of bake, in layout buckets or the layered layout; each column something that it can be
+baked with, or exported to. **yes**: it works. A number: it is refused, for the reason of that number below,
+in the words of the error. The page is written by `python -m tests.package.support_matrix`, which asks the
+code that refuses; a test compares.
 """
 
 

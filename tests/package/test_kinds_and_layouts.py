@@ -18,8 +18,8 @@ from tests.package.test_layers import PACKAGE
 pytestmark = pytest.mark.one_blender
 
 _TABLES = {("bake", "kinds.py"), ("bake", "forms.py")}
-_NAMES = {*map(str, Kind), *map(str, Layout), "sphere", "condensed"}
-_CONSTANTS = {"LAYOUT", "KIND", "SHARED", "BUCKETS", "SPHERE", "SHADOW", "DEFAULT_KIND"}
+_NAMES = {*map(str, Kind), *map(str, Layout), "sphere"}
+_CONSTANTS = {"LAYOUT", "KIND", "LAYERED", "BUCKETS", "SPHERE", "SHADOW", "DEFAULT_KIND"}
 
 
 def comparisons() -> Iterator[str]:

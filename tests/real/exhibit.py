@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One small real bake of the demo's head, the same cameras for every program, and what each must show.
 
-    python -m tests.real.exhibit plain FOLDER        bakes it; also shared, condensed, layered
+    python -m tests.real.exhibit plain FOLDER        bakes it; or: layered FOLDER
 
 The head is turned, moved and stretched, so that a program which forgets the object's matrix shows it, and
 its gold is worn, so that it scatters light too. It stands alone: behind it everything is black.
@@ -43,19 +43,13 @@ class Form(StrEnum):
     """How the head is baked."""
 
     PLAIN = "plain"
-    SHARED = "shared"
-    CONDENSED = "condensed"
     LAYERED = "layered"
 
     @property
     def spec(self) -> BakeSpec:
-        small = BakeSpec(texels=64, bucket=8, samples=4)
-        if self is Form.PLAIN:
-            return small
         if self is Form.LAYERED:
             return BakeSpec(texels=64, samples=2, layout=Layout.LAYERED)
-        budget = 400_000 if self is Form.CONDENSED else None
-        return BakeSpec(texels=64, bucket=6, samples=2, layout=Layout.SHARED, budget=budget)
+        return BakeSpec(texels=64, bucket=8, samples=4)
 
 
 @dataclass(frozen=True)
@@ -159,14 +153,6 @@ class Exhibit:
     @cached_property
     def plain(self) -> Bake:
         return self._baked(Form.PLAIN)
-
-    @cached_property
-    def shared(self) -> Bake:
-        return self._baked(Form.SHARED)
-
-    @cached_property
-    def condensed(self) -> Bake:
-        return self._baked(Form.CONDENSED)
 
     @cached_property
     def layered(self) -> Bake:

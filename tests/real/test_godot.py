@@ -5,20 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.condensed import CondensedAtlas
-from radtex_addon.core.frame import normalised
 from radtex_addon.core.pages import fitting_pages
 from radtex_addon.core.sampler import Filter
-from radtex_addon.core.shared import Lobe, SharedAtlas
 from radtex_addon.core.slices import to_slices
-from radtex_addon.formats.packing import pack
-from tests.condensed_textures import COLUMNS, uncompressed
 from tests.lookups import (
     LAYOUT,
     SIDE,
@@ -36,8 +30,6 @@ from tests.real.test_glsl_derivatives import uvs_of_quads
 from tests.reference.levels import level_chain, sample_level
 from tests.reference.pages import page_chain
 from tests.reference.slices import mip_chain, sample_slices
-from tests.shared_atlases import random_condensed_atlas, random_shared_atlas
-from tests.shared_lookups import by_ray, random_fragments, shared_answers, shared_hit_answers
 
 WORST = 2e-3
 LEVELS = 4  # 13 x 7 texels are stored as 16 x 8, and the last level as 2 x 1
@@ -80,24 +72,6 @@ vec4 answer(ivec2 here) {
 }
 """
 THE_LEVEL = "vec4 answer(ivec2 h) { return vec4(radtex_level(texelFetch(uvs, h, 0).xy, texels, 4)); }"
-SHARED = """
-vec4 answer(ivec2 here) {
-    vec2 uv = texelFetch(uvs, here, 0).xy;
-    vec3 N = texelFetch(normals, here, 0).xyz, V = texelFetch(viewers, here, 0).xyz;
-    return vec4(radtex_shared(colour, irradiance, falloff, mirror_ends, mirror_gain, mirror_rest,
-        through_ends, through_gain, through_rest, n, surroundings, around, uv, N, V), 1.0);
-}
-"""
-CONDENSED = """
-vec4 answer(ivec2 here) {
-    vec2 uv = texelFetch(uvs, here, 0).xy;
-    vec3 N = texelFetch(normals, here, 0).xyz, V = texelFetch(viewers, here, 0).xyz;
-    return vec4(radtex_condensed(colour, fine, irradiance, texels, falloff,
-        mirror_weights, mirror_ends_xy, mirror_ends_zs, mirror_gain, mirror_rest, mirror_ranges,
-        through_weights, through_ends_xy, through_ends_zs, through_gain, through_rest, through_ranges,
-        columns, n, surroundings, around, uv, N, V), 1.0);
-}
-"""
 
 
 def fields(lookups: Lookups, level: Floats | None = None) -> dict[str, Floats]:
@@ -167,26 +141,16 @@ def test_levels_agree_with_the_reference(root: Root, renderer: str) -> None:
 
 @pytest.mark.parametrize("renderer", RENDERERS)
 def test_rays_find_what_the_reference_does(root: Root, renderer: str) -> None:
-    """By every layout; the texture itself, and in pages."""
-    atlas, lookups, fragments = random_atlas(), random_lookups(), random_fragments(7, 5)
+    """In the texture itself, and in pages."""
+    atlas, lookups = random_atlas(), random_lookups()
     paged = page_chain(atlas, LAYOUT, PAGES, 1)[0].astype(np.float16)
-    shared, condensed = random_shared_atlas(), random_condensed_atlas(7, 5)
     jobs = [
         Job(ONE + BY_RAY, {"atlas": atlas} | fields(lookups)),
         Job(ONE + BY_RAY, {"atlas": paged} | fields(lookups), defines=PAGED),
-        Job(constants(shared) + by_ray(SHARED), pack(shared) | seen(fragments), ("radtex_shared",)),
-        condensed_job(condensed, by_ray(CONDENSED), fragments),
     ]
-    *plain, by_shared, by_condensed = answers(root, renderer, jobs)
-    error = relative_error(np.stack(plain), hit_answers(atlas, lookups))
+    error = relative_error(np.stack(answers(root, renderer, jobs)), hit_answers(atlas, lookups))
     print(f"{renderer} rays: worst error {error.max():.1e}")
     assert error.max() <= WORST
-    error = relative_error(by_shared[:, :3], shared_hit_answers(shared, fragments))
-    print(f"{renderer} rays, shared: worst error {error.max():.1e}, median {np.median(error):.1e}")
-    assert error.max() <= WORST
-    error = relative_error(by_condensed[:, :3], shared_hit_answers(condensed.expanded(), fragments))
-    print(f"{renderer} rays, condensed: worst error {error.max():.1e}, median {np.median(error):.1e}")
-    assert np.all(error <= WORST + rounding(condensed, fragments))
 
 
 @pytest.mark.parametrize("renderer", RENDERERS)
@@ -210,80 +174,3 @@ def test_what_the_hardware_does_agrees_with_the_reference(root: Root, renderer: 
     print(f"{renderer} slices: worst error {error.max():.1e}, median {np.median(error):.1e}")
     assert error.max() <= WORST
     np.testing.assert_allclose(found[:, 0], np.minimum(turned_level, 3).ravel(), atol=1e-4)
-
-
-@pytest.mark.parametrize("renderer", RENDERERS)
-def test_the_shared_layout_agrees_with_the_reference(root: Root, renderer: str) -> None:
-    fragments, shapes = random_fragments(7, 5), [(6, 48, 5), (1, 8, 1), (8, 192, 6)]
-    atlases = [
-        random_shared_atlas(bucket=bucket, surroundings=surroundings, levels=levels)
-        for bucket, surroundings, levels in shapes
-    ]
-    jobs = [
-        Job(constants(atlas) + SHARED, pack(atlas) | seen(fragments), ("radtex_shared",)) for atlas in atlases
-    ]
-    for atlas, shape, result in zip(atlases, shapes, answers(root, renderer, jobs), strict=True):
-        error = relative_error(result[:, :3], shared_answers(atlas, fragments))
-        print(f"{renderer} shared {shape}: worst error {error.max():.1e}, median {np.median(error):.1e}")
-        assert error.max() <= WORST
-
-
-@pytest.mark.parametrize("renderer", RENDERERS)
-def test_the_condensed_form_agrees_with_the_reference(root: Root, renderer: str) -> None:
-    fragments, shapes = random_fragments(7, 5), [(4, 2, 14), (9, 6, 6), (1000, 2, 2)]
-    atlases = [random_condensed_atlas(7, 5, *shape) for shape in shapes]
-    jobs = [condensed_job(atlas, CONDENSED, fragments) for atlas in atlases]
-    for atlas, shape, result in zip(atlases, shapes, answers(root, renderer, jobs), strict=True):
-        error = relative_error(result[:, :3], shared_answers(atlas.expanded(), fragments))
-        print(f"{renderer} condensed {shape}: worst error {error.max():.1e}, median {np.median(error):.1e}")
-        assert np.all(error <= WORST + rounding(atlas, fragments))
-        assert np.quantile(error, 0.999) <= WORST / 4
-
-
-def condensed_job(atlas: CondensedAtlas, code: str, fragments: Lookups) -> Job:
-    """A lookup of the condensed form."""
-    images, ranges = uncompressed(atlas)
-    (height, width), (rows, columns) = atlas.colour.shape[:2], atlas.irradiance.shape[:2]
-    facts = f"const ivec2 fine = ivec2({width}, {height});\nconst ivec2 texels = ivec2({columns}, {rows});\n"
-    facts += f"const int columns = {COLUMNS};\n"
-    facts += "".join(array(f"{axis}_ranges", values) for axis, values in ranges.items())
-    defines = f"#define RADTEX_RANK {atlas.lobes[0].rank}\n"
-    includes = ("radtex_shared", "radtex_condensed")
-    return Job(constants(atlas) + facts + code, images | seen(fragments), includes, defines)
-
-
-def rounding(atlas: CondensedAtlas, fragments: Lookups) -> Floats:
-    """How far off float32 may be, (K,): spreads of 1 are sums of some of 60,000, which it rounds to 0.004."""
-    whole = atlas.expanded()
-    largest = max(float(np.abs(lobe.ends[..., 3]).max()) for lobe in atlas.lobes)
-    more, less = (
-        shared_answers(replace(whole, lobes=tuple(spread(lobe, step) for lobe in whole.lobes)), fragments)
-        for step in (largest * 2**-23, -largest * 2**-23)
-    )
-    return relative_error(more, less)
-
-
-def spread(lobe: Lobe, step: float) -> Lobe:
-    """A lobe whose spreads, in radians², are wider by a step."""
-    return replace(lobe, ends=lobe.ends.astype(float) + np.array([0, 0, 0, step]))
-
-
-def seen(fragments: Lookups) -> dict[str, Floats]:
-    """Fragments of the shared layout as textures, all vectors of unit length."""
-    normal, viewer = (normalised(vectors) for vectors in (fragments.normal, fragments.viewer))
-    inputs = {"uvs": fragments.uv, "normals": normal, "viewers": viewer}
-    return {name: values.reshape(SIDE, SIDE, -1) for name, values in inputs.items()}
-
-
-def constants(atlas: SharedAtlas | CondensedAtlas) -> str:
-    """What the sidecar of a bake says to a shader."""
-    around = f"ivec2({len(atlas.surroundings[0])}, {len(atlas.surroundings)})"
-    head = f"const int n = {atlas.lobes[0].ends.shape[2]};\nconst ivec2 around = {around};\n"
-    return head + array("falloff", atlas.falloff)
-
-
-def array(name: str, rows: Floats) -> str:
-    """An array of vectors, each value written with all its digits."""
-    kind = f"vec{rows.shape[1]}"
-    values = ", ".join(f"{kind}({', '.join(f'{float(x):.12f}' for x in row)})" for row in rows)
-    return f"const {kind} {name}[{len(rows)}] = {{ {values} }};\n"

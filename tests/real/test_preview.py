@@ -34,7 +34,7 @@ def test_cycles_shows_the_reference(form: Form, exhibit: Exhibit, tmp_path: Path
         assert decibels(picture, reference, np.ones_like(inside)) > LEAST, "edges and all"
 
 
-@pytest.mark.parametrize("form", [Form.PLAIN, Form.SHARED])
+@pytest.mark.parametrize("form", [Form.PLAIN, Form.LAYERED])
 def test_eevee_shows_the_reference(form: Form, exhibit: Exhibit, tmp_path: Path) -> None:
     bake = getattr(exhibit, form)
     (picture,) = Shots(bake.preview, "eevee", tmp_path).pictures(FRONT)

@@ -16,28 +16,19 @@ WAYS = {
     "pages, by hardware": ["-DRADTEX_PAGES", "-DRADTEX_HARDWARE_LINEAR"],
     "slices": ["-DRADTEX_SLICES"],
 }
-LOBES = """#version 450
+TOGETHER = """#version 450
 #extension GL_GOOGLE_include_directive : require
 #include "radtex.glsl"
-#include "radtex_shared.glsl"
-#include "radtex_condensed.glsl"
-layout(set = 0, binding = 0) uniform Bake {
-    vec3 falloff[RADTEX_FALLOFF];
-    vec4 ranges[12];
-    ivec2 fine, texels, around;
-    int columns, n;
-};
-layout(set = 0, binding = 1) uniform sampler2D layers[8];
-layout(location = 0) in vec3 V;
-layout(location = 1) in vec3 N;
-layout(location = 2) in vec2 uv;
+#include "radtex_shadow.glsl"
+#include "radtex_transfer.glsl"
+layout(set = 0, binding = 0) uniform usampler2D bits;
+layout(set = 0, binding = 1) uniform sampler2D atlas;
+layout(location = 0) in vec3 L;
+layout(location = 1) in vec2 uv;
 layout(location = 0) out vec4 result;
 void main() {
-    vec3 light = radtex_diffuse(layers[0], fine, layers[1], texels, falloff, uv, dot(N, V))
-        + radtex_lobe(layers[3], layers[4], layers[5], n, layers[2], around, uv, reflect(-V, N))
-        + radtex_condensed_lobe(layers[3], layers[4], layers[5], layers[6], layers[7],
-                                ranges, columns, n, texels, layers[2], around, uv, reflect(-V, N));
-    result = vec4(light, 1.0);
+    RadtexShadow here = radtex_shadow(bits, ivec2(64), uv);
+    result = radtex_transfer(atlas, ivec2(64), 9, uv, L) * radtex_visible(here, 8, L);
 }
 """
 LAYERED = """#version 450
@@ -70,7 +61,6 @@ layout(set = 0, binding = 8) uniform sampler2D radtex_plane_map;
 layout(set = 0, binding = 9) uniform sampler2D radtex_things_map;
 layout(set = 0, binding = 10) uniform sampler2D radtex_distances_map;
 #include "radtex.glsl"
-#include "radtex_shared.glsl"
 #include "radtex_layered.glsl"
 layout(location = 0) out vec4 result;
 void main() {
@@ -111,9 +101,9 @@ def test_so_is_its_vertex_stage(root: Root) -> None:
 
 
 @pytest.mark.parametrize("hardware", [[], ["-DRADTEX_HARDWARE_LINEAR"]])
-def test_all_includes_go_together(root: Root, hardware: list[str]) -> None:
-    here, inside = root.shared("lobes")
-    (here / "all.frag").write_text(LOBES, encoding="utf-8")
+def test_includes_of_buckets_go_together(root: Root, hardware: list[str]) -> None:
+    here, inside = root.shared("together")
+    (here / "all.frag").write_text(TOGETHER, encoding="utf-8")
     check(root, ["-I/repository/shaders", *hardware, "all.frag"], inside)
 
 

@@ -16,7 +16,7 @@ from tests.real.root import REPOSITORY
 from tests.real.web import SOURCES, Site, encoded, node
 
 INSIDE = REPOSITORY / "tests/real/inside"
-FORMS = ("plain", "shared")
+FORMS = ("plain", "layered")
 
 
 @pytest.mark.parametrize("form", FORMS)

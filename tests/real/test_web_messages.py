@@ -25,12 +25,6 @@ SMALL_TEXTURES = """
         return name === this.MAX_TEXTURE_SIZE ? 256 : asked.call(this, name);
     };
 """
-NO_BLOCKS = """
-    const asked = WebGL2RenderingContext.prototype.getExtension;
-    WebGL2RenderingContext.prototype.getExtension = function (name) {
-        return name.includes("bptc") ? null : asked.call(this, name);
-    };
-"""
 
 
 def says(shown: Shown, *words: str) -> None:
@@ -116,12 +110,6 @@ def test_a_page_without_a_bake_says_how_to_name_one(web: Site, copied: Path) -> 
 def test_a_texture_too_large_for_the_device_is_named(web: Site, copied: Path) -> None:
     with web.opened("spoilt/", before=SMALL_TEXTURES) as shown:
         says(shown, "takes 256 a side at most", "--limit 256")
-
-
-def test_blocks_that_the_device_does_not_know_are_named(web: Site, exhibit: Exhibit) -> None:
-    web.add("condensed", exhibit.condensed)
-    with web.opened("condensed/", before=NO_BLOCKS) as shown:
-        says(shown, "EXT_texture_compression_bptc", "desktop")
 
 
 def test_a_browser_without_webgl_is_told(root: Root, driver: BrowserType, web: Site, copied: Path) -> None:

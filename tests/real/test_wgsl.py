@@ -36,7 +36,7 @@ from tests.reference.pages import split_pages
 from tests.reference.slices import mip_chain, sample_slices
 
 FOLDER = Path(__file__).parents[2] / "shaders"
-FILES = ("radtex", "radtex_pages", "radtex_shared", "radtex_condensed")  # all in one: names do not clash
+FILES = ("radtex", "radtex_pages", "radtex_transfer")  # all in one: names do not clash
 QUADS = COUNT // 4  # derivatives are those within 2 x 2 fragments
 LEVELS = 4  # 13 x 7 texels are stored as 16 x 8
 PAGES = fitting_pages(LAYOUT, limit=40)

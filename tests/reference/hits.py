@@ -16,7 +16,6 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.errors import ShapeError
 from radtex_addon.core.frame import normalised, orthonormal_frame, to_frame
 from radtex_addon.core.sampler import Filter, sample
-from radtex_addon.core.shared import SharedAtlas, sample_shared
 
 
 def sample_hit(
@@ -40,11 +39,6 @@ def sample_hit(
         raise ShapeError(f"ray: expected shape {normal.shape}, as the normals have, got {ray.shape}")
     frame = orthonormal_frame(normal, tangent, sign)
     return sample(image, layout, uv, to_frame(-normalised(ray), *frame), kind)
-
-
-def sample_shared_hit(atlas: SharedAtlas, uv: Floats, normal: Floats, ray: Floats) -> Floats:
-    """`sample_hit` for the shared layout, (K, 3) float32; unit `normal` and `ray` (K, 3) in world space."""
-    return sample_shared(atlas, uv, normal, hit_viewer(ray, normal))
 
 
 def hit_viewer(ray: Floats, normal: Floats) -> Floats:

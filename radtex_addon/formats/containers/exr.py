@@ -37,6 +37,7 @@ CHANNELS = {4: "RGBA", 3: "RGB", 1: "Y"}  # channel names by the number of chann
 _MAGIC = bytes((0x76, 0x2F, 0x31, 0x01))
 _ORDER = "RGBXYZWUVA"  # order of a layer's channels
 _FLAT = (OpenEXR.scanlineimage, OpenEXR.tiledimage)  # not deep
+_DWAA_LOSS = 0.05
 _ROWS = 64  # rows converted at once
 
 
@@ -115,6 +116,11 @@ def stored_size(path: Path) -> tuple[int, int]:
     """Width and height of an image in pixels. Raises FormatError as `read_atlas` does."""
     (x0, y0), (x1, y1) = headers_of(path)[0]["dataWindow"]
     return int(x1) - int(x0) + 1, int(y1) - int(y0) + 1
+
+
+def loss_of(compression: Compression | None) -> float:
+    """Largest relative difference that lossy compression makes between two equal values."""
+    return _DWAA_LOSS if compression is Compression.DWAA else 0.0
 
 
 def stored_compression(path: Path) -> Compression | None:

@@ -21,7 +21,7 @@ from ...core.atlas import AtlasLayout
 from ...core.shadow import word_count
 from ...core.surface import SurfaceMesh
 from ...core.texel_map import covered_texels
-from ...formats.condensed_sizes import Shapes
+from ...formats.image_files import Shapes
 from ...formats.json_reader import Facts
 from ...formats.shadow_files import visible_buckets
 from ...formats.sidecar import read_sidecar

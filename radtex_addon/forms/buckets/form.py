@@ -22,9 +22,8 @@ from ...core.fragments import Fragments
 from ...core.sampler import Filter, sample
 from ...core.surface import SurfaceMesh
 from ...formats.bucket_files import BASE
-from ...formats.condensed_sizes import Shapes
-from ...formats.containers.exr import read_buckets, stored_compression
-from ...formats.gutter_signature import loss_of
+from ...formats.containers.exr import loss_of, read_buckets, stored_compression
+from ...formats.image_files import Shapes
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar, read_sidecar
 from ...formats.sidecar_file import SidecarFile
@@ -106,9 +105,6 @@ class Buckets:
         facts = read_sidecar(sidecar)
         side = facts.bucket * cells * texels
         return {"": (facts.width * side, facts.height * side, 4)}
-
-    def expanded_bytes(self, sidecar: SidecarFile) -> int:
-        return 0
 
     def export_bytes(self, sidecar: SidecarFile) -> int:
         facts = read_sidecar(sidecar)

@@ -17,11 +17,9 @@ from ...bake.rays import FINER
 from ...bake.spec import BakeSpec
 from ...core.arrays import Floats
 from ...core.fragments import Fragments
-from ...core.shared import level_count
 from ...core.surface import SurfaceMesh
-from ...formats.condensed_sizes import Shapes
 from ...formats.containers.exr import stored_compression
-from ...formats.image_files import layer_path
+from ...formats.image_files import Shapes, layer_path
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar
 from ...formats.sidecar_file import SidecarFile
@@ -59,6 +57,7 @@ from .files.layered_files import read_layered, read_layered_sidecar
 from .flat import flat_layered
 from .godot import layered_shader
 from .lookup.atlas import sample_layered
+from .lookup.blurred_levels import level_count
 from .preview.material import check_layered_previewable, preview_layered_material
 from .shader_values import exported_facts
 from .signature import own_texels
@@ -118,9 +117,6 @@ class Layered:
 
     def shapes(self, sidecar: SidecarFile, texels: int = 1, cells: int = 1) -> Shapes:
         return read_layered_sidecar(sidecar).larger(texels, cells).shapes
-
-    def expanded_bytes(self, sidecar: SidecarFile) -> int:
-        return 0
 
     def export_bytes(self, sidecar: SidecarFile) -> int:
         shapes = read_layered_sidecar(sidecar).shapes

@@ -6,8 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...bake.gloss import LobeSamples
-from ...bake.light_samples import EndSamples, LightSamples
+from ...bake.light_samples import EndSamples, LightSamples, LobeSamples
 from ...bake.plan import CapturePlan
 from ...core.arrays import Bools, Floats, Ints
 from .lookup.environment import Around

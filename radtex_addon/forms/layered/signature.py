@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ...core.arrays import Floats
-from ...formats.containers.exr import stored_compression
-from ...formats.gutter_signature import loss_of
+from ...formats.containers.exr import loss_of, stored_compression
 from ...formats.image_files import layer_path
 from .files.arrangement import IRRADIANCE
 from .lookup.atlas import LayeredAtlas

@@ -18,7 +18,7 @@ from ...core.arrays import Floats
 from ...core.atlas import AtlasLayout
 from ...core.surface import SurfaceMesh
 from ...core.transfer import with_views
-from ...formats.condensed_sizes import Shapes
+from ...formats.image_files import Shapes
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar
 from ...formats.sidecar_file import SidecarFile

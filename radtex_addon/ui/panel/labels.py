@@ -61,7 +61,6 @@ STAGES = {  # labels of the stages of bakes, exports and comparisons
     "capture": "Tracing paths",
     "fill": "Filling gaps",
     "fit": "Sharing light",
-    "condense": "Making it small",
     "write": "Writing files",
     "preview": "Making the preview",
     "textures": "Making textures",

@@ -14,7 +14,7 @@ import bpy
 
 from ...scene.lights.lamps import WORLD
 from ..settings.menu_items import LAYOUTS
-from .labels import iface_, remark, size
+from .labels import iface_, remark
 
 if TYPE_CHECKING:
     from ...bake.spec import BakeSpec
@@ -76,6 +76,4 @@ def told_layouts(values: Mapping[str, Any], chosen: Chosen) -> str:
     told = iface_(named)
     if choice.spec.form.any_cells:
         told = iface_("{}, {} cells").format(told, choice.spec.bucket)
-    if choice.spec.budget is not None:
-        told += iface_(", {} on the GPU").format(size(choice.spec.budget))
     return f"{told}. {remark(choice.reason)}" if choice.reason else told

@@ -84,11 +84,6 @@ class RADTEX_PT_quality(Sidebar, bpy.types.Panel):
         ):
             if shown:
                 column.prop(settings, name)
-        if form_of(settings).condenses:
-            column = layout.column(align=True)
-            column.prop(settings, "limit")
-            if settings.limit != "none":
-                column.prop(settings, settings.limit)
         layout.prop(settings, "seed")
 
 
@@ -112,10 +107,9 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
             if settings.accumulate or settings.refresh:
                 column.prop(settings, "where")
         column.prop(settings, "preview")
-        if settings.limit == "none" or plain:
-            if kind.full_floats:
-                column.prop(settings, "full_floats")
-            layout.prop(settings, "compression")
+        if kind.full_floats:
+            column.prop(settings, "full_floats")
+        layout.prop(settings, "compression")
         if plain and kind.layers:
             layout.column().prop(settings, "layers")
         layout.column().prop(settings, "export_targets")
@@ -146,7 +140,7 @@ def is_plain(settings: BakeSettings) -> bool:
 def form_of(settings: BakeSettings) -> FormTraits:
     """The form that the settings ask for; buckets while the layout is automatic."""
     chosen = settings.atlas_layout if settings.atlas_layout in tuple(Layout) else Layout.BUCKETS
-    return Kind(settings.kind).traits.form or form_in(Layout(chosen), condensed=False)
+    return Kind(settings.kind).traits.form or form_in(Layout(chosen))
 
 
 def drawn(

@@ -12,7 +12,7 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 from ...bake.kinds import DEFAULT_KIND, Kind, Layout, form_in
 from ..panel.panel_state import mark_stale
 from . import output_settings, surfaces
-from .menu_items import CONTENTS, KINDS, LAYOUTS_OR_AUTOMATIC, LIMITS, UNWRAPS, VARIANTS, VIEWS
+from .menu_items import CONTENTS, KINDS, LAYOUTS_OR_AUTOMATIC, UNWRAPS, VARIANTS, VIEWS
 from .update_callbacks import NOTICED
 
 # Property names of the mixin below, in the panel's order.
@@ -35,9 +35,6 @@ NAMES = (
     "texels",
     "bucket",
     "samples",
-    "limit",
-    "budget",
-    "target",
     "seed",
     *output_settings.NAMES,
 )
@@ -47,7 +44,7 @@ _OWN_CELLS = "radtex_cells"  # custom property: the user's bucket size for each 
 
 
 def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
-    """Update callback of kind, layout and limit: restore the bucket size last used with them, or the default.
+    """Update callback of kind and layout: restore the bucket size last used with them, or the default.
 
     Only for the panel: an operator's keyword arguments are not adjusted.
     """
@@ -55,7 +52,7 @@ def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
         from .suited_cells import suited_bucket
 
         own = cast(Any, settings).get(_OWN_CELLS, {}).get(_sort_of_cells(settings))
-        settings.bucket = own or suited_bucket(settings.kind, settings.atlas_layout, settings.limit)
+        settings.bucket = own or suited_bucket(settings.kind, settings.atlas_layout)
     mark_stale()
 
 
@@ -73,7 +70,7 @@ def _sort_of_cells(settings: BakeSettings) -> str:
     if kind.views or kind.ao_distance:
         return settings.kind
     if kind.form is None and settings.atlas_layout in tuple(Layout):
-        return form_in(Layout(settings.atlas_layout), condensed=settings.limit != "none").name
+        return form_in(Layout(settings.atlas_layout)).name
     return settings.atlas_layout if kind.looks_at_surface else Layout.BUCKETS.value
 
 
@@ -98,9 +95,6 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
         texels: int
         bucket: int
         samples: int
-        limit: str
-        budget: float
-        target: float
         seed: int
     else:
         kind: EnumProperty(
@@ -233,43 +227,12 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
         )
         samples: IntProperty(
             name="Samples",
-            description="Paths traced for each cell: more leave less noise. In Layered and Shared "
+            description="Paths traced for each cell: more leave less noise. In Layered "
             "each texel spends about 64 times as many, however many cells it has",
             default=16,
             min=1,
             max=2**24,
             soft_max=1024,
-            **NOTICED,
-        )
-        limit: EnumProperty(
-            name="Limit",
-            description="What bounds the size of the Shared layout's textures",
-            items=LIMITS,
-            default="none",
-            update=_suit_bucket,
-            options={"SKIP_SAVE"},
-        )
-        budget: FloatProperty(
-            name="MB on the GPU",
-            description="What the textures may take, in millions of bytes: less blurs what differs from "
-            "texel to texel, first in reflections of near things",
-            default=1.0,
-            min=0.01,
-            max=1e6,
-            soft_max=16.0,
-            step=10,
-            precision=2,
-            **NOTICED,
-        )
-        target: FloatProperty(
-            name="dB",
-            description="How near the textures come to the full bake: at 40 dB hardly anybody tells them "
-            "apart, at 30 dB reflections of near things are softer",
-            default=40.0,
-            min=10.0,
-            max=60.0,
-            step=100,
-            precision=0,
             **NOTICED,
         )
         seed: IntProperty(

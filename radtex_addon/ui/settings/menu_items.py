@@ -57,11 +57,6 @@ LAYOUTS = (
         "Every texel keeps a picture of its own of the light in all directions: exact, plain and large",
     ),
     (
-        "shared",
-        "Shared",
-        "What all texels see in common is kept once, and sharp. For glossy things; radiance only",
-    ),
-    (
         "layered",
         "Layered",
         "What surrounds the object, met from each place, and its own light: the best picture, and small",
@@ -72,10 +67,10 @@ AUTOMATIC = (
     "Automatic",
     "Layered where that goes, or else Buckets; which, and why, is said below",
 )
-# The numbers are explicit because .blend files store them.
+# The numbers are explicit because .blend files store them; 1 was a layout that is no longer there.
 LAYOUTS_OR_AUTOMATIC = (
     (*AUTOMATIC, "NONE", 2),
-    *((*layout, "NONE", number) for layout, number in zip(LAYOUTS, (0, 1, 3), strict=True)),
+    *((*layout, "NONE", number) for layout, number in zip(LAYOUTS, (0, 3), strict=True)),
 )
 
 SPLITS = (
@@ -97,17 +92,6 @@ COMPRESSIONS = (
     ("zip", "ZIP", "Exact, and small"),
     ("piz", "PIZ", "Exact, and often smaller where there is noise, but slower to read"),
     ("dwaa", "DWAA", "Much smaller, and a little light is lost where it differs little"),
-)
-
-# How the size of the shared layout's textures is limited.
-LIMITS = (
-    ("none", "Full", "Every texel keeps buckets of its own: the best picture, and the largest files"),
-    ("budget", "Size", "Texels that are alike share buckets, until the textures take no more than this"),
-    (
-        "target",
-        "Quality",
-        "Texels that are alike share buckets, as few as come this near to the full bake",
-    ),
 )
 
 TARGETS = (

@@ -42,9 +42,6 @@ STOCK = (
 PRESET_NAMES = (
     "kind",
     "atlas_layout",
-    "limit",
-    "budget",
-    "target",
     "texels",
     "bucket",
     "samples",

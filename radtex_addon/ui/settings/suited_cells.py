@@ -8,11 +8,11 @@ from ...bake.kinds import Layout, form_in
 from ...bake.spec import parse_kind, parse_layout
 
 
-def suited_bucket(kind: str, layout: str, limit: str) -> int:
-    """Default bucket size for this kind, layout and limit, in cells along a side."""
+def suited_bucket(kind: str, layout: str) -> int:
+    """Default bucket size for this kind and layout, in cells along a side."""
     traits = parse_kind(kind).traits
     if traits.form is not None:
         return traits.form.cells
-    if layout == "auto":
+    if layout in ("auto", ""):  # empty: an earlier version saved a layout that is no longer there
         return (Layout.LAYERED if traits.looks_at_surface else Layout.BUCKETS).cells
-    return form_in(parse_layout(layout), condensed=limit != "none").cells
+    return form_in(parse_layout(layout)).cells

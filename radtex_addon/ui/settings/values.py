@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from ...bake.kinds import KindTraits, Layout, form_in
 from ...bake.memory_limits import check_memory
-from ...bake.spec import BakeSpec, Compression, Layer, View, parse_kind, parse_layout
+from ...bake.spec import BakeSpec, Layer, View, parse_kind, parse_layout
 from ...core.errors import InputError
 from ...scene.proxy_content import EVERYTHING
 from .bake_settings import NAMES, BakeSettings
@@ -19,37 +19,30 @@ from .suited_cells import suited_bucket
 if TYPE_CHECKING:
     from ...job import OpenLayout
 
-_MEGABYTE = 1e6
 _BUCKET_NAMED = "bucket_named"  # key in values: true if the number of cells was given explicitly
 
 
 def values_of(settings: BakeSettings) -> dict[str, Any]:
     """A scene's settings by name."""
-    return {name: getattr(settings, name) for name in NAMES}
+    values = {name: getattr(settings, name) for name in NAMES}
+    if not values["atlas_layout"]:  # an earlier version saved a layout that is no longer there
+        values["atlas_layout"] = "auto"
+        values["bucket"] = suited_bucket(values["kind"], "auto")
+    return values
 
 
 def values_with(settings: BakeSettings, arguments: BakeSettings, given: Iterable[str]) -> dict[str, Any]:
     """A scene's settings, overridden by the names in `given` from `arguments`.
 
-    If kind, layout, limit, budget or target is overridden but not the cells, the cells get the new default.
+    If kind or layout is overridden but not the cells, the cells get the new default.
     """
     named = set(given)
     values = values_of(settings) | {name: getattr(arguments, name) for name in NAMES if name in named}
-    if "atlas_layout" not in named and values["atlas_layout"] == "auto":
-        _size_shared(values, named)
     if "bucket" in named:
         values[_BUCKET_NAMED] = True
-    elif named & {"kind", "atlas_layout", "limit", "budget", "target"}:
-        values["bucket"] = suited_bucket(values["kind"], values["atlas_layout"], values["limit"])
+    elif named & {"kind", "atlas_layout"}:
+        values["bucket"] = suited_bucket(values["kind"], values["atlas_layout"])
     return values
-
-
-def _size_shared(values: dict[str, Any], named: set[str]) -> None:
-    """Select the shared layout if a size or quality limit is given without a layout; else set no limit."""
-    if "limit" not in named:
-        values["limit"] = next((name for name in ("budget", "target") if name in named), "none")
-    if values["limit"] != "none":
-        values["atlas_layout"] = "shared"
 
 
 def open_layout_of(values: Mapping[str, Any]) -> OpenLayout | None:
@@ -62,7 +55,7 @@ def open_layout_of(values: Mapping[str, Any]) -> OpenLayout | None:
     if values["atlas_layout"] != "auto" or _kind_in(values).form:
         return None
     cells: int = values["bucket"]
-    brought = suited_bucket(values["kind"], "auto", "none")
+    brought = suited_bucket(values["kind"], "auto")
     return OpenLayout(cells if values.get(_BUCKET_NAMED) or cells != brought else None)
 
 
@@ -77,11 +70,10 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
     plain_only = kind.form is not None or open_layout is not None
     layout = Layout.BUCKETS if plain_only else parse_layout(values["atlas_layout"])
     cells = values["bucket"] if open_layout is None else open_layout.cells
-    asked = form_in(layout, condensed=False)
+    asked = form_in(layout)
     lasting = asked.accumulates and kind.accumulates
     layered = asked.layers and kind.layers
     sourced = asked.source and kind.source and values["source"]
-    limit = values["limit"] if asked.condenses else "none"
     spec = BakeSpec(
         kind=values["kind"],
         layout=layout,
@@ -94,10 +86,8 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
         padding=values["padding"],
         device=wishes.device,
         memory_mb=wishes.memory_mb,
-        budget=round(values["budget"] * _MEGABYTE) if limit == "budget" else None,
-        target=values["target"] if limit == "target" else None,
-        half=limit != "none" or not kind.full_floats or not values["full_floats"],
-        compression=Compression.ZIP if limit != "none" else values["compression"],
+        half=not kind.full_floats or not values["full_floats"],
+        compression=values["compression"],
         layers=tuple(layer for layer in Layer if layer.value in values["layers"]) if layered else (),
         split=None if values["split"] == "none" else values["split"],
         part=values["part"] or None if values["split"] != "none" else None,

@@ -28,7 +28,6 @@ DIGESTS = "digests.json"
 Digests: TypeAlias = dict[str, dict[str, str]]  # of each kind's files, by name
 
 TINY = BakeSpec(texels=12, bucket=4, samples=4, half=False)
-SHARED = BakeSpec(layout=Layout.SHARED, texels=12, bucket=4, samples=1, half=False)
 KINDS: dict[str, BakeSpec] = {
     "radiance": TINY,
     "layers": replace(TINY, layers=tuple(Layer)),
@@ -46,8 +45,7 @@ KINDS: dict[str, BakeSpec] = {
     "source": replace(TINY, source=CORE),
     "accumulate": TINY,
     "refresh": TINY,
-    "shared": SHARED,
-    "condensed": BakeSpec(layout=Layout.SHARED, texels=12, bucket=14, samples=1, target=30.0),
+    "layered": BakeSpec(layout=Layout.LAYERED, texels=12, samples=1),
 }
 AGAIN: dict[str, dict[str, Any]] = {
     "accumulate": {"accumulate": True, "samples": 4},

@@ -7,8 +7,8 @@
     python -m tests.bench.fidelity --quick --tuning    and a view to tune on
     python -m tests.bench.fidelity --lottery 16 --seed 7    scenes drawn by chance, the worst first
     python -m tests.bench.fidelity --scenes glass,ceramic --methods plain --out DIR
-    python -m tests.bench.fidelity --methods shared --texels 256
-    python -m tests.bench.fidelity --methods shared --samples 1     a sixteenth of the paths
+    python -m tests.bench.fidelity --methods layered --texels 256
+    python -m tests.bench.fidelity --methods layered --samples 1     a sixteenth of the paths
 
 Prints tables, and leaves them with figures.json and a sheet of pictures per scene in DIR. References are
 rendered where the user's cache folder lacks them. A method is a module in methods/ with a `make` of its own.

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A stage captured as for the shared layout: the paths that other ways to bake are fed as well."""
+"""A stage captured for baselines: its single paths, and what else they are made of."""
 
 from __future__ import annotations
 
@@ -17,8 +17,7 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.bake.rays import FINER
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.shared import bilinear
-from radtex_addon.cycles.shared_capture import SharedCapture, capture_shared
+from radtex_addon.core.bilinear import bilinear
 from radtex_addon.forms.layered.capture.opacity import find_alpha_map
 from radtex_addon.forms.layered.capture.surface_alone import surface_alone
 from radtex_addon.prepare.prepared import Prepared, prepare
@@ -29,6 +28,7 @@ from radtex_addon.scene.scratch import scratch_scene
 from .engine_material import Inputs, read_inputs
 from .lightmaps import texture_bytes
 from .scenes import Stage
+from .single_paths import Rays, SinglePaths, trace_paths
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class Captured:
     everywhere: light and colour are premultiplied by it, inputs are not.
     """
 
-    capture: SharedCapture
+    capture: SinglePaths
     prepared: Prepared
     matrix_world: Floats
     paths: int
@@ -78,7 +78,9 @@ def capture_stage(stage: Stage, spec: BakeSpec, folder: Path, inputs: bool = Fal
         prepared = finished(prepare(scratch, [item], spec, kept))
         texels, finer = prepared.texels(), prepared.texels(FINER)
         mesh, matrix = prepared.mesh, prepared.matrix_world
-        steps = capture_shared(scratch, item, mesh, matrix, texels, finer, spec.rays, spec.seed, folder)
+        steps = trace_paths(
+            scratch, item, mesh, matrix, texels, finer, Rays.of(spec.samples), spec.seed, folder
+        )
         capture = finished(steps)
         fine = plan_capture(finer, 1)
         found = read_inputs(scratch, item, fine, spec.seed, folder) if inputs else None

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lightmaps made of the shared layout's light samples: means, and how textures are looked up."""
+"""Lightmaps made of light samples: means, and how textures are looked up."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from radtex_addon.bake.blocks import in_blocks, planes
-from radtex_addon.bake.fit import GRAZING
-from radtex_addon.bake.gloss import LUMINANCE
 from radtex_addon.bake.light_samples import LightSamples
 from radtex_addon.bake.plan import plan_of_some
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.bilinear import bilinear
+from radtex_addon.core.colour_spaces import LUMINANCE
 from radtex_addon.core.hemisphere import square_to_direction
-from radtex_addon.core.shared import bilinear
 from radtex_addon.core.solid_angle import cell_solid_angles_sr
-from radtex_addon.cycles.shared_capture import SharedCapture
+from radtex_addon.forms.layered.fit.diffuse import GRAZING
+
+from .single_paths import SinglePaths
 
 _BLACK = 1e-3  # a colour's channel that tells nothing of the light
 BLOCK = 16  # bytes of a block of 4 x 4 texels, in BC6H (HDR) as in BC7
@@ -79,7 +80,7 @@ def up_to_white(values: Floats) -> Floats:
     return limited
 
 
-def diffuse_map(capture: SharedCapture, weight: Floats, cut_out: bool = False) -> DiffuseMap:
+def diffuse_map(capture: SinglePaths, weight: Floats, cut_out: bool = False) -> DiffuseMap:
     """The diffuse light of a capture, of samples that count by `weight` (K, S).
 
     The colour pass along the normal is lighter or darker than its mean over viewers, a coat being clearer

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Does a baked object flicker? A camera goes once round it, and sees it with one ray a pixel, as games do.
 
-    python -m tests.bench.fidelity.orbit                                  metal_20, the shared layout
-    python -m tests.bench.fidelity.orbit --scenes metal_20,ceramic --methods shared,probe --texels 64
+    python -m tests.bench.fidelity.orbit                                  metal_20, the layered layout
+    python -m tests.bench.fidelity.orbit --scenes metal_20,ceramic --methods layered,probe --texels 64
 
 Each method's pictures g, of one ray a pixel, are held against its own supersampled ones s, of 4 x 4 rays.
 Flicker is what changes between successive frames t of g without changing in s:
@@ -77,7 +77,7 @@ def main() -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--scenes", default="metal_20", help="of " + ", ".join(SCENES))
-    parser.add_argument("--methods", default="shared", help="modules in methods/")
+    parser.add_argument("--methods", default="layered", help="modules in methods/")
     parser.add_argument("--texels", type=int, default=128, help="along each side of the atlas (128)")
     parser.add_argument("--samples", type=int, default=16, help="as of bake.py --samples (16)")
     parser.add_argument("--frames", type=int, default=60, help="of the whole turn (60)")

@@ -14,14 +14,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from radtex_addon.bake.fit import FAR
-from radtex_addon.bake.light_samples import SurroundingsSamples
-from radtex_addon.bake.surroundings import Surroundings, nearness_map
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.frame import fallback_tangent, orthonormal_frame
 from radtex_addon.core.octahedron import cell_directions, direction_to_octahedron, sample_octahedron
+from radtex_addon.forms.layered.lookup.blurred_levels import mean_map
 
 from .lightmaps import texture_bytes
+from .single_paths import SurroundingsSamples, nearness_map
 
 SIZE = 256  # cells along the sides of the sharpest picture: about a cube map's of 104 pixels
 LEVELS = (  # roughness and size of each level; engines have fewer
@@ -32,6 +31,7 @@ _RAYS = 192  # of a blurred texel
 _ROUNDS = 4
 _CHOICES = 129  # of a side's nearness, tried in every round
 _FAR = 1e6
+FAR = 100.0  # distance of the world, in object sizes
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +89,7 @@ class Probe:
         """The probe in the middle of an object that consists of `points` (K, 3)."""
         size = float(np.linalg.norm(np.ptp(points, axis=0)))
         box = Box.around(samples.middle, nearness_map(samples, FAR * size), points)
-        return cls(box, prefiltered(Surroundings.of(samples, SIZE).levels[0]))
+        return cls(box, prefiltered(mean_map(samples.direction, samples.radiance, SIZE)))
 
     def look(self, position: Floats, direction: Floats, roughness: Floats) -> Floats:
         """Light from unit directions at positions (K, 3), blurred by roughness (K,): (K, 3) float32."""

@@ -36,7 +36,7 @@ CAPTIONS = {
         "reflection).",
         "The ball is bent around the bubble, which keeps it out of its rim and shows it a second time, "
         "small. All outlines are soft and grainy, that of the bubble most, where light turns faster than "
-        "cells and texels can follow. In a studio's sharper light, the shared layout came to 14 dB.",
+        "cells and texels can follow.",
     ),
     "alpha": Caption(
         "Transparency",

@@ -9,7 +9,7 @@ import type { Filter, Stage } from "./parts";
 import { lightMaterial, shown, TONES } from "./shaders";
 import type { SurfacePoint, Viewer } from "./viewer";
 
-const SYNTHETIC = 32; // cells a side of a shared or layered bake's bucket, which is made for the inspector
+const SYNTHETIC = 32; // cells a side of a layered bake's bucket, which is made for the inspector
 
 /** What the inspector knows of a point; light is linear, premultiplied RGBA. */
 export interface Inspection {
@@ -24,7 +24,7 @@ export interface Inspection {
   light: number[];
   /** Cells a side. */
   side: number;
-  /** Whether the bucket is stored so; that of a shared or layered bake is looked up. */
+  /** Whether the bucket is stored so; that of a layered bake is looked up. */
   stored: boolean;
   /** All cells, the lowest row first. */
   bucket: Float32Array;
@@ -63,7 +63,7 @@ export class Inspector {
       return;
     }
     const { bake } = viewer.manifest;
-    const stored = bake.layout !== "shared" && bake.layout !== "layered";
+    const stored = bake.layout !== "layered";
     const side = stored ? bake.bucket : SYNTHETIC;
     const texel = point.uv.map((along, axis) => {
       const count = bake.texels[axis] as number;

@@ -6,7 +6,7 @@ import { Mesh, NoColorSpace, type Texture, TextureLoader, WebGLRenderer } from "
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
 
 import { fetchBytes, fileUrl } from "./fetching";
-import { fileName, type Manifest, readManifest } from "./manifest";
+import { fileName, readManifest } from "./manifest";
 import { Problem } from "./problem";
 import { loadTextures } from "./textures";
 import { Viewer } from "./viewer";
@@ -18,7 +18,7 @@ export async function load(stage: HTMLElement, canvas: HTMLCanvasElement, tell: 
   tell("Reading the manifest");
   const manifest = await readManifest(url);
   tell("Loading the mesh");
-  const meshes = await loadMeshes(fileUrl(manifest.mesh, url), manifest);
+  const meshes = await loadMeshes(fileUrl(manifest.mesh, url));
   const flat = await loadFlat(fileUrl(manifest.flat, url));
   tell("Loading textures");
   const textures = await loadTextures(renderer, manifest, url, (done, all) => tell(`Loading textures: ${done} of ${all}`));
@@ -61,7 +61,7 @@ function rendererOn(canvas: HTMLCanvasElement): WebGLRenderer {
   return renderer;
 }
 
-async function loadMeshes(url: URL, manifest: Manifest): Promise<Mesh[]> {
+async function loadMeshes(url: URL): Promise<Mesh[]> {
   const bytes = await fetchBytes(url);
   let scene;
   try {
@@ -78,7 +78,7 @@ async function loadMeshes(url: URL, manifest: Manifest): Promise<Mesh[]> {
     mesh.userData["radtexMaterial"] = (own?.userData["radtex_material"] as number | undefined) ?? 0;
     meshes.push(mesh);
   });
-  const wanted = ["position", "normal", "uv", ...(manifest.bake.layout === "shared" ? [] : ["tangent"])];
+  const wanted = ["position", "normal", "uv", "tangent"];
   const lacking = wanted.filter((name) => meshes.some((mesh) => !mesh.geometry.hasAttribute(name)));
   if (!meshes.length || lacking.length) {
     throw new Problem(`${fileName(url)} lacks ${lacking.join(" and ") || "a mesh"}`, "Export the object again.");

@@ -10,7 +10,6 @@ export const VERSION = 1;
 
 export type Size = [number, number];
 export type PixelFormat = "RGB9E5" | "RGBA16F" | "BC6H" | "BC5" | "BC7" | "RGBA8" | "R32UI" | "RG32UI";
-export type Lobe = "mirror" | "through";
 
 /** One texture of the export; sizes are in pixels or texels, x first. */
 export interface TextureEntry {
@@ -24,24 +23,6 @@ export interface TextureEntry {
   levels: number;
   pages: Size;
   page_texels: Size;
-}
-
-/** A condensed lobe's clusters, and the ranges of its textures' values. */
-export interface CondensedLobe {
-  clusters: number;
-  ends: number[][];
-  gain: number[][];
-  rest: number[][];
-}
-
-/** What the sidecar of a shared bake says beyond that of a plain one. */
-export interface SharedFacts {
-  colour: Size;
-  surroundings: number;
-  levels: number;
-  falloff: number[][];
-  lobes: Lobe[];
-  condensed?: { rank: number; columns: number; lobes: Record<Lobe, CondensedLobe> };
 }
 
 /** The values of shader uniforms, by name: vectors of four numbers, or arrays of such. */
@@ -61,11 +42,10 @@ export interface ShaderFacts {
 /** The bake's sidecar, as far as the page reads it. */
 export interface Sidecar {
   kind: Kind;
-  layout: "buckets" | "shared" | "sphere" | "layered";
+  layout: "buckets" | "sphere" | "layered";
   texels: Size;
   bucket: number;
   samples: number;
-  shared?: SharedFacts;
   /** Of kind transfer; views along a side where it was seen from around. */
   transfer?: { view: "normal" | "camera" | "around"; views?: number };
 }
@@ -112,11 +92,16 @@ export async function readManifest(url: URL): Promise<Manifest> {
       `${manifest.tool ?? "A newer RadTex"} wrote it: take the page that the same export made.`,
     );
   }
-  if (!["buckets", "shared", "sphere", "layered"].includes(layout) || !(texels?.length === 2) || !(bucket >= 1)) {
+  if ((layout as string) === "shared") {
+    throw new Problem(
+      `${fileName(url)} is of a bake in the shared layout, which this page no longer shows`,
+      "Bake the object again and export it, or take the page that the same export made.",
+    );
+  }
+  if (!["buckets", "sphere", "layered"].includes(layout) || !(texels?.length === 2) || !(bucket >= 1)) {
     throw damaged(url, "its “bake” is no sidecar that this page knows");
   }
   if (layout === "layered" && !manifest.shader?.materials?.length) throw damaged(url, "it has no “shader”");
-  if (layout === "shared" && !manifest.bake.shared) throw damaged(url, "its “bake” has no “shared”");
   return manifest;
 }
 

@@ -18,7 +18,6 @@ const FILTER_WORDS: Record<Filter, [string, string]> = {
   linear: ["Linear", "One texel, blended between its cells"],
   quadrilinear: ["Quadrilinear", "Four texels, each blended between its cells"],
   levels: ["Levels", "Quadrilinear, and mip levels where texels are smaller than pixels"],
-  shared: ["Shared", "The shared layout is looked up in one way"],
   layered: ["Layered", "The layered layout is looked up in one way"],
 };
 const TONE_WORDS: Record<Tone, string> = { none: "None", aces: "ACES", agx: "AgX", neutral: "Neutral" };
@@ -70,8 +69,8 @@ export class Panel {
   /** What is shown, in one line. */
   private describe({ name, bake, textures }: Manifest): void {
     const formats = [...new Set(Object.values(textures).map(({ format }) => format))].join(", ");
-    const several = bake.layout === "shared" || bake.layout === "layered"; // images
-    const layout = bake.shared?.condensed ? "condensed" : several ? `${bake.layout} layout` : "";
+    const several = bake.layout === "layered"; // images
+    const layout = several ? "layered layout" : "";
     const arrangement = several ? "" : textures[bake.kind]?.arrangement;
     const { title, about, way } = KINDS[bake.kind];
     const facts = [

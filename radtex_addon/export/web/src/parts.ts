@@ -2,27 +2,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How each layout and kind is looked up: the shaders that ship with every export, and what they are given.
 
-import condensedLookups from "../../../../shaders/radtex_condensed.glsl";
 import bucketLookups from "../../../../shaders/radtex.glsl";
 import shadowLookups from "../../../../shaders/radtex_shadow.glsl";
 import layeredLookups from "../../../../shaders/radtex_layered.glsl";
 import throughLookups from "../../../../shaders/radtex_layered_through.glsl";
-import sharedLookups from "../../../../shaders/radtex_shared.glsl";
 import transferLookups from "../../../../shaders/radtex_transfer.glsl";
 import { BASE, bucketsOf, SUM, WHOLE } from "./layers";
-import type { Lobe, Manifest, ShaderFacts, Sidecar, UniformValues } from "./manifest";
+import type { Manifest, ShaderFacts, Sidecar, UniformValues } from "./manifest";
 import { Problem } from "./problem";
 import bucketLight from "./shaders/buckets.glsl";
 import layeredLight from "./shaders/layered.glsl";
-import lobeLight from "./shaders/lobe.glsl";
 import shadowLight from "./shaders/shadow.glsl";
-import sharedLight from "./shaders/shared.glsl";
-import sharedImages from "./shaders/shared_images.glsl";
 import transferLight from "./shaders/transfer.glsl";
 import { sunlight } from "./sun";
 import type { Loaded } from "./textures";
 
-export type Filter = "nearest" | "linear" | "quadrilinear" | "levels" | "shared" | "layered";
+export type Filter = "nearest" | "linear" | "quadrilinear" | "levels" | "layered";
 
 /** What is drawn: the mesh, the inspector's picture of one bucket, or its three pixels of numbers. */
 export type Stage = "mesh" | "bucket" | "probe";
@@ -43,7 +38,6 @@ export function partsOf(
 ): Parts {
   const { bake } = manifest;
   if (bake.layout === "layered") return layeredParts(manifest.shader as ShaderFacts, textures, stage, material);
-  if (bake.layout === "shared") return sharedParts(bake, textures, stage);
   const loaded = needed(textures, bucketsOf(layer, bake.kind));
   if (bake.kind === "shadow") return shadowParts(bake, loaded, stage);
   if (bake.kind === "transfer") return transferParts(bake, loaded, stage);
@@ -129,38 +123,6 @@ function transferParts(bake: Sidecar, loaded: Loaded, stage: Stage): Parts {
   return [[...defines, bucketLookups, transferLookups, transferLight].join("\n"), uniforms];
 }
 
-function sharedParts(bake: Sidecar, textures: Map<string, Loaded>, stage: Stage): Parts {
-  const facts = bake.shared as NonNullable<Sidecar["shared"]>;
-  const { condensed } = facts;
-  const defines = [
-    "#define RADTEX_HARDWARE_LINEAR",
-    `#define RADTEX_FALLOFF ${facts.falloff.length}`,
-    "#define RADTEX_NO_DERIVATIVES",
-    condensed ? `#define CONDENSED\n#define RADTEX_RANK ${condensed.rank}` : "",
-    ...facts.lobes.map((lobe) => `#define ${lobe.toUpperCase()}`),
-  ];
-  const uniforms: Uniforms = {
-    u_fine: { value: facts.colour },
-    u_texels: { value: bake.texels },
-    u_bucket: { value: bake.bucket },
-    u_around: { value: [facts.surroundings, facts.levels] },
-    u_falloff: { value: facts.falloff.flat() },
-  };
-  const parts = condensed ? ["weights", "ends_xy", "ends_zs", "gain", "rest"] : ["ends", "gain", "rest"];
-  const layers = facts.lobes.flatMap((lobe) => parts.map((part) => `${lobe}_${part}`));
-  for (const layer of ["colour", "irradiance", "surroundings", ...layers]) {
-    uniforms[`u_${layer}`] = { value: needed(textures, layer).texture };
-  }
-  if (condensed) {
-    uniforms["u_columns"] = { value: condensed.columns };
-    for (const lobe of facts.lobes) uniforms[`u_${lobe}_ranges`] = { value: rangesOf(condensed.lobes, lobe) };
-  }
-  const lookups = condensed ? [sharedLookups, condensedLookups] : [sharedLookups];
-  if (stage !== "mesh") lookups.unshift(bucketLookups); // for the surface's frame
-  const lobes = facts.lobes.map((lobe) => lobeLight.replaceAll("LOBE", lobe));
-  return [[...defines, ...lookups, sharedImages, ...lobes, sharedLight].join("\n"), uniforms];
-}
-
 function layeredParts(facts: ShaderFacts, textures: Map<string, Loaded>, stage: Stage, material: number): Parts {
   const told = Object.entries(facts.defines).map(([name, value]) => `#define ${name} ${value}`);
   const through = "RADTEX_THROUGH" in facts.defines;
@@ -173,12 +135,6 @@ function layeredParts(facts: ShaderFacts, textures: Map<string, Loaded>, stage: 
 
 function valued(values: UniformValues): Uniforms {
   return Object.fromEntries(Object.entries(values).map(([name, value]) => [name, { value: value.flat() }]));
-}
-
-/** The twelve vec4 of radtex_condensed.glsl. */
-function rangesOf(lobes: Record<Lobe, { ends: number[][]; gain: number[][]; rest: number[][] }>, lobe: Lobe): number[] {
-  const { ends, gain, rest } = lobes[lobe];
-  return [...ends, ...gain, ...rest].flatMap((range) => [0, 1, 2, 3].map((place) => range[place] ?? 0));
 }
 
 function needed(textures: Map<string, Loaded>, name: string): Loaded {

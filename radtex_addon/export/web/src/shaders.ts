@@ -39,7 +39,7 @@ export const shown = { toneMappingExposure: { value: 1 }, u_tone: { value: 0 } }
 
 /** How the manifest's textures can be filtered, the best last. */
 export function filtersOf(manifest: Manifest): Filter[] {
-  if (manifest.bake.layout === "shared" || manifest.bake.layout === "layered") return [manifest.bake.layout];
+  if (manifest.bake.layout === "layered") return ["layered"];
   const radiance = manifest.textures[manifest.bake.kind];
   if (!radiance) throw new Problem(`The manifest names no texture “${manifest.bake.kind}”`, "Export the object again.");
   if (KINDS[manifest.bake.kind].way === "L") return ["quadrilinear"];
@@ -64,7 +64,7 @@ export function lightMaterial(
 
 function hasAlpha({ bake }: Manifest, textures: Map<string, Loaded>): boolean {
   if (bake.layout === "layered") return textures.has("alpha");
-  return bake.layout !== "shared" && [...textures.values()].some(({ entry }) => entry.format === "RGBA16F");
+  return [...textures.values()].some(({ entry }) => entry.format === "RGBA16F");
 }
 
 /** The flat lightmap on the mesh. */

@@ -23,7 +23,6 @@ from ....core.arrays import Bools, Floats, Ints
 from ....cycles.find_hidden import find_hidden
 from ....cycles.path_ends import path_ends
 from ....cycles.sampling import capture_ends, capture_samples
-from ....cycles.shared_capture import reach_of
 from ....prepare.prepared import Prepared
 from ....scene.mesh.surrounding_shapes import Beside, read_beside
 from ....scene.scratch import scene_copied
@@ -39,6 +38,8 @@ from .own_rays import capture_own_rays, corner_uvs, own_aim, own_samples
 from .panoramas import look_around
 from .stored_surroundings import around_of, arrays_of
 from .surface_alone import Clear, surface_alone
+
+_OUTSIDE = 1.05  # times the object's radius: a sphere around it
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,3 +199,10 @@ def _materials(mesh: bpy.types.Mesh) -> Ints:
     faces = np.empty(len(mesh.polygons), dtype=np.int32)
     cast(Any, mesh.polygons).foreach_get("material_index", faces)
     return faces
+
+
+def reach_of(plan: CapturePlan) -> tuple[Floats, float]:
+    """The middle of the plan's points, (3,) float32, and the radius of a sphere around all of them."""
+    places = plan.points
+    middle: Floats = ((places.min(axis=0) + places.max(axis=0)) / 2).astype(np.float32)
+    return middle, _OUTSIDE * max(float(np.linalg.norm(places - middle, axis=1).max()), 1e-6)

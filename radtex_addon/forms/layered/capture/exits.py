@@ -18,10 +18,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ....bake.gloss import LUMINANCE
 from ....bake.plan import CapturePlan
 from ....bake.spec import Kind
 from ....core.arrays import Floats
+from ....core.colour_spaces import LUMINANCE
 from ....cycles.passes import Passes, raw_light_of
 from ....cycles.path_ends import TURNS, PathEnds, any_dark, from_directions, path_ends
 from ....cycles.portal import Aim, PortalCapture

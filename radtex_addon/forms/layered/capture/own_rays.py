@@ -10,13 +10,11 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from ....bake.gloss import LobeSamples
 from ....bake.kinds import Kind
-from ....bake.light_samples import spread_shifts
+from ....bake.light_samples import Axis, LobeSamples, spread_shifts
 from ....bake.plan import CapturePlan
 from ....core.arrays import Bools, Floats, Ints
 from ....core.gutter import nearest_covered
-from ....core.shared import Axis
 from ....core.surface import SurfaceMesh
 from ....cycles.building_blocks import float_image
 from ....cycles.path_ends import path_ends

@@ -16,7 +16,9 @@ import numpy as np
 
 from ....bake.rays import NEAR_SAMPLES, NEAR_WIDTH, WORLD_WIDTH, panorama_paths
 from ....core.arrays import Floats
+from ....core.colour_spaces import converted
 from ....formats.containers.exr import read_render
+from ....formats.render_space import render_matrix
 from ....scene.scratch import render_scene
 from ..cells import PICTURE_SIZE
 from ..lookup.environment import Impostor, Layer, Pictures, Plane
@@ -170,7 +172,7 @@ class _Camera:
     def render(
         self, width: int, samples: int, denoise: bool = False, position: bool = False
     ) -> dict[str, Floats]:
-        """The picture's passes by their names, (H, W, C), rows from the bottom."""
+        """The picture's passes by their names, (H, W, C), rows from the bottom; light in Rec.709."""
         scene = self._scene
         render, cycles = scene.render, cast(Any, scene).cycles
         cast(Any, render).engine = "CYCLES"
@@ -188,6 +190,9 @@ class _Camera:
         render.filepath = str(path)
         render_scene(scene, write=True)
         found = {name.rpartition(".")[2] or "Combined": pixels for name, pixels in read_render(path).items()}
+        light, matrix = found["Combined"], render_matrix(path)
+        if matrix is not None:
+            light[..., :3] = np.maximum(converted(light[..., :3], matrix), 0)
         path.unlink()
         return found
 

@@ -239,7 +239,7 @@ class LayeredSidecar:
                 Lamp(_vector(lamp, "place"), _vector(lamp, "irradiance"), lamp.positive("variance"))
                 for lamp in _objects(layered, "lamps", _MOST_LAMPS)
             ),
-            falloff=np.array([_table(material, "falloff") for material in materials], dtype=np.float32),
+            falloff=_floats([_table(material, "falloff") for material in materials]),
             materials=tuple(map(_material, materials)),
             through=None
             if through is None
@@ -298,11 +298,11 @@ def _material(facts: Facts) -> Material:
     lobes = _objects(facts, "lobes", LOBES)
     if len(lobes) != LOBES:
         raise FormatError(f"{facts.source} has {len(lobes)} lobes, expected {LOBES}")
-    weight = np.array([_table(lobe, "weight") for lobe in lobes], dtype=np.float32)
-    variance = np.array([lobe.numbers("variance", STEPS) for lobe in lobes], dtype=np.float32)
+    weight = _floats([_table(lobe, "weight") for lobe in lobes])
+    variance = _floats([lobe.numbers("variance", STEPS) for lobe in lobes])
     if variance.min() <= 0:
         raise FormatError(f"{facts.source} has a lobe whose variance is not above 0")
-    return Material(weight, variance, np.array(facts.numbers("bend", STEPS), dtype=np.float32))
+    return Material(weight, variance, _floats(facts.numbers("bend", STEPS)))
 
 
 def _objects(facts: Facts, key: str, most: int) -> list[Facts]:
@@ -322,7 +322,13 @@ def _table(facts: Facts, key: str) -> tuple[tuple[float, float, float], ...]:
 
 
 def _vector(facts: Facts, key: str) -> Floats:
-    return np.array(facts.numbers(key, 3), dtype=np.float32)
+    return _floats(facts.numbers(key, 3))
+
+
+def _floats(values: Any) -> Floats:
+    """As float32; numbers beyond its range become infinite, which `from_facts` refuses."""
+    with np.errstate(over="ignore"):
+        return np.array(values, dtype=np.float32)
 
 
 def _short(number: float) -> float:

@@ -15,13 +15,12 @@ from typing import cast
 import numpy as np
 
 from ....bake.blocks import in_blocks, planes
-from ....bake.gloss import LUMINANCE, LobeSamples
-from ....bake.light_samples import LightSamples, straight_through
+from ....bake.light_samples import Axis, LightSamples, LobeSamples, straight_through
 from ....bake.plan import CapturePlan
 from ....bake.pooling import Neighbours, Taps
 from ....core.arrays import Bools, Floats
+from ....core.colour_spaces import LUMINANCE
 from ....core.octahedron import direction_to_octahedron
-from ....core.shared import Axis
 from ..cells import CELLS
 from ..lookup.atlas import mirrored_light
 from ..samples import OwnRays

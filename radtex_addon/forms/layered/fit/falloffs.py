@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....bake.fit import fit_diffuse
 from ....bake.light_samples import LightSamples
 from ....core.arrays import Floats, Ints
+from .diffuse import fit_diffuse
 
 _FAINT = 0.02  # of what a material mirrors: of less diffuse light no falloff is told
 _MOST = 8.0  # times the light along the normal

@@ -11,15 +11,13 @@ from typing import cast
 import numpy as np
 
 from ....bake.blocks import in_blocks
-from ....bake.fit import facing_of
-from ....bake.gloss import LobeSamples
+from ....bake.light_samples import Axis, LobeSamples
 from ....bake.plan import CapturePlan
 from ....bake.pooling import Neighbours, Taps
 from ....bake.progress import Progress, Stage
 from ....core.arrays import Bools, Floats
 from ....core.gutter import dilate, nearest_covered
 from ....core.octahedron import cell_directions
-from ....core.shared import Axis
 from ..cells import CELLS, COARSER
 from ..lookup.atlas import LayeredAtlas
 from ..lookup.environment import Around
@@ -27,6 +25,7 @@ from ..lookup.lobes import Material
 from ..lookup.ways import Through
 from ..samples import Capture, ExitSamples
 from .buckets import cosines, fit_buckets, turned_samples
+from .diffuse import facing_of
 from .falloffs import fit_falloffs
 from .irradiance import fit_irradiance
 from .lobes import Paths

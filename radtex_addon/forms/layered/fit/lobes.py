@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....bake.gloss import LUMINANCE
 from ....core.arrays import Bools, Floats, Ints
+from ....core.colour_spaces import LUMINANCE
 from ..lookup.lobes import LOBES, STEPS, Material, lobe, towards
 
 _ROUNDS = 40

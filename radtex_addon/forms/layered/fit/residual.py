@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 
 from ....bake.blocks import in_blocks, planes
-from ....bake.gloss import LUMINANCE
 from ....bake.pooling import SHARE, WIDER, Neighbours, Taps, upsampled
 from ....core.arrays import Bools, Floats
+from ....core.colour_spaces import LUMINANCE
 
 _STEPS = (1, 2, 4, 8, 14)  # cells along a bucket's side; the last ones are pooled less widely, too
 _DOUBT = 1.0  # times a step's noise: what is no larger is none

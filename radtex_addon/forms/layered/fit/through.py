@@ -11,11 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from ....bake.blocks import in_blocks, planes
-from ....bake.gloss import LobeSamples
-from ....bake.light_samples import EndSamples, LightSamples, straight_through
+from ....bake.light_samples import Axis, EndSamples, LightSamples, LobeSamples, straight_through
 from ....bake.pooling import Neighbours
 from ....core.arrays import Bools, Floats
-from ....core.shared import Axis
 from ..cells import THROUGH_CELLS
 from ..lookup.environment import Around
 from ..lookup.ways import CHANNELS, Through, look_through

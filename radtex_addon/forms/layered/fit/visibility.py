@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....bake.blocks import in_blocks
-from ....bake.gloss import LobeSamples
+from ....bake.light_samples import LobeSamples
 from ....bake.pooling import Neighbours, Taps
 from ....core.arrays import Bools, Floats
 

@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ....bake.gloss import LUMINANCE
 from ....bake.pooling import Neighbours
 from ....core.arrays import Floats
+from ....core.colour_spaces import LUMINANCE
 from ..lookup.lobes import STEPS, Material
 from .lobes import END, SHARPEST, Paths, angles, fit_materials
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from ....bake.pooling import corner_cells, corners
 from ....core.arrays import Floats, Ints
+from ....core.bilinear import bilinear, bilinear_texels
 from ....core.fragments import Fragments
 from ....core.octahedron import direction_to_octahedron
-from ....core.shared import bilinear, bilinear_texels
 from .environment import Around
 from .falloffs import falloff_at
 from .lobes import Material, bent
@@ -30,7 +30,7 @@ _LEAST_LEFT = 0.5  # of the light: the rest, in coarse cells, takes no more away
 class LayeredAtlas:
     """A bake in the layered layout; float32, scene-linear Rec.709, row 0 at v = 0, space the world's.
 
-    `colour` (H', W', 3), `irradiance` (H, W, 3) as in the shared layout, and so each material's `falloff`
+    `colour` (H', W', 3), `irradiance` (H, W, 3), and each material's `falloff`
     (M, B, 3). `tint`
     (H', W', 3): what lobes' weights are multiplied by; `normal` (H', W', 3), the shading normal in world
     space; `width` (H, W, 1): log2 of what lobes' width² is multiplied by; None where they do not vary. `own`

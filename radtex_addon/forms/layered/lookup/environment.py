@@ -11,12 +11,11 @@ from typing import cast
 
 import numpy as np
 
-from ....bake.light_samples import SurroundingsSamples
-from ....bake.surroundings import LevelMaps, Surroundings
 from ....core.arrays import Floats, Ints
 from ....core.gutter import dilate, nearest_covered
 from ....core.octahedron import cell_directions, direction_to_octahedron, octahedron_cell
 from ..cells import DISTANCES
+from .blurred_levels import LevelMaps, blurred_levels
 from .lobes import lobe
 
 STEPS = 2  # by which a ray finds what it meets in such a map
@@ -40,16 +39,14 @@ class Pictures:
         """The means of `values` (P, 3) or (P, 4), seen in unit directions (P, 3), in size x size cells."""
         direction = direction.reshape(-1, 3).astype(np.float32)
         values = values.reshape(len(direction), -1).astype(np.float32)
-        colours = _blurred(direction, values[:, :3], size)
-        levels = colours.levels
+        colours, sharpest = blurred_levels(direction, values[:, :3], size)
+        levels = colours
         if values.shape[1] > 3:
-            alpha = _blurred(direction, np.repeat(values[:, 3:], 3, axis=1), size)
-            both = zip(colours.levels, alpha.levels, strict=True)
+            alpha, _ = blurred_levels(direction, np.repeat(values[:, 3:], 3, axis=1), size)
+            both = zip(colours, alpha, strict=True)
             levels = tuple(np.concatenate([colour, cover[..., :1]], axis=-1) for colour, cover in both)
-        gaussian = cls(levels, colours.sharpest)
-        return cls(
-            (levels[0], *(gaussian._tailed(number) for number in range(1, len(levels)))), colours.sharpest
-        )
+        gaussian = cls(levels, sharpest)
+        return cls((levels[0], *(gaussian._tailed(number) for number in range(1, len(levels)))), sharpest)
 
     def _tailed(self, number: int) -> Floats:
         """A level blurred by a lobe with tails, of levels blurred by Gaussians."""
@@ -84,11 +81,6 @@ class Pictures:
     @cached_property
     def _maps(self) -> LevelMaps:
         return LevelMaps.of(self.levels)
-
-
-def _blurred(direction: Floats, colours: Floats, size: int) -> Surroundings:
-    one = np.ones(len(colours), dtype=np.float32)
-    return Surroundings.of(SurroundingsSamples(np.zeros(3, np.float32), direction, colours, one), size)
 
 
 @dataclass(frozen=True, eq=False)

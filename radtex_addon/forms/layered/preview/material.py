@@ -11,11 +11,10 @@ from typing import Any, cast
 import bpy
 
 from ....core.errors import InputError
-from ....formats.condensed_sizes import Shapes
 from ....formats.containers.exr import Compression, stored_rows, write_rows
 from ....formats.disk.atomic import replacing
 from ....formats.disk.temporary import temporary_folder
-from ....formats.image_files import layer_path
+from ....formats.image_files import Shapes, layer_path
 from ....formats.sidecar_file import AnySidecar, opened
 from ....preview.material import build_frame_group, load_atlas
 from ....preview.node_group import MAX_PIXELS

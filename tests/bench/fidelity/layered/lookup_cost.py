@@ -72,7 +72,7 @@ def main() -> None:
             off[name] = np.abs(found - expected) / (np.abs(expected) + 0.05)
             painters[name] = painter_of(context, model, decoded, lookup)
         print(f"{context.info['GL_RENDERER']}, {options.pixels} x {options.pixels}, {options.rounds} rounds")
-        figures = measured(context, [painters], view_of(model), options.pixels, options.rounds)
+        figures = measured(context, painters, view_of(model), options.pixels, options.rounds)
     print("| lookup | fetches | bytes | a frame, ms | over diffuse | off, mean | off, 99.9 % |")
     print(f"|---|---|---|---|---|---|---|\n| diffuse | 1 | | {figures['diffuse'][0]:.1f} | 1.00 | | |")
     for name, lookup in lookups.items():

@@ -48,7 +48,7 @@ def main() -> None:
     parser.add_argument("--texels", type=int, default=128)
     parser.add_argument("--samples", type=int, default=16)
     options = parser.parse_args()
-    spec = BakeSpec(layout=Layout.SHARED, texels=options.texels, samples=options.samples)
+    spec = BakeSpec(layout=Layout.LAYERED, texels=options.texels, samples=options.samples)
     rows: dict[str, list[float]] = {}
     names = []
     for name, build in chosen_scenes(options).items():

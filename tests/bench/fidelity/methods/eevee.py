@@ -21,7 +21,7 @@ import numpy as np
 from mathutils import Matrix
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.errors import BakeError
 from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.prepare.prepared import prepare
@@ -136,4 +136,4 @@ def _set_up(scene: bpy.types.Scene, pixels: int, samples: int) -> None:
 
 def make(texels: int, samples: int) -> Eevee:
     """Eevee; the texels are those of the mesh's unwrapping, which no picture shows."""
-    return Eevee(BakeSpec(layout=Layout.SHARED, texels=texels, samples=samples))
+    return Eevee(BakeSpec(texels=texels, samples=samples))

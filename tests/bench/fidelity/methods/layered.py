@@ -85,4 +85,4 @@ class Layered:
 
 def make(texels: int, samples: int) -> Layered:
     """The layered layout with no more paths than the plain one spends with 8 x 8 cells."""
-    return Layered(BakeSpec(layout=Layout.SHARED, texels=texels, samples=samples))
+    return Layered(BakeSpec(layout=Layout.LAYERED, texels=texels, samples=samples))

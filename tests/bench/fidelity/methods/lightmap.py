@@ -16,8 +16,8 @@ from time import perf_counter
 import numpy as np
 
 from radtex_addon.bake.pooling import Neighbours
-from radtex_addon.bake.spec import BakeSpec, Layout
-from radtex_addon.core.shared import bilinear
+from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.core.bilinear import bilinear
 from radtex_addon.forms.layered.fit.harmonics import pooled
 from radtex_addon.report.gbuffer import Array, GBuffer
 
@@ -62,5 +62,5 @@ class Lightmap:
 
 
 def make(texels: int, samples: int) -> Lightmap:
-    """The flat lightmap of the paths that the shared layout takes."""
-    return Lightmap(BakeSpec(layout=Layout.SHARED, texels=texels, samples=samples))
+    """The flat lightmap of a stage's single paths."""
+    return Lightmap(BakeSpec(texels=texels, samples=samples))

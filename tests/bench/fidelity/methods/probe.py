@@ -15,9 +15,9 @@ from time import perf_counter
 
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
-from radtex_addon.core.shared import bilinear
+from radtex_addon.core.bilinear import bilinear
 from radtex_addon.report.gbuffer import Array, GBuffer
 
 from ..captured import capture_stage
@@ -207,5 +207,5 @@ class ReflectionProbe:
 
 
 def make(texels: int, samples: int) -> ReflectionProbe:
-    """The probe and lightmap of the paths that the shared layout takes."""
-    return ReflectionProbe(BakeSpec(layout=Layout.SHARED, texels=texels, samples=samples))
+    """The probe and lightmap of a stage's single paths."""
+    return ReflectionProbe(BakeSpec(texels=texels, samples=samples))

@@ -16,9 +16,9 @@ from time import perf_counter
 import numpy as np
 
 from radtex_addon.bake.pooling import Neighbours
-from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.core.bilinear import bilinear
 from radtex_addon.core.hemisphere import square_to_direction
-from radtex_addon.core.shared import bilinear
 from radtex_addon.forms.layered.fit.harmonics import COUNT, basis, fit_harmonics
 from radtex_addon.report.gbuffer import Array, GBuffer
 
@@ -71,5 +71,5 @@ class HarmonicsLightmap:
 
 
 def make(texels: int, samples: int) -> HarmonicsLightmap:
-    """The lightmap of spherical harmonics of the paths that the shared layout takes."""
-    return HarmonicsLightmap(BakeSpec(layout=Layout.SHARED, texels=texels, samples=samples))
+    """The lightmap of spherical harmonics of a stage's single paths."""
+    return HarmonicsLightmap(BakeSpec(texels=texels, samples=samples))

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One bucket, a pixel a cell, for the inspector. Shared and layered bakes have none in the surface's frame: they are looked up there.
+// One bucket, a pixel a cell, for the inspector. Layered bakes have none in the surface's frame: they are looked up there.
 
 uniform ivec2 u_texel;
 uniform int u_side;

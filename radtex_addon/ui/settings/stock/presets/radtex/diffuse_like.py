@@ -8,7 +8,6 @@ radtex = bpy.context.scene.radtex  # type: ignore[union-attr]  # ours, not Blend
 
 radtex.kind = "radiance"
 radtex.atlas_layout = "buckets"
-radtex.limit = "none"
 radtex.texels = 128
 radtex.bucket = 4
 radtex.samples = 64

@@ -7,8 +7,7 @@ import bpy
 radtex = bpy.context.scene.radtex  # type: ignore[union-attr]  # ours, not Blender's
 
 radtex.kind = "radiance"
-radtex.atlas_layout = "shared"
-radtex.limit = "none"
+radtex.atlas_layout = "layered"
 radtex.texels = 64
-radtex.bucket = 10
+radtex.bucket = 14
 radtex.samples = 2

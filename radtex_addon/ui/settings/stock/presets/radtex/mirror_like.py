@@ -8,7 +8,6 @@ radtex = bpy.context.scene.radtex  # type: ignore[union-attr]  # ours, not Blend
 
 radtex.kind = "radiance"
 radtex.atlas_layout = "layered"
-radtex.limit = "none"
 radtex.texels = 192
 radtex.bucket = 14
 radtex.samples = 16
