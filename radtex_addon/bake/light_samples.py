@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import cast
+from typing import TypeAlias, cast
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from .blocks import planes
 from .plan import CapturePlan
 
 ALL = slice(None)  # all texels
+Some: TypeAlias = slice | Ints  # of the texels
 
 
 class Axis(StrEnum):
@@ -75,18 +76,18 @@ class LobeSamples:
     values: Floats
     used: Bools
 
-    def along(self, some: slice) -> tuple[Floats, Floats]:
+    def along(self, some: Some) -> tuple[Floats, Floats]:
         """The axes of some texels' samples, (3, k, S), and their places on the octahedron, (2, k, S)."""
         towards = mirrored if self.axis is Axis.MIRROR else straight_through
         axis = planes(towards(self.plan, self.square[some].astype(np.float32), some))
         return axis, planes(direction_to_octahedron(np.moveaxis(axis, 0, -1)))
 
-    def seen(self, some: slice) -> Floats:
+    def seen(self, some: Some) -> Floats:
         """Some texels' values, (3, k, S); 0 for samples that do not count."""
         return np.where(self.used[some], planes(self.values[some]), np.float32(0))
 
 
-def mirrored(plan: CapturePlan, square: Floats, some: slice = ALL) -> Floats:
+def mirrored(plan: CapturePlan, square: Floats, some: Some = ALL) -> Floats:
     """World mirror directions R of viewers at bucket coordinates B: (K, S, 2) -> (K, S, 3) float32.
 
     `some` are the texels that `square` belongs to.
@@ -94,12 +95,12 @@ def mirrored(plan: CapturePlan, square: Floats, some: slice = ALL) -> Floats:
     return _to_world(plan, mirror_direction(square_to_direction(square)), some)
 
 
-def straight_through(plan: CapturePlan, square: Floats, some: slice = ALL) -> Floats:
+def straight_through(plan: CapturePlan, square: Floats, some: Some = ALL) -> Floats:
     """World directions -I in which viewers at bucket coordinates B look; arguments as for `mirrored`."""
     return _to_world(plan, -square_to_direction(square), some)
 
 
-def _to_world(plan: CapturePlan, local: Floats, some: slice) -> Floats:
+def _to_world(plan: CapturePlan, local: Floats, some: Some) -> Floats:
     local = local.astype(np.float32)
     count = len(plan.texel)
     tangent, bitangent, normal = (

@@ -19,7 +19,6 @@ from .blocks import in_blocks, side_by_side
 from .plan import CapturePlan
 
 _KERNEL = np.array([0.054489, 0.244201, 0.402620, 0.244201, 0.054489], dtype=np.float32)  # sigma 1 texel
-_WIDE = 3  # texels between the taps of the second, wider blur
 _NEAR = 6.0  # times the median distance between texels: farther ones belong to another island
 _TILE = 4  # texels along the side of a block pooled at once: OpenBLAS computes 16 x 64 x 256 on one core
 SHARE = float((_KERNEL**2).sum() ** 2)  # share of a sum's variance that is left after pooling
@@ -89,16 +88,30 @@ class _Tile:
     weights: Floats
 
 
+@dataclass(frozen=True)
+class Blur:
+    """A blur along both axes: an odd number of taps that sum to 1, `step` texels apart."""
+
+    taps: tuple[float, ...]
+    step: int = 1
+
+
+_NEAR_BLUR = Blur(tuple(_KERNEL.tolist()))
+_WIDE_BLUR = Blur(_NEAR_BLUR.taps, 3)
+
+
 @dataclass
 class Neighbours:
     """The texels around each of a plan's texels, on the same piece of surface.
 
-    If texels have `few` samples, all sums are pooled widely.
+    If texels have `few` samples, all sums are pooled widely: blurred by `near`, then by `wide`.
     """
 
     plan: CapturePlan
     few: bool = False
-    _found: dict[int, list[_Tile]] = field(default_factory=dict)
+    near: Blur = _NEAR_BLUR
+    wide: Blur = _WIDE_BLUR
+    _found: dict[Blur, list[_Tile]] = field(default_factory=dict)
 
     def pool(
         self, table: Floats, wide: bool = False, solve: Callable[[Floats], Floats] = lambda sums: sums
@@ -109,36 +122,42 @@ class Neighbours:
         pooled sums of some texels, (C, g, m), into the result, (D, g, m).
         """
         if not (wide or self.few):
-            return self._pooled(table, 1, solve)
-        return self._pooled(self._pooled(table, 1, lambda sums: sums), _WIDE, solve)
+            return self._pooled(table, self.near, solve)
+        return self._pooled(self._pooled(table, self.near, lambda sums: sums), self.wide, solve)
 
-    def _pooled(self, table: Floats, step: int, solve: Callable[[Floats], Floats]) -> Floats:
+    def pool_further(self, near: Floats) -> Floats:
+        """Pool sums (C, K, m) widely that are pooled already."""
+        return self._pooled(near, self.wide, lambda sums: sums)
+
+    def _pooled(self, table: Floats, blur: Blur, solve: Callable[[Floats], Floats]) -> Floats:
         result = np.empty((len(solve(table[:, :0])), *table.shape[1:]), dtype=np.float32)
 
         def pool(tile: _Tile) -> None:
             result[:, tile.texels] = solve(tile.weights @ table.take(tile.around, axis=1))
 
-        side_by_side(pool, self._tiles(step))
+        side_by_side(pool, self._tiles(blur))
         return result
 
-    def _tiles(self, step: int) -> list[_Tile]:
-        """All texels in tiles that share many neighbours, for a kernel whose taps are `step` texels apart."""
-        if step not in self._found:
-            other, weight = self._around(step)
+    def _tiles(self, blur: Blur) -> list[_Tile]:
+        """All texels in tiles that share many neighbours."""
+        if blur not in self._found:
+            step = blur.step
+            other, weight = self._around(blur)
             j, i = np.divmod(self.plan.texel, self.plan.layout.width)
             side = _TILE * step
             corner = np.stack([j // side, i // side, j % step, i % step])
             tile = np.unique(corner, axis=1, return_inverse=True)[1].ravel()
             order = np.argsort(tile, kind="stable")
             cuts = np.flatnonzero(np.diff(tile[order])) + 1
-            self._found[step] = [_tile(texels, other, weight) for texels in np.split(order, cuts)]
-        return self._found[step]
+            self._found[blur] = [_tile(texels, other, weight) for texels in np.split(order, cuts)]
+        return self._found[blur]
 
-    def _around(self, step: int) -> tuple[Ints, Floats]:
-        """Texel numbers and weights (25, K) of a kernel whose taps are `step` texels apart."""
+    def _around(self, blur: Blur) -> tuple[Ints, Floats]:
+        """Texel numbers and weights (T * T, K) of a blur of T taps."""
         layout, count = self.plan.layout, len(self.plan.texel)
         place = self.plan.points
-        middle = len(_KERNEL) // 2
+        kernel, step = np.array(blur.taps, dtype=np.float32), blur.step
+        middle = len(kernel) // 2
         reach = middle * step
         number = np.full((layout.height + 2 * reach, layout.width + 2 * reach), -1, dtype=np.int32)
         j, i = self.plan.texel // layout.width + reach, self.plan.texel % layout.width + reach
@@ -152,8 +171,8 @@ class Neighbours:
         _, apart = offset(0, 1) if layout.width > 1 else offset(1, 0)
         usual = float(np.median(apart[np.isfinite(apart)])) if np.isfinite(apart).any() else 0.0
         others, weights = [], []
-        for y, along_y in enumerate(_KERNEL):
-            for x, along_x in enumerate(_KERNEL):
+        for y, along_y in enumerate(kernel):
+            for x, along_x in enumerate(kernel):
                 dy, dx = (y - middle) * step, (x - middle) * step
                 other, apart = offset(dy, dx)
                 near = apart <= _NEAR * usual * max(step, float(np.hypot(dx, dy)))

@@ -22,8 +22,9 @@ _BYTES_PER_CHANNEL = 8  # float32, twice: as cells, and joined to an image (meas
 _BYTES_PER_TEXEL = 256  # points and frames, once as a map and once packed (measured: 180 to 240)
 _BYTES_OF_BANDS = 160 << 20  # cells in memory while an atlas is written, and the writer (measured)
 _TILE_MB = 1024  # the most that one render may take
-_BYTES_PER_LAYERED_TEXEL = 60_000  # rays to the object itself, and buckets while they are fitted
-_BYTES_PER_RAY = 48  # single paths in float16, their directions, and the fit's arrays
+_BYTES_OF_PANORAMAS = 800 << 20  # a layered bake's renders, of panoramas or of tiles (measured)
+_BYTES_PER_LAYERED_TEXEL = 3_700  # buckets while they are fitted, and the finer maps (measured)
+_BYTES_PER_LAYERED_RAY = 20  # single paths in float16, and what the fit says of them; 60 % of texels covered
 
 
 @dataclass(frozen=True)
@@ -121,10 +122,15 @@ class SpecFields:
 
     @property
     def atlas_bytes(self) -> int:
-        """The most memory that the atlas can take during the bake, in bytes."""
+        """The most memory that the atlas can take during the bake, in bytes.
+
+        In the layered layout what a bake takes beside the scene, of an object that covers about 60 % of the
+        texels.
+        """
         if self.streams:
             of_bands = min(_BYTES_OF_BANDS, 2 * _BYTES_PER_CHANNEL * self.pixel_count * self.channels)
             return self.texels**2 * (_BYTES_PER_TEXEL + self.bucket**2 // 8) + of_bands
         if self.form.by_paths:
-            return self.texels**2 * (_BYTES_PER_LAYERED_TEXEL + self.layered_rays.of_texel * _BYTES_PER_RAY)
+            of_texel = _BYTES_PER_LAYERED_TEXEL + self.layered_rays.of_texel * _BYTES_PER_LAYERED_RAY
+            return _BYTES_OF_PANORAMAS + self.texels**2 * of_texel
         return self.pixel_count * self.channels * _BYTES_PER_CHANNEL

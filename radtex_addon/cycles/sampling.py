@@ -33,6 +33,7 @@ from .path_ends import TURNS, PathEnds, any_dark, from_directions
 from .portal import Aim, PortalCapture
 
 _TILE_PIXELS = 3 << 20
+_TEXELS_AT_ONCE = 1 << 12
 LOBES = {"diffuse": "diffuse", "mirrored": "glossy", "through": "transmission"}  # Cycles's names
 DIFFUSE, MIRRORED, THROUGH = map(attributes_of, LOBES.values())
 
@@ -66,9 +67,17 @@ def capture_samples(
             light = np.sum([found[lobe].mean(axis=1, dtype=np.float32) for lobe in LOBES], axis=0)
             thumbnail.add(plan.layout, plan.texels_of(tile), light)
     yield Progress(Stage.CAPTURE, count, count)
-    square = aim.square(plan.layout.bucket)
-    unseen = np.take_along_axis(hidden.reshape(count, -1), cells_of(square, hidden.shape[1]), axis=1)
-    return LightSamples(plan, square, seen=~unseen, **samples)
+    return LightSamples(plan, aim.square(plan.layout.bucket), seen=_seen(aim, plan, hidden), **samples)
+
+
+def _seen(aim: Aim, plan: CapturePlan, hidden: Bools) -> Bools:
+    """Which samples (K, S) are in cells that are not `hidden` (K, m, m)."""
+    seen = np.empty((len(plan.texel), plan.layout.bucket**2), dtype=bool)
+    for first in range(0, len(seen), _TEXELS_AT_ONCE):
+        some = slice(first, first + _TEXELS_AT_ONCE)
+        cell = cells_of(Aim(aim.shift[some]).square(plan.layout.bucket), hidden.shape[1])
+        seen[some] = ~np.take_along_axis(hidden[some].reshape(len(cell), -1), cell, axis=1)
+    return seen
 
 
 def _trace_light(capture: PortalCapture, tile: Tile, cells: int) -> Arrays:
@@ -91,13 +100,13 @@ def capture_ends(
     count, cells = len(plan.texel), plan.layout.bucket**2
     aim = Aim(spread_shifts(count, seed + 2), MIRRORED + THROUGH)
     capture = PortalCapture(ends.scene, plan, Kind.RADIANCE, 1, seed, folder, aim)
-    found = [
-        store.get_or_make(_name("ends", tile), partial(_trace_ends, ends, capture, tile))
-        for tile in tiles_of(plan)
-    ]
-    parts = {
-        name: np.concatenate([tile[name] for tile in found]).reshape(count, cells, 3) for name in found[0]
-    }
+    parts: Arrays = {}
+    for tile in tiles_of(plan):
+        first = tile.first_row * plan.columns
+        found = store.get_or_make(_name("ends", tile), partial(_trace_ends, ends, capture, tile))
+        for name, part in found.items():
+            whole = parts.setdefault(name, np.empty((count, cells, 3), dtype=np.float16))
+            whole[first : first + len(part)] = part.reshape(len(part), cells, 3)
     return EndSamples(plan, aim.square(plan.layout.bucket), **parts)
 
 

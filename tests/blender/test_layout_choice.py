@@ -156,7 +156,7 @@ LINES = (
     "",
     "--texels 64",
     "--texels 256",
-    "--texels 384",
+    "--texels 640",
     "--texels 1024",
     "--bucket 8",
     "--layer base",
@@ -170,7 +170,7 @@ def test_the_machine_has_no_say(card: Any, monkeypatch: pytest.MonkeyPatch) -> N
     for memory in (2**32, 2**36, None):
         monkeypatch.setattr(memory_limits, "physical_memory", lambda memory=memory: memory)
         for line in LINES:
-            if (memory, line) == (2**32, "--texels 256"):
+            if (memory, line) == (2**32, "--texels 640"):
                 with pytest.raises(
                     InputError, match=r"has 4\.0 GiB: lower one of them, or choose layout buckets"
                 ):
@@ -178,17 +178,18 @@ def test_the_machine_has_no_say(card: Any, monkeypatch: pytest.MonkeyPatch) -> N
             else:
                 answers[memory, line] = asked(line)
         fill_with_smoke(card)
-        assert asked("--texels 256").spec == BakeSpec(texels=256)
+        assert asked("--texels 640").spec == BakeSpec(texels=640)
         card.data.materials[0] = stage.material("Paper", "ShaderNodeBsdfDiffuse")
     assert all(answers[memory, line] == answers[None, line] for memory, line in answers)
     assert len(answers) == 3 * len(LINES) - 1
 
 
 def test_what_would_take_very_much_memory_is_plain() -> None:
-    assert asked("--texels 256").spec.layout is Layout.LAYERED
-    plain = asked("--texels 384")
-    assert plain.spec == BakeSpec(texels=384)
-    assert plain.reason == "384 texels at 16 samples would need 11.2 GiB of memory"
+    assert asked("--texels 640").spec.layout is Layout.LAYERED
+    assert asked("--texels 1024 --samples 4").spec.layout is Layout.LAYERED
+    plain = asked("--texels 896")
+    assert plain.spec == BakeSpec(texels=896)
+    assert plain.reason == "896 texels at 16 samples would need 10.4 GiB of memory"
 
 
 def begin(folder: Path, spec: BakeSpec) -> None:

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.light_samples import LightSamples, mirrored, spread_shifts
-from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Bools
 from radtex_addon.cycles.portal import Aim
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
+from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
 from radtex_addon.forms.layered.fit.buckets import Buckets, fit_buckets
 from radtex_addon.forms.layered.fit.own_light import Surface
 from radtex_addon.forms.layered.fit.parts import ALL_PARTS, Parts
@@ -44,8 +44,8 @@ def _fitted(waves: float, hit: Bools | None = None, parts: Parts = ALL_PARTS) ->
     )
     rays = flat_samples(16)
     hit = np.zeros(rays.used.shape, dtype=bool) if hit is None else hit
-    neighbours = Neighbours(plan, False)
-    free = free_share(rays, ~hit, neighbours, 14)
+    grid = BucketGrid.of(plan, 1)
+    free = free_share(rays, hit, grid, 14)
     nothing = Material(
         np.zeros((LOBES, STEPS, 3)), np.full((LOBES, STEPS), 0.1), np.zeros(STEPS, dtype=np.float32)
     )
@@ -55,7 +55,7 @@ def _fitted(waves: float, hit: Bools | None = None, parts: Parts = ALL_PARTS) ->
     )
     up = np.tile(np.array([0, 0, 1], np.float32), (count, 1))
     surface = Surface(
-        plan,
+        grid,
         up,
         0 * one,
         np.ones((1, 16, 3), np.float32),
@@ -68,7 +68,7 @@ def _fitted(waves: float, hit: Bools | None = None, parts: Parts = ALL_PARTS) ->
     )
     met = np.zeros(np.count_nonzero(hit), np.int32)
     own = OwnRays(rays, hit, met, np.zeros((len(met), 3), np.float32))
-    return fit_buckets(surface, own, samples, seen, neighbours, parts)
+    return fit_buckets(surface, own, samples, seen, parts)
 
 
 def test_what_is_finer_than_few_cells_gets_more_of_them() -> None:

@@ -15,6 +15,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.octahedron import cell_directions, direction_to_octahedron
 from radtex_addon.cycles.portal import Aim
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
+from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid, places_of
 from radtex_addon.forms.layered.fit.lobes import Paths, fit_materials
 from radtex_addon.forms.layered.fit.residual import fit_rest
 from radtex_addon.forms.layered.fit.visibility import free_share
@@ -215,7 +216,7 @@ def test_the_mask_of_a_wall_has_its_edge_and_keeps_its_ends() -> None:
     rays = flat_samples(24)
     axis = mirrored(rays.plan, rays.square)
     missed = axis[..., 0] > 0  # a wall stands on one side
-    kept = free_share(rays, missed, Neighbours(rays.plan), 16)[0]
+    kept = free_share(rays, ~missed, BucketGrid.of(rays.plan, 1), 16)[0]
     towards = cell_directions(16)
     up = towards[:, 2] > 0.3
     assert kept[:, up & (towards[:, 0] > 0.3)].min() > 0.97
@@ -233,7 +234,7 @@ def test_the_rest_takes_what_a_model_lacks_and_leaves_noise(noise: float) -> Non
     rng = np.random.default_rng(2)
     shown = np.full((3, *rays.used.shape), 1.0, dtype=np.float32)
     light = 1.3 + noise * rng.normal(size=(*rays.used.shape, 3)).astype(np.float32)
-    rest = fit_rest(place, light, rays.used, shown, Neighbours(rays.plan), CELLS)
+    rest = fit_rest(places_of(place), light, rays.used, shown, BucketGrid.of(rays.plan, 1), CELLS)
     above = cell_directions(CELLS)[:, 2] > 0.3
     np.testing.assert_allclose(rest[:, :, above].mean(), 0.3, atol=0.02)
     assert rest[:, :, above].std() < 0.02 + 0.06 * noise
@@ -244,7 +245,7 @@ def test_the_rest_follows_light_that_changes_with_direction() -> None:
     axis, place = rays.along(slice(None))
     light = np.moveaxis(1 + 0.5 * axis[:1].repeat(3, axis=0), 0, -1).astype(np.float32)
     shown = np.ones((3, *rays.used.shape), dtype=np.float32)
-    rest = fit_rest(place, light, rays.used, shown, Neighbours(rays.plan), CELLS)
+    rest = fit_rest(places_of(place), light, rays.used, shown, BucketGrid.of(rays.plan, 1), CELLS)
     towards = cell_directions(CELLS)
     above = towards[:, 2] > 0.4
     expected = np.broadcast_to(0.5 * towards[above, 0], rest[:, :, above].shape)

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.light_samples import LightSamples, spread_shifts
-from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.core.octahedron import cell_directions
 from radtex_addon.cycles.portal import Aim
+from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
 from radtex_addon.forms.layered.fit.falloffs import fit_falloffs
 from radtex_addon.forms.layered.fit.own_light import Surface
 from radtex_addon.forms.layered.fit.texel_maps import tints
@@ -43,9 +43,8 @@ def _dependence(strength: float) -> Floats | None:
     )
     facing = viewer[..., 2].astype(np.float32)
     up = np.tile(np.array([0, 0, 1], np.float32), (len(plan.texel), 1))
-    neighbours = Neighbours(plan, False)
     surface = Surface(
-        plan,
+        BucketGrid.of(plan, 1),
         normal=up,
         diffuse=colour,
         falloff=np.ones((1, 16, 3), np.float32),
@@ -56,7 +55,7 @@ def _dependence(strength: float) -> Floats | None:
         around=stripes_below(),
         free=np.ones((1, len(plan.texel), CELLS**2), np.float32),
     )
-    return view_dependence(light, facing, surface, CELLS, neighbours)
+    return view_dependence(light, facing > 0, surface, CELLS)
 
 
 def test_light_that_changes_with_the_viewer_is_told_by_mirror_direction() -> None:

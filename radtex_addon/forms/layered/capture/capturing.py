@@ -4,14 +4,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
 import bpy
 import numpy as np
 
+from ....bake.light_samples import EndSamples, spread_shifts
 from ....bake.piece_store import NO_STORE, PieceStore
 from ....bake.pieces import Arrays
 from ....bake.plan import CapturePlan, plan_capture
@@ -20,13 +22,15 @@ from ....bake.rays import FINER, PROBE_CELLS, PROBES, LayeredRays
 from ....bake.spec import BakeSpec
 from ....bake.thumbnail import Thumbnail
 from ....core.arrays import Bools, Floats, Ints
+from ....core.texel_map import TexelMap
 from ....cycles.find_hidden import find_hidden
 from ....cycles.path_ends import path_ends
+from ....cycles.portal import Aim
 from ....cycles.sampling import capture_ends, capture_samples
 from ....prepare.prepared import Prepared
 from ....scene.mesh.surrounding_shapes import Beside, read_beside
 from ....scene.scratch import scene_copied
-from ..cells import COARSER, EXIT_CELLS, OWN_SIDE
+from ..cells import COARSER, EXIT_CELLS, OWN_RAYS, OWN_SIDE
 from ..fit.through import lets_through
 from ..lookup.environment import Around
 from ..samples import Capture, ExitSamples, OwnRays
@@ -34,12 +38,13 @@ from .exits import capture_exits
 from .lamps import find_lamps
 from .material_maps import capture_maps, depends_on_angle
 from .opacity import find_opacity
-from .own_rays import capture_own_rays, corner_uvs, own_aim, own_samples
+from .own_rays import capture_own_rays, corner_uvs, own_aim, own_samples, squares_of
 from .panoramas import look_around
 from .stored_surroundings import around_of, arrays_of
 from .surface_alone import Clear, surface_alone
 
 _OUTSIDE = 1.05  # times the object's radius: a sphere around it
+_LEAST_OWN_SIDE = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,13 +92,14 @@ class _Captures:
     def all(self) -> Generator[Progress, None, Captured]:
         scratch, prepared, spec, folder = self.scratch, self.prepared, self.spec, self.folder
         item, rays = prepared.original, LayeredRays.of(spec.samples)
-        texels, finer = prepared.texels(), prepared.texels(FINER)
+        texels = prepared.texels()
         mesh, matrix = prepared.pieces[0].rendered, prepared.matrix_world
         probe = plan_capture(texels, PROBE_CELLS)
         hidden = yield from find_hidden([(mesh, matrix)], probe, folder, self.store)
         without = probe.texel[hidden.buried]
         placed = read_beside(scratch, item).matrix
-        fine, coarse = plan_capture(finer, 1), plan_capture(texels, 1, without=without)
+        fine, triangle = _plan_and_triangles(prepared.texels(FINER))
+        coarse = plan_capture(texels, 1, without=without)
         opacity = find_opacity(
             scratch, item, mesh, placed, self.clear, coarse, fine, spec.seed, folder, self.store
         )
@@ -107,9 +113,13 @@ class _Captures:
         middle, radius = reach_of(lit)
         total = count * (rays.light**2 + 2 * rays.ends**2 + 1) + len(fine.texel)
         yield Progress(Stage.CAPTURE, 0, total)
+        faces = _materials(prepared.mesh)
+        fine_maps, coarse_maps = self._maps("fine", fine), self._maps("coarse", plan(1))
+        fine_maps["material"] = fine.placed(faces[triangle][:, None].astype(np.float32), gutter=True)
+        del fine, triangle  # they are as large as what is captured
         alone = Beside(placed, ())
         with scene_copied(scratch) as copy, path_ends(copy, item, mesh, alone, middle) as ends:
-            lone = capture_ends(ends, plan(rays.ends), spec.seed, folder, self.store)
+            lone = _lean(capture_ends(ends, plan(rays.ends), spec.seed, folder, self.store), spec.seed)
         done = 2 * count * rays.ends**2
         yield Progress(Stage.CAPTURE, done, total)
 
@@ -120,17 +130,15 @@ class _Captures:
             unseen = hidden.of_texels(np.isin(probe.texel, lit.texel)).cells
             steps = capture_samples(copy, lit, unseen, spec.seed, folder, self.store, self.thumbnail)
             light = yield from relayed(steps, in_paths)
-        fine_maps, coarse_maps = self._maps("fine", fine), self._maps("coarse", plan(1))
-        material, faces = texels.triangle.ravel()[lit.texel], _materials(prepared.mesh)
-        own = self._own_rays(plan(OWN_SIDE), material, opacity.fine)
+        square = squares_of(Aim(spread_shifts(count, spec.seed)), lit)
+        light = replace(light, square=square, through=without_zeros(light.through))
+        material = texels.triangle.ravel()[lit.texel]
+        own = self._own_rays(plan(own_side(count)), material, opacity.fine)
         around, looked = self._around(middle)
         yield Progress(Stage.CAPTURE, total, total)
         exits = None
         if lets_through(lone, light):
             exits = self._exits(plan_capture(prepared.texels(1 / COARSER), EXIT_CELLS), middle, radius, rays)
-        fine_maps["material"] = fine.placed(
-            faces[finer.triangle.ravel()[fine.texel]][:, None].astype(np.float32), gutter=True
-        )
         capture = opacity.bare(
             Capture(light, lone, own, around, fine_maps, coarse_maps, faces[material], exits)
         )
@@ -192,6 +200,32 @@ class _Captures:
             return {name: getattr(found, name) for name in parts}
 
         return ExitSamples(plan, **self.store.get_or_make("exits", capture))
+
+
+def own_side(texels: int) -> int:
+    """Rays along a side of a texel's hemisphere that tell what it sees of the object itself."""
+    return min(OWN_SIDE, max(_LEAST_OWN_SIDE, math.isqrt(OWN_RAYS // texels)))
+
+
+def _lean(ends: EndSamples, seed: int) -> EndSamples:
+    """The same, with what is 0 or follows from the plan taking no memory."""
+    return replace(
+        ends,
+        square=squares_of(Aim(spread_shifts(len(ends.plan.texel), seed + 2)), ends.plan),
+        through_weight=without_zeros(ends.through_weight),
+        through_end=without_zeros(ends.through_end),
+    )
+
+
+def without_zeros(values: Floats) -> Floats:
+    """The values, or if all are 0 an array that takes no memory."""
+    return values if values.any() else np.broadcast_to(values.dtype.type(0), values.shape)
+
+
+def _plan_and_triangles(texels: TexelMap) -> tuple[CapturePlan, Ints]:
+    """The plan of one cell for each texel of a map, and the texels' triangles, (K,)."""
+    plan = plan_capture(texels, 1)
+    return plan, texels.triangle.ravel()[plan.texel]
 
 
 def _materials(mesh: bpy.types.Mesh) -> Ints:

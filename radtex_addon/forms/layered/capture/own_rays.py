@@ -23,11 +23,13 @@ from ....cycles.sampling import tiles_of
 from ....scene.mesh.backs import fronts, twin_numbers
 from ....scene.mesh.surrounding_shapes import Beside
 from ....scene.nodes import open_material, open_world
+from ..fit.rows import computed
 from ..samples import OwnRays
 
 _AHEAD = 5  # of the bake's seed
 _FRONT, _BACK = "radtex_front_uv", "radtex_back_uv"  # attributes of corners
 _OUTSIDE = 2.0  # texels: where a hit lies further from its texel's middle, the texel's own point is taken
+_AT_ONCE = 1 << 18  # rays
 _FLAT = 1e-12  # doubled area of a triangle in UV: with less, places on it are not told by UV
 
 
@@ -77,7 +79,13 @@ def own_samples(plan: CapturePlan, aim: Aim, hit: Bools) -> LobeSamples:
     """The rays as samples without light."""
     none = np.broadcast_to(np.float16(0), (*hit.shape, 3))
     every = np.broadcast_to(np.True_, hit.shape)
-    return LobeSamples(plan, Axis.MIRROR, aim.square(plan.layout.bucket), none, every)
+    return LobeSamples(plan, Axis.MIRROR, squares_of(aim, plan), none, every)
+
+
+def squares_of(aim: Aim, plan: CapturePlan) -> Floats:
+    """Bucket coordinates B of all rays, (K, n * n, 2), computed where they are read."""
+    n = plan.layout.bucket
+    return computed((len(plan.texel), n * n, 2), lambda some: Aim(aim.shift[some]).square(n))
 
 
 def texels_met(plan: CapturePlan, surface: SurfaceMesh, triangle: Ints, uv: Floats) -> tuple[Ints, Floats]:
@@ -86,18 +94,35 @@ def texels_met(plan: CapturePlan, surface: SurfaceMesh, triangle: Ints, uv: Floa
     `triangle` (K,) is each texel's in `surface`. Where the plan has no texel, the nearest one in the atlas.
     """
     width, height = plan.layout.width, plan.layout.height
+    frames = _uv_frames(surface)
     number = np.full(width * height, -1, dtype=np.int32)
     number[plan.texel] = np.arange(len(plan.texel), dtype=np.int32)
     rows, columns = nearest_covered((number >= 0).reshape(height, width))
     filled = number.reshape(height, width)[rows, columns]
+    met, place = np.empty(len(uv), dtype=np.int32), np.empty((len(uv), 3), dtype=np.float32)
+    for first in range(0, len(uv), _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        met[some], place[some] = _met(plan, filled, triangle, frames, surface.uv[:, 0], uv[some])
+    return met, place
+
+
+def _met(
+    plan: CapturePlan,
+    nearest: Ints,
+    triangle: Ints,
+    frames: tuple[Floats, Floats],
+    corner: Floats,
+    uv: Floats,
+) -> tuple[Ints, Floats]:
+    """As `texels_met`; `nearest` (H, W) are the nearest texels, `frames` and `corner` (F, 2) of triangles."""
+    height, width = nearest.shape
     column = np.clip(np.floor(uv[:, 0] * width), 0, width - 1).astype(np.intp)
     row = np.clip(np.floor(uv[:, 1] * height), 0, height - 1).astype(np.intp)
-    met = filled[row, column]
+    met = nearest[row, column]
     place = plan.points[met].astype(np.float32)
-    origin, along = _uv_frames(surface)
+    origin, along = frames
     own = triangle[met]
-    corner = surface.uv[own, 0]
-    moved = uv - corner
+    moved = uv - corner[own]
     told = origin[own] + (along[own] * moved[:, None]).sum(axis=2)
     j, i = np.divmod(plan.texel[met], width)
     off = np.maximum(np.abs(uv[:, 0] * width - i - 0.5), np.abs(uv[:, 1] * height - j - 0.5))

@@ -160,7 +160,7 @@ def tiled(buckets: Floats) -> Floats:
     height, width, n = buckets.shape[:3]
     columns, rows = padded_size((width, height))
     more = [(0, rows - height), (0, columns - width), (0, 0), (0, 0), (0, 0)]
-    wide = np.pad(buckets, more, mode="edge")
+    wide = np.pad(buckets, more, mode="edge") if (rows, columns) != (height, width) else buckets
     return np.ascontiguousarray(
         np.moveaxis(wide, (2, 3), (0, 2)).reshape(n * rows, n * columns, buckets.shape[4])
     )

@@ -12,11 +12,9 @@ import numpy as np
 
 from ....bake.blocks import in_blocks
 from ....bake.light_samples import Axis, LobeSamples
-from ....bake.plan import CapturePlan
-from ....bake.pooling import Neighbours, Taps
+from ....bake.pooling import Neighbours
 from ....bake.progress import Progress, Stage
 from ....core.arrays import Bools, Floats
-from ....core.gutter import dilate, nearest_covered
 from ....core.octahedron import cell_directions
 from ..cells import CELLS, COARSER
 from ..lookup.atlas import LayeredAtlas
@@ -24,7 +22,8 @@ from ..lookup.environment import Around
 from ..lookup.lobes import Material
 from ..lookup.ways import Through
 from ..samples import Capture, ExitSamples
-from .buckets import cosines, fit_buckets, turned_samples
+from .bucket_grid import BucketGrid
+from .buckets import fit_buckets
 from .diffuse import facing_of
 from .falloffs import fit_falloffs
 from .irradiance import fit_irradiance
@@ -33,6 +32,7 @@ from .own_light import Surface
 from .parts import ALL_PARTS, Parts
 from .texel_maps import shading_normals, tints
 from .through import fit_through_rest, fit_ways
+from .turned import cosines, turned_samples
 from .view_dependence import view_dependence
 from .visibility import free_share
 from .widths import fit_lobes
@@ -52,34 +52,37 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> Generator[Progres
     maps = (capture.fine, capture.coarse)
     normal, normal_map = shading_normals(plan, *maps, parts.normals)
     tint, tint_map = tints(plan, capture.material, *maps, parts.tint)
+    grid = BucketGrid.of(plan, COARSER)
     falloff, diffuse = fit_falloffs(light, facing, capture.material)
     colour = capture.coarse["diffuse"].reshape(-1, 3)[plan.texel].astype(np.float32)
     if parts.smooth:
         irradiance = fit_irradiance(light, facing, falloff, capture.material, colour, neighbours)
     else:
         irradiance = np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
+    del facing
     yield Progress(Stage.FIT, 1, _STEPS)
     rays = turned_samples(capture.own.rays, normal)
     own = replace(capture.own, rays=rays)
-    free = free_share(rays, ~own.hit, neighbours, CELLS[0][0])
+    free = free_share(rays, own.hit, grid, CELLS[0][0])
     yield Progress(Stage.FIT, 2, _STEPS)
-    paths = _open_paths(capture, normal, free)
+    paths = _open_paths(capture, normal, free, grid)
     vary = parts.widths and normal_map is None  # normals that vary within a texel would count as roughness
     materials, width = fit_lobes(paths, int(capture.material.max()) + 1, neighbours, vary)
+    del paths, neighbours
     if not parts.second_lobe:
         materials = tuple(map(_single, materials))
     surface = Surface(
-        plan, normal, irradiance * colour, falloff, tint, width, capture.material, materials, around, free
+        grid, normal, irradiance * colour, falloff, tint, width, capture.material, materials, around, free
     )
     yield Progress(Stage.FIT, 3, _STEPS)
-    found = fit_buckets(surface, own, light, used, neighbours, parts)
+    found = fit_buckets(surface, own, light, used, parts)
     rest = found.rest
     if parts.rest:
         cells = found.rest_cells
-        more = view_dependence(light, facing, surface, cells, neighbours)
+        more = view_dependence(light, used, surface, cells)
         rest = rest if more is None else rest + more
     yield Progress(Stage.FIT, 4, _STEPS)
-    through = None if capture.exits is None else _through(capture, capture.exits, around, used, neighbours)
+    through = None if capture.exits is None else _through(capture, capture.exits, around, used, grid)
     yield Progress(Stage.FIT, _STEPS, _STEPS)
     return LayeredAtlas(
         colour=capture.fine["diffuse"].astype(np.float32),
@@ -90,21 +93,19 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> Generator[Progres
         width=plan.placed(np.log2(width)[:, None], gutter=True) if np.ptp(width) > 0 else None,
         around=around,
         materials=materials,
-        own=_placed(plan, np.concatenate([found.own, found.free]), COARSER),
-        rest=_placed(plan, rest, COARSER),
+        own=grid.placed(found.own, found.free),
+        rest=grid.placed(rest),
         through=through,
         alpha=capture.alpha,
     )
 
 
-def _through(
-    capture: Capture, exits: ExitSamples, around: Around, used: Bools, neighbours: Neighbours
-) -> Through:
-    ways = fit_ways(exits, Neighbours(exits.plan, False))
+def _through(capture: Capture, exits: ExitSamples, around: Around, used: Bools, grid: BucketGrid) -> Through:
+    ways = BucketGrid.of(exits.plan, 1).placed(fit_ways(exits, Neighbours(exits.plan, False)))
     none = np.zeros((1, 1, 1, 1, 3), dtype=np.float32)
-    through = Through(_placed(exits.plan, ways, 1), exits.plan.placed(exits.colour, gutter=True), rest=none)
-    rest = fit_through_rest(through, capture.light, around, used, neighbours)
-    return replace(through, rest=_placed(capture.light.plan, rest, COARSER))
+    through = Through(ways, exits.plan.placed(exits.colour, gutter=True), rest=none)
+    rest = fit_through_rest(through, capture.light, around, used, grid)
+    return replace(through, rest=grid.placed(rest))
 
 
 def _around(around: Around, parts: Parts) -> Around:
@@ -125,7 +126,7 @@ def _flat_level(around: Around, level: Floats) -> Floats:
     return cast(Floats, without.look(np.zeros_like(direction), direction, variance).T.reshape(level.shape))
 
 
-def _open_paths(capture: Capture, normal: Floats, free: Floats) -> Paths:
+def _open_paths(capture: Capture, normal: Floats, free: Floats, grid: BucketGrid) -> Paths:
     """The paths that are taken to leave the object straight away."""
     ends = capture.alone
     shape = ends.square.shape[:2]
@@ -138,7 +139,7 @@ def _open_paths(capture: Capture, normal: Floats, free: Floats) -> Paths:
     def look(some: slice) -> None:
         axes, place = white.along(some)
         axis[some] = np.moveaxis(axes, 0, -1)
-        open_to[some] = Taps.of(place, CELLS[0][0]).gather(free[:, some])[0]
+        open_to[some] = grid.gather(free, place, some)[0]
         cosine[some] = cosines(ends.plan, ends.square, normal, some)
 
     in_blocks(look, *shape)
@@ -166,28 +167,3 @@ def _single(material: Material) -> Material:
     variance = (bright * material.variance).sum(axis=0) / total
     weight = np.stack([material.weight.sum(axis=0), np.zeros_like(material.weight[0])])
     return replace(material, weight=weight, variance=np.stack([np.maximum(variance, 1e-6)] * 2))
-
-
-def _placed(plan: CapturePlan, table: Floats, coarser: int) -> Floats:
-    """A table (C, K, n*n) as buckets (H / coarser, W / coarser, n, n, C), gutter filled.
-
-    Each bucket is the mean of those of its texels that the plan has.
-    """
-    n = round(table.shape[2] ** 0.5)
-    buckets = np.moveaxis(table, 0, -1).reshape(table.shape[1], n * n, -1)
-    if coarser == 1:
-        return plan.placed(buckets.reshape(len(buckets), n, n, -1), gutter=True)
-    height, width = plan.layout.height // coarser, plan.layout.width // coarser
-    j, i = np.divmod(plan.texel, plan.layout.width)
-    block = np.minimum(j // coarser, height - 1) * width + np.minimum(i // coarser, width - 1)
-    order = np.argsort(block, kind="stable")
-    found, first = np.unique(block[order], return_index=True)
-    count = np.diff(np.append(first, len(block)))
-    means = np.add.reduceat(buckets[order], first, axis=0) / count[:, None, None]
-    flat = np.zeros((height * width, n, n, means.shape[-1]), dtype=np.float32)
-    flat[found] = means.reshape(len(found), n, n, -1)
-    covered = np.zeros(height * width, dtype=bool)
-    covered[found] = True
-    image = flat.reshape(height, width, n, n, -1)
-    filled: Floats = dilate(image, nearest_covered(covered.reshape(height, width)))
-    return filled

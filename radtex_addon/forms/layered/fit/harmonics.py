@@ -9,8 +9,10 @@ import numpy as np
 from ....bake.blocks import in_blocks, planes
 from ....bake.pooling import Neighbours
 from ....core.arrays import Floats
+from .bucket_grid import Block, BucketGrid
 
 COUNT = 9
+_TINY = 1e-9  # for buckets without samples
 _AT_ONCE = 1 << 13  # samples in hand, of nine numbers each
 
 
@@ -35,28 +37,35 @@ def basis(direction: Floats) -> Floats:
 
 
 def fit_harmonics(
-    direction: Floats, values: Floats, weight: Floats, neighbours: Neighbours, ridge: float
+    direction: Floats, values: Floats, weight: Floats, grid: BucketGrid, ridge: float
 ) -> Floats:
-    """Coefficients (K, 9, 3) of samples (K, S, 3) in directions (K, S, 3), by least squares.
+    """Coefficients (B, 9, 3) of samples (K, S, 3) in directions (K, S, 3), by least squares.
 
-    `weight` (K, S) sums to 1 for each of the K texels, whose equations are pooled with their neighbours'. On
-    a hemisphere the nine are all but dependent, and cut off after them a highlight rings: each coefficient
-    but the first costs `ridge` times its square, beside a mean square error.
+    `weight` (K, S) sums to 1 for each of the K texels. Equations are means over the texels of each of the
+    `grid`'s buckets, pooled with their neighbours'. On a hemisphere the nine are all but dependent, and cut
+    off after them a highlight rings: each coefficient but the first costs `ridge` times its square, beside a
+    mean square error.
     """
 
-    def equations(some: slice) -> Floats:
+    def equations(block: Block) -> Floats:
+        some = block.texels
         columns = basis(direction[some])
-        weighted = columns * weight[some, :, None]
+        weighted = columns * weight[some][..., None]
         against = np.einsum("ksa,ksb->kab", weighted, columns, optimize=True)
         towards = np.einsum("ksa,csk->kac", weighted, planes(values[some]).swapaxes(1, 2), optimize=True)
-        return np.concatenate([against, towards], axis=2)
+        both = np.concatenate([against, towards], axis=2)
+        means: Floats = grid.means(block, both.reshape(1, len(some), -1))[0]
+        return means
 
-    texels, samples = weight.shape
-    table = np.concatenate(in_blocks(equations, texels, samples, _AT_ONCE))
-    table = pooled(neighbours, table.reshape(texels, -1)).reshape(table.shape).astype(np.float64)
-    penalty = np.diag([0.0] + [ridge] * (COUNT - 1))
-    found: Floats = np.linalg.solve(table[..., :COUNT] + penalty, table[..., COUNT:])
-    return found.astype(np.float32)
+    penalty = np.diag([_TINY] + [ridge] * (COUNT - 1))
+
+    def solve(some: slice) -> Floats:
+        table = sums[some].reshape(-1, COUNT, COUNT + 3).astype(np.float64)
+        found: Floats = np.linalg.solve(table[..., :COUNT] + penalty, table[..., COUNT:])
+        return found.astype(np.float32)
+
+    sums = pooled(grid.neighbours, np.concatenate(grid.in_blocks(equations, weight.shape[1], _AT_ONCE)))
+    return np.concatenate(in_blocks(solve, len(grid), 1, _AT_ONCE))
 
 
 def pooled(neighbours: Neighbours, values: Floats) -> Floats:

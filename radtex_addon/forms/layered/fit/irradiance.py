@@ -8,7 +8,7 @@ from typing import cast
 
 import numpy as np
 
-from ....bake.blocks import planes
+from ....bake.blocks import in_blocks, planes
 from ....bake.light_samples import LightSamples
 from ....bake.pooling import SHARE, Neighbours
 from ....core.arrays import Floats, Ints
@@ -31,14 +31,18 @@ def fit_irradiance(
     `facing` (K, S): N.V of the samples that count, of others 0; `falloff` (M, B, 3) is by `material`
     (K,). From a wide mean to the texel's own, each step is shrunk by its noise (James and Stein, 1961).
     """
-    used = facing > 0
-    shown = planes(light.diffuse) * used
-    kind = np.repeat(material, facing.shape[1])
-    curve = planes(falloff_at(falloff, kind, facing.ravel()).reshape(*facing.shape, 3)) * used
-    against = np.maximum((curve * curve).sum(axis=2), 1e-6)
-    frontal = (shown * curve).sum(axis=2) / against
-    off = ((shown - frontal[..., None] * curve) ** 2).sum(axis=2) / against
-    noise = off / np.maximum(used.sum(axis=1) - 1, 1)
+
+    def estimate(some: slice) -> Floats:
+        used = facing[some] > 0
+        shown = planes(light.diffuse[some]) * used
+        kind = np.repeat(material[some], facing.shape[1])
+        curve = planes(falloff_at(falloff, kind, facing[some].ravel()).reshape(*used.shape, 3)) * used
+        against = np.maximum((curve * curve).sum(axis=2), 1e-6)
+        frontal = (shown * curve).sum(axis=2) / against
+        off = ((shown - frontal[..., None] * curve) ** 2).sum(axis=2) / against
+        return np.stack([frontal, off / np.maximum(used.sum(axis=1) - 1, 1)])
+
+    frontal, noise = np.concatenate(in_blocks(estimate, *facing.shape), axis=2)
     divisor = np.maximum(colour.T, _DARK)
     lit = (colour.T > _DARK)[..., None]
     own = np.where(lit, (frontal / divisor)[..., None], 0).astype(np.float32)

@@ -4,63 +4,95 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 
 from ....bake.blocks import in_blocks, planes
-from ....bake.pooling import SHARE, WIDER, Neighbours, Taps, upsampled
+from ....bake.pooling import upsampled
 from ....core.arrays import Bools, Floats
 from ....core.colour_spaces import LUMINANCE
+from .bucket_grid import Block, BucketGrid
+from .rows import Places
 
 _STEPS = (1, 2, 4, 8, 14)  # cells along a bucket's side; the last ones are pooled less widely, too
-_DOUBT = 1.0  # times a step's noise: what is no larger is none
+_DOUBT = 0.7  # times a step's noise: what is no larger is none
 _COLOURED = 0.25  # of a step's mean square: what it counts for though its luminance is 0
 _PRIOR = 0.02  # of a cell's samples
 BRIGHTEST = 12.0  # times the mean luminance: a sample that is brighter than its model by more is limited
 _DOUBLE = 3.0  # times its model: more of it than that is limited, too
 _EYE = 1.1  # power of the brightness that an error is relative to
+_ADDED_AT_ONCE = 1 << 13  # buckets
 
 
 def fit_rest(
-    place: Floats, light: Floats, used: Bools, shown: Floats, neighbours: Neighbours, cells: int
+    place: Places, light: Floats, used: Bools, shown: Floats, grid: BucketGrid, cells: int
 ) -> Floats:
-    """What to add to `shown` (3, K, S) for `light` (K, S, 3), by texel and direction: (3, K, cells * cells).
+    """What to add to `shown` (3, K, S) for `light` (K, S, 3), by bucket and direction: (3, B, cells * cells).
 
-    `place` (2, K, S): the samples' places on the octahedron's square; `used` (K, S): which count. Each step,
-    from coarse cells to fine ones, is shrunk by its noise (James and Stein, 1961).
+    `place`: of the samples; `used` (K, S): which count. Each step, from coarse cells to fine ones, is shrunk
+    by its noise (James and Stein, 1961).
     """
-    table = np.zeros((3, len(used), cells * cells), dtype=np.float32)
-    if not used.any():
-        return table
+    table = np.zeros((3, len(grid), cells * cells), dtype=np.float32)
     level = mean_brightness(light, used)
+    if not level:
+        return table
     stages = [(side, True) for side in _STEPS if side <= cells]
     for side, wide in (*stages, (stages[-1][0], False)):
-        sums = np.empty((5, len(used), side * side), dtype=np.float32)
+        sums = np.empty((5, len(grid), side * side), dtype=np.float32)
 
-        def sum_up(some: slice, side: int = side, sums: Floats = sums, table: Floats = table) -> None:
-            now = shown[:, some] + Taps.of(place[:, some], cells).gather(table[:, some])
+        def sum_up(block: Block, side: int = side, sums: Floats = sums) -> None:
+            some, where = block.texels, place[block.texels]
+            now = shown[:, some] + grid.gather(table, where, some)
             weight = used[some] * brightness_weight(now, level)
             most = _DOUBLE * np.maximum(now, 0) + BRIGHTEST * level
             off = weight * (np.minimum(np.maximum(planes(light[some]), 0), most) - now)
             columns = [weight, *off, np.tensordot(LUMINANCE, off, axes=1) ** 2]
-            sums[:, some] = Taps.of(place[:, some], side).scatter(columns)
+            sums[:, block.buckets] = block.scatter(where, side, columns)
 
-        in_blocks(sum_up, *used.shape)
-        prior = np.float32(_PRIOR * float(sums[0].mean()) + 1e-9)
-        sums = neighbours.pool(sums, wide)
-        weight = sums[0] + prior
-        step = sums[1:4] / weight
-        if side > 1:
-            noise = SHARE * (WIDER if wide else 1.0) * sums[4] / weight**2
-            size = np.tensordot(LUMINANCE, step, axes=1) ** 2 + _COLOURED * (step**2).mean(axis=0)
-            step *= np.maximum(0, 1 - _DOUBT * noise / np.maximum(size, 1e-12))
-        table = (table + upsampled(step.astype(np.float32), cells)).astype(np.float32)
+        grid.in_blocks(sum_up, used.shape[1])
+        step = grid.pool(
+            sums, partial(grid.neighbours.pool, wide=wide), _step(sums, grid.share(wide), side > 1)
+        )
+        _add_upsampled(table, step)
     return table
 
 
+def _step(sums: Floats, share: float, shrunk: bool) -> Callable[[Floats, Floats], Floats]:
+    """How a stage's pooled `sums` (5, B, m) make its step: weight, what is off by it, and squares of that."""
+    prior = np.float32(_PRIOR * float(sums[0].mean()) + 1e-9)
+
+    def step(_: Floats, pooled: Floats) -> Floats:
+        weight = pooled[0] + prior
+        found: Floats = pooled[1:4] / weight
+        if shrunk:
+            noise = np.float32(share) * pooled[4] / weight**2
+            size = np.tensordot(LUMINANCE, found, axes=1) ** 2 + _COLOURED * (found**2).mean(axis=0)
+            found *= np.maximum(0, 1 - _DOUBT * noise / np.maximum(size, 1e-12))
+        return found
+
+    return step
+
+
+def _add_upsampled(table: Floats, step: Floats) -> None:
+    """Add a step in coarser cells to a table, in place."""
+    cells = round(table.shape[2] ** 0.5)
+
+    for first in range(0, table.shape[1], _ADDED_AT_ONCE):
+        some = slice(first, first + _ADDED_AT_ONCE)
+        table[:, some] += upsampled(np.ascontiguousarray(step[:, some]), cells)
+
+
 def mean_brightness(light: Floats, used: Bools) -> np.float32:
-    """The mean luminance of light samples (K, S, 3) that are `used` (K, S), above 0."""
-    bright = np.tensordot(LUMINANCE, np.maximum(planes(light), 0), axes=1)[used].mean(dtype=np.float64)
-    return np.float32(max(float(bright), 1e-6))
+    """The mean luminance of light samples (K, S, 3) that are `used` (K, S), above 0; 0 if none is."""
+
+    def add(some: slice) -> tuple[float, int]:
+        bright = np.tensordot(LUMINANCE, np.maximum(planes(light[some]), 0), axes=1)[used[some]]
+        return float(bright.sum(dtype=np.float64)), len(bright)
+
+    total, count = np.sum(in_blocks(add, *used.shape), axis=0) if len(used) else (0.0, 0)
+    return np.float32(max(total / count, 1e-6) if count else 0)
 
 
 def brightness_weight(shown: Floats, level: np.float32) -> Floats:

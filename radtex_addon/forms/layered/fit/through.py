@@ -18,7 +18,9 @@ from ..cells import THROUGH_CELLS
 from ..lookup.environment import Around
 from ..lookup.ways import CHANNELS, Through, look_through
 from ..samples import ExitSamples
+from .bucket_grid import BucketGrid
 from .residual import fit_rest
+from .rows import Places, halved
 from .texel_maps import texel_middles
 
 _FAINT = 1e-3  # of all light: what comes through and is less is left out
@@ -100,25 +102,25 @@ def _chief(exits: ExitSamples, around: Floats) -> tuple[Floats, Floats]:
 
 
 def fit_through_rest(
-    through: Through, light: LightSamples, around: Around, used: Bools, neighbours: Neighbours
+    through: Through, light: LightSamples, around: Around, used: Bools, grid: BucketGrid
 ) -> Floats:
-    """What the ways do not show of light samples: (3, K, m*m). `used` (K, S): which count."""
+    """What the ways do not show of light samples: (3, B, m*m). `used` (K, S): which count."""
     plan = light.plan
     samples = LobeSamples(plan, Axis.THROUGH, light.square, light.through, used)
     shape = used.shape
-    place, shown = (np.empty((count, *shape), dtype=np.float32) for count in (2, 3))
+    place, shown = Places(shape), np.empty((3, *shape), dtype=np.float16)
     axes = [axis.reshape(-1, 3)[: len(plan.texel)] for axis in (plan.tangent, plan.bitangent, plan.normal)]
     frame = np.stack(axes, axis=1).astype(np.float32)
     offset = (plan.points - around.middle).astype(np.float32)
     uv = texel_middles(plan)
 
     def look(some: slice) -> None:
-        _, place[:, some] = samples.along(some)
+        place.keep(some, samples.along(some)[1])
         viewer = -straight_through(plan, light.square[some].astype(np.float32), some).reshape(-1, 3)
         each = np.arange(some.start, some.stop).repeat(shape[1])
         axes = (frame[each, 0], frame[each, 1], frame[each, 2])
         seen = look_through(through, around, uv[each], offset[each], axes, viewer)
-        shown[:, some] = seen.reshape(3, -1, shape[1])
+        shown[:, some] = halved(seen.reshape(3, -1, shape[1]))
 
     in_blocks(look, shape[0], shape[1], 1 << 16)
-    return fit_rest(place, light.through, used, shown, neighbours, THROUGH_CELLS)
+    return fit_rest(place, light.through, used, shown, grid, THROUGH_CELLS)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much of what surrounds the object it leaves free itself, for each texel and direction.
+"""How much of what surrounds the object it leaves free itself, for each bucket and direction.
 
 Kept is a picture of that, blurred as wide as its cells: see `lookup.visibility`.
 """
@@ -9,30 +9,31 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....bake.blocks import in_blocks
 from ....bake.light_samples import LobeSamples
-from ....bake.pooling import Neighbours, Taps
 from ....core.arrays import Bools, Floats
+from .bucket_grid import Block, BucketGrid
 
-_OWN = 3.0  # how much a texel's own rays count for, against those of its neighbourhood
-_PRIOR = 0.05  # of a cell's rays: the wider neighbourhood's count for that many
+_PRIOR = 0.0125  # of a cell's rays: the wider neighbourhood's count for that many
 
 
-def free_share(rays: LobeSamples, missed: Bools, neighbours: Neighbours, cells: int) -> Floats:
-    """The share of mirror rays that miss the object, by direction: (1, K, cells * cells).
+def free_share(rays: LobeSamples, hit: Bools, grid: BucketGrid, cells: int) -> Floats:
+    """The share of mirror rays that miss the object, by direction: (1, B, cells * cells).
 
-    `missed` (K, S): which of the `rays` do.
+    `hit` (K, S): which of the `rays` do not.
     """
-    table = np.empty((2, len(missed), cells * cells), dtype=np.float32)
+    table = np.empty((2, len(grid), cells * cells), dtype=np.float32)
 
-    def sum_up(some: slice) -> None:
-        _, place = rays.along(some)
-        columns = [missed[some].astype(np.float32), np.ones(missed[some].shape, np.float32)]
-        table[:, some] = Taps.of(place, cells).scatter(columns)
+    def sum_up(block: Block) -> None:
+        _, place = rays.along(block.texels)
+        missed = (~hit[block.texels]).astype(np.float32)
+        table[:, block.buckets] = block.scatter(place, cells, [missed, np.ones_like(missed)])
 
-    in_blocks(sum_up, *missed.shape)
-    near, wide = neighbours.pool(table), neighbours.pool(table, True)
-    share = (wide[0] + 1e-3) / (wide[1] + 1e-3)
+    grid.in_blocks(sum_up, hit.shape[1])
     prior = np.float32(_PRIOR * float(table[1].mean()))
-    free: Floats = (_OWN * table[0] + near[0] + prior * share) / (_OWN * table[1] + near[1] + prior)
-    return free[None]
+
+    def share(own: Floats, wide: Floats) -> Floats:
+        usual = (wide[0] + 1e-3) / (wide[1] + 1e-3)
+        free: Floats = (own[0] + prior * usual) / (own[1] + prior)
+        return free[None]
+
+    return grid.pool(table, grid.neighbours.pool_further, share).copy()

@@ -15,10 +15,10 @@ from time import perf_counter
 
 import numpy as np
 
-from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.bilinear import bilinear
 from radtex_addon.core.hemisphere import square_to_direction
+from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
 from radtex_addon.forms.layered.fit.harmonics import COUNT, basis, fit_harmonics
 from radtex_addon.report.gbuffer import Array, GBuffer
 
@@ -46,8 +46,9 @@ class HarmonicsLightmap:
         diffuse = diffuse_map(captured.capture, weight, captured.alpha is not None)
         shown = light.diffuse.astype(np.float32) - means(weight, light.diffuse)[:, None]
         shown += up_to_white(light.mirrored.astype(np.float32) + light.through)
-        neighbours = Neighbours(light.plan)
-        fitted = fit_harmonics(square_to_direction(light.square), shown, weight, neighbours, _RIDGE)
+        fitted = fit_harmonics(
+            square_to_direction(light.square), shown, weight, BucketGrid.of(light.plan, 1), _RIDGE
+        )
         del shown
         image = light.plan.placed(fitted.reshape(-1, COUNT * 3), gutter=True)
 

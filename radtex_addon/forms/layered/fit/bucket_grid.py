@@ -1,0 +1,167 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The buckets that a bake keeps: each is of the samples of several texels, pooled with its neighbours'.
+
+Tables are (C, B, n*n) float32, channels first, of the B buckets that hold texels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from ....bake.blocks import SAMPLES_AT_ONCE, side_by_side
+from ....bake.light_samples import Some
+from ....bake.plan import CapturePlan
+from ....bake.pooling import Blur, Neighbours, Taps, corner_cells, corners
+from ....core.arrays import Floats, Ints
+from ....core.atlas import AtlasLayout
+from ....core.gutter import dilate, nearest_covered
+from .rows import Places
+
+_Result = TypeVar("_Result")
+
+_NEAR = Blur((0.08, 0.84, 0.08))  # with the mean over 2 x 2 texels: a sigma of 0.9 texels
+_WIDE = Blur((0.0418, 0.1156, 0.2125, 0.2602, 0.2125, 0.1156, 0.0418))  # with that a sigma of 3 texels
+_POOLED_AT_ONCE = 1 << 26  # bytes of sums
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Some of a grid's buckets, their `texels` (k,), and each texel's `bucket`, counted in the block (k,)."""
+
+    buckets: slice
+    texels: Ints
+    bucket: Ints
+
+    def scatter(self, place: Floats, n: int, columns: Iterable[Floats]) -> Floats:
+        """Sum the columns of the texels' samples, (k, S) each, in n x n cells: (C, buckets, n*n).
+
+        `place` (2, k, S) is the samples' places on the octahedron's square. Each column may also be that of
+        some samples alone, (p,), if `place` is theirs, (2, p), and `texels` is one for each.
+        """
+        corner, weights = corners(place, n)
+        first = self.bucket.reshape(-1, *[1] * (corner.ndim - 1)) * (n * n)
+        flat = (corner_cells(n).take(corner, axis=1) + first).ravel()
+        count = self.buckets.stop - self.buckets.start
+        sums = [np.bincount(flat, (weights * column).ravel(), count * n * n) for column in columns]
+        return np.stack(sums).astype(np.float32).reshape(-1, count, n * n)
+
+
+@dataclass(frozen=True, eq=False)
+class BucketGrid:
+    """Which texels of a plan share a bucket, and which buckets are neighbours.
+
+    `bucket` (K,): each texel's; `order` (K,): the texels, bucket by bucket, each of which begins at `first`
+    (B + 1,). `place` (B,): flat indices in a grid of `size`, rows and columns.
+    """
+
+    plan: CapturePlan
+    bucket: Ints
+    order: Ints
+    first: Ints
+    place: Ints
+    size: tuple[int, int]
+    neighbours: Neighbours
+
+    @classmethod
+    def of(cls, plan: CapturePlan, coarser: int) -> BucketGrid:
+        """Of buckets of `coarser` x `coarser` texels."""
+        height, width = plan.layout.height // coarser, plan.layout.width // coarser
+        j, i = np.divmod(plan.texel, plan.layout.width)
+        place = np.minimum(j // coarser, height - 1) * width + np.minimum(i // coarser, width - 1)
+        found, bucket = np.unique(place, return_inverse=True)
+        bucket = bucket.ravel().astype(np.int32)
+        order = np.argsort(bucket, kind="stable").astype(np.int32)
+        first = np.searchsorted(bucket[order], np.arange(len(found) + 1))
+        middle = np.add.reduceat(plan.points[order], first[:-1], axis=0) / np.diff(first)[:, None]
+        points = middle.astype(np.float32)[:, None]
+        coarse = CapturePlan(
+            AtlasLayout(width, height, plan.layout.bucket), found, points, points, points, points, points
+        )
+        neighbours = Neighbours(plan) if coarser == 1 else Neighbours(coarse, near=_NEAR, wide=_WIDE)
+        return cls(plan, bucket, order, first, found, (height, width), neighbours)
+
+    def __len__(self) -> int:
+        return len(self.place)
+
+    def in_blocks(
+        self, function: Callable[[Block], _Result], samples: int, at_once: int = SAMPLES_AT_ONCE
+    ) -> list[_Result]:
+        """Run the function on blocks of buckets, whose texels have `samples` each; its results in order."""
+        step = max(1, at_once * len(self) // max(samples * len(self.bucket), 1))
+        blocks = []
+        for begin in range(0, len(self), step):
+            buckets = slice(begin, min(begin + step, len(self)))
+            texels = self.order[self.first[buckets.start] : self.first[buckets.stop]]
+            blocks.append(Block(buckets, texels, self.bucket[texels] - begin))
+        return side_by_side(function, blocks)
+
+    def gather(self, table: Floats, place: Floats, some: Some) -> Floats:
+        """Look some texels' samples up in a table: (C, k, S); `place` (2, k, S) as for `Block.scatter`."""
+        n = round(table.shape[2] ** 0.5)
+        corner, weights = corners(place, n)
+        first = self.bucket[some].astype(np.intp)[:, None] * (n * n)
+        return Taps(corner_cells(n).take(corner, axis=1) + first, weights, n).gather(table)
+
+    def pool(
+        self,
+        table: Floats,
+        pooled: Callable[[Floats], Floats],
+        combine: Callable[[Floats, Floats], Floats],
+    ) -> Floats:
+        """Replace a table's sums by what `combine` makes of them, and of those that are `pooled`.
+
+        Of a few cells of all buckets at a time, (C, B, m) both; it gives (D, B, m), D <= C. Returns the first
+        D channels of the table, which is overwritten.
+        """
+        channels, buckets, cells = table.shape
+        step = max(1, _POOLED_AT_ONCE // (4 * channels * max(buckets, 1)))
+        kept = channels
+        for begin in range(0, cells, step):
+            own = np.ascontiguousarray(table[:, :, begin : begin + step])
+            made = combine(own, pooled(own))
+            kept = len(made)
+            table[:kept, :, begin : begin + step] = made
+        return table[:kept]
+
+    def share(self, wide: bool) -> float:
+        """The share of a sum's variance that is left after pooling."""
+        near, far = self.neighbours.near, self.neighbours.wide
+        taps = np.array(near.taps)
+        if wide:
+            apart = np.zeros((len(far.taps) - 1) * far.step + 1)
+            apart[:: far.step] = far.taps
+            taps = np.convolve(taps, apart)
+        return float((taps**2).sum() ** 2)
+
+    def means(self, block: Block, values: Floats) -> Floats:
+        """The mean over each bucket's texels of values (C, k, m): (C, buckets, m)."""
+        begin = self.first[block.buckets.start : block.buckets.stop]
+        count = np.diff(self.first[block.buckets.start : block.buckets.stop + 1])
+        sums = np.add.reduceat(values, begin - begin[0], axis=1)
+        return (sums / count[:, None]).astype(np.float32)
+
+    def placed(self, *tables: Floats) -> Floats:
+        """Tables (C, B, n*n), channels after channels, as buckets (h, w, n, n, C), gutter filled."""
+        n = round(tables[0].shape[2] ** 0.5)
+        height, width = self.size
+        image = np.zeros((height * width, n * n, sum(map(len, tables))), dtype=np.float32)
+        for number, channel in enumerate(channel for table in tables for channel in table):
+            image[self.place, :, number] = channel
+        covered = np.zeros(height * width, dtype=bool)
+        covered[self.place] = True
+        filled: Floats = dilate(
+            image.reshape(height, width, n, n, -1), nearest_covered(covered.reshape(height, width))
+        )
+        return filled
+
+
+def places_of(place: Floats) -> Places:
+    """Places (2, K, S) as they are kept."""
+    kept = Places(place.shape[1:])
+    kept.keep(slice(None), place)
+    return kept

@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arrays of all texels' samples that take little memory: computed when they are read, or kept in 16 bits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import cast
+
+import numpy as np
+
+from ....bake.light_samples import Some
+from ....core.arrays import Bools, Floats
+
+_STEPS = 65535
+_MOST = 65504.0  # the largest half float
+_DRAWN_AT_ONCE = 1 << 20
+
+
+class Rows:
+    """An array of this `shape`, some rows of which are computed whenever it is indexed by them."""
+
+    def __init__(self, shape: tuple[int, ...], compute: Callable[[Some], Floats]) -> None:
+        self.shape, self._compute = shape, compute
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, some: Some) -> Floats:
+        return self._compute(some)
+
+
+def computed(shape: tuple[int, ...], compute: Callable[[Some], Floats]) -> Floats:
+    """`Rows`, where an array is expected that is only indexed by some of its rows."""
+    return cast(Floats, Rows(shape, compute))
+
+
+class Places:
+    """Places on the octahedron's square, in [0, 1], of S samples of each of K texels, in 16 bits."""
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        self._kept = np.empty((2, *shape), dtype=np.uint16)
+
+    def keep(self, some: slice, place: Floats) -> None:
+        """Keep those of some texels, (2, k, S)."""
+        self._kept[:, some] = place * np.float32(_STEPS) + np.float32(0.5)
+
+    def __getitem__(self, some: Some) -> Floats:
+        """Those of some texels, (2, k, S) float32."""
+        found: Floats = self._kept[:, some] * np.float32(1 / _STEPS)
+        return found
+
+
+def halved(values: Floats) -> Floats:
+    """Values as half floats, limited to their range."""
+    limited: Floats = np.clip(values, -_MOST, _MOST).astype(np.float16)
+    return limited
+
+
+def random_half(shape: tuple[int, ...], seed: int) -> Bools:
+    """About half of the samples (K, S), at random."""
+    rng = np.random.default_rng(seed)
+    half = np.empty(shape, dtype=bool)
+    step = max(1, _DRAWN_AT_ONCE // max(shape[1], 1))
+    for some in _slices(shape[0], step):
+        half[some] = rng.random(half[some].shape) < 0.5
+    return half
+
+
+def _slices(count: int, step: int) -> Iterator[slice]:
+    for first in range(0, count, step):
+        yield slice(first, min(first + step, count))
