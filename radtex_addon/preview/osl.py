@@ -24,9 +24,9 @@ from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..scene.working_space import REC_709, working_space
 
-_SHADERS = Path(__file__).parents[2] / "shaders"
-SOURCE = _SHADERS / "radtex.osl"
-TRANSFER_SOURCE = _SHADERS / "radtex_transfer.osl"
+SHADERS = Path(__file__).parents[2] / "shaders"
+SOURCE = SHADERS / "radtex.osl"
+TRANSFER_SOURCE = SHADERS / "radtex_transfer.osl"
 _FILTERS = {Filter.NEAREST: 0, Filter.LINEAR: 1, Filter.QUADRILINEAR: 2}
 
 _log = logging.getLogger(__name__)
@@ -49,7 +49,7 @@ def add_osl_node(
         "Bucket": layout.bucket,
         "Filter": _FILTERS[kind],
     }
-    return _script_node(tree, source, constants)
+    return script_node(tree, source.name, source.read_text(encoding="utf-8"), constants)
 
 
 def add_transfer_osl_node(
@@ -67,24 +67,29 @@ def add_transfer_osl_node(
         "Bucket": layout.bucket,
         "Views": views,
     }
-    return _script_node(tree, source, constants)
+    return script_node(tree, source.name, source.read_text(encoding="utf-8"), constants)
 
 
-def _script_node(tree: bpy.types.NodeTree, source: Path, constants: Mapping[str, Any]) -> bpy.types.Node:
-    """Add a Script node with the shader in the file `source`, and set its sockets to `constants`."""
+def script_node(
+    tree: bpy.types.NodeTree, name: str, source: str, constants: Mapping[str, Any]
+) -> bpy.types.Node:
+    """A Script node with the shader `source`, in a text of that name, its sockets set to `constants`.
+
+    The shader has a socket BottomUp besides. Raises InputError as `add_osl_node` does; nothing is added then.
+    """
     if working_space() != REC_709:
         raise InputError(f"OSL shows Rec.709, and the file works in {working_space()}: use the node group")
     node = cast(Any, tree.nodes.new("ShaderNodeScript"))
-    text = cast(Any, bpy.data.texts.new(source.name))
-    text.from_string(source.read_text(encoding="utf-8"))
+    text = cast(Any, bpy.data.texts.new(name))
+    text.from_string(source)
     try:
         _compile(node, text)
     except InputError:
         tree.nodes.remove(node)
         bpy.data.texts.remove(text)
         raise
-    for name, value in constants.items():
-        node.inputs[name].default_value = value
+    for socket, value in constants.items():
+        node.inputs[socket].default_value = value
     # 4.5 reads textures with OpenImageIO, from the top row; 5.2 with Cycles's own reader, from the bottom row
     node.inputs["BottomUp"].default_value = bpy.app.version >= (5, 0)
     return cast(bpy.types.Node, node)

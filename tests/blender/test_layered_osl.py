@@ -1,0 +1,158 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""shaders/radtex_layered.osl as a Script node in Cycles against the reference sampler."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, cast
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.core.arrays import Floats
+from radtex_addon.core.errors import InputError
+from radtex_addon.core.fragments import Fragments
+from radtex_addon.forms.layered.files.layered_files import read_layered, write_layered
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at, sample_layered
+from radtex_addon.forms.layered.preview.osl import add_layered_osl_node
+from radtex_addon.forms.layered.shader_values import MOST_LAMPS
+from radtex_addon.preview import osl
+from radtex_addon.scene.nodes import NodeBuilder, Socket
+from tests.blender.lookup_stage import Inputs, LookupStage, Shader, data_image
+from tests.blender.test_layered_nodes import fragments_of
+from tests.layered.made_up import made_up_atlas
+from tests.layered_lookups import CASES, FACTS, SIZE, TEXELS, off
+from tests.lookups import COUNT, SIDE, Lookups
+
+SHOWN = ("everything", "parted ways", "made up", "things alone", "clear", "bare", "matt")
+WORST = 1e-3
+MATERIAL = 1
+
+
+@pytest.fixture(scope="module")
+def plain() -> LayeredAtlas:
+    return made_up_atlas(TEXELS, SIZE)
+
+
+def narrow(atlas: LayeredAtlas) -> LayeredAtlas:
+    """Seven texels have buckets across and five up: images are not square, and tiles are padded."""
+    return replace(
+        atlas,
+        colour=atlas.colour[:40, :56],
+        irradiance=atlas.irradiance[:10, :14],
+        own=atlas.own[:5, :7],
+        rest=atlas.rest[:5, :7],
+    )
+
+
+def layered_shader(path: Path, at: Fragments) -> Shader:
+    def shader(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
+        place = build.vector("FRACTION", build.uv_map("places"))
+        position = build.image(data_image("position", at.position), place)[0]
+        material = build.image(data_image("material", at.material[:, None].astype(np.float32)), place)[0]
+        node = add_layered_osl_node(build.tree, path)
+        sources = dict(zip(("UV", "Normal", "Tangent", "Sign", "Incoming"), inputs, strict=True))
+        sources |= {"Position": position, "Material": build.separate(material)[0]}
+        for name, source in sources.items():
+            build.feed(node.inputs[name], source)
+        return node.outputs["Color"], node.outputs["Alpha"]
+
+    return shader
+
+
+def osl_stage() -> LookupStage:
+    stage = LookupStage(cast(bpy.types.Scene, bpy.context.scene), "CYCLES")
+    cast(Any, stage.scene).cycles.shading_system = True
+    return stage
+
+
+def answers(
+    atlases: dict[str, LayeredAtlas], folder: Path
+) -> dict[str, tuple[LayeredAtlas, Fragments, Floats]]:
+    """Of each atlas, as it is read from its files: itself, where it is looked up, what is found (K, 4)."""
+    stage, asked = osl_stage(), {}
+    for name, atlas in atlases.items():
+        path = folder / f"{name}.radiance.json"
+        height, width = atlas.irradiance.shape[:2]
+        write_layered(path, atlas, replace(FACTS, width=width, height=height))
+        at = fragments_of(atlas)
+        assert at.tangent is not None
+        lookups = Lookups(at.uv, at.normal, at.tangent, np.ones(COUNT, np.float32), at.viewer)
+        stage.add(lookups, layered_shader(path, at))
+        asked[name] = (read_layered(path)[0], at)
+    found = stage.render(folder / "answers.exr")
+    return {name: (*asked[name], one) for name, one in zip(asked, found, strict=True)}
+
+
+def test_the_script_node_agrees_with_the_reference(plain: LayeredAtlas, tmp_path: Path) -> None:
+    atlases = {name: CASES[name](plain) for name in SHOWN} | {"narrow": narrow(plain)}
+    for name, (atlas, at, found) in answers(atlases, tmp_path).items():
+        wrong = off(found[:, :3], sample_layered(atlas, at))
+        print(f"OSL, {name}: worst error of {COUNT} lookups {wrong.max():.1e}, mean {wrong.mean():.1e}")
+        assert wrong.max() <= WORST
+        assert found[:, 3] == pytest.approx(alpha_at(atlas, at.uv), abs=1e-4)
+
+
+def test_what_is_not_linked_is_the_shaded_point_s_own(plain: LayeredAtlas, tmp_path: Path) -> None:
+    """Seen from straight above, on the faces of one material."""
+    path = tmp_path / "Vase.radiance.json"
+    write_layered(path, plain, FACTS)
+    atlas, at = read_layered(path)[0], fragments_of(plain)
+    up = np.tile(np.array([0, 0, 1], np.float32), (COUNT, 1))
+    places = (np.arange(COUNT)[:, None] // [1, SIDE] % SIDE + 0.5) / SIDE  # of the stage's first plane
+    position = np.concatenate([places, np.zeros((COUNT, 1))], axis=1).astype(np.float32)
+    material = np.full(COUNT, MATERIAL)
+
+    def shader(build: NodeBuilder, inputs: Inputs) -> tuple[Socket, ...]:
+        node = add_layered_osl_node(build.tree, path)
+        build.feed(node.inputs["UV"], inputs[0])
+        return node.outputs["Color"], node.outputs["Alpha"]
+
+    stage = osl_stage()
+    stage.add(Lookups(at.uv, up, up, np.ones(COUNT, np.float32), up), shader)
+    mesh = cast(bpy.types.Mesh, stage.columns[0].data)
+    cast(Any, mesh.attributes.new("radtex_material", "INT", "FACE")).data[0].value = MATERIAL
+    (found,) = stage.render(tmp_path / "answers.exr")
+    expected = sample_layered(atlas, Fragments(at.uv, up, up, position, material))
+    assert off(found[:, :3], expected).max() <= WORST
+
+
+def test_more_lamps_than_shaders_take_are_refused(plain: LayeredAtlas, tmp_path: Path) -> None:
+    path = tmp_path / "Vase.radiance.json"
+    lamps = plain.around.lamps * (MOST_LAMPS + 1)
+    write_layered(path, replace(plain, around=replace(plain.around, lamps=lamps)), FACTS)
+    with pytest.raises(
+        InputError, match=f'"Vase" mirrors {MOST_LAMPS + 1} lamps, shaders at most {MOST_LAMPS}'
+    ):
+        add_layered_osl_node(empty_tree(), path)
+
+
+def test_a_blender_without_osl_is_told_what_to_do(
+    plain: LayeredAtlas, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, tree = tmp_path / "Vase.radiance.json", empty_tree()
+    write_layered(path, plain, FACTS)
+    monkeypatch.setitem(sys.modules, "oslquery", None)
+    with pytest.raises(InputError, match=r"radtex_layered\.osl: .*official build, or the node group"):
+        add_layered_osl_node(tree, path)
+    assert not tree.nodes
+    assert not bpy.data.texts
+
+
+def test_another_working_space_is_refused(
+    plain: LayeredAtlas, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, tree = tmp_path / "Vase.radiance.json", empty_tree()
+    write_layered(path, plain, FACTS)
+    monkeypatch.setattr(osl, "working_space", lambda: "ACEScg")
+    with pytest.raises(InputError, match=r"OSL shows Rec\.709, and the file works in ACEScg"):
+        add_layered_osl_node(tree, path)
+    assert not tree.nodes
+
+
+def empty_tree() -> bpy.types.NodeTree:
+    return cast(bpy.types.NodeTree, bpy.data.node_groups.new("tree", "ShaderNodeTree"))
