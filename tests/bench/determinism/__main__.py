@@ -75,7 +75,7 @@ def started(blend: Path, kinds: list[str], folder: Path, *options: str, odd: boo
     environment, alone = dict(os.environ), None
     if odd:
         folder.mkdir(parents=True)
-        command += ["--memory", "400", "--render-threads", "1"]
+        command += ["--memory", "900", "--render-threads", "1"]
         environment |= {"PYTHONHASHSEED": "7", "OMP_NUM_THREADS": "1", "TMPDIR": str(folder.parent)}
         alone = _on_one_core
     process = subprocess.Popen(
