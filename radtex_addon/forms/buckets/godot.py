@@ -38,7 +38,9 @@ def _matrix(bake: Mapping[str, Any], entry: TextureEntry) -> GodotShader:
         parameters["levels"] = str(levels)
     uniforms = [
         f"uniform int filtering : hint_enum({filters}) = {default};",
-        f"uniform sampler2D{'Array' if paged else ''} atlas : filter_linear_mipmap, repeat_disable;",
+        "uniform sampler2DArray atlas : filter_nearest_mipmap, repeat_disable;"  # Godot blends no pages
+        if paged
+        else "uniform sampler2D atlas : filter_linear_mipmap, repeat_disable;",
         *uniforms,
     ]
     hull = Kind(bake["kind"]).traits.content
@@ -67,7 +69,7 @@ def _buckets(
     words = {
         "CULLED": "cull_back" if hull else "cull_disabled",  # a hull is seen from outside only
         "BLENDED": ", blend_premul_alpha, depth_draw_always" if blended else "",
-        "DEFINES": "\n#define RADTEX_HARDWARE_LINEAR" + ("\n#define RADTEX_PAGES" if paged else ""),
+        "DEFINES": "\n#define RADTEX_PAGES" if paged else "\n#define RADTEX_HARDWARE_LINEAR",
         "UNIFORMS": "\n".join(uniforms),
         "LOOKUP": f"    {lookup}",
         "ALPHA": "    ALPHA = light.a;\n" if blended else "",
