@@ -16,10 +16,7 @@ import numpy as np
 
 from ....bake.rays import NEAR_SAMPLES, NEAR_WIDTH, WORLD_WIDTH, panorama_paths
 from ....core.arrays import Floats
-from ....core.colour_spaces import converted
-from ....formats.containers.exr import read_render
-from ....formats.render_space import render_matrix
-from ....scene.scratch import render_scene
+from ....cycles.building_blocks import render_layers
 from ..cells import PICTURE_SIZE
 from ..lookup.environment import Impostor, Layer, Pictures, Plane
 
@@ -82,7 +79,7 @@ class Panoramas:
 
 
 def look_around(scene: bpy.types.Scene, subject: str, middle: Floats, folder: Path, seed: int) -> Panoramas:
-    """Render the panoramas, in copies of `scene`. Raises RuntimeError where Blender cannot render."""
+    """Render the panoramas, in copies of `scene`. Raises BakeError where Cycles fails."""
     camera = _Camera(scene, middle, folder, seed)
     near = near_things(scene, subject)
     direction = panorama_directions(WORLD_WIDTH)
@@ -188,13 +185,12 @@ class _Camera:
         scene.view_layers[0].use_pass_position = position
         path = self._folder / "panorama.exr"
         render.filepath = str(path)
-        render_scene(scene, write=True)
-        found = {name.rpartition(".")[2] or "Combined": pixels for name, pixels in read_render(path).items()}
-        light, matrix = found["Combined"], render_matrix(path)
-        if matrix is not None:
-            light[..., :3] = np.maximum(converted(light[..., :3], matrix), 0)
+        passes = render_layers(scene, path)
         path.unlink()
-        return found
+        light = passes.whole
+        if passes.to_rec709 is not None:  # colours beyond Rec.709 are below 0
+            light = np.concatenate([np.maximum(light[..., :3], 0), light[..., 3:]], axis=-1)
+        return passes.raw | {"Combined": light}
 
 
 def panorama_directions(width: int) -> Floats:
