@@ -7,7 +7,7 @@ A fit works on K texels of n x n cells; their tables are (C, K, n*n) float32, ch
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -22,7 +22,6 @@ _KERNEL = np.array([0.054489, 0.244201, 0.402620, 0.244201, 0.054489], dtype=np.
 _NEAR = 6.0  # times the median distance between texels: farther ones belong to another island
 _TILE = 4  # texels along the side of a block pooled at once: OpenBLAS computes 16 x 64 x 256 on one core
 SHARE = float((_KERNEL**2).sum() ** 2)  # share of a sum's variance that is left after pooling
-WIDER = 0.1  # share of that variance that is left after wide pooling
 
 
 def corners(place: Floats, n: int | Ints) -> tuple[Ints, Floats]:
@@ -104,36 +103,29 @@ _WIDE_BLUR = Blur(_NEAR_BLUR.taps, 3)
 class Neighbours:
     """The texels around each of a plan's texels, on the same piece of surface.
 
-    If texels have `few` samples, all sums are pooled widely: blurred by `near`, then by `wide`.
+    Sums are blurred by `near`, a Gaussian with a sigma of one texel unless another is given, and if they are
+    pooled widely also by `wide`, of about three.
     """
 
     plan: CapturePlan
-    few: bool = False
     near: Blur = _NEAR_BLUR
     wide: Blur = _WIDE_BLUR
     _found: dict[Blur, list[_Tile]] = field(default_factory=dict)
 
-    def pool(
-        self, table: Floats, wide: bool = False, solve: Callable[[Floats], Floats] = lambda sums: sums
-    ) -> Floats:
-        """Add to each texel's sums (C, K, m) its neighbours', weighted, at the same world direction.
-
-        The weights are a Gaussian with a sigma of one texel, or if `wide` of about three. `solve` turns the
-        pooled sums of some texels, (C, g, m), into the result, (D, g, m).
-        """
-        if not (wide or self.few):
-            return self._pooled(table, self.near, solve)
-        return self._pooled(self._pooled(table, self.near, lambda sums: sums), self.wide, solve)
+    def pool(self, table: Floats, wide: bool = False) -> Floats:
+        """Add to each texel's sums (C, K, m) its neighbours', weighted, at the same world direction."""
+        near = self._pooled(table, self.near)
+        return self._pooled(near, self.wide) if wide else near
 
     def pool_further(self, near: Floats) -> Floats:
         """Pool sums (C, K, m) widely that are pooled already."""
-        return self._pooled(near, self.wide, lambda sums: sums)
+        return self._pooled(near, self.wide)
 
-    def _pooled(self, table: Floats, blur: Blur, solve: Callable[[Floats], Floats]) -> Floats:
-        result = np.empty((len(solve(table[:, :0])), *table.shape[1:]), dtype=np.float32)
+    def _pooled(self, table: Floats, blur: Blur) -> Floats:
+        result = np.empty(table.shape, dtype=np.float32)
 
         def pool(tile: _Tile) -> None:
-            result[:, tile.texels] = solve(tile.weights @ table.take(tile.around, axis=1))
+            result[:, tile.texels] = tile.weights @ table.take(tile.around, axis=1)
 
         side_by_side(pool, self._tiles(blur))
         return result

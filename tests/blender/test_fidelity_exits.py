@@ -42,7 +42,7 @@ def test_a_sheet_of_glass_moves_rays_aside(tmp_path: Path) -> None:
         exits = capture_exits(
             scratch, item, prepared.mesh, np.eye(4), np.zeros(3, np.float32), 1.6, plan, _TIMES, 1, tmp_path
         )
-    ways = fit_ways(exits, Neighbours(plan, False))
+    ways = fit_ways(exits, Neighbours(plan))
     top = (plan.normals[:, 2] > 0.99) & (np.abs(plan.points[:, :2]).max(axis=1) < 0.6)  # far from the sides
     assert top.sum() > 20
     viewer = square_to_direction(cell_centres(_CELLS).reshape(-1, 2))

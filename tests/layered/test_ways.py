@@ -92,7 +92,7 @@ def test_a_plane_seen_from_above_shows_its_own_points() -> None:
 
 def test_paths_that_go_astray_do_not_lead_the_way() -> None:
     plan = flat_plan()
-    straight, ways = (fit_ways(straight_exits(plan, share), Neighbours(plan, False)) for share in (0.0, 0.2))
+    straight, ways = (fit_ways(straight_exits(plan, share), Neighbours(plan)) for share in (0.0, 0.2))
     np.testing.assert_allclose(straight[3], 0.8, rtol=1e-4)
     length = np.linalg.norm(ways[:3], axis=0)
     cosine = (ways[:3] * straight[:3]).sum(axis=0) / (length * 0.8)
@@ -112,7 +112,7 @@ def test_a_line_is_told_from_its_texel_in_its_frame() -> None:
 
 def test_a_clear_sheet_shows_the_floor_where_it_is() -> None:
     plan = flat_plan()
-    ways = fit_ways(straight_exits(plan, 0.0), Neighbours(plan, False))
+    ways = fit_ways(straight_exits(plan, 0.0), Neighbours(plan))
     through = Through(
         plan.placed(np.moveaxis(ways, 0, -1).reshape(-1, CELLS, CELLS, CHANNELS)),
         np.ones((1, 1, 3), np.float32),

@@ -45,7 +45,7 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> Generator[Progres
     """Fit the layered layout to a capture. Yields progress."""
     yield Progress(Stage.FIT, 0, _STEPS)
     light, plan = capture.light, capture.light.plan
-    neighbours = Neighbours(plan, False)
+    neighbours = Neighbours(plan)
     facing = facing_of(light)
     used = facing > 0
     around = _around(capture.around, parts)
@@ -101,7 +101,7 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> Generator[Progres
 
 
 def _through(capture: Capture, exits: ExitSamples, around: Around, used: Bools, grid: BucketGrid) -> Through:
-    ways = BucketGrid.of(exits.plan, 1).placed(fit_ways(exits, Neighbours(exits.plan, False)))
+    ways = BucketGrid.of(exits.plan, 1).placed(fit_ways(exits, Neighbours(exits.plan)))
     none = np.zeros((1, 1, 1, 1, 3), dtype=np.float32)
     through = Through(ways, exits.plan.placed(exits.colour, gutter=True), rest=none)
     rest = fit_through_rest(through, capture.light, around, used, grid)
