@@ -103,7 +103,7 @@ class OcclusionCapture:
         texels = slice(tile.first_row * plan.columns, tile.first_row * plan.columns + len(ends))
         frame = np.stack([plan.tangent, plan.bitangent, plan.normal]).reshape(3, -1, 3)[:, texels]
         facet = np.einsum("akx,kx->ka", frame, plan.facet.reshape(-1, 3)[texels])
-        ways = square_to_cosine(Aim(aim.shift[texels]).square(plan.layout.bucket))
+        ways = square_to_cosine(aim.squares(plan.layout.bucket)[texels])
         below = np.einsum("kra,ka->kr", ways, facet).reshape(ends.shape[:3]) < 0
         away = ends - plan.points[texels][:, None, None]
         near: Bools = (np.einsum("kqpx,kqpx->kqp", away, away) <= distance * distance) | below

@@ -18,6 +18,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
+from ..bake.computed_rows import computed
 from ..bake.kinds import Kind, Light, Rays
 from ..bake.plan import MIN_IMAGE_SIDE, CapturePlan, Tile, sheet_seed
 from ..core.arrays import Floats
@@ -55,6 +56,12 @@ class Aim:
         centres = cell_centres(bucket).reshape(1, -1, 2)
         aimed: Floats = (centres + (2 * self.shift[:, None] - 1) / bucket).astype(np.float32)
         return aimed
+
+    def squares(self, bucket: int) -> Floats:
+        """The same, computed where some texels' rays are read."""
+        return computed(
+            (len(self.shift), bucket * bucket, 2), lambda some: Aim(self.shift[some]).square(bucket)
+        )
 
     def offset(self, plan: CapturePlan) -> Floats:
         """Offsets from a cell's centre to its point, in units of a bucket's side.

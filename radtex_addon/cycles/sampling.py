@@ -67,15 +67,16 @@ def capture_samples(
             light = np.sum([found[lobe].mean(axis=1, dtype=np.float32) for lobe in LOBES], axis=0)
             thumbnail.add(plan.layout, plan.texels_of(tile), light)
     yield Progress(Stage.CAPTURE, count, count)
-    return LightSamples(plan, aim.square(plan.layout.bucket), seen=_seen(aim, plan, hidden), **samples)
+    square = aim.squares(plan.layout.bucket)
+    return LightSamples(plan, square, seen=_seen(square, hidden), **samples)
 
 
-def _seen(aim: Aim, plan: CapturePlan, hidden: Bools) -> Bools:
-    """Which samples (K, S) are in cells that are not `hidden` (K, m, m)."""
-    seen = np.empty((len(plan.texel), plan.layout.bucket**2), dtype=bool)
+def _seen(square: Floats, hidden: Bools) -> Bools:
+    """Which samples at bucket coordinates (K, S, 2) are in cells that are not `hidden` (K, m, m): (K, S)."""
+    seen = np.empty(square.shape[:2], dtype=bool)
     for first in range(0, len(seen), _TEXELS_AT_ONCE):
         some = slice(first, first + _TEXELS_AT_ONCE)
-        cell = cells_of(Aim(aim.shift[some]).square(plan.layout.bucket), hidden.shape[1])
+        cell = cells_of(square[some], hidden.shape[1])
         seen[some] = ~np.take_along_axis(hidden[some].reshape(len(cell), -1), cell, axis=1)
     return seen
 
@@ -107,7 +108,7 @@ def capture_ends(
         for name, part in found.items():
             whole = parts.setdefault(name, np.empty((count, cells, 3), dtype=np.float16))
             whole[first : first + len(part)] = part.reshape(len(part), cells, 3)
-    return EndSamples(plan, aim.square(plan.layout.bucket), **parts)
+    return EndSamples(plan, aim.squares(plan.layout.bucket), **parts)
 
 
 def _trace_ends(ends: PathEnds, capture: PortalCapture, tile: Tile) -> Arrays:

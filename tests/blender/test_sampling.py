@@ -141,7 +141,7 @@ def test_hidden_directions_are_marked_by_the_cell_that_holds_them(tmp_path: Path
     texel, ray = np.nonzero(~samples.seen)
     assert set(texel) == {2}
     assert len(ray) == 4  # of 8 x 8 rays, four lie in each of 4 x 4 cells
-    place = (samples.square[2, ray] + 1) / 2 * 4
+    place = (samples.square[:][2, ray] + 1) / 2 * 4
     assert (np.floor(place) == [3, 1]).all()
 
 
@@ -154,7 +154,7 @@ def test_a_mirrors_paths_end_in_the_mirror_direction(tmp_path: Path) -> None:
     found = ends_of(mirror(), tmp_path, plan)
     weight = np.broadcast_to(TINT[:3], (12, 36, 3))
     np.testing.assert_allclose(found.mirrored_weight.astype(float), weight, rtol=2e-3)
-    np.testing.assert_allclose(found.mirrored_end.astype(float), mirrored(plan, found.square), atol=2e-3)
+    np.testing.assert_allclose(found.mirrored_end.astype(float), mirrored(plan, found.square[:]), atol=2e-3)
     np.testing.assert_allclose(found.through_weight.astype(float), 0, atol=1e-3)
     np.testing.assert_allclose(found.through_end.astype(float), 0, atol=1e-3)
 
@@ -166,7 +166,7 @@ def test_a_near_things_direction_is_seen_from_the_middle(tmp_path: Path) -> None
     card(size=2000).location.z = 3
     plan = upward(12, 6)
     found = ends_of(baked, tmp_path, plan, middle)
-    away = mirrored(plan, found.square).astype(float)
+    away = mirrored(plan, found.square[:]).astype(float)
     met = starts(plan) + away * (3 / away[..., 2:])
     near = away[..., 2] > 0.05  # elsewhere the ceiling ends before the ray meets it
     assert near.mean() > 0.9
@@ -209,7 +209,7 @@ def test_light_goes_straight_through_a_tinted_slab(tint: Any, tmp_path: Path) ->
     found = ends_of(slab, tmp_path, plan)
     weight = np.broadcast_to(np.array(tint[:3]) ** 2, (12, 36, 3))
     np.testing.assert_allclose(found.through_weight.astype(float), weight, atol=2e-3)
-    straight = mirrored(plan, found.square) * [1, 1, -1]
+    straight = mirrored(plan, found.square[:]) * [1, 1, -1]
     np.testing.assert_allclose(found.through_end.astype(float), straight, atol=3e-3)
     np.testing.assert_allclose(found.mirrored_weight.astype(float), 0, atol=1e-3)
 
@@ -226,7 +226,7 @@ def test_what_glows_of_the_object_itself_brings_nothing(grouped: bool, tmp_path:
     plan = upward(12, 6)
     found = ends_of(corner(floor), tmp_path, plan)
     weight = found.mirrored_weight.astype(float)[..., 0]
-    away = mirrored(plan, found.square).astype(float)
+    away = mirrored(plan, found.square[:]).astype(float)
     wall = starts(plan) + away * ((1 - starts(plan)[..., :1]) / away[..., :1])
     meets = (away[..., 0] > 0) & (np.abs(wall[..., 1]) < 1) & (np.abs(wall[..., 2] - 1) < 1)
     assert 0.05 < meets.mean() < 0.9

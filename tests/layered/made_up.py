@@ -11,6 +11,7 @@ from radtex_addon.core.fragments import Fragments
 from radtex_addon.core.frame import normalised
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.cells import CELLS
+from radtex_addon.forms.layered.fit.rows import Places
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from radtex_addon.forms.layered.lookup.environment import Around, Impostor, Lamp, Layer, Pictures, Plane
 from radtex_addon.forms.layered.lookup.lobes import LOBES, STEPS, Material
@@ -89,3 +90,10 @@ def _buckets(rng: np.random.Generator, uv: Floats, cells: int, channels: int) ->
     place = np.concatenate([uv.repeat(len(cell), axis=0), np.tile(cell, (len(uv), 1))], axis=1)
     side = round(len(uv) ** 0.5)
     return _waves(rng, place, channels).reshape(side, side, cells, cells, channels)
+
+
+def places_of(place: Floats) -> Places:
+    """Places (2, K, S) as they are kept."""
+    kept = Places(place.shape[1:])
+    kept.keep(slice(None), place)
+    return kept

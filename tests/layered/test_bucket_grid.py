@@ -7,14 +7,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from radtex_addon.bake.computed_rows import computed
 from radtex_addon.bake.pooling import Taps
 from radtex_addon.core.arrays import Floats
 from radtex_addon.forms.layered.capture.capturing import own_side, without_zeros
 from radtex_addon.forms.layered.cells import OWN_RAYS, OWN_SIDE
 from radtex_addon.forms.layered.fit import bucket_grid
-from radtex_addon.forms.layered.fit.bucket_grid import Block, BucketGrid, places_of
+from radtex_addon.forms.layered.fit.bucket_grid import Block, BucketGrid
 from radtex_addon.forms.layered.fit.harmonics import fit_harmonics
-from radtex_addon.forms.layered.fit.rows import computed, halved, random_half
+from radtex_addon.forms.layered.fit.rows import halved, random_half
+from tests.layered.made_up import places_of
 from tests.layered.test_layered import SIDE, flat_plan
 
 pytestmark = pytest.mark.one_blender

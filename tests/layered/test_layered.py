@@ -15,7 +15,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.octahedron import cell_directions, direction_to_octahedron
 from radtex_addon.cycles.portal import Aim
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
-from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid, places_of
+from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
 from radtex_addon.forms.layered.fit.lobes import Paths, fit_materials
 from radtex_addon.forms.layered.fit.residual import fit_rest
 from radtex_addon.forms.layered.fit.visibility import free_share
@@ -31,6 +31,7 @@ from radtex_addon.forms.layered.lookup.environment import (
 )
 from radtex_addon.forms.layered.lookup.lobes import lobe
 from radtex_addon.forms.layered.lookup.visibility import seen_free
+from tests.layered.made_up import places_of
 
 pytestmark = pytest.mark.one_blender
 

@@ -13,7 +13,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from ....bake.light_samples import EndSamples, spread_shifts
+from ....bake.light_samples import EndSamples
 from ....bake.piece_store import NO_STORE, PieceStore
 from ....bake.pieces import Arrays
 from ....bake.plan import CapturePlan, plan_capture
@@ -25,7 +25,6 @@ from ....core.arrays import Bools, Floats, Ints
 from ....core.texel_map import TexelMap
 from ....cycles.find_hidden import find_hidden
 from ....cycles.path_ends import path_ends
-from ....cycles.portal import Aim
 from ....cycles.sampling import capture_ends, capture_samples
 from ....prepare.prepared import Prepared
 from ....scene.mesh.surrounding_shapes import Beside, read_beside
@@ -38,7 +37,7 @@ from .exits import capture_exits
 from .lamps import find_lamps
 from .material_maps import capture_maps, depends_on_angle
 from .opacity import find_opacity
-from .own_rays import capture_own_rays, corner_uvs, own_aim, own_samples, squares_of
+from .own_rays import capture_own_rays, corner_uvs, own_aim, own_samples
 from .panoramas import look_around
 from .stored_surroundings import around_of, arrays_of
 from .surface_alone import Clear, surface_alone
@@ -119,7 +118,7 @@ class _Captures:
         del fine, triangle  # they are as large as what is captured
         alone = Beside(placed, ())
         with scene_copied(scratch) as copy, path_ends(copy, item, mesh, alone, middle) as ends:
-            lone = _lean(capture_ends(ends, plan(rays.ends), spec.seed, folder, self.store), spec.seed)
+            lone = _lean(capture_ends(ends, plan(rays.ends), spec.seed, folder, self.store))
         done = 2 * count * rays.ends**2
         yield Progress(Stage.CAPTURE, done, total)
 
@@ -130,8 +129,7 @@ class _Captures:
             unseen = hidden.of_texels(np.isin(probe.texel, lit.texel)).cells
             steps = capture_samples(copy, lit, unseen, spec.seed, folder, self.store, self.thumbnail)
             light = yield from relayed(steps, in_paths)
-        square = squares_of(Aim(spread_shifts(count, spec.seed)), lit)
-        light = replace(light, square=square, through=without_zeros(light.through))
+        light = replace(light, through=without_zeros(light.through))
         material = texels.triangle.ravel()[lit.texel]
         own = self._own_rays(plan(own_side(count)), material, opacity.fine)
         around, looked = self._around(middle)
@@ -207,11 +205,10 @@ def own_side(texels: int) -> int:
     return min(OWN_SIDE, max(_LEAST_OWN_SIDE, math.isqrt(OWN_RAYS // texels)))
 
 
-def _lean(ends: EndSamples, seed: int) -> EndSamples:
-    """The same, with what is 0 or follows from the plan taking no memory."""
+def _lean(ends: EndSamples) -> EndSamples:
+    """The same, with what is 0 taking no memory."""
     return replace(
         ends,
-        square=squares_of(Aim(spread_shifts(len(ends.plan.texel), seed + 2)), ends.plan),
         through_weight=without_zeros(ends.through_weight),
         through_end=without_zeros(ends.through_end),
     )

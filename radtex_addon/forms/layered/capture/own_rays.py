@@ -23,7 +23,6 @@ from ....cycles.sampling import tiles_of
 from ....scene.mesh.backs import fronts, twin_numbers
 from ....scene.mesh.surrounding_shapes import Beside
 from ....scene.nodes import open_material, open_world
-from ..fit.rows import computed
 from ..samples import OwnRays
 
 _AHEAD = 5  # of the bake's seed
@@ -79,13 +78,7 @@ def own_samples(plan: CapturePlan, aim: Aim, hit: Bools) -> LobeSamples:
     """The rays as samples without light."""
     none = np.broadcast_to(np.float16(0), (*hit.shape, 3))
     every = np.broadcast_to(np.True_, hit.shape)
-    return LobeSamples(plan, Axis.MIRROR, squares_of(aim, plan), none, every)
-
-
-def squares_of(aim: Aim, plan: CapturePlan) -> Floats:
-    """Bucket coordinates B of all rays, (K, n * n, 2), computed where they are read."""
-    n = plan.layout.bucket
-    return computed((len(plan.texel), n * n, 2), lambda some: Aim(aim.shift[some]).square(n))
+    return LobeSamples(plan, Axis.MIRROR, aim.squares(plan.layout.bucket), none, every)
 
 
 def texels_met(plan: CapturePlan, surface: SurfaceMesh, triangle: Ints, uv: Floats) -> tuple[Ints, Floats]:

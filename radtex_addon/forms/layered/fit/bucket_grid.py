@@ -20,7 +20,6 @@ from ....bake.pooling import Blur, Neighbours, Taps, corner_cells, corners
 from ....core.arrays import Floats, Ints
 from ....core.atlas import AtlasLayout
 from ....core.gutter import dilate, nearest_covered
-from .rows import Places
 
 _Result = TypeVar("_Result")
 
@@ -158,10 +157,3 @@ class BucketGrid:
             image.reshape(height, width, n, n, -1), nearest_covered(covered.reshape(height, width))
         )
         return filled
-
-
-def places_of(place: Floats) -> Places:
-    """Places (2, K, S) as they are kept."""
-    kept = Places(place.shape[1:])
-    kept.keep(slice(None), place)
-    return kept

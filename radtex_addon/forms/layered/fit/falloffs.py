@@ -7,10 +7,10 @@ from __future__ import annotations
 import numpy as np
 
 from ....bake.blocks import in_blocks
+from ....bake.computed_rows import computed
 from ....bake.light_samples import LightSamples
 from ....core.arrays import Bools, Floats, Ints
 from .diffuse import fit_diffuse
-from .rows import computed
 
 _FAINT = 0.02  # of what a material mirrors: of less diffuse light no falloff is told
 _MOST = 8.0  # times the light along the normal

@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arrays of all texels' samples that take little memory: computed when they are read, or kept in 16 bits."""
+"""Values of all texels' samples that take little memory: in 16 bits, and drawn at random."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import cast
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -15,24 +14,6 @@ from ....core.arrays import Bools, Floats
 _STEPS = 65535
 _MOST = 65504.0  # the largest half float
 _DRAWN_AT_ONCE = 1 << 20
-
-
-class Rows:
-    """An array of this `shape`, some rows of which are computed whenever it is indexed by them."""
-
-    def __init__(self, shape: tuple[int, ...], compute: Callable[[Some], Floats]) -> None:
-        self.shape, self._compute = shape, compute
-
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __getitem__(self, some: Some) -> Floats:
-        return self._compute(some)
-
-
-def computed(shape: tuple[int, ...], compute: Callable[[Some], Floats]) -> Floats:
-    """`Rows`, where an array is expected that is only indexed by some of its rows."""
-    return cast(Floats, Rows(shape, compute))
 
 
 class Places:

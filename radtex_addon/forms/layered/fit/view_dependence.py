@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....bake.blocks import in_blocks
+from ....bake.computed_rows import computed
 from ....bake.light_samples import LightSamples, Some
 from ....core.arrays import Bools, Floats
 from ....core.hemisphere import square_to_direction
@@ -19,7 +20,7 @@ from ..lookup.falloffs import falloff_at
 from .bucket_grid import Block, BucketGrid
 from .harmonics import basis, fit_harmonics
 from .own_light import Surface
-from .rows import computed, random_half
+from .rows import random_half
 
 _RIDGE = 0.03  # as of the lightmap of spherical harmonics; with less, noise is told, too
 _AT_ONCE = 1 << 13  # samples in hand, of nine numbers each

@@ -47,7 +47,7 @@ class HarmonicsLightmap:
         shown = light.diffuse.astype(np.float32) - means(weight, light.diffuse)[:, None]
         shown += up_to_white(light.mirrored.astype(np.float32) + light.through)
         fitted = fit_harmonics(
-            square_to_direction(light.square), shown, weight, BucketGrid.of(light.plan, 1), _RIDGE
+            square_to_direction(light.square[:]), shown, weight, BucketGrid.of(light.plan, 1), _RIDGE
         )
         del shown
         image = light.plan.placed(fitted.reshape(-1, COUNT * 3), gutter=True)
