@@ -7,7 +7,7 @@ import bpy
 radtex = bpy.context.scene.radtex  # type: ignore[union-attr]  # ours, not Blender's
 
 radtex.kind = "radiance"
-radtex.atlas_layout = "layered"
+radtex.atlas_layout = "buckets"
 radtex.texels = 64
-radtex.bucket = 14
+radtex.bucket = 8
 radtex.samples = 2
