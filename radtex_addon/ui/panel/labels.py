@@ -26,7 +26,6 @@ LABELS = {
     Setting.AO_DISTANCE: "Distance",
     Setting.ARRANGEMENT: "Arrangement",
     Setting.BUCKET: "Cells",
-    Setting.BUDGET: "MB on the GPU",
     Setting.CAGE: "Cage",
     Setting.COMPRESSION: "Compression",
     Setting.DEVICE: "Device, in RadTex's preferences",
