@@ -23,9 +23,16 @@ from ....core.gutter import dilate, nearest_covered
 
 _Result = TypeVar("_Result")
 
-_NEAR = Blur((0.08, 0.84, 0.08))  # with the mean over 2 x 2 texels: a sigma of 0.9 texels
+_NEAR_SHARE = 0.04  # of a bucket's neighbour; with the mean over 2 x 2 texels a sigma of 0.75 texels
+_FINE = 64  # texels along a side: where there are fewer, neighbours differ more, and are given less
 _WIDE = Blur((0.0418, 0.1156, 0.2125, 0.2602, 0.2125, 0.1156, 0.0418))  # with that a sigma of 3 texels
 _POOLED_AT_ONCE = 1 << 26  # bytes of sums
+
+
+def _near(layout: AtlasLayout) -> Blur:
+    """The blur that lets neighbouring buckets share their samples."""
+    share = _NEAR_SHARE * min(1.0, max(layout.width, layout.height) / _FINE)
+    return Blur((share, 1 - 2 * share, share))
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +88,9 @@ class BucketGrid:
         coarse = CapturePlan(
             AtlasLayout(width, height, plan.layout.bucket), found, points, points, points, points, points
         )
-        neighbours = Neighbours(plan) if coarser == 1 else Neighbours(coarse, near=_NEAR, wide=_WIDE)
+        neighbours = (
+            Neighbours(plan) if coarser == 1 else Neighbours(coarse, near=_near(plan.layout), wide=_WIDE)
+        )
         return cls(plan, bucket, order, first, found, (height, width), neighbours)
 
     def __len__(self) -> int:
