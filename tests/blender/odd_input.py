@@ -75,7 +75,9 @@ def balls(materials: Sequence[bpy.types.Material | None]) -> bpy.types.Object:
     first = made()
     mesh = cast(bpy.types.Mesh, first.data)
     place = np.array([vertex.co for vertex in mesh.vertices])
-    faces = [tuple(map(int, cast(Any, face).vertices)) for face in mesh.polygons]
+    faces = sorted(
+        tuple(map(int, cast(Any, face).vertices)) for face in mesh.polygons
+    )  # Blender's order varies
     bpy.data.objects.remove(first)
     wide = -(-len(materials) // 2) if len(materials) > 3 else len(materials)
     steps = [np.array([k % wide - (wide - 1) / 2, 0, -(k // wide)]) for k in range(len(materials))]
