@@ -68,7 +68,8 @@ def readme(pack: Pack) -> str:
         "",
         *manifest.form.usage(bake, manifest.textures, target),
         "",
-        "Import every texture as linear data (never sRGB), with no compression and no mipmaps but its own.",
+        "Import every texture as linear data (as sRGB only where its format ends so), with no compression",
+        "and no mipmaps but its own.",
         _WHERE[target],
     ]
     return "\n".join(lines) + "\n"

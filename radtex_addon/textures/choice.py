@@ -62,6 +62,21 @@ def choice(
     return PixelFormat.RGBA16F if unpacked else PixelFormat.BC6H
 
 
+def in_blocks(spec: ExportSpec) -> bool:
+    """Whether images that are no plain light are compressed in blocks, each in a range of its own.
+
+    By default they are, but for programs that want what the bake holds, or compress it themselves.
+    """
+    if spec.format is TextureFormat.AUTO:
+        return spec.target not in (Target.RAW, Target.UNREAL)
+    return _STORED[spec.format][1] is PixelFormat.BC6H
+
+
+def light_in_blocks(spec: ExportSpec) -> bool:
+    """Whether light is BC6H, too: not for Godot by itself, for the reason in `choice`."""
+    return in_blocks(spec) and (spec.format is not TextureFormat.AUTO or spec.target is not Target.GODOT)
+
+
 def container_of(source: Path, spec: ExportSpec, is_array: bool) -> Container:
     """The kind of file to write a texture to. Raises InputError for one that the target does not read."""
     container = _STORED[spec.format][0] if spec.format is not TextureFormat.AUTO else None

@@ -37,7 +37,8 @@ class TextureEntry:
 
     `size` is the width and height in pixels of a layer's mip level 0. `texels` are the bake's width and
     height, `stored` the file's, which include padding; for an image both are in pixels. A matrix in several
-    layers is cut into `pages`, columns and rows, of `page_texels` each; otherwise there is one page.
+    layers is cut into `pages`, columns and rows, of `page_texels` each; otherwise there is one page. A value
+    is a texel times `scale` plus `offset`; the layout says of which channels.
     """
 
     file: str
@@ -52,6 +53,8 @@ class TextureEntry:
     levels: int
     pages: tuple[int, int]
     page_texels: tuple[int, int]
+    scale: float = 1.0
+    offset: float = 0.0
 
     def facts(self) -> dict[str, Any]:
         """The JSON's keys and values, in order."""
@@ -68,12 +71,14 @@ class TextureEntry:
             "levels": self.levels,
             "pages": list(self.pages),
             "page_texels": list(self.page_texels),
+            **({"range": [self.scale, self.offset]} if (self.scale, self.offset) != (1, 0) else {}),
         }
 
     @classmethod
     def from_facts(cls, facts: Facts) -> TextureEntry:
         """Inverse of `facts`. Raises FormatError for a missing or mistyped key or impossible sizes."""
         size = facts.size("size", MOST_PIXELS)
+        scale, offset = facts.numbers("range", 2) if "range" in facts.values else (1.0, 0.0)
         entry = cls(
             file=file_of(facts, "file"),
             container=Container(facts.choice("container", tuple(Container))),
@@ -87,6 +92,8 @@ class TextureEntry:
             levels=facts.whole_number("levels", 1, most_levels(*size)),
             pages=facts.size("pages", MOST_LAYERS),
             page_texels=facts.size("page_texels", MOST_PIXELS),
+            scale=scale,
+            offset=offset,
         )
         paged = tuple(count * side for count, side in zip(entry.pages, entry.page_texels, strict=True))
         if paged != entry.stored or any(map(int.__gt__, entry.texels, entry.stored)):

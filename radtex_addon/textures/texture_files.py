@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from ..core.messages import Message
 from ..core.pages import Pages
 from ..formats.containers.dds import write_texture
 from ..formats.containers.ktx2 import write_ktx2
-from ..formats.containers.texture import Encoded, PixelFormat, encode_texture
+from ..formats.containers.texture import Encoded, PixelFormat, Texture, encode_texture
 from ..formats.disk.atomic import replacing
 from .choice import check_limit, choice, container_of
 from .entry import Arranged, Container, TextureEntry
@@ -66,6 +67,24 @@ def write_levels(
     zstd = write_encoded(path, container, texture, spec, premultiplied=False)
     pages = Pages(1, 1, texture.width, texture.height)
     return entry_of(path, container, texture, zstd, Arranged.IMAGE, (width, height), pages)
+
+
+def write_ranged(
+    source: Path,
+    texture: Texture,
+    texels: tuple[int, int],
+    scale_offset: tuple[float, float],
+    spec: ExportSpec,
+    folder: Path,
+) -> TextureEntry:
+    """Write an encoded image of `texels`, width and height, whose values are texels * scale + offset."""
+    check_limit(source, texture.width, texture.height, spec)
+    container = container_of(source, spec, is_array=False)
+    path = folder / source.with_suffix(f".{container}").name
+    zstd = write_encoded(path, container, texture, spec, premultiplied=False)
+    pages, (scale, offset) = Pages(1, 1, texture.width, texture.height), scale_offset
+    entry = entry_of(path, container, texture, zstd, Arranged.IMAGE, texels, pages)
+    return replace(entry, scale=scale, offset=offset)
 
 
 def write_encoded(

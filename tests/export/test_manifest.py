@@ -60,6 +60,16 @@ def test_a_manifest_comes_back(tmp_path: Path) -> None:
     assert path.read_text() == manifest().to_json()
 
 
+def test_a_range_is_told_where_there_is_one(tmp_path: Path) -> None:
+    path, found = (
+        tmp_path / "Vase.export.json",
+        manifest(textures={"radiance": entry(scale=2.5, offset=-1.0)}),
+    )
+    write_manifest(path, found)
+    assert read_manifest(path) == found
+    assert json.loads(path.read_text())["textures"]["radiance"]["range"] == [2.5, -1.0]
+
+
 def test_the_keys_are_the_contracts() -> None:
     facts = json.loads(manifest().to_json())
     assert list(facts) == ["version", "tool", "name", "mesh", "flat", "flat_scale", "bake", "textures"]

@@ -333,7 +333,7 @@ def layered(folder: Path, texels: int = 16, irradiance: Floats | None = None) ->
 
 def test_layered_light_is_packed_and_all_else_is_exact(tmp_path: Path) -> None:
     sidecar = layered(tmp_path)
-    entries = write_textures(sidecar, WEB, tmp_path / "out")
+    entries = write_textures(sidecar, replace(WEB, format=TextureFormat.KTX2_RGB9E5), tmp_path / "out")
     facts = read_layered_sidecar(sidecar)
     assert list(entries) == list(facts.bake.layers)
     for layer, entry in entries.items():
@@ -365,11 +365,13 @@ def test_layered_light_below_zero_keeps_its_sign(tmp_path: Path) -> None:
 
 
 def test_blocks_are_filled_up_with_the_last_pixels(tmp_path: Path) -> None:
-    sidecar = layered(tmp_path, 6, irradiance=np.full((6, 6, 3), 1.5, np.float32))
+    irradiance = np.full((6, 6, 3), 1.5, np.float32)
+    irradiance[:, 4:] = 2.5  # a block of its own
+    sidecar = layered(tmp_path, 6, irradiance=irradiance)
     entries = write_textures(sidecar, replace(RAW, format=TextureFormat.DDS_BC6H), tmp_path / "out")
     assert (entries["irradiance"].texels, entries["irradiance"].stored) == ((6, 6), (8, 8))
     blocks = decode_texture(texture_of(tmp_path / "out", entries["irradiance"]))[0][0]
-    np.testing.assert_array_equal(blocks, np.full((8, 8, 3), 1.5))
+    np.testing.assert_array_equal(blocks, np.pad(irradiance, ((0, 2), (0, 2), (0, 0)), mode="edge"))
 
 
 @pytest.mark.parametrize(

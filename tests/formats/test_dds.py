@@ -18,6 +18,8 @@ from PIL import Image
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import BakeError, FormatError, InputError, ShapeError
+from radtex_addon.formats.codecs.bc3 import decode_bc3
+from radtex_addon.formats.codecs.bc4 import decode_bc4
 from radtex_addon.formats.codecs.bc5 import decode_bc5
 from radtex_addon.formats.codecs.bc6h import decode_bc6h
 from radtex_addon.formats.codecs.bc7 import Blocks, decode_bc7
@@ -30,7 +32,7 @@ HEADER = 148
 def random_blocks(kind: DdsFormat, rows: int = 6, columns: int = 9, seed: int = 1) -> Blocks:
     """Blocks of the modes that we write, all other bits free; or pixels."""
     blocks = np.random.default_rng(seed).integers(0, 256, (rows, columns, kind.block_bytes), np.uint8)
-    if kind is DdsFormat.BC7_UNORM:
+    if kind in (DdsFormat.BC7_UNORM, DdsFormat.BC7_UNORM_SRGB):
         blocks[..., 0] = (blocks[..., 0] & 0x80) | 0x40
     if kind is DdsFormat.BC6H_UF16:
         blocks[..., 0] = (blocks[..., 0] & 0xE0) | 0b00011
@@ -65,6 +67,7 @@ def test_blocks_come_back_as_they_were(tmp_path: Path, kind: DdsFormat) -> None:
     ("kind", "flags", "pitch"),
     [
         (DdsFormat.R8G8B8A8_UNORM, 0x100F, 36),
+        (DdsFormat.BC4_UNORM, 0x81007, 432),
         (DdsFormat.BC5_UNORM, 0x81007, 864),
         (DdsFormat.BC6H_UF16, 0x81007, 864),
         (DdsFormat.BC7_UNORM, 0x81007, 864),
@@ -170,6 +173,8 @@ def test_pillow_reads_rgba_as_we_do(tmp_path: Path) -> None:
         (DdsFormat.BC7_UNORM, 0x8E8C, decode_bc7, 0),
         (DdsFormat.BC6H_UF16, 0x8E8F, decode_bc6h, 0),
         (DdsFormat.BC5_UNORM, 0x8DBD, decode_bc5, 2.01 / 255),  # Mesa's llvmpipe mixes in eight bits
+        (DdsFormat.BC4_UNORM, 0x8DBB, decode_bc4, 2.01 / 255),
+        (DdsFormat.BC3_UNORM, 0x83F3, decode_bc3, 2.01 / 255),
     ],
 )
 def test_opengl_decodes_as_we_do(
@@ -230,7 +235,7 @@ def test_a_file_with_more_in_it_is_refused(file: Path) -> None:
         (80, 0x41, "an older DDS format"),
         (84, 0x35545844, '"DXT5"'),
         (112, 0xFE00, "no single 2D texture"),
-        (128, 99, "DXGI format 99: save it as R8G8B8A8_UNORM, BC5_UNORM, BC6H_UF16, BC7_UNORM"),
+        (128, 71, "DXGI format 71: save it as R8G8B8A8_UNORM, BC3_UNORM, BC3_UNORM_SRGB, BC4_UNORM"),
         (132, 4, "no single 2D texture"),
         (136, 4, "no single 2D texture"),
         (140, 6, "no single 2D texture"),

@@ -25,9 +25,17 @@ from radtex_addon.formats.containers.texture import (
     encode_texture,
     most_levels,
 )
+from radtex_addon.formats.containers.unit_blocks import CHANNELS, encode_units
 from radtex_addon.version import VERSION
 
 VK_FORMATS = {PixelFormat.RGBA16F: 97, PixelFormat.RGB9E5: 123, PixelFormat.BC6H: 143}  # vulkan_core.h
+UNIT_BLOCKS = {  # colour model, transfer function, bytes; the samples' first words, whose alpha is linear
+    PixelFormat.BC3: (130, 1, 16, (15 << 24 | 63 << 16, 63 << 16 | 64)),
+    PixelFormat.BC3_SRGB: (130, 2, 16, (0x1F << 24 | 63 << 16, 63 << 16 | 64)),
+    PixelFormat.BC4: (131, 1, 8, (63 << 16,)),
+    PixelFormat.BC7: (134, 1, 16, (127 << 16,)),
+    PixelFormat.BC7_SRGB: (134, 2, 16, (127 << 16,)),
+}
 LEVELS, DESCRIPTOR = 80, 152  # where the level index of three levels and the descriptor begin
 
 
@@ -152,10 +160,15 @@ def test_the_descriptors_are_those_of_khronos(tmp_path: Path, zstd: bool) -> Non
             *(0x80 << 24 | 127 << 16, 0, 0, one),
         ],
     }
+    for kind, (model, transfer, size, samples) in UNIT_BLOCKS.items():
+        length = 24 + 16 * len(samples)
+        words_of = [4 + length, 0, length << 16 | 2, transfer << 16 | 1 << 8 | model, 3 << 8 | 3, size, 0]
+        expected[kind] = words_of + [word for first in samples for word in (first, 0, 0, 2**32 - 1)]
     for kind, fields in expected.items():
-        write_ktx2(tmp_path / "a.ktx2", texture(kind), zstd)
+        unit = encode_units([np.full((22, 33, CHANNELS[kind]), 0.5)], kind) if kind in CHANNELS else None
+        write_ktx2(tmp_path / "a.ktx2", unit or texture(kind), zstd)
         data = (tmp_path / "a.ktx2").read_bytes()
-        assert list(words(data, DESCRIPTOR, len(fields))) == fields, kind
+        assert list(words(data, words(data, 48, 1)[0], len(fields))) == fields, kind
     write_ktx2(tmp_path / "a.ktx2", texture(PixelFormat.RGBA16F), zstd, premultiplied=False)
     assert (tmp_path / "a.ktx2").read_bytes()[DESCRIPTOR + 15] == 0
     read_ktx2(tmp_path / "a.ktx2")
@@ -183,7 +196,7 @@ def test_a_file_with_more_in_it_is_refused(file: Path) -> None:
     ("offset", "value", "message"),
     [
         (4, 0x31312058, "not a KTX2 file"),  # KTX 11
-        (12, 145, "VkFormat 145: save it as RGBA16F, RGB9E5, BC6H"),
+        (12, 131, "VkFormat 131: save it as RGBA16F, RGB9E5, BC3"),
         (16, 2, "header cannot be read"),
         (20, 0, "0 x 22 pixels"),
         (24, 16385, "33 x 16385 pixels"),
@@ -271,8 +284,8 @@ def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
 
 def test_other_formats_are_not_written(tmp_path: Path) -> None:
     blocks: Blocks = np.zeros((1, 2, 2, 16), np.uint8)
-    with pytest.raises(InputError, match=r"BC7 is not written to KTX2; choose RGBA16F, RGB9E5, BC6H"):
-        write_ktx2(tmp_path / "a.ktx2", Texture(PixelFormat.BC7, 8, 8, (blocks,)))
+    with pytest.raises(InputError, match=r"BC5 is not written to KTX2; choose RGBA16F, RGB9E5, BC3"):
+        write_ktx2(tmp_path / "a.ktx2", Texture(PixelFormat.BC5, 8, 8, (blocks,)))
     assert not list(tmp_path.iterdir())
 
 

@@ -39,6 +39,7 @@ from radtex_addon.formats.containers.exr import (
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.ktx2 import read_ktx2
 from radtex_addon.formats.containers.texture import ENCODED, Texture, decode_texture
+from radtex_addon.formats.containers.unit_blocks import CHANNELS, decode_units
 from radtex_addon.formats.disk.file_digest import digest
 from radtex_addon.formats.sample_counts import read_counts
 from radtex_addon.formats.shadow_files import read_shadow, visible_buckets
@@ -112,9 +113,11 @@ def _dds(path: Path) -> None:
 
 def _decode(texture: Texture) -> None:
     """Make images of the blocks, which may be of a mode that RadTex does not write."""
-    if texture.format in ENCODED:
-        with suppress(FormatError):
+    with suppress(FormatError):
+        if texture.format in ENCODED:
             decode_texture(texture)
+        if texture.format in CHANNELS and not texture.is_array:
+            decode_units(texture)
 
 
 def _piece(path: Path) -> None:

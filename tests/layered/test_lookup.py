@@ -14,11 +14,12 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.octahedron import cell_directions, octahedron_to_direction, sample_octahedron
 from radtex_addon.formats.codecs.bc3 import decode_bc3, encode_bc3
+from radtex_addon.formats.codecs.srgb import from_srgb, to_srgb
 from radtex_addon.forms.layered.cells import CELLS
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from radtex_addon.forms.layered.lookup.edge_grid import EdgePictures, on_edges
 from radtex_addon.forms.layered.shader_values import DEFAULT, FULL, Cost
-from tests.bench.fidelity.layered.compressed import Texture, compressed, from_srgb, to_srgb
+from tests.bench.fidelity.layered.compressed import Texture, compressed
 from tests.bench.fidelity.layered.conditions import chosen, fetches
 from tests.bench.fidelity.layered.drawn_fragments import radiance
 from tests.bench.fidelity.layered.lookup import lookup_of

@@ -14,6 +14,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.formats.containers.dds import write_texture
 from radtex_addon.formats.containers.ktx2 import write_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat, decode_texture, encode_texture
+from radtex_addon.formats.containers.unit_blocks import CHANNELS, decode_units, encode_units
 from tests.real.godot import RENDERERS, run_godot
 from tests.real.root import Root
 from tests.reference.slices import mip_chain
@@ -26,6 +27,11 @@ FILES = [
         *(("ktx2", kind, 1) for kind in ("RGBA16F", "RGB9E5", "BC6H")),
         *(("zstd.ktx2", kind, 1) for kind in ("RGBA16F", "RGB9E5", "BC6H")),
         *(("dds", kind, layers) for kind in ("RGBA16F", "BC6H") for layers in (1, 3)),
+        *(
+            (container, kind, 1)
+            for container in ("ktx2", "zstd.ktx2", "dds")
+            for kind in ("BC3", "BC4", "BC7")
+        ),
     )
 ]
 
@@ -41,6 +47,11 @@ def light(layers: int) -> list[Floats]:
     return [level.astype(np.float16).astype(np.float32) for level in mip_chain(image)]
 
 
+def units(kind: PixelFormat) -> list[Floats]:
+    """The same in 0..1, mip levels (H, W, C) with a format's channels."""
+    return [np.clip(level[0, ..., : CHANNELS[kind]] / 100, 0, 1) for level in light(1)]
+
+
 @pytest.fixture(scope="module")
 def decoded(root: Root) -> dict[str, list[Floats]]:
     """Each file's mip levels (layers, H, W, 4) as Godot has them."""
@@ -49,7 +60,11 @@ def decoded(root: Root) -> dict[str, list[Floats]]:
     (folder / "project.godot").write_text("config_version=5\n", encoding="utf-8")
     for name in FILES:
         kind, layers, container = name.split(".", 2)
-        texture = encode_texture(light(int(layers)), PixelFormat(kind), is_array=layers != "1")
+        texture = (
+            encode_units(units(PixelFormat(kind)), PixelFormat(kind))
+            if PixelFormat(kind) in CHANNELS
+            else encode_texture(light(int(layers)), PixelFormat(kind), is_array=layers != "1")
+        )
         if container == "dds":
             write_texture(folder / name, texture)
         else:
@@ -101,3 +116,15 @@ def test_blocks_are_what_we_think_they_are(decoded: dict[str, list[Floats]], nam
     for ours, theirs in zip(expected, decoded[name], strict=True):
         np.testing.assert_allclose(theirs[..., :3], ours, rtol=2**-10)
     assert np.sqrt(np.mean(stops**2)) < 0.1
+
+
+@pytest.mark.parametrize("name", [name for name in FILES if name[:3] in ("BC3", "BC4", "BC7")])
+def test_blocks_of_values_in_0_to_1_are_what_we_think_they_are(
+    decoded: dict[str, list[Floats]], name: str
+) -> None:
+    """Godot's decoders round what lies between a block's ends to eight bits."""
+    kind = PixelFormat(name.split(".", maxsplit=1)[0])
+    ours = decode_units(encode_units(units(kind), kind))
+    for expected, theirs in zip(ours, decoded[name], strict=True):
+        off = np.abs(theirs[0, ..., : CHANNELS[kind]] - expected).max()
+        assert off <= 2.5 / 255

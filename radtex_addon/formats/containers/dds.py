@@ -29,9 +29,13 @@ class DdsFormat(IntEnum):
     """Pixel formats of a file, by their numbers in DXGI_FORMAT."""
 
     R8G8B8A8_UNORM = 28
+    BC3_UNORM = 77
+    BC3_UNORM_SRGB = 78
+    BC4_UNORM = 80
     BC5_UNORM = 83
     BC6H_UF16 = 95
     BC7_UNORM = 98
+    BC7_UNORM_SRGB = 99
     R16G16B16A16_FLOAT = 10
 
     @property
@@ -52,9 +56,13 @@ class DdsFormat(IntEnum):
 
 _PIXEL_FORMATS = {
     DdsFormat.R8G8B8A8_UNORM: PixelFormat.RGBA8,
+    DdsFormat.BC3_UNORM: PixelFormat.BC3,
+    DdsFormat.BC3_UNORM_SRGB: PixelFormat.BC3_SRGB,
+    DdsFormat.BC4_UNORM: PixelFormat.BC4,
     DdsFormat.BC5_UNORM: PixelFormat.BC5,
     DdsFormat.BC6H_UF16: PixelFormat.BC6H,
     DdsFormat.BC7_UNORM: PixelFormat.BC7,
+    DdsFormat.BC7_UNORM_SRGB: PixelFormat.BC7_SRGB,
     DdsFormat.R16G16B16A16_FLOAT: PixelFormat.RGBA16F,
 }
 _DDS_FORMATS = {theirs: ours for ours, theirs in _PIXEL_FORMATS.items()}

@@ -29,15 +29,19 @@ from .texture import Encoded, PixelFormat, Texture, blocks_shape, size_misfit
 VK_FORMATS = {  # VkFormat
     PixelFormat.RGBA16F: 97,
     PixelFormat.RGB9E5: 123,
+    PixelFormat.BC3: 137,
+    PixelFormat.BC3_SRGB: 138,
+    PixelFormat.BC4: 139,
     PixelFormat.BC6H: 143,
+    PixelFormat.BC7: 145,
+    PixelFormat.BC7_SRGB: 146,
     PixelFormat.R32UI: 98,
     PixelFormat.RG32UI: 101,
 }
 
-_TYPE_SIZES = {
+_TYPE_SIZES = dict.fromkeys(VK_FORMATS, 1) | {  # blocks have 1
     PixelFormat.RGBA16F: 2,
     PixelFormat.RGB9E5: 4,
-    PixelFormat.BC6H: 1,
     PixelFormat.R32UI: 4,
     PixelFormat.RG32UI: 4,
 }

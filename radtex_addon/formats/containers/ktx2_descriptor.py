@@ -14,11 +14,21 @@ from typing import NamedTuple
 from .texture import PixelFormat
 
 _VERSION = 2  # of the descriptor block
-_RGBSDA, _BC6H = 1, 133  # colour models
-_BT709, _LINEAR = 1, 1  # primaries, transfer function
+_RGBSDA = 1  # colour model of pixels
+_MODELS = {  # and of blocks
+    PixelFormat.BC3: 130,
+    PixelFormat.BC3_SRGB: 130,
+    PixelFormat.BC4: 131,
+    PixelFormat.BC6H: 133,
+    PixelFormat.BC7: 134,
+    PixelFormat.BC7_SRGB: 134,
+}
+_BT709, _LINEAR, _SRGB = 1, 1, 2  # primaries, transfer functions
 _PREMULTIPLIED = 1  # the only flag
 _ALPHA = 15  # channel number; red, green and blue are 0, 1 and 2, the whole of a BC6H block is 0
-_EXPONENT, _SIGNED, _FLOAT = 0x20, 0x40, 0x80  # qualifiers, in the same byte as the channel
+_LINEARLY, _EXPONENT, _SIGNED, _FLOAT = 0x10, 0x20, 0x40, 0x80  # qualifiers, in the channel's byte
+_MOST = 2**32 - 1  # what 1 is in blocks of whole numbers
+_CODED = (PixelFormat.BC3_SRGB, PixelFormat.BC7_SRGB)
 
 
 class _Sample(NamedTuple):
@@ -32,7 +42,7 @@ class _Sample(NamedTuple):
 
 
 def descriptor(pixel_format: PixelFormat, premultiplied: bool) -> bytes:
-    """The descriptor, its total size first, for linear Rec.709 in RGBA16F, RGB9E5 or BC6H, or for words.
+    """The descriptor, its total size first, for Rec.709, linear or sRGB, in pixels or blocks, or for words.
 
     It is the same for supercompressed files, as in the KTX specification since revision 4.
     """
@@ -44,9 +54,9 @@ def descriptor(pixel_format: PixelFormat, premultiplied: bool) -> bytes:
         0,  # vendor Khronos, descriptor type basic
         _VERSION,
         size,
-        _BC6H if pixel_format is PixelFormat.BC6H else _RGBSDA,
+        _MODELS.get(pixel_format, _RGBSDA),
         _BT709,
-        _LINEAR,
+        _SRGB if pixel_format in _CODED else _LINEAR,
         _PREMULTIPLIED if premultiplied else 0,
         *(side - 1, side - 1, 0, 0),
         *(pixel_format.block_bytes, 0, 0, 0, 0, 0, 0, 0),  # bytes of each plane
@@ -81,4 +91,9 @@ _SAMPLES = {
     PixelFormat.R32UI: (_Sample(0, 32, 0, 0, 1),),
     PixelFormat.RG32UI: (_Sample(0, 32, 0, 0, 1), _Sample(32, 32, 1, 0, 1)),
     PixelFormat.BC6H: (_Sample(0, 128, _FLOAT, _float_bits(0), _float_bits(1)),),
+    PixelFormat.BC3: (_Sample(0, 64, _ALPHA, 0, _MOST), _Sample(64, 64, 0, 0, _MOST)),
+    PixelFormat.BC3_SRGB: (_Sample(0, 64, _ALPHA | _LINEARLY, 0, _MOST), _Sample(64, 64, 0, 0, _MOST)),
+    PixelFormat.BC4: (_Sample(0, 64, 0, 0, _MOST),),
+    PixelFormat.BC7: (_Sample(0, 128, 0, 0, _MOST),),
+    PixelFormat.BC7_SRGB: (_Sample(0, 128, 0, 0, _MOST),),
 }

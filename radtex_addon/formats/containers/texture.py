@@ -21,24 +21,32 @@ from ..codecs.rgb9e5 import decode_rgb9e5, encode_rgb9e5
 MOST_PIXELS = 16384  # a side: the limit of Direct3D 11 and of every GPU that supports it
 MOST_LAYERS = 2048  # of an array: the limit of the same GPUs
 
-_PACKED = ("BC5", "BC6H", "BC7")
+_PACKED = ("BC3", "BC3_SRGB", "BC4", "BC5", "BC6H", "BC7", "BC7_SRGB")
 _BYTES = {
     "RGBA16F": 8,
     "RGB9E5": 4,
     "RGBA8": 4,
     "R32UI": 4,
     "RG32UI": 8,
-}  # of a pixel; a block of 4 x 4 pixels has 16
+    "BC4": 8,
+}  # of a pixel, or a block of 4 x 4 pixels; other blocks have 16
 
 
 class PixelFormat(StrEnum):
-    """How pixels or blocks are stored. BC6H is the unsigned variant; UI are unsigned integers."""
+    """How pixels or blocks are stored. BC6H is the unsigned variant; UI are unsigned integers.
+
+    Colours of the SRGB variants are decoded by the GPU before it filters them; alpha is linear in all.
+    """
 
     RGBA16F = "RGBA16F"
     RGB9E5 = "RGB9E5"
     BC6H = "BC6H"
+    BC3 = "BC3"
+    BC3_SRGB = "BC3_SRGB"
+    BC4 = "BC4"
     BC5 = "BC5"
     BC7 = "BC7"
+    BC7_SRGB = "BC7_SRGB"
     RGBA8 = "RGBA8"
     R32UI = "R32UI"
     RG32UI = "RG32UI"

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...core.errors import InputError
+from ...formats.containers.texture import PixelFormat
 from ...formats.json_reader import Facts
 from ...textures.entry import TextureEntry
 from .files.arrangement import (
@@ -30,6 +31,7 @@ from .files.arrangement import (
     PLANE,
     REST,
     THINGS,
+    THROUGH_COLOUR,
     THROUGH_REST,
     TINT,
     WIDTH,
@@ -44,6 +46,8 @@ Values = dict[str, list[float] | list[list[float]]]
 MOST_LAMPS = 8
 _OF_MIRRORS = (TINT, WIDTH, OWN)  # read only where a material has lobes
 _SURROUNDINGS = (WORLD, PLANE, THINGS, DISTANCES)
+_COLOURS = (COLOUR, TINT, OWN, PLANE, THINGS, THROUGH_COLOUR)  # in blocks they are coded as sRGB
+_UNDECODED = (PixelFormat.BC3, PixelFormat.BC7)
 _OPTIONAL = (TINT, NORMAL, WIDTH, ALPHA, PLANE, THINGS)  # defined by their names
 
 
@@ -122,12 +126,19 @@ def shader_facts(
 
 
 def exported_facts(bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]) -> dict[str, Any]:
-    """The `shader_facts` of an exported bake with this sidecar's JSON and these textures, of half floats."""
+    """The `shader_facts` of an exported bake with this sidecar's JSON and these textures.
+
+    RADTEX_SRGB is defined where the shader has to decode colours, since the textures' formats say not that
+    they are sRGB.
+    """
     sidecar = LayeredSidecar.from_facts(Facts(dict(bake), "the bake"))
     stored = {layer: _stored(entry) for layer, entry in textures.items()}
     if DISTANCES in stored:
         stored[DISTANCES] = replace(stored[DISTANCES], mean=sidecar.nearness)
-    return shader_facts(sidecar, stored)
+    facts = shader_facts(sidecar, stored)
+    if any(textures[layer].format in _UNDECODED for layer in _COLOURS if layer in textures):
+        facts["defines"]["RADTEX_SRGB"] = 1
+    return facts
 
 
 def layers_read(sidecar: LayeredSidecar, cost: Cost = DEFAULT) -> tuple[str, ...]:
@@ -224,9 +235,9 @@ def buffer_of(values: Values, layout: Mapping[str, int]) -> list[float]:
 
 
 def _stored(entry: TextureEntry) -> Stored:
-    """How a texture is stored: as it is, and maybe padded to whole blocks."""
+    """How a texture is stored: in a range, and maybe padded to whole blocks."""
     width, height = entry.size
-    return Stored(part=(entry.texels[0] / width, entry.texels[1] / height))
+    return Stored(entry.scale, entry.offset, (entry.texels[0] / width, entry.texels[1] / height))
 
 
 def _mirrors(sidecar: LayeredSidecar) -> bool:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +12,14 @@ import numpy as np
 from ...core.arrays import Floats
 from ...core.errors import InputError
 from ...core.messages import Setting, do, leave_out
+from ...formats.containers.texture import PixelFormat
 from ...formats.image_files import layer_path
 from ...formats.sidecar_file import SidecarFile
-from ...textures.choice import choose
+from ...textures.choice import choose, in_blocks, light_in_blocks
 from ...textures.entry import TextureEntry
-from ...textures.export_spec import Arrangement, ExportSpec, TextureFormat
-from ...textures.texture_files import write_levels
+from ...textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
+from ...textures.texture_files import write_levels, write_ranged
+from .blocks import FORMATS, WITHOUT_SRGB, coded
 from .files.arrangement import COLOUR, IRRADIANCE, TINT, WORLD, unpacked
 from .files.layered_files import read_layer, read_layered_sidecar
 from .files.sidecar import LayeredSidecar
@@ -25,7 +28,7 @@ _LIGHT = frozenset({COLOUR, IRRADIANCE, TINT, WORLD})  # colours without alpha, 
 
 
 def write_layered_textures(sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
-    """As `Form.write_textures`. What is no light becomes RGBA16F, whatever `spec` says."""
+    """As `Form.write_textures`. What is no light becomes RGBA16F where `spec` asks for no blocks."""
     if spec.arrangement is not Arrangement.MATRIX or (spec.levels or 1) > 1:
         raise InputError(
             f"{sidecar} is of the layered layout", leave_out(Setting.ARRANGEMENT, Setting.LEVELS)
@@ -38,6 +41,11 @@ def write_layered_textures(sidecar: SidecarFile, spec: ExportSpec, folder: Path)
         )
     facts = read_layered_sidecar(sidecar)
     return {layer: _write_layer(sidecar, facts, layer, spec, folder) for layer in facts.shapes}
+
+
+def _is_in_blocks(layer: str, spec: ExportSpec) -> bool:
+    kind = FORMATS.get(layer)
+    return kind is not None and (light_in_blocks(spec) if kind is PixelFormat.BC6H else in_blocks(spec))
 
 
 def _to_one_texel(levels: tuple[Floats, ...]) -> tuple[Floats, ...]:
@@ -57,6 +65,18 @@ def _write_layer(
     if layer in facts.pictures:
         picture = facts.pictures[layer]
         levels = _to_one_texel(unpacked(levels[0], picture.size, picture.levels))
+    if _is_in_blocks(layer, spec):
+        return _write_blocks(source, layer, levels, spec, folder)
     if image.shape[2] == 1:  # as grey
         levels = tuple(np.repeat(level, 3, axis=2) for level in levels)
     return write_levels(source, levels, spec, folder, None, exact=layer not in _LIGHT)
+
+
+def _write_blocks(
+    source: Path, layer: str, levels: tuple[Floats, ...], spec: ExportSpec, folder: Path
+) -> TextureEntry:
+    found = coded(layer, levels)
+    texture = found.texture
+    if spec.target is Target.GODOT:  # its KTX2 loader takes no sRGB formats: the shader decodes them
+        texture = replace(texture, format=WITHOUT_SRGB.get(texture.format, texture.format))
+    return write_ranged(source, texture, found.texels, (found.scale, found.offset), spec, folder)

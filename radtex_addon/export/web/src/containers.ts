@@ -22,9 +22,13 @@ export const BLOCKS: Record<PixelFormat, Size> = {
   RGB9E5: [1, 4],
   RGBA16F: [1, 8],
   RGBA8: [1, 4],
-  BC5: [4, 16],
+  SRGB8_A8: [1, 4],
+  BC3: [4, 16],
+  BC3_SRGB: [4, 16],
+  BC4: [4, 8],
   BC6H: [4, 16],
   BC7: [4, 16],
+  BC7_SRGB: [4, 16],
   R32UI: [1, 4],
   RG32UI: [1, 8],
 };
@@ -32,9 +36,12 @@ export const BLOCKS: Record<PixelFormat, Size> = {
 const VK_FORMATS = new Map<number, PixelFormat>([
   [97, "RGBA16F"],
   [123, "RGB9E5"],
-  [141, "BC5"],
+  [137, "BC3"],
+  [138, "BC3_SRGB"],
+  [139, "BC4"],
   [143, "BC6H"],
   [145, "BC7"],
+  [146, "BC7_SRGB"],
   [37, "RGBA8"],
   [98, "R32UI"],
   [101, "RG32UI"],
@@ -42,9 +49,12 @@ const VK_FORMATS = new Map<number, PixelFormat>([
 const DXGI_FORMATS = new Map<number, PixelFormat>([
   [10, "RGBA16F"],
   [28, "RGBA8"],
-  [83, "BC5"],
+  [77, "BC3"],
+  [78, "BC3_SRGB"],
+  [80, "BC4"],
   [95, "BC6H"],
   [98, "BC7"],
+  [99, "BC7_SRGB"],
 ]);
 const DDS_HEAD = 148; // "DDS ", DDS_HEADER, DDS_HEADER_DXT10
 

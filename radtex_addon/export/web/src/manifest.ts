@@ -9,7 +9,19 @@ import { Problem } from "./problem";
 export const VERSION = 1;
 
 export type Size = [number, number];
-export type PixelFormat = "RGB9E5" | "RGBA16F" | "BC6H" | "BC5" | "BC7" | "RGBA8" | "R32UI" | "RG32UI";
+export type PixelFormat =
+  | "RGB9E5"
+  | "RGBA16F"
+  | "BC3"
+  | "BC3_SRGB"
+  | "BC4"
+  | "BC6H"
+  | "BC7"
+  | "BC7_SRGB"
+  | "RGBA8"
+  | "SRGB8_A8"
+  | "R32UI"
+  | "RG32UI";
 
 /** One texture of the export; sizes are in pixels or texels, x first. */
 export interface TextureEntry {

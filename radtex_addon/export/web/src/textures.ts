@@ -4,6 +4,7 @@
 
 import { ExternalTexture, type WebGLRenderer } from "three";
 
+import { withoutBlocks } from "./blocks";
 import { levelBytes, levelSize, type Pixels, unpack } from "./containers";
 import { fetchBytes, fileUrl } from "./fetching";
 import type { Manifest, PixelFormat, TextureEntry } from "./manifest";
@@ -26,13 +27,17 @@ const PLAIN: Partial<Record<PixelFormat, [number, number, number]>> = {
   RGB9E5: [0x8c3d, 0x1907, 0x8c3e], // RGB9_E5, RGB, UNSIGNED_INT_5_9_9_9_REV
   RGBA16F: [0x881a, 0x1908, 0x140b], // RGBA16F, RGBA, HALF_FLOAT
   RGBA8: [0x8058, 0x1908, 0x1401], // RGBA8, RGBA, UNSIGNED_BYTE
+  SRGB8_A8: [0x8c43, 0x1908, 0x1401], // SRGB8_ALPHA8, RGBA, UNSIGNED_BYTE
   R32UI: [0x8236, 0x8d94, 0x1405], // R32UI, RED_INTEGER, UNSIGNED_INT
   RG32UI: [0x823c, 0x8228, 0x1405], // RG32UI, RG_INTEGER, UNSIGNED_INT
 };
 const PACKED: Partial<Record<PixelFormat, [number, string]>> = {
-  BC5: [0x8dbd, "EXT_texture_compression_rgtc"],
+  BC3: [0x83f3, "WEBGL_compressed_texture_s3tc"],
+  BC3_SRGB: [0x8c4f, "WEBGL_compressed_texture_s3tc_srgb"],
+  BC4: [0x8dbb, "EXT_texture_compression_rgtc"],
   BC6H: [0x8e8f, "EXT_texture_compression_bptc"],
   BC7: [0x8e8c, "EXT_texture_compression_bptc"],
+  BC7_SRGB: [0x8e8d, "EXT_texture_compression_bptc"],
 };
 
 /** Fetch and upload all textures of a manifest. Throws a Problem for the first that cannot be had. */
@@ -48,7 +53,8 @@ export async function loadTextures(
   const loaded = new Map<string, Loaded>();
   const load = async ([name, entry]: [string, TextureEntry]): Promise<void> => {
     const bytes = await fetchBytes(fileUrl(entry.file, base));
-    loaded.set(name, upload(gl, await unpack(bytes, entry), entry, bytes.byteLength));
+    const pixels = await unpack(bytes, entry);
+    loaded.set(name, upload(gl, known(gl, pixels) ? pixels : withoutBlocks(pixels), entry, bytes.byteLength));
     progressed(loaded.size, entries.length);
   };
   await Promise.all(entries.map(load));
@@ -86,13 +92,12 @@ function checkDevice(gl: WebGL2RenderingContext, entry: TextureEntry): void {
       "Export again with --arrangement matrix.",
     );
   }
-  const packed = PACKED[entry.format];
-  if (packed && !gl.getExtension(packed[1])) {
-    throw new Problem(
-      `${entry.file} is packed as ${entry.format}, which this device does not know (${packed[1]})`,
-      "Bake without --budget and --target, or open the page on a desktop.",
-    );
-  }
+}
+
+/** Whether the device takes these blocks as they are; it does take pixels. */
+function known(gl: WebGL2RenderingContext, pixels: Pixels): boolean {
+  const packed = PACKED[pixels.format];
+  return !packed || gl.getExtension(packed[1]) !== null;
 }
 
 function upload(gl: WebGL2RenderingContext, pixels: Pixels, entry: TextureEntry, fileBytes: number): Loaded {

@@ -12,6 +12,8 @@ import moderngl
 import numpy as np
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.formats.codecs.srgb import to_srgb
+from radtex_addon.formats.containers.texture import PixelFormat
 from radtex_addon.formats.sidecar import Sidecar
 from radtex_addon.forms.layered.files.arrangement import DISTANCES, PLANE, THINGS
 from radtex_addon.forms.layered.files.sidecar import LayeredSidecar
@@ -28,12 +30,12 @@ from radtex_addon.forms.layered.shader_values import (
 )
 from tests.real.opengl import mipmapped
 
-from .compressed import Format, Texture, to_srgb
+from .compressed import Texture
 from .conditions import fetches
 
 SRGB8_ALPHA8 = 0x8C43  # GL_SRGB8_ALPHA8
 CODE = Path(__file__).parents[4] / "shaders" / "radtex_layered.glsl"
-_BLACK = Texture(Format.BC6H, (np.zeros((4, 4, 3), np.float32),), (4, 4))
+_BLACK = Texture(PixelFormat.BC6H, (np.zeros((4, 4, 3), np.float32),), (4, 4))
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +111,7 @@ def _stored(layer: str, texture: Texture) -> Stored:
 def upload(context: moderngl.Context, texture: Texture) -> moderngl.Texture:
     """The texture, decoded: llvmpipe reads blocks in seconds. As bytes of sRGB, or as half floats."""
     minified = moderngl.LINEAR_MIPMAP_LINEAR if len(texture.levels) > 1 else moderngl.LINEAR
-    if texture.format not in (Format.BC3_SRGB, Format.BC7_SRGB):
+    if not texture.has_alpha:
         chain = [level.astype(np.float16) for level in texture.levels]
         found = mipmapped(context, chain, minified)
         assert isinstance(found, moderngl.Texture)
