@@ -68,8 +68,8 @@ def readme(pack: Pack) -> str:
         "",
         *manifest.form.usage(bake, manifest.textures, target),
         "",
-        "Import every texture as linear data (as sRGB only where its format ends so), with no compression",
-        "and no mipmaps but its own.",
+        "Import textures whose format ends in _SRGB as sRGB, all others as linear data; with no compression",
+        "and no mipmaps but their own.",
         _WHERE[target],
     ]
     return "\n".join(lines) + "\n"

@@ -18,6 +18,7 @@ from ..core.gutter import LEAST_AGREEMENT, gutter_agreement
 from ..core.hemisphere import equisolid_inverse
 from ..core.messages import Setting, do
 from ..core.solid_angle import cell_solid_angles_sr
+from ..formats.codecs.srgb import to_srgb
 from ..formats.containers.exr import loss_of, stored_compression
 from ..formats.containers.png import encode_png
 
@@ -75,11 +76,4 @@ def flat_png(light: Floats) -> tuple[bytes, float]:
         colour = np.divide(colour, alpha, out=np.zeros_like(colour), where=alpha > _LEAST_ALPHA)
     brightest = float(np.percentile(colour.max(axis=2), _BRIGHT))
     scale = 1 / brightest if brightest > 1 else 1.0
-    return encode_png(np.concatenate([srgb(colour * scale), alpha], axis=2)[::-1]), scale
-
-
-def srgb(linear: Floats) -> Floats:
-    """Display values of linear light, clipped to 0..1. Formula: IEC 61966-2-1."""
-    light = np.clip(linear, 0, 1)
-    shown: Floats = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    return shown
+    return encode_png(np.concatenate([to_srgb(colour * scale), alpha], axis=2)[::-1]), scale

@@ -63,10 +63,7 @@ def write_levels(
     if kind is PixelFormat.BC6H and len(levels) == 1:
         levels = (np.pad(image, ((0, -height % _BLOCK), (0, -width % _BLOCK), (0, 0)), mode="edge"),)
     texture = encode_texture([level[None] for level in levels], kind)
-    path = folder / source.with_suffix(f".{container}").name
-    zstd = write_encoded(path, container, texture, spec, premultiplied=False)
-    pages = Pages(1, 1, texture.width, texture.height)
-    return entry_of(path, container, texture, zstd, Arranged.IMAGE, (width, height), pages)
+    return _write_image(source, container, texture, (width, height), spec, folder)
 
 
 def write_ranged(
@@ -79,12 +76,23 @@ def write_ranged(
 ) -> TextureEntry:
     """Write an encoded image of `texels`, width and height, whose values are texels * scale + offset."""
     check_limit(source, texture.width, texture.height, spec)
-    container = container_of(source, spec, is_array=False)
+    container, (scale, offset) = container_of(source, spec, is_array=False), scale_offset
+    entry = _write_image(source, container, texture, texels, spec, folder)
+    return replace(entry, scale=scale, offset=offset)
+
+
+def _write_image(
+    source: Path,
+    container: Container,
+    texture: Texture,
+    texels: tuple[int, int],
+    spec: ExportSpec,
+    folder: Path,
+) -> TextureEntry:
     path = folder / source.with_suffix(f".{container}").name
     zstd = write_encoded(path, container, texture, spec, premultiplied=False)
-    pages, (scale, offset) = Pages(1, 1, texture.width, texture.height), scale_offset
-    entry = entry_of(path, container, texture, zstd, Arranged.IMAGE, texels, pages)
-    return replace(entry, scale=scale, offset=offset)
+    pages = Pages(1, 1, texture.width, texture.height)
+    return entry_of(path, container, texture, zstd, Arranged.IMAGE, texels, pages)
 
 
 def write_encoded(

@@ -18,11 +18,12 @@ from radtex_addon.core.hemisphere import cell_centres, square_to_direction
 from radtex_addon.core.solid_angle import cell_solid_angles_sr
 from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.core.texel_map import TexelMap, rasterise
+from radtex_addon.formats.codecs.srgb import to_srgb
 from radtex_addon.forms.layered.capture.panoramas import panorama_directions
 from radtex_addon.forms.layered.flat import mean_of_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from radtex_addon.forms.layered.lookup.environment import Around, Pictures
-from radtex_addon.textures.flat_lightmap import even_directions, flat_png, mean_of_buckets, srgb
+from radtex_addon.textures.flat_lightmap import even_directions, flat_png, mean_of_buckets
 from tests.layered.made_up import made_up_atlas
 
 
@@ -153,5 +154,5 @@ def test_light_beyond_white_is_scaled_but_for_a_few_texels() -> None:
     assert scale == pytest.approx(0.25)
     assert np.asarray(Image.open(io.BytesIO(data))).min() == 255
     np.testing.assert_allclose(
-        srgb(np.array([0.0, 0.002, 0.18, 1, 3])), [0, 0.02584, 0.46136, 1, 1], atol=1e-5
+        to_srgb(np.array([0.0, 0.002, 0.18, 1, 3])), [0, 0.02584, 0.46136, 1, 1], atol=1e-5
     )

@@ -22,6 +22,7 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.core.transfer import mean_over_lights
 from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.folder import files_in
+from radtex_addon.formats.codecs.srgb import to_srgb
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.ktx2 import read_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat
@@ -30,7 +31,6 @@ from radtex_addon.job import bake_object
 from radtex_addon.job.preflight import run_preflight
 from radtex_addon.textures.entry import Arranged, Container
 from radtex_addon.textures.export_spec import Target
-from radtex_addon.textures.flat_lightmap import srgb
 from tests.blender import stage
 from tests.blender.batch_process import Outcome, refusal
 
@@ -184,7 +184,7 @@ def test_a_transfers_cells_are_those_of_the_bake(export: Callable[..., Outcome],
     flat: Any = bpy.data.images.load(str(made / "Box.flat.png"))
     shown = np.array(flat.pixels[:]).reshape(facts.layout.height, facts.layout.width, 4)[..., :3]
     scale = read_manifest(made / "Box.export.json").flat_scale
-    np.testing.assert_allclose(shown, srgb(white * scale), atol=1 / 255)
+    np.testing.assert_allclose(shown, to_srgb(white * scale), atol=1 / 255)
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from radtex_addon.formats.containers.texture import PixelFormat, Texture
 from radtex_addon.formats.json_reader import Facts
 from radtex_addon.formats.sidecar_file import SidecarFile
 from radtex_addon.forms import form_in
-from radtex_addon.forms.layered.blocks import FORMATS, WITHOUT_SRGB, Coded, coded
+from radtex_addon.forms.layered.blocks import FORMATS, Coded, coded
 from radtex_addon.forms.layered.files.arrangement import CHANNELS, OWN, PICTURES, REST, packed
 from radtex_addon.forms.layered.files.layered_files import atlas_of, read_layered, write_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
@@ -30,7 +30,6 @@ from radtex_addon.textures.export_spec import ExportSpec, Target, TextureFormat
 from tests.layered.made_up import made_up_atlas, made_up_fragments
 from tests.layered_lookups import CASES, FACTS, off
 
-UNDECODED = {plain: coded for coded, plain in WITHOUT_SRGB.items()}
 HALF = PixelFormat.RGBA16F
 
 
@@ -120,7 +119,7 @@ def test_godot_decodes_srgb_itself_and_gets_light_that_it_does_not_unpack(tmp_pa
         expected = FORMATS.get(layer, HALF)
         if expected is PixelFormat.BC6H:
             expected = PixelFormat.RGB9E5
-        assert entry.format is WITHOUT_SRGB.get(expected, expected), layer
+        assert entry.format is expected.without_srgb, layer
     facts = exported_facts(SidecarFile.read(sidecar).facts.values, entries)
     assert facts["defines"]["RADTEX_SRGB"] == 1
     asked = ExportSpec(Target.GODOT, TextureFormat.KTX2_BC6H)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.arrays import Bools, Floats
-from .bc5 import decode_bc5, encode_bc5
+from .bc4 import channel_values, encode_bc4
 from .bc7 import PIXELS, SIDE, Blocks, Words, image_of, words_of
 
 _BITS, _SHIFTS = (5, 6, 5), (11, 5, 0)  # of a colour's channels
@@ -31,7 +31,7 @@ def encode_bc3(image: Floats, weight: Floats) -> Blocks:
     What is made small is the weighted sum of squared errors. Raises ShapeError for a size that is no multiple
     of 4, InputError for values that are not numbers.
     """
-    alpha = encode_bc5(np.repeat(image[..., 3:], 2, axis=2))
+    alpha = encode_bc4(image[..., 3:])
     values = np.clip(_squares(image[..., :3]), 0, 1).astype(np.float32)
     first, last, steps = _fitted(values, _squares(weight[..., None])[0].astype(np.float32))
     word = np.zeros(values.shape[2], np.uint64)
@@ -41,8 +41,8 @@ def encode_bc3(image: Floats, weight: Floats) -> Blocks:
             word |= code << np.uint64(shift + place)
     for pixel in range(PIXELS):
         word |= _INDICES[steps[pixel].astype(np.intp)] << np.uint64(32 + 2 * pixel)
-    words: Words = np.stack([words_of(alpha)[0], word])
-    return np.ascontiguousarray(words.T.astype("<u8")).view(np.uint8).reshape(alpha.shape)
+    words: Words = np.stack([words_of(alpha, 1)[0], word])
+    return np.ascontiguousarray(words.T.astype("<u8")).view(np.uint8).reshape(*alpha.shape[:2], PIXELS)
 
 
 def decode_bc3(blocks: Blocks) -> Floats:
@@ -51,8 +51,6 @@ def decode_bc3(blocks: Blocks) -> Floats:
     Raises ShapeError for another shape or type.
     """
     low, word = words_of(blocks)
-    both = np.stack([low, low]).T.astype("<u8")
-    alpha = decode_bc5(np.ascontiguousarray(both).view(np.uint8).reshape(blocks.shape))[..., :1]
     ends = np.empty((2, 3, word.size), np.float32)
     for channel, (bits, shift) in enumerate(zip(_BITS, _SHIFTS, strict=True)):
         for end in range(2):
@@ -61,7 +59,7 @@ def decode_bc3(blocks: Blocks) -> Floats:
     shifts = np.arange(32, 64, 2, dtype=np.uint64)[:, None]
     steps = _STEPS[((word >> shifts) & np.uint64(3)).astype(np.intp)] / _LAST
     colours = ends[0][:, None] * (1 - steps) + ends[1][:, None] * steps
-    return np.concatenate([image_of(colours, blocks), alpha], axis=-1)
+    return image_of(np.concatenate([colours, channel_values(low[None])]), blocks)
 
 
 def _squares(image: Floats) -> Floats:

@@ -69,16 +69,18 @@ def decode_bc7(blocks: Blocks) -> Floats:
     return image_of(values, blocks) / np.float32(_MOST)
 
 
-def encoded(image: Floats, channels: int, most: float, words: Callable[[Floats], Words]) -> Blocks:
-    """Encode an image (H, W, channels), clamped to 0..most, as blocks (H/4, W/4, 16).
+def encoded(
+    image: Floats, channels: int, most: float, words: Callable[[Floats], Words], count: int = 2
+) -> Blocks:
+    """Encode an image (H, W, channels), clamped to 0..most, as blocks (H/4, W/4, 8 count).
 
-    `words` encodes blocks of pixels (channels, 16, N) float32, some at a time.
+    `words` encodes blocks of pixels (channels, 16, N) float32, some at a time, as words (count, N).
 
     Raises ShapeError and InputError as `encode_bc7` does.
     """
     _check_image(image, channels)
     height, width = image.shape[0] // SIDE, image.shape[1] // SIDE
-    blocks = np.empty((height * width, 2), "<u8")
+    blocks = np.empty((height * width, count), "<u8")
     rows = max(1, _AT_ONCE // width)
     for first in range(0, height, rows):
         band = np.clip(image[first * SIDE : (first + rows) * SIDE], 0, most) + 0.0  # no -0
@@ -88,14 +90,15 @@ def encoded(image: Floats, channels: int, most: float, words: Callable[[Floats],
             some = words(np.ascontiguousarray(pixels[:, :, begin : begin + _AT_ONCE]))
             place = first * width + begin
             blocks[place : place + some.shape[1]] = some.T
-    return blocks.view(np.uint8).reshape(height, width, PIXELS)
+    return blocks.view(np.uint8).reshape(height, width, 8 * count)
 
 
-def words_of(blocks: Blocks) -> Words:
-    """Words (2, N) of blocks (rows, columns, 16). Raises ShapeError for another shape or type."""
-    if blocks.ndim != 3 or blocks.shape[2] != PIXELS or blocks.dtype != np.uint8:
-        raise ShapeError(f"blocks: expected shape (rows, columns, 16) of uint8, got {described(blocks)}")
-    return np.ascontiguousarray(blocks).view("<u8").reshape(-1, 2).T.astype(np.uint64)
+def words_of(blocks: Blocks, count: int = 2) -> Words:
+    """Words (count, N) of blocks (rows, columns, 8 count). Raises ShapeError for another shape or type."""
+    size = 8 * count
+    if blocks.ndim != 3 or blocks.shape[2] != size or blocks.dtype != np.uint8:
+        raise ShapeError(f"blocks: expected shape (rows, columns, {size}) of uint8, got {described(blocks)}")
+    return np.ascontiguousarray(blocks).view("<u8").reshape(-1, count).T.astype(np.uint64)
 
 
 def image_of(values: Floats, blocks: Blocks) -> Floats:

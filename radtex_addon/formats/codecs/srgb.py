@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sRGB transfer function, IEC 61966-2-1, which GPUs undo before they filter."""
+"""The sRGB transfer function, IEC 61966-2-1. GPUs decode textures of it before they filter."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from ...core.arrays import Floats
 
 
 def to_srgb(linear: Floats) -> Floats:
-    """Codes in 0..1, float32, of linear values in 0..1, of any shape."""
-    curve = 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055
-    return np.where(linear <= 0.0031308, 12.92 * linear, curve).astype(np.float32)
+    """Codes in 0..1, float32, of linear values of any shape, which are clipped to 0..1."""
+    light = np.clip(linear, 0, 1)
+    return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055).astype(np.float32)
 
 
 def from_srgb(coded: Floats) -> Floats:

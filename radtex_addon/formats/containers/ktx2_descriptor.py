@@ -28,7 +28,6 @@ _PREMULTIPLIED = 1  # the only flag
 _ALPHA = 15  # channel number; red, green and blue are 0, 1 and 2, the whole of a BC6H block is 0
 _LINEARLY, _EXPONENT, _SIGNED, _FLOAT = 0x10, 0x20, 0x40, 0x80  # qualifiers, in the channel's byte
 _MOST = 2**32 - 1  # what 1 is in blocks of whole numbers
-_CODED = (PixelFormat.BC3_SRGB, PixelFormat.BC7_SRGB)
 
 
 class _Sample(NamedTuple):
@@ -56,7 +55,7 @@ def descriptor(pixel_format: PixelFormat, premultiplied: bool) -> bytes:
         size,
         _MODELS.get(pixel_format, _RGBSDA),
         _BT709,
-        _SRGB if pixel_format in _CODED else _LINEAR,
+        _SRGB if pixel_format.is_srgb else _LINEAR,
         _PREMULTIPLIED if premultiplied else 0,
         *(side - 1, side - 1, 0, 0),
         *(pixel_format.block_bytes, 0, 0, 0, 0, 0, 0, 0),  # bytes of each plane

@@ -21,6 +21,7 @@ from ..codecs.rgb9e5 import decode_rgb9e5, encode_rgb9e5
 MOST_PIXELS = 16384  # a side: the limit of Direct3D 11 and of every GPU that supports it
 MOST_LAYERS = 2048  # of an array: the limit of the same GPUs
 
+_SRGB = "_SRGB"
 _PACKED = ("BC3", "BC3_SRGB", "BC4", "BC5", "BC6H", "BC7", "BC7_SRGB")
 _BYTES = {
     "RGBA16F": 8,
@@ -60,6 +61,16 @@ class PixelFormat(StrEnum):
     def block_bytes(self) -> int:
         """The size of a block."""
         return _BYTES.get(self, 16)
+
+    @property
+    def is_srgb(self) -> bool:
+        """Whether the GPU decodes its colours."""
+        return self.endswith(_SRGB)
+
+    @property
+    def without_srgb(self) -> PixelFormat:
+        """The same blocks or pixels, whose colours the GPU does not decode."""
+        return PixelFormat(self.removesuffix(_SRGB))
 
 
 ENCODED = (PixelFormat.RGBA16F, PixelFormat.RGB9E5, PixelFormat.BC6H)  # the formats for light

@@ -24,8 +24,6 @@ CHANNELS = {
     PixelFormat.BC7_SRGB: 4,
 }
 _AT_ONCE = 1 << 18  # pixels
-_SRGB = (PixelFormat.BC3_SRGB, PixelFormat.BC7_SRGB)
-_BC3 = (PixelFormat.BC3, PixelFormat.BC3_SRGB)
 
 
 def encode_units(
@@ -71,23 +69,26 @@ def _bands(image: Floats, pixel_format: PixelFormat, weight: Floats | None) -> I
     rows = max(1, _AT_ONCE // image.shape[1] // SIDE) * SIDE
     for first in range(0, len(image), rows):
         band = _filled(image[first : first + rows])
-        by = np.ones(band.shape[:2], np.float32) if weight is None else _filled(weight[first : first + rows])
+        by = None if weight is None else _filled(weight[first : first + rows])
         yield _encoded(band, pixel_format, by)
 
 
-def _encoded(image: Floats, pixel_format: PixelFormat, weight: Floats) -> Blocks:
+def _encoded(image: Floats, pixel_format: PixelFormat, weight: Floats | None) -> Blocks:
     if pixel_format is PixelFormat.BC4:
         return encode_bc4(image)
-    if pixel_format in _SRGB:
-        image = np.dstack([to_srgb(np.clip(image[..., :3], 0, 1)), image[..., 3]])
-    return encode_bc3(image, weight) if pixel_format in _BC3 else encode_bc7(image)
+    if pixel_format.is_srgb:
+        image = np.dstack([to_srgb(image[..., :3]), image[..., 3]])
+    if pixel_format.without_srgb is PixelFormat.BC3:
+        return encode_bc3(image, np.ones(image.shape[:2], np.float32) if weight is None else weight)
+    return encode_bc7(image)
 
 
 def _decoded(blocks: Blocks, pixel_format: PixelFormat) -> Floats:
     if pixel_format is PixelFormat.BC4:
         return decode_bc4(blocks)
-    image = decode_bc3(blocks) if pixel_format in _BC3 else decode_bc7(blocks)
-    if pixel_format in _SRGB:
+    bc3 = pixel_format.without_srgb is PixelFormat.BC3
+    image = decode_bc3(blocks) if bc3 else decode_bc7(blocks)
+    if pixel_format.is_srgb:
         image = np.dstack([from_srgb(image[..., :3]), image[..., 3]])
     return image
 

@@ -51,10 +51,6 @@ FORMATS = {
     THROUGH_COLOUR: PixelFormat.BC7_SRGB,
     THROUGH_REST: PixelFormat.BC7,
 }
-WITHOUT_SRGB = {  # the same blocks, which no hardware decodes as sRGB
-    PixelFormat.BC3_SRGB: PixelFormat.BC3,
-    PixelFormat.BC7_SRGB: PixelFormat.BC7,
-}
 _MAPS = (COLOUR, IRRADIANCE, TINT, NORMAL, WIDTH, ALPHA, THROUGH_COLOUR)
 _BRIGHTEST = 4.0  # of what the object shows of itself: a wider range has coarser steps in the dark
 _SHARE_BEYOND = 0.0002  # of the rest's values, beyond either end of its range
@@ -88,7 +84,7 @@ class Coded:
         found = []
         for number, level in enumerate(self.levels()):
             values = level * np.float32(self.scale) + np.float32(self.offset)
-            if self.texture.format in WITHOUT_SRGB:
+            if self.texture.format.is_srgb:
                 values[..., 3] = level[..., 3]
             found.append(values[: max(1, height >> number), : max(1, width >> number)])
         return tuple(found)
@@ -98,8 +94,8 @@ def coded(layer: str, levels: tuple[Floats, ...]) -> Coded:
     """The mip levels (H, W, C) of a layer, linear, the largest first, in blocks.
 
     A single level is filled up to whole blocks by its last column and row; a map that is the same everywhere
-    becomes one block. Raises KeyError for a layer that
-    has no format, InputError for values that are not numbers.
+    becomes one block. Raises KeyError for a layer that has no format, InputError for values that are not
+    numbers.
     """
     kind, image = FORMATS[layer], levels[0]
     if layer in _MAPS and (image == image[0, 0]).all():

@@ -19,7 +19,7 @@ from ...textures.choice import choose, in_blocks, light_in_blocks
 from ...textures.entry import TextureEntry
 from ...textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from ...textures.texture_files import write_levels, write_ranged
-from .blocks import FORMATS, WITHOUT_SRGB, coded
+from .blocks import FORMATS, coded
 from .files.arrangement import COLOUR, IRRADIANCE, TINT, WORLD, unpacked
 from .files.layered_files import read_layer, read_layered_sidecar
 from .files.sidecar import LayeredSidecar
@@ -78,5 +78,5 @@ def _write_blocks(
     found = coded(layer, levels)
     texture = found.texture
     if spec.target is Target.GODOT:  # its KTX2 loader takes no sRGB formats: the shader decodes them
-        texture = replace(texture, format=WITHOUT_SRGB.get(texture.format, texture.format))
+        texture = replace(texture, format=texture.format.without_srgb)
     return write_ranged(source, texture, found.texels, (found.scale, found.offset), spec, folder)

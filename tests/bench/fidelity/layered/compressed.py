@@ -55,15 +55,11 @@ class Texture:
         texels = sum(int(level.shape[0]) * int(level.shape[1]) for level in self.levels)
         return texels * self.format.block_bytes // self.format.side**2
 
-    @property
-    def has_alpha(self) -> bool:
-        return self.format in (PixelFormat.BC3_SRGB, PixelFormat.BC7_SRGB)
-
     def values(self, level: int) -> Floats:
         """A level's values, (H, W, C) float32."""
         found = self.levels[level]
         scaled = found * self.scale + self.offset
-        if self.has_alpha:
+        if self.format.is_srgb:
             scaled[..., 3] = found[..., 3]
         return scaled
 
@@ -164,7 +160,9 @@ def _picture(layer: str, pictures: Pictures, size: int) -> Texture:
 
 def _decoded(texture: Texture, sharpest: float) -> EdgePictures:
     return EdgePictures(
-        tuple(texture.values(level)[..., : 3 + texture.has_alpha] for level in range(len(texture.levels))),
+        tuple(
+            texture.values(level)[..., : 3 + texture.format.is_srgb] for level in range(len(texture.levels))
+        ),
         sharpest,
     )
 

@@ -111,7 +111,7 @@ def _stored(layer: str, texture: Texture) -> Stored:
 def upload(context: moderngl.Context, texture: Texture) -> moderngl.Texture:
     """The texture, decoded: llvmpipe reads blocks in seconds. As bytes of sRGB, or as half floats."""
     minified = moderngl.LINEAR_MIPMAP_LINEAR if len(texture.levels) > 1 else moderngl.LINEAR
-    if not texture.has_alpha:
+    if not texture.format.is_srgb:
         chain = [level.astype(np.float16) for level in texture.levels]
         found = mipmapped(context, chain, minified)
         assert isinstance(found, moderngl.Texture)
