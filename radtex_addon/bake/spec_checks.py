@@ -132,7 +132,6 @@ def _check_lights(spec: SpecFields) -> None:
         raise InputError("a light's name is empty: name lamps, or collections of lamps")
     for asked, wrong, remedy in (
         (f"kind {spec.kind}", not spec.kind.traits.lamps, do("bake radiance")),
-        (_asked(spec).title, not _asked(spec).lamps, _BUCKETS),
         ("layers", bool(spec.layers), leave_out(Setting.LAYER)),
         ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, _PORTAL),
     ):

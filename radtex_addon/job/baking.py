@@ -38,6 +38,7 @@ from ..prepare.unwrapping import Unwraps
 from ..scene.at_frame import at_frame
 from ..scene.camera_place import find_camera_place
 from ..scene.lights.lamps import light_only
+from ..scene.lights.put_out import lit_by_lamps_alone
 from ..scene.mesh.cage import take_cage_out
 from ..scene.objects import find_object
 from ..scene.proxy_content import EVERYTHING, show_content_only
@@ -307,9 +308,21 @@ def bake_unchecked(
             show_content_only(scratch, prepared.original, EVERYTHING)
         if spec.cage is not None:
             take_cage_out(scratch, spec.cage)
-        if spec.lights:
-            light_only(scratch, spec.lights)
         bake = baker or form_for(spec).bake
         job = BakeJob(scratch, spec, files.sidecar, prepared, temporary, store, thumbnail)
-        outcome = yield from watch.over(bake(job))
+        with _lit(scratch, spec):
+            outcome = yield from watch.over(bake(job))
     return Baked(BakeOutput.by(outcome, files, device, prepared.islands), prepared)
+
+
+@contextmanager
+def _lit(scratch: bpy.types.Scene, spec: BakeSpec) -> Iterator[None]:
+    """Light the scratch scene by the lamps that the specification names, if any."""
+    if not spec.lights:
+        yield
+    elif spec.form.by_paths:  # it needs the passes of lobes, which Cycles does not split by light groups
+        with lit_by_lamps_alone(scratch, spec.lights):
+            yield
+    else:
+        light_only(scratch, spec.lights)
+        yield

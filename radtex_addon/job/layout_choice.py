@@ -67,9 +67,8 @@ def choose_layout(
     """Choose the layout of a bake into `folder` (None if unknown yet); `bake` has layout buckets until then.
 
     Without a `wish` the layout was named, and stays. To `resume`, accumulate or refresh, the layout is that
-    of the existing bake, or of the first existing one of the `others` in this run with the same name. If any
-    of the `others` is of single lamps, all get the same layout, because they are added up. Objects that do
-    not exist are ignored. Raises InputError if a layered bake is to be accumulated or refreshed,
+    of the existing bake, or of the first existing one of the `others` in this run with the same name. Objects
+    that do not exist are ignored. Raises InputError if a layered bake is to be accumulated or refreshed,
     if the layered layout does not fit into memory, and as `BakeSpec` does.
     """
     name, spec = bake
@@ -80,8 +79,7 @@ def choose_layout(
         begun = _begun([bake, *(one for one in others if one[0] == name)], folder, overwrite and not again)
         if begun is not None:
             return Choice(_as_begun(bake, begun, wish, folder))
-    lit = next((one for _, one in others if one.lights), spec)
-    reason = _why_not_layered(lit, wish.cells) or _why_not_objects(scene, name, spec)
+    reason = _why_not_layered(spec, wish.cells) or _why_not_objects(scene, name, spec)
     if reason:
         return Choice(spec, reason)
     layered = _in_layout(Layout.LAYERED, spec, wish.cells)

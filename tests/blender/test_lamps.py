@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layer, Layout
+from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layer
 from radtex_addon.cli.arguments import parse
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
@@ -212,7 +212,6 @@ def test_without_lamps_or_with_a_word_for_a_name_there_is_no_each() -> None:
         ({"lights": ("",)}, "a light's name is empty"),
         ({"kind": Kind.SHADOW}, "kind shadow cannot be baked for some lamps alone"),
         ({"kind": Kind.TRANSFER}, "kind transfer cannot be baked for some lamps alone"),
-        ({"layout": Layout.LAYERED, "bucket": 14}, "the layered layout cannot be baked for some lamps alone"),
         ({"layers": (Layer.DIFFUSE,)}, "layers cannot be baked for some lamps alone"),
         (
             {"kind": Kind.INCIDENT, "capture": CaptureMethod.PANORAMIC},

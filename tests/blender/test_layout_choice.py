@@ -17,7 +17,7 @@ from radtex_addon.bake.spec import BakeSpec, Compression, Kind, Layer, Layout, S
 from radtex_addon.cli.arguments import parse
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.sidecar import file_name
-from radtex_addon.job import Choice, OpenLayout, choose_layout
+from radtex_addon.job import Choice, choose_layout
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -66,6 +66,7 @@ def test_without_a_word_radiance_is_layered() -> None:
         ("--layout layered", DEFAULT),
         ("--layout buckets", PLAIN),
         ("--frames 3", BakeSpec(layout=Layout.LAYERED, frame=3)),
+        ("--lights Key", BakeSpec(layout=Layout.LAYERED, lights=("Key",))),
     ],
 )
 def test_what_goes_with_a_layout_gets_it(line: str, spec: BakeSpec) -> None:
@@ -79,7 +80,6 @@ REFUSED = {
     "--kind transfer": (BakeSpec(kind=Kind.TRANSFER), "kind transfer does not go with the layered layout"),
     "--kind incident --capture panoramic": (None, "the layered layout knows kind radiance only"),
     "--from High": (BakeSpec(source="High"), "the layered layout is not baked from another object"),
-    "--lights Key": (BakeSpec(lights=("Key",)), "the layered layout cannot be baked for some lamps alone"),
     "--layer base": (BakeSpec(layers=(Layer.BASE,)), "the layered layout has no layers"),
     "--accumulate": (BakeSpec(accumulate=True), "the layered layout cannot be accumulated"),
     "--refresh": (BakeSpec(refresh=True), "the layered layout cannot be refreshed"),
@@ -113,7 +113,6 @@ def test_what_the_layered_layout_refuses_gets_buckets_and_a_line_says_why(line: 
         "--layout layered --split material",
         "--layout layered --bucket 8",
         "--layout layered --layer base",
-        "--layout layered --lights Key",
         "--layout layered --from High",
         "--layout layered --accumulate",
     ],
@@ -247,13 +246,6 @@ def test_what_is_folded_in_has_the_cells_of_what_is_there(way: str, out: Path) -
     words = r"Card\.radiance\.json is in the layered layout, which cannot be (accumulated|refreshed): "
     with pytest.raises(InputError, match=words + "bake it anew in layout buckets"):
         asked(way, out)
-
-
-def test_the_whole_light_is_kept_as_that_of_single_lamps_is() -> None:
-    whole, lamp = ("Card", PLAIN), ("Card", BakeSpec(lights=("Key",)))
-    found = choose_layout(context.scene, whole, OpenLayout(), NOWHERE, others=[whole, lamp])
-    assert found.spec == PLAIN
-    assert "for some lamps alone" in found.reason
 
 
 def test_other_frames_of_a_run_that_goes_on_are_alike(out: Path) -> None:

@@ -122,7 +122,6 @@ def test_frames_are_baked_on_one_unwrap_and_gone_on_with(out: Path) -> None:
     [
         ({"variants": "frames", "frames": "first"}, "Frames first: give frames' numbers"),
         ({"variants": "lamps", "kind": "shadow"}, "Kind shadow cannot be baked for some lamps alone"),
-        ({"variants": "lamps", "atlas_layout": "layered"}, "The layered layout cannot be baked"),
     ],
 )
 def test_variants_that_cannot_be_are_named(choice: dict[str, Any], words: str) -> None:

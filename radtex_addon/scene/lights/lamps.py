@@ -56,18 +56,20 @@ def find_lamps(layer: bpy.types.ViewLayer, names: Sequence[str]) -> tuple[bpy.ty
     return tuple(found[name] for name in sorted(found))
 
 
-def light_only(scratch: bpy.types.Scene, names: Sequence[str], *, denoised: bool = False) -> None:
+def light_only(
+    scratch: bpy.types.Scene, names: Sequence[str], *, denoised: bool = False, group: bool = True
+) -> None:
     """Light a scratch scene by the lamps called by `names` only; WORLD among them adds all other light.
 
     Light of materials and of instanced lamps belongs to WORLD. Without WORLD it still renders, but the pass
-    of the light group GROUP leaves it out. Cycles denoises only the combined pass: if pictures are to be
+    of the light `group` GROUP leaves it out. Cycles denoises only the combined pass: if pictures are to be
     `denoised`, the light group is made only if `may_glow`. Raises InputError as `find_lamps`.
     """
     layer = next(layer for layer in scratch.view_layers if layer.use)
     lit = find_lamps(layer, names)
     take_lamps_away(scratch)
     with_world = WORLD in names
-    apart = not with_world and (not denoised or may_glow(layer))
+    apart = group and not with_world and (not denoised or may_glow(layer))
     if not with_world:
         scratch.world = dark_world(scratch.world)
     if apart:

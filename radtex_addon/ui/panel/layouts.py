@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ...scene.lights.lamps import WORLD
 from ..settings.menu_items import LAYOUTS
 from .labels import iface_, remark
 
@@ -44,8 +43,6 @@ def chosen_layouts(
 
     folder = output_folder(values["directory"], preferred().output) if has_folder(values) else None
     wish = open_layout_of(values)
-    if wish is not None and values["variants"] == "lamps":
-        spec = replace(spec, lights=(WORLD,))
     shared = shared_name(values, spec)
     bakes = [(name, spec) for name in names or ("",)]
     if shared is not None and len(names) > 1:
@@ -54,7 +51,7 @@ def chosen_layouts(
     resume, overwrite = values["resume"], values["overwrite"]
     for bake in bakes:
         choice = choose_layout(scene, bake, wish, folder, resume=resume, overwrite=overwrite)
-        found.append((bake[0], replace(choice, spec=replace(choice.spec, lights=()))))
+        found.append((bake[0], choice))
         if monotonic() - since > patience:
             break
     return tuple(found)
