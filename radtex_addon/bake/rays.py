@@ -7,7 +7,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import sqrt
 
-FINER = 4  # times as many texels along each side for the diffuse colour, as it needs no light
+FINER = 4  # times as many texels along each side for the maps of the material, as they need no light …
+_FINEST = 4096  # … and the most along a side that this gives
 PROBE_CELLS = 4  # cells along a side of the buckets for finding hidden directions
 CLEAR_SAMPLES = 16  # rays that vote on a shadow's bit where a material may let some of them through
 PROBES = 2  # rays per cell of these buckets; a cell is hidden if all of its rays meet back faces
@@ -40,6 +41,11 @@ class LayeredRays:
     def most(self, texels: int) -> int:
         """All paths of a bake of an opaque object that covers `texels` texels, if none of them is hidden."""
         return texels * (self.of_texel + 1 + FINER**2 + PROBES * PROBE_CELLS**2) + panorama_paths(2)
+
+
+def finer(texels: int) -> float:
+    """How many times as many texels the maps of the material have along each side of an atlas of `texels`."""
+    return min(float(FINER), max(1.0, _FINEST / texels))
 
 
 def panorama_paths(layers: int, world: int = WORLD_WIDTH, near: int = NEAR_WIDTH) -> int:

@@ -13,7 +13,7 @@ import bpy
 from ...bake.cost import Cost, cost_of_images
 from ...bake.forms import LAYERED, FormTraits
 from ...bake.progress import Progress
-from ...bake.rays import FINER
+from ...bake.rays import finer
 from ...bake.spec import BakeSpec
 from ...core.arrays import Floats
 from ...core.fragments import Fragments
@@ -32,7 +32,7 @@ from ..buckets.form import has_samples_and_cells
 from ..form import Form, Opened, PreviewOf
 from ..outcome import Outcome
 from .bake import bake_layered
-from .cells import CELLS, COARSER, EXIT_CELLS, PICTURE_SIZE, THROUGH_CELLS
+from .cells import CELLS, EXIT_CELLS, PICTURE_SIZE, THROUGH_CELLS, coarser
 from .cells import DISTANCES as DISTANCE_CELLS
 from .files.arrangement import (
     ALPHA,
@@ -161,11 +161,12 @@ class Layered:
 
 def _most_shapes(texels: int) -> Shapes:
     """Width, height and channels of all images that a bake of a square atlas can have."""
-    fine, coarse = (FINER * texels, FINER * texels), padded_size((max(1, texels // COARSER),) * 2)
+    side = max(1, round(texels / coarser(texels)))
+    fine, coarse = (round(finer(texels) * texels),) * 2, padded_size((side, side))
     sizes = dict.fromkeys((COLOUR, TINT, NORMAL, ALPHA), fine)
     sizes |= dict.fromkeys((IRRADIANCE, WIDTH), (texels, texels))
     sizes |= dict.fromkeys(PICTURES, packed_size(PICTURE_SIZE, level_count(PICTURE_SIZE)))
-    sizes |= {DISTANCES: (DISTANCE_CELLS,) * 2, THROUGH_COLOUR: (max(1, texels // COARSER),) * 2}
+    sizes |= {DISTANCES: (DISTANCE_CELLS,) * 2, THROUGH_COLOUR: (side, side)}
     tiles = {OWN: CELLS[0][0], REST: CELLS[0][1], THROUGH_REST: THROUGH_CELLS}
     tiles |= dict.fromkeys((EXIT_DIRECTION, EXIT_PLACE), EXIT_CELLS)
     sizes |= {name: (cells * coarse[0], cells * coarse[1]) for name, cells in tiles.items()}

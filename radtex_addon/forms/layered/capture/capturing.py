@@ -18,7 +18,7 @@ from ....bake.piece_store import NO_STORE, PieceStore
 from ....bake.pieces import Arrays
 from ....bake.plan import CapturePlan, plan_capture
 from ....bake.progress import Progress, Stage, relayed
-from ....bake.rays import FINER, PROBE_CELLS, PROBES, LayeredRays
+from ....bake.rays import PROBE_CELLS, PROBES, LayeredRays, finer
 from ....bake.spec import BakeSpec
 from ....bake.thumbnail import Thumbnail
 from ....core.arrays import Bools, Floats, Ints
@@ -29,7 +29,7 @@ from ....cycles.sampling import capture_ends, capture_samples
 from ....prepare.prepared import Prepared
 from ....scene.mesh.surrounding_shapes import Beside, read_beside
 from ....scene.scratch import scene_copied
-from ..cells import COARSER, EXIT_CELLS, OWN_RAYS, OWN_SIDE
+from ..cells import EXIT_CELLS, OWN_RAYS, OWN_SIDE, coarser
 from ..fit.through import lets_through
 from ..lookup.environment import Around
 from ..samples import Capture, ExitSamples, OwnRays
@@ -91,13 +91,13 @@ class _Captures:
     def all(self) -> Generator[Progress, None, Captured]:
         scratch, prepared, spec, folder = self.scratch, self.prepared, self.spec, self.folder
         item, rays = prepared.original, LayeredRays.of(spec.samples)
-        texels = prepared.texels()
+        texels, side = prepared.texels(), max(prepared.width, prepared.height)
         mesh, matrix = prepared.pieces[0].rendered, prepared.matrix_world
         probe = plan_capture(texels, PROBE_CELLS)
         hidden = yield from find_hidden([(mesh, matrix)], probe, folder, self.store)
         without = probe.texel[hidden.buried]
         placed = read_beside(scratch, item).matrix
-        fine, triangle = _plan_and_triangles(prepared.texels(FINER))
+        fine, triangle = _plan_and_triangles(prepared.texels(finer(side)))
         coarse = plan_capture(texels, 1, without=without)
         opacity = find_opacity(
             scratch, item, mesh, placed, self.clear, coarse, fine, spec.seed, folder, self.store
@@ -130,13 +130,16 @@ class _Captures:
             steps = capture_samples(copy, lit, unseen, spec.seed, folder, self.store, self.thumbnail)
             light = yield from relayed(steps, in_paths)
         light = replace(light, through=without_zeros(light.through))
+        lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
         material = texels.triangle.ravel()[lit.texel]
         own = self._own_rays(plan(own_side(count)), material, opacity.fine)
+        own = replace(own, rays=replace(own.rays, plan=lit))
         around, looked = self._around(middle)
         yield Progress(Stage.CAPTURE, total, total)
         exits = None
         if lets_through(lone, light):
-            exits = self._exits(plan_capture(prepared.texels(1 / COARSER), EXIT_CELLS), middle, radius, rays)
+            buckets = plan_capture(prepared.texels(1 / coarser(side)), EXIT_CELLS)
+            exits = self._exits(buckets, middle, radius, rays)
         capture = opacity.bare(
             Capture(light, lone, own, around, fine_maps, coarse_maps, faces[material], exits)
         )

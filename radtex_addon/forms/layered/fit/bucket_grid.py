@@ -74,11 +74,12 @@ class BucketGrid:
     neighbours: Neighbours
 
     @classmethod
-    def of(cls, plan: CapturePlan, coarser: int) -> BucketGrid:
+    def of(cls, plan: CapturePlan, coarser: float) -> BucketGrid:
         """Of buckets of `coarser` x `coarser` texels."""
-        height, width = plan.layout.height // coarser, plan.layout.width // coarser
+        height, width = (max(1, round(side / coarser)) for side in (plan.layout.height, plan.layout.width))
         j, i = np.divmod(plan.texel, plan.layout.width)
-        place = np.minimum(j // coarser, height - 1) * width + np.minimum(i // coarser, width - 1)
+        row, column = ((place // coarser).astype(np.int64) for place in (j, i))
+        place = np.minimum(row, height - 1) * width + np.minimum(column, width - 1)
         found, bucket = np.unique(place, return_inverse=True)
         bucket = bucket.ravel().astype(np.int32)
         order = np.argsort(bucket, kind="stable").astype(np.int32)

@@ -16,7 +16,7 @@ from ....bake.pooling import Neighbours
 from ....bake.progress import Progress, Stage
 from ....core.arrays import Bools, Floats
 from ....core.octahedron import cell_directions
-from ..cells import CELLS, COARSER
+from ..cells import CELLS, coarser
 from ..lookup.atlas import LayeredAtlas
 from ..lookup.environment import Around
 from ..lookup.lobes import Material
@@ -52,7 +52,7 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> Generator[Progres
     maps = (capture.fine, capture.coarse)
     normal, normal_map = shading_normals(plan, *maps, parts.normals)
     tint, tint_map = tints(plan, capture.material, *maps, parts.tint)
-    grid = BucketGrid.of(plan, COARSER)
+    grid = BucketGrid.of(plan, coarser(max(plan.layout.width, plan.layout.height)))
     falloff, diffuse = fit_falloffs(light, facing, capture.material)
     colour = capture.coarse["diffuse"].reshape(-1, 3)[plan.texel].astype(np.float32)
     if parts.smooth:
