@@ -19,8 +19,9 @@ class FormTraits:
     * `channels`: of a cell while it is baked; None for light and its layers.
     * `streams`: cells are on disk during the bake, unless an earlier atlas is read.
     * `by_paths`: fitted to single paths, whose number does not depend on the cells.
-    * Options that it can be baked with: a `source`, a `shared_atlas`, `layers`,
-      `accumulates`, a `farm`, the `panoramic` capture, a `split` object, and `any_cells`.
+    * Options that it can be baked with: a `source`, a `shared_atlas`, `layers`, `accumulates`,
+      `accumulates_parts` of the surface alone, `refreshes`, a `farm`, the `panoramic` capture, a `split`
+      object, and `any_cells`.
     * `backs`: faces that are seen from behind get texels of their own.
     """
 
@@ -35,6 +36,8 @@ class FormTraits:
     shared_atlas: bool = True
     layers: bool = True
     accumulates: bool = True
+    refreshes: bool = True
+    accumulates_parts: bool = True
     farm: bool = True
     panoramic: bool = True
     split: bool = True
@@ -57,7 +60,8 @@ LAYERED = FormTraits(
     source=False,
     shared_atlas=False,
     layers=False,
-    accumulates=False,
+    refreshes=False,
+    accumulates_parts=False,
     farm=False,
     panoramic=False,
     split=False,

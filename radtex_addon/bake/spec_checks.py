@@ -196,9 +196,10 @@ def _check_earlier(spec: SpecFields) -> None:
     if spec.accumulate and spec.refresh:
         raise InputError("to accumulate and to refresh contradict each other: choose one of them")
     done = "accumulated" if spec.accumulate else "refreshed"
+    form = _asked(spec)
     for asked, wrong, remedy in (
         (f"kind {spec.kind}", not spec.kind.traits.accumulates, do("bake it anew")),
-        (_asked(spec).title, not _asked(spec).accumulates, _BUCKETS),
+        (_asked(spec).title, not (form.accumulates if spec.accumulate else form.refreshes), _BUCKETS),
         ("layers", bool(spec.layers), leave_out(Setting.LAYER)),
         ("capture panoramic", spec.capture is not CaptureMethod.PORTAL, _PORTAL),
     ):
@@ -215,6 +216,8 @@ def _check_where(spec: SpecFields) -> None:
             do("choose one of them", Setting.ACCUMULATE, Setting.REFRESH),
             do("leave it out"),
         )
+    if not _asked(spec).accumulates_parts:
+        raise InputError(f"{_asked(spec).title} is accumulated as a whole", do("leave where out"), _BUCKETS)
 
 
 def _check_by_paths(spec: SpecFields) -> None:

@@ -68,7 +68,7 @@ def choose_layout(
 
     Without a `wish` the layout was named, and stays. To `resume`, accumulate or refresh, the layout is that
     of the existing bake, or of the first existing one of the `others` in this run with the same name. Objects
-    that do not exist are ignored. Raises InputError if a layered bake is to be accumulated or refreshed,
+    that do not exist are ignored. Raises InputError if a layered bake is to be refreshed,
     if the layered layout does not fit into memory, and as `BakeSpec` does.
     """
     name, spec = bake
@@ -174,13 +174,12 @@ def _from_sidecar(path: Path) -> _Begun | None:
 def _as_begun(bake: Bake, begun: _Begun, wish: OpenLayout, folder: Path) -> BakeSpec:
     name, spec = bake
     cells = wish.cells or begun.bucket
-    if begun.form.accumulates:
+    if begun.form.layout == spec.layout:
         return replace(spec, bucket=cells)
-    if spec.accumulate or spec.refresh:
-        done = "accumulated" if spec.accumulate else "refreshed"
+    if spec.refresh and not begun.form.refreshes:
         sidecar = OutputFiles.of(name, spec, folder, preview=False).sidecar
         raise InputError(
-            f"{sidecar} is in {begun.form.title}, which cannot be {done}",
+            f"{sidecar} is in {begun.form.title}, which cannot be refreshed",
             do("bake it anew in layout buckets", Setting.LAYOUT, Setting.OVERWRITE, value="buckets"),
         )
     return _in_layout(Layout(begun.form.layout), spec, cells)

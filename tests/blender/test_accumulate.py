@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.layers import Layer
-from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layout
+from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.formats.containers.exr import read_buckets
@@ -152,7 +152,6 @@ def test_what_fails_leaves_the_atlas_and_is_resumed(out: Path, monkeypatch: pyte
     ("options", "words"),
     [
         ({"kind": Kind.SHADOW}, "kind shadow cannot be accumulated"),
-        ({"layout": Layout.LAYERED}, "the layered layout cannot be accumulated"),
         ({"layers": (Layer.BASE,)}, "layers cannot be accumulated"),
         ({"kind": Kind.INCIDENT, "capture": CaptureMethod.PANORAMIC}, "capture panoramic cannot be"),
     ],

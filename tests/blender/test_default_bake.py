@@ -226,8 +226,10 @@ def test_what_is_there_is_accumulated_in_its_layout(tmp_path: Path, out: Path, b
     facts = read_buckets(out / "Card.radiance.json")[1]
     assert (facts.bucket, facts.samples) == (4, 2)
     assert batch(blend, "--object", "Card", *QUICK, "--overwrite", "--out", out).code == 0
-    line = refusal(batch(blend, "--object", "Card", *QUICK, "--accumulate", "--out", out))
-    assert "is in the layered layout, which cannot be accumulated: bake it anew in layout buckets" in line
+    assert batch(blend, "--object", "Card", *QUICK, "--accumulate", "--out", out).code == 0
+    assert read_layered(out / "Card.radiance.json")[1].bake.samples == 2
+    line = refusal(batch(blend, "--object", "Card", *QUICK, "--refresh", "--out", out))
+    assert "is in the layered layout, which cannot be refreshed: bake it anew in layout buckets" in line
     anew = (*QUICK, "--layout", "buckets", "--overwrite")
     assert batch(blend, "--object", "Card", *anew, "--out", out).code == 0, "the advice works"
 

@@ -67,6 +67,7 @@ def test_without_a_word_radiance_is_layered() -> None:
         ("--layout buckets", PLAIN),
         ("--frames 3", BakeSpec(layout=Layout.LAYERED, frame=3)),
         ("--lights Key", BakeSpec(layout=Layout.LAYERED, lights=("Key",))),
+        ("--accumulate", BakeSpec(layout=Layout.LAYERED, accumulate=True)),
     ],
 )
 def test_what_goes_with_a_layout_gets_it(line: str, spec: BakeSpec) -> None:
@@ -81,7 +82,6 @@ REFUSED = {
     "--kind incident --capture panoramic": (None, "the layered layout knows kind radiance only"),
     "--from High": (BakeSpec(source="High"), "the layered layout is not baked from another object"),
     "--layer base": (BakeSpec(layers=(Layer.BASE,)), "the layered layout has no layers"),
-    "--accumulate": (BakeSpec(accumulate=True), "the layered layout cannot be accumulated"),
     "--refresh": (BakeSpec(refresh=True), "the layered layout cannot be refreshed"),
     "--split material": (BakeSpec(split=Split.MATERIAL), "the layered layout is baked for whole objects"),
     "--together All --object Box": (
@@ -114,7 +114,7 @@ def test_what_the_layered_layout_refuses_gets_buckets_and_a_line_says_why(line: 
         "--layout layered --bucket 8",
         "--layout layered --layer base",
         "--layout layered --from High",
-        "--layout layered --accumulate",
+        "--layout layered --refresh",
     ],
 )
 def test_a_layout_that_was_named_is_refused_and_never_replaced(line: str) -> None:
@@ -243,7 +243,10 @@ def test_what_is_folded_in_has_the_cells_of_what_is_there(way: str, out: Path) -
     assert (found.spec.layout, found.spec.bucket, found.reason) == (Layout.BUCKETS, 6, "")
     assert asked(f"{way} --bucket 8", out).spec.bucket == 8
     finish(out, bucket=14, layout="layered")
-    words = r"Card\.radiance\.json is in the layered layout, which cannot be (accumulated|refreshed): "
+    if way == "--accumulate":
+        assert asked(way, out).spec == BakeSpec(layout=Layout.LAYERED, accumulate=True)
+        return
+    words = r"Card\.radiance\.json is in the layered layout, which cannot be refreshed: "
     with pytest.raises(InputError, match=words + "bake it anew in layout buckets"):
         asked(way, out)
 

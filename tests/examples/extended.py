@@ -29,7 +29,9 @@ KIND_ROW = """    Kind.IRRADIANCE: KindTraits(
         judged=False,
     ),
 """
-FORM_ROW = 'FormTraits("mean", "buckets", "means", layers=False, accumulates=False, farm=False)'
+FORM_ROW = (
+    'FormTraits("mean", "buckets", "means", layers=False, accumulates=False, refreshes=False, farm=False)'
+)
 
 
 def add_kind(folder: Path, form: str = "") -> Path:

@@ -30,7 +30,7 @@ def read_earlier(sidecar: Path, bake: Sidecar) -> PreviousAtlas:
     Raises InputError if it is of another mesh, size or capture, FormatError as `exr.read_buckets` does.
     """
     pixels, earlier = read_buckets(sidecar)
-    differs = _difference(earlier, bake)
+    differs = difference(earlier, bake)
     if differs is None and pixels.shape[2] != 4:
         differs = f"has {pixels.shape[2]} channels, not 4"
     if differs is not None:
@@ -47,7 +47,8 @@ def with_counts(bake: Sidecar, counts: Ints) -> Sidecar:
     return replace(bake, samples=int(counts.min()), texel_samples=count_text(counts))
 
 
-def _difference(earlier: Sidecar, bake: Sidecar) -> str | None:  # noqa: PLR0911 (a line for each reason)
+def difference(earlier: Sidecar, bake: Sidecar) -> str | None:  # noqa: PLR0911 (a line for each reason)
+    """Why samples of a `bake` cannot be added to an `earlier` one; None if they can."""
     if not earlier.mesh:
         return "does not say of which mesh it is, as bakes of older RadTexes do not"
     if earlier.objects != bake.objects:

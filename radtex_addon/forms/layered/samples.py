@@ -52,12 +52,13 @@ class Capture:
     the object itself. `fine` and `coarse`: maps of the diffuse colour, the glossy colour and the shading
     normal, "diffuse", "glossy", "normal", (H', W', 3) and (H, W, 3); and in `fine` their "material"'s number,
     (H', W', 1). `material` (K,): of the texels.
-    `exits`: for objects that let light through, the rays in which paths leave them.
+    `exits`: for objects that let light through, the rays in which paths leave them. Both are None where the
+    samples are for a bake that is there.
     `alpha` (H', W', 1): by which the maps in `fine` are multiplied, and all else is divided; None if it is 1.
     """
 
     light: LightSamples
-    alone: EndSamples
+    alone: EndSamples | None
     own: OwnRays
     around: Around
     fine: dict[str, Floats]

@@ -101,10 +101,12 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
         column.prop(settings, "resume")
         column.prop(settings, "overwrite")
         plain, kind = is_plain(settings), Kind(settings.kind).traits
-        if plain and kind.accumulates:
+        if kind.accumulates:
+            form = form_of(settings)
             column.prop(settings, "accumulate")
-            column.prop(settings, "refresh")
-            if settings.accumulate or settings.refresh:
+            if form.refreshes:
+                column.prop(settings, "refresh")
+            if form.accumulates_parts and (settings.accumulate or settings.refresh):
                 column.prop(settings, "where")
         column.prop(settings, "preview")
         if kind.full_floats:

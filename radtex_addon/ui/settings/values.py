@@ -71,7 +71,8 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
     layout = Layout.BUCKETS if plain_only else parse_layout(values["atlas_layout"])
     cells = values["bucket"] if open_layout is None else open_layout.cells
     asked = form_in(layout)
-    lasting = asked.accumulates and kind.accumulates
+    more = bool(values["accumulate"]) and asked.accumulates and kind.accumulates
+    again = bool(values["refresh"]) and asked.refreshes and kind.accumulates
     layered = asked.layers and kind.layers
     sourced = asked.source and kind.source and values["source"]
     spec = BakeSpec(
@@ -91,10 +92,10 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
         layers=tuple(layer for layer in Layer if layer.value in values["layers"]) if layered else (),
         split=None if values["split"] == "none" else values["split"],
         part=values["part"] or None if values["split"] != "none" else None,
-        accumulate=values["accumulate"] and lasting,
-        refresh=values["refresh"] and lasting,
+        accumulate=more,
+        refresh=again,
         view=View(values["view"] if kind.views else "normal"),
-        where=values["where"] or None if lasting and (values["accumulate"] or values["refresh"]) else None,
+        where=values["where"] or None if (more or again) and asked.accumulates_parts else None,
         ao_distance=values["ao_distance"] or None if kind.ao_distance else None,
         content=_content_of(values) if kind.content else None,
         source=values["source"] if sourced else None,

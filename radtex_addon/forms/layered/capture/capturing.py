@@ -66,16 +66,18 @@ def capture_layered(
     folder: Path,
     store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
+    around: Around | None = None,
 ) -> Generator[Progress, None, Captured]:
     """Capture the scratch scene's prepared object.
 
-    `folder` is for temporary files; the `store` stores what is finished; the light is shown in the
-    `thumbnail`. Yields progress in texels, then in paths. Raises InputError where no texel is covered or the
-    object is clear everywhere, BakeError where Cycles fails.
+    With what is `around` a bake that is there, only what more samples of its light need. `folder` is for
+    temporary files; the `store` stores what is finished; the light is shown in the `thumbnail`. Yields
+    progress in texels, then in paths. Raises InputError where no texel is covered or the object is clear
+    everywhere, BakeError where Cycles fails.
     """
     meshes = {piece.rendered.name: piece.rendered for piece in prepared.pieces}
     with surface_alone(prepared.original, *meshes.values()) as clear:
-        return (yield from _Captures(scratch, prepared, spec, folder, store, thumbnail, clear).all())
+        return (yield from _Captures(scratch, prepared, spec, folder, store, thumbnail, clear, around).all())
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +89,7 @@ class _Captures:
     store: PieceStore
     thumbnail: Thumbnail | None
     clear: Clear
+    known: Around | None = None
 
     def all(self) -> Generator[Progress, None, Captured]:
         scratch, prepared, spec, folder = self.scratch, self.prepared, self.spec, self.folder
@@ -110,16 +113,19 @@ class _Captures:
         lit = plan(rays.light)
         count = len(lit.texel)
         middle, radius = reach_of(lit)
-        total = count * (rays.light**2 + 2 * rays.ends**2 + 1) + len(fine.texel)
+        of_ends = 0 if self.known is not None else rays.ends
+        total = count * (rays.light**2 + 2 * of_ends**2 + 1) + len(fine.texel)
         yield Progress(Stage.CAPTURE, 0, total)
         faces = _materials(prepared.mesh)
         fine_maps, coarse_maps = self._maps("fine", fine), self._maps("coarse", plan(1))
         fine_maps["material"] = fine.placed(faces[triangle][:, None].astype(np.float32), gutter=True)
         del fine, triangle  # they are as large as what is captured
-        alone = Beside(placed, ())
-        with scene_copied(scratch) as copy, path_ends(copy, item, mesh, alone, middle) as ends:
-            lone = _lean(capture_ends(ends, plan(rays.ends), spec.seed, folder, self.store))
-        done = 2 * count * rays.ends**2
+        lone: EndSamples | None = None
+        if self.known is None:
+            alone = Beside(placed, ())
+            with scene_copied(scratch) as copy, path_ends(copy, item, mesh, alone, middle) as ends:
+                lone = _lean(capture_ends(ends, plan(rays.ends), spec.seed, folder, self.store))
+        done = 2 * count * of_ends**2
         yield Progress(Stage.CAPTURE, done, total)
 
         def in_paths(step: Progress) -> Progress:
@@ -130,14 +136,15 @@ class _Captures:
             steps = capture_samples(copy, lit, unseen, spec.seed, folder, self.store, self.thumbnail)
             light = yield from relayed(steps, in_paths)
         light = replace(light, through=without_zeros(light.through))
-        lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
         material = texels.triangle.ravel()[lit.texel]
         own = self._own_rays(plan(own_side(count)), material, opacity.fine)
         own = replace(own, rays=replace(own.rays, plan=lit))
-        around, looked = self._around(middle)
+        around, looked = (self.known, 0) if self.known is not None else self._around(middle)
         yield Progress(Stage.CAPTURE, total, total)
         exits = None
-        if lets_through(lone, light):
+        if lone is not None:
+            lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
+        if lone is not None and lets_through(lone, light):
             buckets = plan_capture(prepared.texels(1 / coarser(side)), EXIT_CELLS)
             exits = self._exits(buckets, middle, radius, rays)
         capture = opacity.bare(
@@ -226,6 +233,11 @@ def _plan_and_triangles(texels: TexelMap) -> tuple[CapturePlan, Ints]:
     """The plan of one cell for each texel of a map, and the texels' triangles, (K,)."""
     plan = plan_capture(texels, 1)
     return plan, texels.triangle.ravel()[plan.texel]
+
+
+def material_count(prepared: Prepared) -> int:
+    """The number of materials that the faces of a prepared object have, unused slots before them included."""
+    return int(_materials(prepared.mesh).max()) + 1
 
 
 def _materials(mesh: bpy.types.Mesh) -> Ints:

@@ -58,7 +58,7 @@ class Opacity:
         return replace(
             capture,
             light=_bare_light(capture.light, alpha),
-            alone=_bare_ends(capture.alone, alpha),
+            alone=None if capture.alone is None else _bare_ends(capture.alone, alpha),
             coarse=coarse,
             exits=exits,
             alpha=self.fine,

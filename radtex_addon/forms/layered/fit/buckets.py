@@ -20,6 +20,7 @@ from ....core.colour_spaces import LUMINANCE
 from ..cells import CELLS
 from ..lookup.atlas import mirrored_light
 from ..samples import OwnRays
+from .known import Known
 from .own_light import Surface, own_light
 from .parts import Parts
 from .residual import BRIGHTEST, brightness_weight, fit_rest, mean_brightness
@@ -44,10 +45,14 @@ class Buckets:
         return math.isqrt(self.rest.shape[2])
 
 
-def fit_buckets(surface: Surface, own: OwnRays, light: LightSamples, used: Bools, parts: Parts) -> Buckets:
+def fit_buckets(
+    surface: Surface, own: OwnRays, light: LightSamples, used: Bools, parts: Parts, known: Known | None = None
+) -> Buckets:
     """Fit them to light samples, of which `used` (K, S) count, and rays in which the object meets itself."""
     fit = _Fit(surface, own, light, used, parts)
     choices = CELLS if parts.cells and parts.rest and own.hit.mean() < _MIRRORS_ITSELF else CELLS[:1]
+    if known is not None:
+        choices = (known.cells,)
     number = 0
     place = fit.places()
     models = [fit.model(cells, place) for cells, _ in choices]
@@ -66,7 +71,8 @@ def fit_buckets(surface: Surface, own: OwnRays, light: LightSamples, used: Bools
     del models
     rest: Floats = np.zeros((3, len(surface.grid), cells * cells), dtype=np.float32)
     if parts.rest:
-        rest = fit_rest(place, light.mirrored, used, model.shown, surface.grid, cells)
+        share = 1.0 if known is None else known.share
+        rest = fit_rest(place, light.mirrored, used, model.shown, surface.grid, cells, share)
     return Buckets(model.own, model.free, rest)
 
 

@@ -11,7 +11,8 @@ from typing import cast
 import numpy as np
 
 from ....bake.blocks import in_blocks
-from ....bake.light_samples import Axis, LobeSamples
+from ....bake.light_samples import Axis, EndSamples, LobeSamples
+from ....bake.plan import CapturePlan
 from ....bake.pooling import Neighbours
 from ....bake.progress import Progress, Stage
 from ....core.arrays import Bools, Floats
@@ -21,12 +22,13 @@ from ..lookup.atlas import LayeredAtlas
 from ..lookup.environment import Around
 from ..lookup.lobes import Material
 from ..lookup.ways import Through
-from ..samples import Capture, ExitSamples
+from ..samples import Capture
 from .bucket_grid import BucketGrid
 from .buckets import fit_buckets
 from .diffuse import facing_of
 from .falloffs import fit_falloffs
 from .irradiance import fit_irradiance
+from .known import Known
 from .lobes import Paths
 from .own_light import Surface
 from .parts import ALL_PARTS, Parts
@@ -41,8 +43,10 @@ _STEPS = 5  # of progress
 _FREE = 0.98  # of a direction, above which a path is taken to leave the object straight away
 
 
-def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> Generator[Progress, None, LayeredAtlas]:
-    """Fit the layered layout to a capture. Yields progress."""
+def fit_layered(
+    capture: Capture, parts: Parts = ALL_PARTS, known: Known | None = None
+) -> Generator[Progress, None, LayeredAtlas]:
+    """Fit the layered layout to a capture; what is `known` of a bake that is there stays. Yields progress."""
     yield Progress(Stage.FIT, 0, _STEPS)
     light, plan = capture.light, capture.light.plan
     neighbours = Neighbours(plan)
@@ -54,9 +58,12 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> Generator[Progres
     tint, tint_map = tints(plan, capture.material, *maps, parts.tint)
     grid = BucketGrid.of(plan, coarser(max(plan.layout.width, plan.layout.height)))
     falloff, diffuse = fit_falloffs(light, facing, capture.material)
+    share = 1.0
+    if known is not None:
+        falloff, share = known.atlas.falloff, known.share
     colour = capture.coarse["diffuse"].reshape(-1, 3)[plan.texel].astype(np.float32)
     if parts.smooth:
-        irradiance = fit_irradiance(light, facing, falloff, capture.material, colour, neighbours)
+        irradiance = fit_irradiance(light, facing, falloff, capture.material, colour, neighbours, share)
     else:
         irradiance = np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
     del facing
@@ -65,24 +72,28 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> Generator[Progres
     own = replace(capture.own, rays=rays)
     free = free_share(rays, own.hit, grid, CELLS[0][0])
     yield Progress(Stage.FIT, 2, _STEPS)
-    paths = _open_paths(capture, normal, free, grid)
-    vary = parts.widths and normal_map is None  # normals that vary within a texel would count as roughness
-    materials, width = fit_lobes(paths, int(capture.material.max()) + 1, neighbours, vary)
-    del paths, neighbours
+    if capture.alone is not None:
+        paths = _open_paths(capture, capture.alone, normal, free, grid)
+        vary = parts.widths and normal_map is None  # normals that vary in a texel would count as roughness
+        materials, width = fit_lobes(paths, int(capture.material.max()) + 1, neighbours, vary)
+        del paths
+    else:
+        materials, width = _known_lobes(known, plan)
+    del neighbours
     if not parts.second_lobe:
         materials = tuple(map(_single, materials))
     surface = Surface(
         grid, normal, irradiance * colour, falloff, tint, width, capture.material, materials, around, free
     )
     yield Progress(Stage.FIT, 3, _STEPS)
-    found = fit_buckets(surface, own, light, used, parts)
+    found = fit_buckets(surface, own, light, used, parts, known)
     rest = found.rest
     if parts.rest:
         cells = found.rest_cells
         more = view_dependence(light, used, surface, cells)
         rest = rest if more is None else rest + more
     yield Progress(Stage.FIT, 4, _STEPS)
-    through = None if capture.exits is None else _through(capture, capture.exits, around, used, grid)
+    through = _through(capture, around, used, grid, known)
     yield Progress(Stage.FIT, _STEPS, _STEPS)
     return LayeredAtlas(
         colour=capture.fine["diffuse"].astype(np.float32),
@@ -100,11 +111,27 @@ def fit_layered(capture: Capture, parts: Parts = ALL_PARTS) -> Generator[Progres
     )
 
 
-def _through(capture: Capture, exits: ExitSamples, around: Around, used: Bools, grid: BucketGrid) -> Through:
-    ways = BucketGrid.of(exits.plan, 1).placed(fit_ways(exits, Neighbours(exits.plan)))
-    none = np.zeros((1, 1, 1, 1, 3), dtype=np.float32)
-    through = Through(ways, exits.plan.placed(exits.colour, gutter=True), rest=none)
-    rest = fit_through_rest(through, capture.light, around, used, grid)
+def _known_lobes(known: Known | None, plan: CapturePlan) -> tuple[tuple[Material, ...], Floats]:
+    if known is None:
+        raise ValueError("neither paths through the object alone nor the lobes of a bake are there")
+    return known.atlas.materials, known.widths(plan)
+
+
+def _through(
+    capture: Capture, around: Around, used: Bools, grid: BucketGrid, known: Known | None
+) -> Through | None:
+    exits, share = capture.exits, 1.0
+    if known is not None:
+        through, share = known.atlas.through, known.share
+    elif exits is not None:
+        ways = BucketGrid.of(exits.plan, 1).placed(fit_ways(exits, Neighbours(exits.plan)))
+        none = np.zeros((1, 1, 1, 1, 3), dtype=np.float32)
+        through = Through(ways, exits.plan.placed(exits.colour, gutter=True), rest=none)
+    else:
+        through = None
+    if through is None:
+        return None
+    rest = fit_through_rest(through, capture.light, around, used, grid, share)
     return replace(through, rest=grid.placed(rest))
 
 
@@ -126,9 +153,8 @@ def _flat_level(around: Around, level: Floats) -> Floats:
     return cast(Floats, without.look(np.zeros_like(direction), direction, variance).T.reshape(level.shape))
 
 
-def _open_paths(capture: Capture, normal: Floats, free: Floats, grid: BucketGrid) -> Paths:
+def _open_paths(capture: Capture, ends: EndSamples, normal: Floats, free: Floats, grid: BucketGrid) -> Paths:
     """The paths that are taken to leave the object straight away."""
-    ends = capture.alone
     shape = ends.square.shape[:2]
     white = turned_samples(
         LobeSamples(ends.plan, Axis.MIRROR, ends.square, ends.mirrored_weight, np.ones(shape, bool)), normal

@@ -25,11 +25,13 @@ def fit_irradiance(
     material: Ints,
     colour: Floats,
     neighbours: Neighbours,
+    share: float = 1.0,
 ) -> Floats:
     """The diffuse light over its `colour` (K, 3), along the normal: (K, 3) float32.
 
     `facing` (K, S): N.V of the samples that count, of others 0; `falloff` (M, B, 3) is by `material`
-    (K,). From a wide mean to the texel's own, each step is shrunk by its noise (James and Stein, 1961).
+    (K,). From a wide mean to the texel's own, each step is shrunk by its noise (James and Stein, 1961), of
+    whose variance only a `share` is left where the samples are that share of all.
     """
 
     def estimate(some: slice) -> Floats:
@@ -56,13 +58,15 @@ def fit_irradiance(
     near, wide = pooled(own, False), pooled(own, True)
     noise_near, noise_wide = pooled(variance, False), pooled(variance, True)
     step = near - wide
-    step *= _kept(pooled(step**2, True), SHARE * noise_wide)
+    step *= _kept(pooled(step**2, True), SHARE * noise_wide, share)
     last = own - near
-    last *= _kept(pooled(last**2, False), (1 - SHARE) * noise_near)
+    last *= _kept(pooled(last**2, False), (1 - SHARE) * noise_near, share)
     smooth: Floats = np.where(lit, wide + step + last, 0)[..., 0].T.astype(np.float32)
     return smooth
 
 
-def _kept(squared: Floats, noise: Floats) -> Floats:
-    kept: Floats = np.maximum(0, 1 - _DOUBT * noise / np.maximum(squared, 1e-12))
+def _kept(squared: Floats, noise: Floats, share: float) -> Floats:
+    """What is kept of a step whose mean square is `squared`, with the samples' own `noise` in it."""
+    expected = np.maximum(squared - (1 - share) * noise, 1e-12)  # with all samples
+    kept: Floats = np.maximum(0, 1 - _DOUBT * share * noise / expected)
     return kept

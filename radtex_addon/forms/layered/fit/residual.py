@@ -27,12 +27,18 @@ _ADDED_AT_ONCE = 1 << 13  # buckets
 
 
 def fit_rest(
-    place: Places, light: Floats, used: Bools, shown: Floats, grid: BucketGrid, cells: int
+    place: Places,
+    light: Floats,
+    used: Bools,
+    shown: Floats,
+    grid: BucketGrid,
+    cells: int,
+    share: float = 1.0,
 ) -> Floats:
     """What to add to `shown` (3, K, S) for `light` (K, S, 3), by bucket and direction: (3, B, cells * cells).
 
     `place`: of the samples; `used` (K, S): which count. Each step, from coarse cells to fine ones, is shrunk
-    by its noise (James and Stein, 1961).
+    by its noise (James and Stein, 1961); of its variance only a `share` is left where more samples are there.
     """
     table = np.zeros((3, len(grid), cells * cells), dtype=np.float32)
     level = mean_brightness(light, used)
@@ -53,23 +59,29 @@ def fit_rest(
 
         grid.in_blocks(sum_up, used.shape[1])
         step = grid.pool(
-            sums, partial(grid.neighbours.pool, wide=wide), _step(sums, grid.share(wide), side > 1)
+            sums, partial(grid.neighbours.pool, wide=wide), _step(sums, grid.share(wide), share, side > 1)
         )
         _add_upsampled(table, step)
     return table
 
 
-def _step(sums: Floats, share: float, shrunk: bool) -> Callable[[Floats, Floats], Floats]:
-    """How a stage's pooled `sums` (5, B, m) make its step: weight, what is off by it, and squares of that."""
+def _step(
+    sums: Floats, pooled_share: float, share: float, shrunk: bool
+) -> Callable[[Floats, Floats], Floats]:
+    """How a stage's pooled `sums` (5, B, m) make its step: weight, what is off by it, and squares of that.
+
+    `pooled_share` of a sum's variance is left after pooling; `share` as for `fit_rest`.
+    """
     prior = np.float32(_PRIOR * float(sums[0].mean()) + 1e-9)
 
     def step(_: Floats, pooled: Floats) -> Floats:
         weight = pooled[0] + prior
         found: Floats = pooled[1:4] / weight
         if shrunk:
-            noise = np.float32(share) * pooled[4] / weight**2
+            noise = np.float32(pooled_share) * pooled[4] / weight**2
             size = np.tensordot(LUMINANCE, found, axes=1) ** 2 + _COLOURED * (found**2).mean(axis=0)
-            found *= np.maximum(0, 1 - _DOUBT * noise / np.maximum(size, 1e-12))
+            size -= np.float32(1 - share) * noise
+            found *= np.maximum(0, 1 - np.float32(_DOUBT * share) * noise / np.maximum(size, 1e-12))
         return found
 
     return step

@@ -102,9 +102,17 @@ def _chief(exits: ExitSamples, around: Floats) -> tuple[Floats, Floats]:
 
 
 def fit_through_rest(
-    through: Through, light: LightSamples, around: Around, used: Bools, grid: BucketGrid
+    through: Through,
+    light: LightSamples,
+    around: Around,
+    used: Bools,
+    grid: BucketGrid,
+    share: float = 1.0,
 ) -> Floats:
-    """What the ways do not show of light samples: (3, B, m*m). `used` (K, S): which count."""
+    """What the ways do not show of light samples: (3, B, m*m). `used` (K, S): which count.
+
+    `share` as for `fit_rest`.
+    """
     plan = light.plan
     samples = LobeSamples(plan, Axis.THROUGH, light.square, light.through, used)
     shape = used.shape
@@ -123,4 +131,4 @@ def fit_through_rest(
         shown[:, some] = halved(seen.reshape(3, -1, shape[1]))
 
     in_blocks(look, shape[0], shape[1], 1 << 16)
-    return fit_rest(place, light.through, used, shown, grid, THROUGH_CELLS)
+    return fit_rest(place, light.through, used, shown, grid, THROUGH_CELLS, share)
