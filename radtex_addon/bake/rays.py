@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The numbers of paths in the layered layout."""
+"""The numbers of paths, of finer texels and of buckets in the layered layout."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from math import sqrt
 
 FINER = 4  # times as many texels along each side for the maps of the material, as they need no light …
 _FINEST = 4096  # … and the most along a side that this gives
+_COARSER = 2  # texels along a side of those that share a bucket …
+_MOST_BUCKETS = 512  # … more where this many buckets along a side would not do
 PROBE_CELLS = 4  # cells along a side of the buckets for finding hidden directions
 CLEAR_SAMPLES = 16  # rays that vote on a shadow's bit where a material may let some of them through
 PROBES = 2  # rays per cell of these buckets; a cell is hidden if all of its rays meet back faces
@@ -46,6 +48,11 @@ class LayeredRays:
 def finer(texels: int) -> float:
     """How many times as many texels the maps of the material have along each side of an atlas of `texels`."""
     return min(float(FINER), max(1.0, _FINEST / texels))
+
+
+def coarser(texels: int) -> float:
+    """How many texels along a side share a bucket, in an atlas of `texels` along its longer side."""
+    return max(float(_COARSER), texels / _MOST_BUCKETS)
 
 
 def panorama_paths(layers: int, world: int = WORLD_WIDTH, near: int = NEAR_WIDTH) -> int:

@@ -15,7 +15,7 @@ from .kinds import DEFAULT_KIND, Kind, Layout, form_of
 from .layers import OF_LAYER, WHOLE, Layer, captured
 from .parts import Split
 from .plan import SHEET
-from .rays import CLEAR_SAMPLES, LayeredRays
+from .rays import CLEAR_SAMPLES, LayeredRays, coarser, finer
 from .transfer_views import views_along
 
 _BYTES_PER_CHANNEL = 8  # float32, twice: as cells, and joined to an image (measured: RGBA 33 to 35)
@@ -23,7 +23,8 @@ _BYTES_PER_TEXEL = 256  # points and frames, once as a map and once packed (meas
 _BYTES_OF_BANDS = 160 << 20  # cells in memory while an atlas is written, and the writer (measured)
 _TILE_MB = 1024  # the most that one render may take
 _BYTES_OF_PANORAMAS = 800 << 20  # a layered bake's renders, of panoramas or of tiles (measured)
-_BYTES_PER_LAYERED_TEXEL = 3_700  # buckets while they are fitted, and the finer maps (measured)
+_BYTES_PER_FINER_TEXEL = 100  # of the layered layout's maps of the material (measured)
+_BYTES_PER_BUCKET = 11_000  # of the layered layout's, while they are fitted (measured)
 _BYTES_PER_LAYERED_RAY = 20  # single paths in float16, and what the fit says of them; 60 % of texels covered
 
 
@@ -131,6 +132,8 @@ class SpecFields:
             of_bands = min(_BYTES_OF_BANDS, 2 * _BYTES_PER_CHANNEL * self.pixel_count * self.channels)
             return self.texels**2 * (_BYTES_PER_TEXEL + self.bucket**2 // 8) + of_bands
         if self.form.by_paths:
-            of_texel = _BYTES_PER_LAYERED_TEXEL + self.layered_rays.of_texel * _BYTES_PER_LAYERED_RAY
-            return _BYTES_OF_PANORAMAS + self.texels**2 * of_texel
+            fine, buckets = self.texels * finer(self.texels), self.texels / coarser(self.texels)
+            of_maps = fine**2 * _BYTES_PER_FINER_TEXEL + buckets**2 * _BYTES_PER_BUCKET
+            of_rays = self.texels**2 * self.layered_rays.of_texel * _BYTES_PER_LAYERED_RAY
+            return _BYTES_OF_PANORAMAS + int(of_maps) + of_rays
         return self.pixel_count * self.channels * _BYTES_PER_CHANNEL

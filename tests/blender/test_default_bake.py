@@ -20,7 +20,6 @@ from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.cli import run_bake as baking
 from radtex_addon.formats.containers.exr import read_buckets
-from radtex_addon.forms.layered import cells
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.preview.picture import render_picture
@@ -116,7 +115,7 @@ def test_large_atlases_have_no_more_buckets_and_no_finer_maps_than_the_limits(
     assert whole.colour.shape[:2] == (96, 96)
     assert whole.own.shape[:2] == (12, 12)
     monkeypatch.setattr(rays, "_FINEST", 60)
-    monkeypatch.setattr(cells, "_MOST_BUCKETS", 7)
+    monkeypatch.setattr(rays, "_MOST_BUCKETS", 7)
     steps = bake_object(context.scene, "Card", spec, out, overwrite=True)
     limited, sidecar = read_layered(steps.files.sidecar)
     assert limited.colour.shape[:2] == (60, 60)

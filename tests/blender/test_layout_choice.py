@@ -188,7 +188,7 @@ def test_what_would_take_very_much_memory_is_plain() -> None:
     assert asked("--texels 1024 --samples 4").spec.layout is Layout.LAYERED
     plain = asked("--texels 896")
     assert plain.spec == BakeSpec(texels=896)
-    assert plain.reason == "896 texels at 16 samples would need 10.4 GiB of memory"
+    assert plain.reason == "896 texels at 16 samples would need 10.9 GiB of memory"
 
 
 def begin(folder: Path, spec: BakeSpec) -> None:

@@ -13,7 +13,7 @@ import bpy
 from ...bake.cost import Cost, cost_of_images
 from ...bake.forms import LAYERED, FormTraits
 from ...bake.progress import Progress
-from ...bake.rays import finer
+from ...bake.rays import coarser, finer
 from ...bake.spec import BakeSpec
 from ...core.arrays import Floats
 from ...core.fragments import Fragments
@@ -32,7 +32,7 @@ from ..buckets.form import has_samples_and_cells
 from ..form import Form, Opened, PreviewOf
 from ..outcome import Outcome
 from .bake import bake_layered
-from .cells import CELLS, EXIT_CELLS, PICTURE_SIZE, THROUGH_CELLS, coarser
+from .cells import CELLS, EXIT_CELLS, PICTURE_SIZE, THROUGH_CELLS
 from .cells import DISTANCES as DISTANCE_CELLS
 from .files.arrangement import (
     ALPHA,

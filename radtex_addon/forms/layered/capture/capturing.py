@@ -18,7 +18,7 @@ from ....bake.piece_store import NO_STORE, PieceStore
 from ....bake.pieces import Arrays
 from ....bake.plan import CapturePlan, plan_capture
 from ....bake.progress import Progress, Stage, relayed
-from ....bake.rays import PROBE_CELLS, PROBES, LayeredRays, finer
+from ....bake.rays import PROBE_CELLS, PROBES, LayeredRays, coarser, finer
 from ....bake.spec import BakeSpec
 from ....bake.thumbnail import Thumbnail
 from ....core.arrays import Bools, Floats, Ints
@@ -29,7 +29,7 @@ from ....cycles.sampling import capture_ends, capture_samples
 from ....prepare.prepared import Prepared
 from ....scene.mesh.surrounding_shapes import Beside, read_beside
 from ....scene.scratch import scene_copied
-from ..cells import EXIT_CELLS, OWN_RAYS, OWN_SIDE, coarser
+from ..cells import EXIT_CELLS, OWN_RAYS, OWN_SIDE
 from ..fit.through import lets_through
 from ..lookup.environment import Around
 from ..samples import Capture, ExitSamples, OwnRays

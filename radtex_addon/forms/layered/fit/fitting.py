@@ -15,9 +15,10 @@ from ....bake.light_samples import Axis, EndSamples, LobeSamples
 from ....bake.plan import CapturePlan
 from ....bake.pooling import Neighbours
 from ....bake.progress import Progress, Stage
+from ....bake.rays import coarser
 from ....core.arrays import Bools, Floats
 from ....core.octahedron import cell_directions
-from ..cells import CELLS, coarser
+from ..cells import CELLS
 from ..lookup.atlas import LayeredAtlas
 from ..lookup.environment import Around
 from ..lookup.lobes import Material
