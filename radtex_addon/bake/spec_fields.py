@@ -25,6 +25,7 @@ _TILE_MB = 1024  # the most that one render may take
 _BYTES_OF_PANORAMAS = 800 << 20  # a layered bake's renders, of panoramas or of tiles (measured)
 _BYTES_PER_FINER_TEXEL = 100  # of the layered layout's maps of the material (measured)
 _BYTES_PER_BUCKET = 11_000  # of the layered layout's, while they are fitted (measured)
+_BYTES_PER_EARLIER_TEXEL, _BYTES_PER_EARLIER_BUCKET = 40, 4_000  # of a bake to accumulate on, float32
 _BYTES_PER_LAYERED_RAY = 20  # single paths in float16, and what the fit says of them; 60 % of texels covered
 
 
@@ -134,6 +135,8 @@ class SpecFields:
         if self.form.by_paths:
             fine, buckets = self.texels * finer(self.texels), self.texels / coarser(self.texels)
             of_maps = fine**2 * _BYTES_PER_FINER_TEXEL + buckets**2 * _BYTES_PER_BUCKET
+            if self.accumulate:
+                of_maps += fine**2 * _BYTES_PER_EARLIER_TEXEL + buckets**2 * _BYTES_PER_EARLIER_BUCKET
             of_rays = self.texels**2 * self.layered_rays.of_texel * _BYTES_PER_LAYERED_RAY
             return _BYTES_OF_PANORAMAS + int(of_maps) + of_rays
         return self.pixel_count * self.channels * _BYTES_PER_CHANNEL

@@ -24,6 +24,7 @@ from ..scene.checks.enclosing_volumes import volumes_around
 from ..scene.checks.missing_files import file_warnings
 from ..scene.checks.outside import check_outside_files
 from ..scene.checks.refusals import refuse_see_through
+from ..scene.checks.see_through import why_no_surface
 from ..scene.lights.lamps import find_lamps
 from ..scene.lights.light import is_dark
 from ..scene.mesh.cage import find_cage
@@ -108,6 +109,15 @@ def _warnings(
             )
             for item in items
             for fog in volumes_around(layer, item)
+        )
+    if spec.form.by_paths:
+        warnings.extend(
+            Message(
+                f"object '{item.name}' will look like a solid surface in {spec.form.title}: {reason}",
+                (do("choose layout buckets", Setting.LAYOUT, value="buckets"),),
+            )
+            for item in items
+            if item.type == "MESH" and (reason := why_no_surface(scene, item))
         )
     return warnings
 

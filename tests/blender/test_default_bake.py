@@ -191,6 +191,17 @@ def test_a_layout_that_was_named_is_refused(tmp_path: Path, out: Path, batch: Ba
     assert not out.exists()
 
 
+def test_what_has_no_surface_is_warned_of_in_the_layout_that_was_named(
+    card: Any, tmp_path: Path, out: Path, batch: Batch
+) -> None:
+    card.data.materials[0] = smoke()
+    ended = batch(saved(tmp_path), "--object", "Card", *QUICK, "--layout", "layered", "--out", out)
+    assert ended.code == 0
+    assert "object 'Card' will look like a solid surface in the layered layout: " in ended.err
+    assert "its material 'Smoke' has a volume" in ended.err
+    assert "choose layout buckets (--layout buckets)" in ended.err
+
+
 @pytest.mark.parametrize(
     "spec",
     [
