@@ -369,4 +369,6 @@ def test_the_panel_draws_the_line_and_no_setting_of_a_layout_that_was_not_chosen
     assert {"atlas_layout", "source", "split"} <= set(seen.settings)
     panel.atlas_layout = "layered"
     told()
-    assert "Smoke" not in " ".join(drawn(RADTEX_PT_bake).labels)
+    labels = " ".join(drawn(RADTEX_PT_bake).labels)
+    assert "Buckets, 8 cells" not in labels
+    assert "will look like a solid surface" in labels
