@@ -197,6 +197,11 @@ def _check_earlier(spec: SpecFields) -> None:
         raise InputError("to accumulate and to refresh contradict each other: choose one of them")
     done = "accumulated" if spec.accumulate else "refreshed"
     form = _asked(spec)
+    if spec.refresh and form.accumulates and not form.refreshes:
+        raise InputError(
+            f"{form.title} cannot be refreshed, since all its texels share the pictures of the surroundings",
+            _BUCKETS,
+        )
     for asked, wrong, remedy in (
         (f"kind {spec.kind}", not spec.kind.traits.accumulates, do("bake it anew")),
         (_asked(spec).title, not (form.accumulates if spec.accumulate else form.refreshes), _BUCKETS),
@@ -230,7 +235,9 @@ def _check_by_paths(spec: SpecFields) -> None:
             f"{form.title} knows capture {CaptureMethod.PORTAL} only, not {spec.capture}", _BUCKETS
         )
     if spec.layers:
-        raise InputError(f"{form.title} has no layers", _BUCKETS)
+        raise InputError(
+            f"{form.title} has no layers, since its images hold diffuse and mirrored light apart", _BUCKETS
+        )
     if spec.split is not None and not form.split:
         raise InputError(f"{form.title} is baked for whole objects", _BUCKETS, leave_out(Setting.SPLIT))
     if spec.bucket != form.cells and not form.any_cells:

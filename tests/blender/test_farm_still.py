@@ -121,7 +121,7 @@ def test_what_cannot_be_held_is_named(
     ("settings", "words"),
     [
         ({"kind": "shadow"}, "a farm bakes radiance, incident, reflection, proxy, not shadow"),
-        ({"layout": "layered", "bucket": 14}, "not layered: bake that without a farm"),
+        ({"layout": "layered", "bucket": 14}, "not layered, whose captures build on one another: bake that"),
         ({"kind": "incident", "capture": "panoramic"}, "leave the capture method out"),
         ({"accumulate": True}, "leave the accumulating and the refreshing out"),
         ({"seed": 2**23 + 1}, "give one below 8388608"),
