@@ -235,8 +235,8 @@ def check_farmable(spec: BakeSpec) -> None:
         raise InputError(f"a farm bakes {fit}, not {spec.kind}: bake that without a farm")
     if not spec.form.farm:
         raise InputError(
-            f"a farm bakes the layout {Layout.BUCKETS}, not {spec.layout}, whose captures build on one another: "
-            "bake that without a farm"
+            f"a farm bakes the layout {Layout.BUCKETS}, not {spec.layout}, "
+            "whose captures build on one another: bake that without a farm"
         )
     if spec.accumulate or spec.refresh:
         raise InputError(
