@@ -19,7 +19,7 @@ class FormTraits:
     * `channels`: of a cell while it is baked; None for light and its layers.
     * `streams`: cells are on disk during the bake, unless an earlier atlas is read.
     * `by_paths`: fitted to single paths, whose number does not depend on the cells.
-    * Options that it can be baked with: a `source`, single `lamps`, a `shared_atlas`, `layers`,
+    * Options that it can be baked with: a `source`, single `lamps`, `layers`,
       `accumulates`, a `farm`, the `panoramic` capture, a `split` object, and `any_cells`.
     * `backs`: faces that are seen from behind get texels of their own.
     """
@@ -33,7 +33,6 @@ class FormTraits:
     by_paths: bool = False
     source: bool = True
     lamps: bool = True
-    shared_atlas: bool = True
     layers: bool = True
     accumulates: bool = True
     farm: bool = True
@@ -57,7 +56,6 @@ LAYERED = FormTraits(
     by_paths=True,
     source=False,
     lamps=False,
-    shared_atlas=False,
     layers=False,
     accumulates=False,
     farm=False,

@@ -148,7 +148,6 @@ def _check_surfaces(spec: SpecFields) -> None:
         if len(spec.objects) < 2:
             raise InputError(f"object '{spec.objects[0]}' is alone: name others to share its atlas")
         for asked, wrong, remedy in (
-            (_asked(spec).title, not _asked(spec).shared_atlas, _BUCKETS),
             (f"a {spec.kind}", not spec.kind.traits.shared_atlas, do("bake hulls one by one")),
             ("what another object shows", spec.source is not None, do("bake these one by one")),
         ):

@@ -9,6 +9,7 @@ import logging
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import cast
 
 import bpy
 import numpy as np
@@ -32,6 +33,7 @@ from ..scene.mesh.copy import baked_mesh, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.mesh.mesh_parts import number_parts
 from ..scene.mesh.named_regions import chosen_triangles
+from ..scene.mesh.numbered_materials import material_numbers_of, write_material_numbers
 from ..scene.mesh.source_hits import SourceHits, default_extrusion, find_source, project_to_source
 from ..scene.mesh.together import joined_surface
 from .facts import facts_of
@@ -245,6 +247,11 @@ def _joined(
             parts = number_parts(copy, [each.faces[number] for each in unwrapped.parts])
         single = single_copy(mesh, unwrapped.uvs[number], unwrapped.layer)
         pieces.append(Piece(original, copy, mesh.matrix_world, parts, single))
+    if len(pieces) > 1 or spec.split is not None:
+        of_parts = None if spec.split is None else [cast(Ints, piece.part) for piece in pieces]
+        numbers = material_numbers_of(evaluated, of_parts)
+        write_material_numbers([piece.mesh for piece in pieces], numbers)
+        surfaces = [replace(one, material=each) for one, each in zip(surfaces, numbers, strict=True)]
     return Prepared(
         name=name,
         pieces=tuple(pieces),

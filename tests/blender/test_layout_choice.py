@@ -66,6 +66,7 @@ def test_without_a_word_radiance_is_layered() -> None:
         ("--layout layered", DEFAULT),
         ("--layout buckets", PLAIN),
         ("--frames 3", BakeSpec(layout=Layout.LAYERED, frame=3)),
+        ("--together All --object Box", BakeSpec(layout=Layout.LAYERED, objects=("Card", "Box"))),
     ],
 )
 def test_what_goes_with_a_layout_gets_it(line: str, spec: BakeSpec) -> None:
@@ -84,10 +85,6 @@ REFUSED = {
     "--accumulate": (BakeSpec(accumulate=True), "the layered layout cannot be accumulated"),
     "--refresh": (BakeSpec(refresh=True), "the layered layout cannot be refreshed"),
     "--split material": (BakeSpec(split=Split.MATERIAL), "the layered layout is baked for whole objects"),
-    "--together All --object Box": (
-        BakeSpec(objects=("Card", "Box")),
-        "the layered layout is not baked for several objects in one atlas",
-    ),
     "--bucket 8": (BakeSpec(bucket=8), "the layered layout chooses its cells itself, 14 or fewer, not 8"),
     "--texels 1024": (BakeSpec(texels=1024), "1024 texels at 16 samples would need"),
     "--samples 5000": (BakeSpec(samples=5000), "samples in the layered layout 5000"),

@@ -23,11 +23,11 @@ from ....bake.spec import BakeSpec
 from ....bake.thumbnail import Thumbnail
 from ....core.arrays import Bools, Floats, Ints
 from ....core.texel_map import TexelMap
-from ....cycles.find_hidden import find_hidden
-from ....cycles.path_ends import path_ends
+from ....cycles.path_ends import Body, path_ends
 from ....cycles.sampling import capture_ends, capture_samples
 from ....prepare.prepared import Prepared
-from ....scene.mesh.surrounding_shapes import Beside, read_beside
+from ....scene.mesh.joined import values_in
+from ....scene.mesh.surrounding_shapes import matrices_in_renders
 from ....scene.scratch import scene_copied
 from ..cells import COARSER, EXIT_CELLS, OWN_RAYS, OWN_SIDE
 from ..fit.through import lets_through
@@ -48,7 +48,7 @@ _LEAST_OWN_SIDE = 6
 
 @dataclass(frozen=True, eq=False)
 class Captured:
-    """What was captured, and its faces' materials (F,).
+    """What was captured, and the numbers of its faces' materials (F,).
 
     `paths` count all that meet light or materials; `rays` those that only ask where the object itself is.
     """
@@ -67,21 +67,25 @@ def capture_layered(
     store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
 ) -> Generator[Progress, None, Captured]:
-    """Capture the scratch scene's prepared object.
+    """Capture the scratch scene's prepared objects.
 
     `folder` is for temporary files; the `store` stores what is finished; the light is shown in the
     `thumbnail`. Yields progress in texels, then in paths. Raises InputError where no texel is covered or the
-    object is clear everywhere, BakeError where Cycles fails.
+    objects are clear everywhere, BakeError where Cycles fails.
     """
-    meshes = {piece.rendered.name: piece.rendered for piece in prepared.pieces}
-    with surface_alone(prepared.original, *meshes.values()) as clear:
-        return (yield from _Captures(scratch, prepared, spec, folder, store, thumbnail, clear).all())
+    originals = [piece.original for piece in prepared.pieces]
+    meshes = [piece.rendered for piece in prepared.pieces]
+    matrices = matrices_in_renders(scratch, originals)
+    bodies = tuple(map(Body, originals, meshes, matrices))
+    with surface_alone(originals, meshes) as clear:
+        return (yield from _Captures(scratch, prepared, bodies, spec, folder, store, thumbnail, clear).all())
 
 
 @dataclass(frozen=True, eq=False)
 class _Captures:
     scratch: bpy.types.Scene
     prepared: Prepared
+    bodies: tuple[Body, ...]
     spec: BakeSpec
     folder: Path
     store: PieceStore
@@ -90,18 +94,14 @@ class _Captures:
 
     def all(self) -> Generator[Progress, None, Captured]:
         scratch, prepared, spec, folder = self.scratch, self.prepared, self.spec, self.folder
-        item, rays = prepared.original, LayeredRays.of(spec.samples)
+        bodies, rays = self.bodies, LayeredRays.of(spec.samples)
         texels = prepared.texels()
-        mesh, matrix = prepared.pieces[0].rendered, prepared.matrix_world
         probe = plan_capture(texels, PROBE_CELLS)
-        hidden = yield from find_hidden([(mesh, matrix)], probe, folder, self.store)
+        hidden = yield from prepared.hidden(probe, texels, folder, self.store)
         without = probe.texel[hidden.buried]
-        placed = read_beside(scratch, item).matrix
         fine, triangle = _plan_and_triangles(prepared.texels(FINER))
         coarse = plan_capture(texels, 1, without=without)
-        opacity = find_opacity(
-            scratch, item, mesh, placed, self.clear, coarse, fine, spec.seed, folder, self.store
-        )
+        opacity = find_opacity(scratch, bodies, self.clear, coarse, fine, spec.seed, folder, self.store)
         without = np.concatenate([without, opacity.cut_out])
 
         def plan(cells: int) -> CapturePlan:
@@ -112,12 +112,11 @@ class _Captures:
         middle, radius = reach_of(lit)
         total = count * (rays.light**2 + 2 * rays.ends**2 + 1) + len(fine.texel)
         yield Progress(Stage.CAPTURE, 0, total)
-        faces = _materials(prepared.mesh)
+        faces = prepared.surface.material_numbers
         fine_maps, coarse_maps = self._maps("fine", fine), self._maps("coarse", plan(1))
         fine_maps["material"] = fine.placed(faces[triangle][:, None].astype(np.float32), gutter=True)
         del fine, triangle  # they are as large as what is captured
-        alone = Beside(placed, ())
-        with scene_copied(scratch) as copy, path_ends(copy, item, mesh, alone, middle) as ends:
+        with scene_copied(scratch) as copy, path_ends(copy, bodies, (), middle) as ends:
             lone = _lean(capture_ends(ends, plan(rays.ends), spec.seed, folder, self.store))
         done = 2 * count * rays.ends**2
         yield Progress(Stage.CAPTURE, done, total)
@@ -154,15 +153,13 @@ class _Captures:
 
     def _own_rays(self, plan: CapturePlan, triangle: Ints, alpha: Floats | None) -> OwnRays:
         prepared = self.prepared
-        mesh, surface = prepared.pieces[0].rendered, prepared.surface
-        uvs = corner_uvs(surface.uv, prepared.mesh)
 
         def capture() -> Arrays:
+            uvs = [corner_uvs(_uvs(piece.mesh, prepared.uv_layer), piece.mesh) for piece in prepared.pieces]
             with scene_copied(self.scratch) as copy:
-                matrix = read_beside(self.scratch, prepared.original).matrix
                 found = capture_own_rays(
-                    copy, prepared.original, mesh, matrix, uvs, plan, surface, triangle,
-                    self.spec.seed, self.folder, alpha, prepared.uv_layer,
+                    copy, self.bodies, uvs, plan, prepared.surface, triangle, self.spec.seed, self.folder,
+                    alpha, prepared.uv_layer,
                 )  # fmt: skip
             return {"hit": found.hit, "met": found.met, "place": found.place}
 
@@ -172,13 +169,14 @@ class _Captures:
         return OwnRays(samples, hit, cast(Ints, kept["met"]), kept["place"])
 
     def _around(self, middle: Floats) -> tuple[Around, int]:
-        """What surrounds the object, and how many paths that took."""
+        """What surrounds the objects, and how many paths that took."""
 
         def capture() -> Arrays:
             with scene_copied(self.scratch) as copy:
                 lamps = find_lamps(copy, middle, self.folder)
             with scene_copied(self.scratch) as copy:
-                seen = look_around(copy, self.prepared.original.name, middle, self.folder, self.spec.seed)
+                names = {body.original.name for body in self.bodies}
+                seen = look_around(copy, names, middle, self.folder, self.spec.seed)
             around = Around(middle, seen.world, seen.layers, lamps)
             return arrays_of(around) | {"paths": np.array([seen.paths], dtype=np.int64)}
 
@@ -186,14 +184,10 @@ class _Captures:
         return around_of(kept), int(kept["paths"][0])
 
     def _exits(self, plan: CapturePlan, middle: Floats, radius: float, rays: LayeredRays) -> ExitSamples:
-        prepared = self.prepared
-
         def capture() -> Arrays:
-            matrix = read_beside(self.scratch, prepared.original).matrix
             found = capture_exits(
-                self.scratch, prepared.original, prepared.pieces[0].rendered, matrix, middle, radius, plan,
-                rays.exits, self.spec.seed, self.folder,
-            )  # fmt: skip
+                self.scratch, self.bodies, middle, radius, plan, rays.exits, self.spec.seed, self.folder
+            )
             parts = ("weight", "direction", "place", "colour")
             return {name: getattr(found, name) for name in parts}
 
@@ -225,11 +219,9 @@ def _plan_and_triangles(texels: TexelMap) -> tuple[CapturePlan, Ints]:
     return plan, texels.triangle.ravel()[plan.texel]
 
 
-def _materials(mesh: bpy.types.Mesh) -> Ints:
-    """The material's number of each face, (F,)."""
-    faces = np.empty(len(mesh.polygons), dtype=np.int32)
-    cast(Any, mesh.polygons).foreach_get("material_index", faces)
-    return faces
+def _uvs(mesh: bpy.types.Mesh, layer: str) -> Floats:
+    """The texture coordinates of a baked copy's triangles, (F, 3, 2)."""
+    return cast(Floats, values_in(cast(Any, mesh).attributes[layer].data, "vector", 2).reshape(-1, 3, 2))
 
 
 def reach_of(plan: CapturePlan) -> tuple[Floats, float]:

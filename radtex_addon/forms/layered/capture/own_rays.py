@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where mirror rays meet the object itself: asked of an object that sends out its own texture coordinates."""
+"""Where mirror rays meet the objects themselves: asked of objects that emit their own texture coordinates."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, cast
 
@@ -17,11 +18,10 @@ from ....core.arrays import Bools, Floats, Ints
 from ....core.gutter import nearest_covered
 from ....core.surface import SurfaceMesh
 from ....cycles.building_blocks import float_image
-from ....cycles.path_ends import path_ends
+from ....cycles.path_ends import Body, path_ends
 from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import tiles_of
 from ....scene.mesh.backs import fronts, twin_numbers
-from ....scene.mesh.surrounding_shapes import Beside
 from ....scene.nodes import open_material, open_world
 from ..samples import OwnRays
 
@@ -34,10 +34,8 @@ _FLAT = 1e-12  # doubled area of a triangle in UV: with less, places on it are n
 
 def capture_own_rays(
     scene: bpy.types.Scene,
-    baked: bpy.types.Object,
-    mesh: bpy.types.Mesh,
-    matrix: Floats,
-    corner_uv: tuple[Floats, Floats],
+    bodies: Sequence[Body],
+    corner_uvs: Sequence[tuple[Floats, Floats]],
     plan: CapturePlan,
     surface: SurfaceMesh,
     triangle: Ints,
@@ -48,14 +46,15 @@ def capture_own_rays(
 ) -> OwnRays:
     """One mirror ray in each of the plan's cells. Raises BakeError where Cycles fails.
 
-    `corner_uv` are the texture coordinates (F, 3, 2) of the mesh's front faces and of their backs; `triangle`
-    (K,) is each of the plan's texels' in `surface`. Where a map of `alpha` (H, W, 1), over the UV layer, says
-    less than 1, so many rays go on.
+    `corner_uvs` are, for each of the `bodies`, the texture coordinates (F, 3, 2) of its front faces and of
+    their backs; `triangle` (K,) is each of the plan's texels' in `surface`. Where a map of
+    `alpha` (H, W, 1), over the UV layer, says less than 1, so many rays go on.
     """
     aim = own_aim(plan, seed)
-    with path_ends(scene, baked, mesh, Beside(matrix, ()), np.zeros(3, np.float32)) as ends:
-        own: Any = ends.baked
-        own.data = _glowing(own.data, corner_uv, alpha, uv_layer)
+    with path_ends(scene, bodies, (), np.zeros(3, np.float32)) as ends:
+        material = _shows_uv(alpha, uv_layer)
+        for copy, uvs in zip(ends.copies, corner_uvs, strict=True):
+            copy.data = _with_uv(cast(bpy.types.Mesh, copy.data), uvs, material)
         ends.scene.world = dark_world()
         capture = PortalCapture(ends.scene, plan, Kind.REFLECTION, 1, seed, folder, aim)
         count = plan.layout.bucket**2
@@ -155,17 +154,23 @@ def corner_uvs(surface_uv: Floats, mesh: bpy.types.Mesh) -> tuple[Floats, Floats
     return front, back
 
 
-def _glowing(
-    mesh: bpy.types.Mesh, corner_uv: tuple[Floats, Floats], alpha: Floats | None, uv_layer: str
+def _with_uv(
+    mesh: bpy.types.Mesh, corner_uv: tuple[Floats, Floats], material: bpy.types.Material
 ) -> bpy.types.Mesh:
-    """The mesh, sending out the texture coordinates of the side that is met, plus 1."""
+    """A copy of the mesh with this material alone, which reads the texture coordinates of both sides."""
     copy: Any = cast(bpy.types.ID, mesh).copy()
     copy.materials.clear()
+    copy.materials.append(material)
     for name, uv in zip((_FRONT, _BACK), corner_uv, strict=True):
         values = np.zeros((uv.shape[0] * 3, 3), dtype=np.float32)
         values[:, :2] = uv.reshape(-1, 2) + 1
         values[:, 2] = 1
         copy.attributes.new(name, "FLOAT_VECTOR", "CORNER").data.foreach_set("vector", values.ravel())
+    return cast(bpy.types.Mesh, copy)
+
+
+def _shows_uv(alpha: Floats | None, uv_layer: str) -> bpy.types.Material:
+    """A material that emits the texture coordinates of the side that is met, plus 1, and 1 in blue."""
     material, build = open_material("RadTex UV")
     behind = build.geometry("Backfacing")
     shown = build.mix(behind, build.attribute(_FRONT), build.attribute(_BACK))
@@ -179,8 +184,7 @@ def _glowing(
         shader = build.node("ShaderNodeMixShader", stops, through, shader).outputs[0]
     build.node("ShaderNodeOutputMaterial", shader)
     cast(Any, material).cycles.emission_sampling = "NONE"
-    copy.materials.append(material)
-    return cast(bpy.types.Mesh, copy)
+    return material
 
 
 def dark_world() -> bpy.types.World:
