@@ -20,7 +20,7 @@ class FormTraits:
     * `streams`: cells are on disk during the bake, unless an earlier atlas is read.
     * `by_paths`: fitted to single paths, whose number does not depend on the cells.
     * Options that it can be baked with: a `source`, single `lamps`, `layers`,
-      `accumulates`, a `farm`, the `panoramic` capture, a `split` object, and `any_cells`.
+      `accumulates`, a `farm`, the `panoramic` capture, and `any_cells`.
     * `backs`: faces that are seen from behind get texels of their own.
     """
 
@@ -37,7 +37,6 @@ class FormTraits:
     accumulates: bool = True
     farm: bool = True
     panoramic: bool = True
-    split: bool = True
     any_cells: bool = True
     backs: bool = False
 
@@ -60,7 +59,6 @@ LAYERED = FormTraits(
     accumulates=False,
     farm=False,
     panoramic=False,
-    split=False,
     any_cells=False,
     backs=True,
 )

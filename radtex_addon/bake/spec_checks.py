@@ -228,8 +228,6 @@ def _check_by_paths(spec: SpecFields) -> None:
         )
     if spec.layers:
         raise InputError(f"{form.title} has no layers", _BUCKETS)
-    if spec.split is not None and not form.split:
-        raise InputError(f"{form.title} is baked for whole objects", _BUCKETS, leave_out(Setting.SPLIT))
     if spec.bucket != form.cells and not form.any_cells:
         raise InputError(
             f"{form.title} chooses its cells itself, {form.cells} or fewer, not {spec.bucket}",

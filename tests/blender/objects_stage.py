@@ -45,6 +45,24 @@ def pair() -> Stage:
     return _finished("pair", ball)
 
 
+def corner() -> Stage:
+    """One object of two materials that mirror one another: a gold ball on a polished table of blue."""
+    start("sunset.exr", strength=0.6, turn=30)
+    gold = principled("Gold", (0.9, 0.6, 0.2), Metallic=1.0, Roughness=0.12)
+    blue = principled("Blue", (0.05, 0.12, 0.7), Metallic=1.0, Roughness=0.2)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=0.42, location=(0, 0, 0.55))
+    ball = _named("Corner", gold)
+    bpy.ops.object.shade_smooth()
+    bpy.ops.mesh.primitive_cube_add(size=1, location=(0, 0, 0.05))
+    table = _named("Table", blue)
+    table.scale = (1.5, 1.5, 0.1)
+    bpy.ops.object.transform_apply(scale=True)
+    ball.select_set(True)
+    cast(Any, bpy.context.view_layer).objects.active = ball
+    bpy.ops.object.join()
+    return _finished("corner", ball)
+
+
 def _named(name: str, *materials: bpy.types.Material) -> bpy.types.Object:
     item = made()
     item.name = name

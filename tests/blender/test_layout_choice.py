@@ -66,6 +66,7 @@ def test_without_a_word_radiance_is_layered() -> None:
         ("--layout layered", DEFAULT),
         ("--layout buckets", PLAIN),
         ("--frames 3", BakeSpec(layout=Layout.LAYERED, frame=3)),
+        ("--split material", BakeSpec(layout=Layout.LAYERED, split=Split.MATERIAL)),
         ("--together All --object Box", BakeSpec(layout=Layout.LAYERED, objects=("Card", "Box"))),
     ],
 )
@@ -84,7 +85,6 @@ REFUSED = {
     "--layer base": (BakeSpec(layers=(Layer.BASE,)), "the layered layout has no layers"),
     "--accumulate": (BakeSpec(accumulate=True), "the layered layout cannot be accumulated"),
     "--refresh": (BakeSpec(refresh=True), "the layered layout cannot be refreshed"),
-    "--split material": (BakeSpec(split=Split.MATERIAL), "the layered layout is baked for whole objects"),
     "--bucket 8": (BakeSpec(bucket=8), "the layered layout chooses its cells itself, 14 or fewer, not 8"),
     "--texels 1024": (BakeSpec(texels=1024), "1024 texels at 16 samples would need"),
     "--samples 5000": (BakeSpec(samples=5000), "samples in the layered layout 5000"),
@@ -107,7 +107,6 @@ def test_what_the_layered_layout_refuses_gets_buckets_and_a_line_says_why(line: 
     "line",
     [
         "--layout layered --kind incident",
-        "--layout layered --split material",
         "--layout layered --bucket 8",
         "--layout layered --layer base",
         "--layout layered --lights Key",

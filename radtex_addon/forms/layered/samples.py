@@ -35,13 +35,15 @@ class OwnRays:
     """Mirror rays of a plan's texels: which `hit` the object, (K, S).
 
     Of the P rays that do, in the order of `np.nonzero(hit)`: the texel that they have `met` (P,), and the
-    `place` where, (P, 3), in world space.
+    `place` where, (P, 3), in world space. Rays that meet a part without texels in this atlas have met -1, and
+    bring the `light` (P, 3), one path's; None where there are none.
     """
 
     rays: LobeSamples
     hit: Bools
     met: Ints
     place: Floats
+    light: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)

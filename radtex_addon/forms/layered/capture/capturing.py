@@ -25,7 +25,7 @@ from ....core.arrays import Bools, Floats, Ints
 from ....core.texel_map import TexelMap
 from ....cycles.path_ends import Body, path_ends
 from ....cycles.sampling import capture_ends, capture_samples
-from ....prepare.prepared import Prepared
+from ....prepare.prepared import Piece, Prepared
 from ....scene.mesh.joined import values_in
 from ....scene.mesh.surrounding_shapes import matrices_in_renders
 from ....scene.scratch import scene_copied
@@ -37,7 +37,7 @@ from .exits import capture_exits
 from .lamps import find_lamps
 from .material_maps import capture_maps, depends_on_angle
 from .opacity import find_opacity
-from .own_rays import capture_own_rays, corner_uvs, own_aim, own_samples
+from .own_rays import SurfaceUV, capture_own_rays, own_aim, own_samples, sides_of
 from .panoramas import look_around
 from .stored_surroundings import around_of, arrays_of
 from .surface_alone import Clear, surface_alone
@@ -110,6 +110,8 @@ class _Captures:
         lit = plan(rays.light)
         count = len(lit.texel)
         middle, radius = reach_of(lit)
+        if prepared.part is not None:
+            radius = max(radius, *(_farthest(body, middle) for body in bodies))
         total = count * (rays.light**2 + 2 * rays.ends**2 + 1) + len(fine.texel)
         yield Progress(Stage.CAPTURE, 0, total)
         faces = prepared.surface.material_numbers
@@ -155,18 +157,19 @@ class _Captures:
         prepared = self.prepared
 
         def capture() -> Arrays:
-            uvs = [corner_uvs(_uvs(piece.mesh, prepared.uv_layer), piece.mesh) for piece in prepared.pieces]
+            uvs = [_uvs(piece, prepared) for piece in prepared.pieces]
             with scene_copied(self.scratch) as copy:
                 found = capture_own_rays(
                     copy, self.bodies, uvs, plan, prepared.surface, triangle, self.spec.seed, self.folder,
                     alpha, prepared.uv_layer,
                 )  # fmt: skip
-            return {"hit": found.hit, "met": found.met, "place": found.place}
+            light = {} if found.light is None else {"light": found.light}
+            return {"hit": found.hit, "met": found.met, "place": found.place} | light
 
         kept = self.store.get_or_make("own", capture)
         hit = cast(Bools, kept["hit"])
         samples = own_samples(plan, own_aim(plan, self.spec.seed), hit)
-        return OwnRays(samples, hit, cast(Ints, kept["met"]), kept["place"])
+        return OwnRays(samples, hit, cast(Ints, kept["met"]), kept["place"], kept.get("light"))
 
     def _around(self, middle: Floats) -> tuple[Around, int]:
         """What surrounds the objects, and how many paths that took."""
@@ -219,9 +222,21 @@ def _plan_and_triangles(texels: TexelMap) -> tuple[CapturePlan, Ints]:
     return plan, texels.triangle.ravel()[plan.texel]
 
 
-def _uvs(mesh: bpy.types.Mesh, layer: str) -> Floats:
-    """The texture coordinates of a baked copy's triangles, (F, 3, 2)."""
-    return cast(Floats, values_in(cast(Any, mesh).attributes[layer].data, "vector", 2).reshape(-1, 3, 2))
+def _uvs(piece: Piece, prepared: Prepared) -> SurfaceUV:
+    """The texture coordinates of a piece's triangles, of which the atlas may cover a part."""
+    mesh: Any = piece.mesh
+    uv = values_in(mesh.attributes[prepared.uv_layer].data, "vector", 2).reshape(-1, 3, 2)
+    inside = np.ones(len(uv), dtype=bool)
+    if piece.part is not None and prepared.part is not None:
+        inside = piece.part == prepared.part.index
+    return sides_of(uv, piece.mesh, inside)
+
+
+def _farthest(body: Body, middle: Floats) -> float:
+    """The radius of a sphere around the middle (3,) that the whole body is in."""
+    place = values_in(body.mesh.vertices, "co", 3).astype(np.float64)
+    moved = place @ body.matrix[:3, :3].T + body.matrix[:3, 3]
+    return _OUTSIDE * float(np.linalg.norm(moved - middle, axis=1).max())
 
 
 def reach_of(plan: CapturePlan) -> tuple[Floats, float]:
