@@ -19,7 +19,7 @@ class FormTraits:
     * `channels`: of a cell while it is baked; None for light and its layers.
     * `streams`: cells are on disk during the bake, unless an earlier atlas is read.
     * `by_paths`: fitted to single paths, whose number does not depend on the cells.
-    * Options that it can be baked with: a `source`, single `lamps`, `layers`,
+    * Options that it can be baked with: single `lamps`, `layers`,
       `accumulates`, a `farm`, the `panoramic` capture, and `any_cells`.
     * `backs`: faces that are seen from behind get texels of their own.
     """
@@ -31,7 +31,6 @@ class FormTraits:
     channels: int | None = None
     streams: bool = True
     by_paths: bool = False
-    source: bool = True
     lamps: bool = True
     layers: bool = True
     accumulates: bool = True
@@ -53,7 +52,6 @@ LAYERED = FormTraits(
     cells=14,
     streams=False,
     by_paths=True,
-    source=False,
     lamps=False,
     layers=False,
     accumulates=False,

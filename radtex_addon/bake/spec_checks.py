@@ -108,8 +108,6 @@ def _check_source(spec: SpecFields) -> None:
         raise InputError("the name of the object to bake from is empty: name one, or none")
     if not spec.kind.traits.source:
         raise InputError(f"{spec.kind} is not baked from another object", leave_out(Setting.FROM))
-    if not _asked(spec).source:
-        raise InputError(f"{_asked(spec).title} is not baked from another object", _BUCKETS)
     if spec.capture is not CaptureMethod.PORTAL:
         raise InputError(f"capture {spec.capture} bakes from no other object", _PORTAL)
     _check_reach(spec)

@@ -22,7 +22,7 @@ from radtex_addon.scene.preview_file import baked_copy
 from tests.bench.fidelity.rendering import Rendering, render
 from tests.bench.fidelity.scenes import PIXELS, Stage
 from tests.bench.fidelity.scenes.materials import assign, checker, principled
-from tests.bench.fidelity.scenes.meshes import made
+from tests.bench.fidelity.scenes.meshes import made, move_to, places
 from tests.bench.fidelity.scenes.stage import start
 
 _REFERENCE = 64  # samples of the path-traced picture
@@ -61,6 +61,25 @@ def corner() -> Stage:
     cast(Any, bpy.context.view_layer).objects.active = ball
     bpy.ops.object.join()
     return _finished("corner", ball)
+
+
+def detailed() -> Stage:
+    """A ball of gold with bumps and a blue belt, "High", and a coarser smooth ball around it, "Low"."""
+    start("sunset.exr", strength=0.6, turn=30)
+    gold = principled("Gold", (0.9, 0.6, 0.2), Metallic=1.0, Roughness=0.15)
+    blue = principled("Blue", (0.03, 0.08, 0.6), Roughness=0.3)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=128, ring_count=64, radius=0.6, location=(0, 0, 0.62))
+    high = _named("High", gold, blue)
+    place = places(high)
+    around, rise = np.arctan2(place[:, 1], place[:, 0]), np.arcsin(np.clip(place[:, 2] / 0.6, -1, 1))
+    bump = 0.02 * np.sin(8 * around) * np.sin(6 * rise) * np.cos(rise)
+    move_to(high, place * (1 + bump[:, None] / 0.6))
+    _paint(high, 1, lambda middle, _: np.abs(middle[:, 2]) < 0.11)
+    bpy.ops.object.shade_smooth()
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16, radius=0.61, location=(0, 0, 0.62))
+    low = _named("Low")
+    bpy.ops.object.shade_smooth()
+    return _finished("detailed", low)
 
 
 def _named(name: str, *materials: bpy.types.Material) -> bpy.types.Object:
@@ -144,12 +163,27 @@ def view(stage: Stage, camera: bpy.types.Object, sidecars: list[Path]) -> View:
         nearer = distance < nearest
         shown[nearer], nearest[nearer] = light[nearer], distance[nearer]
         inside |= np.isfinite(distance)
-    expected = render(stage, camera, Rendering(_REFERENCE, 1, alone=False))[..., :3]
+    expected = _path_traced(stage, camera, sidecars)
     mask: Mask = inside.reshape(PIXELS, PIXELS)
     inner = mask.copy()
     for shift in ((0, 1), (0, -1), (1, 0), (-1, 0)):
         inner &= np.roll(mask, shift, (0, 1))
     return View(shown.reshape(PIXELS, PIXELS, 3), expected, inner)
+
+
+def _path_traced(stage: Stage, camera: bpy.types.Object, sidecars: list[Path]) -> Picture:
+    """The scene, without objects that were baked from another one."""
+    facts = [read_bake(SidecarFile.read(sidecar)).sidecar for sidecar in sidecars]
+    scene = cast(bpy.types.Scene, bpy.context.scene)
+    hidden = [scene.objects[one.object_name] for one in facts if one.source is not None]
+    for item in hidden:
+        item.hide_render = True
+    try:
+        picture: Picture = render(stage, camera, Rendering(_REFERENCE, 1, alone=False))[..., :3]
+    finally:
+        for item in hidden:
+            item.hide_render = False
+    return picture
 
 
 def _lit(sidecar: Path, rays: Rays) -> tuple[npt.NDArray[np.float64], Array]:

@@ -22,7 +22,7 @@ from radtex_addon.forms.layered.capture import capturing, panoramas
 from radtex_addon.forms.layered.files.layered_files import read_layered_sidecar
 from radtex_addon.job import bake_object, bake_steps, part_specs
 from radtex_addon.textures.export_spec import ExportSpec, Target
-from tests.blender.objects_stage import corner, pair, view
+from tests.blender.objects_stage import corner, detailed, pair, view
 from tests.blender.test_fidelity_layered import coarsen
 
 pytestmark = pytest.mark.usefixtures("temporary")
@@ -90,6 +90,22 @@ def test_a_split_bake_that_is_resumed_has_the_same_bytes(out: Path, monkeypatch:
     corner()
     spec = replace(SPEC, texels=24, samples=1, split=Split.MATERIAL, part="Blue")
     _resumed_alike("Corner", spec, out)
+
+
+def test_a_detailed_object_is_shown_by_a_simple_one(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    quicken(monkeypatch)
+    stage = detailed()
+    spec = replace(SPEC, source="High", extrusion=0.06)
+    made = bake_object(context.scene, "Low", spec, out, preview=Filter.QUADRILINEAR)
+    front, behind = (view(stage, camera, [made.files.sidecar]) for camera in stage.tuning)
+    assert front.psnr() > 24.5
+    assert behind.psnr() > 24.5
+    assert len(read_layered_sidecar(made.files.sidecar).materials) == 2
+    blue = front.expected[..., 2] > 2 * front.expected[..., 0]
+    assert front.psnr(blue) > 24
+    exported = finished(export_steps(made.files.sidecar, ExportSpec(Target.GLTF))).folder
+    materials = Glb.read(exported / "Low.glb").document["materials"]
+    assert [each["extras"]["radtex_material"] for each in materials] == [0, 1]
 
 
 def _resumed_alike(name: str, spec: BakeSpec, out: Path) -> None:

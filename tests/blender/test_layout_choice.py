@@ -66,6 +66,7 @@ def test_without_a_word_radiance_is_layered() -> None:
         ("--layout layered", DEFAULT),
         ("--layout buckets", PLAIN),
         ("--frames 3", BakeSpec(layout=Layout.LAYERED, frame=3)),
+        ("--from High", BakeSpec(layout=Layout.LAYERED, source="High")),
         ("--split material", BakeSpec(layout=Layout.LAYERED, split=Split.MATERIAL)),
         ("--together All --object Box", BakeSpec(layout=Layout.LAYERED, objects=("Card", "Box"))),
     ],
@@ -80,7 +81,6 @@ REFUSED = {
     "--kind shadow": (BakeSpec(kind=Kind.SHADOW), "the layered layout holds light, not shadow"),
     "--kind transfer": (BakeSpec(kind=Kind.TRANSFER), "kind transfer does not go with the layered layout"),
     "--kind incident --capture panoramic": (None, "the layered layout knows kind radiance only"),
-    "--from High": (BakeSpec(source="High"), "the layered layout is not baked from another object"),
     "--lights Key": (BakeSpec(lights=("Key",)), "the layered layout cannot be baked for some lamps alone"),
     "--layer base": (BakeSpec(layers=(Layer.BASE,)), "the layered layout has no layers"),
     "--accumulate": (BakeSpec(accumulate=True), "the layered layout cannot be accumulated"),
@@ -110,7 +110,6 @@ def test_what_the_layered_layout_refuses_gets_buckets_and_a_line_says_why(line: 
         "--layout layered --bucket 8",
         "--layout layered --layer base",
         "--layout layered --lights Key",
-        "--layout layered --from High",
         "--layout layered --accumulate",
     ],
 )

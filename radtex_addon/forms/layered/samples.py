@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ...bake.light_samples import EndSamples, LightSamples, LobeSamples
 from ...bake.plan import CapturePlan
 from ...core.arrays import Bools, Floats, Ints
@@ -44,6 +46,14 @@ class OwnRays:
     met: Ints
     place: Floats
     light: Floats | None = None
+
+    @property
+    def traced(self) -> int:
+        """How many paths were traced for `light`: one in each cell of the texels that have such rays."""
+        if self.light is None:
+            return 0
+        row, _ = np.nonzero(self.hit)
+        return len(np.unique(row[self.met < 0])) * int(self.hit.shape[1])
 
 
 @dataclass(frozen=True, eq=False)

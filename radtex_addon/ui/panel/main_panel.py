@@ -44,7 +44,7 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
             draw_text(layout.box(), found.layout, "INFO")
         draw_surfaces(layout.column(), settings, found is not None and len(found.objects) > 1)
         _draw_uv(layout, settings, context)
-        if Kind(settings.kind).traits.source and form_of(settings).source:
+        if Kind(settings.kind).traits.source:
             column = layout.column()
             assert context is not None  # Blender always gives one
             column.prop_search(settings, "source", context.scene, "objects")

@@ -73,7 +73,7 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
     asked = form_in(layout)
     lasting = asked.accumulates and kind.accumulates
     layered = asked.layers and kind.layers
-    sourced = asked.source and kind.source and values["source"]
+    sourced = kind.source and values["source"]
     spec = BakeSpec(
         kind=values["kind"],
         layout=layout,

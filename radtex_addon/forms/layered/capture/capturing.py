@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
@@ -39,6 +39,7 @@ from .material_maps import capture_maps, depends_on_angle
 from .opacity import find_opacity
 from .own_rays import SurfaceUV, capture_own_rays, own_aim, own_samples, sides_of
 from .panoramas import look_around
+from .source_rays import capture_source_rays
 from .stored_surroundings import around_of, arrays_of
 from .surface_alone import Clear, surface_alone
 
@@ -73,8 +74,8 @@ def capture_layered(
     `thumbnail`. Yields progress in texels, then in paths. Raises InputError where no texel is covered or the
     objects are clear everywhere, BakeError where Cycles fails.
     """
-    originals = [piece.original for piece in prepared.pieces]
-    meshes = [piece.rendered for piece in prepared.pieces]
+    originals = [item for item, _ in prepared.rendered]
+    meshes = [mesh for _, mesh in prepared.rendered]
     matrices = matrices_in_renders(scratch, originals)
     bodies = tuple(map(Body, originals, meshes, matrices))
     with surface_alone(originals, meshes) as clear:
@@ -110,7 +111,7 @@ class _Captures:
         lit = plan(rays.light)
         count = len(lit.texel)
         middle, radius = reach_of(lit)
-        if prepared.part is not None:
+        if prepared.part is not None or prepared.source is not None:
             radius = max(radius, *(_farthest(body, middle) for body in bodies))
         total = count * (rays.light**2 + 2 * rays.ends**2 + 1) + len(fine.texel)
         yield Progress(Stage.CAPTURE, 0, total)
@@ -132,7 +133,10 @@ class _Captures:
             light = yield from relayed(steps, in_paths)
         light = replace(light, through=without_zeros(light.through))
         material = texels.triangle.ravel()[lit.texel]
-        own = self._own_rays(plan(own_side(count)), material, opacity.fine)
+        if prepared.source is None:
+            own = self._own_rays(plan(own_side(count)), material, opacity.fine)
+        else:
+            own = self._source_rays(plan(own_side(count)), coarse, opacity.coarse)
         around, looked = self._around(middle)
         yield Progress(Stage.CAPTURE, total, total)
         exits = None
@@ -141,7 +145,7 @@ class _Captures:
         capture = opacity.bare(
             Capture(light, lone, own, around, fine_maps, coarse_maps, faces[material], exits)
         )
-        paths = total + len(probe.texel) * PROBES * PROBE_CELLS**2 + looked + opacity.rays
+        paths = total + len(probe.texel) * PROBES * PROBE_CELLS**2 + looked + opacity.rays + own.traced
         paths += 0 if exits is None else 3 * exits.weight.size
         return Captured(capture, faces, paths, own.hit.size)
 
@@ -163,10 +167,21 @@ class _Captures:
                     copy, self.bodies, uvs, plan, prepared.surface, triangle, self.spec.seed, self.folder,
                     alpha, prepared.uv_layer,
                 )  # fmt: skip
-            light = {} if found.light is None else {"light": found.light}
-            return {"hit": found.hit, "met": found.met, "place": found.place} | light
+            return _own_arrays(found)
 
-        kept = self.store.get_or_make("own", capture)
+        return self._own_of(plan, self.store.get_or_make("own", capture))
+
+    def _source_rays(self, plan: CapturePlan, everywhere: CapturePlan, alpha: Floats) -> OwnRays:
+        def capture() -> Arrays:
+            with scene_copied(self.scratch) as copy:
+                found = capture_source_rays(
+                    copy, self.bodies, plan, everywhere, alpha, self.spec.seed, self.folder
+                )
+            return _own_arrays(found)
+
+        return self._own_of(plan, self.store.get_or_make("own", capture))
+
+    def _own_of(self, plan: CapturePlan, kept: Mapping[str, Any]) -> OwnRays:
         hit = cast(Bools, kept["hit"])
         samples = own_samples(plan, own_aim(plan, self.spec.seed), hit)
         return OwnRays(samples, hit, cast(Ints, kept["met"]), kept["place"], kept.get("light"))
@@ -195,6 +210,11 @@ class _Captures:
             return {name: getattr(found, name) for name in parts}
 
         return ExitSamples(plan, **self.store.get_or_make("exits", capture))
+
+
+def _own_arrays(own: OwnRays) -> Arrays:
+    light = {} if own.light is None else {"light": own.light}
+    return {"hit": own.hit, "met": own.met, "place": own.place} | light
 
 
 def own_side(texels: int) -> int:

@@ -81,11 +81,11 @@ def capture_own_rays(
     inside = seen[:, 2] < _COVERED + 0.5
     met, place = np.full(len(seen), -1, dtype=np.int32), np.zeros((len(seen), 3), dtype=np.float32)
     met[inside], place[inside] = texels_met(plan, surface, triangle, seen[inside, :2] - 1)
-    light = None if inside.all() else _light_along(scene, plan, aim, hit, ~inside, seed, folder)
+    light = None if inside.all() else light_along(scene, plan, aim, hit, ~inside, seed, folder)
     return OwnRays(own_samples(plan, aim, hit), hit, met, place, light)
 
 
-def _light_along(
+def light_along(
     scene: bpy.types.Scene,
     plan: CapturePlan,
     aim: Aim,
