@@ -19,9 +19,8 @@ class FormTraits:
     * `channels`: of a cell while it is baked; None for light and its layers.
     * `streams`: cells are on disk during the bake, unless an earlier atlas is read.
     * `by_paths`: fitted to single paths, whose number does not depend on the cells.
-    * Options that it can be baked with: a `source`, a `shared_atlas`, `layers`, `accumulates`,
-      `accumulates_parts` of the surface alone, `refreshes`, a `farm`, the `panoramic` capture, a `split`
-      object, and `any_cells`.
+    * Options that it can be baked with: `layers`, `accumulates`, `accumulates_parts` of the surface alone,
+      `refreshes`, a `farm`, the `panoramic` capture, and `any_cells`.
     * `backs`: faces that are seen from behind get texels of their own.
     """
 
@@ -32,15 +31,12 @@ class FormTraits:
     channels: int | None = None
     streams: bool = True
     by_paths: bool = False
-    source: bool = True
-    shared_atlas: bool = True
     layers: bool = True
     accumulates: bool = True
     refreshes: bool = True
     accumulates_parts: bool = True
     farm: bool = True
     panoramic: bool = True
-    split: bool = True
     any_cells: bool = True
     backs: bool = False
 
@@ -57,14 +53,11 @@ LAYERED = FormTraits(
     cells=14,
     streams=False,
     by_paths=True,
-    source=False,
-    shared_atlas=False,
     layers=False,
     refreshes=False,
     accumulates_parts=False,
     farm=False,
     panoramic=False,
-    split=False,
     any_cells=False,
     backs=True,
 )

@@ -55,6 +55,11 @@ def coarser(texels: int) -> float:
     return max(float(_COARSER), texels / _MOST_BUCKETS)
 
 
+def step_to(shape: tuple[int, ...], whole: tuple[int, ...]) -> float:
+    """How many texels of an atlas (H, W) each texel of a map (h, w) is wide, which is as large or has buckets."""
+    return 1.0 if shape[:2] == whole[:2] else coarser(max(whole[:2]))
+
+
 def panorama_paths(layers: int, world: int = WORLD_WIDTH, near: int = NEAR_WIDTH) -> int:
     """Paths of a layered bake's panoramas, of the world and of so many layers, of these widths in pixels."""
     return world**2 // 2 + layers * (NEAR_SAMPLES + 1) * near**2 // 2

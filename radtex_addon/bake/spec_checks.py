@@ -108,8 +108,6 @@ def _check_source(spec: SpecFields) -> None:
         raise InputError("the name of the object to bake from is empty: name one, or none")
     if not spec.kind.traits.source:
         raise InputError(f"{spec.kind} is not baked from another object", leave_out(Setting.FROM))
-    if not _asked(spec).source:
-        raise InputError(f"{_asked(spec).title} is not baked from another object", _BUCKETS)
     if spec.capture is not CaptureMethod.PORTAL:
         raise InputError(f"capture {spec.capture} bakes from no other object", _PORTAL)
     _check_reach(spec)
@@ -147,7 +145,6 @@ def _check_surfaces(spec: SpecFields) -> None:
         if len(spec.objects) < 2:
             raise InputError(f"object '{spec.objects[0]}' is alone: name others to share its atlas")
         for asked, wrong, remedy in (
-            (_asked(spec).title, not _asked(spec).shared_atlas, _BUCKETS),
             (f"a {spec.kind}", not spec.kind.traits.shared_atlas, do("bake hulls one by one")),
             ("what another object shows", spec.source is not None, do("bake these one by one")),
         ):
@@ -238,8 +235,6 @@ def _check_by_paths(spec: SpecFields) -> None:
         raise InputError(
             f"{form.title} has no layers, since its images hold diffuse and mirrored light apart", _BUCKETS
         )
-    if spec.split is not None and not form.split:
-        raise InputError(f"{form.title} is baked for whole objects", _BUCKETS, leave_out(Setting.SPLIT))
     if spec.bucket != form.cells and not form.any_cells:
         raise InputError(
             f"{form.title} chooses its cells itself, {form.cells} or fewer, not {spec.bucket}",

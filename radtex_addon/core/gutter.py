@@ -59,6 +59,17 @@ def dilate(values: npt.NDArray[Any], nearest: Nearest) -> npt.NDArray[Any]:
     return values
 
 
+def covered_in_coarser(covered: Bools, shape: tuple[int, ...], step: float) -> Bools:
+    """Which texels of a map of `shape` (h, w), each of `step` x `step`, hold one that is `covered` (H, W).
+
+    A row or column that is left over belongs to the last one.
+    """
+    rows, columns = ((place // step).astype(np.int64) for place in np.nonzero(covered))
+    found = np.zeros(shape, dtype=bool)
+    found[np.minimum(rows, shape[0] - 1), np.minimum(columns, shape[1] - 1)] = True
+    return found
+
+
 def gutter_agreement(covered: Bools, texels: Floats, loss: float = 0.0) -> float:
     """How well a UV layer that covers the texels `covered` (H, W) agrees with a bake's `texels` (H, W, K).
 

@@ -1,17 +1,18 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene whose light encodes where it comes from: everything but the baked object emits its own direction.
+"""A scene whose light encodes where it comes from: everything but the baked objects emits its own direction.
 
-The object keeps its materials, so paths go through it as in the user's scene; but the light that they return
-is the direction, from the object's middle, of the point that they hit after leaving the object. The same
-paths, traced again with everything emitting white, return how much the object lets through. The object's own
-emission and all lamps are removed, so that no other light is returned.
+The objects keep their materials, so paths go through them as in the user's scene; but the light that they
+return is the direction, from the objects' middle, of the point that they hit after leaving the objects. The
+same paths, traced again with everything emitting white, return how much the objects let through. The
+objects' own emission and all lamps are removed, so that no other light is returned.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any, cast
 
 import bpy
@@ -21,7 +22,7 @@ from mathutils import Matrix
 from ..core.arrays import Floats
 from ..scene.lights.light import without_emission
 from ..scene.mesh.copy import copy_object
-from ..scene.mesh.surrounding_shapes import RAYS, Beside, Placed, Shape
+from ..scene.mesh.surrounding_shapes import RAYS, Placed, Shape
 from ..scene.nodes import NodeBuilder, close_group, open_group, open_material, open_world
 from ..scene.scratch import remove_scene
 
@@ -29,42 +30,56 @@ TURNS = 3  # ways to assign a direction's components to red, green and blue
 _DARK = 1e-4  # times a weight's brightest channel: darker channels are too dark to read a component in
 
 
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A baked object: the `original`, the `mesh` that renders for it, and its matrix (4, 4) in renders."""
+
+    original: bpy.types.Object
+    mesh: bpy.types.Mesh
+    matrix: Floats
+
+
 class PathEnds:
-    """The scene, and the light that everything but the baked object emits in it."""
+    """The scene, the copies of the baked objects in it, and the light that everything else emits."""
 
     def __init__(
         self,
         scene: bpy.types.Scene,
-        original: bpy.types.Object,
-        baked: bpy.types.Object,
+        originals: Sequence[bpy.types.Object],
+        copies: Sequence[bpy.types.Object],
         group: bpy.types.ShaderNodeTree,
     ) -> None:
-        self.scene, self._original, self.baked, self._group = scene, original, baked, group
+        self.scene, self.copies, self._originals, self._group = scene, copies, originals, group
 
     @contextmanager
     def named_alike(self) -> Iterator[None]:
-        """Give the copy the object's name during a render: Object Info's Random depends on the name."""
-        original, name, own = self._original, self._original.name, self.baked.name
-        local = original.library is None  # names of linked objects cannot clash with the file's own
+        """Give the copies the objects' names during a render: Object Info's Random depends on the name."""
+        names, own = ([item.name for item in items] for items in (self._originals, self.copies))
+        # names of linked objects cannot clash with the file's own
+        local = [item.library is None for item in self._originals]
         try:
-            if local:
+            for original in (item for item, here in zip(self._originals, local, strict=True) if here):
                 original.name = "RadTex original"
-            self.baked.name = name
+            for copy, name in zip(self.copies, names, strict=True):
+                copy.name = name
             yield
         finally:
-            self.baked.name = own
-            if local:
-                original.name = name
+            for copy, name in zip(self.copies, own, strict=True):
+                copy.name = name
+            for original, name, here in zip(self._originals, names, local, strict=True):
+                if here:
+                    original.name = name
 
-    def blacken_object(self) -> None:
-        """Make the object black, so that paths end where they meet it."""
-        mesh = cast(bpy.types.Mesh, cast(bpy.types.ID, self.baked.data).copy())
-        mesh.materials.clear()
+    def blacken_objects(self) -> None:
+        """Make the objects black, so that paths end where they meet them."""
         material, build = open_material("RadTex black")
         black = build.node("ShaderNodeBsdfDiffuse", (0.0, 0.0, 0.0, 1.0))
         build.node("ShaderNodeOutputMaterial", black.outputs[0])
-        mesh.materials.append(material)
-        self.baked.data = mesh
+        for copy in self.copies:
+            mesh = cast(bpy.types.Mesh, cast(bpy.types.ID, copy.data).copy())
+            mesh.materials.clear()
+            mesh.materials.append(material)
+            copy.data = mesh
 
     def emit_directions(self, turn: int) -> None:
         """Emit directions d as d / 2 + 1/2, with components rotated by `turn` among red, green and blue."""
@@ -110,12 +125,11 @@ def _share(light: Floats, white: Floats) -> Floats:
 
 @contextmanager
 def path_ends(
-    scratch: bpy.types.Scene, baked: bpy.types.Object, mesh: bpy.types.Mesh, beside: Beside, middle: Floats
+    scratch: bpy.types.Scene, bodies: Sequence[Body], others: Sequence[Placed], middle: Floats
 ) -> Iterator[PathEnds]:
-    """Build the scene from the scratch scene `scratch`: a copy of `baked` with `mesh`, and everything else.
+    """Build the scene from the scratch scene `scratch`: copies of the baked `bodies`, and the `others`.
 
-    `beside` is what `scratch` renders apart from `baked`; directions are from the point `middle` (3,). New
-    data is removed together with the scratch scene's.
+    Directions are from the point `middle` (3,). New data is removed together with the scratch scene's.
     """
     group = _light_group()
     scene = cast(bpy.types.Scene, scratch.copy())
@@ -127,11 +141,12 @@ def path_ends(
             root.objects.unlink(item)
         scene.world = _world(group)
         anchor = cast(bpy.types.Object, bpy.data.objects.new("RadTex anchor", None))
-        copy = _stand_in(baked, mesh)
-        _place(copy, anchor, beside.matrix)
-        root.objects.link(copy)
-        _link_others(scene, anchor, beside.others, _glow(group, middle))
-        yield PathEnds(scene, baked, copy, group)
+        copies = [_stand_in(body.original, body.mesh) for body in bodies]
+        for copy, body in zip(copies, bodies, strict=True):
+            _place(copy, anchor, body.matrix)
+            root.objects.link(copy)
+        _link_others(scene, anchor, others, _glow(group, middle))
+        yield PathEnds(scene, [body.original for body in bodies], copies, group)
     finally:
         remove_scene(scene)
 

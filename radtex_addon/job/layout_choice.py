@@ -125,7 +125,8 @@ def _why_not_layered(spec: BakeSpec, cells: int | None) -> str:
 
 
 def _why_not_objects(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> str:
-    wanted = [scene.objects[each] for each in spec.objects or (name,) if each in scene.objects]
+    names = spec.objects or (name,) if spec.source is None else (spec.source,)
+    wanted = [scene.objects[each] for each in names if each in scene.objects]
     return next(filter(None, (why_no_surface(scene, item) for item in wanted if item.type == "MESH")), "")
 
 

@@ -9,6 +9,7 @@ import logging
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import cast
 
 import bpy
 import numpy as np
@@ -16,7 +17,7 @@ import numpy as np
 from ..bake.hidden_cells import HiddenCells
 from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.plan import CapturePlan, plan_capture
-from ..bake.progress import Progress, Stage
+from ..bake.progress import Progress, Stage, finished
 from ..bake.rays import PROBE_CELLS
 from ..bake.spec import BakeSpec
 from ..core.arrays import Bools, Floats, Ints
@@ -26,14 +27,15 @@ from ..core.surface import SurfaceMesh
 from ..core.texel_map import TexelMap, rasterise
 from ..cycles.find_hidden import find_hidden
 from ..formats import sidecar
-from ..scene.digests import array_digest, matrix_digest, mesh_digest, scene_digests
-from ..scene.mesh.cage import find_cage, rays_from_cage, read_cage
+from ..scene.digests import matrix_digest, mesh_digest, scene_digests
 from ..scene.mesh.copy import baked_mesh, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.mesh.mesh_parts import number_parts
 from ..scene.mesh.named_regions import chosen_triangles
-from ..scene.mesh.source_hits import SourceHits, default_extrusion, find_source, project_to_source
+from ..scene.mesh.numbered_materials import material_numbers_of, write_material_numbers
+from ..scene.mesh.source_hits import SourceHits
 from ..scene.mesh.together import joined_surface
+from .detailed import Detailed, read_detailed
 from .facts import facts_of
 from .twins import all_with_twins, chosen_with_twins, find_two_sided, single_copy
 from .unwrapping import AtlasPart, Unwrapped, Unwraps, shapes_at, unwrap_surfaces
@@ -70,7 +72,8 @@ class Prepared:
     The atlas has `width` x `height` texels on the meshes' `uv_layer`, and a number of `islands` if the bake
     unwrapped it. The `digest` is of shapes and UVs, whatever the objects' matrices. If an object is split,
     the surface is only one `part` of its `parts`. `counts` is the number of each piece's triangles in the
-    surface, in which the pieces follow each other. With a `source`, the points to capture lie on that.
+    surface, in which the pieces follow each other. With a `source`, the points to capture lie on that,
+    the `detailed` object; its mesh `shown`, which renders as it does, is made for forms by paths alone.
     `chosen` (F,) marks the surface's triangles that the specification selects, None if it selects none.
     """
 
@@ -87,6 +90,8 @@ class Prepared:
     counts: tuple[int, ...] = ()
     source: SourceHits | None = None
     chosen: Bools | None = None
+    detailed: Detailed | None = None
+    shown: bpy.types.Mesh | None = None
 
     @property
     def original(self) -> bpy.types.Object:
@@ -102,6 +107,13 @@ class Prepared:
     def matrix_world(self) -> Floats:
         """The object's matrix, (4, 4), the first of several."""
         return self.pieces[0].matrix_world
+
+    @property
+    def rendered(self) -> tuple[tuple[bpy.types.Object, bpy.types.Mesh], ...]:
+        """The objects whose light is baked, and meshes that render as they do."""
+        if self.detailed is not None and self.shown is not None:
+            return ((self.detailed.original, self.shown),)
+        return tuple((piece.original, piece.rendered) for piece in self.pieces)
 
     @property
     def seen(self) -> tuple[tuple[bpy.types.Mesh, Floats], ...]:
@@ -155,8 +167,13 @@ class Prepared:
 
     def texels(self, finer: float = 1) -> TexelMap:
         """The points to capture, `finer` times as many along each side; the source's own if there is one."""
-        if self.source is not None:
+        if self.source is not None and finer == 1:
             return self.source.texels
+        found = self._own_texels(finer)
+        return found if self.detailed is None else finished(self.detailed.project(self.surface, found)).texels
+
+    def _own_texels(self, finer: float = 1) -> TexelMap:
+        """The points on the meshes themselves."""
         found = rasterise(self.surface, round(self.width * finer), round(self.height * finer))
         if len(self.pieces) == 1:
             return inset(found, self.surface, _RIM * ray_offset(self.surface.position))
@@ -198,8 +215,7 @@ def prepare(
             of = f" of '{mesh.name}'" if len(evaluated) > 1 else ""
             store.set_facts({f"mesh{of}": mesh_digest(mesh), f"object's place{of}": matrix_digest(mesh)})
     chosen = None if spec.where is None else chosen_triangles(scratch, originals, spec.where)
-    source = None if spec.source is None else _evaluate_source(scratch, originals[0], spec.source, store)
-    cage = None if spec.cage is None else _read_cage(scratch, originals[0], spec, store)
+    detailed = read_detailed(scratch, originals[0], spec, store)
     if store is not NO_STORE:
         store.set_facts(scene_digests(scratch))
     yield Progress(Stage.UNWRAP, 0, 1)
@@ -215,16 +231,25 @@ def prepare(
     prepared = _joined(name or originals[0].name, originals, evaluated, unwrapped, spec, chosen)
     kept.extend(piece.mesh for piece in prepared.pieces)
     kept.extend(piece.single for piece in prepared.pieces if piece.single is not None)
-    if source is None:
+    if detailed is None:
         return prepared
-    texels = prepared.texels()
-    above: float | Floats = spec.extrusion or default_extrusion(prepared.surface.position)
-    if cage is not None:
-        above = rays_from_cage(cage, prepared.surface, texels)
-    landing = yield from project_to_source(texels, source, originals[0].name, above, spec.cage)
+    landing = yield from detailed.project(prepared.surface, prepared.texels())
     if landing.missed:
         log.warning(landing.complaint)
-    return replace(prepared, source=landing)
+    prepared = replace(prepared, source=landing, detailed=detailed)
+    return _with_materials_of(detailed, prepared, evaluated[0]) if spec.form.by_paths else prepared
+
+
+def _with_materials_of(detailed: Detailed, prepared: Prepared, mesh: EvaluatedMesh) -> Prepared:
+    """The same with a rendered mesh, and with the detailed object's slots as the numbers of materials."""
+    (piece,) = prepared.pieces
+    whole = surface_mesh(mesh, piece.mesh, prepared.uv_layer)
+    numbers = detailed.materials(whole, cast(SourceHits, prepared.source).extrusion)
+    write_material_numbers([piece.mesh], [numbers])
+    if piece.part is not None and prepared.part is not None:
+        numbers = numbers[piece.part == prepared.part.index]
+    surface = replace(prepared.surface, material=numbers)
+    return replace(prepared, surface=surface, shown=detailed.rendered())
 
 
 def _joined(
@@ -245,6 +270,11 @@ def _joined(
             parts = number_parts(copy, [each.faces[number] for each in unwrapped.parts])
         single = single_copy(mesh, unwrapped.uvs[number], unwrapped.layer)
         pieces.append(Piece(original, copy, mesh.matrix_world, parts, single))
+    if len(pieces) > 1 or spec.split is not None:
+        of_parts = None if spec.split is None else [cast(Ints, piece.part) for piece in pieces]
+        numbers = material_numbers_of(evaluated, of_parts)
+        write_material_numbers([piece.mesh for piece in pieces], numbers)
+        surfaces = [replace(one, material=each) for one, each in zip(surfaces, numbers, strict=True)]
     return Prepared(
         name=name,
         pieces=tuple(pieces),
@@ -263,24 +293,6 @@ def _joined(
 
 def _joined_faces(chosen: Sequence[Bools], part: AtlasPart) -> Bools:
     return np.concatenate([some[faces] for some, faces in zip(chosen, part.faces, strict=True)])
-
-
-def _evaluate_source(
-    scratch: bpy.types.Scene, original: bpy.types.Object, name: str, store: PieceStore
-) -> EvaluatedMesh:
-    source = evaluate(scratch, find_source(scratch, original, name))
-    if store is not NO_STORE:
-        store.set_facts({"source's mesh": mesh_digest(source), "source's place": matrix_digest(source)})
-    return source
-
-
-def _read_cage(
-    scratch: bpy.types.Scene, original: bpy.types.Object, spec: BakeSpec, store: PieceStore
-) -> Floats:
-    assert spec.cage is not None  # the caller has checked it
-    places = read_cage(scratch, original, find_cage(scratch, original, spec.source, spec.cage))
-    store.set_facts({"cage's mesh": array_digest(places)})
-    return places
 
 
 def _digest(evaluated: Sequence[EvaluatedMesh], unwrapped: Unwrapped) -> str:

@@ -17,15 +17,19 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ..bake.piece_store import NO_STORE
+from ..bake.rays import step_to
 from ..bake.spec import Unwrap
 from ..core.arrays import Floats
 from ..core.errors import FormatError, InputError
-from ..core.gutter import LEAST_AGREEMENT, gutter_agreement
+from ..core.gutter import LEAST_AGREEMENT, covered_in_coarser, gutter_agreement
 from ..core.messages import Setting, do
 from ..core.texel_map import covered_texels
+from ..prepare.detailed import Detailed, read_detailed
 from ..scene.mesh.backs import seen_from_behind, with_twins, with_twins_moved
 from ..scene.mesh.copy import baked_mesh, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
+from ..scene.mesh.numbered_materials import write_material_numbers
 from ..scene.preview_file import appended
 from ..scene.scratch import new_data_removed
 from ..scene.uv.unwrap import unwrap_steps
@@ -55,18 +59,21 @@ def find_mesh(
 
     Tries the object's own layer with the sidecar's name, the layer in the preview beside the bake, and each
     unwrap method with `padding`. Returns the first layer that fits for sure, else the best one that may fit.
-    Yields progress. Raises InputError if no layer fits.
+    Yields progress. Raises InputError if no layer fits, or if what it was baked from is missing.
     """
     evaluated = evaluate(scratch, original)
     if bake.form.traits.backs and bake.unwrapped:
         evaluated = with_twins(evaluated, seen_from_behind(evaluated))
+    detailed = None
+    if bake.form.traits.by_paths:
+        detailed = read_detailed(scratch, original, bake.spec(device="cpu"), NO_STORE)
     best: tuple[float, Found] | None = None
     with closing(_layers(evaluated, bake, padding)) as layers:
         for found in layers:
             if isinstance(found, Step):
                 yield found
                 continue
-            surface, agreement = _surface(evaluated, found.uv, bake)
+            surface, agreement = _surface(evaluated, found.uv, bake, detailed)
             if best is None or agreement > best[0]:
                 best = agreement, Found(surface, found.own, found.unwrap)
             if agreement >= _SURE:
@@ -105,14 +112,22 @@ def _layers(evaluated: EvaluatedMesh, bake: Finished, padding: int) -> Generator
             yield _Layer(uv, None, unwrap)
 
 
-def _surface(evaluated: EvaluatedMesh, uv: Floats, bake: Finished) -> tuple[BakedSurface, float]:
-    """The surface with a UV layer, and how well the layer agrees with the atlas's gutter, 0 to 1."""
+def _surface(
+    evaluated: EvaluatedMesh, uv: Floats, bake: Finished, detailed: Detailed | None
+) -> tuple[BakedSurface, float]:
+    """The surface with a UV layer, and how well the layer agrees with the atlas's gutter, 0 to 1.
+
+    Its materials are those of the `detailed` object, if it is given.
+    """
     layer = bake.sidecar.uv_map
     with new_data_removed():
         mesh = baked_mesh(evaluated, uv, layer)
         surface = surface_mesh(evaluated, mesh, layer)
-        height, width = bake.texels.shape[:2]
-        covered = covered_texels(surface, width, height)
+        if detailed is not None and bake.sidecar.source is not None:
+            write_material_numbers([mesh], [detailed.materials(surface, bake.sidecar.source.extrusion)])
+        covered = covered_texels(surface, bake.sidecar.width, bake.sidecar.height)
+        step = step_to(bake.texels.shape, covered.shape)
+        covered = covered_in_coarser(covered, bake.texels.shape[:2], step)
         agreement = gutter_agreement(covered, bake.texels, bake.loss)
         return BakedSurface(mesh, evaluated.matrix_world, layer), agreement
 

@@ -165,7 +165,6 @@ def test_a_curtain_lets_a_quarter_through(card: Any, tmp_path: Path, out: Path, 
     [
         ("--layer base", "the layered layout has no layers"),
         ("--bucket 4", "the layered layout chooses its cells itself, 14 or fewer, not 4"),
-        ("--split material", "the layered layout is baked for whole objects"),
     ],
 )
 def test_a_line_says_why_and_json_too(line: str, words: str, tmp_path: Path, out: Path, batch: Batch) -> None:

@@ -14,6 +14,7 @@ import pytest
 from radtex_addon.bake.plan import CapturePlan
 from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
+from radtex_addon.cycles.path_ends import Body
 from radtex_addon.cycles.sampling import capture_samples
 from radtex_addon.forms.layered.capture.material_maps import capture_maps
 from radtex_addon.forms.layered.capture.opacity import find_alpha_map
@@ -110,9 +111,9 @@ def _baked_copy(item: bpy.types.Object) -> bpy.types.Mesh:
 
 def _captured(item: bpy.types.Object, folder: Path) -> tuple[Floats, Floats, Floats]:
     """The quads' alpha (5,), diffuse colour (5, 3), and mean light (5, 3)."""
-    with scratch_scene(cast(bpy.types.Scene, bpy.context.scene)) as scratch, surface_alone(item) as clear:
-        flat = _plan(1)
-        alpha = find_alpha_map(scratch, item, _baked_copy(item), np.eye(4), clear, flat, 1, folder)
+    with scratch_scene(cast(bpy.types.Scene, bpy.context.scene)) as scratch, surface_alone([item]) as clear:
+        flat, body = _plan(1), Body(item, _baked_copy(item), np.eye(4))
+        alpha = find_alpha_map(scratch, [body], clear, flat, 1, folder)
         assert alpha is not None
         with scene_copied(scratch) as copy:
             colour = capture_maps(copy, flat, 1, folder)["diffuse"]
@@ -134,7 +135,7 @@ def test_a_surface_is_seen_alone_multiplied_by_its_alpha(quads: bpy.types.Object
 
 def test_the_object_has_its_own_materials_afterwards(quads: bpy.types.Object) -> None:
     before = [slot.material for slot in quads.material_slots]
-    with surface_alone(quads) as clear:
+    with surface_alone([quads]) as clear:
         during = [slot.material for slot in quads.material_slots]
         assert [a == b for a, b in zip(before, during, strict=True)] == [False, False, False, True]
         assert set(clear) == set(during[:3])
@@ -143,7 +144,7 @@ def test_the_object_has_its_own_materials_afterwards(quads: bpy.types.Object) ->
 
 def test_materials_whose_transparency_is_unknown_stay_as_they_are(quads: bpy.types.Object) -> None:
     quads.material_slots[0].material = unknown = material("Unknown", "ShaderNodeHoldout")
-    with surface_alone(quads) as clear:
+    with surface_alone([quads]) as clear:
         assert quads.material_slots[0].material == unknown
         assert len(clear) == 2
 
@@ -159,7 +160,7 @@ def test_light_comes_through_to_others_as_before(quads: bpy.types.Object, tmp_pa
             return float(finished(capture_samples(scratch, plan, unseen, 1, tmp_path)).diffuse.mean())
 
     before = shown()
-    with surface_alone(quads):
+    with surface_alone([quads]):
         assert shown() == pytest.approx(before, rel=1e-3)
     quads.material_slots[0].material = quads.material_slots[3].material
     assert shown() < 0.8 * before

@@ -15,6 +15,7 @@ from radtex_addon.bake.pooling import Neighbours
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
+from radtex_addon.cycles.path_ends import Body
 from radtex_addon.forms.layered.capture.exits import capture_exits
 from radtex_addon.forms.layered.fit.through import fit_ways
 from radtex_addon.prepare.prepared import prepare
@@ -39,9 +40,8 @@ def test_a_sheet_of_glass_moves_rays_aside(tmp_path: Path) -> None:
         item = find_object(scratch, sheet.name)
         prepared = finished(prepare(scratch, [item], BakeSpec(layout=Layout.LAYERED, texels=32), kept))
         plan = plan_capture(prepared.texels(), _CELLS)
-        exits = capture_exits(
-            scratch, item, prepared.mesh, np.eye(4), np.zeros(3, np.float32), 1.6, plan, _TIMES, 1, tmp_path
-        )
+        body = Body(item, prepared.mesh, np.eye(4))
+        exits = capture_exits(scratch, [body], np.zeros(3, np.float32), 1.6, plan, _TIMES, 1, tmp_path)
     ways = fit_ways(exits, Neighbours(plan))
     top = (plan.normals[:, 2] > 0.99) & (np.abs(plan.points[:, :2]).max(axis=1) < 0.6)  # far from the sides
     assert top.sum() > 20

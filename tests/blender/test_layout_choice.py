@@ -68,6 +68,9 @@ def test_without_a_word_radiance_is_layered() -> None:
         ("--frames 3", BakeSpec(layout=Layout.LAYERED, frame=3)),
         ("--lights Key", BakeSpec(layout=Layout.LAYERED, lights=("Key",))),
         ("--accumulate", BakeSpec(layout=Layout.LAYERED, accumulate=True)),
+        ("--from High", BakeSpec(layout=Layout.LAYERED, source="High")),
+        ("--split material", BakeSpec(layout=Layout.LAYERED, split=Split.MATERIAL)),
+        ("--together All --object Box", BakeSpec(layout=Layout.LAYERED, objects=("Card", "Box"))),
     ],
 )
 def test_what_goes_with_a_layout_gets_it(line: str, spec: BakeSpec) -> None:
@@ -80,14 +83,8 @@ REFUSED = {
     "--kind shadow": (BakeSpec(kind=Kind.SHADOW), "the layered layout holds light, not shadow"),
     "--kind transfer": (BakeSpec(kind=Kind.TRANSFER), "kind transfer does not go with the layered layout"),
     "--kind incident --capture panoramic": (None, "the layered layout knows kind radiance only"),
-    "--from High": (BakeSpec(source="High"), "the layered layout is not baked from another object"),
     "--layer base": (BakeSpec(layers=(Layer.BASE,)), "the layered layout has no layers"),
     "--refresh": (BakeSpec(refresh=True), "the layered layout cannot be refreshed"),
-    "--split material": (BakeSpec(split=Split.MATERIAL), "the layered layout is baked for whole objects"),
-    "--together All --object Box": (
-        BakeSpec(objects=("Card", "Box")),
-        "the layered layout is not baked for several objects in one atlas",
-    ),
     "--bucket 8": (BakeSpec(bucket=8), "the layered layout chooses its cells itself, 14 or fewer, not 8"),
     "--texels 1024": (BakeSpec(texels=1024), "1024 texels at 16 samples would need"),
     "--samples 5000": (BakeSpec(samples=5000), "samples in the layered layout 5000"),
@@ -110,10 +107,8 @@ def test_what_the_layered_layout_refuses_gets_buckets_and_a_line_says_why(line: 
     "line",
     [
         "--layout layered --kind incident",
-        "--layout layered --split material",
         "--layout layered --bucket 8",
         "--layout layered --layer base",
-        "--layout layered --from High",
         "--layout layered --refresh",
     ],
 )

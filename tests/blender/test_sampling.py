@@ -19,7 +19,7 @@ from radtex_addon.bake.progress import finished
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised
-from radtex_addon.cycles.path_ends import PathEnds, path_ends
+from radtex_addon.cycles.path_ends import Body, PathEnds, path_ends
 from radtex_addon.cycles.sampling import capture_ends, capture_samples
 from radtex_addon.scene.mesh.surrounding_shapes import read_beside
 from radtex_addon.scene.scratch import scratch_scene
@@ -75,7 +75,9 @@ def nothing_hidden(plan: CapturePlan) -> Any:
 def ends_in_scratch(baked: Any, middle: tuple[float, ...]) -> Iterator[tuple[bpy.types.Scene, PathEnds]]:
     with scratch() as scene:
         beside = read_beside(scene, baked)
-        with path_ends(scene, baked, baked.data, beside, np.array(middle)) as ends:
+        with path_ends(
+            scene, [Body(baked, baked.data, beside.matrix)], beside.others, np.array(middle)
+        ) as ends:
             yield scene, ends
 
 

@@ -17,7 +17,7 @@ from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 
 from radtex_addon.bake.progress import finished
-from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layout
+from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
@@ -438,7 +438,6 @@ def test_a_source_that_is_none_is_named(out: Path, source: str, words: str) -> N
         ({"cage": "Cage"}, "a cage and an extrusion contradict each other"),
         ({"kind": Kind.PROXY}, "proxy is not baked from another object"),
         ({"kind": Kind.TRANSFER}, "transfer is not baked from another object"),
-        ({"layout": Layout.LAYERED, "bucket": 14}, "the layered layout is not baked from another object"),
         (
             {"kind": Kind.INCIDENT, "capture": CaptureMethod.PANORAMIC},
             "capture panoramic bakes from no other object",

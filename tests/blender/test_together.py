@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.bake.parts import tile_name, tile_place
-from radtex_addon.bake.spec import BakeSpec, Kind, Layout, Split
+from radtex_addon.bake.spec import BakeSpec, Kind, Split
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.containers.exr import read_buckets
@@ -116,7 +116,6 @@ def test_layers_that_lie_on_one_another_are_refused_by_name(out: Path) -> None:
     ("fields", "message"),
     [
         ({"objects": ("Left",)}, "object 'Left' is alone: name others to share its atlas"),
-        ({"objects": ("A", "B"), "layout": Layout.LAYERED}, "layout is not baked for several objects"),
         ({"objects": ("A", "B"), "kind": Kind.PROXY}, "a proxy is not baked for several objects"),
         ({"objects": ("A", "B"), "source": "High"}, "is not baked for several objects in one atlas"),
         ({"split": "udim"}, r"UDIM tiles are a UV layer's: name the layer"),

@@ -219,7 +219,7 @@ def test_what_another_object_shows_is_asked_for_where_it_can_be_had() -> None:
     assert (spec_of(values_of(settings())).source, spec_of(values_of(settings())).extrusion) == ("High", None)
     settings().extrusion = 0.25
     assert spec_of(values_of(settings())).extrusion == 0.25
-    for name, value in (("atlas_layout", "layered"), ("kind", "proxy"), ("kind", "transfer"), ("source", "")):
+    for name, value in (("kind", "proxy"), ("kind", "transfer"), ("source", "")):
         before = getattr(settings(), name)
         setattr(settings(), name, value)
         asked = spec_of(values_of(settings()))

@@ -12,7 +12,7 @@ from scipy.ndimage import distance_transform_edt
 
 from radtex_addon.core.arrays import Bools, Ints
 from radtex_addon.core.errors import InputError, ShapeError
-from radtex_addon.core.gutter import dilate, nearest_covered
+from radtex_addon.core.gutter import covered_in_coarser, dilate, nearest_covered
 
 masks = arrays.arrays(np.bool_, arrays.array_shapes(min_dims=2, max_dims=2, max_side=14)).filter(np.any)
 
@@ -85,3 +85,10 @@ def test_wrong_shapes_are_refused() -> None:
         nearest_covered(np.ones(3, dtype=bool))
     with pytest.raises(ShapeError, match="values"):
         dilate(np.zeros((3, 4)), nearest_covered(np.ones((4, 3), dtype=bool)))
+
+
+def test_a_coarser_texel_is_covered_where_a_finer_one_is() -> None:
+    covered = np.zeros((5, 4), dtype=bool)
+    covered[0, 3] = covered[4, 0] = True  # the fifth row belongs to the second of two
+    assert covered_in_coarser(covered, (2, 2), 2).tolist() == [[False, True], [True, False]]
+    assert covered_in_coarser(covered, covered.shape, 1).tolist() == covered.tolist()

@@ -8,9 +8,10 @@ from collections.abc import Generator
 
 import numpy as np
 
+from ...bake.rays import step_to
 from ...core.arrays import Floats, Ints
 from ...core.fragments import Fragments
-from ...core.gutter import dilate, nearest_covered
+from ...core.gutter import covered_in_coarser, dilate, nearest_covered
 from ...core.surface import SurfaceMesh
 from ...core.texel_map import TexelMap, covered_texels, rasterise
 from ...formats.sidecar_file import SidecarFile
@@ -32,8 +33,9 @@ def flat_layered(sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, 
     atlas, facts = read_layered(sidecar)
     texels = rasterise(surface, facts.bake.width, facts.bake.height)
     stored, loss = own_texels(sidecar.path, atlas)
-    height, width = stored.shape[:2]
-    check_surface(sidecar.path, covered_texels(surface, width, height), stored, loss)
+    covered = covered_texels(surface, facts.bake.width, facts.bake.height)
+    step = step_to(stored.shape, covered.shape)
+    check_surface(sidecar.path, covered_in_coarser(covered, stored.shape[:2], step), stored, loss)
     material = surface.material_numbers[texels.triangle[texels.covered]]
     return (yield from mean_of_layered(atlas, texels, material))
 

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ...bake.light_samples import EndSamples, LightSamples, LobeSamples
 from ...bake.plan import CapturePlan
 from ...core.arrays import Bools, Floats, Ints
@@ -35,13 +37,23 @@ class OwnRays:
     """Mirror rays of a plan's texels: which `hit` the object, (K, S).
 
     Of the P rays that do, in the order of `np.nonzero(hit)`: the texel that they have `met` (P,), and the
-    `place` where, (P, 3), in world space.
+    `place` where, (P, 3), in world space. Rays that meet a part without texels in this atlas have met -1, and
+    bring the `light` (P, 3), one path's; None where there are none.
     """
 
     rays: LobeSamples
     hit: Bools
     met: Ints
     place: Floats
+    light: Floats | None = None
+
+    @property
+    def traced(self) -> int:
+        """How many paths were traced for `light`: one in each cell of the texels that have such rays."""
+        if self.light is None:
+            return 0
+        row, _ = np.nonzero(self.hit)
+        return len(np.unique(row[self.met < 0])) * int(self.hit.shape[1])
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,9 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from ...core.arrays import Bools
-from .copy import NORMAL, SIGN, TANGENT
+from ...core.arrays import Bools, Ints
+from .backs import TWIN, fronts, twin_numbers
+from .copy import MATERIAL, NORMAL, SIGN, TANGENT, material_numbers
 from .mesh_parts import PART
 
 _FIELDS = {NORMAL: ("FLOAT_VECTOR", "vector", 3), TANGENT: ("FLOAT_VECTOR", "vector", 3)}
@@ -22,7 +23,8 @@ _UV = ("FLOAT2", "vector", 2)
 def joined_copy(copies: Sequence[bpy.types.Object], uv_layer: str, part: int | None) -> bpy.types.Object:
     """An object whose mesh has all triangles of the copies' meshes, or only those of part number `part`.
 
-    The meshes must be in world space. Only the frame's attributes and the `uv_layer` are kept.
+    The meshes must be in world space. Only the frame's attributes, the `uv_layer`, the numbers of materials
+    and twins are kept.
     """
     meshes: list[Any] = [copy.data for copy in copies]
     chosen = [_faces_of(mesh, part) for mesh in meshes]
@@ -43,7 +45,35 @@ def joined_copy(copies: Sequence[bpy.types.Object], uv_layer: str, part: int | N
             for mesh, faces in zip(meshes, chosen, strict=True)
         ]
         made.attributes.new(name, kind, "CORNER").data.foreach_set(field, np.concatenate(values).ravel())
+    numbers = [material_numbers(mesh)[faces] for mesh, faces in zip(meshes, chosen, strict=True)]
+    _write_faces(made, MATERIAL, np.concatenate(numbers))
+    twins = _joined_twins(meshes, chosen)
+    if twins is not None:
+        _write_faces(made, TWIN, twins)
     return cast("bpy.types.Object", bpy.data.objects.new(copies[0].name, made))
+
+
+def _write_faces(mesh: Any, name: str, values: Ints) -> None:
+    data = mesh.attributes.new(name, "INT", "FACE").data
+    data.foreach_set("value", np.ascontiguousarray(values, dtype=np.int32))
+
+
+def _joined_twins(meshes: Sequence[Any], chosen: Sequence[Bools]) -> Ints | None:
+    """The values of the attribute TWIN in the joined mesh, (F,); None if no face has a twin."""
+    found, first = [], 0
+    for mesh, faces in zip(meshes, chosen, strict=True):
+        twin = twin_numbers(mesh)
+        if twin is None:
+            twin = np.full(len(faces), -1, dtype=np.int64)
+        place = first - 1 + np.cumsum(faces)  # of each chosen triangle in the joined mesh
+        own = fronts(twin)
+        pair = np.where(own, np.maximum(twin, 0), -2 - twin)
+        there = (twin != -1) & faces[pair]
+        moved = np.where(own, place[pair], -2 - place[pair])
+        found.append(np.where(there, moved, -1)[faces])
+        first += int(np.count_nonzero(faces))
+    joined: Ints = np.concatenate(found)
+    return joined if (joined != -1).any() else None
 
 
 def _faces_of(mesh: Any, part: int | None) -> Bools:

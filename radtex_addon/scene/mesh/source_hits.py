@@ -94,7 +94,7 @@ def project_to_source(
     )
     out, reach = _ways(above, covered, normal)
     extrusion = float(reach.max())
-    caster = _Caster(source)
+    caster = Caster(source)
     triangle = np.empty(len(covered), dtype=np.int64)
     found = np.empty((len(covered), 3))
     for first in range(0, len(covered), _CHUNK):
@@ -147,7 +147,7 @@ def _ways(above: float | Floats, covered: Ints, normal: Floats) -> tuple[Floats,
     return out, np.maximum(far, least)
 
 
-class _Caster:
+class Caster:
     """Casts rays onto an evaluated mesh, in world space: `facet` (F, 3) are its triangles' unit normals."""
 
     def __init__(self, source: EvaluatedMesh) -> None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -58,6 +59,20 @@ def read_beside(scratch: bpy.types.Scene, baked: bpy.types.Object) -> Beside:
 
     render_with(scratch, read)
     return found[0]
+
+
+def matrices_in_renders(scratch: bpy.types.Scene, items: Sequence[bpy.types.Object]) -> list[Floats]:
+    """The matrices (4, 4), from object to world, of objects in renders of a scratch scene.
+
+    Raises BakeError where Blender does not render.
+    """
+    found: list[Floats] = []
+
+    def read(graph: bpy.types.Depsgraph) -> None:
+        found.extend(np.array(item.evaluated_get(graph).matrix_world, dtype=np.float64) for item in items)
+
+    render_with(scratch, read)
+    return found
 
 
 def _is(instance: bpy.types.DepsgraphObjectInstance, baked: bpy.types.Object) -> bool:

@@ -65,7 +65,7 @@ def told_layouts(values: Mapping[str, Any], chosen: Chosen) -> str:
         return ""
     others = [(name, choice) for name, choice in chosen if choice.spec.layout != chosen[0][1].spec.layout]
     if others:
-        plain = sum(choice.spec.form.shared_atlas for _, choice in chosen)
+        plain = sum(choice.spec.form.any_cells for _, choice in chosen)
         told = iface_("Buckets for {} of {} objects, Layered for the others").format(plain, len(chosen))
         return ". ".join([told, *(remark(choice.told(name)) for name, choice in chosen if choice.reason)][:2])
     choice = chosen[0][1]

@@ -42,11 +42,9 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         _draw_kind(layout.column(), settings)
         if found is not None and found.layout:
             draw_text(layout.box(), found.layout, "INFO")
-        draw_surfaces(
-            layout.column(), settings, found is not None and len(found.objects) > 1, is_plain(settings)
-        )
+        draw_surfaces(layout.column(), settings, found is not None and len(found.objects) > 1)
         _draw_uv(layout, settings, context)
-        if Kind(settings.kind).traits.source and is_plain(settings):
+        if Kind(settings.kind).traits.source:
             column = layout.column()
             assert context is not None  # Blender always gives one
             column.prop_search(settings, "source", context.scene, "objects")
@@ -100,9 +98,8 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
         column = layout.column(heading="Files")
         column.prop(settings, "resume")
         column.prop(settings, "overwrite")
-        plain, kind = is_plain(settings), Kind(settings.kind).traits
-        if kind.accumulates:
-            form = form_of(settings)
+        form, kind = form_of(settings), Kind(settings.kind).traits
+        if form.accumulates and kind.accumulates:
             column.prop(settings, "accumulate")
             if form.refreshes:
                 column.prop(settings, "refresh")
@@ -112,7 +109,7 @@ class RADTEX_PT_output(Sidebar, bpy.types.Panel):
         if kind.full_floats:
             column.prop(settings, "full_floats")
         layout.prop(settings, "compression")
-        if plain and kind.layers:
+        if form.layers and kind.layers:
             layout.column().prop(settings, "layers")
         layout.column().prop(settings, "export_targets")
         layout.operator("radtex.open_folder", icon="FILE_FOLDER")
@@ -132,11 +129,6 @@ def _draw_kind(column: bpy.types.UILayout, settings: BakeSettings) -> None:
         column.prop(settings, "ao_distance")
     if kind.form is None:
         column.prop(settings, "atlas_layout")
-
-
-def is_plain(settings: BakeSettings) -> bool:
-    """Whether the settings may bake in layout buckets: chosen, automatic, or the kind's only layout."""
-    return form_of(settings).shared_atlas
 
 
 def form_of(settings: BakeSettings) -> FormTraits:

@@ -55,9 +55,9 @@ class SurfaceSettings:
         )
 
 
-def draw_surfaces(column: Any, settings: Any, several: bool, plain: bool) -> None:
-    """Draw the settings that apply; a shared atlas needs `several` objects and layout buckets (`plain`)."""
-    if several and plain and Kind(settings.kind).traits.shared_atlas:
+def draw_surfaces(column: Any, settings: Any, several: bool) -> None:
+    """Draw the settings that apply; a shared atlas needs `several` objects."""
+    if several and Kind(settings.kind).traits.shared_atlas:
         column.prop(settings, "together")
         if settings.together:
             column.prop(settings, "atlas_name")
@@ -70,7 +70,7 @@ def draw_surfaces(column: Any, settings: Any, several: bool, plain: bool) -> Non
 
 def shared_name(values: Mapping[str, Any], spec: BakeSpec) -> str | None:
     """Name of the atlas that all objects share; None if each object has its own."""
-    fits = spec.form.shared_atlas and spec.kind.traits.shared_atlas
+    fits = spec.kind.traits.shared_atlas
     name: str = values["atlas_name"]
     return name if values["together"] and fits else None
 

@@ -74,7 +74,7 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
     more = bool(values["accumulate"]) and asked.accumulates and kind.accumulates
     again = bool(values["refresh"]) and asked.refreshes and kind.accumulates
     layered = asked.layers and kind.layers
-    sourced = asked.source and kind.source and values["source"]
+    sourced = kind.source and values["source"]
     spec = BakeSpec(
         kind=values["kind"],
         layout=layout,

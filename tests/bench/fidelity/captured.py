@@ -18,6 +18,7 @@ from radtex_addon.bake.rays import FINER
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.bilinear import bilinear
+from radtex_addon.cycles.path_ends import Body
 from radtex_addon.forms.layered.capture.opacity import find_alpha_map
 from radtex_addon.forms.layered.capture.surface_alone import surface_alone
 from radtex_addon.prepare.prepared import Prepared, prepare
@@ -73,7 +74,7 @@ def capture_stage(stage: Stage, spec: BakeSpec, folder: Path, inputs: bool = Fal
     """
     scene = cast(bpy.types.Scene, bpy.context.scene)
     kept: list[bpy.types.ID] = []
-    with scratch_scene(scene, None, kept) as scratch, surface_alone(stage.subject) as clear:
+    with scratch_scene(scene, None, kept) as scratch, surface_alone([stage.subject]) as clear:
         item = find_object(scratch, stage.subject.name)
         prepared = finished(prepare(scratch, [item], spec, kept))
         texels, finer = prepared.texels(), prepared.texels(FINER)
@@ -84,7 +85,7 @@ def capture_stage(stage: Stage, spec: BakeSpec, folder: Path, inputs: bool = Fal
         capture = finished(steps)
         fine = plan_capture(finer, 1)
         found = read_inputs(scratch, item, fine, spec.seed, folder) if inputs else None
-        alpha = find_alpha_map(scratch, item, mesh, matrix, clear, fine, spec.seed, folder)
+        alpha = find_alpha_map(scratch, [Body(item, mesh, matrix)], clear, fine, spec.seed, folder)
     paths = capture.paths + (found.rays if found is not None else 0)
     paths += len(fine.texel) if alpha is not None else 0
     return Captured(capture, prepared, np.array(stage.subject.matrix_world), paths, found, alpha)

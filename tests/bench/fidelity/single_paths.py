@@ -27,7 +27,7 @@ from radtex_addon.core.texel_map import TexelMap
 from radtex_addon.cycles.capture_settings import first_hit_only
 from radtex_addon.cycles.find_hidden import find_hidden
 from radtex_addon.cycles.passes import colour_of
-from radtex_addon.cycles.path_ends import PathEnds, path_ends
+from radtex_addon.cycles.path_ends import Body, PathEnds, path_ends
 from radtex_addon.cycles.portal import Aim, PortalCapture
 from radtex_addon.cycles.sampling import (
     DIFFUSE,
@@ -145,7 +145,8 @@ def trace_paths(
     middle, radius = reach_of(lit)
     yield Progress(Stage.CAPTURE, 0, total)
     beside = read_beside(scratch, baked)
-    with scene_copied(scratch) as scene, path_ends(scene, baked, mesh, beside, middle) as ends:
+    bodies = [Body(baked, mesh, beside.matrix)]
+    with scene_copied(scratch) as scene, path_ends(scene, bodies, beside.others, middle) as ends:
         found = capture_ends(ends, plan(rays.ends), seed, folder)
         done = 2 * count * rays.ends**2
         yield Progress(Stage.CAPTURE, done, total)
@@ -153,7 +154,7 @@ def trace_paths(
     done += 2 * count * rays.around**2
     yield Progress(Stage.CAPTURE, done, total)
     around = panorama_plan(near, middle, radius, rays.size, rays.panorama)
-    with scene_copied(scratch) as scene, path_ends(scene, baked, mesh, beside, middle) as ends:
+    with scene_copied(scratch) as scene, path_ends(scene, bodies, beside.others, middle) as ends:
         far = capture_surroundings(scene, ends, around, middle, seed, folder)
     done += all_around
 
@@ -253,7 +254,7 @@ def capture_surroundings(
 
     light = trace(scene)
     ends.emit_directions(0)
-    ends.blacken_object()
+    ends.blacken_objects()
     coded = trace(ends.scene, coded=True)
     met = coded.sum(axis=1) > _ITSELF
     direction = coded[met] * 2 - 1

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
@@ -23,11 +23,11 @@ from ....bake.spec import BakeSpec
 from ....bake.thumbnail import Thumbnail
 from ....core.arrays import Bools, Floats, Ints
 from ....core.texel_map import TexelMap
-from ....cycles.find_hidden import find_hidden
-from ....cycles.path_ends import path_ends
+from ....cycles.path_ends import Body, path_ends
 from ....cycles.sampling import capture_ends, capture_samples
-from ....prepare.prepared import Prepared
-from ....scene.mesh.surrounding_shapes import Beside, read_beside
+from ....prepare.prepared import Piece, Prepared
+from ....scene.mesh.joined import values_in
+from ....scene.mesh.surrounding_shapes import matrices_in_renders
 from ....scene.scratch import scene_copied
 from ..cells import EXIT_CELLS, OWN_RAYS, OWN_SIDE
 from ..fit.through import lets_through
@@ -37,8 +37,9 @@ from .exits import capture_exits
 from .lamps import find_lamps
 from .material_maps import capture_maps, depends_on_angle
 from .opacity import find_opacity
-from .own_rays import capture_own_rays, corner_uvs, own_aim, own_samples
+from .own_rays import SurfaceUV, capture_own_rays, own_aim, own_samples, sides_of
 from .panoramas import look_around
+from .source_rays import capture_source_rays
 from .stored_surroundings import around_of, arrays_of
 from .surface_alone import Clear, surface_alone
 
@@ -48,7 +49,7 @@ _LEAST_OWN_SIDE = 6
 
 @dataclass(frozen=True, eq=False)
 class Captured:
-    """What was captured, and its faces' materials (F,).
+    """What was captured, and the numbers of its faces' materials (F,).
 
     `paths` count all that meet light or materials; `rays` those that only ask where the object itself is.
     """
@@ -68,22 +69,27 @@ def capture_layered(
     thumbnail: Thumbnail | None = None,
     around: Around | None = None,
 ) -> Generator[Progress, None, Captured]:
-    """Capture the scratch scene's prepared object.
+    """Capture the scratch scene's prepared objects.
 
     With what is `around` a bake that is there, only what more samples of its light need. `folder` is for
     temporary files; the `store` stores what is finished; the light is shown in the `thumbnail`. Yields
-    progress in texels, then in paths. Raises InputError where no texel is covered or the object is clear
+    progress in texels, then in paths. Raises InputError where no texel is covered or the objects are clear
     everywhere, BakeError where Cycles fails.
     """
-    meshes = {piece.rendered.name: piece.rendered for piece in prepared.pieces}
-    with surface_alone(prepared.original, *meshes.values()) as clear:
-        return (yield from _Captures(scratch, prepared, spec, folder, store, thumbnail, clear, around).all())
+    originals = [item for item, _ in prepared.rendered]
+    meshes = [mesh for _, mesh in prepared.rendered]
+    matrices = matrices_in_renders(scratch, originals)
+    bodies = tuple(map(Body, originals, meshes, matrices))
+    with surface_alone(originals, meshes) as clear:
+        captures = _Captures(scratch, prepared, bodies, spec, folder, store, thumbnail, clear, around)
+        return (yield from captures.all())
 
 
 @dataclass(frozen=True, eq=False)
 class _Captures:
     scratch: bpy.types.Scene
     prepared: Prepared
+    bodies: tuple[Body, ...]
     spec: BakeSpec
     folder: Path
     store: PieceStore
@@ -93,18 +99,14 @@ class _Captures:
 
     def all(self) -> Generator[Progress, None, Captured]:
         scratch, prepared, spec, folder = self.scratch, self.prepared, self.spec, self.folder
-        item, rays = prepared.original, LayeredRays.of(spec.samples)
+        bodies, rays = self.bodies, LayeredRays.of(spec.samples)
         texels, side = prepared.texels(), max(prepared.width, prepared.height)
-        mesh, matrix = prepared.pieces[0].rendered, prepared.matrix_world
         probe = plan_capture(texels, PROBE_CELLS)
-        hidden = yield from find_hidden([(mesh, matrix)], probe, folder, self.store)
+        hidden = yield from prepared.hidden(probe, texels, folder, self.store)
         without = probe.texel[hidden.buried]
-        placed = read_beside(scratch, item).matrix
         fine, triangle = _plan_and_triangles(prepared.texels(finer(side)))
         coarse = plan_capture(texels, 1, without=without)
-        opacity = find_opacity(
-            scratch, item, mesh, placed, self.clear, coarse, fine, spec.seed, folder, self.store
-        )
+        opacity = find_opacity(scratch, bodies, self.clear, coarse, fine, spec.seed, folder, self.store)
         without = np.concatenate([without, opacity.cut_out])
 
         def plan(cells: int) -> CapturePlan:
@@ -113,18 +115,16 @@ class _Captures:
         lit = plan(rays.light)
         count = len(lit.texel)
         middle, radius = reach_of(lit)
+        if prepared.part is not None or prepared.source is not None:
+            radius = max(radius, *(_farthest(body, middle) for body in bodies))
         of_ends = 0 if self.known is not None else rays.ends
         total = count * (rays.light**2 + 2 * of_ends**2 + 1) + len(fine.texel)
         yield Progress(Stage.CAPTURE, 0, total)
-        faces = _materials(prepared.mesh)
+        faces = prepared.surface.material_numbers
         fine_maps, coarse_maps = self._maps("fine", fine), self._maps("coarse", plan(1))
         fine_maps["material"] = fine.placed(faces[triangle][:, None].astype(np.float32), gutter=True)
         del fine, triangle  # they are as large as what is captured
-        lone: EndSamples | None = None
-        if self.known is None:
-            alone = Beside(placed, ())
-            with scene_copied(scratch) as copy, path_ends(copy, item, mesh, alone, middle) as ends:
-                lone = _lean(capture_ends(ends, plan(rays.ends), spec.seed, folder, self.store))
+        lone = None if self.known is not None else self._ends(plan(rays.ends), middle)
         done = 2 * count * of_ends**2
         yield Progress(Stage.CAPTURE, done, total)
 
@@ -137,7 +137,10 @@ class _Captures:
             light = yield from relayed(steps, in_paths)
         light = replace(light, through=without_zeros(light.through))
         material = texels.triangle.ravel()[lit.texel]
-        own = self._own_rays(plan(own_side(count)), material, opacity.fine)
+        if prepared.source is None:
+            own = self._own_rays(plan(own_side(count)), material, opacity.fine)
+        else:
+            own = self._source_rays(plan(own_side(count)), coarse, opacity.coarse)
         own = replace(own, rays=replace(own.rays, plan=lit))
         around, looked = (self.known, 0) if self.known is not None else self._around(middle)
         yield Progress(Stage.CAPTURE, total, total)
@@ -150,9 +153,13 @@ class _Captures:
         capture = opacity.bare(
             Capture(light, lone, own, around, fine_maps, coarse_maps, faces[material], exits)
         )
-        paths = total + len(probe.texel) * PROBES * PROBE_CELLS**2 + looked + opacity.rays
+        paths = total + len(probe.texel) * PROBES * PROBE_CELLS**2 + looked + opacity.rays + own.traced
         paths += 0 if exits is None else 3 * exits.weight.size
         return Captured(capture, faces, paths, own.hit.size)
+
+    def _ends(self, plan: CapturePlan, middle: Floats) -> EndSamples:
+        with scene_copied(self.scratch) as copy, path_ends(copy, self.bodies, (), middle) as ends:
+            return _lean(capture_ends(ends, plan, self.spec.seed, self.folder, self.store))
 
     def _maps(self, name: str, plan: CapturePlan) -> dict[str, Floats]:
         def capture() -> Arrays:
@@ -164,31 +171,42 @@ class _Captures:
 
     def _own_rays(self, plan: CapturePlan, triangle: Ints, alpha: Floats | None) -> OwnRays:
         prepared = self.prepared
-        mesh, surface = prepared.pieces[0].rendered, prepared.surface
-        uvs = corner_uvs(surface.uv, prepared.mesh)
 
         def capture() -> Arrays:
+            uvs = [_uvs(piece, prepared) for piece in prepared.pieces]
             with scene_copied(self.scratch) as copy:
-                matrix = read_beside(self.scratch, prepared.original).matrix
                 found = capture_own_rays(
-                    copy, prepared.original, mesh, matrix, uvs, plan, surface, triangle,
-                    self.spec.seed, self.folder, alpha, prepared.uv_layer,
+                    copy, self.bodies, uvs, plan, prepared.surface, triangle, self.spec.seed, self.folder,
+                    alpha, prepared.uv_layer,
                 )  # fmt: skip
-            return {"hit": found.hit, "met": found.met, "place": found.place}
+            return _own_arrays(found)
 
-        kept = self.store.get_or_make("own", capture)
+        return self._own_of(plan, self.store.get_or_make("own", capture))
+
+    def _source_rays(self, plan: CapturePlan, everywhere: CapturePlan, alpha: Floats) -> OwnRays:
+        def capture() -> Arrays:
+            with scene_copied(self.scratch) as copy:
+                found = capture_source_rays(
+                    copy, self.bodies, plan, everywhere, alpha, self.spec.seed, self.folder
+                )
+            return _own_arrays(found)
+
+        return self._own_of(plan, self.store.get_or_make("own", capture))
+
+    def _own_of(self, plan: CapturePlan, kept: Mapping[str, Any]) -> OwnRays:
         hit = cast(Bools, kept["hit"])
         samples = own_samples(plan, own_aim(plan, self.spec.seed), hit)
-        return OwnRays(samples, hit, cast(Ints, kept["met"]), kept["place"])
+        return OwnRays(samples, hit, cast(Ints, kept["met"]), kept["place"], kept.get("light"))
 
     def _around(self, middle: Floats) -> tuple[Around, int]:
-        """What surrounds the object, and how many paths that took."""
+        """What surrounds the objects, and how many paths that took."""
 
         def capture() -> Arrays:
             with scene_copied(self.scratch) as copy:
                 lamps = find_lamps(copy, middle, self.folder)
             with scene_copied(self.scratch) as copy:
-                seen = look_around(copy, self.prepared.original.name, middle, self.folder, self.spec.seed)
+                names = {body.original.name for body in self.bodies}
+                seen = look_around(copy, names, middle, self.folder, self.spec.seed)
             around = Around(middle, seen.world, seen.layers, lamps)
             return arrays_of(around) | {"paths": np.array([seen.paths], dtype=np.int64)}
 
@@ -196,18 +214,19 @@ class _Captures:
         return around_of(kept), int(kept["paths"][0])
 
     def _exits(self, plan: CapturePlan, middle: Floats, radius: float, rays: LayeredRays) -> ExitSamples:
-        prepared = self.prepared
-
         def capture() -> Arrays:
-            matrix = read_beside(self.scratch, prepared.original).matrix
             found = capture_exits(
-                self.scratch, prepared.original, prepared.pieces[0].rendered, matrix, middle, radius, plan,
-                rays.exits, self.spec.seed, self.folder,
-            )  # fmt: skip
+                self.scratch, self.bodies, middle, radius, plan, rays.exits, self.spec.seed, self.folder
+            )
             parts = ("weight", "direction", "place", "colour")
             return {name: getattr(found, name) for name in parts}
 
         return ExitSamples(plan, **self.store.get_or_make("exits", capture))
+
+
+def _own_arrays(own: OwnRays) -> Arrays:
+    light = {} if own.light is None else {"light": own.light}
+    return {"hit": own.hit, "met": own.met, "place": own.place} | light
 
 
 def own_side(texels: int) -> int:
@@ -236,15 +255,25 @@ def _plan_and_triangles(texels: TexelMap) -> tuple[CapturePlan, Ints]:
 
 
 def material_count(prepared: Prepared) -> int:
-    """The number of materials that the faces of a prepared object have, unused slots before them included."""
-    return int(_materials(prepared.mesh).max()) + 1
+    """The number of materials that a prepared surface has, unused numbers before them included."""
+    return int(prepared.surface.material_numbers.max()) + 1
 
 
-def _materials(mesh: bpy.types.Mesh) -> Ints:
-    """The material's number of each face, (F,)."""
-    faces = np.empty(len(mesh.polygons), dtype=np.int32)
-    cast(Any, mesh.polygons).foreach_get("material_index", faces)
-    return faces
+def _uvs(piece: Piece, prepared: Prepared) -> SurfaceUV:
+    """The texture coordinates of a piece's triangles, of which the atlas may cover a part."""
+    mesh: Any = piece.mesh
+    uv = values_in(mesh.attributes[prepared.uv_layer].data, "vector", 2).reshape(-1, 3, 2)
+    inside = np.ones(len(uv), dtype=bool)
+    if piece.part is not None and prepared.part is not None:
+        inside = piece.part == prepared.part.index
+    return sides_of(uv, piece.mesh, inside)
+
+
+def _farthest(body: Body, middle: Floats) -> float:
+    """The radius of a sphere around the middle (3,) that the whole body is in."""
+    place = values_in(body.mesh.vertices, "co", 3).astype(np.float64)
+    moved = place @ body.matrix[:3, :3].T + body.matrix[:3, 3]
+    return _OUTSIDE * float(np.linalg.norm(moved - middle, axis=1).max())
 
 
 def reach_of(plan: CapturePlan) -> tuple[Floats, float]:

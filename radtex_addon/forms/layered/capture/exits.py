@@ -10,7 +10,7 @@ maps, total reflection, the scene's limits of bounces.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,10 +23,10 @@ from ....bake.spec import Kind
 from ....core.arrays import Floats
 from ....core.colour_spaces import LUMINANCE
 from ....cycles.passes import Passes, raw_light_of
-from ....cycles.path_ends import TURNS, PathEnds, any_dark, from_directions, path_ends
+from ....cycles.path_ends import TURNS, Body, PathEnds, any_dark, from_directions, path_ends
 from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import LOBES, MIRRORED, THROUGH, tiles_of
-from ....scene.mesh.surrounding_shapes import RAYS, Beside, Placed, Shape
+from ....scene.mesh.surrounding_shapes import RAYS, Placed, Shape
 from ....scene.scratch import scene_copied
 from ..samples import ExitSamples
 
@@ -37,9 +37,7 @@ _SINGLE = 0.98  # length of a direction that is one path's
 
 def capture_exits(
     scratch: bpy.types.Scene,
-    item: bpy.types.Object,
-    mesh: bpy.types.Mesh,
-    matrix: Floats,
+    bodies: Sequence[Body],
     middle: Floats,
     radius: float,
     plan: CapturePlan,
@@ -49,15 +47,14 @@ def capture_exits(
 ) -> ExitSamples:
     """Trace `times` paths in each of the plan's cells, of which there are an even number along a side.
 
-    `matrix` (4, 4) is the object's, `middle` (3,) and `radius` those of a sphere around it. Raises
-    BakeError where Cycles fails.
+    `middle` (3,) and `radius` are those of a sphere around the `bodies`. Raises BakeError where Cycles fails.
     """
     count, cells = len(plan.texel), plan.layout.bucket**2
     shape = (times, count, cells)
     weight, colour = np.empty(shape, dtype=np.float32), np.zeros((count, 3), dtype=np.float32)
     direction, place = (np.empty((*shape, 3), dtype=np.float32) for _ in range(2))
     white: list[_White] = []
-    with _ends(scratch, item, mesh, Beside(matrix, ()), middle) as ends:
+    with _ends(scratch, bodies, (), middle) as ends:
         trace = _Trace(ends, plan, seed, folder)
         for number in range(times):
             white.append(trace.white(number))
@@ -68,7 +65,7 @@ def capture_exits(
             direction[number] = np.where(single[..., None], found / np.maximum(length, 1e-6), 0)
             colour += (weights * single[..., None]).sum(axis=1)
     wide = _WIDER * radius
-    with _ends(scratch, item, mesh, Beside(matrix, (_sphere(middle, wide),)), middle) as ends:
+    with _ends(scratch, bodies, (_sphere(middle, wide),), middle) as ends:
         trace = _Trace(ends, plan, seed, folder)
         for number in range(times):
             found = trace.ends(number, white[number])
@@ -98,9 +95,9 @@ def in_texels_frames(plan: CapturePlan, direction: Floats, point: Floats) -> tup
 
 @contextmanager
 def _ends(
-    scratch: bpy.types.Scene, item: bpy.types.Object, mesh: bpy.types.Mesh, beside: Beside, middle: Floats
+    scratch: bpy.types.Scene, bodies: Sequence[Body], others: Sequence[Placed], middle: Floats
 ) -> Iterator[PathEnds]:
-    with scene_copied(scratch) as copy, path_ends(copy, item, mesh, beside, middle) as ends:
+    with scene_copied(scratch) as copy, path_ends(copy, bodies, others, middle) as ends:
         yield ends
 
 

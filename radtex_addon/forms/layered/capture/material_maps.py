@@ -7,7 +7,7 @@ Where alpha depends on the angle, nine rays a texel, of which the means are kept
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -21,11 +21,10 @@ from ....core.arrays import Floats
 from ....core.hemisphere import square_to_direction
 from ....cycles.capture_settings import first_hit_only
 from ....cycles.passes import attributes_of, colour_of, light_of
-from ....cycles.path_ends import path_ends
+from ....cycles.path_ends import Body, path_ends
 from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import straight_shifts, tiles_of
 from ....scene.checks.camera_nodes import Outputs, nodes_asked
-from ....scene.mesh.surrounding_shapes import Beside
 from .own_rays import dark_world
 from .surface_alone import Clear
 
@@ -80,9 +79,7 @@ def capture_maps(
 
 def capture_alpha(
     scene: bpy.types.Scene,
-    baked: bpy.types.Object,
-    mesh: bpy.types.Mesh,
-    matrix: Floats,
+    bodies: Sequence[Body],
     clear: Clear,
     plan: CapturePlan,
     seed: int,
@@ -91,15 +88,15 @@ def capture_alpha(
     """How much a surface hides of what is behind it, of a plan of one cell: (K,).
 
     It is that along the normal, but the mean over the hemisphere for materials that depend on the angle.
-    `mesh` has materials as in `surface_alone`, which gave those that are `clear`. Of coloured transparency
-    it is the mean over the channels. Raises BakeError where Cycles fails.
+    The `bodies` have materials as in `surface_alone`, which gave those that are `clear`. Of coloured
+    transparency it is the mean over the channels. Raises BakeError where Cycles fails.
     """
     looks, aim, weight = _looks(plan, depends_on_angle(clear))
-    with path_ends(scene, baked, mesh, Beside(matrix, ()), np.zeros(3, np.float32)) as ends:
-        own = cast(Any, ends.baked)
-        for index, material in enumerate(mesh.materials):
-            if material is not None and material in clear:
-                own.data.materials[index] = clear[material]
+    with path_ends(scene, bodies, (), np.zeros(3, np.float32)) as ends:
+        for body, copy in zip(bodies, ends.copies, strict=True):
+            for index, material in enumerate(body.mesh.materials):
+                if material is not None and material in clear:
+                    cast(Any, copy.data).materials[index] = clear[material]
         ends.scene.world = dark_world()
         capture = PortalCapture(ends.scene, looks, Kind.RADIANCE, 1, seed, folder, aim)
         first_hit_only(ends.scene)

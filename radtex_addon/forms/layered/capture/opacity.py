@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from ....bake.plan import CapturePlan
 from ....core.arrays import Floats, Ints
 from ....core.bilinear import bilinear
 from ....core.errors import InputError
+from ....cycles.path_ends import Body
 from ....scene.scratch import scene_copied
 from ..fit.texel_maps import texel_middles
 from ..samples import Capture
@@ -83,9 +85,7 @@ def _limited(values: Floats) -> Floats:
 
 def find_opacity(
     scratch: bpy.types.Scene,
-    item: bpy.types.Object,
-    mesh: bpy.types.Mesh,
-    matrix: Floats,
+    bodies: Sequence[Body],
     clear: Clear,
     coarse: CapturePlan,
     fine: CapturePlan,
@@ -99,22 +99,20 @@ def find_opacity(
     """
 
     def capture() -> Arrays:
-        image = find_alpha_map(scratch, item, mesh, matrix, clear, fine, seed, folder)
+        image = find_alpha_map(scratch, bodies, clear, fine, seed, folder)
         if image is None:
             return {}
         with scene_copied(scratch) as copy:
-            return {
-                "fine": image,
-                "coarse": capture_alpha(copy, item, mesh, matrix, clear, coarse, seed, folder),
-            }
+            return {"fine": image, "coarse": capture_alpha(copy, bodies, clear, coarse, seed, folder)}
 
     kept = store.get_or_make("alpha", capture) if clear else {}
     if not kept:
         return Opacity(None, np.ones(len(coarse.texel), dtype=np.float32), coarse.texel, 0)
     image, found = kept["fine"], kept["coarse"]
     if found.max() < _CUT:
+        names = ", ".join(f"'{body.original.name}'" for body in bodies)
         raise InputError(
-            f"object '{item.name}' is clear to the camera everywhere, by the alpha or Transparent shaders "
+            f"object {names} is clear to the camera everywhere, by the alpha or Transparent shaders "
             "of its materials: let them show something, or bake another object"
         )
     return Opacity(image, found, coarse.texel, len(coarse.texel) + len(fine.texel))
@@ -122,9 +120,7 @@ def find_opacity(
 
 def find_alpha_map(
     scratch: bpy.types.Scene,
-    item: bpy.types.Object,
-    mesh: bpy.types.Mesh,
-    matrix: Floats,
+    bodies: Sequence[Body],
     clear: Clear,
     plan: CapturePlan,
     seed: int,
@@ -134,7 +130,7 @@ def find_alpha_map(
     if not clear:
         return None
     with scene_copied(scratch) as copy:
-        alpha = capture_alpha(copy, item, mesh, matrix, clear, plan, seed, folder)
+        alpha = capture_alpha(copy, bodies, clear, plan, seed, folder)
     if alpha.min() > _OPAQUE:
         return None
     image: Floats = plan.placed(alpha[:, None], gutter=True)

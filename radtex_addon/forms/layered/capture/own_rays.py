@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where mirror rays meet the object itself: asked of an object that sends out its own texture coordinates."""
+"""Where mirror rays meet the objects themselves: asked of objects that emit their own texture coordinates."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
@@ -12,16 +14,15 @@ import numpy as np
 
 from ....bake.kinds import Kind
 from ....bake.light_samples import Axis, LobeSamples, spread_shifts
-from ....bake.plan import CapturePlan
+from ....bake.plan import CapturePlan, plan_of_some
 from ....core.arrays import Bools, Floats, Ints
 from ....core.gutter import nearest_covered
 from ....core.surface import SurfaceMesh
 from ....cycles.building_blocks import float_image
-from ....cycles.path_ends import path_ends
+from ....cycles.path_ends import Body, path_ends
 from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import tiles_of
 from ....scene.mesh.backs import fronts, twin_numbers
-from ....scene.mesh.surrounding_shapes import Beside
 from ....scene.nodes import open_material, open_world
 from ..samples import OwnRays
 
@@ -29,15 +30,26 @@ _AHEAD = 5  # of the bake's seed
 _FRONT, _BACK = "radtex_front_uv", "radtex_back_uv"  # attributes of corners
 _OUTSIDE = 2.0  # texels: where a hit lies further from its texel's middle, the texel's own point is taken
 _AT_ONCE = 1 << 18  # rays
+_COVERED, _APART = 1.0, 2.0  # in blue: what the atlas covers, and parts of the object with other atlases
 _FLAT = 1e-12  # doubled area of a triangle in UV: with less, places on it are not told by UV
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceUV:
+    """Texture coordinates of the triangles of a rendered mesh, (F, 3, 2): of their `front` and their `back`.
+
+    `inside` (F,): which triangles the atlas covers; the coordinates of others do not matter.
+    """
+
+    front: Floats
+    back: Floats
+    inside: Bools
 
 
 def capture_own_rays(
     scene: bpy.types.Scene,
-    baked: bpy.types.Object,
-    mesh: bpy.types.Mesh,
-    matrix: Floats,
-    corner_uv: tuple[Floats, Floats],
+    bodies: Sequence[Body],
+    uvs: Sequence[SurfaceUV],
     plan: CapturePlan,
     surface: SurfaceMesh,
     triangle: Ints,
@@ -48,25 +60,56 @@ def capture_own_rays(
 ) -> OwnRays:
     """One mirror ray in each of the plan's cells. Raises BakeError where Cycles fails.
 
-    `corner_uv` are the texture coordinates (F, 3, 2) of the mesh's front faces and of their backs; `triangle`
-    (K,) is each of the plan's texels' in `surface`. Where a map of `alpha` (H, W, 1), over the UV layer, says
-    less than 1, so many rays go on.
+    `uvs` are those of the `bodies`; `triangle` (K,) is each of the plan's texels' in `surface`. Where a map
+    of `alpha` (H, W, 1), over the UV layer, says less than 1, so many rays go on. Where rays meet triangles
+    that the atlas does not cover, a path is traced along each of them in `scene`.
     """
     aim = own_aim(plan, seed)
-    with path_ends(scene, baked, mesh, Beside(matrix, ()), np.zeros(3, np.float32)) as ends:
-        own: Any = ends.baked
-        own.data = _glowing(own.data, corner_uv, alpha, uv_layer)
+    with path_ends(scene, bodies, (), np.zeros(3, np.float32)) as ends:
+        material = _shows_uv(alpha, uv_layer)
+        for copy, uv in zip(ends.copies, uvs, strict=True):
+            copy.data = _with_uv(cast(bpy.types.Mesh, copy.data), uv, material)
         ends.scene.world = dark_world()
         capture = PortalCapture(ends.scene, plan, Kind.REFLECTION, 1, seed, folder, aim)
         count = plan.layout.bucket**2
-        hits, places = [], []
+        hits, told = [], []
         for tile in tiles_of(plan):
             coded = capture.render_passes(tile).raw_whole[..., :3].reshape(-1, count, 3)
             hits.append(coded[..., 2] > 0.5)
-            places.append(coded[hits[-1]][:, :2] - 1)
-    hit, uv = np.concatenate(hits), np.concatenate(places)
-    met, place = texels_met(plan, surface, triangle, uv)
-    return OwnRays(own_samples(plan, aim, hit), hit, met, place)
+            told.append(coded[hits[-1]])
+    hit, seen = np.concatenate(hits), np.concatenate(told)
+    inside = seen[:, 2] < _COVERED + 0.5
+    met, place = np.full(len(seen), -1, dtype=np.int32), np.zeros((len(seen), 3), dtype=np.float32)
+    met[inside], place[inside] = texels_met(plan, surface, triangle, seen[inside, :2] - 1)
+    light = None if inside.all() else light_along(scene, plan, aim, hit, ~inside, seed, folder)
+    return OwnRays(own_samples(plan, aim, hit), hit, met, place, light)
+
+
+def light_along(
+    scene: bpy.types.Scene,
+    plan: CapturePlan,
+    aim: Aim,
+    hit: Bools,
+    wanted: Bools,
+    seed: int,
+    folder: Path,
+) -> Floats:
+    """The light (P, 3) of one path along each `wanted` (P,) ray of those that `hit` (K, n*n), 0 of others."""
+    row, _ = np.nonzero(hit)
+    some = np.zeros(len(hit), dtype=bool)
+    some[row[wanted]] = True
+    part = plan_of_some(plan, some)
+    aim = Aim(aim.shift[some])
+    capture = PortalCapture(scene, part, Kind.REFLECTION, 1, seed, folder, aim)
+    light, first = np.zeros((len(row), 3), dtype=np.float32), 0
+    texels, start = np.flatnonzero(some), np.searchsorted(row, np.arange(len(hit) + 1))
+    for tile in tiles_of(part):
+        found = capture.render_passes(tile).whole[..., :3].reshape(-1, plan.layout.bucket**2, 3)
+        for texel, rays in zip(texels[first:], found, strict=False):
+            light[start[texel] : start[texel + 1]] = rays[hit[texel]]
+        first += len(found)
+    light[~wanted] = 0
+    return light
 
 
 def own_aim(plan: CapturePlan, seed: int) -> Aim:
@@ -140,32 +183,38 @@ def _uv_frames(surface: SurfaceMesh) -> tuple[Floats, Floats]:
     return corners[:, 0], np.einsum("fce,fea->fca", edges, inverse) / area[:, None, None]
 
 
-def corner_uvs(surface_uv: Floats, mesh: bpy.types.Mesh) -> tuple[Floats, Floats]:
-    """The texture coordinates of a baked copy's front faces, and of their backs, (F, 3, 2) each.
+def sides_of(surface_uv: Floats, mesh: bpy.types.Mesh, inside: Bools) -> SurfaceUV:
+    """The texture coordinates of both sides of a baked copy's faces, without its twins.
 
-    `surface_uv` are those of all faces of `mesh`; the back of a face without a twin has the front's.
+    `surface_uv` (F, 3, 2) are those of all faces of `mesh`, and `inside` (F,) are those that the atlas
+    covers; the back of a face without a twin has the front's.
     """
     twin = twin_numbers(mesh)
     if twin is None:
-        return surface_uv, surface_uv
+        return SurfaceUV(surface_uv, surface_uv, inside)
     own = fronts(twin)
     front, pair = surface_uv[own], twin[own]
     back = front.copy()
     back[pair >= 0] = surface_uv[pair[pair >= 0]][:, ::-1]  # a twin's corners are in the opposite order
-    return front, back
+    return SurfaceUV(front, back, inside[own])
 
 
-def _glowing(
-    mesh: bpy.types.Mesh, corner_uv: tuple[Floats, Floats], alpha: Floats | None, uv_layer: str
-) -> bpy.types.Mesh:
-    """The mesh, sending out the texture coordinates of the side that is met, plus 1."""
+def _with_uv(mesh: bpy.types.Mesh, surface: SurfaceUV, material: bpy.types.Material) -> bpy.types.Mesh:
+    """A copy of the mesh with this material alone, which reads the texture coordinates of both sides."""
     copy: Any = cast(bpy.types.ID, mesh).copy()
     copy.materials.clear()
-    for name, uv in zip((_FRONT, _BACK), corner_uv, strict=True):
+    copy.materials.append(material)
+    flag = np.where(surface.inside, _COVERED, _APART).repeat(3)
+    for name, uv in ((_FRONT, surface.front), (_BACK, surface.back)):
         values = np.zeros((uv.shape[0] * 3, 3), dtype=np.float32)
         values[:, :2] = uv.reshape(-1, 2) + 1
-        values[:, 2] = 1
+        values[:, 2] = flag
         copy.attributes.new(name, "FLOAT_VECTOR", "CORNER").data.foreach_set("vector", values.ravel())
+    return cast(bpy.types.Mesh, copy)
+
+
+def _shows_uv(alpha: Floats | None, uv_layer: str) -> bpy.types.Material:
+    """A material that emits the texture coordinates of the side that is met, plus 1, and the flag in blue."""
     material, build = open_material("RadTex UV")
     behind = build.geometry("Backfacing")
     shown = build.mix(behind, build.attribute(_FRONT), build.attribute(_BACK))
@@ -175,12 +224,12 @@ def _glowing(
         share = build.image(image, build.uv_map(uv_layer), "Linear")[0]
         chance = build.node("ShaderNodeTexWhiteNoise", build.geometry("Position")).outputs["Value"]
         through = build.node("ShaderNodeBsdfTransparent").outputs[0]
-        stops = build.math("GREATER_THAN", share, chance)
+        apart = build.math("GREATER_THAN", build.separate(shown)[2], (_COVERED + _APART) / 2)
+        stops = build.math("GREATER_THAN", build.math("MAXIMUM", share, apart), chance)
         shader = build.node("ShaderNodeMixShader", stops, through, shader).outputs[0]
     build.node("ShaderNodeOutputMaterial", shader)
     cast(Any, material).cycles.emission_sampling = "NONE"
-    copy.materials.append(material)
-    return cast(bpy.types.Mesh, copy)
+    return material
 
 
 def dark_world() -> bpy.types.World:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,13 +34,16 @@ class Near:
     plane: tuple[Floats, float] | None
 
 
-def near_things(scene: bpy.types.Scene, subject: str) -> list[Near]:
-    """The largest flat thing, and all others, from far to near; what is not there is left out."""
+def near_things(scene: bpy.types.Scene, subjects: Collection[str]) -> list[Near]:
+    """The largest flat thing, and all others, from far to near; what is not there is left out.
+
+    The objects called `subjects`, which are baked, are none of them.
+    """
     flat: list[tuple[float, str, Floats, float]] = []
     others: list[str] = []
     graph = bpy.context.evaluated_depsgraph_get()
     for item in scene.objects:
-        if item.type not in _SHAPES or item.name == subject or item.hide_render:
+        if item.type not in _SHAPES or item.name in subjects or item.hide_render:
             continue
         place = _vertices(item, graph)
         if not len(place):
@@ -78,10 +81,15 @@ class Panoramas:
     paths: int
 
 
-def look_around(scene: bpy.types.Scene, subject: str, middle: Floats, folder: Path, seed: int) -> Panoramas:
-    """Render the panoramas, in copies of `scene`. Raises BakeError where Cycles fails."""
+def look_around(
+    scene: bpy.types.Scene, subjects: Collection[str], middle: Floats, folder: Path, seed: int
+) -> Panoramas:
+    """Render the panoramas, in copies of `scene`, without the objects called `subjects`, which are baked.
+
+    Raises BakeError where Cycles fails.
+    """
     camera = _Camera(scene, middle, folder, seed)
-    near = near_things(scene, subject)
+    near = near_things(scene, subjects)
     direction = panorama_directions(WORLD_WIDTH)
     with _hidden(scene, "hide_render", _others(scene, frozenset())):
         seen = camera.render(WORLD_WIDTH, 1)

@@ -9,7 +9,7 @@ the object and its shadow stay. The light that a camera then sees is premultipli
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import chain
 from typing import Any, TypeAlias, cast
@@ -28,20 +28,22 @@ _Change: TypeAlias = Callable[[NodeBuilder, Any], None]  # of a node that is cle
 
 
 @contextmanager
-def surface_alone(item: bpy.types.Object, *meshes: bpy.types.Mesh) -> Iterator[Clear]:
-    """Let camera rays end at the surface of `item`, whose slots have their own materials again at the end.
+def surface_alone(
+    items: Sequence[bpy.types.Object], meshes: Sequence[bpy.types.Mesh] = ()
+) -> Iterator[Clear]:
+    """Let camera rays end at the surfaces of `items`, whose slots have their own materials again at the end.
 
-    `meshes` are copies of its mesh, whose materials are exchanged likewise.
+    `meshes` are copies of their meshes, whose materials are exchanged likewise.
 
-    Yields its see-through materials, as they are now, each with one that emits to the camera what is seen
+    Yields their see-through materials, as they are now, each with one that emits to the camera what is seen
     through it of an evenly white background, and nothing else. Those with shaders whose transparency is
     unknown, Holdout, Ray Portal or a script, stay as they are, and are not among them.
     """
-    before = [slot.material for slot in item.material_slots]
+    before = [[slot.material for slot in item.material_slots] for item in items]
     of_meshes = [list(mesh.materials) for mesh in meshes]
     copies: dict[bpy.types.Material, bpy.types.Material] = {}
     clear: dict[bpy.types.Material, bpy.types.Material] = {}
-    for material in [*before, *chain(*of_meshes)]:
+    for material in chain(*before, *of_meshes):
         if material is None or material in copies or not is_see_through(material):
             continue
         if not _has_unknown(material.node_tree):
@@ -49,12 +51,14 @@ def surface_alone(item: bpy.types.Object, *meshes: bpy.types.Mesh) -> Iterator[C
             clear[copies[material]] = _changed(without_emission(material), _show_background)
             cast(Any, clear[copies[material]]).cycles.emission_sampling = "NONE"
     try:
-        _assign(item, [material and copies.get(material, material) for material in before])
+        for item, own in zip(items, before, strict=True):
+            _assign(item, [material and copies.get(material, material) for material in own])
         for mesh, own in zip(meshes, of_meshes, strict=True):
             _assign_to_mesh(mesh, [material and copies.get(material, material) for material in own])
         yield clear
     finally:
-        _assign(item, before)
+        for item, own in zip(items, before, strict=True):
+            _assign(item, own)
         for mesh, own in zip(meshes, of_meshes, strict=True):
             _assign_to_mesh(mesh, own)
 

@@ -3,6 +3,7 @@
 """What an object shows of itself, computed: along rays that meet it, by what the fit says of that place.
 
 No light is traced for it, so there is no noise; light that was mirrored more often comes in with each turn.
+Where rays meet parts of a split object that have other atlases, traced light is all that is known.
 """
 
 from __future__ import annotations
@@ -123,6 +124,9 @@ class _Seen:
         direct, share = (np.zeros((3, len(own.met)), dtype=np.float32) for _ in range(2))
         seen = cls(surface, own, start, direct, share)
         in_blocks(seen._look, *own.hit.shape)
+        if own.light is not None:
+            apart = own.met < 0
+            direct[:, apart], share[:, apart] = own.light[apart].T, 0
         return seen
 
     def hits(self, texels: Ints) -> _Hits:
@@ -133,7 +137,8 @@ class _Seen:
         square = self.own.rays.square[texels][row, number][:, None]
         axis = mirrored_about(self.surface.plan, square, self.surface.normal, texels[row])[:, 0]
         met = self.own.met[ray]
-        faces = (-(self.surface.normal[met] * axis).sum(axis=1) > _GRAZING).astype(np.float32)
+        facing = (-(self.surface.normal[met] * axis).sum(axis=1) > _GRAZING) | (met < 0)
+        faces = facing.astype(np.float32)
         return _Hits(row, ray, axis, direction_to_octahedron(axis).T, faces)
 
     def light(self, hits: _Hits, own: Floats | None) -> Floats:
