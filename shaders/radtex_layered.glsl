@@ -20,7 +20,8 @@
 // Textures, one for each layer, are clamped to their edges and filtered linearly; world, plane and things have mip
 // levels, filtered linearly, too. v = 0 is the first row. A range is the share of a texture's width and height that is
 // no padding, and scale and offset: a value is texel * scale + offset, but for the alpha of own, plane and things.
-// Uniforms are the same for all materials, but for radtex_material and radtex_lobes: draw one material at a time.
+// Uniforms are the same for all materials, but for radtex_material and radtex_lobes: draw one material at a time. Or define
+// RADTEX_MATERIALS, give those two the values of so many materials one behind the other, and call radtex_layered_of.
 //
 // RADTEX_DECLARED: you declare the uniforms before, in blocks if you like, as Vulkan must have it.
 // RADTEX_NO_DERIVATIVES: for stages other than the fragment's.
@@ -31,6 +32,9 @@ precision highp int;
 precision highp sampler2D;
 #endif
 
+#ifndef RADTEX_MATERIALS
+#define RADTEX_MATERIALS 1
+#endif
 #ifndef RADTEX_LAMPS
 #define RADTEX_LAMPS 0
 #endif
@@ -48,7 +52,8 @@ precision highp sampler2D;
 #endif
 
 #ifndef RADTEX_DECLARED
-uniform vec4 radtex_material[16];  // by N.V: the falloff, and the sine by which lobes bend towards the normal
+// By N.V: the falloff, and the sine by which lobes bend towards the normal.
+uniform vec4 radtex_material[16 * RADTEX_MATERIALS];
 uniform sampler2D radtex_colour_map, radtex_irradiance_map, radtex_rest_map;
 uniform vec4 radtex_colour_range, radtex_irradiance_range;  // part of width and height, scale, offset
 uniform vec4 radtex_rest_range;  // the size of a tile in place of the part
@@ -66,7 +71,8 @@ uniform sampler2D radtex_alpha_map;
 uniform vec4 radtex_alpha_range;
 #endif
 #ifdef RADTEX_MIRRORS
-uniform vec4 radtex_lobes[32];  // by N.V: weight, and log2 of the width²; the first lobe's, then the second one's
+// By N.V: weight, and log2 of the width²; the first lobe's, then the second one's.
+uniform vec4 radtex_lobes[32 * RADTEX_MATERIALS];
 uniform sampler2D radtex_own_map;
 uniform vec4 radtex_own_range, radtex_own_tile;
 #ifdef RADTEX_WIDTH
@@ -324,8 +330,9 @@ float radtex_free(float kept, float width) {
 }
 #endif
 
-// Radiance towards the viewer, in the unit direction V, from a fragment at `position` whose unit normal is N.
-vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
+// Radiance towards the viewer, in the unit direction V, from a place at `position` whose unit normal is N, of the material
+// with that number.
+vec3 radtex_layered_of(int material, vec2 uv, vec3 position, vec3 N, vec3 V) {
 #ifdef RADTEX_NORMAL
     vec3 shading = radtex_map(radtex_normal_map, radtex_normal_range, uv).xyz;
     shading *= inversesqrt(max(dot(shading, shading), 1e-12));
@@ -333,7 +340,7 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
 #endif
     float opacity = radtex_alpha(uv), cosine = dot(N, V), curve = clamp(cosine * 16.0 - 0.5, 0.0, 15.0);
     float below = min(floor(curve), 14.0), above = curve - below;
-    int low = int(below);
+    int low = 16 * material + int(below);
     vec4 facts = mix(radtex_material[low], radtex_material[low + 1], above);
     vec3 light = radtex_map(radtex_colour_map, radtex_colour_range, uv).rgb
         * radtex_map(radtex_irradiance_map, radtex_irradiance_range, uv).rgb * facts.rgb;
@@ -352,6 +359,7 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
     vec3 towards = N - dot(N, axis) * axis;
     towards *= inversesqrt(max(dot(towards, towards), 1e-12));
     vec3 ray = axis * sqrt(1.0 - facts.a * facts.a) + towards * facts.a;
+    low += 16 * material;
     vec4 met = radtex_met(from, ray), lobe = mix(radtex_lobes[low], radtex_lobes[low + 1], above);
     float wider = 0.0;
 #ifdef RADTEX_WIDTH
@@ -373,4 +381,9 @@ vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
     vec3 rest = radtex_rest(radtex_rest_map, radtex_rest_range, radtex_rest_tile, float(RADTEX_REST_CELLS), uv, place);
     light += max(opacity * rest, -0.5 * light);
     return max(light, 0.0);
+}
+
+// The same of the only material that the uniforms tell of, or the first.
+vec3 radtex_layered(vec2 uv, vec3 position, vec3 N, vec3 V) {
+    return radtex_layered_of(0, uv, position, N, V);
 }

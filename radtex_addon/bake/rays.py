@@ -56,7 +56,7 @@ def coarser(texels: int) -> float:
 
 
 def step_to(shape: tuple[int, ...], whole: tuple[int, ...]) -> float:
-    """How many texels of an atlas (H, W) each texel of a map (h, w) is wide, which is as large or has buckets."""
+    """How many texels of an atlas (H, W) each texel of a map (h, w) is wide: as large, or of buckets."""
     return 1.0 if shape[:2] == whole[:2] else coarser(max(whole[:2]))
 
 

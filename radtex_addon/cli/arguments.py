@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 from ..bake.memory_limits import check_memory
@@ -15,6 +15,7 @@ from ..export.target_checks import check_target
 from ..job import OpenLayout
 from ..job.bake_request import BakeRequest
 from ..scene.demo import OBJECT
+from ..textures.export_spec import Target
 from .bake_arguments import add_course, add_files, add_how, add_quality, add_what
 from .light_options import lit, parse_lights
 from .options import (
@@ -30,6 +31,8 @@ from .options import (
     add_parent,
     check_named,
 )
+
+_LAST_PORT = 65535
 
 _DESCRIPTION = """\
 Bake radiance textures with Cycles: every texel of an object gets a bucket, a
@@ -59,7 +62,10 @@ exit codes:
 
 @dataclass(frozen=True)
 class Request:
-    """One bake run. `scene` is the .blend to open; None bakes the file that Blender has open."""
+    """One bake run. `scene` is the .blend to open; None bakes the file that Blender has open.
+
+    `passes` fold samples into one atlas; `serve` is the port at which the web page is served meanwhile.
+    """
 
     scene: Path | None
     demo: bool
@@ -70,6 +76,8 @@ class Request:
     in_scene: str | None = None
     unsaved_images: Path | None = None
     parent_pipe: bool = False
+    passes: int = 1
+    serve: int | None = None
 
 
 def parse(arguments: list[str], inside_blender: bool) -> Request:
@@ -84,7 +92,8 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
     chosen = {
         field.name: getattr(found, field.name) for field in fields(BakeSpec) if hasattr(found, field.name)
     }
-    open_layout = OpenLayout(found.bucket) if found.layout is None else None
+    passes = found.passes or 1
+    open_layout = OpenLayout(found.bucket) if found.layout is None and passes < 2 else None
     chosen["layout"] = found.layout or Layout.BUCKETS
     chosen["layers"] = tuple(found.layers or ())
     if found.frames:
@@ -96,6 +105,7 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
     lights = tuple(map(parse_lights, found.lit or ()))
     spec = lit(BakeSpec(**chosen), lights)
     check_memory(spec)
+    _check_passes(found, spec)
     for target in found.exports or ():
         check_target("the bake", spec.kind, target)
     return Request(
@@ -119,7 +129,22 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
         thumbnail=None if found.thumbnail is None else Path(found.thumbnail),
         in_scene=found.in_scene,
         parent_pipe=found.parent_pipe,
+        passes=passes,
+        serve=found.serve,
     )
+
+
+def _check_passes(found: argparse.Namespace, spec: BakeSpec) -> None:
+    if found.passes is not None and found.passes < 1:
+        raise InputError(f"--passes {found.passes}: give a number of 1 or more")
+    if (found.passes or 1) > 1:
+        replace(spec, accumulate=True)  # raises InputError for what cannot be accumulated
+    if found.serve is None:
+        return
+    if Target.WEB not in (found.exports or ()):
+        raise InputError("--serve shows the web page: give --export web and --save-preview too")
+    if not 0 <= found.serve <= _LAST_PORT:
+        raise InputError(f"--serve {found.serve}: give a port from 0 to {_LAST_PORT}")
 
 
 def _sharing(together: str | None, objects: tuple[str, ...], demo: bool) -> tuple[str, ...]:

@@ -287,6 +287,24 @@ def add_course(group: argparse._ArgumentGroup) -> None:
         action="store_true",
         help="fold the samples into the atlas that is there: 8 and 8 more are 16, if nothing has changed",
     )
+    add_number(
+        group,
+        "--passes",
+        "passes",
+        "N",
+        "bake, then fold in as many samples again, with exports and preview after each pass, until there are "
+        "N passes (default: 1)",
+        None,
+    )
+    add_number(
+        group,
+        "--serve",
+        "serve",
+        "PORT",
+        "with --export web: serve the page on this machine, which takes in each pass, until Ctrl-C; 0 is a "
+        "free port",
+        None,
+    )
     group.add_argument(
         "--refresh",
         action="store_true",

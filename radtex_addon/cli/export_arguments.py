@@ -35,6 +35,7 @@ examples:
   python bake.py export baked --to web
   python bake.py export baked --object Vase --to godot --out game/vase
   python bake.py export baked --to unity --format exr
+  python bake.py export baked --to web --mirror
 
 exit codes: as of a bake"""
 
@@ -78,6 +79,7 @@ def _parser(inside_blender: bool) -> Parser:
     )
     _add_what(parser.add_argument_group("what is exported"))
     _add_textures(parser.add_argument_group("textures"))
+    _add_mirror(parser.add_argument_group("mirror ball"))
     add_memory(
         parser.add_argument_group("how"),
         "memory that the export may take beside Blender: one that needs more is refused",
@@ -144,6 +146,30 @@ def _add_textures(group: argparse._ArgumentGroup) -> None:
         "(default: 8192 for the web, else 16384)",
         None,
     )
+
+
+def _add_mirror(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--mirror",
+        action="store_true",
+        help="for web and godot: a chrome ball that moves and mirrors the bake, by a ray for each fragment",
+    )
+    group.add_argument(
+        "--mirror-sky",
+        dest="sky",
+        type=_colour,
+        metavar="R,G,B",
+        help="linear light that the ball shows where a ray meets nothing; the layered layout has "
+        "surroundings of its own (default: 0,0,0)",
+    )
+
+
+def _colour(words: str) -> tuple[float, float, float]:
+    try:
+        red, green, blue = (float(word) for word in words.split(","))
+    except ValueError:
+        raise InputError(f"--mirror-sky {words}: give three numbers, such as 0.5,0.6,0.8") from None
+    return red, green, blue
 
 
 def _add_output(group: argparse._ArgumentGroup) -> None:

@@ -26,6 +26,7 @@ _Result = TypeVar("_Result")
 
 INTERRUPTED = "interrupted: nothing unfinished is left"
 _GRACE = 3.0  # seconds that a step has to end after standard input has closed
+_LOOK = 0.2  # seconds between looks at the flag
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)  # Ctrl-C, and the signal by which farms stop a job
 
 
@@ -54,6 +55,11 @@ class Interruption:
             os._exit(Cancelled.exit_code)
 
         Thread(target=watch, daemon=True).start()
+
+    def wait(self) -> None:
+        """Return when cancellation is requested."""
+        while not self._asked:
+            sleep(_LOOK)
 
     def check(self) -> None:
         """Raise Cancelled if cancellation was requested."""

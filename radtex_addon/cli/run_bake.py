@@ -7,8 +7,11 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
+
+import bpy
 
 from ..bake.key import is_unfinished
 from ..bake.spec import BakeSpec
@@ -21,12 +24,14 @@ from ..formats.disk.path_checks import check_unicode
 from ..job import BakeResult, OutputFiles
 from ..job.bake_plan import check_plan, plan_bakes, steps_of_bakes
 from ..preview.picture import render_picture
+from ..textures.export_spec import Target
 from .arguments import Request
 from .failure import as_ours
 from .interruption import INTERRUPTED, Interruption
 from .light_options import titled
 from .opening import open_asked
 from .reporting import Report
+from .serving import address, serving
 from .wording import told
 
 _NAME = 255  # most bytes in a file name
@@ -35,6 +40,25 @@ _NAME = 255  # most bytes in a file name
 def run_bake(request: Request, report: Report, interruption: Interruption) -> None:
     """Bake each object and report the results. Raises RadTexError."""
     scene = open_asked(request, interruption)
+    with serving(request.bakes.folder, request.serve) as port:
+        pages = _bake(scene, request, report, interruption, "")
+        for page in pages if port is not None else ():
+            report.event("note", message=f"{page.stem} is shown at {address(port or 0, page)}")
+        for number in range(1, request.passes):
+            again = replace(request.bakes, spec=replace(request.bakes.spec, accumulate=True), overwrite=True)
+            if request.demo:  # its picture has opened another file
+                scene = open_asked(request, interruption)
+            _bake(scene, replace(request, bakes=again), report, interruption, f", pass {number + 1}")
+        if port is not None:
+            report.event("note", message="the page is served until Ctrl-C")
+            interruption.wait()
+
+
+def _bake(
+    scene: bpy.types.Scene, request: Request, report: Report, interruption: Interruption, after: str
+) -> list[Path]:
+    """Bake each object once and report the results, their titles ending in `after`; returns the web pages."""
+    pages: list[Path] = []
     plan = plan_bakes(scene, request.bakes)
     if not plan.wanted:
         report.event("note", message=f"all {len(plan.choices)} bakes are finished: nothing is left to do")
@@ -46,12 +70,14 @@ def run_bake(request: Request, report: Report, interruption: Interruption) -> No
         report.event("note", message=line)
     thumbnail = partial(_thumbnail, request.thumbnail, report)
     for number, (name, spec, steps) in enumerate(steps_of_bakes(scene, plan, thumbnail)):
-        title = titled(name, spec, number, len(plan.wanted))
+        title = titled(name, spec, number, len(plan.wanted)) + after
         with _saying_how_to_resume(name, spec, request):
             result = interruption.between(steps, partial(report.progress, title))
         others = [*_pictures(request, result), *result.exported]
         facts = facts_of(spec, result, others)
         report.event("done", object=name, summary=summary_of(title, spec, result), **facts)
+        pages += [path for path in result.exported if path.suffix == f".{Target.WEB}"]
+    return pages
 
 
 def _check_thumbnail(path: Path | None) -> None:

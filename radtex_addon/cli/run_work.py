@@ -108,6 +108,8 @@ def _export(facts: Facts, request: WorkRequest) -> ExportRequest:
             limit=None if _absent(asked, "limit") else asked.whole_number("limit", 1),
             layers=tuple(map(Layer, asked.choices("layers", tuple(Layer)))),
             memory_mb=None if _absent(asked, "memory_mb") else asked.whole_number("memory_mb", 1),
+            mirror="mirror" in asked.values and asked.truth("mirror"),
+            sky=None if _absent(asked, "sky") else _colour(asked, "sky"),
         ),
         out=Path(facts.text("folder")),
         overwrite=facts.truth("overwrite"),
@@ -115,6 +117,11 @@ def _export(facts: Facts, request: WorkRequest) -> ExportRequest:
         verbose=request.verbose,
         parent_pipe=True,
     )
+
+
+def _colour(facts: Facts, key: str) -> tuple[float, float, float]:
+    red, green, blue = facts.numbers(key, 3)
+    return red, green, blue
 
 
 def _comparison(facts: Facts, request: WorkRequest) -> CompareRequest:

@@ -18,6 +18,7 @@ from ..formats.json_reader import Facts, json_text, shown
 from ..formats.sidecar_file import read_text
 from ..forms import Form, form_in
 from ..textures.entry import TextureEntry, file_of
+from .mirror import Mirror
 
 VERSION = 1
 EXTENSION = "export.json"
@@ -30,7 +31,7 @@ class Manifest:
     The keys of `textures` are the layers' names for the layered layout; else the kind, such as "radiance",
     and the names of additional layers. `bake` is the sidecar's JSON. The flat lightmap's light was
     multiplied by `flat_scale` before it was encoded. `culled`: only front faces are drawn, since those that
-    are seen from behind have others for their backs.
+    are seen from behind have others for their backs. `mirror` is what a moving mirror ball needs.
     """
 
     tool: str
@@ -41,6 +42,7 @@ class Manifest:
     textures: Mapping[str, TextureEntry]
     flat_scale: float = 1.0
     culled: bool = False
+    mirror: Mirror | None = None
 
     @property
     def form(self) -> Form:
@@ -61,6 +63,7 @@ class Manifest:
             "bake": dict(self.bake),
             **({} if shader is None else {"shader": shader}),
             "textures": {layer: entry.facts() for layer, entry in self.textures.items()},
+            **({} if self.mirror is None else {"mirror": self.mirror.facts()}),
         }
 
     def to_json(self) -> str:
@@ -92,6 +95,7 @@ class Manifest:
             textures={layer: TextureEntry.from_facts(textures.inner(layer)) for layer in layers},
             flat_scale=facts.positive("flat_scale"),
             culled=facts.truth("culled") if "culled" in facts.values else False,
+            mirror=Mirror.from_facts(facts.inner("mirror")) if "mirror" in facts.values else None,
         )
 
 

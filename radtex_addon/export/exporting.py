@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..core.errors import FormatError, InputError
@@ -24,6 +24,7 @@ from .engines import write_engine
 from .export_manifest import EXTENSION, Manifest, write_manifest
 from .folder import check_out, files_in, replacing_folder
 from .gltf import check_exporter, write_gltf
+from .mirror import check_mirror, materials_of, write_mirror
 from .pack import Pack
 from .target_checks import check_target
 from .web import check_page, write_web
@@ -108,6 +109,8 @@ def check_export(bake: ExportSource, spec: ExportSpec, out: Path, *, overwrite: 
     check_out(out, path.parent, overwrite)
     check_target(path, bake.bake.kind, spec.target)
     _check_layers(bake, spec)
+    if spec.mirror:
+        check_mirror(path, bake.bake.kind, 1)
     needed = _LEAST_BYTES + bake.form.export_bytes(bake.sidecar)
     check_allowed(f"an export of {path}", needed, spec.memory_mb)
     check_preview(bake.preview)
@@ -143,7 +146,8 @@ def _pack(bake: ExportSource, spec: ExportSpec, folder: Path) -> Generator[Step,
     part = None if bake.bake.part is None else bake.bake.part.index
     with baked_copy(bake.preview, bake.bake.surfaces, layer, part) as (scene, copy):
         yield Step(Task.FLAT, 0, 1)
-        light = yield from bake.form.flat(bake.sidecar, surface_of(copy, layer))
+        surface = surface_of(copy, layer)
+        light = yield from bake.form.flat(bake.sidecar, surface)
         flat, scale = flat_png(light)
         clear = light.shape[2] > 3  # it has alpha
         manifest = Manifest(
@@ -156,6 +160,12 @@ def _pack(bake: ExportSource, spec: ExportSpec, folder: Path) -> Generator[Step,
             flat_scale=scale,
             culled=bake.form.traits.backs and twin_numbers(copy.data) is not None,
         )
+        if spec.mirror:
+            shader = bake.form.shader_facts(manifest.bake, textures)
+            check_mirror(bake.sidecar.path, bake.bake.kind, materials_of(shader))
+            mirrored = copy.matrix_world.determinant() < 0
+            mirror = write_mirror(surface, mirrored, manifest.culled, bake.name, spec, folder)
+            manifest = replace(manifest, mirror=mirror)
         (folder / manifest.flat).write_bytes(flat)
         yield Step(Task.MESH, 0, 1)
         write_gltf(scene, copy, layer, flat, manifest, folder / manifest.mesh, clear)

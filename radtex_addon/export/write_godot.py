@@ -15,6 +15,7 @@ import numpy as np
 from ..core.arrays import Floats
 from ..formats.containers.glb import Glb
 from ..textures.godot_shader import GodotShader
+from .godot_mirror import SCRIPT, mirror_nodes, mirror_shader
 from .pack import SHADERS, Pack
 
 TEMPLATES = Path(__file__).with_name("godot_project")
@@ -26,10 +27,14 @@ def write_godot(pack: Pack, folder: Path) -> None:
     manifest, name = pack.manifest, pack.name
     glb = Glb.read(folder / manifest.mesh)
     shader = manifest.form.godot_shader(manifest.bake, manifest.textures, baked_matrix(glb), manifest.culled)
+    mirror = manifest.mirror
     files = {"MATERIAL": f"{name}.material.tres", "SHADER": f"{name}.gdshader", "MESH": manifest.mesh}
     paths = {word: quoted(f"res://{file}") for word, file in files.items()}
     materials = _materials(glb, name)
-    facts = paths | {"NAME": quoted(name), "MATERIALS": _external(glb, materials)}
+    ball = f"{name}.mirror.tres"
+    resources, node = mirror_nodes(mirror, quoted(f"res://{ball}")) if mirror else ("", "")
+    words = {"MIRROR_RESOURCES": resources and f"{resources}\n", "MIRROR_NODE": node and f"{node}\n"}
+    facts = paths | words | {"NAME": quoted(name), "MATERIALS": _external(glb, materials)}
     for template in ("project.godot", "main.tscn", "orbit.gd"):
         _write(folder / template, template, facts)
     _write(folder / f"{manifest.mesh}.import", "mesh.import", facts)
@@ -38,8 +43,16 @@ def write_godot(pack: Pack, folder: Path) -> None:
     for file, number in materials.items():
         material = material_text(shader, files["SHADER"], number)
         (folder / file).write_text(material, encoding="utf-8", newline="\n")
+    included = dict.fromkeys(shader.includes)
+    if mirror:
+        own = mirror_shader(shader, manifest, mirror)
+        included |= dict.fromkeys(own.includes)
+        _write(folder / SCRIPT, SCRIPT, {})
+        _write(folder / f"{name}.mirror.gdshader", own.template, own.words)
+        text = material_text(own, f"{name}.mirror.gdshader")
+        (folder / ball).write_text(text, encoding="utf-8", newline="\n")
     (folder / "shaders").mkdir()
-    for file in (*(f"{include}.gdshaderinc" for include in shader.includes), "LICENSE"):
+    for file in (*(f"{include}.gdshaderinc" for include in included), "LICENSE"):
         shutil.copyfile(SHADERS / file, folder / "shaders" / file)
 
 

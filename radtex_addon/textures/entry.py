@@ -23,12 +23,13 @@ class Container(StrEnum):
 
 
 class Arranged(StrEnum):
-    """What a texture contains: a bucket matrix, its slices, an image of the layered layout, or bits."""
+    """What a texture contains: a bucket matrix, its slices, a layered bake's image, bits, or triangles."""
 
     MATRIX = "matrix"
     SLICES = "slices"
     IMAGE = "image"
     WORDS = "words"
+    TREE = "tree"
 
 
 @dataclass(frozen=True)

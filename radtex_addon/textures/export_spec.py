@@ -6,11 +6,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from math import inf
 
 from ..bake.choices import parse_layer
 from ..bake.layers import Layer
 from ..core.errors import InputError
-from ..core.messages import Setting, do
+from ..core.messages import Setting, do, leave_out
 
 
 class Target(StrEnum):
@@ -60,6 +61,7 @@ TAKES: dict[Target, frozenset[TextureFormat]] = {
     Target.UNREAL: frozenset((TextureFormat.AUTO, TextureFormat.EXR, TextureFormat.DDS_RGBA16F)),
     Target.RAW: _EVERY,
 }
+MIRRORS = (Target.WEB, Target.GODOT)  # what shows a mirror ball
 _LIMITS = {Target.WEB: 8192}
 MOST_PIXELS = 16384  # along a side, for targets without a limit of their own
 LEAST_PIXELS = 16
@@ -72,7 +74,8 @@ class ExportSpec:
 
     `levels` is the number of mip levels, None for as many as fit; `limit` the most pixels along a texture's
     side, None for the target's default. `layers` of the bake are exported in addition to the whole, each
-    once. An export that takes more than `memory_mb`, beside Blender, is refused.
+    once. An export that takes more than `memory_mb`, beside Blender, is refused. `mirror` adds a moving
+    mirror ball; `sky` is the linear colour that it shows where a ray meets nothing, None for the default.
     """
 
     target: Target
@@ -83,6 +86,8 @@ class ExportSpec:
     limit: int | None = None
     layers: tuple[Layer, ...] = ()
     memory_mb: int | None = None
+    mirror: bool = False
+    sky: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(dict.fromkeys(map(parse_layer, self.layers or ()))))
@@ -95,8 +100,17 @@ class ExportSpec:
             )
         if self.levels is not None and not 1 <= self.levels <= MOST_LEVELS:
             raise InputError(f"levels {self.levels}: give a whole number from 1 to {MOST_LEVELS}")
+        self._check_mirror()
         if self.limit is not None and self.limit < LEAST_PIXELS:
             raise InputError(f"limit {self.limit}: a texture needs {LEAST_PIXELS} pixels at least")
+
+    def _check_mirror(self) -> None:
+        if self.mirror and self.target not in MIRRORS:
+            raise InputError(f"a mirror ball for {self.target}: choose from {', '.join(MIRRORS)}")
+        if self.mirror and self.arrangement is Arrangement.SLICES:
+            raise InputError("a mirror ball reads no slices", leave_out(Setting.ARRANGEMENT))
+        if self.sky is not None and not all(0 <= value < inf for value in self.sky):
+            raise InputError(f"mirror's sky {self.sky}: give three numbers of 0 or more")
 
     @property
     def most_pixels(self) -> int:

@@ -15,8 +15,9 @@ import pytest
 from playwright.sync_api import BrowserType, sync_playwright
 
 from tests.real.browser import SOFTWARE_GL, chromium, served
-from tests.real.exhibit import Exhibit
+from tests.real.exhibit import Exhibit, Form
 from tests.real.installable import build_zip, with_wheels
+from tests.real.mirror_scene import Stage
 from tests.real.panel import radtex_window
 from tests.real.root import BLENDER, PROGRAMS, Recipe, Root, RootUnavailableError, ready_root
 from tests.real.web import Site, build_page
@@ -34,6 +35,13 @@ def context() -> Iterator[moderngl.Context]:
 def exhibit(tmp_path_factory: pytest.TempPathFactory) -> Exhibit:
     """A small bake to show in real programs, and what they must show."""
     return Exhibit(tmp_path_factory.mktemp("exhibit"))
+
+
+@pytest.fixture(scope="session")
+def stages(tmp_path_factory: pytest.TempPathFactory) -> dict[Form, Stage]:
+    """What a mirror ball moves through, and how Cycles sees it there."""
+    folder = tmp_path_factory.mktemp("stages")
+    return {form: Stage.made(form, folder / form) for form in Form}
 
 
 @pytest.fixture(scope="session")

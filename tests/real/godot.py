@@ -99,12 +99,14 @@ def answers(root: Root, renderer: str, jobs: Sequence[Job]) -> list[Floats]:
 class Shot:
     """A picture that a project's main scene shall show: by a camera, its shader's `parameters` set.
 
-    `turn` is by how many degrees the camera and the scene are turned together about the vertical.
+    `turn` is by how many degrees the camera and the scene are turned together about the vertical. `mirror` is
+    the place of the mirror ball, in Blender's world, and its radius.
     """
 
     camera: Camera
     parameters: Mapping[str, float] = field(default_factory=dict)
     turn: float = 0.0
+    mirror: tuple[float, float, float, float] | None = None
 
     def facts(self, output: str) -> dict[str, object]:
         """What shoot.gd must know; matrices are Godot's, rows of four."""
@@ -114,7 +116,9 @@ class Shot:
         turned[0, 2] = np.sin(angle)
         turned[2, 0] = -turned[0, 2]
         matrix = _TO_GODOT @ np.array(self.camera.matrix)
+        x, y, z, radius = self.mirror or (0.0, 0.0, 0.0, 0.0)
         return {
+            "mirror": [x, z, -y, radius],
             "matrix": matrix.tolist(),
             "turn": turned.tolist(),
             "fovy": self.camera.fovy,

@@ -37,6 +37,7 @@ VK_FORMATS = {  # VkFormat
     PixelFormat.BC7_SRGB: 146,
     PixelFormat.R32UI: 98,
     PixelFormat.RG32UI: 101,
+    PixelFormat.RGBA32F: 109,
 }
 
 _TYPE_SIZES = dict.fromkeys(VK_FORMATS, 1) | {  # blocks have 1
@@ -44,6 +45,7 @@ _TYPE_SIZES = dict.fromkeys(VK_FORMATS, 1) | {  # blocks have 1
     PixelFormat.RGB9E5: 4,
     PixelFormat.R32UI: 4,
     PixelFormat.RG32UI: 4,
+    PixelFormat.RGBA32F: 4,
 }
 _MAGIC = b"\xabKTX 20\xbb\r\n\x1a\n"
 _NONE, _ZSTD = 0, 2  # supercompression schemes

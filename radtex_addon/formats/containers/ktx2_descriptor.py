@@ -86,6 +86,10 @@ _SAMPLES = {
         _Sample(16 * place, 16, channel | _SIGNED | _FLOAT, _float_bits(-1), _float_bits(1))
         for place, channel in enumerate((0, 1, 2, _ALPHA))
     ),
+    PixelFormat.RGBA32F: tuple(
+        _Sample(32 * place, 32, channel | _SIGNED | _FLOAT, _float_bits(-1), _float_bits(1))
+        for place, channel in enumerate((0, 1, 2, _ALPHA))
+    ),
     PixelFormat.RGB9E5: _shared_exponent(),
     PixelFormat.R32UI: (_Sample(0, 32, 0, 0, 1),),
     PixelFormat.RG32UI: (_Sample(0, 32, 0, 0, 1), _Sample(32, 32, 1, 0, 1)),

@@ -49,6 +49,7 @@ class PixelFormat(StrEnum):
     BC7 = "BC7"
     BC7_SRGB = "BC7_SRGB"
     RGBA8 = "RGBA8"
+    RGBA32F = "RGBA32F"
     R32UI = "R32UI"
     RG32UI = "RG32UI"
 

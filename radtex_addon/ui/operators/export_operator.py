@@ -62,6 +62,7 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         arrangement: str
         levels: int
         limit: int
+        mirror: bool
         directory: str
         overwrite: bool
     else:
@@ -95,6 +96,11 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
             default=0,
             min=0,
             soft_max=16384,
+        )
+        mirror: BoolProperty(
+            name="Mirror Ball",
+            description="For the web and Godot: a chrome ball that moves and mirrors the bake",
+            default=False,
         )
         directory: StringProperty(
             name="Folder",
@@ -141,6 +147,7 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
             arrangement=Arrangement(self.arrangement),
             levels=self.levels or None,
             limit=self.limit or None,
+            mirror=self.mirror,
         )
 
     def _places(self, scene: bpy.types.Scene, called: str, spec: ExportSpec) -> list[Place]:

@@ -31,6 +31,7 @@ export const BLOCKS: Record<PixelFormat, Size> = {
   BC7_SRGB: [4, 16],
   R32UI: [1, 4],
   RG32UI: [1, 8],
+  RGBA32F: [1, 16],
 };
 
 const VK_FORMATS = new Map<number, PixelFormat>([
@@ -45,6 +46,7 @@ const VK_FORMATS = new Map<number, PixelFormat>([
   [37, "RGBA8"],
   [98, "R32UI"],
   [101, "RG32UI"],
+  [109, "RGBA32F"],
 ]);
 const DXGI_FORMATS = new Map<number, PixelFormat>([
   [10, "RGBA16F"],

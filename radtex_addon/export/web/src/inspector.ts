@@ -55,6 +55,13 @@ export class Inspector {
     this.update();
   }
 
+  /** Look again, the bake's textures having been exchanged. */
+  forget(): void {
+    for (const material of this.materials.values()) material.dispose();
+    this.materials.clear();
+    this.inspect(this.point);
+  }
+
   /** Follow the camera and the settings. */
   update(): void {
     const { point, viewer } = this;

@@ -12,7 +12,11 @@ import { loadTextures } from "./textures";
 import { Viewer } from "./viewer";
 
 /** Load the bake that the address or the page itself names, and show it in `stage`. */
-export async function load(stage: HTMLElement, canvas: HTMLCanvasElement, tell: (step: string) => void): Promise<Viewer> {
+export async function load(
+  stage: HTMLElement,
+  canvas: HTMLCanvasElement,
+  tell: (step: string) => void,
+): Promise<[Viewer, URL]> {
   const renderer = rendererOn(canvas);
   const url = manifestUrl();
   tell("Reading the manifest");
@@ -24,7 +28,7 @@ export async function load(stage: HTMLElement, canvas: HTMLCanvasElement, tell: 
   const textures = await loadTextures(renderer, manifest, url, (done, all) => tell(`Loading textures: ${done} of ${all}`));
   tell("Compiling shaders");
   await new Promise((resolve) => setTimeout(resolve)); // let the words appear
-  return new Viewer(renderer, stage, manifest, meshes, textures, flat);
+  return [new Viewer(renderer, stage, manifest, meshes, textures, flat), url];
 }
 
 /** ?bake=<name>.export.json, or what the export wrote into index.html. */

@@ -11,18 +11,23 @@ import { Panel } from "./panel";
 import { asProblem } from "./problem";
 import { scriptOf } from "./script";
 import type { Viewer } from "./viewer";
+import { watch } from "./watching";
 
 async function open(): Promise<[Viewer, Inspector]> {
   const canvas = element<HTMLCanvasElement>("view");
-  const viewer = await load(element("stage"), canvas, (step) => (element("step").textContent = step));
+  const [viewer, url] = await load(element("stage"), canvas, (step) => (element("step").textContent = step));
   document.body.classList.remove("loading"); // the panel measures what it covers
   const inspector = new Inspector(viewer, element<HTMLCanvasElement>("bucket"));
-  new Panel(viewer, inspector);
+  const panel = new Panel(viewer, inspector);
   canvas.addEventListener("webglcontextlost", (event) => {
     event.preventDefault();
     complain("The graphics device was taken away", "Its memory may have run out: reload the page.");
   });
   viewer.draw();
+  watch(viewer, url, () => {
+    inspector.forget();
+    panel.describe();
+  });
   return [viewer, inspector];
 }
 

@@ -21,20 +21,33 @@ export type PixelFormat =
   | "RGBA8"
   | "SRGB8_A8"
   | "R32UI"
-  | "RG32UI";
+  | "RG32UI"
+  | "RGBA32F";
 
 /** One texture of the export; sizes are in pixels or texels, x first. */
 export interface TextureEntry {
   file: string;
   container: "ktx2" | "dds" | "exr";
   format: PixelFormat;
-  arrangement: "matrix" | "slices" | "image" | "words";
+  arrangement: "matrix" | "slices" | "image" | "words" | "tree";
   size: Size;
   layers: number;
   texels: Size;
   levels: number;
   pages: Size;
   page_texels: Size;
+}
+
+/** The mesh as a tree that rays are traced in, and the ball's way, an ellipse, in Blender's world of the bake. */
+export interface MirrorEntry extends TextureEntry {
+  nodes: number;
+  triangles: number;
+  /** Light where a ray meets nothing. */
+  sky: number[];
+  middle: number[];
+  /** Half axes along x and y. */
+  across: number[];
+  radius: number;
 }
 
 /** The values of shader uniforms, by name: vectors of four numbers, or arrays of such. */
@@ -76,6 +89,8 @@ export interface Manifest {
   /** Of a layered bake. */
   shader?: ShaderFacts;
   textures: Record<string, TextureEntry>;
+  /** What a moving mirror ball needs. */
+  mirror?: MirrorEntry;
 }
 
 /** Read a manifest. Throws a Problem where it is missing, damaged, or of a newer version. */

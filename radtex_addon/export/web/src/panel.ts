@@ -6,7 +6,7 @@ import { element } from "./elements";
 import type { Inspection, Inspector } from "./inspector";
 import { KINDS } from "./kinds";
 import { layerWords } from "./layers";
-import type { Manifest } from "./manifest";
+import { MirrorControls } from "./mirror_controls";
 import type { Filter } from "./parts";
 import { type Tone, TONES } from "./shaders";
 import { SunControls } from "./sun_controls";
@@ -31,6 +31,7 @@ export class Panel {
   private readonly help = element<HTMLDialogElement>("help");
   private readonly cards = element("cards");
   private readonly sun: SunControls;
+  private readonly mirror: MirrorControls;
   private told = 0; // when, in milliseconds
   private later = 0; // a timer
 
@@ -38,13 +39,14 @@ export class Panel {
     private readonly viewer: Viewer,
     private readonly inspector: Inspector,
   ) {
-    this.describe(viewer.manifest);
+    this.describe();
     this.choices("filters", viewer.filters, (filter) => FILTER_WORDS[filter], (filter) => viewer.setFilter(filter));
     this.choices("layers", viewer.layers, layerWords, (layer) => viewer.setLayer(layer));
     this.choices("tones", [...TONES], (tone) => [TONE_WORDS[tone], ""], (tone) => viewer.setTone(tone));
     this.exposure.addEventListener("input", () => this.change(() => viewer.setExposure(Number(this.exposure.value))));
     this.exposure.addEventListener("dblclick", () => this.change(() => viewer.setExposure(0)));
     this.sun = new SunControls(viewer, (act) => this.change(act));
+    this.mirror = new MirrorControls(viewer, (act) => this.change(act));
     this.button("compare", () => viewer.setDivider(viewer.divider === null ? viewer.middle : null));
     this.button("turn", () => viewer.setTurning(!viewer.controls.autoRotate));
     this.button("reset", () => viewer.resetView());
@@ -67,7 +69,8 @@ export class Panel {
   }
 
   /** What is shown, in one line. */
-  private describe({ name, bake, textures }: Manifest): void {
+  describe(): void {
+    const { name, bake, textures } = this.viewer.manifest;
     const formats = [...new Set(Object.values(textures).map(({ format }) => format))].join(", ");
     const several = bake.layout === "layered"; // images
     const layout = several ? "layered layout" : "";
@@ -132,6 +135,7 @@ export class Panel {
     press("layers", viewer.layer);
     press("tones", viewer.tone);
     this.sun.sync();
+    this.mirror.sync();
     this.exposure.value = String(viewer.exposure);
     element("stops").textContent = `${viewer.exposure > 0 ? "+" : ""}${viewer.exposure.toFixed(1)} stops`;
     element("compare").setAttribute("aria-pressed", String(viewer.divider !== null));
@@ -225,6 +229,8 @@ export class Panel {
       t: () => viewer.setTone(next),
       c: () => viewer.setDivider(viewer.divider === null ? viewer.middle : null),
       r: () => viewer.resetView(),
+      m: () => this.mirror.toggle(),
+      b: () => this.mirror.toggleMotion(),
       i: () => this.inspectAt(box.left + box.width / 2, box.top + box.height / 2),
       " ": () => viewer.setTurning(!viewer.controls.autoRotate),
       Escape: () => this.inspector.inspect(null),

@@ -22,6 +22,9 @@ export type Filter = "nearest" | "linear" | "quadrilinear" | "levels" | "layered
 /** What is drawn: the mesh, the inspector's picture of one bucket, or its three pixels of numbers. */
 export type Stage = "mesh" | "bucket" | "probe";
 
+/** The same, or the mirror ball. */
+type Drawn = Stage | "mirror";
+
 export type Uniforms = Record<string, { value: unknown }>;
 
 /** GLSL with a function `light`, and its uniforms. */
@@ -32,7 +35,7 @@ export function partsOf(
   manifest: Manifest,
   textures: Map<string, Loaded>,
   filter: Filter,
-  stage: Stage,
+  stage: Drawn,
   layer: string,
   material: number,
 ): Parts {
@@ -61,7 +64,7 @@ function layerParts(bake: Sidecar, textures: Map<string, Loaded>, layer: string)
   return [defines, uniforms];
 }
 
-function bucketParts(bake: Sidecar, loaded: Loaded, filter: Filter, stage: Stage): Parts {
+function bucketParts(bake: Sidecar, loaded: Loaded, filter: Filter, stage: Drawn): Parts {
   const { arrangement, levels, pages, page_texels: page, texels } = loaded.entry;
   const slices = arrangement === "slices";
   const modes: Partial<Record<Filter, string>> = { nearest: "RADTEX_NEAREST", linear: "RADTEX_LINEAR" };
@@ -84,7 +87,7 @@ function bucketParts(bake: Sidecar, loaded: Loaded, filter: Filter, stage: Stage
   return [[...defines, bucketLookups, bucketLight].join("\n"), uniforms];
 }
 
-function shadowParts(bake: Sidecar, loaded: Loaded, stage: Stage): Parts {
+function shadowParts(bake: Sidecar, loaded: Loaded, stage: Drawn): Parts {
   const defines = [
     "#define RADTEX_NO_DERIVATIVES",
     "#define SUNLIT",
@@ -100,7 +103,7 @@ function shadowParts(bake: Sidecar, loaded: Loaded, stage: Stage): Parts {
   return [[...defines, bucketLookups, shadowLookups, shadowLight].join("\n"), uniforms];
 }
 
-function transferParts(bake: Sidecar, loaded: Loaded, stage: Stage): Parts {
+function transferParts(bake: Sidecar, loaded: Loaded, stage: Drawn): Parts {
   const { pages, page_texels: page, texels } = loaded.entry;
   const views = bake.transfer?.views ?? 1;
   const defines = [
@@ -123,14 +126,23 @@ function transferParts(bake: Sidecar, loaded: Loaded, stage: Stage): Parts {
   return [[...defines, bucketLookups, transferLookups, transferLight].join("\n"), uniforms];
 }
 
-function layeredParts(facts: ShaderFacts, textures: Map<string, Loaded>, stage: Stage, material: number): Parts {
+function layeredParts(facts: ShaderFacts, textures: Map<string, Loaded>, stage: Drawn, material: number): Parts {
   const told = Object.entries(facts.defines).map(([name, value]) => `#define ${name} ${value}`);
   const through = "RADTEX_THROUGH" in facts.defines;
-  const uniforms: Uniforms = { ...valued(facts.values), ...valued(facts.materials[material] ?? {}) };
+  if (stage === "mirror") told.push(`#define RADTEX_MATERIALS ${facts.materials.length}`);
+  const own = stage === "mirror" ? ofAll(facts.materials) : (facts.materials[material] ?? {});
+  const uniforms: Uniforms = { ...valued(facts.values), ...valued(own) };
   for (const layer of facts.layers) uniforms[`radtex_${layer}_map`] = { value: needed(textures, layer).texture };
   // The surface's frame is for the inspector alone.
-  const lookups = [stage === "mesh" ? "" : bucketLookups, layeredLookups, through ? throughLookups : "", layeredLight];
+  const framed = stage === "bucket" || stage === "probe";
+  const lookups = [framed ? bucketLookups : "", layeredLookups, through ? throughLookups : "", layeredLight];
   return [["#define LAYERED", "#define RADTEX_NO_DERIVATIVES", ...told, ...lookups].join("\n"), uniforms];
+}
+
+/** The values of all materials, one behind the other. */
+function ofAll(materials: UniformValues[]): UniformValues {
+  const names = Object.keys(materials[0] ?? {});
+  return Object.fromEntries(names.map((name) => [name, materials.flatMap((each) => (each[name] ?? []).flat())]));
 }
 
 function valued(values: UniformValues): Uniforms {

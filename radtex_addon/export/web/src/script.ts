@@ -3,6 +3,7 @@
 // window.radtex: the page as a script drives it, for tests and for who embeds it. docs/web.md tells of it.
 
 import type { Inspection, Inspector } from "./inspector";
+import type { MirrorState } from "./mirror";
 import type { Filter } from "./parts";
 import type { Tone } from "./shaders";
 import type { Sun } from "./sun";
@@ -35,6 +36,12 @@ export interface Script {
   sun: () => Sun;
   /** Change some of its settings. */
   setSun: (change: Partial<Sun>) => void;
+  /** How many samples a cell has of what is shown: it grows while a bake is refined. */
+  samples: () => number;
+  /** The mirror ball; null where the export has none. */
+  mirror: () => MirrorState | null;
+  /** Show it, move it, or have it move by itself; a place ends its own motion. */
+  setMirror: (change: Partial<MirrorState>) => void;
   /** Inspect the point under a place of the canvas, in CSS pixels; null beside the object. */
   inspect: (x: number, y: number) => (Omit<Inspection, "bucket"> & { bucket: string }) | null;
   /** Light alone, without exposure or tone curve; of the flat lightmap if asked. */
@@ -71,6 +78,9 @@ export function scriptOf(page: Promise<[Viewer, Inspector]>): Script {
     setDivider: (share) => there().setDivider(share),
     sun: () => ({ ...there().sun }),
     setSun: (change) => there().setSun(change),
+    samples: () => there().manifest.bake.samples,
+    mirror: () => there().mirror?.state ?? null,
+    setMirror: (change) => there().setMirror(change),
     inspect: (x, y) => {
       inspector?.inspect(there().pick(x, y));
       const inspection = inspector?.inspection;

@@ -30,6 +30,7 @@ const PLAIN: Partial<Record<PixelFormat, [number, number, number]>> = {
   SRGB8_A8: [0x8c43, 0x1908, 0x1401], // SRGB8_ALPHA8, RGBA, UNSIGNED_BYTE
   R32UI: [0x8236, 0x8d94, 0x1405], // R32UI, RED_INTEGER, UNSIGNED_INT
   RG32UI: [0x823c, 0x8228, 0x1405], // RG32UI, RG_INTEGER, UNSIGNED_INT
+  RGBA32F: [0x8814, 0x1908, 0x1406], // RGBA32F, RGBA, FLOAT
 };
 const PACKED: Partial<Record<PixelFormat, [number, string]>> = {
   BC3: [0x83f3, "WEBGL_compressed_texture_s3tc"],
@@ -46,13 +47,15 @@ export async function loadTextures(
   manifest: Manifest,
   base: URL,
   progressed: (done: number, all: number) => void,
+  address: (url: URL) => URL = (url) => url,
 ): Promise<Map<string, Loaded>> {
   const gl = renderer.getContext() as WebGL2RenderingContext;
-  const entries = Object.entries(manifest.textures);
+  const { mirror } = manifest;
+  const entries = Object.entries({ ...manifest.textures, ...(mirror ? { mirror } : {}) });
   for (const [, entry] of entries) checkDevice(gl, entry);
   const loaded = new Map<string, Loaded>();
   const load = async ([name, entry]: [string, TextureEntry]): Promise<void> => {
-    const bytes = await fetchBytes(fileUrl(entry.file, base));
+    const bytes = await fetchBytes(address(fileUrl(entry.file, base)));
     const pixels = await unpack(bytes, entry);
     loaded.set(name, upload(gl, known(gl, pixels) ? pixels : withoutBlocks(pixels), entry, bytes.byteLength));
     progressed(loaded.size, entries.length);
@@ -114,7 +117,8 @@ function upload(gl: WebGL2RenderingContext, pixels: Pixels, entry: TextureEntry,
   gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
   gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
   pixels.levels.forEach((_, level) => uploadLevel(gl, pixels, level));
-  const filter = entry.arrangement === "words" ? gl.NEAREST : gl.LINEAR; // whole numbers have nothing between them
+  const single = entry.arrangement === "words" || entry.arrangement === "tree"; // there is nothing between them
+  const filter = single ? gl.NEAREST : gl.LINEAR;
   gl.texParameteri(target, gl.TEXTURE_MAG_FILTER, filter);
   // Mip levels of a matrix are always named, and blended by the shader; a picture's are blended by the device.
   const between = entry.arrangement === "image" ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR_MIPMAP_NEAREST;
@@ -146,9 +150,10 @@ function uploadLevel(gl: WebGL2RenderingContext, pixels: Pixels, level: number):
 }
 
 /** The bytes in the array type that WebGL wants for a type of pixel; copied where they lie at an odd place. */
-function typed(data: Uint8Array<ArrayBuffer>, type: number): Uint8Array | Uint16Array | Uint32Array {
+function typed(data: Uint8Array<ArrayBuffer>, type: number): Uint8Array | Uint16Array | Uint32Array | Float32Array {
   const bytes = data.byteOffset % 4 ? data.slice() : data;
   if (type === 0x8c3e || type === 0x1405) return new Uint32Array(bytes.buffer, bytes.byteOffset, bytes.byteLength / 4);
+  if (type === 0x1406) return new Float32Array(bytes.buffer, bytes.byteOffset, bytes.byteLength / 4);
   if (type === 0x140b) return new Uint16Array(bytes.buffer, bytes.byteOffset, bytes.byteLength / 2);
   return bytes;
 }

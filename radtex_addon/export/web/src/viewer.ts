@@ -28,6 +28,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 import { layersOf, WHOLE } from "./layers";
 import type { Manifest } from "./manifest";
+import { Mirror, type MirrorState } from "./mirror";
 import type { Filter } from "./parts";
 import { filtersOf, flatMaterial, lightMaterial, shown, type Tone, TONES } from "./shaders";
 import { changedSun, FIRST_SUN, shine, type Sun } from "./sun";
@@ -59,6 +60,8 @@ export class Viewer {
   /** What is shown of the bake: the whole, or one of its layers. */
   layer = WHOLE;
   readonly layers: string[];
+  /** The ball that mirrors the bake, if the export has what it needs. */
+  readonly mirror: Mirror | null = null;
   tone: Tone = "none";
   /** In stops. */
   exposure = 0;
@@ -81,11 +84,12 @@ export class Viewer {
   constructor(
     readonly renderer: WebGLRenderer,
     readonly stage: HTMLElement,
-    readonly manifest: Manifest,
+    private current: Manifest,
     readonly meshes: Mesh[],
-    readonly textures: Map<string, Loaded>,
+    private loaded: Map<string, Loaded>,
     flat: Texture,
   ) {
+    const { manifest, textures } = this;
     this.filters = filtersOf(manifest);
     this.filter = this.filters.at(-1) as Filter;
     this.layers = layersOf(manifest);
@@ -96,6 +100,10 @@ export class Viewer {
       box.expandByObject(mesh);
     }
     this.ball = box.getBoundingSphere(new Sphere());
+    if (manifest.mirror) {
+      this.mirror = new Mirror(manifest, textures);
+      this.scene.add(this.mirror.mesh);
+    }
     this.controls = new OrbitControls(this.camera, renderer.domElement);
     this.controls.enableDamping = true;
     this.controls.dampingFactor = 0.12;
@@ -109,6 +117,25 @@ export class Viewer {
     this.resize();
     this.scene.updateMatrixWorld(true);
     this.resetView();
+  }
+
+  get manifest(): Manifest {
+    return this.current;
+  }
+
+  get textures(): Map<string, Loaded> {
+    return this.loaded;
+  }
+
+  /** Show other textures of the same surface; camera, filter and all else stay as they are. */
+  exchange(manifest: Manifest, textures: Map<string, Loaded>): void {
+    const gl = this.renderer.getContext();
+    for (const old of this.loaded.values()) gl.deleteTexture(old.handle);
+    for (const material of this.materials.values()) material.dispose();
+    this.materials.clear();
+    [this.current, this.loaded] = [manifest, textures];
+    this.mirror?.exchange(textures);
+    this.setFilter(this.filter);
   }
 
   /** Bytes of all textures: on the GPU, and as files. */
@@ -164,6 +191,11 @@ export class Viewer {
 
   setDivider(share: number | null): void {
     this.divider = share === null ? null : Math.min(1, Math.max(0, share));
+    this.invalidate();
+  }
+
+  setMirror(change: Partial<MirrorState>): void {
+    this.mirror?.set(change);
     this.invalidate();
   }
 
@@ -320,6 +352,7 @@ export class Viewer {
 
   private render(materialOf: (mesh: Mesh) => Material): void {
     for (const mesh of this.meshes) mesh.material = materialOf(mesh);
+    if (this.mirror) this.mirror.mesh.material = this.mirror.material(this.filter);
     if (this.manifest.bake.kind === "proxy") {
       const materials = new Set(this.meshes.map(materialOf));
       for (const material of materials) material.colorWrite = false; // first the depths: of a hull in folds nothing is
@@ -332,11 +365,12 @@ export class Viewer {
   private frame(now: number): void {
     this.scheduled = 0;
     const moving = this.controls.enabled && this.controls.update(); // which also asks for the next frame
+    const mirroring = this.mirror?.advance(now) ?? false;
     const rate = 1000 / Math.max(1, now - this.before);
     this.before = now;
     this.rate = !this.flowing ? null : this.rate === null ? rate : this.rate + (rate - this.rate) * 0.15;
     this.draw();
-    if (moving || this.controls.autoRotate) this.invalidate();
+    if (moving || this.controls.autoRotate || mirroring) this.invalidate();
     this.flowing = this.scheduled !== 0;
     if (!this.flowing) this.rate = null;
   }
@@ -344,7 +378,9 @@ export class Viewer {
   /** Have the object between the camera's planes, as tightly as depth wants. */
   private setDepths(): void {
     const away = this.camera.position.distanceTo(this.ball.center);
-    const { radius } = this.ball;
+    const mirror = this.mirror?.mesh;
+    const out = mirror ? mirror.position.distanceTo(this.ball.center) + mirror.scale.x * 1.01 : 0;
+    const radius = Math.max(this.ball.radius, out);
     this.camera.near = Math.max(radius / 200, (away - radius) * 0.9);
     this.camera.far = (away + radius) * 1.1;
     this.camera.updateProjectionMatrix();

@@ -14,6 +14,11 @@ func _initialize() -> void:
 		camera.fov = shot.fovy
 		camera.transform = placed(shot.matrix)
 		main.transform = placed(shot.turn)
+		var mirror: MeshInstance3D = main.get_node_or_null("Mirror")
+		if mirror:
+			mirror.moving = false
+			mirror.position = Vector3(shot.mirror[0], shot.mirror[1], shot.mirror[2])
+			mirror.radius = shot.mirror[3]
 		for mesh: MeshInstance3D in main.find_children("*", "MeshInstance3D", true, false):
 			for parameter: String in shot.parameters:
 				mesh.get_active_material(0).set_shader_parameter(parameter, shot.parameters[parameter])
