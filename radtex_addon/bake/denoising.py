@@ -112,7 +112,21 @@ def denoise_pictures(values: Floats, picture: Picture, denoiser: Denoiser) -> Fl
     found = np.maximum(found, 0)
     share = smooth / np.maximum(found.mean(axis=1), _TINY)
     found *= np.clip(share, 1 / _MOST_MEAN, _MOST_MEAN)[:, None]
+    least = _least_around(light.min(axis=1), picture)
+    most_light = -_least_around(-light.max(axis=1), picture)
+    np.clip(found, least[:, None], most_light[:, None], out=found)  # networks overshoot
     return found + np.minimum(values, 0)
+
+
+def _least_around(values: Floats, picture: Picture) -> Floats:
+    """The least of values (K, C) among a point and the eight around it."""
+    height, width = picture.nearest.shape
+    padded = np.pad(picture.shown(values), ((1, 1), (1, 1), (0, 0)), mode="edge")
+    least = padded[1:-1, 1:-1].copy()
+    for y in range(3):
+        for x in range(3):
+            np.minimum(least, padded[y : y + height, x : x + width], out=least)
+    return picture.read(least)
 
 
 def _denoised_mean(mean: Floats, picture: Picture, denoiser: Denoiser) -> Floats:

@@ -65,6 +65,7 @@ class ImageDenoiser:
 @contextmanager
 def image_denoiser(folder: Path) -> Iterator[ImageDenoiser | None]:
     """A denoiser in an empty scene, which goes away afterwards; None where Blender has none."""
+    before = {image.session_uid for image in bpy.data.images}
     scene = bpy.data.scenes.new("RadTex denoiser")
     if not _is_built(scene):
         remove_scene(scene)
@@ -82,7 +83,13 @@ def image_denoiser(folder: Path) -> Iterator[ImageDenoiser | None]:
     finally:
         data = camera.data
         remove_scene(scene)
-        bpy.data.batch_remove([each for each in (camera, data, tree) if each is not None])
+        viewers = [
+            image
+            for image in bpy.data.images
+            if image.type == "COMPOSITING" and image.session_uid not in before  # Blender 4.5 makes one
+        ]
+        made: list[bpy.types.ID | None] = [camera, data, tree, *viewers]
+        bpy.data.batch_remove([each for each in made if each is not None])
 
 
 def _is_built(scene: bpy.types.Scene) -> bool:

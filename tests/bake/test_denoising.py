@@ -146,3 +146,19 @@ def test_squares_that_are_stored_are_not_denoised_again() -> None:
     some = np.array([0, 3, 77, 78, 400])
     np.testing.assert_array_equal(first.take(some), second.take(some))
     np.testing.assert_array_equal(first.take(some), first.take(np.arange(600))[some])
+
+
+def test_a_network_that_overshoots_makes_no_light_that_is_not_near() -> None:
+    plan = plan_capture(card(width=24, height=24), 4)
+    values = np.ones((len(plan.texel), 4, 4, 4), dtype=np.float32)
+    values[plan.texel % 24 >= 12, ..., :3] = 3
+    rng = np.random.default_rng(2)
+
+    def ringing(light: Floats, _albedo: Floats, _normal: Floats) -> Floats:
+        off: Floats = light * rng.uniform(0.5, 1.5, light.shape).astype(np.float32)
+        return off
+
+    found = denoised(plan, values, ringing)[..., :3]
+    far = plan.texel % 24 < 11
+    np.testing.assert_array_equal(found[far], 1)
+    assert (float(found.min()), float(found.max())) == (1.0, 3.0)

@@ -6,12 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.bake.spec import BakeSpec
 
 from .looking import SUBJECT, Camera, added, empty_scene, lamp, opaque_rows, principled
 from .row import Row
 
-SPEC = BakeSpec(texels=128, samples=16, layout=Layout.LAYERED)
+SPEC = BakeSpec(texels=128, bucket=16, samples=3, denoise=True)
 CAMERAS = {
     "left": Camera((-2.5, -3.2, 2.4)),
     "steep": Camera((0.5, -1.9, 4.3)),

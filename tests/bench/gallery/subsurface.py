@@ -8,12 +8,12 @@ from collections.abc import Iterator
 
 import bpy
 
-from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.bake.spec import BakeSpec
 
 from .looking import SUBJECT, Camera, added, empty_scene, lamp, opaque_rows, principled
 from .row import Row
 
-SPEC = BakeSpec(texels=128, samples=16, layout=Layout.LAYERED)
+SPEC = BakeSpec(texels=128, bucket=8, samples=10, denoise=True)
 CAMERAS = {
     "left": Camera((-2.2, -4.2, 0.7)),
     "above": Camera((0.6, -3.4, 3.0)),
