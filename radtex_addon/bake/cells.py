@@ -15,7 +15,7 @@ from .piece_store import PieceStore
 from .plan import CapturePlan, Tile
 
 _CELLS = "cells"  # the array's name in a tile's piece
-_GAP = 16  # texels: gaps up to this are read too, which is faster than two reads
+GAP = 16  # texels: gaps up to this are read too, which is faster than two reads
 
 
 class Cells:
@@ -78,7 +78,7 @@ class Cells:
             start = self._starts[place]
             end = self._starts[place + 1] if place + 1 < len(self._starts) else len(self._plan.texel)
             of_tile = index[done : done + int(np.searchsorted(index[done:], end))]
-            breaks = np.flatnonzero(np.diff(of_tile) > _GAP) + 1
+            breaks = np.flatnonzero(np.diff(of_tile) > GAP) + 1
             for run in np.split(of_tile, breaks):
                 first = int(run[0])
                 rows = self._store.rows(self._names[place], _CELLS, first - start, int(run[-1]) - first + 1)

@@ -17,7 +17,7 @@ _TEXELS = 96  # of a small bake, at most; many islands may not fit into fewer
 _SAMPLES = (1, 3)
 _ONCE = (Stage.EVALUATE, Stage.UNWRAP)  # take as long for few texels as for many
 _BY_PATH = (Stage.CAPTURE, Stage.FIT)
-_BY_TEXEL = (Stage.RASTER, Stage.PROBE, Stage.FILL, Stage.WRITE)
+_BY_TEXEL = (Stage.RASTER, Stage.PROBE, Stage.DENOISE, Stage.FILL, Stage.WRITE)
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ class Stage(StrEnum):
     RASTER = "raster"
     PROBE = "probe"
     CAPTURE = "capture"
+    DENOISE = "denoise"
     FILL = "fill"
     FIT = "fit"
     WRITE = "write"

@@ -14,8 +14,9 @@ from ..core.errors import BakeError
 from .bands import Bands, find_bands
 from .capture import Capture
 from .cells import Cells
+from .denoising import Denoiser, denoise_cells
 from .hidden_cells import HiddenCells
-from .layers import WHOLE
+from .layers import WHOLE, Layer
 from .piece_store import NO_STORE, MemoryStore, PieceStore
 from .plan import CapturePlan, Tile
 from .progress import Progress, Stage
@@ -54,13 +55,16 @@ def capture_bands(
     thumbnail: Thumbnail | None = None,
     channels: int = WHOLE,
     uncut: bool = False,
+    denoiser: Denoiser | None = None,
+    layers: tuple[Layer, ...] = (),
 ) -> Generator[Progress, None, Bands]:
     """Capture the plan's texels, find what fills gutters and `hidden` cells, and yield progress in texels.
 
     The captured values of `hidden` cells are not used. The `store` stores each tile; rows that it already
     has are not captured again. The `thumbnail` gets all light. Tiles take less than `memory_mb` and about
     SECONDS_PER_TILE, as their height does not change the result; where it would, set `uncut` to render whole
-    sheets. Raises BakeError for cells that are not numbers, and where a tile cannot be stored.
+    sheets. A `denoiser` gets all light, also of the
+    captured `layers`. Raises BakeError for cells that are not numbers, and where a tile cannot be stored.
     """
     store = store if store.keeps else MemoryStore()
     cells = Cells(plan, store, channels)
@@ -79,6 +83,8 @@ def capture_bands(
         yield Progress(Stage.CAPTURE, cells.texels, count)
         if not uncut:
             height = max(1, min(most, 4 * height, int(tile.rows * SECONDS_PER_TILE / max(seconds, 1e-3))))
+    if denoiser is not None:
+        cells = yield from denoise_cells(plan, cells, store, hidden, denoiser, layers)
     yield Progress(Stage.FILL, 0, 1)
     bands = yield from find_bands(plan, cells, store, hidden)
     yield Progress(Stage.FILL, 1, 1)

@@ -77,6 +77,8 @@ class BakeSpec(SpecFields):
       comes from no lamp.
     * `objects`: two or more that share the atlas; the bake's name is then only the atlas's. `split`: the
       atlas is of one `part`, a material's name or a UDIM tile's number; None for an atlas of each.
+    * `denoise`: cells of light, and transfer, are denoised; not in the layered layout, whose fit has no such
+      noise, nor where samples are added to an atlas. The command line and the panel have it on.
     * `sheet`: cells of the plain layout are rendered in sheets of about `sheet`² pixels, each with its seed.
     """
 
@@ -95,5 +97,7 @@ class BakeSpec(SpecFields):
         for name in ("lights", "objects"):
             object.__setattr__(self, name, tuple(dict.fromkeys(getattr(self, name))))
         check(self)
+        if not self.can_denoise:
+            object.__setattr__(self, "denoise", False)
         if not self.kind.traits.samples:  # always one ray per cell
             object.__setattr__(self, "samples", 1)

@@ -10,8 +10,9 @@ from typing import cast
 
 from ..formats.containers.exr import Compression
 from .choices import CaptureMethod, Unwrap, View
+from .denoising import denoising_bytes
 from .forms import FormTraits
-from .kinds import DEFAULT_KIND, Kind, Layout, form_of
+from .kinds import DEFAULT_KIND, Kind, Layout, Light, form_of
 from .layers import OF_LAYER, WHOLE, Layer, captured
 from .parts import Split
 from .plan import SHEET
@@ -64,6 +65,7 @@ class SpecFields:
     ao_distance: float | None = None
     where: str | None = None
     sheet: int = SHEET
+    denoise: bool = False
 
     @property
     def form(self) -> FormTraits:
@@ -116,6 +118,12 @@ class SpecFields:
         return self.form.streams and not (self.accumulate or self.refresh)
 
     @property
+    def can_denoise(self) -> bool:
+        """Whether the bake is of light in buckets, and traced anew."""
+        new = not (self.accumulate or self.refresh)
+        return new and not self.form.by_paths and self.kind.traits.light is not Light.OCCLUSION
+
+    @property
     def tile_mb(self) -> int:
         """MiB that one render may take: the allowed memory minus the atlas's."""
         if self.memory_mb is None:
@@ -131,6 +139,8 @@ class SpecFields:
         """
         if self.streams:
             of_bands = min(_BYTES_OF_BANDS, 2 * _BYTES_PER_CHANNEL * self.pixel_count * self.channels)
+            if self.denoise:
+                of_bands = max(of_bands, denoising_bytes(self.texels, self.bucket, self.channels))
             return self.texels**2 * (_BYTES_PER_TEXEL + self.bucket**2 // 8) + of_bands
         if self.form.by_paths:
             fine, buckets = self.texels * finer(self.texels), self.texels / coarser(self.texels)

@@ -11,6 +11,7 @@ from pathlib import Path
 from ..bake.memory_limits import check_memory
 from ..bake.spec import BakeSpec, Layout
 from ..core.errors import InputError
+from ..core.messages import Setting, do
 from ..export.target_checks import check_target
 from ..job import OpenLayout
 from ..job.bake_request import BakeRequest
@@ -96,6 +97,7 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
     open_layout = OpenLayout(found.bucket) if found.layout is None and passes < 2 else None
     chosen["layout"] = found.layout or Layout.BUCKETS
     chosen["layers"] = tuple(found.layers or ())
+    chosen["denoise"] = found.denoise and passes < 2  # what is added to stays raw
     if found.frames:
         chosen["frame"] = found.frames[0]
     if found.exports and not (found.save_preview or demo):
@@ -143,6 +145,12 @@ def _check_passes(found: argparse.Namespace, spec: BakeSpec) -> None:
         return
     if Target.WEB not in (found.exports or ()):
         raise InputError("--serve shows the web page: give --export web and --save-preview too")
+    if (found.passes or 1) > 1 and spec.form.by_paths:
+        raise InputError(
+            f"--serve: a page of {spec.form.title} does not take in passes",
+            do("choose layout buckets", Setting.LAYOUT, value="buckets"),
+            do("leave --serve or --passes out"),
+        )
     if not 0 <= found.serve <= _LAST_PORT:
         raise InputError(f"--serve {found.serve}: give a port from 0 to {_LAST_PORT}")
 

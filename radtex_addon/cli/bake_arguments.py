@@ -241,6 +241,13 @@ def add_how(group: argparse._ArgumentGroup) -> None:
         "side, in pixels, of the pictures that Cycles renders of an atlas: a frame of a farm is one, and "
         "pictures of another size have other noise",
     )
+    group.add_argument(
+        "--no-denoise",
+        dest="denoise",
+        action="store_false",
+        help="keep cells as they were traced, noise and all (default: buckets of light, and transfers, "
+        "are denoised by OpenImageDenoise)",
+    )
     add_device(group)
     beside = "memory that the bake may take beside the scene: one that needs more is refused"
     add_memory(group, beside, None, LEAST_MEMORY)

@@ -30,6 +30,7 @@ _SAYS: dict[StrEnum, str] = {
     Stage.RASTER: "placing texels",
     Stage.PROBE: "finding hidden cells",
     Stage.CAPTURE: "rendering",
+    Stage.DENOISE: "denoising",
     Stage.FILL: "filling gutters",
     Stage.FIT: "fitting",
     Stage.WRITE: "writing",

@@ -32,7 +32,7 @@ from .portal import Aim, PortalCapture
 
 _GROUP = "RadTexSun"
 _PASS = f"Combined_{_GROUP}"
-_MOST = 65504.0  # pieces are half floats
+MOST = 65504.0  # pieces are half floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +113,6 @@ def _trace(capture: PortalCapture, tile: Tile) -> Arrays:
             f"Cycles returned {wrong} values that are not numbers: look for a material that divides by 0"
         )
     return {
-        "light": np.clip(light, 0, _MOST).astype(np.float16).reshape(len(light), -1, 3),
+        "light": np.clip(light, 0, MOST).astype(np.float16).reshape(len(light), -1, 3),
         "alpha": alpha.astype(np.float16).reshape(len(alpha), -1),
     }

@@ -20,6 +20,7 @@ from ..bake.stopwatch import Stopwatch
 from ..core.errors import FormatError, InputError
 from ..formats.containers.numpy_files import read_npz
 from ..formats.disk.atomic import check_writable
+from ..formats.disk.temporary import temporary_folder
 from ..formats.json_reader import shown
 from ..forms.buckets.bake import join_buckets
 from ..job.bake_output import BakeOutput
@@ -77,12 +78,13 @@ def assemble_steps(
     with (
         open_checkpoint(manifest.name, spec, outputs, resume=False, overwrite=replaces) as cells,
         errors_with_final_paths(outputs),
+        temporary_folder() as temporary,
     ):  # cells are more than memory may hold
         cells.set_facts({_FARM: manifest.job})
         try:
             sidecar = outputs.sidecar
             outcome = yield from watch.over(
-                join_buckets(plan, capture, hidden, spec, sidecar, manifest.facts, cells)
+                join_buckets(plan, capture, hidden, spec, sidecar, manifest.facts, temporary, cells)
             )
             made = BakeOutput.by(outcome, outputs, manifest.device, manifest.islands)
             publish(cells, outputs, made, earlier)

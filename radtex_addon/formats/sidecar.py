@@ -101,6 +101,7 @@ class Sidecar:
     ao_distance: float | None = None
     texel_samples: str = ""
     content: Content | None = None
+    denoised: bool = False
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -151,6 +152,8 @@ class Sidecar:
             facts["part"] = {"by": self.part.by, "name": self.part.name, "index": self.part.index}
         if self.texel_samples:
             facts["texel_samples"] = self.texel_samples
+        if self.denoised:
+            facts["denoised"] = True
         if self.content is not None:
             facts["content"] = {
                 "collection": self.content.collection,
@@ -200,6 +203,7 @@ class Sidecar:
             ao_distance=facts.positive("ao_distance") if "ao_distance" in facts.values else None,
             texel_samples=facts.text("texel_samples") if "texel_samples" in facts.values else "",
             content=content_in(facts),
+            denoised=facts.values.get("denoised") is True,
         )
 
 

@@ -79,6 +79,7 @@ class Finished:
             cage=None if source is None else source.cage,
             frame=bake.frame,
             lights=bake.lights,
+            denoise=bake.denoised,
         )
 
 

@@ -31,6 +31,7 @@ _BAKE = {
     Stage.RASTER: 2,
     Stage.PROBE: 4,
     Stage.CAPTURE: 80,
+    Stage.DENOISE: 6,
     Stage.FILL: 2,
     Stage.FIT: 30,
     Stage.WRITE: 3,
@@ -159,4 +160,6 @@ def _stages(spec: BakeSpec, preview: bool) -> dict[str, float]:
     absent = {Stage.FILL} if spec.form.by_paths else {Stage.FIT}
     if not preview:
         absent.add(Stage.PREVIEW)
+    if not spec.denoise or spec.form.by_paths:
+        absent.add(Stage.DENOISE)
     return parts({stage: 0 if stage in absent else share for stage, share in _BAKE.items()})

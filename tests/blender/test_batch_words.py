@@ -54,7 +54,7 @@ def test_help_shows_every_option_with_its_default() -> None:
         "--capture",
     ]
     flags += ["--seed", "--device", "--memory", "--out", "--overwrite", "--save-preview", "--filter"]
-    flags += ["--float", "--compression", "--progress", "--verbose", "--help", "--version"]
+    flags += ["--no-denoise", "--float", "--compression", "--progress", "--verbose", "--help", "--version"]
     assert [flag for flag in flags if flag not in ended.out] == []
     told = " ".join(ended.out.split())
     default = BakeSpec()
@@ -91,7 +91,7 @@ def test_the_version_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
 def test_what_is_not_said_is_the_specs_default_and_the_layout_stays_open() -> None:
     request = parse(["a.blend", "--object", "A"], inside_blender=False)
     assert request.bakes.open_layout == OpenLayout()
-    assert request.bakes.spec == BakeSpec()
+    assert request.bakes.spec == BakeSpec(denoise=True), "scripts get raw means"
     assert (request.scene, request.bakes.objects, request.bakes.folder) == (
         Path("a.blend"),
         ("A",),
@@ -110,6 +110,7 @@ def test_what_is_said_reaches_the_spec() -> None:
     line += " --save-preview --filter linear --overwrite"
     request = parse(line.split(), inside_blender=True)
     wanted = BakeSpec(
+        denoise=True,
         kind=Kind.REFLECTION,
         texels=9,
         bucket=3,

@@ -23,16 +23,18 @@ def test_passes_are_of_buckets_and_may_be_served() -> None:
     assert (asked.passes, asked.serve) == (3, 8000)
     assert asked.bakes.open_layout is None
     assert asked.bakes.spec.layout is Layout.BUCKETS
+    assert not asked.bakes.spec.denoise
     plain = parse(BAKE, inside_blender=False)
     assert (plain.passes, plain.serve) == (1, None)
     assert plain.bakes.open_layout is not None
+    assert plain.bakes.spec.denoise
 
 
 @pytest.mark.parametrize(
     ("options", "words"),
     [
         (["--passes", "0"], "1 or more"),
-        (["--passes", "2", "--layout", "layered"], "the layered layout cannot be accumulated"),
+        ([*PAGE, "--passes", "2", "--layout", "layered", "--serve", "0"], "does not take in passes"),
         (["--passes", "2", "--kind", "shadow"], "kind shadow cannot be accumulated"),
         (["--serve", "8000"], "--export web"),
         ([*PAGE, "--serve", "70000"], "a port from 0 to 65535"),

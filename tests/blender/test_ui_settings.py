@@ -39,7 +39,7 @@ def _registered(empty_file: None) -> Iterator[None]:
 
 
 def test_the_scenes_settings_ask_for_the_default_bake() -> None:
-    assert spec_of(values_of(settings())) == BakeSpec()
+    assert spec_of(values_of(settings())) == BakeSpec(denoise=True)
 
 
 def test_the_panels_page_tells_of_every_setting_preset_and_operator() -> None:
@@ -151,14 +151,14 @@ def test_a_layout_of_an_earlier_version_is_the_automatic_one() -> None:
     chosen: Any = settings()
     chosen["atlas_layout"] = 1
     assert chosen.atlas_layout == ""
-    assert spec_of(values_of(chosen)) == BakeSpec()
+    assert spec_of(values_of(chosen)) == BakeSpec(denoise=True)
     assert open_layout_of(values_of(chosen)) == OpenLayout()
 
 
 def test_the_preset_draft_is_in_buckets() -> None:
     """A layered bake takes millions of paths for the surroundings, however small it is."""
     apply_preset("draft")
-    assert spec_of(values_of(settings())) == BakeSpec(texels=64, samples=2)
+    assert spec_of(values_of(settings())) == BakeSpec(texels=64, samples=2, denoise=True)
 
 
 def test_cells_that_are_named_are_meant_also_where_they_suit() -> None:

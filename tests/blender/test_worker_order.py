@@ -48,6 +48,7 @@ CHOSEN: dict[str, Any] = {
     "padding": 4,
     "memory_mb": 777,
     "sheet": 512,
+    "denoise": True,
 }
 SPECS = {
     "every choice": BakeSpec(**CHOSEN),
@@ -227,6 +228,8 @@ def job(spec: BakeSpec | None = None) -> Job:
 def test_the_bar_runs_once_from_nothing_to_the_end(case: str) -> None:
     layered = SPECS[case].layout is Layout.LAYERED
     absent = {Stage.PREVIEW, Stage.FILL if layered else Stage.FIT}
+    if not SPECS[case].denoise:
+        absent.add(Stage.DENOISE)
     known, fractions = job(SPECS[case]), [0.0]
     for stage in Stage:
         for done in range(3) if stage not in absent else ():

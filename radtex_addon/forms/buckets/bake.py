@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Generator, Iterator
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +14,7 @@ import bpy
 
 from ...bake.capture import Capture
 from ...bake.hidden_cells import HiddenCells
-from ...bake.layers import WHOLE, split_layers
+from ...bake.layers import WHOLE, captured, split_layers
 from ...bake.piece_store import NO_STORE, PieceStore
 from ...bake.plan import CapturePlan, plan_capture
 from ...bake.progress import Progress, Stage, relayed
@@ -24,6 +26,7 @@ from ...core.atlas import AtlasLayout
 from ...core.errors import InputError
 from ...core.messages import Setting, do
 from ...core.texel_map import TexelMap
+from ...cycles.denoiser import image_denoiser
 from ...cycles.layer_passes import LayeredCapture
 from ...cycles.panoramic import PanoramicCapture
 from ...cycles.portal import PortalCapture
@@ -41,6 +44,8 @@ from .previous_atlas import read_earlier, with_counts
 from .recapture import Recapture, chosen_texels
 from .refresh import refreshed
 
+log = logging.getLogger(__name__)
+
 
 def bake_buckets(job: BakeJob) -> Generator[Progress, None, Outcome]:
     """As `Form.bake`; every finished tile is stored."""
@@ -49,20 +54,27 @@ def bake_buckets(job: BakeJob) -> Generator[Progress, None, Outcome]:
     facts = prepared.facts(spec)
     earlier = read_earlier(job.sidecar, facts) if spec.accumulate or spec.refresh else None
     texels = prepared.texels()
+    if earlier is not None and earlier.denoised:
+        log.warning(
+            "%s is denoised, and what is added to it is not: bake without denoising what is to be added to",
+            job.sidecar.with_suffix(".exr").name,
+        )
     plan, hidden, facts = yield from plan_buckets(scratch, spec, prepared, texels, folder, store)
     if earlier is None:
         capture = capture_of(scratch, plan, spec, folder)
         uncut = has_volumes(scratch)
         if uncut:
             _check_sheet(spec)
-        steps = join_buckets(plan, capture, hidden, spec, job.sidecar, facts, store, job.thumbnail, uncut)
+        steps = join_buckets(
+            plan, capture, hidden, spec, job.sidecar, facts, folder, store, job.thumbnail, uncut
+        )
         return (yield from steps)
     chosen = chosen_texels(plan, texels, prepared.chosen, spec.where)
     again = Recapture(scratch, spec, spec.kind, texels, plan, hidden, earlier, chosen, folder)
     work = refreshed if spec.refresh else accumulated
     image, paths, counts = yield from work(again, store, job.thumbnail)
     whole = [_images(image, plan.layout, spec)]
-    facts = with_counts(facts, counts)
+    facts = replace(with_counts(facts, counts), denoised=earlier.denoised)
     return (yield from _write(plan, lambda: iter(whole), spec, job.sidecar, facts, paths, store))
 
 
@@ -73,17 +85,22 @@ def join_buckets(
     spec: BakeSpec,
     sidecar: Path,
     facts: Sidecar,
+    folder: Path,
     store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
     uncut: bool = True,
 ) -> Generator[Progress, None, Outcome]:
     """Capture all tiles of the plan, and write the atlas with its layers, band by band.
 
-    The files are written to the store's places for them (`PieceStore.place`).
+    `folder` is for temporary files. The bake is written to the store's places for them (`PieceStore.place`).
     """
     memory, channels = spec.tile_mb, spec.channels
-    steps = capture_bands(plan, capture, memory, hidden, store, thumbnail, channels, uncut)
-    bands = yield from steps
+    layers = captured(spec.layers)
+    with image_denoiser(folder) if spec.denoise else nullcontext() as denoiser:
+        bands = yield from capture_bands(
+            plan, capture, memory, hidden, store, thumbnail, channels, uncut, denoiser, layers
+        )
+    facts = replace(facts, denoised=denoiser is not None)
     paths = len(plan.texel) * spec.bucket**2 * spec.samples
 
     def images() -> Iterator[dict[str, Floats]]:

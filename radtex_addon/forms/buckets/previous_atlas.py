@@ -18,10 +18,14 @@ from ...formats.sidecar import Sidecar
 
 @dataclass(frozen=True, eq=False)
 class PreviousAtlas:
-    """An earlier bake: its atlas (H*n, W*n, 4) float32, and each texel's samples per cell, (H, W)."""
+    """An earlier bake: its atlas (H*n, W*n, 4) float32, each texel's samples per cell, (H, W).
+
+    `denoised`: whether its cells are.
+    """
 
     pixels: Floats
     counts: Ints
+    denoised: bool = False
 
 
 def read_earlier(sidecar: Path, bake: Sidecar) -> PreviousAtlas:
@@ -39,7 +43,7 @@ def read_earlier(sidecar: Path, bake: Sidecar) -> PreviousAtlas:
     counts: Ints = np.full((earlier.height, earlier.width), earlier.samples, dtype=np.int64)
     if earlier.texel_samples:
         counts = read_counts(earlier.texel_samples, earlier.width, earlier.height, str(sidecar))
-    return PreviousAtlas(pixels.astype(np.float32), counts)
+    return PreviousAtlas(pixels.astype(np.float32), counts, earlier.denoised)
 
 
 def with_counts(bake: Sidecar, counts: Ints) -> Sidecar:

@@ -59,6 +59,7 @@ STAGES = {  # labels of the stages of bakes, exports and comparisons
     "probe": "Finding hidden parts",
     "capture": "Tracing paths",
     "fill": "Filling gaps",
+    "denoise": "Denoising",
     "fit": "Sharing light",
     "write": "Writing files",
     "preview": "Making the preview",

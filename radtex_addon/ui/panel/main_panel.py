@@ -9,7 +9,7 @@ from typing import Any, cast
 import bpy
 
 from ...bake.forms import FormTraits
-from ...bake.kinds import Kind, Layout, form_in
+from ...bake.kinds import Kind, Layout, Light, form_in
 from ..jobs import jobs
 from ..operators.switch import LARGE, draw_shading, draw_switch
 from ..settings.bake_settings import BakeSettings
@@ -83,6 +83,8 @@ class RADTEX_PT_quality(Sidebar, bpy.types.Panel):
             if shown:
                 column.prop(settings, name)
         layout.prop(settings, "seed")
+        if kind.light is not Light.OCCLUSION and not form_of(settings).by_paths:
+            layout.prop(settings, "denoise")
 
 
 class RADTEX_PT_output(Sidebar, bpy.types.Panel):

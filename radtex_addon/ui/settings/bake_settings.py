@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, cast
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ...bake.kinds import DEFAULT_KIND, Kind, Layout, form_in
 from ..panel.panel_state import mark_stale
@@ -36,6 +36,7 @@ NAMES = (
     "bucket",
     "samples",
     "seed",
+    "denoise",
     *output_settings.NAMES,
 )
 
@@ -96,6 +97,7 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
         bucket: int
         samples: int
         seed: int
+        denoise: bool
     else:
         kind: EnumProperty(
             name="Kind",
@@ -240,6 +242,13 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
             description="Another seed gives other noise; the same one gives the same picture",
             default=0,
             min=0,
+            **NOTICED,
+        )
+        denoise: BoolProperty(
+            name="Denoise",
+            description="Take the grain out of buckets of light, and of transfers, by OpenImageDenoise. Turn "
+            "it off for bakes to which samples are added later",
+            default=True,
             **NOTICED,
         )
 

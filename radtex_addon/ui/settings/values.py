@@ -82,6 +82,7 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
         bucket=cast(int, cells),  # None lets BakeSpec use its default
         samples=values["samples"],
         seed=values["seed"],
+        denoise=values["denoise"],
         uv_layer=values["uv_layer"] or None,
         unwrap=values["unwrap"],
         padding=values["padding"],

@@ -21,7 +21,7 @@ from radtex_addon.report.metrics import Picture
 from .looking import PIXELS, SUBJECT, Camera, added, baked, empty_scene, lamp, principled, rendered, resolved
 from .row import Row
 
-SPEC = BakeSpec(texels=128, bucket=8, samples=8)
+SPEC = BakeSpec(texels=128, bucket=8, samples=8, denoise=True)
 CAMERAS = {
     "left": Camera((-2.2, -4.0, 0.6)),
     "above": Camera((0.9, -3.6, 2.2)),

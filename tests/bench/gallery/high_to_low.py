@@ -22,7 +22,7 @@ from .looking import SUBJECT, Camera, added, baked, empty_scene, lamp, principle
 from .row import Row
 
 DETAILED = "Detailed"
-SPEC = BakeSpec(texels=128, bucket=8, samples=16, source=DETAILED, extrusion=0.06)
+SPEC = BakeSpec(denoise=True, texels=128, bucket=8, samples=16, source=DETAILED, extrusion=0.06)
 CAMERAS = {
     "left": Camera((-2.2, -4.4, 0.9)),
     "right": Camera((2.6, -4.1, -0.2)),

@@ -15,7 +15,7 @@ from radtex_addon.bake.spec import BakeSpec
 from .looking import SUBJECT, Camera, added, empty_scene, lamp, opaque_rows, principled
 from .row import Row
 
-SPEC = BakeSpec(texels=128, bucket=8, samples=8)
+SPEC = BakeSpec(texels=128, bucket=8, samples=8, denoise=True)
 CAMERAS = {
     "left": Camera((-1.9, -2.6, 3.3), (0, 0, -0.25)),
     "right": Camera((2.4, -1.9, 3.2), (0, 0, -0.25)),

@@ -24,7 +24,9 @@ from .looking import SUBJECT, Camera, added, baked, empty_scene, lamp, principle
 from .row import Row
 
 # A texel is 0.08 wide; one of 64 cells sees as much of what is 1.7 behind the pane, the depth of the room.
-SPEC = BakeSpec(kind=Kind.PROXY, content="*", texels=24, bucket=64, samples=16, uv_layer="UVMap")
+SPEC = BakeSpec(
+    denoise=True, kind=Kind.PROXY, content="*", texels=24, bucket=64, samples=16, uv_layer="UVMap"
+)
 CAMERAS = {
     "from the front": Camera((0.0, -4.6, 0.1), lens=70),
     "from the left": Camera((-2.4, -3.8, 0.5), lens=70),

@@ -11,7 +11,7 @@ from radtex_addon.bake.spec import BakeSpec
 from .looking import SUBJECT, Camera, added, empty_scene, lamp, opaque_rows, principled
 from .row import Row
 
-SPEC = BakeSpec(texels=128, bucket=16, samples=3)
+SPEC = BakeSpec(texels=128, bucket=16, samples=3, denoise=True)
 CAMERAS = {
     "left": Camera((-2.5, -3.2, 2.4)),
     "steep": Camera((0.5, -1.9, 4.3)),

@@ -25,7 +25,7 @@ from radtex_addon.scene.lights.lamps import WORLD, each_light
 from .looking import SUBJECT, Camera, Place, baked, empty_scene, lamp, principled, rendered
 from .row import Row
 
-SPEC = BakeSpec(texels=128, bucket=8, samples=8)
+SPEC = BakeSpec(denoise=True, texels=128, bucket=8, samples=8)
 SKY = (0.05, 0.06, 0.08)
 LAMPS: Mapping[str, tuple[Place, float, float]] = {  # white ones: where, watts, size
     "Key": ((-3.2, -2.6, 3.0), 240, 1.2),

@@ -27,7 +27,7 @@ from .looking import PIXELS, SUBJECT, Baked, Camera, added, baked, empty_scene, 
 from .row import Row
 
 PASSES = (Layer.DIFFUSE, Layer.GLOSSY)
-SPEC = BakeSpec(texels=128, bucket=8, samples=12, layers=(*PASSES, Layer.BASE, Layer.REST))
+SPEC = BakeSpec(denoise=True, texels=128, bucket=8, samples=12, layers=(*PASSES, Layer.BASE, Layer.REST))
 SAMPLES = 128  # of a reference's pixel: passes are not denoised
 CAMERAS = {
     "left": Camera((-2.2, -4.2, 0.7)),

@@ -174,6 +174,7 @@ def baked(spec: BakeSpec, folder: Path, name: str = SUBJECT) -> Baked:
         surface = BakedSurface(prepared.mesh, prepared.matrix_world, prepared.uv_layer)
     bpy.data.batch_remove(kept)
     shape = f"{spec.texels} texels, {spec.bucket} cells, {spec.samples} spp, {spec.layout}"
+    shape += ", denoised" if spec.denoise else ""
     words = f"{shape}; {result.paths / 1e6:.1f} M paths, {seconds:.0f} s, {size / 1e6:.1f} MB of EXR"
     return Baked(result.files.sidecar, surface, words)
 

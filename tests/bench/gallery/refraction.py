@@ -13,7 +13,7 @@ from radtex_addon.bake.spec import BakeSpec
 from .looking import SUBJECT, Camera, added, empty_scene, opaque_rows, principled
 from .row import Row
 
-SPEC = BakeSpec(texels=128, bucket=16, samples=3)
+SPEC = BakeSpec(texels=128, bucket=16, samples=3, denoise=True)
 CAMERAS = {
     "left": Camera((-2.7, -3.6, 0.9)),
     "above": Camera((0.7, -3.2, 3.0)),

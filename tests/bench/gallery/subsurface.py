@@ -13,7 +13,7 @@ from radtex_addon.bake.spec import BakeSpec
 from .looking import SUBJECT, Camera, added, empty_scene, lamp, opaque_rows, principled
 from .row import Row
 
-SPEC = BakeSpec(texels=128, bucket=8, samples=10)
+SPEC = BakeSpec(texels=128, bucket=8, samples=10, denoise=True)
 CAMERAS = {
     "left": Camera((-2.2, -4.2, 0.7)),
     "above": Camera((0.6, -3.4, 3.0)),

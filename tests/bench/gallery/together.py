@@ -25,7 +25,7 @@ from .looking import Camera, added, empty_scene, principled, rendered, studio
 from .row import Row
 
 OBJECTS = ("Ring", "Head", "Column")
-SPEC = BakeSpec(texels=128, bucket=8, samples=16, objects=OBJECTS)
+SPEC = BakeSpec(denoise=True, texels=128, bucket=8, samples=16, objects=OBJECTS)
 CAMERAS = {
     "left": Camera((-3.4, -4.6, 2.6), (0.0, 0.0, 0.1), lens=55),
     "right": Camera((3.9, -4.2, 1.6), (0.0, 0.0, 0.1), lens=55),

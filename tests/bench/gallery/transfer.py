@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 import tempfile
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -33,7 +34,7 @@ from tests.reference.relighting import relight
 from .row import Row
 
 SUBJECT = "Subject"
-TEXELS, SPP = 128, 8
+SPEC = BakeSpec(kind=Kind.TRANSFER, texels=128, bucket=15, samples=8, denoise=True)
 PIXELS, SUBSAMPLES = 256, 2
 SAMPLES = 128  # of the reference's pixels, before they are denoised
 IRRADIANCE = (3.0, 2.8, 2.5)
@@ -83,16 +84,15 @@ def scene() -> None:
     made.cycles.sample_clamp_direct = made.cycles.sample_clamp_indirect = 0
 
 
-def rows(cells: int = 15) -> Iterator[Row]:
+def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
     """The gallery's rows: one bake under five suns, from five cameras."""
     scene()
-    spec = BakeSpec(kind=Kind.TRANSFER, texels=TEXELS, bucket=cells, samples=SPP)
     made: Any = bpy.context.scene
     with tempfile.TemporaryDirectory() as folder:
         result = bake_object(made, SUBJECT, spec, Path(folder))
         stored, facts = read_transfer(result.files.sidecar)
     print(
-        f"{cells} cells: {result.paths:,} paths, {sum(result.seconds.values()):.0f} s, "
+        f"{spec.bucket} cells: {result.paths:,} paths, {sum(result.seconds.values()):.0f} s, "
         f"{stored.nbytes:,} bytes"
     )
     kept: list[bpy.types.ID] = []
@@ -154,7 +154,7 @@ def _reference(place: tuple[float, float, float], turn: Any, towards: tuple[floa
 def main() -> None:
     """Print what was measured."""
     for cells in [int(word) for word in sys.argv[1:]] or [9, 15]:
-        for row in rows(cells):
+        for row in rows(replace(SPEC, bucket=cells)):
             print(f"{cells} cells: {row.name}: {row.psnr:.1f} dB, FLIP {row.flip:.3f}", flush=True)
 
 

@@ -25,7 +25,7 @@ from .looking import PIXELS, SUBJECT, Camera, added, empty_scene, principled, re
 from .row import Row
 from .together import surface_of_bake
 
-SPEC = BakeSpec(texels=128, bucket=8, samples=16, split=Split.UDIM, uv_layer="UVMap")
+SPEC = BakeSpec(denoise=True, texels=128, bucket=8, samples=16, split=Split.UDIM, uv_layer="UVMap")
 CAMERAS = {
     "left": Camera((-2.9, -4.2, 3.0), lens=55),
     "right": Camera((3.4, -3.4, 3.2), lens=55),

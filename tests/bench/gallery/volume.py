@@ -12,7 +12,7 @@ from radtex_addon.scene.nodes import open_material
 from .looking import SUBJECT, Camera, added, empty_scene, lamp, opaque_rows, principled
 from .row import Row
 
-SPEC = BakeSpec(texels=128, bucket=8, samples=8)
+SPEC = BakeSpec(texels=128, bucket=16, samples=4, denoise=True)
 CAMERAS = {
     "left": Camera((-2.8, -3.8, 1.4)),
     "above": Camera((0.8, -3.2, 3.4)),
