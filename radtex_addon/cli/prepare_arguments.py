@@ -23,7 +23,15 @@ examples:
   python bake.py assemble baked/Vase.radiance.radtex-farm
 
 exit codes: as of a bake"""
-_ELSEWHERE = {"accumulate": False, "refresh": False, "resume": False, "where": None, "exports": None}
+_ELSEWHERE = {
+    "accumulate": False,
+    "refresh": False,
+    "resume": False,
+    "where": None,
+    "exports": None,
+    "passes": None,
+    "serve": None,
+}
 
 
 def parse_prepare(arguments: list[str], inside_blender: bool) -> Request:

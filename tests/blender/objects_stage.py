@@ -34,7 +34,7 @@ def pair() -> Stage:
     gold = principled("Gold", (0.9, 0.6, 0.2), Metallic=1.0, Roughness=0.12)
     red = principled("Red", (0.6, 0.03, 0.02), Roughness=0.5)
     blue = principled("Blue", (0.03, 0.08, 0.6), Roughness=0.25)
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=0.5, location=(-0.52, 0, 0.5))
+    _add_ball(48, 24, 0.5, (-0.52, 0, 0.5))
     ball = _named("Ball", gold, red)
     _paint(ball, 1, lambda middle, _: middle[:, 2] > 0.25)
     bpy.ops.object.shade_smooth()
@@ -50,7 +50,7 @@ def corner() -> Stage:
     start("sunset.exr", strength=0.6, turn=30)
     gold = principled("Gold", (0.9, 0.6, 0.2), Metallic=1.0, Roughness=0.12)
     blue = principled("Blue", (0.05, 0.12, 0.7), Metallic=1.0, Roughness=0.2)
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=0.42, location=(0, 0, 0.55))
+    _add_ball(48, 24, 0.42, (0, 0, 0.55))
     ball = _named("Corner", gold)
     bpy.ops.object.shade_smooth()
     bpy.ops.mesh.primitive_cube_add(size=1, location=(0, 0, 0.05))
@@ -68,7 +68,7 @@ def detailed() -> Stage:
     start("sunset.exr", strength=0.6, turn=30)
     gold = principled("Gold", (0.9, 0.6, 0.2), Metallic=1.0, Roughness=0.15)
     blue = principled("Blue", (0.03, 0.08, 0.6), Roughness=0.3)
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=128, ring_count=64, radius=0.6, location=(0, 0, 0.62))
+    _add_ball(128, 64, 0.6, (0, 0, 0.62))
     high = _named("High", gold, blue)
     place = places(high)
     around, rise = np.arctan2(place[:, 1], place[:, 0]), np.arcsin(np.clip(place[:, 2] / 0.6, -1, 1))
@@ -76,10 +76,20 @@ def detailed() -> Stage:
     move_to(high, place * (1 + bump[:, None] / 0.6))
     _paint(high, 1, lambda middle, _: np.abs(middle[:, 2]) < 0.11)
     bpy.ops.object.shade_smooth()
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16, radius=0.61, location=(0, 0, 0.62))
+    _add_ball(32, 16, 0.61, (0, 0, 0.62))
     low = _named("Low")
     bpy.ops.object.shade_smooth()
     return _finished("detailed", low)
+
+
+def _add_ball(segments: int, rings: int, radius: float, place: tuple[float, float, float]) -> None:
+    """Add a ball whose faces come in the same order each time, as Blender's do not."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=segments, ring_count=rings, radius=radius, location=place)
+    mesh: Any = made().data
+    corners = [tuple(vertex.co) for vertex in mesh.vertices]
+    faces = sorted(tuple(face.vertices) for face in mesh.polygons)
+    mesh.clear_geometry()
+    mesh.from_pydata(corners, [], faces)
 
 
 def _named(name: str, *materials: bpy.types.Material) -> bpy.types.Object:

@@ -21,42 +21,41 @@ CAPTIONS = {
         "Iridescence",
         "A steel ring under a thin film, 16 x 16 cells: magenta where one looks straight at it, green at "
         "a slant.",
-        "The turn from magenta to grey-green towards the edges is there. A fine grain is left, of three "
-        "samples a cell, worst on the inside of the ring, where texels are small in the picture.",
+        "The turn from magenta to grey-green towards the edges is there. On the inside of the ring, where "
+        "texels are small in the picture, the film's colours are in soft patches.",
     ),
     "inter_reflection": Caption(
         "Inter-reflection",
         "A copper bowl that lights and mirrors itself, in up to twelve bounces.",
-        "The warm glow in the ground, which only bounced light makes, is right in colour and place; it is "
-        "grainy, and the lamp's sheen is a little too wide, for a cell is 20 degrees wide.",
+        "The warm glow in the ground, which only bounced light makes, is right in colour and place. The "
+        "lamp's sheen is a little too wide, for a cell is 20 degrees wide, and beside it a seam of the "
+        "unwrap can be made out.",
     ),
     "refraction": Caption(
         "Refraction",
         "A glass egg, 16 x 16 cells; the bubble in it mirrors what comes at a slant (total internal "
         "reflection).",
         "The ball is bent around the bubble, which keeps it out of its rim and shows it a second time, "
-        "small. All outlines are soft and grainy, that of the bubble most, where light turns faster than "
-        "cells and texels can follow.",
+        "small and faint. All outlines are soft, and the ball's ends in streaks where light turns faster "
+        "than cells and texels can follow.",
     ),
     "alpha": Caption(
         "Transparency",
         "A curtain that is clear in waves, over stripes that no bake knew.",
-        "Colour and alpha are both right; a faint grain is left, of a few samples a cell. A closed shape "
-        "is harder: what is seen of its far side through its near one is as blurred as a cell is wide, "
-        "and a clear ball came to 22 dB.",
+        "Colour and alpha are both right. A closed shape is harder: what is seen of its far side through its "
+        "near one is as blurred as a cell is wide, and a clear ball came to 22 dB.",
     ),
     "subsurface": Caption(
         "Subsurface scattering",
         "A head of jade, its ears lit from behind.",
-        "The glowing ears and the dark rings around the eyes are right; the skin is mottled, for light "
-        "that wanders inside is noisy and ten samples a cell are few.",
+        "The glowing ears and the dark rings around the eyes are right. Brows and eyelids have soft patches "
+        "a few texels wide, which the path-traced skin has not.",
     ),
     "volume": Caption(
         "Volume",
         "A ball of fog around a glowing ring, without a surface of its own.",
-        "The glow has the right colour and size, but the ring is not a ring any more: it is a radius "
-        "below the surface, where a cell of 20 degrees is wider than the ring is thick. Content near the "
-        "surface, or more cells, keep it.",
+        "Glow and ring have the right colour and size, and are soft, for the ring is a radius below the "
+        "surface. Along seams of the unwrap it has wisps that the fog has not.",
     ),
     "shadow": Caption(
         "Shadow",
@@ -77,23 +76,22 @@ CAPTIONS = {
     "transfer": Caption(
         "Transfer",
         "A thing of wax under suns that no bake knew, one of them behind it.",
-        "Light shines through where it should, the rims glow under the sun behind. What is lit from behind "
-        "is dark, and there the grain of the samples, coloured, is seen at once.",
+        "Light shines through where it should, the rims glow under the sun behind. Where least gets through "
+        "it is redder than it should be, in soft bands, and has a greyish patch.",
     ),
     "lamps": Caption(
         "Lamps",
         "A vase under three lamps and a dim sky, each baked alone: the sum of the atlases, each times a "
         "colour that no bake knew.",
         "Colours meet on the flutes and over the lip where they should. Inside, where light has bounced, "
-        "the grain of eight samples a cell is seen, of all four atlases together.",
+        "soft patches of all four atlases are seen, and the lip's edge is a texel off.",
     ),
     "layers": Caption(
         "Layers",
         "Parts of one bake's light, against Cycles's own passes: diffuse, glossy, and what a base of one "
         "value a texel and a view-dependent rest add up to.",
         "The picture is of gloss alone: highlights, and the red that the wall lays on the edge, are where "
-        "they should be; it is a little mottled, of twelve samples a cell, and softer in the folds of the "
-        "ear.",
+        "they should be; it is softer in the folds of the ear.",
     ),
     "proxy": Caption(
         "Proxy",
@@ -109,8 +107,7 @@ CAPTIONS = {
         "A window pane that shows a room with true parallax, 24 texels of 64 x 64 cells. The room is not "
         "drawn.",
         "Ball, table and picture stand where they should from all three places. Edges are as soft as a "
-        "cell is wide at their depth, and walls are still a little blotchy: sixteen samples a cell are "
-        "few for light that has bounced.",
+        "cell is wide at their depth.",
     ),
     "high_to_low": Caption(
         "High to low",
@@ -133,13 +130,11 @@ CAPTIONS = {
         "A ring of brass, a head of terracotta and a column of plaster, which light one another, all three "
         "in one atlas of 128 texels.",
         "Each shows its own light, and what the others throw on it: the column the head's red, the head the "
-        "column's shade. Fine lines of the head are a texel softer; the column, which has the largest faces, "
-        "is a little mottled.",
+        "column's shade. Fine lines of the head are a texel softer.",
     ),
     "udim": Caption(
         "UDIM tiles",
         "A painted ring whose UV layer lies in two tiles, with an atlas for each.",
-        "Nothing tells where one tile ends and the next begins. The edges of the paint are a texel softer, "
-        "and a faint grain is left on the white.",
+        "Nothing tells where one tile ends and the next begins. The edges of the paint are a texel softer.",
     ),
 }
