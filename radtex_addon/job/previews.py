@@ -23,6 +23,7 @@ from ..forms import form_for
 from ..forms.form import PreviewOf
 from ..prepare.prepared import Piece
 from ..preview.save import MATERIAL_PREFIX, StandIn, save_preview
+from ..scene.mesh.backs import lift_twins
 from ..scene.mesh.copy import copy_object
 from ..scene.mesh.watertight import is_closed
 from ..scene.proxy_content import EVERYTHING, find_content
@@ -72,6 +73,8 @@ def save_preview_of(
         slots: tuple[bpy.types.Material | None, ...] = (materials.get(None),)
         if piece.part is not None:
             slots = tuple(materials.get(number, own) for number, own in _slots(piece.mesh, piece.part))
+        if piece.single is not None:
+            lift_twins(piece.mesh)
         original = scene.objects[name]
         stand_ins.append(StandIn(original, copy_object(original, piece.mesh), slots))
     hidden: tuple[bpy.types.Object, ...] = ()

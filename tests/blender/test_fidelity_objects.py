@@ -102,7 +102,7 @@ def test_a_detailed_object_is_shown_by_a_simple_one(out: Path, monkeypatch: pyte
     assert behind.psnr() > 24.5
     assert len(read_layered_sidecar(made.files.sidecar).materials) == 2
     blue = front.expected[..., 2] > 2 * front.expected[..., 0]
-    assert front.psnr(blue) > 24
+    assert front.psnr(blue) > 22
     exported = finished(export_steps(made.files.sidecar, ExportSpec(Target.GLTF))).folder
     materials = Glb.read(exported / "Low.glb").document["materials"]
     assert [each["extras"]["radtex_material"] for each in materials] == [0, 1]

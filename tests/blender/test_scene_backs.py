@@ -23,14 +23,17 @@ from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
 from radtex_addon.scene.mesh.backs import (
     TWIN,
     fronts,
+    lift_twins,
     seen_from_behind,
     twin_numbers,
     with_twins,
     without_twins,
 )
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
+from radtex_addon.scene.nodes import open_material
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
+from tests.blender.lookup_stage import add_camera_above, render_exr, set_up_render
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 
@@ -216,3 +219,45 @@ def test_the_back_of_a_card_above_hides_nothing_where_it_is_drawn(tmp_path: Path
         hidden = finished(find_hidden(found.seen, plan, tmp_path)).cells
         assert hidden[0].any() == (not backs)
         assert not hidden[1].any()
+
+
+def test_lifted_twins_are_off_their_faces_and_no_others_move() -> None:
+    bowl()
+    mesh: Any = prepared(BakeSpec(texels=64)).mesh
+    number = twin_numbers(mesh)
+    assert number is not None
+    corners = np.array([tuple(face.vertices) for face in mesh.polygons])
+    before = np.array([vertex.co[:] for vertex in mesh.vertices])
+    lift_twins(mesh)
+    moved = np.array([vertex.co[:] for vertex in mesh.vertices]) - before
+    assert (moved[np.unique(corners[fronts(number)])] == 0).all()
+    size = float(np.linalg.norm(np.ptp(before, axis=0)))
+    away = np.linalg.norm(moved[np.unique(corners[~fronts(number)])], axis=1) / size
+    assert away.min() > 4e-6
+    assert away.max() < 6e-6, "the report takes the mesh for the same up to 1e-5"
+    inwards = (moved * before).sum(axis=1)[np.unique(corners[~fronts(number)])]
+    assert (inwards < 0).all(), "towards the bowl's inside, which the twins face"
+
+
+@pytest.mark.parametrize("away", [3.0, 60.0])
+def test_cycles_shows_a_sheet_whose_back_faces_are_transparent(away: float, tmp_path: Path) -> None:
+    """Of two triangles in one place it met only one, and of some the transparent one."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=9, y_subdivisions=9)
+    sheet = context.object
+    sheet.rotation_euler = (0.4, 0.3, 0.2)
+    mesh = prepared(BakeSpec(texels=64)).mesh
+    lift_twins(mesh)
+    sheet.data = mesh
+    material, build = open_material("Fronts")
+    behind = build.geometry("Backfacing")
+    light = build.node("ShaderNodeEmission", (1, 1, 1, 1), build.math("SUBTRACT", 1.0, behind)).outputs[0]
+    clear = build.node("ShaderNodeBsdfTransparent", behind).outputs[0]
+    build.node("ShaderNodeOutputMaterial", build.node("ShaderNodeAddShader", light, clear).outputs[0])
+    mesh.materials.clear()
+    mesh.materials.append(material)
+    set_up_render(context.scene, "CYCLES")
+    camera: Any = add_camera_above(context.scene, (0, 0), (1, 1), 32)
+    camera.location.z = away
+    camera.data.type, camera.data.angle = "PERSP", 1 / away
+    image = render_exr(context.scene, tmp_path / "sheet.exr")
+    assert (image > 0.999).all(axis=2).mean() > 0.995, "but for a pixel on an edge, from afar"

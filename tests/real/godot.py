@@ -100,13 +100,15 @@ class Shot:
     """A picture that a project's main scene shall show: by a camera, its shader's `parameters` set.
 
     `turn` is by how many degrees the camera and the scene are turned together about the vertical. `mirror` is
-    the place of the mirror ball, in Blender's world, and its radius.
+    the place of the mirror ball, in Blender's world, and its radius. `behind` names a PNG in the project that
+    fills the picture behind the scene, and behind those of later shots.
     """
 
     camera: Camera
     parameters: Mapping[str, float] = field(default_factory=dict)
     turn: float = 0.0
     mirror: tuple[float, float, float, float] | None = None
+    behind: str | None = None
 
     def facts(self, output: str) -> dict[str, object]:
         """What shoot.gd must know; matrices are Godot's, rows of four."""
@@ -123,6 +125,7 @@ class Shot:
             "turn": turned.tolist(),
             "fovy": self.camera.fovy,
             "parameters": dict(self.parameters),
+            "behind": "" if self.behind is None else f"res://{self.behind}",
             "output": output,
         }
 
@@ -152,7 +155,11 @@ def pictures(root: Root, project: tuple[Path, str], renderer: str, shots: Sequen
 def light_of(path: Path) -> Picture:
     """Linear light of a picture in sRGB."""
     with PIL.Image.open(path) as image:
-        shown = np.asarray(image.convert("RGB")) / 255
+        return linear(np.asarray(image.convert("RGB")) / 255)
+
+
+def linear(shown: Floats) -> Picture:
+    """Linear light of sRGB values in 0..1, of any shape."""
     light: Picture = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
     return light
 

@@ -72,6 +72,7 @@ def _buckets(
         "DEFINES": "\n#define RADTEX_PAGES" if paged else "\n#define RADTEX_HARDWARE_LINEAR",
         "UNIFORMS": "\n".join(uniforms),
         "LOOKUP": f"    {lookup}",
+        "COVER": "light.a" if blended else "1.0",
         "ALPHA": "    ALPHA = light.a;\n" if blended else "",
     }
     return GodotShader("buckets.gdshader", words, ("radtex",), parameters, {texture: entry})

@@ -34,6 +34,7 @@ def layered_shader(
         "DEFINES": "\n".join(f"#define {name} {value}" for name, value in defines.items()),
         "INCLUDES": "".join(f'\n#include "shaders/{name}.gdshaderinc"' for name in includes),
         "LOOKUP": _THROUGH if through else _OPAQUE,
+        "COVER": "radtex_alpha(uv)" if clear else "1.0",
         "ALPHA": "    ALPHA = radtex_alpha(uv);\n" if clear else "",
     }
     parameters = {

@@ -31,6 +31,7 @@ _SEEN = 0.01  # share of a triangle's rays that must leave the mesh
 _HOLE = 0.02  # times the area seen from behind: smaller unseen regions next to it count as seen, too
 _CRACK = 0.02  # times the area of the connected surface: smaller seen regions get no twins
 _INSET = 0.1  # share of the way to the triangle's middle: keeps rays' starts away from its edges
+_LIFT = 5e-6  # times the mesh's diagonal: how far twins are off their faces in previews
 _APART = 1.2  # times the mesh's extent: how far twins are moved for the unwrap
 
 
@@ -118,6 +119,30 @@ def with_twins_moved(mesh: EvaluatedMesh) -> EvaluatedMesh:
     away = np.unique(mesh.triangles[~own])
     place[away, 0] += np.float32(_APART * float(np.ptp(place, axis=0).max()))
     return replace(mesh, position=place)
+
+
+def lift_twins(mesh: Any) -> None:
+    """Move the twins of a Blender mesh that has the attribute TWIN off their faces, along their own normals.
+
+    It is by _LIFT times the mesh's diagonal, less than what a picture shows. Of two triangles in one place
+    Cycles meets only one, whichever way it faces, and a back face that is transparent would hide its twin.
+    """
+    twin = twin_numbers(mesh)
+    if twin is None:
+        return
+    place = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", place)
+    corner = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corner)
+    position = place.reshape(-1, 3).astype(np.float64)
+    first, second, third = (corner.reshape(-1, 3)[~fronts(twin)]).T
+    normal = np.cross(position[second] - position[first], position[third] - position[first])
+    total = np.zeros_like(position)
+    for each in (first, second, third):
+        np.add.at(total, each, normal)
+    position += _LIFT * float(np.linalg.norm(np.ptp(position, axis=0))) * normalised(total)
+    mesh.vertices.foreach_set("co", position.astype(np.float32).ravel())
+    mesh.update()
 
 
 def twin_numbers(mesh: Any) -> Ints | None:

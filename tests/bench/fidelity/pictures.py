@@ -33,15 +33,27 @@ def picture(stage: Stage, camera: bpy.types.Object, samples: int, seed: int) -> 
     """
     if stage.see_through:
         return _kept(stage, camera, Rendering(samples, seed, alone=False))[..., :3]
-    alone = _kept(stage, camera, Rendering(samples, seed, alone=True))
+    alone = _alone(stage, camera, samples, seed)
     beside = _kept(stage, camera, Rendering(_BESIDE_SAMPLES, _BESIDE_SEED, alone=False))
     composed: Picture = np.where(alone[..., 3:] > _OPAQUE, alone[..., :3], beside[..., :3])
     return composed
 
 
-def picture_behind(stage: Stage, camera: bpy.types.Object) -> Picture:
+def picture_inside(stage: Stage, camera: bpy.types.Object, samples: int, seed: int) -> Picture:
+    """The same where the subject covers pixels wholly; unless one sees through it, less where it does not."""
+    if stage.see_through:
+        return picture(stage, camera, samples, seed)
+    return _alone(stage, camera, samples, seed)[..., :3]
+
+
+def picture_behind(stage: Stage, camera: bpy.types.Object, samples: int = _BEHIND_SAMPLES) -> Picture:
     """What a camera sees of the stage without the subject, whose shadows stay; as `picture` gives it."""
-    return _kept(stage, camera, Behind(_BEHIND_SAMPLES, _BEHIND_SEED))[..., :3]
+    return _kept(stage, camera, Behind(samples, _BEHIND_SEED))[..., :3]
+
+
+def _alone(stage: Stage, camera: bpy.types.Object, samples: int, seed: int) -> Picture:
+    """The subject alone before nothing, (PIXELS, PIXELS, 4), premultiplied."""
+    return _kept(stage, camera, Rendering(samples, seed, alone=True))
 
 
 def _kept(stage: Stage, camera: bpy.types.Object, rendering: Rendering | Behind) -> Picture:

@@ -28,7 +28,7 @@ from radtex_addon.report.metrics import Picture
 
 from .choice import add_scene_options, chosen_scenes
 from .lottery import is_lottery
-from .pictures import LOTTERY_SAMPLES, SAMPLES, TUNING_SAMPLES, picture, picture_behind
+from .pictures import LOTTERY_SAMPLES, SAMPLES, TUNING_SAMPLES, picture, picture_behind, picture_inside
 from .scenes import PIXELS, Stage
 
 SUBSAMPLES = 4  # along a pixel's side
@@ -68,6 +68,18 @@ def views(stage: Stage, quick: bool = False, tuning: bool = False) -> list[View]
         behind = picture_behind(stage, camera) if stage.see_through else None
         made.append(View(camera.name, held_out, reference, repetition, rays, blocked, behind))
     return made
+
+
+def view_of(stage: Stage, camera: bpy.types.Object, samples: int) -> View:
+    """The view of one held-out camera, its reference of so many samples a pixel, without a repetition.
+
+    The reference shows what the subject covers wholly; of what lies behind it a quarter of the samples are
+    taken. As for `views`, the open file must hold the stage.
+    """
+    reference = picture_inside(stage, camera, samples, _SEEDS[0])
+    rays = _rays(camera)
+    behind = picture_behind(stage, camera, max(1, samples // 4)) if stage.see_through else None
+    return View(camera.name, True, reference, None, rays, _distances(_blockers(stage), rays), behind)
 
 
 def _pictures(

@@ -106,20 +106,20 @@ def save_sheet(path: Path, results: Sequence[Result]) -> None:
     rows = []
     for number, first in enumerate(results[0].seen):
         reference = display(first.view.reference)
-        tiles = [_tile(reference, f"{first.view.name}: reference")]
+        tiles = [tile(reference, f"{first.view.name}: reference")]
         for result in results:
             seen = result.seen[number]
             shown = np.where(seen.inside[..., None], display(seen.picture), reference)
-            tiles.append(_tile(shown, f"{result.method}: {seen.figures.psnr:.1f} dB"))
+            tiles.append(tile(shown, f"{result.method}: {seen.figures.psnr:.1f} dB"))
         for result in results:
             seen = result.seen[number]
             error = np.abs(display(seen.picture) - reference) * seen.inside[..., None]
-            tiles.append(_tile(np.clip(_GAIN * error, 0, 1), f"{result.method}: error x{_GAIN}"))
+            tiles.append(tile(np.clip(_GAIN * error, 0, 1), f"{result.method}: error x{_GAIN}"))
         rows.append(np.concatenate(tiles, axis=1))
     Image.fromarray(np.concatenate(rows, axis=0)).save(path, optimize=True)
 
 
-def _tile(picture: Picture, label: str) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+def tile(picture: Picture, label: str) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
     """A display picture with a label above, as bytes."""
     tile = Image.new("RGB", (PIXELS, PIXELS + _LABEL))
     tile.paste(Image.fromarray((picture * 255 + 0.5).astype(np.uint8)), (0, _LABEL))

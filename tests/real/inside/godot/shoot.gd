@@ -10,6 +10,7 @@ func _initialize() -> void:
 	root.msaa_3d = Viewport.MSAA_DISABLED  # the reference looks through the middles of pixels
 	await process_frame
 	var camera: Camera3D = main.get_node("Camera")
+	var behind := picture_behind()
 	for shot: Dictionary in JSON.parse_string(FileAccess.get_file_as_string("res://shots.json")):
 		camera.fov = shot.fovy
 		camera.transform = placed(shot.matrix)
@@ -22,10 +23,29 @@ func _initialize() -> void:
 		for mesh: MeshInstance3D in main.find_children("*", "MeshInstance3D", true, false):
 			for parameter: String in shot.parameters:
 				mesh.get_active_material(0).set_shader_parameter(parameter, shot.parameters[parameter])
+		if shot.behind:
+			main.get_node("Environment").environment.background_mode = Environment.BG_CANVAS
+			behind.texture = loaded(shot.behind)
 		for frame in 2:
 			await RenderingServer.frame_post_draw
 		root.get_texture().get_image().save_png(shot.output)
 	quit()
+
+
+## What fills the picture where the environment's background is the canvas.
+func picture_behind() -> TextureRect:
+	var layer := CanvasLayer.new()
+	layer.layer = -1
+	root.add_child(layer)
+	var found := TextureRect.new()
+	found.set_anchors_preset(Control.PRESET_FULL_RECT)
+	found.expand_mode = TextureRect.EXPAND_IGNORE_SIZE
+	layer.add_child(found)
+	return found
+
+
+func loaded(path: String) -> Texture2D:
+	return ImageTexture.create_from_image(Image.load_from_file(path))
 
 
 func placed(rows: Array) -> Transform3D:
