@@ -22,7 +22,7 @@ import bpy
 import numpy as np
 import zstandard
 
-from radtex_addon.core.arrays import Floats
+from radtex_addon.core.arrays import Bools, Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.levels import fitting_levels
 from radtex_addon.formats.codecs.rgb9e5 import encode_rgb9e5
@@ -62,7 +62,7 @@ class Atlas:
         sizes = [[len(packer.compress(encode_rgb9e5(page).tobytes())) for page in row] for row in pages]
         return np.array(sizes, dtype=np.float64)
 
-    def only(self, needed: Sequence[np.ndarray]) -> list[Floats]:
+    def only(self, needed: Sequence[Bools]) -> list[Floats]:
         """The chain with other pages than the needed ones black."""
         side = self.page * self.layout.bucket
         kept = []
@@ -71,7 +71,7 @@ class Atlas:
             kept.append(image * mask[..., None].astype(image.dtype))
         return kept
 
-    def needed(self, uv: Floats, level: Floats) -> list[np.ndarray]:
+    def needed(self, uv: Floats, level: Floats) -> list[Bools]:
         """Which pages of each level lookups read, (rows, columns) bool."""
         found = []
         for number, image in enumerate(self.chain):
