@@ -63,8 +63,8 @@ def capture_bands(
     The captured values of `hidden` cells are not used. The `store` stores each tile; rows that it already
     has are not captured again. The `thumbnail` gets all light. Tiles take less than `memory_mb` and about
     SECONDS_PER_TILE, as their height does not change the result; where it would, set `uncut` to render whole
-    sheets. A `denoiser` gets all light, also of the
-    captured `layers`. Raises BakeError for cells that are not numbers, and where a tile cannot be stored.
+    sheets. A `denoiser` gets all light, also of the captured `layers`. Raises BakeError for cells that are
+    not numbers, and where a tile cannot be stored.
     """
     store = store if store.keeps else MemoryStore()
     cells = Cells(plan, store, channels)

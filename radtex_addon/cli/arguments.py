@@ -93,7 +93,7 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
     chosen = {
         field.name: getattr(found, field.name) for field in fields(BakeSpec) if hasattr(found, field.name)
     }
-    passes = found.passes or 1
+    passes = 1 if found.passes is None else found.passes
     open_layout = OpenLayout(found.bucket) if found.layout is None and passes < 2 else None
     chosen["layout"] = found.layout or Layout.BUCKETS
     chosen["layers"] = tuple(found.layers or ())
@@ -107,7 +107,7 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
     lights = tuple(map(parse_lights, found.lit or ()))
     spec = lit(BakeSpec(**chosen), lights)
     check_memory(spec)
-    _check_passes(found, spec)
+    _check_passes(found, spec, passes)
     for target in found.exports or ():
         check_target("the bake", spec.kind, target)
     return Request(
@@ -136,16 +136,16 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
     )
 
 
-def _check_passes(found: argparse.Namespace, spec: BakeSpec) -> None:
-    if found.passes is not None and found.passes < 1:
-        raise InputError(f"--passes {found.passes}: give a number of 1 or more")
-    if (found.passes or 1) > 1:
+def _check_passes(found: argparse.Namespace, spec: BakeSpec, passes: int) -> None:
+    if passes < 1:
+        raise InputError(f"--passes {passes}: give a number of 1 or more")
+    if passes > 1:
         replace(spec, accumulate=True)  # raises InputError for what cannot be accumulated
     if found.serve is None:
         return
     if Target.WEB not in (found.exports or ()):
         raise InputError("--serve shows the web page: give --export web and --save-preview too")
-    if (found.passes or 1) > 1 and spec.form.by_paths:
+    if passes > 1 and spec.form.by_paths:
         raise InputError(
             f"--serve: a page of {spec.form.title} does not take in passes",
             do("choose layout buckets", Setting.LAYOUT, value="buckets"),

@@ -22,6 +22,7 @@ from mathutils import Matrix
 from ..core.arrays import Floats
 from ..scene.lights.light import without_emission
 from ..scene.mesh.copy import copy_object
+from ..scene.mesh.joined import values_in
 from ..scene.mesh.surrounding_shapes import RAYS, Placed, Shape
 from ..scene.nodes import NodeBuilder, close_group, open_group, open_material, open_world
 from ..scene.scratch import remove_scene
@@ -37,6 +38,13 @@ class Body:
     original: bpy.types.Object
     mesh: bpy.types.Mesh
     matrix: Floats
+
+    @property
+    def places(self) -> Floats:
+        """The mesh's vertices in world space, (V, 3) float64."""
+        place = values_in(self.mesh.vertices, "co", 3).astype(np.float64)
+        moved: Floats = place @ self.matrix[:3, :3].T + self.matrix[:3, 3]
+        return moved
 
 
 class PathEnds:

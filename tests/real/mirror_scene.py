@@ -29,7 +29,7 @@ from radtex_addon.report.gbuffer import Array, eroded
 from radtex_addon.report.metrics import Mask, Picture, display
 from radtex_addon.scene.nodes import open_world
 from tests.bench.gallery import looking
-from tests.bench.gallery.looking import PIXELS, Place, added, empty_scene, principled, rendered
+from tests.bench.gallery.looking import PIXELS, Place, added, empty_scene, principled, rendered, tiles
 from tests.real.exhibit import ROOT, Bake, Camera, Form
 
 NAME = "Stage"
@@ -94,7 +94,7 @@ def stage(form: Form) -> Any:
     if form is Form.LAYERED:
         scene.world = gradient()
     scene.cycles.max_bounces = 3
-    floor = added("plane", "Floor", tiles(), size=2.4)
+    floor = added("plane", "Floor", tiles(2.5, 0.8), size=2.4)
     box = added("cube", "Box", principled("Red", (0.75, 0.12, 0.08), Roughness=0.8), size=0.5)
     box.location, box.rotation_euler = (-0.7, 0.6, 0.25), (0, 0, 0.5)
     ring = added(
@@ -121,20 +121,6 @@ def gradient() -> bpy.types.World:
     ramp[0].color, ramp[1].color = (0.9, 0.75, 0.6, 1), (0.15, 0.3, 0.7, 1)
     build.node("ShaderNodeOutputWorld", build.node("ShaderNodeBackground", sky.outputs[0]).outputs[0])
     return world
-
-
-def tiles() -> bpy.types.Material:
-    """Slate and cream."""
-    made: Any = principled("Tiles", (0.8, 0.8, 0.8), Roughness=0.8)
-    tree = made.node_tree
-    checker = tree.nodes.new("ShaderNodeTexChecker")
-    checker.inputs["Scale"].default_value = 2.5
-    checker.inputs["Color1"].default_value = (0.75, 0.7, 0.6, 1)
-    checker.inputs["Color2"].default_value = (0.12, 0.13, 0.15, 1)
-    tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Object"], checker.inputs["Vector"])
-    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
-    tree.links.new(checker.outputs["Color"], shader.inputs["Base Color"])
-    return cast(bpy.types.Material, made)
 
 
 def main(form: Form, folder: Path) -> None:

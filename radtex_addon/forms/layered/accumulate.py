@@ -8,7 +8,7 @@ fitted to the same lobes; the light that is kept is then the mean of both fits, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from ...bake.spec import BakeSpec
@@ -24,43 +24,35 @@ _SEEDS = 2**31
 _SEED_STEP = 7919  # for each sample that is there
 
 
-@dataclass(frozen=True, eq=False)
-class Earlier:
-    """A bake that is there: its `atlas` and the `samples` that it has."""
-
-    atlas: LayeredAtlas
-    samples: int
-
-    def again(self, spec: BakeSpec) -> BakeSpec:
-        """The specification of a capture whose paths are other ones than the bake's."""
-        return replace(spec, seed=(spec.seed + _SEED_STEP * self.samples) % _SEEDS)
-
-    def known(self, spec: BakeSpec) -> Known:
-        return Known(self.atlas, spec.samples / (self.samples + spec.samples))
-
-    def merged(self, more: LayeredAtlas, share: float) -> LayeredAtlas:
-        """The mean of the light of both atlases; `more` counts for a `share` of it."""
-        atlas = self.atlas
-
-        def mean(earlier: Floats, new: Floats) -> Floats:
-            return earlier + share * (new - earlier)
-
-        through = atlas.through
-        if through is not None and more.through is not None:
-            through = replace(through, rest=mean(through.rest, more.through.rest))
-        return replace(
-            atlas,
-            irradiance=mean(atlas.irradiance, more.irradiance),
-            own=mean(atlas.own, more.own),
-            rest=mean(atlas.rest, more.rest),
-            through=through,
-        )
+def seeded_anew(spec: BakeSpec, samples: int) -> BakeSpec:
+    """The same with a seed of its own, for paths other than those of a bake of so many `samples`."""
+    return replace(spec, seed=(spec.seed + _SEED_STEP * samples) % _SEEDS)
 
 
-def read_earlier(sidecar: Path, bake: Sidecar, materials: int) -> Earlier:
+def merged(known: Known, more: LayeredAtlas) -> LayeredAtlas:
+    """The atlas that is there with the mean of its light and that of `more` samples, by their number."""
+    atlas = known.atlas
+
+    def mean(earlier: Floats, new: Floats) -> Floats:
+        return earlier + known.share * (new - earlier)
+
+    through = atlas.through
+    if through is not None and more.through is not None:
+        through = replace(through, rest=mean(through.rest, more.through.rest))
+    return replace(
+        atlas,
+        irradiance=mean(atlas.irradiance, more.irradiance),
+        own=mean(atlas.own, more.own),
+        rest=mean(atlas.rest, more.rest),
+        through=through,
+    )
+
+
+def read_earlier(sidecar: Path, bake: Sidecar, materials: int) -> tuple[LayeredAtlas, int]:
     """Read the bake with this `sidecar`, to which a `bake` of an object of so many `materials` adds samples.
 
-    Raises InputError if it is of another mesh or size, or has other materials, FormatError as `read_layered`.
+    Returns its atlas and the number of its samples. Raises InputError if it is of another mesh or size, or
+    has other materials, FormatError as `read_layered`.
     """
     atlas, facts = read_layered(sidecar)
     differs = difference(replace(facts.bake, layers=()), bake)
@@ -68,4 +60,4 @@ def read_earlier(sidecar: Path, bake: Sidecar, materials: int) -> Earlier:
         differs = f"has {len(atlas.materials)} materials, the object {materials}"
     if differs is not None:
         raise InputError(f"{sidecar} {differs}: accumulate onto a bake of its own, or bake anew")
-    return Earlier(atlas, facts.bake.samples)
+    return atlas, facts.bake.samples

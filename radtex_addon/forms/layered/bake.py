@@ -12,33 +12,30 @@ from ...core.atlas import AtlasLayout
 from ...formats.image_files import layer_path
 from ..bake_job import BakeJob
 from ..outcome import Outcome
-from .accumulate import read_earlier
+from .accumulate import merged, read_earlier, seeded_anew
 from .capture.capturing import capture_layered, material_count
 from .files.layered_files import write_layered
 from .fit.fitting import fit_layered
+from .fit.known import Known
 
 
 def bake_layered(job: BakeJob) -> Generator[Progress, None, Outcome]:
     """As `Form.bake`; every finished capture is stored."""
     spec, prepared = job.spec, job.prepared
-    facts, earlier = prepared.facts(spec), None
+    facts, known = prepared.facts(spec), None
     if spec.accumulate:
-        earlier = read_earlier(job.sidecar, facts, material_count(prepared))
-        facts = replace(facts, samples=earlier.samples + spec.samples)
+        atlas, samples = read_earlier(job.sidecar, facts, material_count(prepared))
+        facts = replace(facts, samples=samples + spec.samples)
+        known = Known(atlas, spec.samples / facts.samples)
+        spec = seeded_anew(spec, samples)
+    around = None if known is None else known.atlas.around
     captured = yield from capture_layered(
-        job.scratch,
-        prepared,
-        spec if earlier is None else earlier.again(spec),
-        job.folder,
-        job.store,
-        job.thumbnail,
-        None if earlier is None else earlier.atlas.around,
+        job.scratch, prepared, spec, job.folder, job.store, job.thumbnail, around
     )
     plan = captured.capture.light.plan
-    known = None if earlier is None else earlier.known(spec)
     atlas = yield from fit_layered(captured.capture, known=known)
-    if earlier is not None and known is not None:
-        atlas = earlier.merged(atlas, known.share)
+    if known is not None:
+        atlas = merged(known, atlas)
     yield Progress(Stage.WRITE, 0, 1)
     written = write_layered(job.place, atlas, facts, spec.half, spec.compression)
     return Outcome(

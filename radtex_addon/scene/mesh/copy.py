@@ -48,13 +48,17 @@ def baked_mesh(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> b
     for material in evaluated.materials:
         mesh.materials.append(material)
     if len(evaluated.materials) > 1:
-        number = evaluated.material_index.astype(np.int32)[:, None]
-        _write(mesh, MeshAttribute(MATERIAL, "FACE", "INT", number))
+        write_face_numbers(mesh, MATERIAL, evaluated.material_index)
     _write(mesh, MeshAttribute(layer, "CORNER", "FLOAT2", uv))
     _choose_active(mesh, evaluated, layer)
     _write_frame(mesh, evaluated, uv)
     cast(Any, mesh)[MATRIX] = evaluated.matrix_world.ravel().tolist()
     return mesh
+
+
+def write_face_numbers(mesh: bpy.types.Mesh, name: str, numbers: Ints) -> None:
+    """Write whole numbers (F,) as an attribute of faces, which is made if it is not there."""
+    _write(mesh, MeshAttribute(name, "FACE", "INT", numbers[:, None]))
 
 
 def material_numbers(mesh: bpy.types.Mesh) -> Ints:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core.arrays import Bools, Ints
 from .backs import TWIN, fronts, twin_numbers
-from .copy import MATERIAL, NORMAL, SIGN, TANGENT, material_numbers
+from .copy import MATERIAL, NORMAL, SIGN, TANGENT, material_numbers, write_face_numbers
 from .mesh_parts import PART
 
 _FIELDS = {NORMAL: ("FLOAT_VECTOR", "vector", 3), TANGENT: ("FLOAT_VECTOR", "vector", 3)}
@@ -46,16 +46,11 @@ def joined_copy(copies: Sequence[bpy.types.Object], uv_layer: str, part: int | N
         ]
         made.attributes.new(name, kind, "CORNER").data.foreach_set(field, np.concatenate(values).ravel())
     numbers = [material_numbers(mesh)[faces] for mesh, faces in zip(meshes, chosen, strict=True)]
-    _write_faces(made, MATERIAL, np.concatenate(numbers))
+    write_face_numbers(made, MATERIAL, np.concatenate(numbers))
     twins = _joined_twins(meshes, chosen)
     if twins is not None:
-        _write_faces(made, TWIN, twins)
+        write_face_numbers(made, TWIN, twins)
     return cast("bpy.types.Object", bpy.data.objects.new(copies[0].name, made))
-
-
-def _write_faces(mesh: Any, name: str, values: Ints) -> None:
-    data = mesh.attributes.new(name, "INT", "FACE").data
-    data.foreach_set("value", np.ascontiguousarray(values, dtype=np.int32))
 
 
 def _joined_twins(meshes: Sequence[Any], chosen: Sequence[Bools]) -> Ints | None:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import bpy
 import numpy as np
@@ -14,6 +13,7 @@ import numpy as np
 from ...bake.parts import Split, tile_name, tile_place
 from ...core.arrays import Bools, Floats, Ints
 from ...core.errors import InputError
+from .copy import write_face_numbers
 from .evaluated import EvaluatedMesh
 
 PART = "radtex_part"  # attribute of the baked copy's faces: the number of each face's part
@@ -134,6 +134,5 @@ def number_parts(mesh: bpy.types.Mesh, parts: Sequence[Bools]) -> Ints:
     numbers = np.zeros(len(mesh.polygons), dtype=np.int32)
     for index, faces in enumerate(parts):
         numbers[faces] = index
-    attribute: Any = mesh.attributes.get(PART) or mesh.attributes.new(PART, "INT", "FACE")
-    attribute.data.foreach_set("value", numbers)
+    write_face_numbers(mesh, PART, numbers)
     return numbers

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ...core.arrays import Ints
-from .copy import MATERIAL
+from .copy import MATERIAL, write_face_numbers
 from .evaluated import EvaluatedMesh
 
 
@@ -46,11 +46,7 @@ def write_material_numbers(copies: Sequence[bpy.types.Mesh], numbers: Sequence[I
     several = any(each.any() for each in numbers)
     for copy, each in zip(copies, numbers, strict=True):
         attributes = cast(Any, copy).attributes
-        attribute = attributes.get(MATERIAL)
-        if not several:
-            if attribute is not None:
-                attributes.remove(attribute)
-            continue
-        if attribute is None:
-            attribute = attributes.new(MATERIAL, "INT", "FACE")
-        attribute.data.foreach_set("value", np.ascontiguousarray(each, dtype=np.int32))
+        if several:
+            write_face_numbers(copy, MATERIAL, each)
+        elif (attribute := attributes.get(MATERIAL)) is not None:
+            attributes.remove(attribute)

@@ -95,6 +95,20 @@ def principled(name: str, colour: tuple[float, float, float], **inputs: object) 
     return cast(bpy.types.Material, made)
 
 
+def tiles(scale: float, roughness: float) -> bpy.types.Material:
+    """Slate and cream, `scale` squares along a unit of the object's space."""
+    made: Any = principled("Tiles", (0.8, 0.8, 0.8), Roughness=roughness)
+    tree = made.node_tree
+    checker = tree.nodes.new("ShaderNodeTexChecker")
+    checker.inputs["Scale"].default_value = scale
+    checker.inputs["Color1"].default_value = (0.75, 0.7, 0.6, 1)
+    checker.inputs["Color2"].default_value = (0.12, 0.13, 0.15, 1)
+    tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Object"], checker.inputs["Vector"])
+    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+    tree.links.new(checker.outputs["Color"], shader.inputs["Base Color"])
+    return cast(bpy.types.Material, made)
+
+
 def added(shape: str, name: str, material: bpy.types.Material | None, **options: Any) -> Any:
     """A mesh primitive, smooth where it is round."""
     getattr(bpy.ops.mesh, f"primitive_{shape}_add")(**options)

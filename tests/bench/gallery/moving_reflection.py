@@ -31,7 +31,19 @@ from radtex_addon.report.gbuffer import Array, Rays, eroded
 from radtex_addon.report.metrics import Mask, psnr
 from tests.reference.hits import sample_hit
 
-from .looking import PIXELS, SUBSAMPLES, Baked, Camera, Place, added, baked, empty_scene, principled, rendered
+from .looking import (
+    PIXELS,
+    SUBSAMPLES,
+    Baked,
+    Camera,
+    Place,
+    added,
+    baked,
+    empty_scene,
+    principled,
+    rendered,
+    tiles,
+)
 from .row import Row
 
 SPEC = BakeSpec(denoise=True, texels=128, bucket=8, samples=16)
@@ -53,7 +65,7 @@ def scene() -> Any:
     made = empty_scene()
     made.cycles.max_bounces = made.cycles.diffuse_bounces = 3
     _room()
-    floor = added("plane", "Floor", _tiles(), size=_SIDE)
+    floor = added("plane", "Floor", tiles(1.0, 0.6), size=_SIDE)
     floor.location.z = 0.0
     window = added("plane", "Window", _glow((1.0, 0.93, 0.8), 7.0), size=1)
     window.location, window.scale, window.rotation_euler = (-2.97, 0.4, 1.7), (1.5, 2.2, 1), (0, pi / 2, 0)
@@ -97,20 +109,6 @@ def _things() -> None:
         item.select_set(True)
     bpy.context.view_layer.objects.active = ring
     bpy.ops.object.join()
-
-
-def _tiles() -> bpy.types.Material:
-    """Slate and cream, half a metre wide."""
-    tiles: Any = principled("Tiles", (0.8, 0.8, 0.8), Roughness=0.6)
-    tree = tiles.node_tree
-    checker = tree.nodes.new("ShaderNodeTexChecker")
-    checker.inputs["Scale"].default_value = 1.0
-    checker.inputs["Color1"].default_value = (0.75, 0.7, 0.6, 1)
-    checker.inputs["Color2"].default_value = (0.12, 0.13, 0.15, 1)
-    tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Object"], checker.inputs["Vector"])
-    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
-    tree.links.new(checker.outputs["Color"], shader.inputs["Base Color"])
-    return cast(bpy.types.Material, tiles)
 
 
 def _glow(colour: tuple[float, float, float], strength: float) -> bpy.types.Material:

@@ -116,7 +116,7 @@ class _Captures:
         count = len(lit.texel)
         middle, radius = reach_of(lit)
         if prepared.part is not None or prepared.source is not None:
-            radius = max(radius, *(_farthest(body, middle) for body in bodies))
+            radius = max(radius, *(_radius_around(body.places, middle) for body in bodies))
         of_ends = 0 if self.known is not None else rays.ends
         total = count * (rays.light**2 + 2 * of_ends**2 + 1) + len(fine.texel)
         yield Progress(Stage.CAPTURE, 0, total)
@@ -269,11 +269,9 @@ def _uvs(piece: Piece, prepared: Prepared) -> SurfaceUV:
     return sides_of(uv, piece.mesh, inside)
 
 
-def _farthest(body: Body, middle: Floats) -> float:
-    """The radius of a sphere around the middle (3,) that the whole body is in."""
-    place = values_in(body.mesh.vertices, "co", 3).astype(np.float64)
-    moved = place @ body.matrix[:3, :3].T + body.matrix[:3, 3]
-    return _OUTSIDE * float(np.linalg.norm(moved - middle, axis=1).max())
+def _radius_around(places: Floats, middle: Floats) -> float:
+    """The radius of a sphere around the middle (3,) that all places (P, 3) are in."""
+    return _OUTSIDE * float(np.linalg.norm(places - middle, axis=1).max())
 
 
 def reach_of(plan: CapturePlan) -> tuple[Floats, float]:

@@ -18,7 +18,6 @@ from ....core.arrays import Floats, Ints
 from ....cycles.path_ends import Body, path_ends
 from ....cycles.portal import PortalCapture
 from ....cycles.sampling import tiles_of
-from ....scene.mesh.joined import values_in
 from ....scene.nodes import open_material
 from ..samples import OwnRays
 from .own_rays import dark_world, light_along, own_aim, own_samples
@@ -112,11 +111,7 @@ def _tree(points: Floats, cosine: Floats) -> Any:
 
 def _box(bodies: Sequence[Body]) -> tuple[Floats, float]:
     """The lowest corner (3,) of the bodies' common box in world space, and its longest side."""
-    found = []
-    for body in bodies:
-        place = values_in(body.mesh.vertices, "co", 3).astype(np.float64)
-        found.append(place @ body.matrix[:3, :3].T + body.matrix[:3, 3])
-    every = np.concatenate(found)
+    every = np.concatenate([body.places for body in bodies])
     low: Floats = every.min(axis=0)
     return low, max(float(np.ptp(every, axis=0).max()), 1e-9)
 

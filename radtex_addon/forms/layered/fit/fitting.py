@@ -58,15 +58,8 @@ def fit_layered(
     normal, normal_map = shading_normals(plan, *maps, parts.normals)
     tint, tint_map = tints(plan, capture.material, *maps, parts.tint)
     grid = BucketGrid.of(plan, coarser(max(plan.layout.width, plan.layout.height)))
-    falloff, diffuse = fit_falloffs(light, facing, capture.material)
-    share = 1.0
-    if known is not None:
-        falloff, share = known.atlas.falloff, known.share
     colour = capture.coarse["diffuse"].reshape(-1, 3)[plan.texel].astype(np.float32)
-    if parts.smooth:
-        irradiance = fit_irradiance(light, facing, falloff, capture.material, colour, neighbours, share)
-    else:
-        irradiance = np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
+    falloff, irradiance = _diffuse(capture, facing, colour, neighbours, parts, known)
     del facing
     yield Progress(Stage.FIT, 1, _STEPS)
     rays = turned_samples(capture.own.rays, normal)
@@ -110,6 +103,25 @@ def fit_layered(
         through=through,
         alpha=capture.alpha,
     )
+
+
+def _diffuse(
+    capture: Capture,
+    facing: Floats,
+    colour: Floats,
+    neighbours: Neighbours,
+    parts: Parts,
+    known: Known | None,
+) -> tuple[Floats, Floats]:
+    """The materials' falloffs (M, B, 3), those that are `known` if any, and the texels' irradiance (K, 3)."""
+    light, material, share = capture.light, capture.material, 1.0
+    if known is not None:
+        falloff, share = known.atlas.falloff, known.share
+    else:
+        falloff, diffuse = fit_falloffs(light, facing, material)
+        if not parts.smooth:
+            return falloff, np.divide(diffuse, colour, out=np.zeros_like(diffuse), where=colour > 1e-3)
+    return falloff, fit_irradiance(light, facing, falloff, material, colour, neighbours, share)
 
 
 def _known_lobes(known: Known | None, plan: CapturePlan) -> tuple[tuple[Material, ...], Floats]:
