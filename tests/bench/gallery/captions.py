@@ -35,9 +35,10 @@ CAPTIONS = {
         "Refraction",
         "A glass egg, 16 x 16 cells; the bubble in it mirrors what comes at a slant (total internal "
         "reflection).",
-        "The ball is bent around the bubble, which keeps it out of its rim and shows it a second time, "
-        "small and faint. All outlines are soft, and the ball's ends in streaks where light turns faster "
-        "than cells and texels can follow.",
+        "The ball is bent around the bubble, which keeps it out of its rim. Its second, small image in the "
+        "bubble is nearly gone: three samples a cell hint at it, and the denoiser takes it for noise. "
+        "Outlines are soft, the ball has streaks, and a seam of the unwrap runs down its middle, where light "
+        "turns faster than cells and texels can follow.",
     ),
     "alpha": Caption(
         "Transparency",

@@ -34,9 +34,10 @@ _HEAD = """<!-- SPDX-FileCopyrightText: 2026 RadTex authors -->
 Each effect and kind on a small scene, from cameras that no bake knows: path traced by Cycles | ours | their
 difference, times {gain}, of the view that came out worst. Decibels are of what a display shows (clipped, by a
 gamma of 2.2), inside the object's silhouette; FLIP is 0 for what nobody can tell apart. Seconds are of
-two CPU cores with other work beside. The scenes were chosen for what this many texels and cells can
-hold: soft light, rough or curved things. A studio's hard lamps in sharp metal or glass come out 10 dB
-lower; [results.md](results.md) has such scenes.
+two CPU cores with other work beside. Buckets of light are denoised ([format.md](format.md), "Denoising"),
+but for the rows Proxy and Moving reflections, which are raw means. The scenes were chosen for what this
+many texels and cells can hold: soft light, rough or curved things. A studio's hard lamps in sharp metal
+or glass come out 10 dB lower; [results.md](results.md) has such scenes.
 
     uv run --group test python -m tests.bench.gallery            makes this page, its pictures and its figures
     uv run --group test python -m tests.bench.gallery {first}      makes one row of it anew

@@ -31,7 +31,7 @@ from .hull import UV_LAYER, wrap_hull
 from .looking import SUBJECT, Camera, added, baked, empty_scene, lamp, principled, rendered, resolved
 from .row import Row
 
-SPEC = BakeSpec(denoise=True, kind=Kind.PROXY, texels=256, bucket=8, samples=4, uv_layer=UV_LAYER)
+SPEC = BakeSpec(kind=Kind.PROXY, texels=256, bucket=8, samples=4, uv_layer=UV_LAYER)
 GROUND = 0.18
 _SOLID = 0.5  # of alpha: what counts as silhouette
 _HAIRS, _LEAVES = 90000, 260
