@@ -37,7 +37,7 @@ _MOST_MEAN = 4.0  # means are scaled by
 _DENOISED = "denoised"  # the array's name in a square's piece
 _BYTES_PER_CHANNEL = 12  # of cells that are denoised: as read, as a result, and as stored
 _BYTES_PER_CELL = 40  # its light above 0, and as denoised, and their copies
-_BYTES_PER_PIXEL = 200  # of a picture in Blender, with its guides and the network
+_BYTES_PER_PIXEL = 850  # of a picture in Blender, with its guides and the network
 _TINY = 1e-6
 _OPAQUE = 1e-4  # alphas that differ by less are not denoised
 

@@ -257,7 +257,7 @@ BAD = {
     ),
     "beyond the memory": (
         ["--object", "Card", "--texels", "8000"],
-        ["a side of 8000 texels with 8 cells needs 16.1 GiB", "has 4.0 GiB", "lower one"],
+        ["a side of 8000 texels with 8 cells needs 16.7 GiB", "has 4.0 GiB", "lower one"],
     ),
     "an unknown kind": (
         ["--object", "Card", "--kind", "shadows"],
