@@ -205,7 +205,7 @@ def test_what_has_no_surface_is_warned_of_in_the_layout_that_was_named(
     "spec",
     [
         BakeSpec(layout=Layout.LAYERED, uv_layer="UVMap", texels=16, samples=1),
-        BakeSpec(uv_layer="UVMap", texels=16, samples=1),
+        BakeSpec(uv_layer="UVMap", texels=16, samples=1, denoise=True),
     ],
     ids=["default", "buckets"],
 )
@@ -227,7 +227,7 @@ def test_what_was_begun_is_resumed_without_its_layout(
 
 def test_what_is_there_is_accumulated_in_its_layout(tmp_path: Path, out: Path, batch: Batch) -> None:
     blend = saved(tmp_path)
-    named = ("--layout", "buckets", "--bucket", "4")
+    named = ("--layout", "buckets", "--bucket", "4", "--no-denoise")
     assert batch(blend, "--object", "Card", *QUICK, *named, "--out", out).code == 0
     for way in ("--accumulate", "--refresh"):
         ended = batch(blend, "--object", "Card", *QUICK, way, "--out", out)
@@ -292,7 +292,7 @@ def test_the_panel_says_what_an_automatic_layout_comes_to(panel: Any, card: Any,
         "its material 'Smoke' has a volume"
     )
     panel.resume = True
-    steps = bake_steps(context.scene, "Card", BakeSpec(uv_layer="UVMap", texels=16, samples=1), out)
+    steps = bake_steps(context.scene, "Card", BakeSpec(uv_layer="UVMap", texels=16, samples=1, denoise=True), out)
     next(step for step in steps if step.stage is Stage.CAPTURE and step.done)
     steps.close()
     assert told() == "Buckets for 1 of 2 objects, Layered for the others"
@@ -302,7 +302,7 @@ def test_the_panel_says_what_an_automatic_layout_comes_to(panel: Any, card: Any,
 
 def test_the_panel_goes_on_in_the_layout_that_was_begun(panel: Any, out: Path) -> None:
     panel.uv_layer, panel.texels, panel.samples, panel.preview = "UVMap", 16, 1, False
-    spec = BakeSpec(uv_layer="UVMap", texels=16, samples=1)
+    spec = BakeSpec(uv_layer="UVMap", texels=16, samples=1, denoise=True)
     steps = bake_steps(context.scene, "Card", spec, out)
     next(step for step in steps if step.stage is Stage.CAPTURE and step.done)
     steps.close()
