@@ -74,7 +74,10 @@ def gutter_agreement(covered: Bools, texels: Floats, loss: float = 0.0) -> float
     """How well a UV layer that covers the texels `covered` (H, W) agrees with a bake's `texels` (H, W, K).
 
     Returns the share, 0 to 1, of gutter values that are copies of the nearest covered texel's. Values count
-    as copies if they differ by at most `loss` times the larger. Raises ShapeError if the sizes differ.
+    as copies if they differ by at most `loss` times the larger. Covered texels that nobody sees, which are
+    cut out or buried in another part, may be copies themselves, so that the gutter beside them has a farther
+    texel's value: where the nearest is such a copy, any covered texel's exact value will do.
+    Raises ShapeError if the sizes differ.
     """
     if texels.shape[:2] != covered.shape:
         raise ShapeError(f"texels: expected shape {(*covered.shape, '...')}, got {texels.shape}")
@@ -88,7 +91,19 @@ def gutter_agreement(covered: Bools, texels: Floats, loss: float = 0.0) -> float
     flat = texels.reshape(covered.size, -1)
     ours, theirs = (flat[place].astype(np.float32) for place in (gutter, nearest))
     allowed = loss * np.maximum(np.abs(ours), np.abs(theirs))
-    return float((np.abs(ours - theirs) <= allowed).mean())
+    agree = (np.abs(ours - theirs) <= allowed).mean(axis=1)
+    shown, times = np.unique(_value_keys(flat[covered.ravel()]), return_counts=True)
+    copied = np.isin(_value_keys(flat[nearest]), shown[times > 1])
+    agree[copied & np.isin(_value_keys(flat[gutter]), shown)] = 1
+    return float(agree.mean())
+
+
+def _value_keys(values: Floats) -> npt.NDArray[np.uint64]:
+    """A number (N,) for each row of values (N, K): equal rows have equal numbers, others hardly ever."""
+    bits = np.ascontiguousarray(values, dtype=np.float32).view(np.uint32).astype(np.uint64)
+    odd = np.random.default_rng(0).integers(2**63, size=values.shape[1], dtype=np.uint64) * np.uint64(2) + 1
+    keys: npt.NDArray[np.uint64] = (bits * odd).sum(axis=1, dtype=np.uint64)
+    return keys
 
 
 def _nearest_in_column(covered: Bools) -> Ints:

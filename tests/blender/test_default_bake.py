@@ -292,7 +292,9 @@ def test_the_panel_says_what_an_automatic_layout_comes_to(panel: Any, card: Any,
         "its material 'Smoke' has a volume"
     )
     panel.resume = True
-    steps = bake_steps(context.scene, "Card", BakeSpec(uv_layer="UVMap", texels=16, samples=1, denoise=True), out)
+    steps = bake_steps(
+        context.scene, "Card", BakeSpec(uv_layer="UVMap", texels=16, samples=1, denoise=True), out
+    )
     next(step for step in steps if step.stage is Stage.CAPTURE and step.done)
     steps.close()
     assert told() == "Buckets for 1 of 2 objects, Layered for the others"

@@ -12,7 +12,13 @@ from scipy.ndimage import distance_transform_edt
 
 from radtex_addon.core.arrays import Bools, Ints
 from radtex_addon.core.errors import InputError, ShapeError
-from radtex_addon.core.gutter import covered_in_coarser, dilate, nearest_covered
+from radtex_addon.core.gutter import (
+    LEAST_AGREEMENT,
+    covered_in_coarser,
+    dilate,
+    gutter_agreement,
+    nearest_covered,
+)
 
 masks = arrays.arrays(np.bool_, arrays.array_shapes(min_dims=2, max_dims=2, max_side=14)).filter(np.any)
 
@@ -92,3 +98,18 @@ def test_a_coarser_texel_is_covered_where_a_finer_one_is() -> None:
     covered[0, 3] = covered[4, 0] = True  # the fifth row belongs to the second of two
     assert covered_in_coarser(covered, (2, 2), 2).tolist() == [[False, True], [True, False]]
     assert covered_in_coarser(covered, covered.shape, 1).tolist() == covered.tolist()
+
+
+@pytest.mark.parametrize("rim", [0, 1, 3], ids="{} texels unseen".format)
+def test_gutters_agree_with_their_own_layer_alone_whatever_nobody_sees_of_it(rim: int) -> None:
+    covered = np.zeros((64, 64), dtype=bool)
+    covered[4:20, 4:30] = covered[26:60, 8:22] = covered[30:56, 36:58] = True
+    seen = covered.copy()
+    for _ in range(rim):  # as leaves whose rims are cut out
+        seen &= np.roll(seen, 1, 0) & np.roll(seen, -1, 0) & np.roll(seen, 1, 1) & np.roll(seen, -1, 1)
+    values = dilate(np.random.default_rng(1).random((64, 64, 3)).astype(np.float32), nearest_covered(seen))
+    others = [covered.T, covered[::-1], *(np.roll(covered, rim + 2, axis=axis) for axis in (0, 1))]
+    found = [gutter_agreement(other, values) for other in others]
+    print(rim, gutter_agreement(covered, values), found)
+    assert gutter_agreement(covered, values) == 1
+    assert max(found) < LEAST_AGREEMENT
