@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +22,9 @@ from radtex_addon.job import Choice, choose_layout
 from tests.blender import stage
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
-DEFAULT = BakeSpec(layout=Layout.LAYERED)
-PLAIN = BakeSpec()
+as_asked = partial(BakeSpec, denoise=True)  # the default of the command line and the panel
+DEFAULT = as_asked(layout=Layout.LAYERED)
+PLAIN = as_asked()
 NOWHERE = Path("/nowhere")
 
 
@@ -57,20 +59,20 @@ def test_without_a_word_radiance_is_layered() -> None:
 @pytest.mark.parametrize(
     ("line", "spec"),
     [
-        ("--texels 64 --samples 4", BakeSpec(layout=Layout.LAYERED, texels=64, samples=4)),
+        ("--texels 64 --samples 4", as_asked(layout=Layout.LAYERED, texels=64, samples=4)),
         ("--bucket 14", DEFAULT),
         (
             "--float --compression piz",
-            BakeSpec(layout=Layout.LAYERED, half=False, compression=Compression.PIZ),
+            as_asked(layout=Layout.LAYERED, half=False, compression=Compression.PIZ),
         ),
         ("--layout layered", DEFAULT),
         ("--layout buckets", PLAIN),
-        ("--frames 3", BakeSpec(layout=Layout.LAYERED, frame=3)),
-        ("--lights Key", BakeSpec(layout=Layout.LAYERED, lights=("Key",))),
-        ("--accumulate", BakeSpec(layout=Layout.LAYERED, accumulate=True)),
-        ("--from High", BakeSpec(layout=Layout.LAYERED, source="High")),
-        ("--split material", BakeSpec(layout=Layout.LAYERED, split=Split.MATERIAL)),
-        ("--together All --object Box", BakeSpec(layout=Layout.LAYERED, objects=("Card", "Box"))),
+        ("--frames 3", as_asked(layout=Layout.LAYERED, frame=3)),
+        ("--lights Key", as_asked(layout=Layout.LAYERED, lights=("Key",))),
+        ("--accumulate", as_asked(layout=Layout.LAYERED, accumulate=True)),
+        ("--from High", as_asked(layout=Layout.LAYERED, source="High")),
+        ("--split material", as_asked(layout=Layout.LAYERED, split=Split.MATERIAL)),
+        ("--together All --object Box", as_asked(layout=Layout.LAYERED, objects=("Card", "Box"))),
     ],
 )
 def test_what_goes_with_a_layout_gets_it(line: str, spec: BakeSpec) -> None:
@@ -79,15 +81,15 @@ def test_what_goes_with_a_layout_gets_it(line: str, spec: BakeSpec) -> None:
 
 # Everything that layout buckets takes and the layered one does not, and what is said of it.
 REFUSED = {
-    "--kind incident": (BakeSpec(kind=Kind.INCIDENT), "the layered layout knows kind radiance only"),
-    "--kind shadow": (BakeSpec(kind=Kind.SHADOW), "the layered layout holds light, not shadow"),
-    "--kind transfer": (BakeSpec(kind=Kind.TRANSFER), "kind transfer does not go with the layered layout"),
+    "--kind incident": (as_asked(kind=Kind.INCIDENT), "the layered layout knows kind radiance only"),
+    "--kind shadow": (as_asked(kind=Kind.SHADOW), "the layered layout holds light, not shadow"),
+    "--kind transfer": (as_asked(kind=Kind.TRANSFER), "kind transfer does not go with the layered layout"),
     "--kind incident --capture panoramic": (None, "the layered layout knows kind radiance only"),
-    "--layer base": (BakeSpec(layers=(Layer.BASE,)), "the layered layout has no layers"),
-    "--refresh": (BakeSpec(refresh=True), "the layered layout cannot be refreshed"),
-    "--bucket 8": (BakeSpec(bucket=8), "the layered layout chooses its cells itself, 14 or fewer, not 8"),
-    "--texels 1024": (BakeSpec(texels=1024), "1024 texels at 16 samples would need"),
-    "--samples 5000": (BakeSpec(samples=5000), "samples in the layered layout 5000"),
+    "--layer base": (as_asked(layers=(Layer.BASE,)), "the layered layout has no layers"),
+    "--refresh": (as_asked(refresh=True), "the layered layout cannot be refreshed"),
+    "--bucket 8": (as_asked(bucket=8), "the layered layout chooses its cells itself, 14 or fewer, not 8"),
+    "--texels 1024": (as_asked(texels=1024), "1024 texels at 16 samples would need"),
+    "--samples 5000": (as_asked(samples=5000), "samples in the layered layout 5000"),
 }
 
 
@@ -172,7 +174,7 @@ def test_the_machine_has_no_say(card: Any, monkeypatch: pytest.MonkeyPatch) -> N
             else:
                 answers[memory, line] = asked(line)
         fill_with_smoke(card)
-        assert asked("--texels 640").spec == BakeSpec(texels=640)
+        assert asked("--texels 640").spec == as_asked(texels=640)
         card.data.materials[0] = stage.material("Paper", "ShaderNodeBsdfDiffuse")
     assert all(answers[memory, line] == answers[None, line] for memory, line in answers)
     assert len(answers) == 3 * len(LINES) - 1
@@ -182,7 +184,7 @@ def test_what_would_take_very_much_memory_is_plain() -> None:
     assert asked("--texels 640").spec.layout is Layout.LAYERED
     assert asked("--texels 1024 --samples 4").spec.layout is Layout.LAYERED
     plain = asked("--texels 896")
-    assert plain.spec == BakeSpec(texels=896)
+    assert plain.spec == as_asked(texels=896)
     assert plain.reason == "896 texels at 16 samples would need 10.9 GiB of memory"
 
 
@@ -197,7 +199,7 @@ def begin(folder: Path, spec: BakeSpec) -> None:
 BEGUN = {
     "the default": DEFAULT,
     "buckets": PLAIN,
-    "buckets of other cells": BakeSpec(bucket=6),
+    "buckets of other cells": as_asked(bucket=6),
 }
 
 
@@ -239,7 +241,7 @@ def test_what_is_folded_in_has_the_cells_of_what_is_there(way: str, out: Path) -
     assert asked(f"{way} --bucket 8", out).spec.bucket == 8
     finish(out, bucket=14, layout="layered")
     if way == "--accumulate":
-        assert asked(way, out).spec == BakeSpec(layout=Layout.LAYERED, accumulate=True)
+        assert asked(way, out).spec == as_asked(layout=Layout.LAYERED, accumulate=True)
         return
     words = r"Card\.radiance\.json is in the layered layout, which cannot be refreshed: "
     with pytest.raises(InputError, match=words + "bake it anew in layout buckets"):
