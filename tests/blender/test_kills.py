@@ -31,7 +31,7 @@ pytestmark = [
     pytest.mark.skipif(sys.platform == "win32", reason="there are no signals"),
 ]
 
-PLAIN = BakeSpec(uv_layer="UVMap", texels=24, bucket=16, samples=1, sheet=128)
+PLAIN = BakeSpec(uv_layer="UVMap", texels=24, bucket=16, samples=1, sheet=128, denoise=True)
 LAYERED = BakeSpec(layout=Layout.LAYERED, texels=20, samples=1)
 ARGUMENTS = {
     PLAIN: (
