@@ -30,6 +30,22 @@ class GodotShader:
     materials: tuple[Mapping[str, str], ...] = ({},)
 
 
+def blending_words(alpha: str | None, *, prepass: bool = False, hull: bool = False) -> dict[str, str]:
+    """The words of a template that say how it is blended; `alpha` is an expression, None where all is opaque.
+
+    What is clear is not drawn, so that it hides nothing; but in a `hull`, whose nearest side has it all. With
+    a `prepass`, what is opaque is drawn first, so that soft edges in front of it blend with it whatever the
+    order of triangles, for a second lookup.
+    """
+    if alpha is None:
+        return {"BLENDED": "", "COVER": "1.0", "ALPHA": ""}
+    lines = f"    ALPHA = {alpha};\n"
+    if not hull:
+        lines += "    if (max(ALPHA, max(light.r, max(light.g, light.b))) < 0.002) discard;\n"
+    depth = "depth_prepass_alpha" if prepass else "depth_draw_always"
+    return {"BLENDED": f", blend_premul_alpha, {depth}", "COVER": alpha, "ALPHA": lines}
+
+
 def integers(values: Any) -> str:
     """A vector of whole numbers in the syntax of Godot's text resources."""
     return f"Vector{len(values)}i({', '.join(str(int(value)) for value in values)})"

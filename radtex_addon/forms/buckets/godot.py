@@ -10,7 +10,7 @@ from typing import Any
 from ...bake.kinds import Kind
 from ...formats.containers.texture import PixelFormat
 from ...textures.entry import Arranged, TextureEntry
-from ...textures.godot_shader import GodotShader, integers
+from ...textures.godot_shader import GodotShader, blending_words, integers
 
 _FILTERS = '"Nearest", "Linear", "Quadrilinear"'
 
@@ -68,11 +68,9 @@ def _buckets(
     blended = entry.format is PixelFormat.RGBA16F  # other formats have no alpha: opaque
     words = {
         "CULLED": "cull_back" if hull else "cull_disabled",  # a hull is seen from outside only
-        "BLENDED": ", blend_premul_alpha, depth_draw_always" if blended else "",
         "DEFINES": "\n#define RADTEX_PAGES" if paged else "\n#define RADTEX_HARDWARE_LINEAR",
         "UNIFORMS": "\n".join(uniforms),
         "LOOKUP": f"    {lookup}",
-        "COVER": "light.a" if blended else "1.0",
-        "ALPHA": "    ALPHA = light.a;\n" if blended else "",
+        **blending_words("light.a" if blended else None, hull=hull),
     }
     return GodotShader("buckets.gdshader", words, ("radtex",), parameters, {texture: entry})

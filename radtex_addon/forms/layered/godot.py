@@ -11,7 +11,7 @@ import numpy as np
 
 from ...core.arrays import Floats
 from ...textures.entry import TextureEntry
-from ...textures.godot_shader import GodotShader, number_list
+from ...textures.godot_shader import GodotShader, blending_words, number_list
 
 _OPAQUE = "radtex_layered(uv, place, N, V)"
 _THROUGH = "radtex_layered_through(uv, place, N, V, T, side * cross(N, T))"
@@ -30,12 +30,10 @@ def layered_shader(
     includes = ("radtex_layered", "radtex_layered_through") if through else ("radtex_layered",)
     words = {
         "SIDES": "cull_back" if culled else "cull_disabled",
-        "BLENDED": ", blend_premul_alpha, depth_draw_always" if clear else "",
         "DEFINES": "\n".join(f"#define {name} {value}" for name, value in defines.items()),
         "INCLUDES": "".join(f'\n#include "shaders/{name}.gdshaderinc"' for name in includes),
         "LOOKUP": _THROUGH if through else _OPAQUE,
-        "COVER": "radtex_alpha(uv)" if clear else "1.0",
-        "ALPHA": "    ALPHA = radtex_alpha(uv);\n" if clear else "",
+        **blending_words("radtex_alpha(uv)" if clear else None, prepass=True),
     }
     parameters = {
         "baked": f"Basis({number_list(baked[:, :3])})",

@@ -59,7 +59,7 @@ export function lightMaterial(
   const parts = partsOf(manifest, textures, filter, stage, layer, number);
   const material = assembled(...parts, stage, sidesOf(manifest));
   const clear = hasAlpha(manifest, textures);
-  return stage === "mesh" && clear ? blended(material) : material; // what has no alpha of its own is not blended
+  return stage === "mesh" && clear ? blended(material, manifest) : material; // what has no alpha is not blended
 }
 
 function hasAlpha({ bake }: Manifest, textures: Map<string, Loaded>): boolean {
@@ -71,11 +71,13 @@ function hasAlpha({ bake }: Manifest, textures: Map<string, Loaded>): boolean {
 export function flatMaterial(manifest: Manifest, texture: Texture): RawShaderMaterial {
   const uniforms = { u_flat: { value: texture }, u_flat_scale: { value: manifest.flat_scale || 1 } };
   const material = assembled(`precision highp float;\n${flatLight}`, uniforms, "mesh", sidesOf(manifest));
-  return manifest.bake.layout === "buckets" ? blended(material) : material;
+  return manifest.bake.layout === "buckets" ? blended(material, manifest) : material;
 }
 
-function blended(material: RawShaderMaterial): RawShaderMaterial {
+/** Blend it over what is drawn before. What is clear hides nothing, but in a hull, whose nearest side has it all. */
+function blended(material: RawShaderMaterial, manifest: Manifest): RawShaderMaterial {
   material.transparent = true;
+  if (manifest.bake.kind !== "proxy") material.defines = { CLEAR: "" };
   material.blending = CustomBlending;
   material.blendSrc = OneFactor;
   material.blendDst = OneMinusSrcAlphaFactor;

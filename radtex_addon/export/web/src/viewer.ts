@@ -26,6 +26,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
+import { sortTriangles } from "./far_first";
 import { layersOf, WHOLE } from "./layers";
 import type { Manifest } from "./manifest";
 import { Mirror, type MirrorState } from "./mirror";
@@ -351,7 +352,11 @@ export class Viewer {
   }
 
   private render(materialOf: (mesh: Mesh) => Material): void {
-    for (const mesh of this.meshes) mesh.material = materialOf(mesh);
+    for (const mesh of this.meshes) {
+      const material = materialOf(mesh);
+      mesh.material = material;
+      if (material.transparent && this.manifest.bake.kind !== "proxy") sortTriangles(mesh, this.camera.position);
+    }
     if (this.mirror) this.mirror.mesh.material = this.mirror.material(this.filter);
     if (this.manifest.bake.kind === "proxy") {
       const materials = new Set(this.meshes.map(materialOf));

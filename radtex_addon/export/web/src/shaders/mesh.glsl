@@ -12,5 +12,9 @@ void main() {
 #ifdef LAYERED
     surface_place = v_position;
 #endif
-    pixel = displayed(light(v_uv, v_normal, v_tangent, normalize(cameraPosition - v_position)));
+    vec4 seen = light(v_uv, v_normal, v_tangent, normalize(cameraPosition - v_position));
+#ifdef CLEAR
+    if (max(seen.a, max(seen.r, max(seen.g, seen.b))) < 0.002) discard;  // else it would hide what lies behind
+#endif
+    pixel = displayed(seen);
 }
