@@ -18,6 +18,7 @@ from .errors import InputError, ShapeError
 LEAST_AGREEMENT = 0.85  # if `gutter_agreement` is lower, the bake was made on another UV layer
 
 _LOOKED_AT = 4096  # about how many gutter texels `gutter_agreement` compares
+_ALIKE = 10_000  # covered texels of one value that a gutter texel is compared with
 
 Nearest: TypeAlias = tuple[Ints, Ints]
 
@@ -76,7 +77,7 @@ def gutter_agreement(covered: Bools, texels: Floats, loss: float = 0.0) -> float
     Returns the share, 0 to 1, of gutter values that are copies of the nearest covered texel's. Values count
     as copies if they differ by at most `loss` times the larger. Covered texels that nobody sees, which are
     cut out or buried in another part, may be copies themselves, so that the gutter beside them has a farther
-    texel's value: where the nearest is such a copy, any covered texel's exact value will do.
+    texel's value: that counts, too.
     Raises ShapeError if the sizes differ.
     """
     if texels.shape[:2] != covered.shape:
@@ -92,10 +93,41 @@ def gutter_agreement(covered: Bools, texels: Floats, loss: float = 0.0) -> float
     ours, theirs = (flat[place].astype(np.float32) for place in (gutter, nearest))
     allowed = loss * np.maximum(np.abs(ours), np.abs(theirs))
     agree = (np.abs(ours - theirs) <= allowed).mean(axis=1)
-    shown, times = np.unique(_value_keys(flat[covered.ravel()]), return_counts=True)
-    copied = np.isin(_value_keys(flat[nearest]), shown[times > 1])
-    agree[copied & np.isin(_value_keys(flat[gutter]), shown)] = 1
+    doubtful = np.flatnonzero(agree < 1)
+    agree[doubtful[_copies_farther_ones(covered, flat, gutter[doubtful])]] = 1
     return float(agree.mean())
+
+
+def _copies_farther_ones(covered: Bools, flat: Floats, gutter: Ints) -> Bools:
+    """Which flat `gutter` texels (G,) copy a covered texel, with none between that is no copy itself.
+
+    `flat` (H*W, K) are the values. A covered texel whose value others have, too, may be a copy of them.
+    """
+    width = covered.shape[1]
+    inside = np.flatnonzero(covered)
+    keys, which, times = np.unique(_value_keys(flat[inside]), return_inverse=True, return_counts=True)
+    own = np.zeros_like(covered)
+    own.ravel()[inside[times[which] == 1]] = True
+    if not own.any():
+        return np.zeros(len(gutter), dtype=bool)
+    order = inside[np.argsort(which, kind="stable")]
+    ends = times.cumsum()
+    nearest = np.ravel_multi_index(nearest_covered(own), own.shape).ravel()[gutter]
+    limit = _squared_distance(gutter, nearest, width)
+    wanted = _value_keys(flat[gutter])
+    number = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+    found: Bools = keys[number] == wanted
+    for place in np.flatnonzero(found):
+        alike = order[ends[number[place]] - times[number[place]] : ends[number[place]]][:_ALIKE]
+        found[place] = _squared_distance(gutter[place], alike, width).min() <= limit[place]
+    return found
+
+
+def _squared_distance(first: Ints, second: Ints, width: int) -> Ints:
+    """Between the middles of flat texels, element by element."""
+    rows, columns = (a - b for a, b in zip(np.divmod(first, width), np.divmod(second, width), strict=True))
+    squared: Ints = rows * rows + columns * columns
+    return squared
 
 
 def _value_keys(values: Floats) -> npt.NDArray[np.uint64]:

@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 
 from ..core.arrays import Floats
+from ..formats.disk.path_checks import render_path
 from ..scene.scratch import remove_scene
 from .building_blocks import float_image, render_layers
 from .capture_settings import apply_capture_settings
@@ -30,7 +31,7 @@ class ImageDenoiser:
         """`folder` is for temporary files."""
         self._scene, self._file = scene, folder / "denoised.exr"
         apply_capture_settings(scene, 1, 0)
-        scene.render.filepath = str(self._file)
+        scene.render.filepath = render_path(self._file)
         if hasattr(bpy.data, "colorspace"):  # Blender 5: else colours would be converted on their way out
             space = cast(Any, bpy.data).colorspace.working_space
             scene.render.image_settings.linear_colorspace_settings.name = space

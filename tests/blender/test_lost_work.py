@@ -143,7 +143,7 @@ def test_the_second_object_is_overwritten_though_the_run_stopped_in_the_first(
 def test_several_objects_are_added_to_though_the_run_stopped_in_the_first(
     batch: Run, out: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    both = ("--object", "Ball", "--object", "Floor")
+    both = ("--object", "Ball", "--object", "Floor", "--no-denoise")
     assert batch(*both).code == 0
     assert batch(*both, "--accumulate").code == 0
     with monkeypatch.context() as patch:

@@ -57,16 +57,23 @@ def braced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("more", [(), ("--kind", "incident", "--capture", "panoramic")])
+@pytest.mark.parametrize(
+    ("line", "files"),
+    [
+        ((*QUICK, "--thumbnail"), 4),
+        ((*QUICK, "--kind", "incident", "--capture", "panoramic"), 3),
+        (("--uv", "UVMap", "--texels", "8", "--samples", "1", "--progress", "none"), None),
+    ],
+    ids=["buckets", "panoramic", "layered"],
+)
 def test_braces_in_names_of_folders_are_no_templates(
-    more: tuple[str, ...], room: Path, braced: Path, batch: Batch
+    line: tuple[str, ...], files: int | None, room: Path, braced: Path, batch: Batch
 ) -> None:
     out = braced.parent / "out {scene_name}"
-    picture = out / "{a}.png"
-    line = ("--object", "Ball", *QUICK, *more, "--save-preview", "--out", out)
-    ended = batch(room, *line, *(() if more else ("--thumbnail", picture)))
+    picture = (out / "{a}.png",) if line[-1] == "--thumbnail" else ()
+    ended = batch(room, "--object", "Ball", "--save-preview", "--out", out, *line, *picture)
     assert (ended.code, ended.err) == (0, "")
-    assert len(list(out.iterdir())) == (3 if more else 4)
+    assert len(list(out.iterdir())) == files or files is None
     assert list(braced.iterdir()) == []
     assert {path.name for path in braced.parent.iterdir()} == {braced.name, out.name}
 

@@ -17,6 +17,7 @@ import numpy as np
 from ....bake.rays import NEAR_SAMPLES, NEAR_WIDTH, WORLD_WIDTH, panorama_paths
 from ....core.arrays import Floats
 from ....cycles.building_blocks import render_layers
+from ....formats.disk.path_checks import render_path
 from ..cells import PICTURE_SIZE
 from ..lookup.environment import Impostor, Layer, Pictures, Plane
 
@@ -192,7 +193,7 @@ class _Camera:
         image.file_format, image.color_depth = "OPEN_EXR_MULTILAYER", "32"
         scene.view_layers[0].use_pass_position = position
         path = self._folder / "panorama.exr"
-        render.filepath = str(path)
+        render.filepath = render_path(path)
         passes = render_layers(scene, path)
         path.unlink()
         light = passes.whole
