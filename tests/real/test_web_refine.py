@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import re
-import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -78,8 +77,12 @@ def test_each_pass_is_nearer_to_the_reference_on_the_open_page(browser: Browser,
                 pictures.append((seen, light(shown)))
             assert page.evaluate("window.first")  # the page has not been loaded again
         finally:
-            refining.send_signal(signal.SIGINT)
-            refining.wait(60)
+            refining.terminate()  # not Ctrl-C's signal, which a job of a script's in the background ignores
+            try:
+                refining.wait(60)
+            except subprocess.TimeoutExpired:
+                refining.kill()
+                raise
     assert refining.returncode == 0
     truth = reference(browser, much)
     covered = truth.max(axis=2) > 0
