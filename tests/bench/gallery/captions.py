@@ -17,6 +17,15 @@ class Caption:
 
 
 CAPTIONS = {
+    "studio": Caption(
+        "Studio",
+        "What a bake makes that chooses nothing, under a studio's hard lamps: a kettle of polished steel "
+        "with a black handle, and a jug of clay under a red, clear-coated glaze, on a tiled table.",
+        "Lamps, tiles and window are sharp and where they belong. The table's own gloss is not: the lamps' "
+        "second images in it, which the kettle mirrors, are pale patches, since the surroundings are seen "
+        "from one point. The brightest lamp is a little too wide, the lid mirrors the handle softly, and a "
+        "seam of the unwrap runs down the middle, where tiles are mirrored.",
+    ),
     "iridescence": Caption(
         "Iridescence",
         "A steel ring under a thin film, 16 x 16 cells: magenta where one looks straight at it, green at "
@@ -105,7 +114,7 @@ CAPTIONS = {
     ),
     "interior": Caption(
         "Interior",
-        "A window pane that shows a room with true parallax, 24 texels of 64 x 64 cells. The room is not "
+        "A window pane that shows a room with true parallax, 24 texels of 80 x 80 cells. The room is not "
         "drawn.",
         "Ball, table and picture stand where they should from all three places. Edges are as soft as a "
         "cell is wide at their depth.",
