@@ -23,7 +23,7 @@ from radtex_addon.formats.containers.exr import read_buckets
 from .looking import SUBJECT, Camera, added, baked, empty_scene, lamp, principled, rendered, resolved
 from .row import Row
 
-# A texel is 0.08 wide; one of 80 cells sees less of what is 1.7 behind the pane, the depth of the room.
+# A texel is 0.08 wide; one of 80 cells sees 0.06 of what is 1.7 behind the pane, the depth of the room.
 SPEC = BakeSpec(
     denoise=True, kind=Kind.PROXY, content="*", texels=24, bucket=80, samples=14, uv_layer="UVMap"
 )
