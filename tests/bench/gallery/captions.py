@@ -23,8 +23,8 @@ CAPTIONS = {
         "with a black handle, and a jug of clay under a red, clear-coated glaze, on a tiled table.",
         "Lamps, tiles and window are sharp and where they belong. The table's own gloss is not: the lamps' "
         "second images in it, which the kettle mirrors, are pale patches, since the surroundings are seen "
-        "from one point. The brightest lamp is a little too wide, the lid mirrors the handle softly, and a "
-        "seam of the unwrap runs down the middle, where tiles are mirrored.",
+        "from one point, and tiles beside them are smeared. The brightest lamp is a little too wide, and the "
+        "lid mirrors the handle softly.",
     ),
     "iridescence": Caption(
         "Iridescence",

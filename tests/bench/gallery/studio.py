@@ -8,7 +8,6 @@ The default bake: what an artist gets who chooses nothing.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from itertools import pairwise
 from math import pi
 from typing import Any, cast
 
@@ -17,6 +16,7 @@ import numpy as np
 
 from radtex_addon.bake.spec import BakeSpec, Layout
 
+from ..fidelity.scenes.meshes import lathe, mesh_object
 from .looking import SUBJECT, Camera, added, empty_scene, opaque_rows, principled, studio, tiles
 from .row import Row
 
@@ -41,7 +41,7 @@ def kettle() -> None:
     """A kettle of polished steel with a black handle."""
     _room(40)
     steel = principled("Steel", (0.66, 0.67, 0.69), Metallic=1.0, Roughness=0.12)
-    body = _turned("Body", _KETTLE, steel)
+    body = _turned(_KETTLE, steel)
     handle = added(
         "torus",
         "Handle",
@@ -59,7 +59,7 @@ def jug() -> None:
     """A jug of white clay under a red glaze, whose foot is bare."""
     _room(200)
     glaze = principled("Glaze", (0.45, 0.04, 0.03), Roughness=0.35, Coat_Weight=1.0, Coat_Roughness=0.05)
-    body = _turned("Body", _JUG, glaze)
+    body = _turned(_JUG, glaze)
     clay = principled("Clay", (0.7, 0.6, 0.5), Roughness=0.9)
     foot = added(
         "torus", "Foot", clay, major_radius=0.5, minor_radius=0.06, major_segments=64, location=(0, 0, -0.78)
@@ -81,27 +81,11 @@ def _room(turn: float) -> None:
     )
 
 
-def _turned(name: str, profile: _Profile, material: bpy.types.Material) -> Any:
+def _turned(profile: _Profile, material: bpy.types.Material) -> Any:
     """A profile turned about the vertical, smoothed by subdivision."""
-    angle = np.arange(_AROUND) * 2 * pi / _AROUND
-    places: list[tuple[float, float, float]] = []
-    rings = []
-    for radius, height in profile:
-        around = angle if radius else angle[:1]
-        rings.append(np.arange(len(around)) + len(places))
-        places += [(radius * float(np.cos(a)), radius * float(np.sin(a)), height) for a in around]
-    faces = []
-    for below, above in pairwise(rings):
-        for k in range(_AROUND):
-            corners = [below[k % len(below)], below[(k + 1) % len(below)]]
-            corners += [above[(k + 1) % len(above)], above[k % len(above)]]
-            faces.append(list(dict.fromkeys(int(corner) for corner in corners)))
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(places, [], faces)
-    cast(Any, mesh).polygons.foreach_set("use_smooth", [True] * len(faces))
-    mesh.materials.append(material)
-    item: Any = bpy.data.objects.new(name, mesh)
-    cast(Any, bpy.context.scene).collection.objects.link(item)
+    inner, tip = np.array(profile[1:-1]), profile[-1][1] - profile[-2][1]
+    item: Any = mesh_object("Body", *lathe(inner, _AROUND, tip), smooth=True)
+    item.data.materials.append(material)
     smooth = item.modifiers.new("Smooth", "SUBSURF")
     smooth.levels = smooth.render_levels = 1
     return item
