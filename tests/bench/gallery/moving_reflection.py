@@ -46,7 +46,7 @@ from .looking import (
 )
 from .row import Row
 
-SPEC = BakeSpec(texels=128, bucket=8, samples=16)
+SPEC = BakeSpec(denoise=True, texels=128, bucket=8, samples=16)
 CAMERA = Camera((2.3, -2.7, 1.5), (-0.2, 0.3, 0.75), lens=32)
 PATH: dict[str, Place] = {
     "by the window": (-1.15, 0.35, 0.6),
