@@ -11,6 +11,7 @@ FINER = 4  # times as many texels along each side for the maps of the material, 
 _FINEST = 4096  # … and the most along a side that this gives
 _COARSER = 2  # texels along a side of those that share a bucket …
 _MOST_BUCKETS = 512  # … more where this many buckets along a side would not do
+_EXACT = 1e-6  # beyond what a quotient of whole numbers lacks
 PROBE_CELLS = 4  # cells along a side of the buckets for finding hidden directions
 CLEAR_SAMPLES = 16  # rays that vote on a shadow's bit where a material may let some of them through
 PROBES = 2  # rays per cell of these buckets; a cell is hidden if all of its rays meet back faces
@@ -53,6 +54,14 @@ def finer(texels: int) -> float:
 def coarser(texels: int) -> float:
     """How many texels along a side share a bucket, in an atlas of `texels` along its longer side."""
     return max(float(_COARSER), texels / _MOST_BUCKETS)
+
+
+def side_in(texels: int, step: float) -> int:
+    """How many texels, each `step` texels of an atlas wide, a map has along a side of `texels`; at least one.
+
+    Of wider ones only whole ones count: what is left over belongs to the last one.
+    """
+    return max(1, round(texels / step) if step <= 1 else int(texels / step + _EXACT))
 
 
 def step_to(shape: tuple[int, ...], whole: tuple[int, ...]) -> float:

@@ -18,7 +18,7 @@ from ..bake.hidden_cells import HiddenCells
 from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage, finished
-from ..bake.rays import PROBE_CELLS
+from ..bake.rays import PROBE_CELLS, side_in
 from ..bake.spec import BakeSpec
 from ..core.arrays import Bools, Floats, Ints
 from ..core.inset import inset
@@ -174,7 +174,7 @@ class Prepared:
 
     def _own_texels(self, finer: float = 1) -> TexelMap:
         """The points on the meshes themselves."""
-        found = rasterise(self.surface, round(self.width * finer), round(self.height * finer))
+        found = rasterise(self.surface, side_in(self.width, 1 / finer), side_in(self.height, 1 / finer))
         if len(self.pieces) == 1:
             return inset(found, self.surface, _RIM * ray_offset(self.surface.position))
         offset = np.repeat([_own_offset(piece) for piece in self.pieces], self.counts)

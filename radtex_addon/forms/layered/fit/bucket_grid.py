@@ -17,6 +17,7 @@ from ....bake.blocks import SAMPLES_AT_ONCE, side_by_side
 from ....bake.light_samples import Some
 from ....bake.plan import CapturePlan
 from ....bake.pooling import Blur, Neighbours, Taps, corner_cells, corners
+from ....bake.rays import side_in
 from ....core.arrays import Floats, Ints
 from ....core.atlas import AtlasLayout
 from ....core.gutter import dilate, nearest_covered
@@ -24,7 +25,6 @@ from ....core.gutter import dilate, nearest_covered
 _Result = TypeVar("_Result")
 
 _NEAR_SHARE = 0.04  # of a bucket's neighbour; with the mean over 2 x 2 texels a sigma of 0.75 texels
-_EXACT = 1e-6  # beyond what a quotient of whole numbers lacks
 _FINE = 64  # texels along a side: where there are fewer, neighbours differ more, and are given less
 _WIDE = Blur((0.0418, 0.1156, 0.2125, 0.2602, 0.2125, 0.1156, 0.0418))  # with that a sigma of 3 texels
 _POOLED_AT_ONCE = 1 << 26  # bytes of sums
@@ -77,9 +77,7 @@ class BucketGrid:
     @classmethod
     def of(cls, plan: CapturePlan, coarser: float) -> BucketGrid:
         """Of buckets of `coarser` x `coarser` texels."""
-        height, width = (
-            max(1, int(side / coarser + _EXACT)) for side in (plan.layout.height, plan.layout.width)
-        )
+        height, width = (side_in(side, coarser) for side in (plan.layout.height, plan.layout.width))
         j, i = np.divmod(plan.texel, plan.layout.width)
         row, column = ((place // coarser).astype(np.int64) for place in (j, i))
         place = np.minimum(row, height - 1) * width + np.minimum(column, width - 1)
