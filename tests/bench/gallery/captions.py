@@ -131,9 +131,8 @@ CAPTIONS = {
         "too. The camera alone sees the ball: it casts no shadow in either picture, for no bake could know "
         "of it. Held against a ball that does darken the floor beneath it, 18 to 24 dB are left: a runtime "
         "must add that shadow.",
-        "Window, tiles, ring and head stand in the ball where they should, and as sharp as in the room. What "
-        "grain the walls have, the ball has too, smaller. Edges of tiles are a texel softer, the window's a "
-        "little wide. (Both pictures have few colours, for their file's sake.)",
+        "Window, tiles, ring and head stand in the ball where they should, and as sharp as in the room. "
+        "Edges of tiles are a texel softer, the window's a little wide.",
     ),
     "together": Caption(
         "Shared atlas",
