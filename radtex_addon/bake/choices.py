@@ -30,8 +30,13 @@ class View(StrEnum):
 
 
 class Unwrap(StrEnum):
-    """The unwrapper that makes the UV layer if none is named."""
+    """The unwrapper that makes the UV layer if none is named.
 
+    `auto` takes the object's own UV layer if that is fit to bake on, else what `uvunwrap` makes.
+    """
+
+    AUTO = "auto"
+    UVUNWRAP = "uvunwrap"
     XATLAS = "xatlas"
     BLENDER = "blender"
 

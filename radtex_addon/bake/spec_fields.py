@@ -44,7 +44,7 @@ class SpecFields:
     device: str = "auto"
     half: bool = True
     compression: Compression = Compression.ZIP
-    unwrap: Unwrap = Unwrap.XATLAS
+    unwrap: Unwrap = Unwrap.AUTO
     padding: int = 2
     memory_mb: int | None = None
     layout: Layout = Layout.BUCKETS

@@ -182,9 +182,17 @@ def _add_surface(group: argparse._ArgumentGroup) -> None:
         dest="uv_layer",
         metavar="NAME",
         default=_DEFAULT.uv_layer,
-        help="bake on this UV layer of the object (default: unwrap a copy anew)",
+        help="bake on this UV layer of the object (default: as --unwrap says)",
     )
-    add_choice(group, "--unwrap", Unwrap, _DEFAULT.unwrap, "who unwraps; blender is quicker on large meshes")
+    add_choice(
+        group,
+        "--unwrap",
+        Unwrap,
+        _DEFAULT.unwrap,
+        "auto: bake on the object's active UV layer if it is fit (it covers half of the square, overlaps "
+        "nowhere, and its islands are --padding apart), else as uvunwrap; uvunwrap: unwrap a copy into few, "
+        "large islands; xatlas, blender: by these",
+    )
     _number(group, "--padding", "padding", "N", "texels that the unwrap leaves free between islands")
 
 

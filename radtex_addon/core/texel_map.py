@@ -67,7 +67,8 @@ def rasterise(
     the texel itself, 1 is all that a bilinear lookup reads. `chunk` limits the memory without changing the
     result. Raises ShapeError for arrays that do not fit together or a size below 1 x 1.
     """
-    triangle = _nearest_triangle(surface, width, height, reach, chunk)
+    _check(surface, width, height)
+    triangle = _nearest_triangle(surface.uv, width, height, reach, chunk)
     texels = _empty_map(width, height)
     texels.triangle.ravel()[:] = triangle
     covered = np.flatnonzero(triangle >= 0)
@@ -78,16 +79,20 @@ def rasterise(
 
 def covered_texels(surface: SurfaceMesh, width: int, height: int) -> Bools:
     """True where an island touches the texel (H, W): `TexelMap.covered` of `rasterise`, in less memory."""
-    return (_nearest_triangle(surface, width, height, 0.5, _CHUNK) >= 0).reshape(height, width)
+    return triangle_of_texels(surface.uv, width, height) >= 0
 
 
-def _nearest_triangle(surface: SurfaceMesh, width: int, height: int, reach: float, chunk: int) -> Ints:
+def triangle_of_texels(uv: Floats, width: int, height: int) -> Ints:
+    """The triangle of `uv` (F, 3, 2) that each texel shows, (H, W) int32, as in `rasterise`; -1 for none."""
+    return _nearest_triangle(uv, width, height, 0.5, _CHUNK).reshape(height, width)
+
+
+def _nearest_triangle(uv: Floats, width: int, height: int, reach: float, chunk: int) -> Ints:
     """Index of each texel's triangle (H * W,), chosen as in `rasterise`; -1 for none."""
-    _check(surface, width, height)
     distance = np.full(width * height, np.inf)
     triangle = np.full(width * height, -1, dtype=np.int32)
-    for first in range(0, len(surface.uv), chunk):
-        edges, owner = _edges_in_texels(surface.uv[first : first + chunk], width, height)
+    for first in range(0, len(uv), chunk):
+        edges, owner = _edges_in_texels(uv[first : first + chunk], width, height)
         for local, i, j in _touched(edges, width, height, reach, chunk):
             _keep_nearest(distance, triangle, j * width + i, edges.take(local), owner[local] + first, i, j)
     return triangle

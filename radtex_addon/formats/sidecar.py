@@ -76,7 +76,8 @@ class Sidecar:
     counts the values that were beyond the file's range; `layers` are the bake's images besides the first.
     `mesh` is a digest of the baked copy's shape and UVs, empty if unknown. If several `objects` share the
     atlas, `object_name` is the atlas's name. Anything farther than the `ao_distance` does not occlude. If
-    `texel_samples` (`formats.sample_counts`) is given, `samples` is its smallest number.
+    `texel_samples` (`formats.sample_counts`) is given, `samples` is its smallest number. The UV layer has so
+    many `islands`, which cover a share of the atlas, the `coverage`; both are None if unknown.
     """
 
     object_name: str
@@ -102,6 +103,8 @@ class Sidecar:
     texel_samples: str = ""
     content: Content | None = None
     denoised: bool = False
+    islands: int | None = None
+    coverage: float | None = None
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -140,25 +143,20 @@ class Sidecar:
                 "extrusion": source.extrusion,
                 "missed": source.missed,
             } | ({"cage": source.cage} if source.cage is not None else {})
-        if self.frame is not None:
-            facts["frame"] = self.frame
-        if self.lights:
-            facts["lights"] = list(self.lights)
-        if self.objects:
-            facts["objects"] = list(self.objects)
-        if self.ao_distance is not None:
-            facts["ao_distance"] = self.ao_distance
-        if self.part is not None:
-            facts["part"] = {"by": self.part.by, "name": self.part.name, "index": self.part.index}
-        if self.texel_samples:
-            facts["texel_samples"] = self.texel_samples
-        if self.denoised:
-            facts["denoised"] = True
-        if self.content is not None:
-            facts["content"] = {
-                "collection": self.content.collection,
-                "objects": list(self.content.objects),
-            }
+        part, content = self.part, self.content
+        optional: dict[str, Any] = {
+            "frame": self.frame,
+            "lights": list(self.lights) or None,
+            "objects": list(self.objects) or None,
+            "ao_distance": self.ao_distance,
+            "part": part and {"by": part.by, "name": part.name, "index": part.index},
+            "texel_samples": self.texel_samples or None,
+            "denoised": self.denoised or None,
+            "islands": self.islands,
+            "coverage": self.coverage,
+            "content": content and {"collection": content.collection, "objects": list(content.objects)},
+        }
+        facts |= {key: value for key, value in optional.items() if value is not None}
         return facts
 
     @classmethod
@@ -204,6 +202,8 @@ class Sidecar:
             texel_samples=facts.text("texel_samples") if "texel_samples" in facts.values else "",
             content=content_in(facts),
             denoised=facts.values.get("denoised") is True,
+            islands=facts.whole_number("islands", 0) if "islands" in facts.values else None,
+            coverage=facts.number("coverage") if "coverage" in facts.values else None,
         )
 
 

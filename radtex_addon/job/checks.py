@@ -33,7 +33,7 @@ from ..scene.mesh.source_hits import find_source
 from ..scene.objects import find_object
 from ..scene.proxy_content import find_content
 from ..scene.scratch import find_view_layer
-from ..scene.uv.xatlas_process import check_xatlas
+from ..scene.uv.unwrap import check_unwrapper
 from ..textures.export_spec import Target
 from .existing_bakes import check_exports
 from .output_files import OutputFiles
@@ -67,7 +67,7 @@ def check_request(
         )
     layer = find_view_layer(scene, view_layer)
     if spec.uv_layer is None:
-        check_xatlas()
+        check_unwrapper(spec.unwrap)
     files = OutputFiles.of(name, spec, folder, preview)
     check_outside_files()
     check_writable(folder)

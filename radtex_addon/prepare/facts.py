@@ -20,6 +20,8 @@ def facts_of(
     mesh: str = "",
     source: Source | None = None,
     part: Part | None = None,
+    islands: int | None = None,
+    coverage: float | None = None,
 ) -> Sidecar:
     """The sidecar's facts about a bake called `name` with `width` x `height` texels."""
     return Sidecar(
@@ -40,4 +42,6 @@ def facts_of(
         lights=spec.lights,
         objects=spec.objects,
         part=part,
+        islands=islands,
+        coverage=coverage,
     )

@@ -22,6 +22,7 @@ from ..bake.rays import PROBE_CELLS, side_in
 from ..bake.spec import BakeSpec
 from ..core.arrays import Bools, Floats, Ints
 from ..core.inset import inset
+from ..core.islands import signed_areas
 from ..core.ray_offset import ray_offset
 from ..core.surface import SurfaceMesh
 from ..core.texel_map import TexelMap, rasterise
@@ -69,12 +70,13 @@ class Piece:
 class Prepared:
     """The baked copies, `pieces`, and their `surface` that an atlas called `name` covers.
 
-    The atlas has `width` x `height` texels on the meshes' `uv_layer`, and a number of `islands` if the bake
-    unwrapped it. The `digest` is of shapes and UVs, whatever the objects' matrices. If an object is split,
-    the surface is only one `part` of its `parts`. `counts` is the number of each piece's triangles in the
-    surface, in which the pieces follow each other. With a `source`, the points to capture lie on that,
-    the `detailed` object; its mesh `shown`, which renders as it does, is made for forms by paths alone.
-    `chosen` (F,) marks the surface's triangles that the specification selects, None if it selects none.
+    The atlas has `width` x `height` texels on the meshes' `uv_layer`, whose `islands`, so many, cover a share
+    of it, the `coverage`; their number is None where it was not counted. The `digest` is of shapes and UVs,
+    whatever the objects' matrices. If an object is split, the surface is only one `part` of its `parts`.
+    `counts` is the number of each piece's triangles in the surface, in which the pieces follow each other.
+    With a `source`, the points to capture lie on that, the `detailed` object; its mesh `shown`, which renders
+    as it does, is made for forms by paths alone. `chosen` (F,) marks the surface's triangles that the
+    specification selects, None if it selects none.
     """
 
     name: str
@@ -84,6 +86,7 @@ class Prepared:
     width: int
     height: int
     islands: int | None
+    coverage: float
     digest: str
     part: sidecar.Part | None = None
     parts: tuple[str, ...] = ()
@@ -140,6 +143,8 @@ class Prepared:
             mesh=self.digest,
             source=self.source_facts,
             part=self.part,
+            islands=self.islands,
+            coverage=self.coverage,
         )
 
     def plan_of_seen(
@@ -275,14 +280,16 @@ def _joined(
         numbers = material_numbers_of(evaluated, of_parts)
         write_material_numbers([piece.mesh for piece in pieces], numbers)
         surfaces = [replace(one, material=each) for one, each in zip(surfaces, numbers, strict=True)]
+    surface = joined_surface(surfaces, part.faces)
     return Prepared(
         name=name,
         pieces=tuple(pieces),
-        surface=joined_surface(surfaces, part.faces),
+        surface=surface,
         uv_layer=unwrapped.layer,
         width=part.width,
         height=part.height,
         islands=part.islands,
+        coverage=round(float(np.abs(signed_areas(surface.uv.astype(np.float64))).sum()), 4),
         digest=_digest(evaluated, unwrapped),
         counts=tuple(int(np.count_nonzero(faces)) for faces in part.faces),
         part=None if spec.split is None else sidecar.Part(spec.split, part.name, index),

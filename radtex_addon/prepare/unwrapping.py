@@ -16,9 +16,10 @@ from ..bake.parts import Split
 from ..bake.piece_store import PieceStore
 from ..bake.pieces import Arrays
 from ..bake.progress import Progress
-from ..bake.spec import BakeSpec
+from ..bake.spec import BakeSpec, Unwrap
 from ..core.arrays import Bools, Floats
 from ..core.errors import InputError
+from ..core.islands import uv_islands, weld
 from ..scene.at_frame import at_frame
 from ..scene.digests import matrix_digest, mesh_digest
 from ..scene.mesh.backs import with_twins_moved
@@ -28,13 +29,14 @@ from ..scene.mesh.mesh_parts import Parts, in_first_tile, parts_of, taken
 from ..scene.mesh.together import side_by_side
 from ..scene.uv.unwrap import unwrap_steps
 from ..scene.uv.unwrap_options import UnwrapOptions
-from ..scene.uv.uv_layer import check_apart, user_uv
+from ..scene.uv.uv_layer import check_apart, user_uv, why_unfit
 
 log = logging.getLogger(__name__)
 
 Unwraps: TypeAlias = dict[str, Arrays]  # a cache: the key is made of the meshes' digests and the settings
 
 _UNWRAP = "unwrap"  # a piece's name
+_COUNTED = 1_000_000  # triangles whose islands are counted in a second or two
 _WHOLE = ""  # the name of the only part if nothing is split
 
 
@@ -42,7 +44,7 @@ _WHOLE = ""  # the name of the only part if nothing is split
 class AtlasPart:
     """The part of the meshes that one atlas covers: `faces` (F,) marks the triangles of each mesh.
 
-    `islands` is their number if the part was unwrapped, None for a UV layer of the user's own.
+    `islands` is their number, None where a large mesh has a UV layer of its own.
     """
 
     name: str
@@ -72,7 +74,7 @@ class Unwrapped:
 def unwrap_surfaces(
     meshes: Sequence[EvaluatedMesh], spec: BakeSpec, store: PieceStore, known: Unwraps
 ) -> Generator[Progress, None, Unwrapped]:
-    """Unwrap the meshes, or use the UV layer that the specification names.
+    """Unwrap the meshes, or use the UV layer that the specification names, or one of theirs that is fit.
 
     An unwrap is kept in the `store` and in the cache `known`. Yields progress. Raises InputError for a layer
     that cannot be used, and for meshes that cannot be unwrapped.
@@ -80,6 +82,10 @@ def unwrap_surfaces(
     parts = split_surfaces(meshes, spec)
     if spec.uv_layer is not None:
         return _of_layer(meshes, parts, spec, spec.uv_layer)
+    if spec.unwrap is Unwrap.AUTO and spec.split is None:
+        layer = _own_layer(meshes, spec)
+        if layer is not None:
+            return _of_layer(meshes, parts, spec, layer)
     piece = store.found(_UNWRAP)
     if piece is None:
         digests = " ".join(mesh_digest(mesh) + matrix_digest(mesh) for mesh in meshes)
@@ -149,8 +155,36 @@ def _of_layer(
             names = ", ".join(f"'{mesh.name}'" for mesh in meshes)
             together = np.concatenate([uv[some] for uv, some in zip(uvs, faces, strict=True)])
             check_apart(together, f"UV layer '{layer}' of objects {names} together")
-    made = (AtlasPart(name, faces, spec.texels, spec.texels, None) for name, faces in parts.items())
+    made = [
+        AtlasPart(name, faces, spec.texels, spec.texels, _counted(meshes, uvs, faces))
+        for name, faces in parts.items()
+    ]
     return Unwrapped(tuple(uvs), layer, tuple(made))
+
+
+def _own_layer(meshes: Sequence[EvaluatedMesh], spec: BakeSpec) -> str | None:
+    """The active UV layer of the objects, if it is fit to bake on; the log says why it is not."""
+    layers = {mesh.active_uv for mesh in meshes}
+    (layer, *others) = layers
+    if layer is None or others or len(meshes) > 1:
+        return None  # of several objects, layers made one by one lie over one another
+    why = why_unfit(meshes[0], layer, spec.texels, spec.padding)
+    if why is not None:
+        log.info("UV layer '%s' of '%s' is not baked on: it %s", layer, meshes[0].name, why)
+        return None
+    log.info("baked on UV layer '%s' of '%s'", layer, meshes[0].name)
+    return layer
+
+
+def _counted(meshes: Sequence[EvaluatedMesh], uvs: Sequence[Floats], faces: Sequence[Bools]) -> int | None:
+    """How many islands the UV coordinates of these faces have; None where counting would take long."""
+    if sum(np.count_nonzero(some) for some in faces) > _COUNTED:
+        return None
+    return sum(
+        int(uv_islands(weld(mesh.position)[mesh.triangles[some]], uv[some]).max()) + 1
+        for mesh, uv, some in zip(meshes, uvs, faces, strict=True)
+        if some.any()
+    )
 
 
 def _anew(

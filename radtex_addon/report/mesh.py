@@ -100,13 +100,13 @@ def _layers(evaluated: EvaluatedMesh, bake: Finished, padding: int) -> Generator
     yield Step(Task.FIND_MESH, 0, 1)
     own = bake.sidecar.uv_map
     if own in evaluated.uv_layers or not bake.unwrapped:
-        yield _Layer(user_uv(evaluated, own), own, Unwrap.XATLAS)
+        yield _Layer(user_uv(evaluated, own), own, Unwrap.AUTO)
     if not bake.unwrapped:
         return
     uv = _uv_of_preview(bake, evaluated)
     if uv is not None:
-        yield _Layer(uv, None, Unwrap.XATLAS)
-    for unwrap in Unwrap:
+        yield _Layer(uv, None, Unwrap.UVUNWRAP)
+    for unwrap in (Unwrap.UVUNWRAP, Unwrap.XATLAS, Unwrap.BLENDER):
         uv = yield from _unwrapped(evaluated, bake, unwrap, padding)
         if uv is not None:
             yield _Layer(uv, None, unwrap)

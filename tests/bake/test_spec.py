@@ -40,7 +40,7 @@ def test_the_defaults_are_the_designs() -> None:
     default = BakeSpec()
     assert (default.kind, default.capture) == (Kind.RADIANCE, CaptureMethod.PORTAL)
     assert (default.texels, default.bucket, default.samples) == (128, 8, 16)
-    assert (default.half, default.compression, default.unwrap) == (True, Compression.ZIP, Unwrap.XATLAS)
+    assert (default.half, default.compression, default.unwrap) == (True, Compression.ZIP, Unwrap.AUTO)
     assert default.pixels_a_side == 1024
     assert default.pixel_count == 1024**2
     assert default.path_count == 16 * 1024**2

@@ -233,7 +233,7 @@ def test_the_entry_knows_how_it_was_started(
     assert given == [expected]
 
 
-@pytest.mark.parametrize("module", ["bpy", "xatlas"])
+@pytest.mark.parametrize("module", ["bpy", "uvunwrap"])
 def test_a_missing_module_is_one_line_that_says_how_to_get_it(module: str) -> None:
     code = f"import runpy, sys; sys.modules[{module!r}] = None; sys.argv = sys.argv[1:]; "
     code += "runpy.run_path(sys.argv[0], run_name='__main__')"

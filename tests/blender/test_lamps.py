@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layer
+from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layer, Unwrap
 from radtex_addon.cli.arguments import parse
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
@@ -98,7 +98,7 @@ def test_all_lamps_and_the_world_add_up_to_the_whole(out: Path) -> None:
     floor(bounces=2)
     lights = each_light(context.view_layer)
     assert lights == (("Evening",), ("Noon",), ("Panel",), ("world",))
-    spec = replace(SPEC, samples=64)
+    spec = replace(SPEC, samples=64, unwrap=Unwrap.UVUNWRAP)
     unwraps: Unwraps = {}
     parts = [bake(out, replace(spec, lights=light), unwraps=unwraps) for light in lights]
     assert len(unwraps) == 1

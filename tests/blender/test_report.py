@@ -148,7 +148,8 @@ def test_a_lossy_atlas_is_told_its_layer_too(out: Path) -> None:
 
 def test_another_padding_is_found_in_the_preview_only(out: Path) -> None:
     striped(ball(), 0.2)
-    sidecar = bake("Ball", replace(TINY, padding=5), out, preview=Filter.QUADRILINEAR)
+    spec = replace(TINY, texels=48, padding=5, unwrap=Unwrap.UVUNWRAP)
+    sidecar = bake("Ball", spec, out, preview=Filter.QUADRILINEAR)
     assert report(sidecar).psnr > 14
     (out / "Ball.preview.blend").unlink()
     with pytest.raises(InputError, match="does not fit"):

@@ -26,29 +26,29 @@ from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.scratch import scratch_scene
 from radtex_addon.scene.uv import xatlas_worker
 from radtex_addon.scene.uv.unwrap import unwrap_steps
-from radtex_addon.scene.uv.xatlas_process import Placed, Steps, XatlasProcess, check_xatlas
+from radtex_addon.scene.uv.xatlas_process import Charts, Steps, XatlasProcess, check_xatlas
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
 POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and shell scripts")
 
-SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
+SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], np.float32)
 HALVES = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
-ONE_ISLAND = np.zeros((2, 1), np.uint32)
+UP = np.tile(np.array([0, 0, 1], np.float32), (4, 1))
 
 
-def pack_square(xatlas: XatlasProcess, texels: float = 8.0) -> Steps[Placed]:
-    return xatlas.pack(SQUARE, HALVES, ONE_ISLAND, {"texels_per_unit": texels})
+def flatten_square(xatlas: XatlasProcess) -> Steps[Charts]:
+    return xatlas.flatten(SQUARE, HALVES, UP, {}, {"resolution": 64})
 
 
-def answer(steps: Steps[Placed], seconds: float = 60.0) -> Placed:
+def answer(steps: Steps[Charts], seconds: float = 60.0) -> Charts:
     """What a request returns, waited for no longer than `seconds`."""
     end = monotonic() + seconds
     while monotonic() < end:
         try:
             next(steps)
         except StopIteration as stop:
-            placed: Placed = stop.value
-            return placed
+            charts: Charts = stop.value
+            return charts
     pytest.fail(f"no answer within {seconds} s")
 
 
@@ -66,12 +66,12 @@ def started(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[bytes]]:
     return processes
 
 
-def test_a_square_is_packed_to_scale() -> None:
+def test_a_square_is_flattened_to_scale() -> None:
     with XatlasProcess() as xatlas:
-        placed = answer(pack_square(xatlas, 8.0))
-        corners = placed.uv[placed.index] * [placed.width, placed.height]
+        charts = answer(flatten_square(xatlas))
+        corners = charts.uv[charts.index] * [charts.width, charts.height] / charts.texels_per_unit
     sides = np.sqrt(np.sum(np.diff(corners, axis=1) ** 2, axis=-1))
-    assert sides == pytest.approx(np.full((2, 2), 8.0) * [[1, 1], [2**0.5, 1]], rel=0.15)
+    assert sides == pytest.approx(np.array([[1, 1], [2**0.5, 1]]), rel=0.15)
 
 
 def test_300_atlases_come_and_go() -> None:
@@ -79,7 +79,7 @@ def test_300_atlases_come_and_go() -> None:
     for _ in range(10):
         with XatlasProcess() as xatlas:
             for _ in range(30):
-                assert answer(pack_square(xatlas)).width > 8
+                assert answer(flatten_square(xatlas)).width > 8
 
 
 def test_the_process_is_gone_after_the_context_however_it_ends(
@@ -136,9 +136,9 @@ def test_a_long_unwrap_shows_life_and_stops_at_once(started: list[subprocess.Pop
 @POSIX
 def test_ctrl_c_in_the_terminal_is_left_to_the_parent(started: list[subprocess.Popen[bytes]]) -> None:
     with XatlasProcess() as xatlas:
-        answer(pack_square(xatlas))
+        answer(flatten_square(xatlas))
         started[0].send_signal(signal.SIGINT)
-        assert answer(pack_square(xatlas)).width > 8
+        assert answer(flatten_square(xatlas)).width > 8
 
 
 PARENT = """
@@ -186,7 +186,7 @@ def test_what_libraries_print_disturbs_no_answer(tmp_path: Path, monkeypatch: py
     )
     with_xatlas(tmp_path, noisy, monkeypatch)
     with XatlasProcess() as xatlas:
-        assert answer(pack_square(xatlas)).width > 8
+        assert answer(flatten_square(xatlas)).width > 8
 
 
 @pytest.mark.parametrize(
@@ -203,7 +203,7 @@ def test_the_death_of_the_process_is_one_line_with_a_remedy(
     with_xatlas(tmp_path, source, monkeypatch)
     expected = rf"^the unwrap failed, xatlas ended early \({said}\): let Blender unwrap, or .* of your own$"
     with XatlasProcess() as xatlas, pytest.raises(BakeError, match=expected):
-        answer(pack_square(xatlas))
+        answer(flatten_square(xatlas))
 
 
 def refuse_by_empty_name(folder: Path) -> str:
@@ -230,7 +230,7 @@ def test_what_is_no_python_is_a_failed_unwrap(tmp_path: Path, monkeypatch: pytes
     program.chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(program))
     with XatlasProcess() as xatlas, pytest.raises(BakeError, match=r"\(I am no Python\)"):
-        answer(pack_square(xatlas))
+        answer(flatten_square(xatlas))
 
 
 def test_a_missing_xatlas_is_known_beforehand(monkeypatch: pytest.MonkeyPatch) -> None:

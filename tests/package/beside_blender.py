@@ -26,6 +26,7 @@ def main(wheels: str, out: str) -> None:
     sys.setdlopenflags(own)
     print(importlib.import_module("OpenEXR").__file__)
     print(importlib.import_module("xatlas").__file__)
+    print(importlib.import_module("uvunwrap").__file__)
     print(importlib.import_module("flip_evaluator").__file__)
     unwrap()
     write_and_read(Path(out, "a.exr"))
@@ -35,12 +36,15 @@ def main(wheels: str, out: str) -> None:
 def unwrap() -> None:
     """A quad of two triangles is one island."""
     import numpy as np
+    import uvunwrap
     import xatlas
 
     corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], np.float32)
     _vertices, triangles, uv = xatlas.parametrize(corners, np.array([[0, 1, 2], [0, 2, 3]], np.uint32))
     assert triangles.shape == (2, 3)
     assert uv.shape == (4, 2)
+    faces = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
+    assert uvunwrap.generate([uvunwrap.Mesh(corners, faces)], page_size=64).chart_count == 1
 
 
 def write_and_read(path: Path) -> None:

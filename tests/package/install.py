@@ -18,7 +18,7 @@ import bpy
 
 EXTENSION = "bl_ext.user_default.radtex"
 INTEL_MAC = (sys.platform, platform.machine()) == ("darwin", "x86_64")  # nobody makes FLIP for it
-WHEELS = ("OpenEXR", "xatlas") if INTEL_MAC else ("OpenEXR", "flip_evaluator", "xatlas")
+WHEELS = ("OpenEXR", "uvunwrap", "xatlas", *(() if INTEL_MAC else ("flip_evaluator",)))
 
 
 def main(archive: str, answer: str) -> None:

@@ -78,6 +78,8 @@ ALLOWED: dict[str, set[str]] = {
 # A script that runs in a process without Blender and without the rest of the package.
 WORKER = ("scene", "uv", "xatlas_worker")
 
+UNWRAP_JOB = ("scene", "uv", "uvunwrap_job")
+
 # The one module that judges pictures.
 METRICS = ("report", "metrics")
 
@@ -87,6 +89,7 @@ OUTSIDE: set[tuple[str, ...]] = {("worker", name) for name in ("job", "order", "
 BY_MODULE: dict[tuple[str, ...], set[str]] = {
     WORKER: {"numpy", "xatlas"},
     METRICS: {"numpy", "flip_evaluator"},
+    UNWRAP_JOB: {"numpy", "uvunwrap"},
 } | {module: set() for module in OUTSIDE}
 
 # As in ("core", "atlas") for core/atlas.py.

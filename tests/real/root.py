@@ -85,7 +85,7 @@ PROGRAMS = Recipe(
     ),
     modules=("wgpu==0.32.0",),
 )
-_SHIPPED = ("openexr==3.5.3", "xatlas==0.0.11", "flip-evaluator==1.7")
+_SHIPPED = ("openexr==3.5.3", "uvunwrap==0.3.0", "xatlas==0.0.11", "flip-evaluator==1.7")
 # Its Python is a newer one than the wheels that RadTex ships are for: /wheels has ours.
 BLENDER = Recipe(
     packages=(

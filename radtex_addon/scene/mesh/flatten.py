@@ -1,25 +1,32 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flatten a surface into islands, to scale: by xatlas, or by Blender's Smart UV Project.
+"""Flatten a surface into islands, to scale: by uvunwrap, by xatlas, or by Blender's Smart UV Project.
 
-Vertices are welded by position first, so that doubled vertices do not tear islands apart.
+Vertices are welded by position first, so that doubled vertices do not tear islands apart. No island has
+triangles of two materials: a texel on the border would mix them.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Generator
 from dataclasses import dataclass
-from typing import Any, cast
 
-import bpy
 import numpy as np
 
+from ...bake.progress import Progress
 from ...core.arrays import Bools, Floats, Ints
 from ...core.frame import normalised
 from ...core.islands import components, signed_areas, surface_areas, uv_islands, weld
+from ...core.stretch import stretches
+from ..uv import uvunwrap_job
 from ..uv.unwrap_options import UnwrapOptions
-from ..uv.xatlas_process import Options, Steps, XatlasProcess
+from ..uv.uvunwrap_job import Steps
+from ..uv.xatlas_process import Options, XatlasProcess
+from .blender_unwrap import Way, unwrapped_by_blender
+from .cut_islands import cut_once
 from .evaluated import EvaluatedMesh
+from .merge_islands import Seamed, merged
 
 _THIN = 1e-6  # times the mean area: triangles with less area belong to no island
 _FINE = 2048  # texels of the atlas in which xatlas returns islands; it rounds their sizes to texels
@@ -31,12 +38,15 @@ _RESPECTED = 1000.0  # from this weight on xatlas never grows an island across a
 class FlatIslands:
     """Triangles flattened to scale: `uv` (F, 3, 2) in scene units, `island` (F,), -1 if without area.
 
-    Islands may overlap. `border` is the total length of their borders on the surface, in scene units.
+    Islands may overlap. `border` is the total length of their borders on the surface, in scene units, and
+    `resolved` the surface's area, in which that of triangles that are squeezed along some direction counts
+    less: by the square of how much.
     """
 
     uv: Floats
     island: Ints
     border: float
+    resolved: float
 
     @property
     def count(self) -> int:
@@ -60,7 +70,7 @@ def flatten_with_xatlas(
     """Flatten by xatlas, in world space to include the object's scale and stretch. Yields progress."""
     corners, vertex = _world_corners(evaluated)
     points, unit = _normalised(corners)
-    shading = _shading_vertices(vertex, evaluated.world_normal, math.cos(math.radians(options.seam_angle)))
+    shading = smooth_corners(evaluated, options)
     _, first = np.unique(shading, return_index=True)
     normals = np.zeros((len(first), 3))
     np.add.at(normals, shading, evaluated.world_normal.reshape(-1, 3))
@@ -77,8 +87,73 @@ def flatten_with_xatlas(
         * (unit / max(charts.texels_per_unit, 1e-30))
     )
     island = charts.owner[charts.index[:, 0]].astype(np.int64)
-    island[island >= charts.count] = -1
-    return _islands(flat, island, corners, vertex)
+    by_material = island * (int(evaluated.material_index.max()) + 1) + evaluated.material_index
+    return _islands(flat, np.where(island < charts.count, by_material, -1), corners, vertex)
+
+
+def flatten_with_uvunwrap(evaluated: EvaluatedMesh, options: UnwrapOptions) -> Steps[FlatIslands]:
+    """Flatten by uvunwrap, in world space. Yields progress."""
+    corners, vertex = _world_corners(evaluated)
+    points, unit = _normalised(corners)
+    _, first, index = np.unique(vertex, return_index=True, return_inverse=True)
+    edges = _inner_edges(vertex)
+    smooth = _smooth(edges, evaluated, math.cos(math.radians(options.seam_angle)))
+    charts = yield from uvunwrap_job.flatten(
+        points.reshape(-1, 3)[first], index.reshape(-1, 3), _seams(edges, ~smooth, len(vertex))
+    )
+    return _islands(charts.uv * unit, charts.owner, corners, vertex)
+
+
+def merge_flat(
+    evaluated: EvaluatedMesh, flat: FlatIslands, options: UnwrapOptions
+) -> Generator[Progress, None, list[FlatIslands]]:
+    """Merge islands where that is possible: the islands after each round. Yields progress."""
+    corners, vertex = _world_corners(evaluated)
+    points, unit = _normalised(corners)
+    _, first, index = np.unique(vertex, return_index=True, return_inverse=True)
+    edges = _inner_edges(vertex)
+    smooth = _smooth(edges, evaluated, math.cos(math.radians(options.seam_angle)))
+    along = points.reshape(-1, 3)[edges.ends[smooth, 0]] - points.reshape(-1, 3)[edges.starts[smooth, 0]]
+    seamed = Seamed(
+        points=points.reshape(-1, 3)[first],
+        triangles=index.reshape(-1, 3),
+        sides=edges.starts[smooth] // 3,
+        length=np.linalg.norm(along, axis=1),
+    )
+    rounds = options.rounds_of_merging(len(vertex))
+    found = []
+    for uv, island in merged(seamed, flat.uv / unit, flat.island, rounds):
+        found.append(_islands(uv * unit, island, corners, vertex))
+        yield uvunwrap_job.merge_progress(len(found) / rounds)
+    return found
+
+
+def smooth_corners(evaluated: EvaluatedMesh, options: UnwrapOptions) -> Ints:
+    """Numbers of corners (3F,), equal for those at one place between which an island may go on."""
+    vertex = _world_corners(evaluated)[1]
+    edges = _inner_edges(vertex)
+    smooth = _smooth(edges, evaluated, math.cos(math.radians(options.seam_angle)))
+    return components(np.concatenate([edges.starts[smooth], edges.ends[smooth]]), vertex.size)
+
+
+def islands_of(evaluated: EvaluatedMesh, uv: Floats, island: Ints) -> FlatIslands:
+    """The islands of a layout `uv` (F, 3, 2) that is to scale, of numbers (F,) that may have gaps."""
+    return _islands(uv, island, *_world_corners(evaluated))
+
+
+def cut_flat(evaluated: EvaluatedMesh, flat: FlatIslands) -> FlatIslands | None:
+    """Cut islands that pack badly; None if there are none."""
+    island = cut_once(_world_corners(evaluated)[1], flat.uv, flat.island)
+    return None if island is None else islands_of(evaluated, flat.uv, island)
+
+
+def _seams(edges: _Edges, cut: Bools, count: int) -> Bools:
+    """Marks (F, 3) of the edges, from corner k to k + 1, that are `cut` (E,)."""
+    marks = np.zeros(3 * count, dtype=bool)
+    for column in (0, 1):
+        start, end = edges.starts[cut, column], edges.ends[cut, column]
+        marks[np.where((start + 1 - end) % 3 == 0, start, end)] = True  # an edge may run either way
+    return marks.reshape(-1, 3)
 
 
 def flatten_with_blender(evaluated: EvaluatedMesh, options: UnwrapOptions) -> FlatIslands:
@@ -88,10 +163,12 @@ def flatten_with_blender(evaluated: EvaluatedMesh, options: UnwrapOptions) -> Fl
     whole = (vertex != np.roll(vertex, 1, axis=1)).all(axis=1)
     uv = np.zeros((len(vertex), 3, 2))
     island = np.full(len(vertex), -1)
-    uv[whole] = _smart_project(
-        _normalised(corners)[0][whole], vertex[whole], math.radians(options.blender_angle)
-    )
-    island[whole] = uv_islands(vertex[whole], uv[whole])
+    number = _split_by(vertex, evaluated.material_index)[whole]
+    _, first, index = np.unique(number, return_index=True, return_inverse=True)
+    points = _normalised(corners)[0][whole].reshape(-1, 3)[first]
+    angle = math.radians(options.blender_angle)
+    uv[whole] = unwrapped_by_blender(points, index.reshape(-1, 3), Way.PROJECT, angle)
+    island[whole] = uv_islands(number, uv[whole])
     space = np.bincount(island[whole], surface_areas(corners[whole]))
     texture = np.bincount(island[whole], np.abs(signed_areas(uv[whole])))
     scale = np.sqrt(np.divide(space, texture, out=np.zeros_like(space), where=texture > 0))
@@ -114,12 +191,18 @@ def _normalised(corners: Floats) -> tuple[Floats, float]:
     return (corners - middle) / unit, unit
 
 
-def _shading_vertices(vertex: Ints, normal: Floats, cosine: float) -> Ints:
-    """Numbers of corners (3F,), equal for corners at the same position that no sharp edge separates.
+@dataclass(frozen=True, eq=False)
+class _Edges:
+    """Edges between two triangles: corner numbers, 0 to 3F, of their starts and of their ends, (E, 2) each.
 
-    An edge is sharp if at one of its ends the normals of its two triangles differ by more than the angle
-    whose cosine is given.
+    A column is of one of the two triangles, whose numbers are those of its corners divided by three.
     """
+
+    starts: Ints
+    ends: Ints
+
+
+def _inner_edges(vertex: Ints) -> _Edges:
     corner = np.arange(vertex.size).reshape(-1, 3)
     start, end = corner.ravel(), np.roll(corner, -1, axis=1).ravel()
     ends = np.sort(np.stack([vertex.ravel()[start], vertex.ravel()[end]], axis=1), axis=1)
@@ -129,12 +212,26 @@ def _shading_vertices(vertex: Ints, normal: Floats, cosine: float) -> Ints:
     order = np.lexsort((ends[:, 1], ends[:, 0]))
     same = (ends[order[1:]] == ends[order[:-1]]).all(axis=1) & (ends[order[1:], 0] != ends[order[1:], 1])
     one, other = order[:-1][same], order[1:][same]
-    flat = normal.reshape(-1, 3)
-    smooth: Bools = np.ones(len(one), dtype=bool)
-    for side in (start, end):
-        smooth &= np.sum(flat[side[one]] * flat[side[other]], axis=1) >= cosine
-    pairs = [np.stack([side[one][smooth], side[other][smooth]], axis=1) for side in (start, end)]
-    return components(np.concatenate(pairs), vertex.size)
+    return _Edges(*(np.stack([side[one], side[other]], axis=1) for side in (start, end)))
+
+
+def _smooth(edges: _Edges, evaluated: EvaluatedMesh, cosine: float) -> Bools:
+    """Which edges (E,) an island may cross: they have one material, and no sharp bend.
+
+    An edge is sharp if at one of its ends the normals of its two triangles differ by more than the angle
+    whose cosine is given.
+    """
+    sides = edges.starts // 3
+    smooth: Bools = (evaluated.material_index[sides[:, 0]] == evaluated.material_index[sides[:, 1]]).copy()
+    flat = evaluated.world_normal.reshape(-1, 3)
+    for corners in (edges.starts, edges.ends):
+        smooth &= np.sum(flat[corners[:, 0]] * flat[corners[:, 1]], axis=1) >= cosine
+    return smooth
+
+
+def _split_by(vertex: Ints, owner: Ints) -> Ints:
+    """Corner numbers (F, 3) that are equal for the same vertex and owner (F,), such as a material."""
+    return weld(np.column_stack([vertex.ravel(), np.repeat(owner, 3)])).reshape(-1, 3)
 
 
 def _chart_options(options: UnwrapOptions, triangles: int, iterations: int) -> Options:
@@ -150,12 +247,18 @@ def _chart_options(options: UnwrapOptions, triangles: int, iterations: int) -> O
 
 
 def _islands(uv: Floats, island: Ints, corners: Floats, vertex: Ints) -> FlatIslands:
-    """Take triangles without area out of islands, number islands without gaps, and measure their borders."""
+    """Take triangles without area out of islands, number islands without gaps, and measure their borders.
+
+    What hangs together by a corner alone becomes two islands.
+    """
     area = np.abs(signed_areas(uv))
     real = (island >= 0) & (area > _THIN * area.mean())
     numbered = np.full(len(island), -1)
-    numbered[real] = np.unique(island[real], return_inverse=True)[1].reshape(-1)
-    return FlatIslands(uv, numbered, _border(corners[real], vertex[real], numbered[real]))
+    edges = _inner_edges(_split_by(vertex[real], island[real]))
+    numbered[real] = components(edges.starts // 3, int(np.count_nonzero(real)))
+    least = stretches(corners[real], uv[real])[:, 1]
+    resolved = float(np.sum(surface_areas(corners[real]) * np.minimum(least, 1) ** 2))
+    return FlatIslands(uv, numbered, _border(corners[real], vertex[real], numbered[real]), resolved)
 
 
 def _border(corners: Floats, vertex: Ints, island: Ints) -> float:
@@ -165,32 +268,3 @@ def _border(corners: Floats, vertex: Ints, island: Ints) -> float:
     label = weld(np.column_stack([edges, np.repeat(island, 3)]))
     length = np.sqrt(np.sum((np.roll(corners, -1, axis=1) - corners) ** 2, axis=-1)).ravel()
     return float(length[np.bincount(label)[label] == 1].sum())
-
-
-def _smart_project(corners: Floats, vertex: Ints, angle: float) -> Floats:
-    """Run Blender's Smart UV Project on a temporary mesh in a temporary scene: (F, 3, 2)."""
-    _, first, face = np.unique(vertex, return_index=True, return_inverse=True)
-    mesh = bpy.data.meshes.new("RadTex unwrap")
-    mesh.from_pydata(corners.reshape(-1, 3)[first], [], face.reshape(-1, 3))
-    mesh.polygons.foreach_set("select", np.ones(len(vertex), dtype=bool))
-    mesh.uv_layers.new(name="UV")
-    item = bpy.data.objects.new("RadTex unwrap", mesh)
-    scene = bpy.data.scenes.new("RadTex unwrap")
-    try:
-        scene.collection.objects.link(item)
-        layer = scene.view_layers[0]
-        layer.update()
-        layer.objects.active = item
-        item.select_set(True, view_layer=layer)
-        with cast("Any", bpy.context).temp_override(  # in the stubs of 5.2 it is no context manager
-            scene=scene, view_layer=layer, active_object=item, object=item, edit_object=item
-        ):
-            bpy.ops.object.mode_set(mode="EDIT")
-            bpy.ops.uv.smart_project(angle_limit=angle, island_margin=0.0)
-            bpy.ops.object.mode_set(mode="OBJECT")
-        uv = np.empty(2 * len(mesh.loops), dtype=np.float32)
-        mesh.uv_layers[0].data.foreach_get("uv", uv)
-        return uv.reshape(-1, 3, 2).astype(np.float64)
-    finally:
-        bpy.data.scenes.remove(scene)
-        bpy.data.meshes.remove(mesh)

@@ -19,8 +19,8 @@ _APART = 0.1  # times a mesh's extent: the gap between it and the next mesh
 def side_by_side(meshes: Sequence[EvaluatedMesh], name: str) -> EvaluatedMesh:
     """The meshes joined into one called `name`, in world space, but moved into a row so that none touch.
 
-    Then the unwrap cannot connect two of them. Attributes and materials are left out. A single mesh is
-    returned unchanged.
+    Then the unwrap cannot connect two of them. Attributes and materials are left out; the materials' numbers
+    are each mesh's own. A single mesh is returned unchanged.
     """
     if len(meshes) == 1:
         return meshes[0]
@@ -38,7 +38,7 @@ def side_by_side(meshes: Sequence[EvaluatedMesh], name: str) -> EvaluatedMesh:
         position=np.concatenate(positions),
         triangles=np.concatenate(triangles).astype(np.int32),
         normal=np.concatenate([mesh.world_normal for mesh in meshes], dtype=np.float32),
-        material_index=np.zeros(sum(len(mesh.triangles) for mesh in meshes), dtype=np.int32),
+        material_index=np.concatenate([mesh.material_index for mesh in meshes]),
         materials=(),
         attributes=(),
         matrix_world=np.eye(4),

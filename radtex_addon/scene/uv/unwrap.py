@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Unwrap a surface into few, large islands with little stretch, packed to the size of the atlas.
 
-Two methods flatten the surface, xatlas and Blender's Smart UV Project; the islands of both are packed alike.
+Three methods flatten the surface: uvunwrap, whose islands are merged and cut until they use the atlas best;
+xatlas; and Blender's Smart UV Project. The islands of all are packed alike.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import logging
 import math
 import time
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,16 +22,33 @@ from ...core.errors import InputError
 from ...core.islands import find_overlap, signed_areas, surface_areas, weld
 from ...core.messages import Setting, do
 from ..mesh.evaluated import EvaluatedMesh
-from ..mesh.flatten import FlatIslands, flatten_with_blender, flatten_with_xatlas
-from .island_packing import Packed, pack_to_density, pack_to_size
+from ..mesh.flatten import (
+    FlatIslands,
+    cut_flat,
+    flatten_with_blender,
+    flatten_with_uvunwrap,
+    flatten_with_xatlas,
+    merge_flat,
+)
+from .island_packing import Packed, pack_islands
 from .unwrap_options import UnwrapOptions, Unwrapped
-from .xatlas_process import Steps, XatlasProcess
+from .uvunwrap_job import Steps, check_uvunwrap
+from .xatlas_process import XatlasProcess, check_xatlas
 
 log = logging.getLogger(__name__)
 
 _LONG = 10.0  # seconds: the log announces longer unwraps, and names the quick alternative
 _THREAD = 2e3  # times the root of the area: islands this long are packed in seconds, longer ones in hours
+_CUTS = 6  # rounds
+_QUICK = 50_000  # triangles that Blender's projection takes a moment for, so that it is tried, too
 _TOLERATED_OVERLAP = 1e-3  # share of the covered area: less overlap is only a few slivers
+
+
+def check_unwrapper(method: Unwrap) -> None:
+    """Raise InputError if a module that the method needs is missing."""
+    check_uvunwrap()  # it packs the islands of all
+    if method is Unwrap.XATLAS:
+        check_xatlas()
 
 
 def estimate_seconds(triangles: int, options: UnwrapOptions | None = None) -> float:
@@ -54,13 +73,19 @@ def unwrap_steps(
     islands for so few texels; BakeError if xatlas fails.
     """
     options = (options or UnwrapOptions()).for_size(len(evaluated.triangles))
+    if method is Unwrap.AUTO:  # its own UV layer, which the caller has looked at, is not fit
+        method = Unwrap.UVUNWRAP
     if method is Unwrap.XATLAS:
         _announce(evaluated, options)
     _check_area(evaluated)
     start = time.perf_counter()
-    with XatlasProcess() as xatlas:
-        flat, packed = yield from _best(xatlas, evaluated, texels, method, options)
+    flat, packed = yield from _best(evaluated, texels, method, options)
     return _finish(evaluated, flat, packed, time.perf_counter() - start)
+
+
+def unwrap_uvunwrap(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
+    """Unwrap by uvunwrap, the default, without progress: see `unwrap_steps`."""
+    return finished(unwrap_steps(evaluated, texels, Unwrap.UVUNWRAP, options))
 
 
 def unwrap_xatlas(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
@@ -105,34 +130,80 @@ def _check_area(evaluated: EvaluatedMesh) -> None:
 
 
 def _best(
-    xatlas: XatlasProcess, evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions
+    evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions
 ) -> Steps[tuple[FlatIslands, Packed]]:
-    best: tuple[float, FlatIslands, Packed] | None = None
+    tries = yield from _flattened(evaluated, method, options)
+    best: _Try | None = None
     failure: InputError | None = None
-    for iterations in options.iterations if method is Unwrap.XATLAS else (1,):
-        if method is Unwrap.XATLAS:
-            flat = yield from flatten_with_xatlas(xatlas, evaluated, options, iterations)
-        else:
-            flat = flatten_with_blender(evaluated, options)
+    for flat in tries:
         try:
-            packed = yield from _pack(xatlas, flat, texels, options)
+            found = yield from _tried(flat, texels, options)
         except InputError as error:
             failure = failure or error
             continue
-        # Texels in islands that no border touches: the try with most of them uses the atlas best.
-        interior = flat.area * packed.density**2 - 0.5 * flat.border * packed.density
-        log.debug("%d islands, %.4g texels per unit, interior %.0f", flat.count, packed.density, interior)
-        if best is None or interior > best[0]:
-            best = interior, flat, packed
+        if best is None or found.interior > best.interior:
+            best = found
     if best is None:
         raise failure or InputError(f"object '{evaluated.name}' cannot be unwrapped: it has no area")
-    return best[1:]
+    if method is Unwrap.UVUNWRAP:
+        best = yield from _with_cuts(evaluated, best, texels, options)
+    return best.flat, best.packed
 
 
-def _pack(xatlas: XatlasProcess, flat: FlatIslands, texels: int, options: UnwrapOptions) -> Steps[Packed]:
-    if options.density is not None:
-        return pack_to_density(xatlas, flat, options.density, options.padding)
-    return pack_to_size(xatlas, flat, texels, options.padding)
+def _flattened(evaluated: EvaluatedMesh, method: Unwrap, options: UnwrapOptions) -> Steps[list[FlatIslands]]:
+    """Several ways to flatten the mesh, of which one is to be chosen."""
+    if method is Unwrap.BLENDER:
+        return [flatten_with_blender(evaluated, options)]
+    if method is Unwrap.UVUNWRAP:
+        flat = yield from flatten_with_uvunwrap(evaluated, options)
+        tries = [flat, *(yield from merge_flat(evaluated, flat, options))]
+        if len(evaluated.triangles) <= _QUICK:
+            tries.append(flatten_with_blender(evaluated, options))
+        return tries
+    tries = []
+    with XatlasProcess() as xatlas:
+        for iterations in options.iterations:
+            tries.append((yield from flatten_with_xatlas(xatlas, evaluated, options, iterations)))
+    return tries
+
+
+@dataclass(frozen=True, eq=False)
+class _Try:
+    """Packed islands, and about how many texels, their `interior`, show the surface as it is.
+
+    Of many texels those within a texel of a border, on both sides of it, do not count, as a seam shows there;
+    of few a share remains, or sparse islands would be the best. Those that see the surface squeezed along
+    some direction count less: see `FlatIslands`.
+    """
+
+    flat: FlatIslands
+    packed: Packed
+    interior: float
+
+
+def _tried(flat: FlatIslands, texels: int, options: UnwrapOptions) -> Steps[_Try]:
+    packed = yield from pack_islands(flat, texels, options.padding, options.density)
+    shown, seams = flat.resolved * packed.density**2, 2 * flat.border * packed.density
+    interior = shown**2 / max(shown + seams, 1e-30)
+    log.debug("%d islands, %.4g texels per unit, interior %.0f", flat.count, packed.density, interior)
+    return _Try(flat, packed, interior)
+
+
+def _with_cuts(evaluated: EvaluatedMesh, best: _Try, texels: int, options: UnwrapOptions) -> Steps[_Try]:
+    """Cut islands that pack badly, as often as that may help."""
+    flat = best.flat
+    for _ in range(_CUTS):
+        cut = cut_flat(evaluated, flat)
+        if cut is None:
+            break
+        flat = cut
+        try:
+            found = yield from _tried(flat, texels, options)
+        except InputError:  # too many islands now
+            break
+        if found.interior > best.interior:
+            best = found
+    return best
 
 
 def _finish(evaluated: EvaluatedMesh, flat: FlatIslands, packed: Packed, seconds: float) -> Unwrapped:
@@ -149,7 +220,7 @@ def _finish(evaluated: EvaluatedMesh, flat: FlatIslands, packed: Packed, seconds
         uv=uv,
         width=packed.width,
         height=packed.height,
-        islands=flat.count,
+        islands=packed.islands,
         utilisation=float(np.abs(signed_areas(uv)).sum()),
         density=packed.density,
         overlap=overlap.fraction,

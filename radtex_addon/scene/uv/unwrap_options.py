@@ -12,6 +12,8 @@ from ...core.errors import InputError
 
 _CHAOTIC = 8_000  # triangles: above, one try may make too many islands; up to 2.5 times that, two are made
 _MANY = 30_000  # triangles above which island size is limited; without a limit xatlas takes minutes
+_MERGED = 400_000  # triangles flattened anew while islands are merged, all rounds together
+_MOST_ROUNDS = 8
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,11 @@ class UnwrapOptions:
             raise InputError(f"texel density must be above 0 texels per unit, not {self.density}")
         if any(rounds < 1 for rounds in self.iterations):
             raise InputError(f"xatlas iterations must be 1 or more, not {self.iterations}")
+
+    @staticmethod
+    def rounds_of_merging(triangles: int) -> int:
+        """In how many rounds islands may be merged: as many as take seconds."""
+        return max(min(_MERGED // max(triangles, 1), _MOST_ROUNDS), 1)
 
     def for_size(self, triangles: int) -> UnwrapOptions:
         """These options, with empty ones chosen for a mesh of so many triangles."""

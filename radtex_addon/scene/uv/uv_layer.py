@@ -8,14 +8,16 @@ import logging
 
 import numpy as np
 
-from ...core.arrays import Floats
+from ...core.arrays import Floats, Ints
 from ...core.errors import InputError
-from ...core.islands import find_overlap, signed_areas, surface_areas
+from ...core.islands import find_overlap, signed_areas, surface_areas, uv_islands, weld
 from ...core.messages import Setting, do, leave_out
+from ...core.texel_map import triangle_of_texels
 from ..mesh.evaluated import EvaluatedMesh
 
 log = logging.getLogger(__name__)
 
+_WASTEFUL = 0.5  # of the atlas: a layer that covers less would waste most texels
 _OUTSIDE = 1e-5  # how far outside 0..1 counts as rounding
 _NO_AREA = 1e-12  # of the unit square
 _TOLERATED = 1e-3  # share of the surface without area in uv; share of the covered area that is covered twice
@@ -40,6 +42,41 @@ def user_uv(evaluated: EvaluatedMesh, layer: str) -> Floats:
     _check_bounds(uv, where)
     check_apart(uv, where)
     return np.clip(uv, 0.0, 1.0)
+
+
+def why_unfit(evaluated: EvaluatedMesh, layer: str, texels: int, padding: int) -> str | None:
+    """Why a UV layer that nobody named is not fit to bake `texels` x `texels` on; None if it is fit.
+
+    It is where `user_uv` takes it without a warning, its islands are `padding` texels apart, and the atlas
+    is not mostly empty. What is returned goes on after "it …".
+    """
+    uv = evaluated.uv(layer).astype(np.float64)
+    area = np.abs(signed_areas(uv))
+    if not np.isfinite(uv).all() or (area < _NO_AREA).any():
+        return "gives some triangles no area"
+    if uv.min() < -_OUTSIDE or uv.max() > 1 + _OUTSIDE:
+        return "reaches outside 0..1"
+    if area.sum() < _WASTEFUL:
+        return f"covers only {area.sum():.0%} of the atlas"
+    if find_overlap(uv).fraction > 0:
+        return "overlaps"
+    triangle = triangle_of_texels(uv, texels, texels)
+    island = uv_islands(weld(evaluated.position)[evaluated.triangles], uv)
+    if _closest(np.where(triangle >= 0, island[triangle], -1), padding):
+        return f"has islands that are less than {padding} of {texels} texels apart"
+    return None
+
+
+def _closest(island: Ints, padding: int) -> bool:
+    """Whether texels (H, W) of two islands lie so close that fewer than `padding` texels are between them."""
+    height, width = island.shape
+    for down in range(padding + 1):
+        for right in range(-padding if down else 1, padding + 1):
+            one = island[: height - down, max(-right, 0) : width - max(right, 0)]
+            other = island[down:, max(right, 0) : width - max(-right, 0)]
+            if ((one >= 0) & (other >= 0) & (one != other)).any():
+                return True
+    return False
 
 
 def _check_area(evaluated: EvaluatedMesh, uv: Floats, where: str) -> None:

@@ -53,16 +53,6 @@ class Charts:
     owner: Ints
 
 
-@dataclass(frozen=True, eq=False)
-class Placed:
-    """Packed islands: `uv` (V, 2) in 0..1 of the atlas, `index` (F, 3) into it."""
-
-    width: int
-    height: int
-    index: Ints
-    uv: Floats
-
-
 def check_xatlas() -> None:
     """Raise InputError if there is no xatlas, or no Python to run it."""
     if find_spec("xatlas") is None:
@@ -124,10 +114,6 @@ class XatlasProcess:
     ) -> Steps[Charts]:
         """Flatten a mesh: points and normals (V, 3) float32, faces (F, 3) uint32."""
         return Charts(*(yield from self._ask("flatten", points, faces, normals, chart, pack)))
-
-    def pack(self, points: Floats, faces: Ints, owner: Ints, options: Options) -> Steps[Placed]:
-        """Place flat islands: points (V, 2) float32, faces (F, 3) and their islands `owner` (F, 1) uint32."""
-        return Placed(*(yield from self._ask("pack", points, faces, owner, options)))
 
     def _ask(self, name: str, *arguments: object) -> Steps[tuple[Any, ...]]:
         """Send a request from a thread: Windows cannot wait for a pipe with a timeout."""

@@ -44,21 +44,6 @@ def flatten(
     return atlas.width, atlas.height, atlas.texels_per_unit, atlas.chart_count, index, uv, owner
 
 
-def pack(points: Floats, faces: Ints, owner: Ints, options: Mapping[str, object]) -> tuple[object, ...]:
-    """Place flat islands; returns the fields of `xatlas_process.Placed`, in order.
-
-    Each call uses a new Atlas: one that has packed flat islands before would place them differently.
-    """
-    import xatlas
-
-    atlas = xatlas.Atlas()
-    _KEPT.append(atlas)
-    atlas.add_uv_mesh(points, faces, owner)
-    atlas.generate(xatlas.ChartOptions(), _set(xatlas.PackOptions(), options))
-    _, index, uv = atlas.get_mesh(0)
-    return atlas.width, atlas.height, index, uv
-
-
 def _set(options: Any, values: Mapping[str, object]) -> Any:
     for name, value in values.items():
         setattr(options, name, value)
@@ -73,7 +58,7 @@ def main() -> None:
     requests = sys.stdin.buffer
     sys.path[:] = pickle.load(requests)
     os.environ["OPENBLAS_NUM_THREADS"] = "1"  # numpy's threads are slow to start, and not needed here
-    functions: dict[str, Callable[..., object]] = {"flatten": flatten, "pack": pack}
+    functions: dict[str, Callable[..., object]] = {"flatten": flatten}
     while requests.peek(1):
         name, arguments = pickle.load(requests)
         answers.write(pickle.dumps(functions[name](*arguments), pickle.HIGHEST_PROTOCOL))

@@ -155,7 +155,7 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
             name="Unwrap",
             description="Who lays out the surface where no UV layer is chosen",
             items=UNWRAPS,
-            default="xatlas",
+            default="auto",
             **NOTICED,
         )
         padding: IntProperty(

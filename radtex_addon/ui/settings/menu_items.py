@@ -80,7 +80,16 @@ SPLITS = (
 )
 
 UNWRAPS = (
-    ("xatlas", "xatlas", "Few and even islands, so that no texel is wasted. Takes long on large meshes"),
+    (
+        "auto",
+        "Automatic",
+        (
+            "Your active UV map if it is fit: it covers half of the square, overlaps nowhere, and its "
+            "islands are apart by the padding. Else a new unwrap; your mesh stays as it is"
+        ),
+    ),
+    ("uvunwrap", "New", "Unwrap a copy anew: few, large islands, so that little is wasted on seams"),
+    ("xatlas", "xatlas", "Even islands, more of them. Takes long on large meshes"),
     (
         "blender",
         "Blender",

@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whose UVs a bake gets: the artist's own where they are fit, else few islands, none of two materials."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.bake.progress import finished
+from radtex_addon.bake.spec import BakeSpec, Unwrap
+from radtex_addon.core.islands import uv_islands, weld
+from radtex_addon.formats.sidecar import read_sidecar
+from radtex_addon.job import bake_object
+from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
+from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.scene.uv.unwrap import unwrap_steps
+from radtex_addon.scene.uv.uv_layer import why_unfit
+
+context: Any = bpy.context  # to the stubs, every pointer may be None
+TEXELS, PADDING = 64, 2
+
+
+def quads(*places: tuple[float, float, float]) -> Any:
+    """An object of upright squares, each with its lower left corner (u, v) and side in the UV layer."""
+    mesh = bpy.data.meshes.new("Quads")
+    square = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
+    points = [(x + 3 * k, 0.0, z) for k in range(len(places)) for x, z in square.tolist()]
+    mesh.from_pydata(points, [], [tuple(range(4 * k, 4 * k + 4)) for k in range(len(places))])
+    layer: Any = mesh.uv_layers.new(name="Mine")
+    uv = np.concatenate([np.array([u, v]) + side * square for u, v, side in places])
+    layer.data.foreach_set("uv", uv.ravel())
+    item = bpy.data.objects.new("Quads", mesh)
+    context.scene.collection.objects.link(item)
+    return item
+
+
+def read(item: Any) -> EvaluatedMesh:
+    with scratch_scene(context.scene) as scratch:
+        return evaluate(scratch, item)
+
+
+@pytest.mark.parametrize(
+    ("places", "why"),
+    [
+        ([(0, 0, 0.95)], None),
+        ([(0, 0, 0.48), (0.52, 0, 0.48), (0, 0.52, 0.48)], None),
+        ([(0, 0, 0.6)], "covers only 36%"),
+        ([(0, 0, 0.9), (0.5, 0.5, 0.4)], "overlaps"),
+        ([(0, 0, 0.75), (0.77, 0, 0.2)], "less than 2 of 64 texels apart"),
+        ([(0.2, 0, 0.9)], "reaches outside"),
+    ],
+    ids=["whole", "apart", "mostly empty", "twice", "too close", "outside"],
+)
+def test_a_layer_is_fit_or_not_for_a_reason(
+    places: list[tuple[float, float, float]], why: str | None
+) -> None:
+    found = why_unfit(read(quads(*places)), "Mine", TEXELS, PADDING)
+    assert found is None if why is None else why in str(found)
+
+
+def test_the_default_bakes_on_a_layer_that_is_fit_and_says_so(tmp_path: Path) -> None:
+    quads((0, 0, 0.48), (0.52, 0, 0.48), (0, 0.52, 0.48))
+    spec = BakeSpec(texels=TEXELS, bucket=2, samples=1)
+    sidecar = read_sidecar(bake_object(context.scene, "Quads", spec, tmp_path / "fit").files.sidecar)
+    assert (sidecar.uv_map, sidecar.islands) == ("Mine", 3)
+    assert sidecar.coverage == pytest.approx(3 * 0.48**2, abs=1e-3)
+
+
+def test_a_layer_that_is_not_fit_is_left_alone(tmp_path: Path) -> None:
+    item = quads((0, 0, 0.3), (0, 0, 0.3))
+    before = [tuple(corner.uv) for corner in item.data.uv_layers["Mine"].data]
+    spec = BakeSpec(texels=TEXELS, bucket=2, samples=1)
+    sidecar = read_sidecar(bake_object(context.scene, "Quads", spec, tmp_path / "new").files.sidecar)
+    assert (sidecar.uv_map, sidecar.islands) == ("RadTex", 2)
+    assert sidecar.coverage is not None
+    assert sidecar.coverage > 0.6
+    assert [tuple(corner.uv) for corner in item.data.uv_layers["Mine"].data] == before
+
+
+def painted_ball() -> Any:
+    """A ball in three colours, whose borders run through smooth faces."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=12)
+    item = context.object
+    for name in ("red", "green", "blue"):
+        item.data.materials.append(bpy.data.materials.new(name))
+    for face in item.data.polygons:
+        face.material_index = 0 if face.center.z > 0.3 else 1 if face.center.x > 0 else 2
+    item.data.shade_smooth()
+    return item
+
+
+@pytest.mark.parametrize("method", [Unwrap.UVUNWRAP, Unwrap.XATLAS, Unwrap.BLENDER])
+def test_no_island_has_two_materials(method: Unwrap) -> None:
+    mesh = read(painted_ball())
+    made = finished(unwrap_steps(mesh, TEXELS, method))
+    island = uv_islands(weld(mesh.position)[mesh.triangles], made.uv)
+    pairs = np.unique(np.stack([island, mesh.material_index], axis=1), axis=0)
+    assert len(pairs) == len(np.unique(island))
+
+
+def bent_sheet() -> Any:
+    """A sheet that is rolled up nearly all round: it can be flattened as it is, or in two halves."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=40, y_subdivisions=8, size=2)
+    item = context.object
+    for vertex in item.data.vertices:
+        turn = 2.9 * vertex.co.x
+        vertex.co.x, vertex.co.z = np.sin(turn), np.cos(turn)
+    item.data.shade_smooth()
+    return item
+
+
+def long_strip() -> Any:
+    """A narrow strip in a wide arc: as one island, it would leave most of its box empty."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=120, y_subdivisions=2, size=2)
+    item = context.object
+    for vertex in item.data.vertices:
+        turn, radius = 2.8 * vertex.co.x, 5 + 0.2 * vertex.co.y
+        vertex.co.x, vertex.co.y = radius * np.cos(turn), radius * np.sin(turn)
+    return item
+
+
+@pytest.mark.parametrize(("build", "islands"), [(bent_sheet, range(1, 3)), (long_strip, range(2, 30))])
+def test_islands_are_merged_and_cut_where_that_helps(build: Callable[[], Any], islands: range) -> None:
+    made = finished(unwrap_steps(read(build()), 128, Unwrap.UVUNWRAP))
+    assert made.islands in islands
+    assert made.overlap == 0
+
+
+def test_an_unwrap_that_is_no_longer_wanted_ends() -> None:
+    steps = unwrap_steps(read(painted_ball()), 128, Unwrap.UVUNWRAP)
+    next(steps)
+    steps.close()
+    assert not [mesh for mesh in bpy.data.meshes if "unwrap" in mesh.name]
