@@ -253,7 +253,7 @@ def test_both_unwraps_bake(out: Path) -> None:
     for unwrap in Unwrap:
         result = bake("Cube", BakeSpec(texels=16, bucket=2, samples=1, unwrap=unwrap), out / unwrap)
         assert result.islands in range(1, 7)
-        assert result.covered_texels >= 6 * 6
+        assert result.covered_texels >= 6 * 4
 
 
 def soft_shadow() -> None:
