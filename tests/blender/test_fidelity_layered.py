@@ -97,4 +97,4 @@ def test_a_head_of_gold_looks_as_cycles_sees_it(tmp_path: Path, monkeypatch: pyt
     shown, expected = (np.clip(image[inside], 0, 1) ** (1 / 2.2) for image in (picture, reference))
     error = -10 * np.log10(((shown - expected) ** 2).mean())
     assert error > 21
-    assert abs(shown.mean() / expected.mean() - 1) < 0.03
+    assert abs(shown.mean() / expected.mean() - 1) < 0.04

@@ -37,8 +37,8 @@ _SEE_THROUGH = {
     "refraction": (24, 0.08),
     "transparent": (17, 0.25),  # of coloured alpha, the mean is kept
     "holdout": (23, 3.0),
-    "volume": (23, 0.2),
-    "glass volume": (26, 0.1),
+    "volume": (20, 0.4),  # warned of: it looks like milky glass, and how bright depends on its islands
+    "glass volume": (25, 0.15),
 }
 _ALPHAS = {
     "half": (27, 0.1),
