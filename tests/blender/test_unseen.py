@@ -109,7 +109,7 @@ def test_a_hull_need_not_be_seen_and_neither_need_who_wears_another_s_light(out:
     hull = replace(TINY, kind=Kind.PROXY)
     made = bake_object(context.scene, "Hull", hull, out).files.sidecar
     assert read_buckets(made)[0][..., 0].max() == pytest.approx(1)
-    worn = replace(TINY, source="Card", extrusion=5.0)
+    worn = replace(TINY, texels=24, source="Card", extrusion=5.0)
     made = bake_object(context.scene, "Hull", worn, out).files.sidecar
     np.testing.assert_allclose(read_buckets(made)[0][..., :3].max(), 1)
     item.is_shadow_catcher = True
