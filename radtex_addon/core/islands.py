@@ -40,6 +40,11 @@ def weld(rows: Floats | Ints) -> Ints:
     return np.unique(keys, return_inverse=True)[1].reshape(-1)
 
 
+def split_corners(triangles: Ints, owner: Ints) -> Ints:
+    """Corner numbers (F, 3), equal for the same vertex of `triangles` (F, 3) and the same `owner` (F,)."""
+    return weld(np.column_stack([triangles.ravel(), np.repeat(owner, 3)])).reshape(-1, 3)
+
+
 def components(pairs: Ints, count: int) -> Ints:
     """Connected components of `count` nodes joined by `pairs` (M, 2): (count,) labels 0, 1, … without gaps.
 

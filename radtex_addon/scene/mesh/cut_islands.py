@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from ...core.arrays import Floats, Ints
-from ...core.islands import signed_areas, triangle_islands, weld
+from ...core.islands import signed_areas, split_corners, triangle_islands
 
 _FILLED = 0.5  # share of its smallest bounding box that an island fills: more is compact
 _LONG = 0.3  # times the root of all islands' area: shorter islands find a place anyway
@@ -38,8 +38,7 @@ def cut_once(triangles: Ints, uv: Floats, island: Ints) -> Ints | None:
         half = _halves(uv[some], area[some], whole)
         if half is None:
             continue
-        corner = weld(np.column_stack([triangles[some].ravel(), np.repeat(half, 3)]))
-        found[some] = following + triangle_islands(corner.reshape(-1, 3))
+        found[some] = following + triangle_islands(split_corners(triangles[some], half))
         following = int(found[some].max()) + 1
     return None if following == count else found
 

@@ -17,7 +17,7 @@ import numpy as np
 from ...bake.progress import Progress
 from ...core.arrays import Bools, Floats, Ints
 from ...core.frame import normalised
-from ...core.islands import components, signed_areas, surface_areas, uv_islands, weld
+from ...core.islands import components, signed_areas, split_corners, surface_areas, uv_islands, weld
 from ...core.stretch import stretches
 from ..uv import uvunwrap_job
 from ..uv.unwrap_options import UnwrapOptions
@@ -163,7 +163,7 @@ def flatten_with_blender(evaluated: EvaluatedMesh, options: UnwrapOptions) -> Fl
     whole = (vertex != np.roll(vertex, 1, axis=1)).all(axis=1)
     uv = np.zeros((len(vertex), 3, 2))
     island = np.full(len(vertex), -1)
-    number = _split_by(vertex, evaluated.material_index)[whole]
+    number = split_corners(vertex, evaluated.material_index)[whole]
     _, first, index = np.unique(number, return_index=True, return_inverse=True)
     points = _normalised(corners)[0][whole].reshape(-1, 3)[first]
     angle = math.radians(options.blender_angle)
@@ -229,11 +229,6 @@ def _smooth(edges: _Edges, evaluated: EvaluatedMesh, cosine: float) -> Bools:
     return smooth
 
 
-def _split_by(vertex: Ints, owner: Ints) -> Ints:
-    """Corner numbers (F, 3) that are equal for the same vertex and owner (F,), such as a material."""
-    return weld(np.column_stack([vertex.ravel(), np.repeat(owner, 3)])).reshape(-1, 3)
-
-
 def _chart_options(options: UnwrapOptions, triangles: int, iterations: int) -> Options:
     return {
         "max_cost": options.max_cost,
@@ -254,7 +249,7 @@ def _islands(uv: Floats, island: Ints, corners: Floats, vertex: Ints) -> FlatIsl
     area = np.abs(signed_areas(uv))
     real = (island >= 0) & (area > _THIN * area.mean())
     numbered = np.full(len(island), -1)
-    edges = _inner_edges(_split_by(vertex[real], island[real]))
+    edges = _inner_edges(split_corners(vertex[real], island[real]))
     numbered[real] = components(edges.starts // 3, int(np.count_nonzero(real)))
     least = stretches(corners[real], uv[real])[:, 1]
     resolved = float(np.sum(surface_areas(corners[real]) * np.minimum(least, 1) ** 2))

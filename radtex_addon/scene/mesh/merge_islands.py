@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.arrays import Bools, Floats, Ints
-from ...core.islands import coverage_depth, signed_areas, surface_areas, triangle_islands, weld
+from ...core.islands import coverage_depth, signed_areas, split_corners, surface_areas, triangle_islands, weld
 from ...core.stretch import stretches
 from .blender_unwrap import Way, unwrapped_by_blender
 
@@ -87,10 +87,10 @@ def _merge(mesh: Seamed, area: Floats, uv: Floats, island: Ints, pairs: Ints) ->
     of_pair[pairs.ravel()] = np.repeat(np.arange(len(pairs)), 2)
     some = np.flatnonzero((island >= 0) & (of_pair[island] >= 0))
     pair = of_pair[island[some]]
-    corner = _numbers(mesh.triangles[some], pair)
+    corner = split_corners(mesh.triangles[some], pair)
     fine = _open(corner, pair, len(pairs))
     kept = fine[pair]
-    some, pair, corner = some[kept], pair[kept], _numbers(mesh.triangles[some[kept]], pair[kept])
+    some, pair, corner = some[kept], pair[kept], split_corners(mesh.triangles[some[kept]], pair[kept])
     if not len(some):
         return fine
     _, first = np.unique(corner, return_index=True)
@@ -157,11 +157,5 @@ def _connected(triangles: Ints, island: Ints) -> Ints:
     """Islands numbered without gaps, each one piece: (F,); -1 stays."""
     found = np.full(len(island), -1)
     real = island >= 0
-    corner = weld(np.column_stack([triangles[real].ravel(), np.repeat(island[real], 3)]))
-    found[real] = triangle_islands(corner.reshape(-1, 3))
+    found[real] = triangle_islands(split_corners(triangles[real], island[real]))
     return found
-
-
-def _numbers(triangles: Ints, owner: Ints) -> Ints:
-    """Corner numbers (F, 3), the same for the same vertex of the same owner."""
-    return weld(np.column_stack([triangles.ravel(), np.repeat(owner, 3)])).reshape(-1, 3)

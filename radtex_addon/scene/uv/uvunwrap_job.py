@@ -60,7 +60,6 @@ def check_uvunwrap() -> None:
         raise InputError(
             "the Python module 'uvunwrap' is missing",
             do("install the RadTex extension in Blender, or with Python run it as: uv run bake.py"),
-            do("let xatlas or Blender unwrap", Setting.UNWRAP, value="blender"),
             _OWN_LAYER,
         ) from error
 
@@ -79,11 +78,8 @@ def flatten(points: Floats, faces: Ints, seams: Bools) -> Steps[Charts]:
     )
     job = uvunwrap.start([mesh], page_size=1024, padding=0, packing="fast")
     atlas = yield from _finished(job, 0.0, FLATTENED)
-    made = atlas.meshes[0]
-    index = np.asarray(made.indices).reshape(-1, 3)
-    uv = np.asarray(made.corner_uvs, dtype=np.float64).reshape(-1, 3, 2)
-    scale = np.array([atlas.width, atlas.height]) / max(atlas.texels_per_unit, 1e-30)
-    return Charts(uv * scale, np.asarray(made.chart, dtype=np.int64)[index[:, 0]])
+    uv, owner = _of_triangles(atlas)
+    return Charts(uv / max(atlas.texels_per_unit, 1e-30), owner)
 
 
 def pack(
@@ -112,12 +108,17 @@ def pack(
             f"{size} texels are too few for the {atlas.chart_count} islands of this unwrap: ask for at least "
             f"{_enough(atlas, size or 1)} texels, or less padding"
         )
-    uv = np.asarray(atlas.meshes[0].corner_uvs, dtype=np.float64).reshape(-1, 3, 2)
+    uv, owner = _of_triangles(atlas)
     width, height = atlas.width - 2 * padding, atlas.height - 2 * padding
-    placed = np.clip(uv * [atlas.width, atlas.height] - padding, 0, [width, height])  # it rounds to float32
-    made = atlas.meshes[0]
-    owner = np.asarray(made.chart, dtype=np.int64)[np.asarray(made.indices).reshape(-1, 3)[:, 0]]
+    placed = np.clip(uv - padding, 0, [width, height])  # it rounds to float32
     return Placed(placed, owner, atlas.chart_count, width, height, atlas.texels_per_unit)
+
+
+def _of_triangles(atlas: Any) -> tuple[Floats, Ints]:
+    """The only mesh's uv (F, 3, 2) in texels, and its triangles' islands (F,), -1 for none."""
+    (made,) = atlas.meshes
+    uv = np.asarray(made.corner_uvs, dtype=np.float64).reshape(-1, 3, 2) * [atlas.width, atlas.height]
+    return uv, np.asarray(made.chart, dtype=np.int64)[np.asarray(made.indices).reshape(-1, 3)[:, 0]]
 
 
 def _enough(atlas: Any, size: int) -> int:
