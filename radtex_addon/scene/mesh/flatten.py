@@ -9,12 +9,10 @@ triangles of two materials: a texel on the border would mix them.
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...bake.progress import Progress
 from ...core.arrays import Bools, Floats, Ints
 from ...core.frame import normalised
 from ...core.islands import components, signed_areas, split_corners, surface_areas, uv_islands, weld
@@ -91,49 +89,59 @@ def flatten_with_xatlas(
     return _islands(flat, np.where(island < charts.count, by_material, -1), corners, vertex)
 
 
+@dataclass(frozen=True, eq=False)
+class _Shape:
+    """A mesh in world space, its mean triangle of area 1 where `unit` is 1: points (V, 3), triangles (F, 3).
+
+    `smooth` (E,) marks those of its inner `edges` that an island may cross.
+    """
+
+    points: Floats
+    triangles: Ints
+    unit: float
+    edges: _Edges
+    smooth: Bools
+
+    @classmethod
+    def of(cls, evaluated: EvaluatedMesh, options: UnwrapOptions) -> _Shape:
+        corners, vertex = _world_corners(evaluated)
+        points, unit = _normalised(corners)
+        _, first, index = np.unique(vertex, return_index=True, return_inverse=True)
+        edges = _inner_edges(vertex)
+        smooth = _smooth(edges, evaluated, math.cos(math.radians(options.seam_angle)))
+        return cls(points.reshape(-1, 3)[first], index.reshape(-1, 3), unit, edges, smooth)
+
+
 def flatten_with_uvunwrap(evaluated: EvaluatedMesh, options: UnwrapOptions) -> Steps[FlatIslands]:
     """Flatten by uvunwrap, in world space. Yields progress."""
-    corners, vertex = _world_corners(evaluated)
-    points, unit = _normalised(corners)
-    _, first, index = np.unique(vertex, return_index=True, return_inverse=True)
-    edges = _inner_edges(vertex)
-    smooth = _smooth(edges, evaluated, math.cos(math.radians(options.seam_angle)))
-    charts = yield from uvunwrap_job.flatten(
-        points.reshape(-1, 3)[first], index.reshape(-1, 3), _seams(edges, ~smooth, len(vertex))
-    )
-    return _islands(charts.uv * unit, charts.owner, corners, vertex)
+    shape = _Shape.of(evaluated, options)
+    seams = _seams(shape.edges, ~shape.smooth, len(shape.triangles))
+    charts = yield from uvunwrap_job.flatten(shape.points, shape.triangles, seams)
+    return islands_of(evaluated, charts.uv * shape.unit, charts.owner)
 
 
 def merge_flat(
     evaluated: EvaluatedMesh, flat: FlatIslands, options: UnwrapOptions
-) -> Generator[Progress, None, list[FlatIslands]]:
+) -> Steps[list[FlatIslands]]:
     """Merge islands where that is possible: the islands after each round. Yields progress."""
-    corners, vertex = _world_corners(evaluated)
-    points, unit = _normalised(corners)
-    _, first, index = np.unique(vertex, return_index=True, return_inverse=True)
-    edges = _inner_edges(vertex)
-    smooth = _smooth(edges, evaluated, math.cos(math.radians(options.seam_angle)))
-    along = points.reshape(-1, 3)[edges.ends[smooth, 0]] - points.reshape(-1, 3)[edges.starts[smooth, 0]]
-    seamed = Seamed(
-        points=points.reshape(-1, 3)[first],
-        triangles=index.reshape(-1, 3),
-        sides=edges.starts[smooth] // 3,
-        length=np.linalg.norm(along, axis=1),
-    )
-    rounds = options.rounds_of_merging(len(vertex))
+    shape = _Shape.of(evaluated, options)
+    starts, ends = shape.edges.starts[shape.smooth], shape.edges.ends[shape.smooth]
+    place = shape.points[shape.triangles.ravel()]
+    along = place[ends[:, 0]] - place[starts[:, 0]]
+    seamed = Seamed(shape.points, shape.triangles, starts // 3, np.linalg.norm(along, axis=1))
+    rounds = options.rounds_of_merging(len(shape.triangles))
     found = []
-    for uv, island in merged(seamed, flat.uv / unit, flat.island, rounds):
-        found.append(_islands(uv * unit, island, corners, vertex))
+    for uv, island in merged(seamed, flat.uv / shape.unit, flat.island, rounds):
+        found.append(islands_of(evaluated, uv * shape.unit, island))
         yield uvunwrap_job.merge_progress(len(found) / rounds)
     return found
 
 
 def smooth_corners(evaluated: EvaluatedMesh, options: UnwrapOptions) -> Ints:
     """Numbers of corners (3F,), equal for those at one place between which an island may go on."""
-    vertex = _world_corners(evaluated)[1]
-    edges = _inner_edges(vertex)
-    smooth = _smooth(edges, evaluated, math.cos(math.radians(options.seam_angle)))
-    return components(np.concatenate([edges.starts[smooth], edges.ends[smooth]]), vertex.size)
+    shape = _Shape.of(evaluated, options)
+    edges, smooth = shape.edges, shape.smooth
+    return components(np.concatenate([edges.starts[smooth], edges.ends[smooth]]), shape.triangles.size)
 
 
 def islands_of(evaluated: EvaluatedMesh, uv: Floats, island: Ints) -> FlatIslands:

@@ -24,16 +24,12 @@ def case() -> bpy.types.Object:
     """A radio's case: half of a box with insets, Mirror, Bevel and Subdivision, three materials."""
     bpy.ops.mesh.primitive_cube_add(size=2)
     item = made()
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.bisect(plane_co=(0, 0, 0), plane_no=(1, 0, 0), clear_inner=True, use_fill=False)
-    bpy.ops.object.mode_set(mode="OBJECT")
+    _half()
     _inset(item, (0, -1, 0), 0.25, -0.15, 1)
     _inset(item, (1, 0, 0), 0.3, -0.1, 2)
     _inset(item, (0, 0, 1), 0.3, 0.2, 1)
     item.scale = (1.4, 0.6, 1.0)
-    for name in ("Painted", "Grille", "Knob"):
-        cast(Any, item.data).materials.append(bpy.data.materials.new(name))
+    _slots(item, "Painted", "Grille", "Knob")
     _unwrapped(item)
     _modifier(item, "MIRROR")
     bevel = _modifier(item, "BEVEL")
@@ -46,12 +42,8 @@ def toy() -> bpy.types.Object:
     """Half a monkey, completed by Mirror, edges bevelled, Subdivision; painted in three materials."""
     bpy.ops.mesh.primitive_monkey_add()
     item = made()
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.bisect(plane_co=(0, 0, 0), plane_no=(1, 0, 0), clear_inner=True)
-    bpy.ops.object.mode_set(mode="OBJECT")
-    for name in ("Paint", "Chrome", "Rubber"):
-        cast(Any, item.data).materials.append(bpy.data.materials.new(name))
+    _half()
+    _slots(item, "Paint", "Chrome", "Rubber")
     for face in cast(Any, item.data).polygons:
         face.material_index = 1 if face.center.z > 0.4 else 2 if face.center.y < -0.5 else 0
     _unwrapped(item)
@@ -63,7 +55,7 @@ def toy() -> bpy.types.Object:
 
 
 def bolts() -> bpy.types.Object:
-    """A flange with bolts: Screw, Array round a circle, Boolean and Bevel, two materials."""
+    """A flange with a hole and six bolts, edges bevelled."""
     bpy.ops.mesh.primitive_cylinder_add(vertices=48, radius=1, depth=0.3)
     flange = made()
     bpy.ops.mesh.primitive_cylinder_add(vertices=32, radius=0.45, depth=1)
@@ -103,8 +95,7 @@ def chair() -> bpy.types.Object:
     made().scale = (2.6, 0.25, 1)
     parts.append(made())
     _join(parts)
-    for name in ("Fabric", "Wood"):
-        cast(Any, seat.data).materials.append(bpy.data.materials.new(name))
+    _slots(seat, "Fabric", "Wood")
     index = np.ones(len(cast(Any, seat.data).polygons), dtype=np.int32)
     index[:8] = 0
     cast(Any, seat.data).polygons.foreach_set("material_index", index)
@@ -242,6 +233,19 @@ def _rough(subdivisions: int, depth: float, fine: float = 0.0) -> bpy.types.Obje
     out = 1 + depth * _noise(place, seed=5) + fine * np.random.default_rng(1).normal(size=len(place))
     move_to(item, place * out[:, None])
     return item
+
+
+def _half() -> None:
+    """Cut the active mesh at x = 0, and keep what lies beyond."""
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.bisect(plane_co=(0, 0, 0), plane_no=(1, 0, 0), clear_inner=True)
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def _slots(item: bpy.types.Object, *names: str) -> None:
+    for name in names:
+        cast(Any, item.data).materials.append(bpy.data.materials.new(name))
 
 
 def _inset(
