@@ -8,7 +8,7 @@ from collections.abc import Callable, Generator
 from contextlib import closing
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TypeVar
+from typing import TypeAlias, TypeVar
 
 _Result = TypeVar("_Result")
 _Step = TypeVar("_Step")
@@ -37,6 +37,9 @@ class Progress:
     stage: Stage
     done: int
     total: int
+
+
+Steps: TypeAlias = Generator[Progress, None, _Result]  # work that yields its progress and returns a result
 
 
 def finished(steps: Generator[object, None, _Result]) -> _Result:

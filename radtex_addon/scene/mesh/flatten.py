@@ -13,13 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...bake.progress import Steps
 from ...core.arrays import Bools, Floats, Ints
 from ...core.frame import normalised
 from ...core.islands import components, signed_areas, split_corners, surface_areas, uv_islands, weld
 from ...core.stretch import stretches
 from ..uv import uvunwrap_job
 from ..uv.unwrap_options import UnwrapOptions
-from ..uv.uvunwrap_job import Steps
 from ..uv.xatlas_process import Options, XatlasProcess
 from .blender_unwrap import Way, unwrapped_by_blender
 from .cut_islands import cut_once

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...bake.progress import Steps
 from ...core.arrays import Floats
 from ...core.islands import weld
 from ..mesh.flatten import FlatIslands
-from .uvunwrap_job import Placed, Steps, pack
+from .uvunwrap_job import Placed, pack
 
 _ROUNDING = 1e-3  # texels: a side this close to a texel's edge lies on it
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...bake.progress import finished
+from ...bake.progress import Steps, finished
 from ...bake.spec import Unwrap
 from ...core.arrays import Bools, Floats
 from ...core.errors import InputError
@@ -32,7 +32,7 @@ from ..mesh.flatten import (
 )
 from .island_packing import Packed, pack_islands
 from .unwrap_options import UnwrapOptions, Unwrapped
-from .uvunwrap_job import Steps, check_uvunwrap
+from .uvunwrap_job import check_uvunwrap
 from .xatlas_process import XatlasProcess, check_xatlas
 
 log = logging.getLogger(__name__)

@@ -8,13 +8,12 @@ It works on this process's other cores without Python's lock; a job that is no l
 from __future__ import annotations
 
 import time
-from collections.abc import Generator
 from dataclasses import dataclass
-from typing import Any, TypeAlias, TypeVar
+from typing import Any
 
 import numpy as np
 
-from ...bake.progress import Progress, Stage
+from ...bake.progress import Progress, Stage, Steps
 from ...core.arrays import Bools, Floats, Ints
 from ...core.errors import BakeError, InputError
 from ...core.messages import Setting, do
@@ -24,9 +23,6 @@ FLATTENED, MERGED = 0.3, 0.8  # of the unwrap's progress: when islands are flat,
 _UNITS = 1000  # of the progress of an unwrap
 _STAGES = {"segmenting": (0.0, 0.4), "parameterizing": (0.4, 0.9)}  # shares of a job's time
 _OWN_LAYER = do("bake on a UV layer of your own", Setting.UV)
-
-_Result = TypeVar("_Result")
-Steps: TypeAlias = Generator[Progress, None, _Result]
 
 
 @dataclass(frozen=True, eq=False)

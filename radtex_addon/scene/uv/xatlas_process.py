@@ -11,18 +11,18 @@ import pickle
 import subprocess
 import sys
 import tempfile
-from collections.abc import Generator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Thread
-from typing import IO, Any, TypeAlias, TypeVar
+from typing import IO, Any, TypeAlias
 
 import bpy
 
-from ...bake.progress import Progress, Stage
+from ...bake.progress import Progress, Stage, Steps
 from ...core.arrays import Floats, Ints
 from ...core.errors import BakeError, InputError
 from ...core.messages import Setting, do
@@ -32,8 +32,6 @@ _PULSE = 0.1  # seconds between two reports of progress
 _LAST_WORDS = 1.0  # seconds that a process without a valid answer gets to end by itself
 _OWN_LAYER = do("bake on a UV layer of your own", Setting.UV)
 
-_Result = TypeVar("_Result")
-Steps: TypeAlias = Generator[Progress, None, _Result]
 Options: TypeAlias = Mapping[str, float]  # attributes of xatlas's ChartOptions or PackOptions
 
 
