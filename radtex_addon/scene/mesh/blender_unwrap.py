@@ -14,10 +14,14 @@ from ...core.arrays import Floats, Ints
 
 
 class Way(Enum):
-    """Smart UV Project, which cuts by angle; or each connected part as it is, by least squares (LSCM)."""
+    """Smart UV Project, which cuts by angle; or each connected part as it is.
+
+    By least squares (LSCM), or by angles (ABF++), which stretches less and takes some seven times as long.
+    """
 
     PROJECT = "project"
-    CONFORMAL = "conformal"
+    CONFORMAL = "CONFORMAL"
+    ANGLES = "ANGLE_BASED"
 
 
 def unwrapped_by_blender(points: Floats, triangles: Ints, way: Way, angle: float = 0.0) -> Floats:
@@ -50,7 +54,7 @@ def unwrapped_by_blender(points: Floats, triangles: Ints, way: Way, angle: float
             if way is Way.PROJECT:
                 bpy.ops.uv.smart_project(angle_limit=angle, island_margin=0.0)
             else:
-                bpy.ops.uv.unwrap(method="CONFORMAL", fill_holes=False, correct_aspect=False, margin=0.0)
+                bpy.ops.uv.unwrap(method=way.value, fill_holes=False, correct_aspect=False, margin=0.0)
             bpy.ops.object.mode_set(mode="OBJECT")
         uv = np.empty(2 * len(mesh.loops), dtype=np.float32)
         mesh.uv_layers[0].data.foreach_get("uv", uv)

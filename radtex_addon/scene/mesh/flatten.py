@@ -121,14 +121,18 @@ def flatten_with_uvunwrap(evaluated: EvaluatedMesh, options: UnwrapOptions) -> S
 
 
 def merge_flat(
-    evaluated: EvaluatedMesh, flat: FlatIslands, options: UnwrapOptions
+    evaluated: EvaluatedMesh, flat: FlatIslands, texel: float, options: UnwrapOptions
 ) -> Steps[list[FlatIslands]]:
-    """Merge islands where that is possible: the islands after each round. Yields progress."""
+    """Merge islands where that is worth it: the islands after each round. Yields progress.
+
+    A `texel` will be about so wide on the surface, in scene units.
+    """
     shape = _Shape.of(evaluated, options)
     starts, ends = shape.edges.starts[shape.smooth], shape.edges.ends[shape.smooth]
     place = shape.points[shape.triangles.ravel()]
     along = place[ends[:, 0]] - place[starts[:, 0]]
-    seamed = Seamed(shape.points, shape.triangles, starts // 3, np.linalg.norm(along, axis=1))
+    length = np.linalg.norm(along, axis=1)
+    seamed = Seamed(shape.points, shape.triangles, starts // 3, length, texel / shape.unit)
     rounds = options.rounds_of_merging(len(shape.triangles))
     found = []
     for uv, island in merged(seamed, flat.uv / shape.unit, flat.island, rounds):

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Merge flat islands into fewer and larger ones, while they stretch little and do not overlap.
+"""Merge flat islands into fewer and larger ones, where less is lost to stretch than seams cost.
 
 Unwrappers end an island where the surface has turned by some 70 degrees, although a sheet that is bent
-further flattens as well: around a rounded edge, along a tube, over a fold. In rounds, neighbours with much
-border in common are flattened together, all pairs of a round at once; pairs that stretch too much or overlap
-stay apart.
+further flattens as well: around a rounded edge, along a tube, over a fold. So all islands that hang together
+are flattened as one first, and what stays apart then in rounds: neighbours with much border in common, all
+pairs of a round at once.
 """
 
 from __future__ import annotations
@@ -17,14 +17,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.arrays import Bools, Floats, Ints
-from ...core.islands import coverage_depth, signed_areas, split_corners, surface_areas, triangle_islands, weld
+from ...core.islands import (
+    components,
+    coverage_depth,
+    signed_areas,
+    split_corners,
+    surface_areas,
+    triangle_islands,
+    weld,
+)
 from ...core.stretch import stretches
 from .blender_unwrap import Way, unwrapped_by_blender
 
-_MOST_STRETCH = 1.7  # of a merged island: how much wider or narrower its worst parts may be than the whole
-_WORST = 0.02  # share of an island's area that may be worse
+_SQUEEZED = (
+    0.45  # times as long as on the surface: an island has hardly more parts so short along some direction
+)
+_WORST = 0.02  # share of an island's area that may be shorter
 _FLIPPED = 1e-3  # share of an island's area that may lie upside down
 _OVERLAP = 1e-3  # share of an island's covered area that may be covered twice
+_SEAM = 2.0  # texels lost along a border, on both sides together, where a seam may show
+_LARGE = 200_000  # triangles: more are flattened by least squares, as angles take too long
 _FINE = 96  # sample points across an island, to find overlaps by
 _MOST_POINTS = 6144  # across all islands
 
@@ -34,12 +46,14 @@ class Seamed:
     """A mesh, V points (V, 3) and triangles (F, 3), and its inner edges that islands may cross.
 
     `sides` (E, 2) are the triangles on both sides of each of these edges, `length` (E,) their lengths.
+    `texel` is about how wide a texel will be on the surface, in the units of the points.
     """
 
     points: Floats
     triangles: Ints
     sides: Ints
     length: Floats
+    texel: float
 
 
 def merged(mesh: Seamed, uv: Floats, island: Ints, rounds: int) -> Iterator[tuple[Floats, Ints]]:
@@ -50,58 +64,103 @@ def merged(mesh: Seamed, uv: Floats, island: Ints, rounds: int) -> Iterator[tupl
     area = surface_areas(mesh.points[mesh.triangles])
     uv, island = uv.copy(), island.copy()
     apart: set[tuple[int, int]] = set()  # pairs that do not merge, until one of them does with another
-    for _ in range(rounds):
-        pairs = _chosen(mesh, area, island, apart)
-        if not len(pairs):
+    for number in range(rounds):
+        near = _Neighbours.of(mesh, island)
+        if number == 0:
+            pairs = near.pairs[:0]
+            group = _together(near)
+        else:
+            pairs = _pairs(near, area, island, apart)
+            group = np.full(near.count, -1)
+            group[pairs] = np.arange(len(pairs))[:, None]
+        if group.max(initial=-1) < 0:
             return
-        fine = _merge(mesh, area, uv, island, pairs)
-        apart |= {(int(one), int(other)) for one, other in pairs[~fine]}
-        grown = set(pairs[fine].ravel().tolist())
-        apart = {pair for pair in apart if not grown & set(pair)}
+        fine = _merge(mesh, area, uv, island, group)
+        if number:
+            apart |= {(int(one), int(other)) for one, other in pairs[~fine]}
+            grown = set(pairs[fine].ravel().tolist())
+            apart = {pair for pair in apart if not grown & set(pair)}
         if fine.any():
             yield uv.copy(), _connected(mesh.triangles, island)
 
 
-def _chosen(mesh: Seamed, area: Floats, island: Ints, apart: set[tuple[int, int]]) -> Ints:
+@dataclass(frozen=True, eq=False)
+class _Neighbours:
+    """Of `count` islands those with a border in common, `pairs` (P, 2), and how long it is, `shared` (P,)."""
+
+    count: int
+    pairs: Ints
+    shared: Floats
+
+    @classmethod
+    def of(cls, mesh: Seamed, island: Ints) -> _Neighbours:
+        count = int(island.max(initial=-1)) + 1
+        sides = np.sort(island[mesh.sides], axis=1)
+        between = (sides[:, 0] >= 0) & (sides[:, 0] != sides[:, 1])
+        key, edge = np.unique(sides[between] @ [count, 1], return_inverse=True)
+        shared = np.bincount(edge, mesh.length[between], minlength=len(key))
+        return cls(count, np.stack([key // max(count, 1), key % max(count, 1)], axis=1), shared)
+
+
+def _together(near: _Neighbours) -> Ints:
+    """Groups of islands that hang together: each island's group (I,), -1 if it has no neighbour."""
+    label = components(near.pairs, near.count)
+    found = np.full(near.count, -1)
+    some = np.bincount(label)[label] > 1
+    found[some] = np.unique(label[some], return_inverse=True)[1]
+    return found
+
+
+def _pairs(near: _Neighbours, area: Floats, island: Ints, apart: set[tuple[int, int]]) -> Ints:
     """Pairs of neighbours (P, 2), no island twice, those with most border in common for their size first."""
-    count = int(island.max(initial=-1)) + 1
-    sides = np.sort(island[mesh.sides], axis=1)
-    between = (sides[:, 0] >= 0) & (sides[:, 0] != sides[:, 1])
-    key, edge = np.unique(sides[between] @ [count, 1], return_inverse=True)
-    shared = np.bincount(edge, mesh.length[between], minlength=len(key))
-    pairs = np.stack([key // max(count, 1), key % max(count, 1)], axis=1)
-    size = np.bincount(island[island >= 0], area[island >= 0], minlength=count)
-    worth = shared / np.sqrt(np.maximum(size[pairs].min(axis=1), 1e-30))
-    taken = np.zeros(count, dtype=bool)
+    size = np.bincount(island[island >= 0], area[island >= 0], minlength=near.count)
+    worth = near.shared / np.sqrt(np.maximum(size[near.pairs].min(axis=1), 1e-30))
+    taken = np.zeros(near.count, dtype=bool)
     chosen = []
-    for one, other in pairs[np.argsort(-worth, kind="stable")].tolist():
+    for one, other in near.pairs[np.argsort(-worth, kind="stable")].tolist():
         if not (taken[one] or taken[other] or (one, other) in apart):
             taken[[one, other]] = True
             chosen.append((one, other))
     return np.array(chosen, dtype=np.int64).reshape(-1, 2)
 
 
-def _merge(mesh: Seamed, area: Floats, uv: Floats, island: Ints, pairs: Ints) -> Bools:
-    """Flatten each pair as one island; where that is good, write `uv` and `island` and mark the pair (P,)."""
-    of_pair = np.full(int(island.max()) + 1, -1)
-    of_pair[pairs.ravel()] = np.repeat(np.arange(len(pairs)), 2)
-    some = np.flatnonzero((island >= 0) & (of_pair[island] >= 0))
-    pair = of_pair[island[some]]
-    corner = split_corners(mesh.triangles[some], pair)
-    fine = _open(corner, pair, len(pairs))
-    kept = fine[pair]
-    some, pair, corner = some[kept], pair[kept], split_corners(mesh.triangles[some[kept]], pair[kept])
+def _merge(mesh: Seamed, area: Floats, uv: Floats, island: Ints, group: Ints) -> Bools:
+    """Flatten the islands of each `group` (I,), if not -1, as one: which of them (G,) are better so.
+
+    Of these `uv` and `island` are written.
+    """
+    count = int(group.max()) + 1
+    of_triangle = np.where(island >= 0, group[island], -1)
+    some = np.flatnonzero(of_triangle >= 0)
+    owner = of_triangle[some]
+    fine = _open(split_corners(mesh.triangles[some], owner), owner, count)
+    kept = fine[owner]
+    some, owner = some[kept], owner[kept]
     if not len(some):
         return fine
+    corner = split_corners(mesh.triangles[some], owner)
     _, first = np.unique(corner, return_index=True)
     points = mesh.points[mesh.triangles[some].ravel()[first]]
-    flat = unwrapped_by_blender(points, corner, Way.CONFORMAL)
-    flat = _to_scale(flat, area[some], pair)
-    fine &= _good(mesh.points[mesh.triangles[some]], area[some], flat, pair, len(pairs))
-    good = fine[pair]
+    way = Way.ANGLES if len(some) <= _LARGE else Way.CONFORMAL
+    flat = _to_scale(unwrapped_by_blender(points, corner, way), area[some], owner)
+    corners = mesh.points[mesh.triangles[some]]
+    lost = _lost(corners, area[some], uv[some], flat, owner, count)
+    fine &= lost <= _SEAM * 2 * mesh.texel * _inner_border(mesh, island, group)
+    fine &= _sound(corners, area[some], flat, owner, count)
+    fine[fine] = _apart_from_itself(flat, owner, fine)
+    good = fine[owner]
     uv[some[good]] = flat[good]
-    island[some[good]] = pairs[pair[good], 0]
+    lowest = np.full(count, len(group))
+    np.minimum.at(lowest, group[group >= 0], np.flatnonzero(group >= 0))
+    island[some[good]] = lowest[owner[good]]
     return fine
+
+
+def _inner_border(mesh: Seamed, island: Ints, group: Ints) -> Floats:
+    """Length of the borders between islands of one group: (G,)."""
+    one, other = island[mesh.sides].T
+    inner = (one >= 0) & (other >= 0) & (one != other) & (group[one] >= 0) & (group[one] == group[other])
+    return np.bincount(group[one[inner]], mesh.length[inner], minlength=int(group.max()) + 1)
 
 
 def _open(corner: Ints, owner: Ints, count: int) -> Bools:
@@ -121,18 +180,28 @@ def _to_scale(flat: Floats, area: Floats, owner: Ints) -> Floats:
     return flat * scale[owner][:, None, None]
 
 
-def _good(corners: Floats, area: Floats, flat: Floats, owner: Ints, count: int) -> Bools:
-    """Which of the islands are flat, not stretched much, and overlap nowhere: (count,)."""
+def _lost(corners: Floats, area: Floats, before: Floats, flat: Floats, owner: Ints, count: int) -> Floats:
+    """Area of each group (G,) that is no longer resolved, as it is squeezed in `flat`, not `before`."""
+    was, now = (np.minimum(stretches(corners, uv)[:, 1], 1) ** 2 for uv in (before, flat))
+    return np.bincount(owner, area * (was - now), minlength=count)
+
+
+def _sound(corners: Floats, area: Floats, flat: Floats, owner: Ints, count: int) -> Bools:
+    """Which of the groups are flat, and squeezed much nowhere: (G,)."""
     whole = np.maximum(np.bincount(owner, area, minlength=count), 1e-30)
-    most, least = stretches(corners, flat).T
-    off = np.maximum(most, 1 / np.maximum(least, 1e-9)) > _MOST_STRETCH
-    fine: Bools = np.bincount(owner, area * off, minlength=count) <= _WORST * whole
+    short = stretches(corners, flat)[:, 1] < _SQUEEZED
+    fine: Bools = np.bincount(owner, area * short, minlength=count) <= _WORST * whole
     up = np.bincount(owner, area * (signed_areas(flat) > 0), minlength=count)
     fine &= np.minimum(up, whole - up) <= _FLIPPED * whole
     fine &= np.isfinite(np.bincount(owner, flat.sum(axis=(1, 2)), minlength=count))
-    kept = fine[owner]
-    fine[fine] = _overlaps(flat[kept], np.cumsum(fine)[owner[kept]] - 1, int(fine.sum())) <= _OVERLAP
     return fine
+
+
+def _apart_from_itself(flat: Floats, owner: Ints, chosen: Bools) -> Bools:
+    """Which of the `chosen` groups (G,) overlap nowhere."""
+    kept = chosen[owner]
+    number = (np.cumsum(chosen) - 1)[owner[kept]]
+    return _overlaps(flat[kept], number, int(np.count_nonzero(chosen))) <= _OVERLAP
 
 
 def _overlaps(flat: Floats, owner: Ints, count: int) -> Floats:

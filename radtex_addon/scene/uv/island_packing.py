@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...bake.progress import Steps
-from ...core.arrays import Floats
+from ...core.arrays import Floats, Ints
 from ...core.islands import weld
 from ..mesh.flatten import FlatIslands
 from .uvunwrap_job import Placed, pack
@@ -21,10 +21,12 @@ _ROUNDING = 1e-3  # texels: a side this close to a texel's edge lies on it
 class Packed:
     """`uv` (F, 3, 2) in texels, within `width` x `height`; `density` is in texels per scene unit.
 
-    There are so many `islands`: those that overlapped themselves were taken apart.
+    `island` (F,) numbers the `islands`, -1 for none: those that were too long for the atlas, or overlapped
+    themselves, were taken apart.
     """
 
     uv: Floats
+    island: Ints
     islands: int
     width: int
     height: int
@@ -57,11 +59,13 @@ def pack_islands(flat: FlatIslands, texels: int, padding: int, density: float | 
     )
     placed = np.zeros(flat.uv.shape)
     placed[real] = _on_centres(found)
+    island = np.full(len(real), -1)
+    island[real] = found.owner
     width, height = max(found.width, 1), max(found.height, 1)
     if density is None:
         width, height = (texels, height) if width >= height else (width, texels)
     exact = found.density / flat.unit if density is None else density
-    return Packed(placed, found.islands, width, height, exact)
+    return Packed(placed, island, found.islands, width, height, exact)
 
 
 def _on_centres(placed: Placed) -> Floats:

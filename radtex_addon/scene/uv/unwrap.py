@@ -28,6 +28,7 @@ from ..mesh.flatten import (
     flatten_with_blender,
     flatten_with_uvunwrap,
     flatten_with_xatlas,
+    islands_of,
     merge_flat,
 )
 from .island_packing import Packed, pack_islands
@@ -39,6 +40,7 @@ log = logging.getLogger(__name__)
 
 _LONG = 10.0  # seconds: the log announces longer unwraps, and names the quick alternative
 _THREAD = 2e3  # times the root of the area: islands this long are packed in seconds, longer ones in hours
+_COVERED = 0.55  # share of an atlas that islands cover, to guess how large texels will be
 _CUTS = 6  # rounds
 _QUICK = 50_000  # triangles that Blender's projection takes a moment for, so that it is tried, too
 _TOLERATED_OVERLAP = 1e-3  # share of the covered area: less overlap is only a few slivers
@@ -132,12 +134,12 @@ def _check_area(evaluated: EvaluatedMesh) -> None:
 def _best(
     evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions
 ) -> Steps[tuple[FlatIslands, Packed]]:
-    tries = yield from _flattened(evaluated, method, options)
+    tries = yield from _flattened(evaluated, texels, method, options)
     best: _Try | None = None
     failure: InputError | None = None
     for flat in tries:
         try:
-            found = yield from _tried(flat, texels, options)
+            found = yield from _tried(evaluated, flat, texels, options)
         except InputError as error:
             failure = failure or error
             continue
@@ -150,13 +152,16 @@ def _best(
     return best.flat, best.packed
 
 
-def _flattened(evaluated: EvaluatedMesh, method: Unwrap, options: UnwrapOptions) -> Steps[list[FlatIslands]]:
+def _flattened(
+    evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions
+) -> Steps[list[FlatIslands]]:
     """Several ways to flatten the mesh, of which one is to be chosen."""
     if method is Unwrap.BLENDER:
         return [flatten_with_blender(evaluated, options)]
     if method is Unwrap.UVUNWRAP:
         flat = yield from flatten_with_uvunwrap(evaluated, options)
-        tries = [flat, *(yield from merge_flat(evaluated, flat, options))]
+        density = options.density or texels * math.sqrt(_COVERED / flat.area)
+        tries = [flat, *(yield from merge_flat(evaluated, flat, 1 / density, options))]
         if len(evaluated.triangles) <= _QUICK:
             tries.append(flatten_with_blender(evaluated, options))
         return tries
@@ -181,8 +186,10 @@ class _Try:
     interior: float
 
 
-def _tried(flat: FlatIslands, texels: int, options: UnwrapOptions) -> Steps[_Try]:
+def _tried(evaluated: EvaluatedMesh, flat: FlatIslands, texels: int, options: UnwrapOptions) -> Steps[_Try]:
     packed = yield from pack_islands(flat, texels, options.padding, options.density)
+    if packed.islands > flat.count:
+        flat = islands_of(evaluated, flat.uv, packed.island)
     shown, seams = flat.resolved * packed.density**2, 2 * flat.border * packed.density
     interior = shown**2 / max(shown + seams, 1e-30)
     log.debug("%d islands, %.4g texels per unit, interior %.0f", flat.count, packed.density, interior)
@@ -198,7 +205,7 @@ def _with_cuts(evaluated: EvaluatedMesh, best: _Try, texels: int, options: Unwra
             break
         flat = cut
         try:
-            found = yield from _tried(flat, texels, options)
+            found = yield from _tried(evaluated, flat, texels, options)
         except InputError:  # too many islands now
             break
         if found.interior > best.interior:
