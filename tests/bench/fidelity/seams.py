@@ -1,0 +1,211 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How much worse are baked objects within a texel of a seam than elsewhere?
+
+    python -m tests.bench.fidelity.seams --scenes metal_20,ceramic --texels 64 --out DIR
+
+A seam is an island's border across which the surface goes on: no sharp edge, the same material. For each
+scene: the root of the mean squared error, of what a display shows, of pixels within a texel of a seam, that of
+pixels two texels from any border, and their ratio. DIR gets a picture of each scene's worst view, path traced
+and ours, at 400 % around the seam where they differ most.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import tempfile
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from radtex_addon.bake.progress import finished
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.core.arrays import Bools, Floats, Ints
+from radtex_addon.core.frame import normalised
+from radtex_addon.core.gutter import nearest_covered
+from radtex_addon.core.islands import split_corners, uv_islands, weld
+from radtex_addon.forms.layered.fit.fitting import fit_layered
+from radtex_addon.forms.layered.fit.parts import ALL_PARTS
+from radtex_addon.report.gbuffer import BakedSurface, GBuffer
+from radtex_addon.report.metrics import Mask, Picture, display
+
+from .choice import add_scene_options, chosen_scenes
+from .composite import seen_light
+from .layered.staged import Staged, capture_staged
+from .method import Baked
+from .methods.layered import baked_of
+from .references import SUBSAMPLES, View, views
+
+_FINE = 8  # places along a texel's side at which distances to seams are known
+_SMOOTH = math.cos(math.radians(45))  # of the angle between normals on both sides of an edge that is no seam
+_AROUND, _ENLARGED = 40, 4  # pixels of a picture's side, and times
+
+
+@dataclass(frozen=True, eq=False)
+class Borders:
+    """Distances in texels from all places of the atlas to the nearest seam, and to any border: (h, w)."""
+
+    seam: Floats
+    any: Floats
+
+    @classmethod
+    def of(cls, surface: BakedSurface, width: int, height: int) -> Borders:
+        ends, goes_on = _borders(surface)
+        size = width * _FINE, height * _FINE
+        return cls(_distance(ends[goes_on], size), _distance(ends, size))
+
+    def at(self, distances: Floats, uv: Floats) -> Floats:
+        """The distances at uv (N, 2): (N,)."""
+        height, width = distances.shape
+        i, j = (np.clip((uv[:, k] * size).astype(int), 0, size - 1) for k, size in enumerate((width, height)))
+        found: Floats = distances[j, i]
+        return found
+
+
+def _borders(surface: BakedSurface) -> tuple[Floats, Bools]:
+    """Ends of islands' borders in UV (E, 2, 2), and across which of them the surface goes on (E,)."""
+    place = weld(surface.place)[surface.corner]
+    uv, normal = surface.uv[..., :2].astype(np.float64), normalised(surface.normal.reshape(-1, 3))
+    number = split_corners(place, uv_islands(place, uv))
+    start = np.arange(place.size)
+    end = np.roll(start.reshape(-1, 3), -1, axis=1).ravel()
+
+    def edges(numbers: Ints) -> Ints:
+        return weld(np.sort(np.stack([numbers.ravel()[start], numbers.ravel()[end]], axis=1), axis=1))
+
+    inner = edges(number)
+    border = np.flatnonzero(np.bincount(inner)[inner] == 1)
+    on_surface = edges(place)[border]
+    order = np.argsort(on_surface, kind="stable")
+    border, on_surface = border[order], on_surface[order]
+    goes_on = np.zeros(len(border), dtype=bool)
+    paired = np.flatnonzero(on_surface[1:] == on_surface[:-1])
+    one, other = border[paired], border[paired + 1]
+    turned = place.ravel()[start[one]] != place.ravel()[start[other]]
+    first, last = np.where(turned, end[other], start[other]), np.where(turned, start[other], end[other])
+    smooth = (np.sum(normal[start[one]] * normal[first], axis=1) >= _SMOOTH) & (
+        np.sum(normal[end[one]] * normal[last], axis=1) >= _SMOOTH
+    )
+    smooth &= surface.material[one // 3] == surface.material[other // 3]
+    goes_on[paired] = goes_on[paired + 1] = smooth
+    flat = uv.reshape(-1, 2)
+    return np.stack([flat[start[border]], flat[end[border]]], axis=1), goes_on
+
+
+def _distance(ends: Floats, size: tuple[int, int]) -> Floats:
+    """Texels from each of width x height places to the nearest of the segments (E, 2, 2) in UV."""
+    width, height = size
+    marked = np.zeros((height, width), dtype=bool)
+    if not len(ends):
+        return np.full((height, width), np.inf)
+    scaled = ends * size
+    steps = np.ceil(np.abs(scaled[:, 1] - scaled[:, 0]).max(axis=1) * 2).astype(int) + 1
+    edge = np.repeat(np.arange(len(ends)), steps)
+    along = (np.arange(len(edge)) - np.repeat(np.cumsum(steps) - steps, steps)) / np.maximum(
+        steps[edge] - 1, 1
+    )
+    points = scaled[edge, 0] + along[:, None] * (scaled[edge, 1] - scaled[edge, 0])
+    i, j = (np.clip(points[:, k].astype(int), 0, size[k] - 1) for k in (0, 1))
+    marked[j, i] = True
+    row, column = nearest_covered(marked)
+    found: Floats = np.hypot(row - np.arange(height)[:, None], column - np.arange(width)) / _FINE
+    return found
+
+
+def main() -> None:
+    """Bake, look, measure, print."""
+    parser = argparse.ArgumentParser(
+        prog="python -m tests.bench.fidelity.seams",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    add_scene_options(parser)
+    parser.add_argument("--texels", type=int, default=64, help="along each side of the atlas (64)")
+    parser.add_argument("--samples", type=int, default=16, help="as of bake.py --samples (16)")
+    parser.add_argument("--out", type=Path, required=True, help="folder for pictures")
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    print(
+        "| scene | pixels within a texel of a seam | error there | elsewhere | ratio |\n|---|---|---|---|---|"
+    )
+    for name, build in chosen_scenes(options).items():
+        looked_from = views(build(), options.quick, options.tuning)
+        spec = BakeSpec(layout=Layout.LAYERED, texels=options.texels, samples=options.samples)
+        with tempfile.TemporaryDirectory() as folder:
+            staged = capture_staged(build(), spec, Path(folder))
+            baked = baked_of(finished(fit_layered(staged.captured.capture, ALL_PARTS)), staged)
+            seen = [_Seen.of(baked, staged, view) for view in looked_from]
+        print(f"| {name} | {_row(seen)} |", flush=True)
+        worst = max(seen, key=lambda one: one.worst)
+        if worst.worst > 0:
+            worst.enlarged().save(options.out / f"seam-{name}.png")
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """A view: path traced, ours, and which pixels lie at a seam and which far from all (pixels, pixels)."""
+
+    reference: Picture
+    ours: Picture
+    at_seam: Mask
+    elsewhere: Mask
+
+    @classmethod
+    def of(cls, baked: Baked, staged: Staged, view: View) -> _Seen:
+        surface = BakedSurface(baked.mesh, baked.matrix_world, baked.uv_layer)
+        borders = Borders.of(surface, staged.prepared.width, staged.prepared.height)
+        buffer = surface.gbuffer(view.rays, view.blocked)
+        light = seen_light(baked, surface, view.rays, view.blocked, buffer, view.behind)
+        return cls(view.reference, buffer.resolve(light), *_masks(borders, buffer))
+
+    @cached_property
+    def error(self) -> Floats:
+        """Squared errors of display values (pixels, pixels)."""
+        found: Floats = ((display(self.ours) - display(self.reference)) ** 2).mean(axis=-1)
+        return found
+
+    @property
+    def worst(self) -> float:
+        """The largest error at a seam."""
+        return float(self.error[self.at_seam].max(initial=0))
+
+    def enlarged(self) -> Image.Image:
+        """What lies around the worst place at a seam in both pictures, side by side."""
+        place = np.unravel_index(int(np.where(self.at_seam, self.error, -1).argmax()), self.error.shape)
+        window = tuple(
+            slice(start, start + _AROUND)
+            for start in (
+                min(max(int(at) - _AROUND // 2, 0), size - _AROUND)
+                for at, size in zip(place, self.error.shape, strict=True)
+            )
+        )
+        both = np.concatenate([display(picture)[window] for picture in (self.reference, self.ours)], axis=1)
+        picture = Image.fromarray(np.round(255 * both).astype(np.uint8))
+        return picture.resize((2 * _AROUND * _ENLARGED, _AROUND * _ENLARGED), Image.Resampling.NEAREST)
+
+
+def _row(seen: list[_Seen]) -> str:
+    near = np.concatenate([one.error[one.at_seam] for one in seen])
+    far = np.concatenate([one.error[one.elsewhere] for one in seen])
+    if not len(near):
+        return "0 | | | "
+    there, elsewhere = math.sqrt(near.mean()), math.sqrt(far.mean())
+    return f"{len(near)} | {there:.4f} | {elsewhere:.4f} | {there / elsewhere:.2f}"
+
+
+def _masks(borders: Borders, buffer: GBuffer) -> tuple[Mask, Mask]:
+    """Which pixels lie within a texel of a seam, and which two from any border: (pixels, pixels) both."""
+    shape = (buffer.pixels, buffer.pixels, SUBSAMPLES**2)
+    seam, border = (
+        np.where(buffer.hit, borders.at(of, buffer.uv[:, :2]), np.nan).reshape(shape)
+        for of in (borders.seam, borders.any)
+    )
+    return buffer.eroded & (seam.max(axis=2) <= 1), buffer.eroded & (border.min(axis=2) > 2)
+
+
+if __name__ == "__main__":
+    main()
