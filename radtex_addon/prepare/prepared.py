@@ -8,6 +8,7 @@ import hashlib
 import logging
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import cast
 
@@ -24,6 +25,7 @@ from ..core.arrays import Bools, Floats, Ints
 from ..core.inset import inset
 from ..core.islands import signed_areas
 from ..core.ray_offset import ray_offset
+from ..core.seams import Seams, beyond_seams
 from ..core.surface import SurfaceMesh
 from ..core.texel_map import TexelMap, rasterise
 from ..cycles.find_hidden import find_hidden
@@ -44,6 +46,7 @@ from .unwrapping import AtlasPart, Unwrapped, Unwraps, shapes_at, unwrap_surface
 log = logging.getLogger(__name__)
 
 _RIM = 0.2  # least distance of a ray's start from its triangle's edges, relative to the ray offset
+_PAIRED = 1_000_000  # triangles: of more, texels beside seams keep the points of their own islands
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,9 +180,15 @@ class Prepared:
         found = self._own_texels(finer)
         return found if self.detailed is None else finished(self.detailed.project(self.surface, found)).texels
 
+    @cached_property
+    def _seams(self) -> Seams:
+        return Seams.of(self.surface)
+
     def _own_texels(self, finer: float = 1) -> TexelMap:
         """The points on the meshes themselves."""
         found = rasterise(self.surface, side_in(self.width, 1 / finer), side_in(self.height, 1 / finer))
+        if len(self.surface.triangles) <= _PAIRED:
+            found = beyond_seams(found, self.surface, self._seams)
         if len(self.pieces) == 1:
             return inset(found, self.surface, _RIM * ray_offset(self.surface.position))
         offset = np.repeat([_own_offset(piece) for piece in self.pieces], self.counts)
