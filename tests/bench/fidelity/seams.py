@@ -7,9 +7,9 @@
 A seam is an island's border across which the surface goes on: no sharp edge, the same material. For each
 scene: the root of the mean squared error, of what a display shows, of pixels within a texel of a seam, that
 of pixels two texels from any border, and their ratio. Seams often lie where surfaces are hard to bake, in
-folds and clefts. So the same pixels are looked at in a bake on xatlas's unwrap, if they are two texels from its
-borders, too: the ratio there, and, last, how many times larger ours is. DIR gets a picture of each scene's
-worst place at a seam, path traced and ours, at 400 %.
+folds and clefts. So the same pixels are looked at in a bake on xatlas's unwrap, if they are two texels from
+its borders, too: the ratio there, and, last, how many times larger ours is. DIR gets a picture of each
+scene's worst place at a seam, path traced and ours, at 400 %.
 """
 
 from __future__ import annotations
