@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...bake.progress import Steps
+from ...bake.progress import Steps, relayed
 from ...core.arrays import Bools, Floats, Ints
 from ...core.frame import normalised
 from ...core.islands import components, signed_areas, split_corners, surface_areas, uv_islands, weld
@@ -134,11 +134,9 @@ def merge_flat(
     length = np.linalg.norm(along, axis=1)
     seamed = Seamed(shape.points, shape.triangles, starts // 3, length, texel / shape.unit)
     rounds = options.rounds_of_merging(len(shape.triangles))
-    found = []
-    for uv, island in merged(seamed, flat.uv / shape.unit, flat.island, rounds):
-        found.append(islands_of(evaluated, uv * shape.unit, island))
-        yield uvunwrap_job.merge_progress(len(found) / rounds)
-    return found
+    merging = merged(seamed, flat.uv / shape.unit, flat.island, rounds)
+    found = yield from relayed(merging, uvunwrap_job.merge_progress)
+    return [islands_of(evaluated, uv * shape.unit, island) for uv, island in found]
 
 
 def smooth_corners(evaluated: EvaluatedMesh, options: UnwrapOptions) -> Ints:

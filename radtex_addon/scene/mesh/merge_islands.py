@@ -11,11 +11,13 @@ pairs of a round at once.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Generator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from ...bake.progress import relayed
 from ...core.arrays import Bools, Floats, Ints
 from ...core.islands import (
     components,
@@ -37,6 +39,7 @@ _FLIPPED = 1e-3  # share of an island's area that may lie upside down
 _OVERLAP = 1e-3  # share of an island's covered area that may be covered twice
 _SEAM = 2.0  # texels lost along a border, on both sides together, where a seam may show
 _LARGE = 200_000  # triangles: more are flattened by least squares, as angles take too long
+_AT_ONCE = 10_000  # triangles flattened between two reports of progress, if islands are smaller
 _FINE = 96  # sample points across an island, to find overlaps by
 _MOST_POINTS = 6144  # across all islands
 
@@ -56,13 +59,17 @@ class Seamed:
     texel: float
 
 
-def merged(mesh: Seamed, uv: Floats, island: Ints, rounds: int) -> Iterator[tuple[Floats, Ints]]:
+def merged(
+    mesh: Seamed, uv: Floats, island: Ints, rounds: int
+) -> Generator[float, None, list[tuple[Floats, Ints]]]:
     """Merge islands, round after round: the uv (F, 3, 2), to scale, and island numbers (F,), after each.
 
-    An `island` of -1 is none. It ends when nothing more can be merged, or after so many `rounds`.
+    An `island` of -1 is none. It ends when nothing more can be merged, or after so many `rounds`. Yields how
+    much of them is done, 0 to 1.
     """
     area = surface_areas(mesh.points[mesh.triangles])
     uv, island = uv.copy(), island.copy()
+    found: list[tuple[Floats, Ints]] = []
     apart: set[tuple[int, int]] = set()  # pairs that do not merge, until one of them does with another
     for number in range(rounds):
         near = _Neighbours.of(mesh, island)
@@ -74,14 +81,20 @@ def merged(mesh: Seamed, uv: Floats, island: Ints, rounds: int) -> Iterator[tupl
             group = np.full(near.count, -1)
             group[pairs] = np.arange(len(pairs))[:, None]
         if group.max(initial=-1) < 0:
-            return
-        fine = _merge(mesh, area, uv, island, group)
+            break
+        merging = _merge(mesh, area, uv, island, group)
+        fine = yield from relayed(merging, partial(_in_round, number, rounds))
         if number:
             apart |= {(int(one), int(other)) for one, other in pairs[~fine]}
             grown = set(pairs[fine].ravel().tolist())
             apart = {pair for pair in apart if not grown & set(pair)}
         if fine.any():
-            yield uv.copy(), _connected(mesh.triangles, island)
+            found.append((uv.copy(), _connected(mesh.triangles, island)))
+    return found
+
+
+def _in_round(number: int, rounds: int, share: float) -> float:
+    return (number + share) / rounds
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,10 +137,12 @@ def _pairs(near: _Neighbours, area: Floats, island: Ints, apart: set[tuple[int, 
     return np.array(chosen, dtype=np.int64).reshape(-1, 2)
 
 
-def _merge(mesh: Seamed, area: Floats, uv: Floats, island: Ints, group: Ints) -> Bools:
+def _merge(
+    mesh: Seamed, area: Floats, uv: Floats, island: Ints, group: Ints
+) -> Generator[float, None, Bools]:
     """Flatten the islands of each `group` (I,), if not -1, as one: which of them (G,) are better so.
 
-    Of these `uv` and `island` are written.
+    Of these `uv` and `island` are written. Yields how much is done, 0 to 1.
     """
     count = int(group.max()) + 1
     of_triangle = np.where(island >= 0, group[island], -1)
@@ -138,11 +153,8 @@ def _merge(mesh: Seamed, area: Floats, uv: Floats, island: Ints, group: Ints) ->
     some, owner = some[kept], owner[kept]
     if not len(some):
         return fine
-    corner = split_corners(mesh.triangles[some], owner)
-    _, first = np.unique(corner, return_index=True)
-    points = mesh.points[mesh.triangles[some].ravel()[first]]
-    way = Way.ANGLES if len(some) <= _LARGE else Way.CONFORMAL
-    flat = _to_scale(unwrapped_by_blender(points, corner, way), area[some], owner)
+    flat = yield from _flattened(mesh, some, owner)
+    flat = _to_scale(flat, area[some], owner)
     corners = mesh.points[mesh.triangles[some]]
     lost = _lost(corners, area[some], uv[some], flat, owner, count)
     fine &= lost <= _SEAM * 2 * mesh.texel * _inner_border(mesh, island, group)
@@ -154,6 +166,26 @@ def _merge(mesh: Seamed, area: Floats, uv: Floats, island: Ints, group: Ints) ->
     np.minimum.at(lowest, group[group >= 0], np.flatnonzero(group >= 0))
     island[some[good]] = lowest[owner[good]]
     return fine
+
+
+def _flattened(mesh: Seamed, some: Ints, owner: Ints) -> Generator[float, None, Floats]:
+    """Flatten the triangles `some` (T,) of islands `owner` (T,), each by itself: (T, 3, 2), not to scale."""
+    way = Way.ANGLES if len(some) <= _LARGE else Way.CONFORMAL
+    flat = np.empty((len(some), 3, 2))
+    order = np.argsort(owner, kind="stable")
+    ends = np.flatnonzero(np.diff(owner[order], append=-1)) + 1  # of the islands
+    begin = 0
+    while begin < len(order):
+        end = max(int(ends[np.searchsorted(ends, begin + _AT_ONCE, side="right") - 1]), begin)
+        end = end if end > begin else int(ends[np.searchsorted(ends, begin, side="right")])
+        part = order[begin:end]
+        corner = split_corners(mesh.triangles[some[part]], owner[part])
+        _, first = np.unique(corner, return_index=True)
+        points = mesh.points[mesh.triangles[some[part]].ravel()[first]]
+        flat[part] = unwrapped_by_blender(points, corner, way)
+        begin = end
+        yield begin / len(order)
+    return flat
 
 
 def _inner_border(mesh: Seamed, island: Ints, group: Ints) -> Floats:
