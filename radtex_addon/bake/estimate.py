@@ -38,7 +38,9 @@ def probe_specs(spec: BakeSpec) -> tuple[BakeSpec, BakeSpec]:
     """The two small bakes from which to estimate `spec`; the one with fewer paths comes first."""
     texels = min(spec.texels, _TEXELS)
     padding = spec.padding if texels == spec.texels else 0
-    few, more = (replace(spec, texels=texels, padding=padding, samples=samples) for samples in _SAMPLES)
+    few, more = (
+        replace(spec, texels=texels, density=None, padding=padding, samples=samples) for samples in _SAMPLES
+    )
     return few, more
 
 

@@ -54,6 +54,9 @@ class BakeSpec(SpecFields):
 
     Enums may be given as text. Raises InputError for what cannot be baked.
 
+    * `density`: texels per metre of surface, from which the atlas's size follows; `texels` is then what is
+      known of it, an estimate until the unwrap (`job.about_texels`). None: the atlas has `texels`.
+
     * `layout`: in the layered layout, which bakes radiance by the portal, a texel takes about 64 paths per
       sample, however many cells it has (`LayeredRays.of`). Default of `bucket`: `layout.cells`, but 9 for
       kind `transfer`.

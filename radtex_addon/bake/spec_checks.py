@@ -15,6 +15,7 @@ from .kinds import KINDS, Light, form_in
 from .parts import Split
 from .plan import MAX_IMAGE_SIDE
 from .spec_fields import SpecFields
+from .texel_density import checked_density, told_density
 
 _NAMES = {
     "bucket": "cells",
@@ -56,7 +57,10 @@ def check(spec: SpecFields) -> None:
     _check_kind(spec)
     if _asked(spec).by_paths:
         _check_by_paths(spec)
-    _check_size(spec)
+    if spec.density is None:
+        _check_size(spec)
+    else:
+        checked_density(spec.density, f"density {spec.density:g}")
 
 
 def _asked(spec: SpecFields) -> FormTraits:
@@ -254,7 +258,8 @@ def _check_size(spec: SpecFields) -> None:
 
 def size_of(spec: SpecFields) -> str:
     """The settings that make an atlas large, for messages."""
-    return f"a side of {spec.texels} texels with {spec.bucket} cells"
+    size = f"a side of {spec.texels} texels with {spec.bucket} cells"
+    return size if spec.density is None else f"{told_density(spec.density)}, {size},"
 
 
 def _check_whole_number(name: str, value: object, least: int, most: int) -> None:

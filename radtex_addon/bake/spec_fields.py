@@ -15,8 +15,9 @@ from .forms import FormTraits
 from .kinds import DEFAULT_KIND, Kind, Layout, Light, form_of
 from .layers import OF_LAYER, WHOLE, Layer, captured
 from .parts import Split
-from .plan import SHEET
+from .plan import MAX_IMAGE_SIDE, SHEET
 from .rays import CLEAR_SAMPLES, LayeredRays, coarser, finer
+from .texel_density import MOST_TEXELS, STEP
 from .transfer_views import views_along
 
 _BYTES_PER_CHANNEL = 8  # float32, twice: as cells, and joined to an image (measured: RGBA 33 to 35)
@@ -36,6 +37,7 @@ class SpecFields:
 
     kind: Kind = DEFAULT_KIND
     texels: int = 128
+    density: float | None = None
     bucket: int = cast(int, None)  # None only until __post_init__ sets the default
     samples: int = 16
     uv_layer: str | None = None
@@ -92,6 +94,12 @@ class SpecFields:
     def pixels_a_side(self) -> int:
         """Pixels of the atlas's longer side."""
         return self.texels * views_along(self.view) * self.bucket
+
+    @property
+    def most_texels(self) -> int:
+        """The most texels along a side that a density may ask for: a multiple of `STEP`."""
+        storable = MAX_IMAGE_SIDE // (views_along(self.view) * self.bucket)
+        return min(MOST_TEXELS, max(storable // STEP, 1) * STEP)
 
     @property
     def pixel_count(self) -> int:

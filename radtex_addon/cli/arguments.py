@@ -93,6 +93,10 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
     chosen = {
         field.name: getattr(found, field.name) for field in fields(BakeSpec) if hasattr(found, field.name)
     }
+    if found.texels is None:
+        del chosen["texels"]
+    elif found.density is not None:
+        raise InputError("--texels and --density contradict each other: give one of them")
     passes = 1 if found.passes is None else found.passes
     open_layout = OpenLayout(found.bucket) if found.layout is None and passes < 2 else None
     chosen["layout"] = found.layout or Layout.BUCKETS

@@ -10,6 +10,7 @@ from functools import partial
 from ..bake.frame_numbers import parse_frames
 from ..bake.spec import BakeSpec, CaptureMethod, Compression, Kind, Layer, Layout, Split, Unwrap, View
 from ..bake.spec_checks import LEAST_MEMORY
+from ..bake.texel_density import MOST_TEXELS, parse_density
 from ..core.errors import InputError
 from ..core.sampler import Filter
 from ..textures.export_spec import Target
@@ -198,7 +199,17 @@ def _add_surface(group: argparse._ArgumentGroup) -> None:
 
 def add_quality(group: argparse._ArgumentGroup) -> None:
     """Add options for texels, cells and samples."""
-    _number(group, "--texels", "texels", "N", "texels along the atlas's longer side")
+    text = f"texels along the atlas's longer side (default: {_DEFAULT.texels})"
+    add_number(group, "--texels", "texels", "N", text, None)
+    group.add_argument(
+        "--density",
+        type=partial(parse_density, called="--density"),
+        metavar="D",
+        default=_DEFAULT.density,
+        help="texels per metre of surface, such as 64/m, 64/cm or 1.5/mm, in place of --texels: the atlas is "
+        f"as large as that needs, up to {MOST_TEXELS} texels a side. A scene unit has as many metres as the "
+        "scene's unit scale says",
+    )
     _number(
         group,
         "--bucket",

@@ -15,6 +15,7 @@ import bpy
 
 from ..bake.key import is_unfinished
 from ..bake.spec import BakeSpec
+from ..bake.texel_density import told_density
 from ..bake.thumbnail import Thumbnail
 from ..core.errors import InputError, RadTexError
 from ..core.messages import Message, Setting, do
@@ -141,9 +142,10 @@ def summary_of(title: str, spec: BakeSpec, result: BakeResult) -> str:
     size = readable_size(sum(path.stat().st_size for path in result.files.images))
     cells = f" of {layout.bucket} x {layout.bucket} cells" if spec.form.any_cells else ""
     stored = f", {spec.form.layout}," if spec.form.by_paths else ""
+    density = f", {told_density(result.density)}" if result.density is not None else ""
     clamped = f", {result.clamped} values clamped to what the file holds" if result.clamped else ""
     return (
-        f"{title}: {layout.width} x {layout.height} texels{cells}"
+        f"{title}: {layout.width} x {layout.height} texels{cells}{density}"
         f"{stored} at {spec.samples} spp, {result.covered_texels} texels covered, {result.paths:,} paths "
         f"on {result.device} in {seconds:.1f} s, {size}{clamped}"
     )
@@ -162,6 +164,7 @@ def facts_of(spec: BakeSpec, result: BakeResult, others: list[Path]) -> dict[str
         "bucket": result.layout.bucket,
         "covered_texels": None if result.was_finished else result.covered_texels,
         "islands": result.islands,
+        "texel_density": result.density,
         "paths": None if result.was_finished else result.paths,
         "device": result.device,
         "clamped": result.clamped,

@@ -27,6 +27,7 @@ class Setting(StrEnum):
     CAPTURE = "capture method"
     COMPRESSION = "compression"
     CONTENT = "content"
+    DENSITY = "texel density"
     DEVICE = "device"
     EXTRUSION = "extrusion"
     FLOAT = "32-bit floats"

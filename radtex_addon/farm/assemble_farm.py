@@ -86,7 +86,8 @@ def assemble_steps(
             outcome = yield from watch.over(
                 join_buckets(plan, capture, hidden, spec, sidecar, manifest.facts, temporary, cells)
             )
-            made = BakeOutput.by(outcome, outputs, manifest.device, manifest.islands)
+            density = manifest.facts.texel_density
+            made = BakeOutput.by(outcome, outputs, manifest.device, manifest.islands, density)
             publish(cells, outputs, made, earlier)
             if copies is not None:
                 yield watch.start(Stage.PREVIEW)
@@ -102,6 +103,7 @@ def assemble_steps(
         layout=made.layout,
         covered_texels=made.covered_texels,
         islands=manifest.islands,
+        density=made.density,
         paths=made.paths,
         device=manifest.device,
         clamped=made.clamped,

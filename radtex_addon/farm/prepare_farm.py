@@ -120,7 +120,7 @@ def prepare_steps(
             )
         yield Step(Task.HOLD, 0, 1)
         plan, facts, looks, cached, scene_name = draft.found[0]
-        manifest = _manifest(name, spec, plan, facts, baked, copies, inside)
+        manifest = _manifest(name, baked.spec, plan, facts, baked, copies, inside)
         packed = finish_blend(draft.path, scene_name, inside, manifest, looks, cached)
         manifest = replace(manifest, carried=packed.carried)
         draft.path.unlink()

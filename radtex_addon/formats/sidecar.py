@@ -69,6 +69,14 @@ class Content:
 
 
 @dataclass(frozen=True)
+class TexelDensity:
+    """Texels per metre of surface: `asked` for, and `reached` in the mean over the surface."""
+
+    asked: float
+    reached: float
+
+
+@dataclass(frozen=True)
 class Sidecar:
     """Facts about one atlas: `width` x `height` texels of `bucket` x `bucket` cells.
 
@@ -77,7 +85,8 @@ class Sidecar:
     `mesh` is a digest of the baked copy's shape and UVs, empty if unknown. If several `objects` share the
     atlas, `object_name` is the atlas's name. Anything farther than the `ao_distance` does not occlude. If
     `texel_samples` (`formats.sample_counts`) is given, `samples` is its smallest number. The UV layer has so
-    many `islands`, which cover a share of the atlas, the `coverage`; both are None if unknown.
+    many `islands`, which cover a share of the atlas, the `coverage`; both are None if unknown. The
+    `texel_density` is given if the atlas's size follows from a density.
     """
 
     object_name: str
@@ -105,6 +114,7 @@ class Sidecar:
     denoised: bool = False
     islands: int | None = None
     coverage: float | None = None
+    texel_density: TexelDensity | None = None
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -143,7 +153,7 @@ class Sidecar:
                 "extrusion": source.extrusion,
                 "missed": source.missed,
             } | ({"cage": source.cage} if source.cage is not None else {})
-        part, content = self.part, self.content
+        part, content, density = self.part, self.content, self.texel_density
         optional: dict[str, Any] = {
             "frame": self.frame,
             "lights": list(self.lights) or None,
@@ -154,6 +164,7 @@ class Sidecar:
             "denoised": self.denoised or None,
             "islands": self.islands,
             "coverage": self.coverage,
+            "texel_density": density and {"asked": density.asked, "reached": density.reached},
             "content": content and {"collection": content.collection, "objects": list(content.objects)},
         }
         facts |= {key: value for key, value in optional.items() if value is not None}
@@ -204,6 +215,7 @@ class Sidecar:
             denoised=facts.values.get("denoised") is True,
             islands=facts.whole_number("islands", 0) if "islands" in facts.values else None,
             coverage=facts.number("coverage") if "coverage" in facts.values else None,
+            texel_density=density_in(facts),
         )
 
 
@@ -222,6 +234,14 @@ def part_in(facts: Facts) -> Part | None:
         return None
     found = facts.inner("part")
     return Part(found.text("by"), found.text("name"), found.whole_number("index", 0))
+
+
+def density_in(facts: Facts) -> TexelDensity | None:
+    """The texel density in a sidecar's `facts`, None if none was asked for. Raises FormatError."""
+    if "texel_density" not in facts.values:
+        return None
+    found = facts.inner("texel_density")
+    return TexelDensity(found.positive("asked"), found.positive("reached"))
 
 
 def content_in(facts: Facts) -> Content | None:

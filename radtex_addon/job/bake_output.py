@@ -12,6 +12,7 @@ from typing import Any
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError, ShapeError
 from ..core.messages import Setting, do
+from ..formats.sidecar import TexelDensity
 from ..formats.sidecar_file import read_facts
 from ..forms.outcome import Outcome
 from .output_files import OutputFiles
@@ -19,7 +20,10 @@ from .output_files import OutputFiles
 
 @dataclass(frozen=True)
 class BakeOutput:
-    """The result of a bake: its `files` on disk, and what it cost."""
+    """The result of a bake: its `files` on disk, and what it cost.
+
+    `density` is the texels per metre that it has, if its size follows from a density.
+    """
 
     files: OutputFiles
     layout: AtlasLayout
@@ -28,9 +32,17 @@ class BakeOutput:
     clamped: int
     device: str = ""
     islands: int | None = None
+    density: float | None = None
 
     @classmethod
-    def by(cls, outcome: Outcome, files: OutputFiles, device: str, islands: int | None) -> BakeOutput:
+    def by(
+        cls,
+        outcome: Outcome,
+        files: OutputFiles,
+        device: str,
+        islands: int | None,
+        density: TexelDensity | None,
+    ) -> BakeOutput:
         """From a form's `outcome`, which says which of the images in `files` were written."""
         return cls(
             files=replace(files, images=outcome.images),
@@ -40,6 +52,7 @@ class BakeOutput:
             clamped=outcome.clamped,
             device=device,
             islands=islands,
+            density=None if density is None else density.reached,
         )
 
     @property
@@ -64,6 +77,7 @@ class BakeOutput:
             "clamped": self.clamped,
             "device": self.device,
             "islands": self.islands,
+            "density": self.density,
         }
 
     @staticmethod
@@ -93,6 +107,7 @@ class BakeOutput:
                 clamped=int(told["clamped"]),
                 device=str(told["device"]),
                 islands=None if told["islands"] is None else int(told["islands"]),
+                density=None if told.get("density") is None else float(told["density"]),
             )
         except (IndexError, KeyError, TypeError, ValueError, ShapeError) as error:
             raise InputError(

@@ -16,6 +16,7 @@ from ..core.sampler import Filter
 from ..scene.lights.lamps import ALL, EACH, each_light
 from ..scene.scratch import find_view_layer
 from ..textures.export_spec import Target
+from .about_texels import with_about_texels
 from .layout_choice import OpenLayout
 from .split_parts import guessed_parts, part_specs
 from .variants import Bake
@@ -68,6 +69,8 @@ class BakeRequest:
     def asked(self, scene: bpy.types.Scene, *, guess: bool = False) -> tuple[Bake, ...]:
         """Atlas name and specification of every frame, light and part, finished or not.
 
+        With a texel density, the specifications have an estimate of the texels.
+
         Parts are found by evaluating the objects; with `guess` they are taken from the material slots, which
         is quick. Raises InputError for a shared atlas without a name, and for objects that cannot be split.
         """
@@ -75,7 +78,7 @@ class BakeRequest:
             raise InputError("the atlas that objects share has no name: give it one")
         split = guessed_parts if guess else part_specs
         return tuple(
-            (name, part)
+            (name, with_about_texels(scene, name, part))
             for spec in self.specs(scene)
             for name in self.names
             for part in split(scene, name, spec)

@@ -15,6 +15,7 @@ import bpy
 
 from ..bake.announce import publish_earlier
 from ..bake.checkpoint import Checkpoint
+from ..bake.memory_limits import check_memory
 from ..bake.pending_files import with_final_paths
 from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.progress import Progress, Stage, finished
@@ -63,15 +64,16 @@ BakeSteps: TypeAlias = "Generator[Progress | Step, None, BakeResult]"
 class BakeResult:
     """The result of a bake, and what it cost: `paths` are camera paths, `seconds` are by stage.
 
-    `exported` are the folders that were made. If the bake
-    `was_finished`, only its missing preview and exports were made, and paths and covered texels are 0: they
-    are not known.
+    `density` is the texels per metre that the atlas has, if its size follows from a density. `exported` are
+    the folders that were made. If the bake `was_finished`, only its missing preview and exports were made,
+    and paths and covered texels are 0: they are not known.
     """
 
     files: OutputFiles
     layout: AtlasLayout
     covered_texels: int
     islands: int | None
+    density: float | None
     paths: int
     device: str
     clamped: int
@@ -88,6 +90,7 @@ class BakeResult:
             layout=made.layout,
             covered_texels=made.covered_texels,
             islands=made.islands,
+            density=made.density,
             paths=made.paths,
             device=made.device,
             clamped=made.clamped,
@@ -266,10 +269,11 @@ def _export(
 
 @dataclass(frozen=True, eq=False)
 class Baked:
-    """The result of a bake, and the prepared objects that it belongs to."""
+    """The result of a bake, the prepared objects that it belongs to, and the specification of their size."""
 
     made: BakeOutput
     prepared: Prepared
+    spec: BakeSpec
 
 
 def bake_unchecked(
@@ -304,6 +308,9 @@ def bake_unchecked(
         prepared = yield from watch.over(
             prepare(scratch, originals, spec, kept, store, unwraps, name, spec.form.backs)
         )
+        if spec.density is not None:
+            spec = prepared.sized(spec)
+            check_memory(spec)
         if prepared.source is not None:
             show_content_only(scratch, prepared.original, EVERYTHING)
         if spec.cage is not None:
@@ -312,7 +319,8 @@ def bake_unchecked(
         job = BakeJob(scratch, spec, files.sidecar, prepared, temporary, store, thumbnail)
         with _lit(scratch, spec):
             outcome = yield from watch.over(bake(job))
-    return Baked(BakeOutput.by(outcome, files, device, prepared.islands), prepared)
+    made = BakeOutput.by(outcome, files, device, prepared.islands, prepared.density)
+    return Baked(made, prepared, spec)
 
 
 @contextmanager

@@ -16,6 +16,7 @@ from ..export.folder import check_out, is_whole
 from ..export.target_checks import check_target
 from ..formats.image_files import layer_path
 from ..formats.json_reader import Facts
+from ..formats.sidecar import density_in
 from ..formats.sidecar_file import read_facts
 from ..forms import form_for, form_in
 from ..forms.layered.files.arrangement import CHANNELS as LAYERED
@@ -61,7 +62,15 @@ def _is_of(facts: Facts, name: str, spec: BakeSpec) -> bool:
         asked["uv_map"] = spec.uv_layer
     same = all(facts.values.get(key) == value for key, value in asked.items())
     same = same and (part.get("by"), part.get("name")) == (spec.split, spec.part)
-    return same and source.get("object") == spec.source and max(facts.size("texels")) == spec.texels
+    return same and source.get("object") == spec.source and _has_size(facts, spec)
+
+
+def _has_size(facts: Facts, spec: BakeSpec) -> bool:
+    """Whether the atlas has the density that is asked for, or was baked without one and has the texels."""
+    density = density_in(facts)
+    if density is not None or spec.density is not None:
+        return density is not None and density.asked == spec.density
+    return max(facts.size("texels")) == spec.texels
 
 
 def samples_of(files: OutputFiles) -> int | None:

@@ -52,11 +52,12 @@ def open_checkpoint(
             _check_meanwhile(name, spec, files, overwrite, earlier)
 
     replaces = [*files.own, *(files.export(target) for target in exports)]
+    may_differ = _MAY_DIFFER if spec.density is None else (*_MAY_DIFFER, "texels")  # it is an estimate
     checkpoint = Checkpoint(files.unfinished, resume, replaces, check)
     chosen = {
         _CALLED.get(field.name, field.name.replace("_", " ")): str(getattr(spec, field.name))
         for field in fields(spec)
-        if field.name not in _MAY_DIFFER
+        if field.name not in may_differ
     }
     versions = {"RadTex's version": VERSION, "Blender's version": bpy.app.version_string}
     checkpoint.set_facts({"object": name, **versions, **chosen})

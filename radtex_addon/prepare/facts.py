@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 
 from ..bake.spec import BakeSpec
-from ..formats.sidecar import Part, Sidecar, Source
+from ..formats.sidecar import Part, Sidecar, Source, TexelDensity
 from ..version import VERSION
 
 
@@ -22,6 +22,7 @@ def facts_of(
     part: Part | None = None,
     islands: int | None = None,
     coverage: float | None = None,
+    texel_density: TexelDensity | None = None,
 ) -> Sidecar:
     """The sidecar's facts about a bake called `name` with `width` x `height` texels."""
     return Sidecar(
@@ -44,4 +45,5 @@ def facts_of(
         part=part,
         islands=islands,
         coverage=coverage,
+        texel_density=texel_density,
     )

@@ -9,6 +9,7 @@ import logging
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import sqrt
 from pathlib import Path
 from typing import cast
 
@@ -21,9 +22,10 @@ from ..bake.plan import CapturePlan, plan_capture
 from ..bake.progress import Progress, Stage, finished
 from ..bake.rays import PROBE_CELLS, side_in
 from ..bake.spec import BakeSpec
+from ..bake.texel_density import capped_warning
 from ..core.arrays import Bools, Floats, Ints
 from ..core.inset import inset
-from ..core.islands import signed_areas
+from ..core.islands import signed_areas, surface_areas
 from ..core.ray_offset import ray_offset
 from ..core.seams import Seams, beyond_seams
 from ..core.surface import SurfaceMesh
@@ -38,6 +40,7 @@ from ..scene.mesh.named_regions import chosen_triangles
 from ..scene.mesh.numbered_materials import material_numbers_of, write_material_numbers
 from ..scene.mesh.source_hits import SourceHits
 from ..scene.mesh.together import joined_surface
+from ..scene.units import metres_per_unit
 from .detailed import Detailed, read_detailed
 from .facts import facts_of
 from .twins import all_with_twins, chosen_with_twins, find_two_sided, single_copy
@@ -75,7 +78,8 @@ class Prepared:
 
     The atlas has `width` x `height` texels on the meshes' `uv_layer`, whose `islands`, so many, cover a share
     of it, the `coverage`; their number is None where it was not counted. The `digest` is of shapes and UVs,
-    whatever the objects' matrices. If an object is split, the surface is only one `part` of its `parts`.
+    whatever the objects' matrices. The `density` is given if the size follows from one. If an object is
+    split, the surface is only one `part` of its `parts`.
     `counts` is the number of each piece's triangles in the surface, in which the pieces follow each other.
     With a `source`, the points to capture lie on that, the `detailed` object; its mesh `shown`, which renders
     as it does, is made for forms by paths alone. `chosen` (F,) marks the surface's triangles that the
@@ -91,6 +95,7 @@ class Prepared:
     islands: int | None
     coverage: float
     digest: str
+    density: sidecar.TexelDensity | None = None
     part: sidecar.Part | None = None
     parts: tuple[str, ...] = ()
     counts: tuple[int, ...] = ()
@@ -148,7 +153,12 @@ class Prepared:
             part=self.part,
             islands=self.islands,
             coverage=self.coverage,
+            texel_density=self.density,
         )
+
+    def sized(self, spec: BakeSpec) -> BakeSpec:
+        """The specification with the atlas's own number of texels, if these follow from a density."""
+        return spec if spec.density is None else replace(spec, texels=max(self.width, self.height))
 
     def plan_of_seen(
         self, bucket: int, folder: Path, store: PieceStore = NO_STORE
@@ -240,9 +250,12 @@ def prepare(
         doubled = [find_two_sided(mesh, spec) for mesh in evaluated]
         shapes, evaluated = all_with_twins(shapes, doubled), all_with_twins(evaluated, doubled)
         chosen = chosen_with_twins(chosen, doubled)
-    unwrapped = yield from unwrap_surfaces(shapes, spec, store, {} if unwraps is None else unwraps)
+    metres = metres_per_unit(scratch)
+    if store is not NO_STORE and spec.density is not None:
+        store.set_facts({"scene's unit in metres": str(metres)})
+    unwrapped = yield from unwrap_surfaces(shapes, spec, metres, store, {} if unwraps is None else unwraps)
     yield Progress(Stage.RASTER, 0, 1)
-    prepared = _joined(name or originals[0].name, originals, evaluated, unwrapped, spec, chosen)
+    prepared = _joined(name or originals[0].name, originals, evaluated, unwrapped, spec, chosen, metres)
     kept.extend(piece.mesh for piece in prepared.pieces)
     kept.extend(piece.single for piece in prepared.pieces if piece.single is not None)
     if detailed is None:
@@ -273,6 +286,7 @@ def _joined(
     unwrapped: Unwrapped,
     spec: BakeSpec,
     chosen: Sequence[Bools] | None,
+    metres: float,
 ) -> Prepared:
     index, part = unwrapped.chosen(spec, name)
     pieces, surfaces = [], []
@@ -290,6 +304,7 @@ def _joined(
         write_material_numbers([piece.mesh for piece in pieces], numbers)
         surfaces = [replace(one, material=each) for one, each in zip(surfaces, numbers, strict=True)]
     surface = joined_surface(surfaces, part.faces)
+    coverage = float(np.abs(signed_areas(surface.uv.astype(np.float64))).sum())
     return Prepared(
         name=name,
         pieces=tuple(pieces),
@@ -298,13 +313,29 @@ def _joined(
         width=part.width,
         height=part.height,
         islands=part.islands,
-        coverage=round(float(np.abs(signed_areas(surface.uv.astype(np.float64))).sum()), 4),
+        coverage=round(coverage, 4),
         digest=_digest(evaluated, unwrapped),
+        density=_density(name, surface, part, coverage, spec, metres),
         counts=tuple(int(np.count_nonzero(faces)) for faces in part.faces),
         part=None if spec.split is None else sidecar.Part(spec.split, part.name, index),
         parts=() if spec.split is None else tuple(each.name for each in unwrapped.parts),
         chosen=None if chosen is None else _joined_faces(chosen, part),
     )
+
+
+def _density(
+    name: str, surface: SurfaceMesh, part: AtlasPart, coverage: float, spec: BakeSpec, metres: float
+) -> sidecar.TexelDensity | None:
+    """The density that was asked for, and what the atlas has in the mean; a warning says if it was capped."""
+    if spec.density is None:
+        return None
+    area = metres**2 * float(surface_areas(surface.position[surface.triangles].astype(np.float64)).sum())
+    reached = float(f"{sqrt(coverage * part.width * part.height / area):.4g}")
+    if part.needed:
+        whose = f"'{name}', part '{part.name}'," if part.name else f"'{name}'"
+        most = max(part.width, part.height)
+        log.warning(capped_warning(whose, spec.density, part.needed, most, reached))
+    return sidecar.TexelDensity(spec.density, reached)
 
 
 def _joined_faces(chosen: Sequence[Bools], part: AtlasPart) -> Bools:

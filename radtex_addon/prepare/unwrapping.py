@@ -17,9 +17,10 @@ from ..bake.piece_store import PieceStore
 from ..bake.pieces import Arrays
 from ..bake.progress import Progress
 from ..bake.spec import BakeSpec, Unwrap
+from ..bake.texel_density import side_for
 from ..core.arrays import Bools, Floats
 from ..core.errors import InputError
-from ..core.islands import uv_islands, weld
+from ..core.islands import signed_areas, surface_areas, uv_islands, weld
 from ..scene.at_frame import at_frame
 from ..scene.digests import matrix_digest, mesh_digest
 from ..scene.mesh.backs import with_twins_moved
@@ -44,7 +45,8 @@ _WHOLE = ""  # the name of the only part if nothing is split
 class AtlasPart:
     """The part of the meshes that one atlas covers: `faces` (F,) marks the triangles of each mesh.
 
-    `islands` is their number, None where a large mesh has a UV layer of its own.
+    `islands` is their number, None where a large mesh has a UV layer of its own. `needed` is about how many
+    texels along the longer side the density that was asked for would need, if these are fewer; else 0.
     """
 
     name: str
@@ -52,6 +54,7 @@ class AtlasPart:
     width: int
     height: int
     islands: int | None
+    needed: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,32 +75,42 @@ class Unwrapped:
 
 
 def unwrap_surfaces(
-    meshes: Sequence[EvaluatedMesh], spec: BakeSpec, store: PieceStore, known: Unwraps
+    meshes: Sequence[EvaluatedMesh], spec: BakeSpec, metres: float, store: PieceStore, known: Unwraps
 ) -> Generator[Progress, None, Unwrapped]:
     """Unwrap the meshes, or use the UV layer that the specification names, or one of theirs that is fit.
+
+    A scene unit is so many `metres`.
 
     An unwrap is kept in the `store` and in the cache `known`. Yields progress. Raises InputError for a layer
     that cannot be used, and for meshes that cannot be unwrapped.
     """
     parts = split_surfaces(meshes, spec)
     if spec.uv_layer is not None:
-        return _of_layer(meshes, parts, spec, spec.uv_layer)
+        return _of_layer(meshes, parts, spec, metres, spec.uv_layer)
     if spec.unwrap is Unwrap.AUTO and spec.split is None:
-        layer = _own_layer(meshes, spec)
+        layer = _own_layer(meshes, spec, metres)
         if layer is not None:
-            return _of_layer(meshes, parts, spec, layer)
+            return _of_layer(meshes, parts, spec, metres, layer)
     piece = store.found(_UNWRAP)
     if piece is None:
         digests = " ".join(mesh_digest(mesh) + matrix_digest(mesh) for mesh in meshes)
-        key = f"{digests} {spec.texels} {spec.unwrap} {spec.padding} {spec.split}"
+        options = unwrap_options(spec, metres)
+        size = spec.texels if spec.density is None else f"{options.density} {options.most}"
+        key = f"{digests} {size} {spec.unwrap} {spec.padding} {spec.split}"
         if key not in known:
-            known[key] = yield from _anew(meshes, parts, spec)
+            known[key] = yield from _anew(meshes, parts, spec, options)
         piece = known[key]
         store.keep(_UNWRAP, piece)
     ends = np.cumsum([len(mesh.triangles) for mesh in meshes])
     sizes = piece["sizes"].tolist()
     made = [AtlasPart(name, parts[name], *size) for name, size in zip(parts, sizes, strict=True)]
     return Unwrapped(tuple(np.split(piece["uv"], ends[:-1])), UV_LAYER, tuple(made))
+
+
+def unwrap_options(spec: BakeSpec, metres: float) -> UnwrapOptions:
+    """The options of the specification's unwrap in a scene whose unit is so many `metres`."""
+    density = None if spec.density is None else spec.density * metres
+    return UnwrapOptions(padding=spec.padding, density=density, most=spec.most_texels)
 
 
 def split_surfaces(meshes: Sequence[EvaluatedMesh], spec: BakeSpec) -> dict[str, tuple[Bools, ...]]:
@@ -140,9 +153,13 @@ def shapes_at(
 
 
 def _of_layer(
-    meshes: Sequence[EvaluatedMesh], parts: dict[str, tuple[Bools, ...]], spec: BakeSpec, layer: str
+    meshes: Sequence[EvaluatedMesh],
+    parts: dict[str, tuple[Bools, ...]],
+    spec: BakeSpec,
+    metres: float,
+    layer: str,
 ) -> Unwrapped:
-    """Use a UV layer of the user's own: every part has a square atlas of the same size."""
+    """Use a UV layer of the user's own: a square atlas for every part, of one size or density."""
     uvs = [np.zeros((len(mesh.triangles), 3, 2), dtype=np.float32) for mesh in meshes]
     for name, faces in parts.items():
         for mesh, uv, some in zip(meshes, uvs, faces, strict=True):
@@ -155,20 +172,47 @@ def _of_layer(
             names = ", ".join(f"'{mesh.name}'" for mesh in meshes)
             together = np.concatenate([uv[some] for uv, some in zip(uvs, faces, strict=True)])
             check_apart(together, f"UV layer '{layer}' of objects {names} together")
-    made = [
-        AtlasPart(name, faces, spec.texels, spec.texels, _counted(meshes, uvs, faces))
-        for name, faces in parts.items()
-    ]
+    made = []
+    for name, faces in parts.items():
+        side, needed = _side_of_layer(meshes, uvs, faces, spec, metres)
+        made.append(AtlasPart(name, faces, side, side, _counted(meshes, uvs, faces), needed))
     return Unwrapped(tuple(uvs), layer, tuple(made))
 
 
-def _own_layer(meshes: Sequence[EvaluatedMesh], spec: BakeSpec) -> str | None:
+def _side_of_layer(
+    meshes: Sequence[EvaluatedMesh],
+    uvs: Sequence[Floats],
+    faces: Sequence[Bools],
+    spec: BakeSpec,
+    metres: float,
+) -> tuple[int, int]:
+    """Texels along the sides of a UV layer's atlas, and `AtlasPart.needed`.
+
+    With a density the `faces` have it in the mean: their area on the surface, over that in the layer.
+    """
+    if spec.density is None:
+        return spec.texels, 0
+    pairs = [
+        (mesh.world_position[mesh.triangles[some]], uv[some].astype(np.float64))
+        for mesh, uv, some in zip(meshes, uvs, faces, strict=True)
+    ]
+    surface = metres**2 * sum(float(surface_areas(corners).sum()) for corners, _ in pairs)
+    covered = sum(float(np.abs(signed_areas(uv)).sum()) for _, uv in pairs)
+    if not 0 < covered < np.inf:  # no layer to bake on, whatever its size
+        return spec.texels, 0
+    needed = side_for(surface, spec.density, covered)
+    return (needed, 0) if needed <= spec.most_texels else (spec.most_texels, needed)
+
+
+def _own_layer(meshes: Sequence[EvaluatedMesh], spec: BakeSpec, metres: float) -> str | None:
     """The active UV layer of the objects, if it is fit to bake on; the log says why it is not."""
     layers = {mesh.active_uv for mesh in meshes}
     (layer, *others) = layers
     if layer is None or others or len(meshes) > 1:
         return None  # of several objects, layers made one by one lie over one another
-    why = why_unfit(meshes[0], layer, spec.texels, spec.padding)
+    every = np.ones(len(meshes[0].triangles), dtype=bool)
+    side, _ = _side_of_layer(meshes, [meshes[0].uv(layer)], [every], spec, metres)
+    why = why_unfit(meshes[0], layer, side, spec.padding)
     if why is not None:
         log.info("UV layer '%s' of '%s' is not baked on: it %s", layer, meshes[0].name, why)
         return None
@@ -188,13 +232,15 @@ def _counted(meshes: Sequence[EvaluatedMesh], uvs: Sequence[Floats], faces: Sequ
 
 
 def _anew(
-    meshes: Sequence[EvaluatedMesh], parts: dict[str, tuple[Bools, ...]], spec: BakeSpec
+    meshes: Sequence[EvaluatedMesh],
+    parts: dict[str, tuple[Bools, ...]],
+    spec: BakeSpec,
+    options: UnwrapOptions,
 ) -> Generator[Progress, None, Arrays]:
-    """Unwrap every part by itself: `uv` (F, 3, 2) of all meshes' triangles, `sizes` (P, 3) of the atlases.
+    """Unwrap every part by itself: `uv` (F, 3, 2) of all meshes' triangles, `sizes` (P, 4) of the atlases.
 
-    The columns of `sizes` are width and height in texels, and the number of islands. Yields progress.
+    The columns of `sizes` are `AtlasPart`'s width, height, islands and needed. Yields progress.
     """
-    options = UnwrapOptions(padding=spec.padding)
     every = np.concatenate([np.stack(faces_of_mesh) for faces_of_mesh in _by_mesh(parts)], axis=1)
     uv = np.zeros((every.shape[1], 3, 2))
     sizes = []
@@ -207,7 +253,7 @@ def _anew(
         names = "', '".join(mesh.name for mesh in those)
         found = yield from unwrap_steps(side_by_side(those, names), spec.texels, spec.unwrap, options)
         uv[some] = found.uv
-        sizes.append([found.width, found.height, found.islands])
+        sizes.append([found.width, found.height, found.islands, found.needed])
     return {"uv": uv, "sizes": np.array(sizes)}
 
 

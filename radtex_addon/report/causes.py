@@ -132,7 +132,7 @@ def _without(spec: BakeSpec, cause: Cause) -> BakeSpec | None:
         if not spec.form.any_cells:
             return None
         return replace(spec, bucket=spec.bucket // 2) if spec.bucket >= 4 else None
-    return replace(spec, texels=spec.texels // 2) if spec.texels >= 2 else None
+    return replace(spec, texels=spec.texels // 2, density=None) if spec.texels >= 2 else None
 
 
 def first_change(bake: Finished, variants: Sequence[Variant]) -> str:

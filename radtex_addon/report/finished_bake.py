@@ -67,6 +67,7 @@ class Finished:
             kind=parse_kind(bake.kind),
             layout=parse_layout(self.form.traits.layout),
             texels=max(bake.width, bake.height),
+            density=None if bake.texel_density is None else bake.texel_density.asked,
             bucket=bake.bucket,
             samples=bake.samples,
             seed=bake.seed,

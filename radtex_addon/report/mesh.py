@@ -53,13 +53,13 @@ class Found:
 
 
 def find_mesh(
-    scratch: bpy.types.Scene, original: bpy.types.Object, bake: Finished, padding: int
+    scratch: bpy.types.Scene, original: bpy.types.Object, bake: Finished, options: UnwrapOptions
 ) -> Generator[Step, None, Found]:
     """Find the surface of `bake` on the object `original` of a scratch scene.
 
     Tries the object's own layer with the sidecar's name, the layer in the preview beside the bake, and each
-    unwrap method with `padding`. Returns the first layer that fits for sure, else the best one that may fit.
-    Yields progress. Raises InputError if no layer fits, or if what it was baked from is missing.
+    unwrap method with the `options`. Returns the first layer that fits for sure, else the best one that may
+    fit. Yields progress. Raises InputError if no layer fits, or if what it was baked from is missing.
     """
     evaluated = evaluate(scratch, original)
     if bake.form.traits.backs and bake.unwrapped:
@@ -68,7 +68,7 @@ def find_mesh(
     if bake.form.traits.by_paths:
         detailed = read_detailed(scratch, original, bake.spec(device="cpu"), NO_STORE)
     best: tuple[float, Found] | None = None
-    with closing(_layers(evaluated, bake, padding)) as layers:
+    with closing(_layers(evaluated, bake, options)) as layers:
         for found in layers:
             if isinstance(found, Step):
                 yield found
@@ -96,7 +96,9 @@ class _Layer:
     unwrap: Unwrap
 
 
-def _layers(evaluated: EvaluatedMesh, bake: Finished, padding: int) -> Generator[Step | _Layer, None, None]:
+def _layers(
+    evaluated: EvaluatedMesh, bake: Finished, options: UnwrapOptions
+) -> Generator[Step | _Layer, None, None]:
     yield Step(Task.FIND_MESH, 0, 1)
     own = bake.sidecar.uv_map
     if own in evaluated.uv_layers or not bake.unwrapped:
@@ -107,7 +109,7 @@ def _layers(evaluated: EvaluatedMesh, bake: Finished, padding: int) -> Generator
     if uv is not None:
         yield _Layer(uv, None, Unwrap.UVUNWRAP)
     for unwrap in (Unwrap.UVUNWRAP, Unwrap.XATLAS, Unwrap.BLENDER):
-        uv = yield from _unwrapped(evaluated, bake, unwrap, padding)
+        uv = yield from _unwrapped(evaluated, bake, unwrap, options)
         if uv is not None:
             yield _Layer(uv, None, unwrap)
 
@@ -133,15 +135,13 @@ def _surface(
 
 
 def _unwrapped(
-    evaluated: EvaluatedMesh, bake: Finished, unwrap: Unwrap, padding: int
+    evaluated: EvaluatedMesh, bake: Finished, unwrap: Unwrap, options: UnwrapOptions
 ) -> Generator[Step | _Layer, None, Floats | None]:
     """The UV layer that an unwrap method makes, None if it is for an atlas of another size."""
     width, height = bake.sidecar.width, bake.sidecar.height
     try:
         made = yield from steps_of(
-            unwrap_steps(
-                with_twins_moved(evaluated), max(width, height), unwrap, UnwrapOptions(padding=padding)
-            )
+            unwrap_steps(with_twins_moved(evaluated), max(width, height), unwrap, options)
         )
     except InputError:  # too many islands for so few texels: this unwrap did not make the atlas
         return None

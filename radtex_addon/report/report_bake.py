@@ -16,9 +16,11 @@ from ..formats.disk.atomic import check_writable, replacing_together
 from ..formats.disk.temporary import temporary_folder
 from ..formats.sidecar import file_name
 from ..formats.sidecar_file import AnySidecar, opened
+from ..prepare.unwrapping import unwrap_options
 from ..scene.at_frame import at_frame
 from ..scene.objects import find_object
 from ..scene.scratch import scratch_scene
+from ..scene.units import metres_per_unit
 from .causes import bake_variants, first_change
 from .finished_bake import Finished, check_whole, object_of, read_bake
 from .judging import judge, mean_energy, mean_flip, mean_psnr, noise_floor
@@ -140,7 +142,8 @@ def _look(
         use_device(scratch, spec.device),
     ):
         original = find_object(scratch, bake.sidecar.object_name)
-        found = yield from find_mesh(scratch, original, bake, bake.spec(spec.device).padding)
+        options = unwrap_options(bake.spec(spec.device), metres_per_unit(scratch))
+        found = yield from find_mesh(scratch, original, bake, options)
         with reference_of(scratch, original, bake.sidecar) as shown:
             views = yield from make_views(shown, found.surface, spec.views, spec.pixels, spec.samples, folder)
     return found, views

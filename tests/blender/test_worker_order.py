@@ -63,6 +63,7 @@ SPECS = {
     "some places": BakeSpec(accumulate=True, where="--Rim, upper", device="cpu"),
     "what is near": BakeSpec(kind=Kind.AO, ao_distance=0.25, device="cpu"),
     "a view": BakeSpec(kind=Kind.TRANSFER, view=View.CAMERA, device="cpu"),
+    "a density": BakeSpec(density=1500.5, device="cpu"),
     "a frame": BakeSpec(frame=7, unwrap_at=1, device="cpu"),
     "objects in one atlas": BakeSpec(objects=("--Vase", "Cup"), device="cpu"),
     "a part": BakeSpec(split=Split.UDIM, uv_layer="Layer", part="1002", device="cpu"),
@@ -81,6 +82,7 @@ def understood(asked: Order, tmp_path: Path, inside_blender: bool = False) -> An
 def test_every_field_of_a_spec_is_among_the_cases() -> None:
     others = {
         "ao_distance",
+        "density",
         "layout",
         "layers",
         "content",

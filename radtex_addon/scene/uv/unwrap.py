@@ -11,12 +11,13 @@ from __future__ import annotations
 import logging
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...bake.progress import Steps, finished
 from ...bake.spec import Unwrap
+from ...bake.texel_density import about_side, grown_side, rounded
 from ...core.arrays import Bools, Floats
 from ...core.errors import InputError
 from ...core.islands import find_overlap, signed_areas, surface_areas, weld
@@ -43,6 +44,8 @@ _THREAD = 2e3  # times the root of the area: islands this long are packed in sec
 _COVERED = 0.55  # share of an atlas that islands cover, to guess how large texels will be
 _CUTS = 6  # rounds
 _QUICK = 50_000  # triangles that Blender's projection takes a moment for, so that it is tried, too
+_EXACT = 0.01  # share by which a density may differ from what is asked for
+_PACKINGS = 5  # tries to come that near
 _TOLERATED_OVERLAP = 1e-3  # share of the covered area: less overlap is only a few slivers
 
 
@@ -70,6 +73,8 @@ def unwrap_steps(
 ) -> Steps[Unwrapped]:
     """Unwrap into an atlas whose longer side is `texels`, or as `options.density` needs, if given.
 
+    With a density, sides are multiples of `texel_density.STEP`, and at most `options.most`.
+
     Of several tries the one with most texels in the interior of islands is returned. Yields progress while
     xatlas works; closing the generator ends xatlas. Raises InputError if the surface has no area, or too many
     islands for so few texels; BakeError if xatlas fails.
@@ -81,8 +86,16 @@ def unwrap_steps(
         _announce(evaluated, options)
     _check_area(evaluated)
     start = time.perf_counter()
-    flat, packed = yield from _best(evaluated, texels, method, options)
-    return _finish(evaluated, flat, packed, time.perf_counter() - start)
+    if options.density is None:
+        best = yield from _best(evaluated, texels, method, options)
+    else:
+        corners = evaluated.world_position[evaluated.triangles]
+        about = about_side(float(surface_areas(corners).sum()), options.density)
+        side = min(about, options.most or about)
+        reachable = replace(options, density=options.density * side / about)
+        best = yield from _best(evaluated, side, method, reachable)
+        best = yield from _at_density(evaluated, best, options, options.density)
+    return _finish(evaluated, best, time.perf_counter() - start)
 
 
 def unwrap_uvunwrap(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
@@ -131,9 +144,7 @@ def _check_area(evaluated: EvaluatedMesh) -> None:
         )
 
 
-def _best(
-    evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions
-) -> Steps[tuple[FlatIslands, Packed]]:
+def _best(evaluated: EvaluatedMesh, texels: int, method: Unwrap, options: UnwrapOptions) -> Steps[_Try]:
     tries = yield from _flattened(evaluated, texels, method, options)
     best: _Try | None = None
     failure: InputError | None = None
@@ -149,7 +160,7 @@ def _best(
         raise failure or InputError(f"object '{evaluated.name}' cannot be unwrapped: it has no area")
     if method is Unwrap.UVUNWRAP:
         best = yield from _with_cuts(evaluated, best, texels, options)
-    return best.flat, best.packed
+    return best
 
 
 def _flattened(
@@ -178,22 +189,70 @@ class _Try:
 
     Of many texels those within a texel of a border, on both sides of it, do not count, as a seam shows there;
     of few a share remains, or sparse islands would be the best. Those that see the surface squeezed along
-    some direction count less: see `FlatIslands`.
+    some direction count less: see `FlatIslands`. With a density, `interior` is their share of the atlas that
+    has it, and `needed` is as in `Unwrapped`.
     """
 
     flat: FlatIslands
     packed: Packed
     interior: float
+    needed: int = 0
 
 
 def _tried(evaluated: EvaluatedMesh, flat: FlatIslands, texels: int, options: UnwrapOptions) -> Steps[_Try]:
-    packed = yield from pack_islands(flat, texels, options.padding, options.density)
+    packed = yield from _fitted(flat, texels, options)
     if packed.islands > flat.count:
         flat = islands_of(evaluated, flat.uv, packed.island)
-    shown, seams = flat.resolved * packed.density**2, 2 * flat.border * packed.density
+    density = options.density or packed.density
+    shown, seams = flat.resolved * density**2, 2 * flat.border * density
     interior = shown**2 / max(shown + seams, 1e-30)
     log.debug("%d islands, %.4g texels per unit, interior %.0f", flat.count, packed.density, interior)
+    if options.density is not None:  # all show as much: the smallest is the best
+        interior /= packed.width * packed.height * (options.density / packed.density) ** 2
     return _Try(flat, packed, interior)
+
+
+def _fitted(flat: FlatIslands, texels: int, options: UnwrapOptions) -> Steps[Packed]:
+    """Pack into `texels`; if a density is asked for, and these are too few, into more."""
+    while True:
+        try:
+            return (yield from pack_islands(flat, texels, options.padding, None))
+        except InputError:
+            if options.density is None or texels * 2 > (options.most or 0):
+                raise
+        texels *= 2
+
+
+def _at_density(evaluated: EvaluatedMesh, best: _Try, options: UnwrapOptions, density: float) -> Steps[_Try]:
+    """Pack again, into other sizes, until the surface has the `density`, in texels per unit, in the mean.
+
+    The size is as large as `options.most` allows. Sides become multiples of `STEP`, by free texels.
+    """
+    surface = float(surface_areas(evaluated.world_position[evaluated.triangles]).sum())
+    flat, packed = best.flat, best.packed
+    lacks = density / _reached(packed, surface)
+    for _ in range(_PACKINGS):
+        side = max(packed.width, packed.height)
+        wanted = min(round(side * max(lacks, 0.5)), options.most or side)
+        if abs(lacks - 1) < _EXACT or wanted in (0, side):
+            break
+        try:
+            other = yield from pack_islands(flat, wanted, options.padding, None)
+        except InputError:  # too many islands for fewer texels
+            break
+        closer = density / _reached(other, surface)
+        if abs(math.log(closer)) >= abs(math.log(lacks)):
+            break
+        packed, lacks = other, closer
+    side = max(packed.width, packed.height)
+    needed = grown_side(side, lacks) if side == options.most and lacks > 1 + _EXACT else 0
+    packed = replace(packed, width=rounded(packed.width), height=rounded(packed.height))
+    return replace(best, packed=packed, needed=needed)
+
+
+def _reached(packed: Packed, surface: float) -> float:
+    """The mean density of a surface of so many square scene units, in texels per unit."""
+    return math.sqrt(max(float(np.abs(signed_areas(packed.uv)).sum()), 1e-30) / surface)
 
 
 def _with_cuts(evaluated: EvaluatedMesh, best: _Try, texels: int, options: UnwrapOptions) -> Steps[_Try]:
@@ -213,7 +272,8 @@ def _with_cuts(evaluated: EvaluatedMesh, best: _Try, texels: int, options: Unwra
     return best
 
 
-def _finish(evaluated: EvaluatedMesh, flat: FlatIslands, packed: Packed, seconds: float) -> Unwrapped:
+def _finish(evaluated: EvaluatedMesh, best: _Try, seconds: float) -> Unwrapped:
+    flat, packed = best.flat, best.packed
     uv = packed.uv / [packed.width, packed.height]
     _settle_thin(uv, evaluated, flat.island >= 0)
     overlap = find_overlap(uv)
@@ -232,6 +292,7 @@ def _finish(evaluated: EvaluatedMesh, flat: FlatIslands, packed: Packed, seconds
         density=packed.density,
         overlap=overlap.fraction,
         seconds=seconds,
+        needed=best.needed,
     )
     log.info(
         "unwrapped '%s': %d islands, %d x %d texels, %.0f %% used, %.4g texels per unit, %.1f s",

@@ -21,8 +21,9 @@ class UnwrapOptions:
     """How islands are shaped, how far apart they lie, and how large they are.
 
     At least `padding` free texels lie between islands. `density`, if given, sets the texels per scene
-    unit, and the atlas is as large as it needs. Edges whose corner normals differ by more than
-    `seam_angle` degrees (sharp edges, creases) become borders of islands, so that no texel lies across them.
+    unit, and the atlas is as large as it needs, but has at most `most` texels along a side. Edges whose
+    corner normals differ by more than `seam_angle` degrees (sharp edges, creases) become borders of islands,
+    so that no texel lies across them.
     `max_cost`, `normal_deviation_weight`, `roundness_weight` and `straightness_weight` are xatlas's own,
     at their defaults: its bound of 75 degrees from an island's mean normal is what ends islands in
     practice. `max_island_share` limits an island's share of the surface; smaller islands take far less
@@ -33,6 +34,7 @@ class UnwrapOptions:
 
     padding: int = 2
     density: float | None = None
+    most: int | None = None
     seam_angle: float = 45.0
     max_cost: float = 2.0
     normal_deviation_weight: float = 2.0
@@ -70,7 +72,8 @@ class Unwrapped:
     """`uv` (F, 3, 2) in 0..1, v up, for an atlas of `width` x `height` texels, and statistics.
 
     `utilisation` is the share of the atlas that islands cover, `density` the texels per scene unit, `overlap`
-    the share of the covered area that is covered more than once.
+    the share of the covered area that is covered more than once. `needed` is about how many texels along the
+    longer side the density that was asked for would need, if the atlas is smaller than that; else 0.
     """
 
     uv: Floats
@@ -81,3 +84,4 @@ class Unwrapped:
     density: float
     overlap: float
     seconds: float
+    needed: int = 0

@@ -33,6 +33,7 @@ def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
     from ..jobs import estimates
     from ..settings.request import has_folder, request_of, spec_of, values_of
     from ..settings.surfaces import have_own_atlases
+    from .atlas_sizes import told_sizes
     from .layouts import chosen_layouts, told_layouts
     from .remedies import foreseen, forgets, remedies
 
@@ -72,4 +73,5 @@ def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
         forgets=loses,
         shown=tuple(name for name in names if is_on(scene.objects[name])),
         layout=layout,
+        sizes=told_sizes(scene, chosen, request.folder),
     )

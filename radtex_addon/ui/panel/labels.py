@@ -28,6 +28,7 @@ LABELS = {
     Setting.BUCKET: "Cells",
     Setting.CAGE: "Cage",
     Setting.COMPRESSION: "Compression",
+    Setting.DENSITY: "Density",
     Setting.DEVICE: "Device, in RadTex's preferences",
     Setting.EXTRUSION: "Extrusion",
     Setting.FLOAT: "32-bit Floats",

@@ -36,6 +36,7 @@ def chosen_layouts(
     `patience` seconds no more objects are examined. Raises InputError as `job.choose_layout` does.
     """
     from ...job import choose_layout
+    from ...job.about_texels import with_about_texels
     from ..settings.preferences import preferred
     from ..settings.request import has_folder, output_folder
     from ..settings.surfaces import shared_name
@@ -50,7 +51,8 @@ def chosen_layouts(
     since, found = monotonic(), []
     resume, overwrite = values["resume"], values["overwrite"]
     for bake in bakes:
-        choice = choose_layout(scene, bake, wish, folder, resume=resume, overwrite=overwrite)
+        sized = bake[0], with_about_texels(scene, *bake)
+        choice = choose_layout(scene, sized, wish, folder, resume=resume, overwrite=overwrite)
         found.append((bake[0], choice))
         if monotonic() - since > patience:
             break

@@ -72,16 +72,19 @@ class RADTEX_PT_quality(Sidebar, bpy.types.Panel):
     bl_parent_id = "RADTEX_PT_bake"
 
     def draw(self, context: bpy.types.Context | None) -> None:
-        layout, settings, _ = drawn(self, context)
+        layout, settings, found = drawn(self, context)
+        layout.row().prop(settings, "atlas_size", expand=True)
         column = layout.column(align=True)
         kind = Kind(settings.kind).traits
         for name, shown in (
-            ("texels", True),
+            (settings.atlas_size, True),  # "texels" or "density"
             ("bucket", kind.cells and form_of(settings).any_cells),
             ("samples", kind.samples),
         ):
             if shown:
                 column.prop(settings, name)
+        for line in found.sizes if found is not None else ():
+            draw_text(layout, line, "INFO")
         layout.prop(settings, "seed")
         if kind.light is not Light.OCCLUSION and not form_of(settings).by_paths:
             layout.prop(settings, "denoise")

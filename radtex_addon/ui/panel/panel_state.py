@@ -35,7 +35,8 @@ class Forecast:
     folder. `remedies` are names of settings that would remove errors if toggled. `baked`: the only errors are
     that bakes already exist. `forgets`: an unfinished bake that could be resumed would be discarded. `shown`
     are the objects whose bake is shown in their place. `layout` describes the automatically chosen layout and
-    the reason; empty if the user chose the layout.
+    the reason; empty if the user chose the layout. `sizes` are lines on the size of each atlas, if that
+    follows from a texel density.
     """
 
     objects: tuple[str, ...]
@@ -50,6 +51,7 @@ class Forecast:
     forgets: bool = False
     shown: tuple[str, ...] = ()
     layout: str = ""
+    sizes: tuple[str, ...] = ()
 
 
 Compute: TypeAlias = Callable[[bpy.types.Scene, bpy.types.ViewLayer], Forecast]

@@ -12,7 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from ...bake.kinds import DEFAULT_KIND, Kind, Layout, form_in
 from ..panel.panel_state import mark_stale
 from . import output_settings, surfaces
-from .menu_items import CONTENTS, KINDS, LAYOUTS_OR_AUTOMATIC, UNWRAPS, VARIANTS, VIEWS
+from .menu_items import ATLAS_SIZES, CONTENTS, KINDS, LAYOUTS_OR_AUTOMATIC, UNWRAPS, VARIANTS, VIEWS
 from .update_callbacks import NOTICED
 
 # Property names of the mixin below, in the panel's order.
@@ -32,7 +32,9 @@ NAMES = (
     "cage",
     "variants",
     "frames",
+    "atlas_size",
     "texels",
+    "density",
     "bucket",
     "samples",
     "seed",
@@ -93,7 +95,9 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
         cage: str
         variants: str
         frames: str
+        atlas_size: str
         texels: int
+        density: float
         bucket: int
         samples: int
         seed: int
@@ -204,6 +208,13 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
             default="1",
             **NOTICED,
         )
+        atlas_size: EnumProperty(
+            name="Atlas",
+            description="What its size follows from",
+            items=ATLAS_SIZES,
+            default="texels",
+            **NOTICED,
+        )
         texels: IntProperty(
             name="Texels",
             description="Texels along the atlas's longer side: more show finer detail on the surface. Twice "
@@ -213,6 +224,17 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
             max=65536,
             soft_min=16,
             soft_max=1024,
+            **NOTICED,
+        )
+        density: FloatProperty(
+            name="Density",
+            description="Texels per metre of surface: objects of every size come out alike, and their "
+            "atlases are as large as that needs, up to 4096 texels a side. The scene's Unit Scale "
+            "says what a metre is",
+            default=64.0,
+            min=1e-3,
+            soft_min=1.0,
+            soft_max=4096.0,
             **NOTICED,
         )
         bucket: IntProperty(

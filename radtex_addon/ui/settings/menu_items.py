@@ -97,6 +97,15 @@ UNWRAPS = (
     ),
 )
 
+ATLAS_SIZES = (
+    ("texels", "Texels", "Each atlas has so many texels along its longer side"),
+    (
+        "density",
+        "Density",
+        "Each metre of surface has so many texels, and the atlas is as large as that needs",
+    ),
+)
+
 COMPRESSIONS = (
     ("zip", "ZIP", "Exact, and small"),
     ("piz", "PIZ", "Exact, and often smaller where there is noise, but slower to read"),

@@ -42,7 +42,9 @@ STOCK = (
 PRESET_NAMES = (
     "kind",
     "atlas_layout",
+    "atlas_size",
     "texels",
+    "density",
     "bucket",
     "samples",
     "padding",

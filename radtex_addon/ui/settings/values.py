@@ -34,10 +34,13 @@ def values_of(settings: BakeSettings) -> dict[str, Any]:
 def values_with(settings: BakeSettings, arguments: BakeSettings, given: Iterable[str]) -> dict[str, Any]:
     """A scene's settings, overridden by the names in `given` from `arguments`.
 
-    If kind or layout is overridden but not the cells, the cells get the new default.
+    If kind or layout is overridden but not the cells, the cells get the new default. The atlas's size follows
+    from texels or density if either is overridden.
     """
     named = set(given)
     values = values_of(settings) | {name: getattr(arguments, name) for name in NAMES if name in named}
+    if "atlas_size" not in named and len(sizes := named & {"texels", "density"}) == 1:
+        values["atlas_size"] = sizes.pop()
     if "bucket" in named:
         values[_BUCKET_NAMED] = True
     elif named & {"kind", "atlas_layout"}:
@@ -79,6 +82,7 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
         kind=values["kind"],
         layout=layout,
         texels=values["texels"],
+        density=values["density"] if values["atlas_size"] == "density" else None,
         bucket=cast(int, cells),  # None lets BakeSpec use its default
         samples=values["samples"],
         seed=values["seed"],

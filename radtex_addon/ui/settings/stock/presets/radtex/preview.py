@@ -8,6 +8,7 @@ radtex = bpy.context.scene.radtex  # type: ignore[union-attr]  # ours, not Blend
 
 radtex.kind = "radiance"
 radtex.atlas_layout = "layered"
+radtex.atlas_size = "texels"
 radtex.texels = 128
 radtex.bucket = 14
 radtex.samples = 4

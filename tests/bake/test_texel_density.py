@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A texel density is read with its unit, is a size in texels, and is refused where it means nothing."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from radtex_addon.bake.estimate import probe_specs
+from radtex_addon.bake.spec import BakeSpec, Kind, View
+from radtex_addon.bake.texel_density import MOST_TEXELS, parse_density, side_for
+from radtex_addon.core.errors import InputError
+
+
+@pytest.mark.parametrize(
+    ("text", "per_metre"),
+    [("64", 64), ("64/m", 64), (" 64 / m ", 64), ("64/cm", 6400), ("1.5/mm", 1500), ("1e2/m", 100)],
+)
+def test_a_density_is_texels_per_metre_whatever_its_unit(text: str, per_metre: float) -> None:
+    assert parse_density(text) == per_metre
+
+
+@pytest.mark.parametrize("text", ["64/in", "64/", "64/m/m", "x/m", "", "0", "-3/m", "nan", "inf/m", "1e400"])
+def test_what_is_no_density_is_refused_by_its_name(text: str) -> None:
+    with pytest.raises(InputError, match=r"^--density .*such as 64/m") as raised:
+        parse_density(text, "--density")
+    assert text in str(raised.value)
+
+
+@pytest.mark.parametrize("density", [0.0, -1.0, math.nan, math.inf])
+def test_a_spec_has_a_density_above_0_or_none(density: float) -> None:
+    with pytest.raises(InputError, match="above 0"):
+        BakeSpec(density=density)
+
+
+def test_the_most_texels_are_what_an_image_can_hold() -> None:
+    assert BakeSpec(density=1, bucket=8).most_texels == MOST_TEXELS
+    assert BakeSpec(density=1, bucket=64).most_texels == 65536 // 64
+    around = BakeSpec(kind=Kind.TRANSFER, view=View.AROUND, density=1, bucket=256).most_texels
+    assert around * 3 * 256 <= 65536 < (around + 4) * 3 * 256
+
+
+def test_a_square_metre_that_fills_a_quarter_has_twice_its_density_along_a_side() -> None:
+    assert side_for(1.0, 64, 0.25) == 128
+    assert side_for(1e300, 1e300, 1e-9) > MOST_TEXELS
+
+
+def test_the_small_bakes_of_an_estimate_stay_small() -> None:
+    assert all(
+        (one.texels, one.density) == (96, None) for one in probe_specs(BakeSpec(texels=400, density=9))
+    )
