@@ -149,6 +149,7 @@ def test_equal_input_gives_equal_output(unwrap: Unwrap) -> None:
 def test_size_in_the_scene_does_not_matter(unwrap: Unwrap, size: float) -> None:
     """xatlas by itself takes small triangles for nothing."""
     bpy.ops.mesh.primitive_monkey_add(size=2 * size, location=(3 * size, 0, 0))
+    context.object.data.shade_smooth()
     small = unwrap(read(context.object), 96, UnwrapOptions())
     assert small.density * size == pytest.approx(unwrap(head(), 96, UnwrapOptions()).density, rel=0.25)
 

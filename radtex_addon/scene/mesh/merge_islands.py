@@ -111,7 +111,7 @@ class _Neighbours:
         sides = np.sort(island[mesh.sides], axis=1)
         between = (sides[:, 0] >= 0) & (sides[:, 0] != sides[:, 1])
         key, edge = np.unique(sides[between] @ [count, 1], return_inverse=True)
-        shared = np.bincount(edge, mesh.length[between], minlength=len(key))
+        shared = np.bincount(edge, mesh.length[between], minlength=len(key)).astype(np.float64)
         return cls(count, np.stack([key // max(count, 1), key % max(count, 1)], axis=1), shared)
 
 
@@ -192,7 +192,8 @@ def _inner_border(mesh: Seamed, island: Ints, group: Ints) -> Floats:
     """Length of the borders between islands of one group: (G,)."""
     one, other = island[mesh.sides].T
     inner = (one >= 0) & (other >= 0) & (one != other) & (group[one] >= 0) & (group[one] == group[other])
-    return np.bincount(group[one[inner]], mesh.length[inner], minlength=int(group.max()) + 1)
+    length = np.bincount(group[one[inner]], mesh.length[inner], minlength=int(group.max()) + 1)
+    return length.astype(np.float64)
 
 
 def _open(corner: Ints, owner: Ints, count: int) -> Bools:
@@ -215,7 +216,7 @@ def _to_scale(flat: Floats, area: Floats, owner: Ints) -> Floats:
 def _lost(corners: Floats, area: Floats, before: Floats, flat: Floats, owner: Ints, count: int) -> Floats:
     """Area of each group (G,) that is no longer resolved, as it is squeezed in `flat`, not `before`."""
     was, now = (np.minimum(stretches(corners, uv)[:, 1], 1) ** 2 for uv in (before, flat))
-    return np.bincount(owner, area * (was - now), minlength=count)
+    return np.bincount(owner, area * (was - now), minlength=count).astype(np.float64)
 
 
 def _sound(corners: Floats, area: Floats, flat: Floats, owner: Ints, count: int) -> Bools:
