@@ -30,7 +30,7 @@ def jobs() -> list[tuple[Any, ...]]:
     """(number, object, state, fraction, message) of all jobs, as the panel knows them."""
     known_to = sys.modules.get("bl_ext.user_default.radtex.radtex_addon.ui.jobs.jobs")
     return [
-        (job.number, job.object, str(job.state), round(job.fraction, 4), job.message)
+        (job.number, job.object, str(job.state), round(job.fraction, 4), str(job.message))
         for job in (known_to.snapshot() if known_to is not None else ())
     ]
 
