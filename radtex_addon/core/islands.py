@@ -71,11 +71,29 @@ def triangle_islands(corners: Ints) -> Ints:
     return np.unique(components(pairs, count)[corners[:, 0]], return_inverse=True)[1].reshape(-1)
 
 
-def uv_islands(triangles: Ints, uv: Floats) -> Ints:
-    """Islands of triangles (F, 3) that share a vertex and, there, the same uv (F, 3, 2): (F,) labels."""
+def uv_corners(triangles: Ints, uv: Floats) -> Ints:
+    """Corner numbers (F, 3), equal where triangles (F, 3) share a vertex and there the same uv (F, 3, 2)."""
     vertex = np.asarray(triangles).reshape(-1, 1)
     texture = weld(np.asarray(uv).reshape(-1, 2)).reshape(-1, 1)
-    return triangle_islands(weld(np.concatenate([vertex, texture], axis=1)).reshape(-1, 3))
+    return weld(np.concatenate([vertex, texture], axis=1)).reshape(-1, 3)
+
+
+def uv_islands(triangles: Ints, uv: Floats) -> Ints:
+    """Islands of triangles (F, 3) that share a vertex and, there, the same uv (F, 3, 2): (F,) labels."""
+    return triangle_islands(uv_corners(triangles, uv))
+
+
+def border_edges(corners: Ints) -> Ints:
+    """The edges that only one triangle has: (B, 2), the triangle and its edge, which begins at that corner.
+
+    `corners` (F, 3) are corner numbers; edge k joins corners k and k + 1.
+    """
+    ends = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2).astype(np.int64)
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    _, first, count = np.unique(
+        low * (int(high.max(initial=0)) + 1) + high, return_index=True, return_counts=True
+    )
+    return np.stack(np.divmod(first[count == 1], 3), axis=1)
 
 
 def signed_areas(uv: Floats) -> Floats:

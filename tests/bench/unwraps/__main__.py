@@ -8,7 +8,7 @@
 For each mesh and way: the number of islands, the share of the atlas that they cover, texels per unit of the
 surface, stretch (the mean, by area, of how many times longer a texel is than wide), the length of seams in
 texels, and seconds, of this machine. DIR gets table.md and a picture of each layout, MESH-WAY.png: islands in
-colours, dark where texels are denser than the mean, pale where they are sparser.
+colours, darker where texels are denser than on average.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from PIL import Image
 
-from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import RadTexError
 from radtex_addon.core.islands import uv_islands, weld
+from radtex_addon.core.map_picture import draw_map
 from radtex_addon.core.stretch import stretches
-from radtex_addon.core.texel_map import triangle_of_texels
+from radtex_addon.core.uv_map import UvMap
+from radtex_addon.formats.containers.png import encode_png
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh
 from radtex_addon.scene.mesh.flatten import islands_of
 from radtex_addon.scene.uv.unwrap_options import Unwrapped
@@ -33,8 +33,6 @@ from tests.bench.fidelity.choice import names_of
 
 from .meshes import MESHES
 from .ways import WAYS, read
-
-_PIXELS = 512  # of a picture's side
 
 
 @dataclass(frozen=True)
@@ -91,25 +89,13 @@ def _line(name: str, way: str, texels: int, out: Path) -> str:
     except (RadTexError, ValueError) as error:
         return f"{head}{str(error).partition(':')[0]} | | | | | |"
     score = Score.of(mesh, made)
-    drawn(mesh, made).save(out / f"{name}-{way.replace(', ', '-').replace(' ', '_')}.png")
+    uv_map = UvMap(mesh.world_position[mesh.triangles], made.uv, made.width, made.height)
+    picture = out / f"{name}-{way.replace(', ', '-').replace(' ', '_')}.png"
+    picture.write_bytes(encode_png(draw_map(uv_map)))
     return (
         f"{head}{score.islands} | {score.coverage:.0%} | {score.density:.1f} | {score.stretch:.2f} | "
         f"{score.seams:.0f} | {score.seconds:.1f} |"
     )
-
-
-def drawn(mesh: EvaluatedMesh, made: Unwrapped) -> Image.Image:
-    """The layout: islands in colours, darker where texels are denser."""
-    longer = max(made.width, made.height)
-    width, height = (max(round(_PIXELS * side / longer), 1) for side in (made.width, made.height))
-    triangle = triangle_of_texels(made.uv, width, height)
-    island = uv_islands(weld(mesh.position)[mesh.triangles], made.uv)
-    scaled = made.uv * [made.width, made.height] / made.density
-    squares = stretches(mesh.world_position[mesh.triangles], scaled).prod(axis=1)
-    shade = np.clip(0.75 / np.sqrt(np.maximum(squares, 1e-6)), 0.3, 1.0)
-    colours: Floats = np.random.default_rng(4).uniform(0.35, 1.0, (int(island.max()) + 1, 3))
-    picture = np.where(triangle[..., None] >= 0, colours[island[triangle]] * shade[triangle][..., None], 0.08)
-    return Image.fromarray(np.round(255 * picture[::-1]).astype(np.uint8))
 
 
 def _options() -> argparse.Namespace:
