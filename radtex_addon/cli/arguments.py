@@ -65,7 +65,8 @@ exit codes:
 class Request:
     """One bake run. `scene` is the .blend to open; None bakes the file that Blender has open.
 
-    `passes` fold samples into one atlas; `serve` is the port at which the web page is served meanwhile.
+    `passes` fold samples into one atlas; `serve` is the port at which the web page is served meanwhile. With
+    a `thumbnail` a bake also draws its UV map, in the file `map_picture`, if that is given.
     """
 
     scene: Path | None
@@ -74,6 +75,7 @@ class Request:
     progress: ProgressStyle
     verbose: bool
     thumbnail: Path | None = None
+    map_picture: Path | None = None
     in_scene: str | None = None
     unsaved_images: Path | None = None
     parent_pipe: bool = False

@@ -70,7 +70,7 @@ class Report(Protocol):
         ...
 
     def event(self, kind: str, **facts: object) -> None:
-        """Report an event of a `kind`: `done`, `warning`, `note`, `error`, `picture`.
+        """Report an event of a `kind`: `done`, `warning`, `note`, `error`, `picture`, `map`.
 
         `done` has a `summary`, a string or a tuple of lines, and a list of `files`.
         """
@@ -201,7 +201,7 @@ class _Bar:
         self._draw(f"{name}  {_SAYS[step.stage]:<20} [{bar:<{_WIDTH}}] {share:4.0%}{wait}")
 
     def event(self, kind: str, **facts: object) -> None:
-        if kind == "picture":  # not shown beside the bar
+        if kind in ("picture", "map"):  # not shown beside the bar
             return
         self.close()
         if kind == "done":

@@ -19,9 +19,11 @@ from ..bake.texel_density import told_density
 from ..bake.thumbnail import Thumbnail
 from ..core.errors import InputError, RadTexError
 from ..core.messages import Message, Setting, do
+from ..core.uv_map import UvMap
 from ..formats.disk.atomic import check_writable
 from ..formats.disk.memory import readable_size
 from ..formats.disk.path_checks import check_unicode
+from ..formats.sidecar_file import read_facts
 from ..job import BakeResult, OutputFiles
 from ..job.bake_plan import check_plan, plan_bakes, steps_of_bakes
 from ..preview.picture import render_picture
@@ -69,7 +71,7 @@ def _bake(
     _check_thumbnail(request.thumbnail)
     for line in plan.layout_lines:
         report.event("note", message=line)
-    thumbnail = partial(_thumbnail, request.thumbnail, report)
+    thumbnail = partial(_thumbnail, request, report)
     for number, (name, spec, steps) in enumerate(steps_of_bakes(scene, plan, thumbnail)):
         title = titled(name, spec, number, len(plan.wanted)) + after
         with _saying_how_to_resume(name, spec, request):
@@ -94,11 +96,22 @@ def _check_thumbnail(path: Path | None) -> None:
     check_writable(path.parent)
 
 
-def _thumbnail(path: Path | None, report: Report, name: str) -> Thumbnail | None:
+def _thumbnail(request: Request, report: Report, name: str) -> Thumbnail | None:
     """A picture of what is done of the bake called `name`, if one is wanted."""
-    if path is None:
+    if request.thumbnail is None:
         return None
-    return Thumbnail(path, lambda written: report.event("picture", object=name, path=str(written)))
+
+    def tell_map(uv_map: UvMap) -> None:
+        covered = round(uv_map.coverage, 4)
+        path = str(request.map_picture)
+        report.event("map", object=name, path=path, islands=uv_map.islands, coverage=covered)
+
+    return Thumbnail(
+        request.thumbnail,
+        lambda written: report.event("picture", object=name, path=str(written)),
+        request.map_picture,
+        tell_map,
+    )
 
 
 @contextmanager
@@ -146,13 +159,23 @@ def summary_of(title: str, spec: BakeSpec, result: BakeResult) -> str:
     clamped = f", {result.clamped} values clamped to what the file holds" if result.clamped else ""
     return (
         f"{title}: {layout.width} x {layout.height} texels{cells}{density}"
-        f"{stored} at {spec.samples} spp, {result.covered_texels} texels covered, {result.paths:,} paths "
-        f"on {result.device} in {seconds:.1f} s, {size}{clamped}"
+        f"{stored} at {spec.samples} spp, {result.covered_texels} texels covered{_map_of(result)}, "
+        f"{result.paths:,} paths on {result.device} in {seconds:.1f} s, {size}{clamped}"
     )
+
+
+def _map_of(result: BakeResult) -> str:
+    """How much of the atlas the islands cover, as far as the sidecar tells."""
+    bake = read_facts(result.files.sidecar).values
+    if "islands" not in bake or "coverage" not in bake:
+        return ""
+    islands = "1 island" if bake["islands"] == 1 else f"{bake['islands']} islands"
+    return f" ({islands} on {bake['coverage']:.0%} of the atlas)"
 
 
 def facts_of(spec: BakeSpec, result: BakeResult, others: list[Path]) -> dict[str, object]:
     """The facts of a finished bake, for programs; `others` are files in addition to the bake's own."""
+    bake = read_facts(result.files.sidecar).values
     return {
         "files": [str(path) for path in (*result.files.all, *others)],
         "layout": str(spec.layout),
@@ -163,7 +186,7 @@ def facts_of(spec: BakeSpec, result: BakeResult, others: list[Path]) -> dict[str
         "texels": [result.layout.width, result.layout.height],
         "bucket": result.layout.bucket,
         "covered_texels": None if result.was_finished else result.covered_texels,
-        "islands": result.islands,
+        **{key: bake.get(key) for key in ("islands", "coverage", "wasteful")},
         "texel_density": result.density,
         "paths": None if result.was_finished else result.paths,
         "device": result.device,

@@ -78,6 +78,7 @@ def read_order(request: WorkRequest) -> Request | ExportRequest | CompareRequest
 
 def _bake(facts: Facts, request: WorkRequest) -> Request:
     name, spec = facts.text("name"), spec_in(facts.inner("spec"))
+    picture = _path(facts, "picture")
     return Request(
         bakes=BakeRequest(
             objects=spec.objects or (name,),
@@ -89,7 +90,8 @@ def _bake(facts: Facts, request: WorkRequest) -> Request:
             resume=facts.truth("resume"),
             exports=tuple(map(Target, facts.choices("exports", tuple(Target)))),
         ),
-        thumbnail=_path(facts, "picture"),
+        thumbnail=picture,
+        map_picture=None if picture is None else picture.with_suffix(".map.png"),
         **_of_scene(facts, request),
     )
 

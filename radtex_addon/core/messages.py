@@ -52,6 +52,7 @@ class Setting(StrEnum):
     SEED = "seed"
     SHEET = "size of pictures"
     SPLIT = "split"
+    TEXELS = "texels"
     TOGETHER = "name of the atlas"
     UNWRAP = "unwrap"
     UV = "UV layer"

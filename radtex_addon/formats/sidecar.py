@@ -86,7 +86,8 @@ class Sidecar:
     atlas, `object_name` is the atlas's name. Anything farther than the `ao_distance` does not occlude. If
     `texel_samples` (`formats.sample_counts`) is given, `samples` is its smallest number. The UV layer has so
     many `islands`, which cover a share of the atlas, the `coverage`; both are None if unknown. The
-    `texel_density` is given if the atlas's size follows from a density.
+    `texel_density` is given if the atlas's size follows from a density. `wasteful` says why the map wastes
+    its atlas, to go on after "the map …", and is empty if it does not.
     """
 
     object_name: str
@@ -115,6 +116,7 @@ class Sidecar:
     islands: int | None = None
     coverage: float | None = None
     texel_density: TexelDensity | None = None
+    wasteful: str = ""
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -165,6 +167,7 @@ class Sidecar:
             "islands": self.islands,
             "coverage": self.coverage,
             "texel_density": density and {"asked": density.asked, "reached": density.reached},
+            "wasteful": self.wasteful or None,
             "content": content and {"collection": content.collection, "objects": list(content.objects)},
         }
         facts |= {key: value for key, value in optional.items() if value is not None}
@@ -216,6 +219,7 @@ class Sidecar:
             islands=facts.whole_number("islands", 0) if "islands" in facts.values else None,
             coverage=facts.number("coverage") if "coverage" in facts.values else None,
             texel_density=density_in(facts),
+            wasteful=facts.text("wasteful") if "wasteful" in facts.values else "",
         )
 
 

@@ -34,8 +34,9 @@ from ..formats.sidecar_file import read_facts
 from ..forms import form_for
 from ..forms.bake_job import BakeJob
 from ..forms.outcome import Outcome
+from ..prepare.map_checks import wasteful_map
 from ..prepare.prepared import Prepared, prepare
-from ..prepare.unwrapping import Unwraps
+from ..prepare.unwrapping import COUNTED, Unwraps
 from ..scene.at_frame import at_frame
 from ..scene.camera_place import find_camera_place
 from ..scene.lights.lamps import light_only
@@ -287,10 +288,12 @@ def bake_unchecked(
     thumbnail: Thumbnail | None = None,
     unwraps: Unwraps | None = None,
     baker: Baker | None = None,
+    warns: bool = True,
 ) -> Generator[Progress, None, Baked]:
     """Bake as `bake_steps` does, but without checks, preview and exports; the caller removes the baked mesh.
 
-    A `baker` replaces that of the specification's form, to make something else of the prepared objects.
+    A `baker` replaces that of the specification's form, to make something else of the prepared objects. It
+    `warns` of a UV map that wastes its atlas.
     """
     kept: list[bpy.types.ID] = []
     with (
@@ -311,6 +314,10 @@ def bake_unchecked(
         if spec.density is not None:
             spec = prepared.sized(spec)
             check_memory(spec)
+        if warns:
+            _warn_of_map(prepared, spec)
+        if thumbnail is not None and len(prepared.surface.triangles) <= COUNTED:
+            thumbnail.draw_map(prepared.uv_map)
         if prepared.source is not None:
             show_content_only(scratch, prepared.original, EVERYTHING)
         if spec.cage is not None:
@@ -321,6 +328,12 @@ def bake_unchecked(
             outcome = yield from watch.over(bake(job))
     made = BakeOutput.by(outcome, files, device, prepared.islands, prepared.density)
     return Baked(made, prepared, spec)
+
+
+def _warn_of_map(prepared: Prepared, spec: BakeSpec) -> None:
+    warning = wasteful_map(prepared.name, prepared.wasteful, prepared.uv_layer, spec)
+    if warning is not None:
+        log.warning(warning)
 
 
 @contextmanager

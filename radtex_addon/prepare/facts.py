@@ -23,6 +23,7 @@ def facts_of(
     islands: int | None = None,
     coverage: float | None = None,
     texel_density: TexelDensity | None = None,
+    wasteful: str = "",
 ) -> Sidecar:
     """The sidecar's facts about a bake called `name` with `width` x `height` texels."""
     return Sidecar(
@@ -46,4 +47,5 @@ def facts_of(
         islands=islands,
         coverage=coverage,
         texel_density=texel_density,
+        wasteful=wasteful,
     )

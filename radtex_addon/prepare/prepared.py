@@ -25,11 +25,12 @@ from ..bake.spec import BakeSpec
 from ..bake.texel_density import capped_warning
 from ..core.arrays import Bools, Floats, Ints
 from ..core.inset import inset
-from ..core.islands import signed_areas, surface_areas
+from ..core.islands import surface_areas
 from ..core.ray_offset import ray_offset
 from ..core.seams import Seams, beyond_seams
 from ..core.surface import SurfaceMesh
 from ..core.texel_map import TexelMap, rasterise
+from ..core.uv_map import UvMap
 from ..cycles.find_hidden import find_hidden
 from ..formats import sidecar
 from ..scene.digests import matrix_digest, mesh_digest, scene_digests
@@ -43,6 +44,7 @@ from ..scene.mesh.together import joined_surface
 from ..scene.units import metres_per_unit
 from .detailed import Detailed, read_detailed
 from .facts import facts_of
+from .map_checks import why_wasteful
 from .twins import all_with_twins, chosen_with_twins, find_two_sided, single_copy
 from .unwrapping import AtlasPart, Unwrapped, Unwraps, shapes_at, unwrap_surfaces
 
@@ -77,13 +79,13 @@ class Prepared:
     """The baked copies, `pieces`, and their `surface` that an atlas called `name` covers.
 
     The atlas has `width` x `height` texels on the meshes' `uv_layer`, whose `islands`, so many, cover a share
-    of it, the `coverage`; their number is None where it was not counted. The `digest` is of shapes and UVs,
-    whatever the objects' matrices. The `density` is given if the size follows from one. If an object is
-    split, the surface is only one `part` of its `parts`.
-    `counts` is the number of each piece's triangles in the surface, in which the pieces follow each other.
-    With a `source`, the points to capture lie on that, the `detailed` object; its mesh `shown`, which renders
-    as it does, is made for forms by paths alone. `chosen` (F,) marks the surface's triangles that the
-    specification selects, None if it selects none.
+    of it, the `coverage`; their number is None where it was not counted. `wasteful` says why the map wastes
+    its atlas, "" if it does not. The `digest` is of shapes and UVs, whatever the objects' matrices. The
+    `density` is given if the size follows from one. If an object is split, the surface is only one `part` of
+    its `parts`. `counts` is the number of each piece's triangles in the surface, in which the pieces follow
+    each other. With a `source`, the points to capture lie on that, the `detailed` object; its mesh `shown`,
+    which renders as it does, is made for forms by paths alone. `chosen` (F,) marks the surface's triangles
+    that the specification selects, None if it selects none.
     """
 
     name: str
@@ -94,6 +96,7 @@ class Prepared:
     height: int
     islands: int | None
     coverage: float
+    wasteful: str
     digest: str
     density: sidecar.TexelDensity | None = None
     part: sidecar.Part | None = None
@@ -118,6 +121,11 @@ class Prepared:
     def matrix_world(self) -> Floats:
         """The object's matrix, (4, 4), the first of several."""
         return self.pieces[0].matrix_world
+
+    @property
+    def uv_map(self) -> UvMap:
+        """The surface's map on the atlas."""
+        return UvMap.of_surface(self.surface, self.width, self.height)
 
     @property
     def rendered(self) -> tuple[tuple[bpy.types.Object, bpy.types.Mesh], ...]:
@@ -154,6 +162,7 @@ class Prepared:
             islands=self.islands,
             coverage=self.coverage,
             texel_density=self.density,
+            wasteful=self.wasteful,
         )
 
     def sized(self, spec: BakeSpec) -> BakeSpec:
@@ -304,7 +313,7 @@ def _joined(
         write_material_numbers([piece.mesh for piece in pieces], numbers)
         surfaces = [replace(one, material=each) for one, each in zip(surfaces, numbers, strict=True)]
     surface = joined_surface(surfaces, part.faces)
-    coverage = float(np.abs(signed_areas(surface.uv.astype(np.float64))).sum())
+    uv_map = UvMap.of_surface(surface, part.width, part.height)
     return Prepared(
         name=name,
         pieces=tuple(pieces),
@@ -313,9 +322,10 @@ def _joined(
         width=part.width,
         height=part.height,
         islands=part.islands,
-        coverage=round(coverage, 4),
+        coverage=round(uv_map.coverage, 4),
+        wasteful=why_wasteful(uv_map),
         digest=_digest(evaluated, unwrapped),
-        density=_density(name, surface, part, coverage, spec, metres),
+        density=_density(name, surface, part, uv_map.coverage, spec, metres),
         counts=tuple(int(np.count_nonzero(faces)) for faces in part.faces),
         part=None if spec.split is None else sidecar.Part(spec.split, part.name, index),
         parts=() if spec.split is None else tuple(each.name for each in unwrapped.parts),

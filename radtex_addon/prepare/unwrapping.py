@@ -37,7 +37,7 @@ log = logging.getLogger(__name__)
 Unwraps: TypeAlias = dict[str, Arrays]  # a cache: the key is made of the meshes' digests and the settings
 
 _UNWRAP = "unwrap"  # a piece's name
-_COUNTED = 1_000_000  # triangles whose islands are counted in a second or two
+COUNTED = 1_000_000  # triangles whose islands are counted in a second or two
 _WHOLE = ""  # the name of the only part if nothing is split
 
 
@@ -222,7 +222,7 @@ def _own_layer(meshes: Sequence[EvaluatedMesh], spec: BakeSpec, metres: float) -
 
 def _counted(meshes: Sequence[EvaluatedMesh], uvs: Sequence[Floats], faces: Sequence[Bools]) -> int | None:
     """How many islands the UV coordinates of these faces have; None where counting would take long."""
-    if sum(np.count_nonzero(some) for some in faces) > _COUNTED:
+    if sum(np.count_nonzero(some) for some in faces) > COUNTED:
         return None
     return sum(
         int(uv_islands(weld(mesh.position)[mesh.triangles[some]], uv[some]).max()) + 1

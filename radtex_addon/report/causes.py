@@ -112,7 +112,8 @@ def _judge_again(
     about = _ABOUT[cause]
     with temporary_folder() as folder, new_data_removed():
         files = OutputFiles.of(name, spec, folder, preview=False)
-        baked = yield from steps_of(bake_unchecked(scene, name, spec, files, None, Stopwatch()), about)
+        steps = bake_unchecked(scene, name, spec, files, None, Stopwatch(), warns=False)
+        baked = yield from steps_of(steps, about)
         prepared = baked.prepared
         surface = BakedSurface(prepared.mesh, prepared.matrix_world, prepared.uv_layer)
         yield Step(Task.COMPARE, 0, 1, about)

@@ -16,6 +16,7 @@ from .operators.job_operators import (
     RADTEX_OT_cancel,
     RADTEX_OT_cancel_here,
     RADTEX_OT_clear_jobs,
+    RADTEX_OT_fold_map,
     RADTEX_OT_open_folder,
 )
 from .panel import finished_panel, forecast, panel_state
@@ -38,6 +39,7 @@ CLASSES = (
     RADTEX_OT_cancel,
     RADTEX_OT_cancel_here,
     RADTEX_OT_clear_jobs,
+    RADTEX_OT_fold_map,
     RADTEX_OT_open_folder,
     RADTEX_OT_preset_add,
     RADTEX_OT_preset_apply,

@@ -27,13 +27,23 @@ class State(StrEnum):
 
 
 @dataclass(frozen=True)
+class JobMap:
+    """The UV map that is baked on: its `picture`, how many `islands` it has, and its `coverage`, 0 to 1."""
+
+    picture: Path
+    islands: int
+    coverage: float
+
+
+@dataclass(frozen=True)
 class Job:
     """An order in the queue, and its state.
 
     `stage` is None until the worker reports one. `fraction` of the work that is done, 0 to 1, never
     decreases. `seconds_left` is an estimate, None while there is none. `message` is one line: the result, or
-    why the job failed. `picture` is the latest picture of what is done so far. `files` and `facts` are what
-    the worker reported when it was done.
+    why the job failed. `picture` is the latest picture of what is done so far, `map` the UV map of a bake;
+    the worker's folder has the pictures while it runs. `files` and `facts` are what the worker reported when
+    it was done.
     """
 
     number: int
@@ -46,6 +56,7 @@ class Job:
     message: Message = _NOTHING
     warnings: tuple[Message, ...] = ()
     picture: Path | None = None
+    map: JobMap | None = None
     files: tuple[Path, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
 
@@ -78,6 +89,9 @@ class Job:
                 return replace(self, warnings=(*self.warnings, Message.of_facts(event)))
             case "picture":
                 return replace(self, picture=Path(event["path"]))
+            case "map":
+                made = JobMap(Path(event["path"]), int(event["islands"]), float(event["coverage"]))
+                return replace(self, map=made)
             case "done":
                 files = tuple(Path(path) for path in event["files"])
                 return replace(self, files=files, message=Message(str(event["summary"])), facts=event)

@@ -55,7 +55,7 @@ def order_bake(
 ) -> Order:
     """A bake of the object `name`, or of `spec.objects` by that name, as in `job.bake_steps`.
 
-    What is done so far is shown in the file `picture`, a PNG.
+    What is done so far is shown in the file `picture`, a PNG, and the UV map beside it, in a `.map.png`.
     """
     return Order(
         work=Work.BAKE,

@@ -125,7 +125,7 @@ def test_all_else_about_a_bake_arrives(tmp_path: Path) -> None:
     bakes = request.bakes
     assert (bakes.preview, bakes.overwrite, bakes.resume) == (Filter.NEAREST, True, True)
     assert bakes.exports == targets
-    assert request.thumbnail == FOLDER / "a.png"
+    assert (request.thumbnail, request.map_picture) == (FOLDER / "a.png", FOLDER / "a.map.png")
     assert request.unsaved_images == FOLDER / "images"
 
 

@@ -205,6 +205,12 @@ def test_a_frame_and_a_source_come_back_and_are_not_told_where_there_are_none() 
     assert {"source", "frame"}.isdisjoint(json.loads(SIDECAR.to_json()))
 
 
+def test_what_is_known_of_the_map_comes_back() -> None:
+    known = replace(SIDECAR, islands=41, coverage=0.08, wasteful="covers only 8% of 64 x 32 texels")
+    assert Sidecar.from_json(known.to_json()) == known
+    assert not {"islands", "coverage", "wasteful"} & json.loads(SIDECAR.to_json()).keys()
+
+
 def test_how_far_ambient_rays_looked_comes_back() -> None:
     near = replace(SIDECAR, kind="ao", ao_distance=0.25)
     assert Sidecar.from_json(near.to_json()) == near

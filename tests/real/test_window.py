@@ -15,6 +15,9 @@ from tests.real.panel import LONG, SHORT, choose, press, preview, wait_for, wait
 from tests.real.window import Window, changed
 
 SECONDS_TO_RENDER = 12
+LINE = 180  # pixels from the sidebar's right edge to the beginning of a job's lines
+AWAY = 500, 600  # a place in the 3D view
+JOB = 1030, 480, 1290, 812  # the sidebar where the panel lists jobs
 
 
 def test_the_zip_installs(window: Window) -> None:
@@ -44,6 +47,19 @@ def test_the_button_bakes_by_a_click(window: Window) -> None:
     assert fractions == sorted(fractions)
     assert min(changed(before, during), changed(during, after)) > 0.005
     assert window.value("room.changes('before')") == []
+
+
+def test_the_map_unfolds_by_a_click_and_folds_by_another(window: Window) -> None:
+    window.point(*AWAY)
+    folded = window.picture("folded")
+    line = window.find("radtex.fold_map(", right=LINE)
+    window.click(*line)
+    window.point(*AWAY)
+    unfolded = window.shot("map", JOB)
+    assert changed(folded, unfolded) > 0.01
+    window.click(*line)
+    window.point(*AWAY)
+    assert changed(folded, window.picture("folded again")) < 0.001
 
 
 def test_the_window_stays_alive_during_a_long_bake(window: Window) -> None:

@@ -145,11 +145,14 @@ class Window:
         with PIL.Image.open(path) as opened_picture:
             return opened_picture.convert("RGB")
 
-    def shot(self, name: str) -> PIL.Image.Image:
-        """The same, kept with the figures, in 256 colours, where those are wanted."""
+    def shot(self, name: str, box: tuple[int, int, int, int] | None = None) -> PIL.Image.Image:
+        """The same, kept with the figures, in 256 colours, where those are wanted; of that only the `box`.
+
+        The box is left, top, right and bottom in pixels.
+        """
         picture = self.picture(name)
         if _FIGURES:
-            picture.quantize(256).save(Path(_FIGURES, f"window-{name}.png"), optimize=True)
+            picture.crop(box).quantize(256).save(Path(_FIGURES, f"window-{name}.png"), optimize=True)
         return picture
 
     def said(self) -> str:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import IntProperty, StringProperty
 
-from ..jobs import jobs
+from ..jobs import jobs, pictures
 from ..panel.labels import remark
+from ..panel.redraw import redraw
 from .bake_lookup import place_of
 from .bake_operator import shown
 
@@ -84,6 +85,24 @@ class RADTEX_OT_clear_jobs(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         jobs.forget_ended()
+        return {"FINISHED"}
+
+
+class RADTEX_OT_fold_map(bpy.types.Operator):
+    """Show the map that is baked on: an island in one colour, darker where texels are denser. Or hide it"""
+
+    bl_idname = "radtex.fold_map"
+    bl_label = "Map"
+    bl_options = {"INTERNAL"}
+
+    if TYPE_CHECKING:
+        number: int
+    else:
+        number: IntProperty(name="Number", description="The job's number", min=1, options={"SKIP_SAVE"})
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        pictures.toggle_map(self.number)
+        redraw()
         return {"FINISHED"}
 
 

@@ -16,7 +16,7 @@ from .labels import duration, iface_, remark, stage
 from .main_panel import Sidebar
 
 if TYPE_CHECKING:
-    from ...worker.job import Job
+    from ...worker.job import Job, JobMap
 
 _ICONS = {
     "waiting": "SORTTIME",
@@ -76,9 +76,11 @@ def _draw_job(column: Any, job: Job) -> None:
     if not job.ended:
         row.operator("radtex.cancel", text="", icon="X").number = job.number
         column.progress(factor=job.fraction, text=phrase(job), translate=False)
-        if picture := pictures.icon(job):
-            column.template_icon(picture, scale=_PICTURE)
+        _draw_map(column, job, pictures.icon(job))
+        _draw_warnings(column, job)
         return
+    if job.map is not None:
+        _draw_map(column, job, 0)
     if job.state == "done":  # the icon shows the state, so no text
         _OFFERS[job.work](column, job)
     else:
@@ -88,6 +90,30 @@ def _draw_job(column: Any, job: Job) -> None:
             again.object, again.part, again.resume = job.object, job.order.part, True
     if job.state == "failed":
         draw_text(column, remark(job.message, job.out), "BLANK1")
+    _draw_warnings(column, job)
+
+
+def _draw_map(column: Any, job: Job, light: int) -> None:
+    """Draw the figures of the job's UV map, which unfold its picture, or the icon `light`, if any."""
+    if job.map is not None:
+        row = column.row(align=True)
+        row.alignment = "LEFT"
+        arrow = "DOWNARROW_HLT" if pictures.is_unfolded(job) else "RIGHTARROW"
+        fold = row.operator("radtex.fold_map", text=map_figures(job.map), icon=arrow, emboss=False)
+        fold.number = job.number
+    unfolded = pictures.unfolded_map(job)
+    if picture := light if unfolded is None else unfolded.icon_id:
+        column.template_icon(picture, scale=_PICTURE)
+
+
+def map_figures(found: JobMap) -> str:
+    """How many islands cover how much of the atlas, such as "41 islands cover 55 %"."""
+    if found.islands == 1:
+        return iface_("1 island covers {:.0%}").format(found.coverage)
+    return iface_("{} islands cover {:.0%}").format(found.islands, found.coverage)
+
+
+def _draw_warnings(column: Any, job: Job) -> None:
     for warning in job.warnings:
         draw_text(column, remark(warning, job.out), "INFO")
 

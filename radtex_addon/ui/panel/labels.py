@@ -49,6 +49,7 @@ LABELS = {
     Setting.RESUME: "Resume",
     Setting.SAVE_PREVIEW: "Preview",
     Setting.SPLIT: "Split",
+    Setting.TEXELS: "Texels",
     Setting.TOGETHER: "One Atlas",
     Setting.UNWRAP: "Unwrap",
     Setting.UV: "UV Layer",
