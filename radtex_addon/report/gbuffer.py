@@ -21,6 +21,7 @@ from mathutils.bvhtree import BVHTree
 from ..core.arrays import Ints
 from ..core.fragments import Fragments
 from ..core.frame import orthonormal_frame, to_frame
+from ..core.uv_map import UvMap
 from ..scene.mesh.backs import fronts, twin_numbers
 from ..scene.mesh.copy import NORMAL, SIGN, TANGENT, material_numbers
 from .metrics import Mask, Picture
@@ -158,6 +159,10 @@ class BakedSurface:
         )
         self.material = material_numbers(mesh)
         self.normal, self._tangent, self._sign, self.uv = normal, tangent, sign, uv
+
+    def uv_map(self, width: int, height: int) -> UvMap:
+        """The map of all triangles on an atlas of so many texels."""
+        return UvMap(self.place[self.corner], self.uv, width, height)
 
     def gbuffer(self, rays: Rays, blocked: Array) -> GBuffer:
         """The G-buffer of rays that meet the mesh before the distances (N,) where they are `blocked`."""

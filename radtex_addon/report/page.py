@@ -12,13 +12,15 @@ from html import escape
 
 import numpy as np
 
+from ..core.arrays import Floats
 from ..formats.containers.png import encode_png
 from ..formats.disk.memory import readable_size
 from ..job.variants import variant_of
 from .causes import Variant, first_change
 from .finished_bake import Finished
 from .judging import Judged, mean_energy, mean_flip, mean_psnr, verdict
-from .metrics import Figures, Picture, display
+from .map_pictures import MapPictures
+from .metrics import Figures, display
 from .sizes import ImageSize, gpu_bytes
 
 GAIN = 4  # the factor of the error pictures
@@ -54,6 +56,7 @@ class Contents:
     sizes: list[ImageSize]
     variants: Sequence[Variant] | None
     reference_samples: int
+    map: MapPictures
 
     @property
     def verdict(self) -> str:
@@ -70,6 +73,8 @@ def page(contents: Contents) -> str:
         _closeness(contents),
         "<h2>Pictures</h2>",
         *(_pictures(judged) for judged in contents.judged),
+        "<h2>Map</h2>",
+        _map(contents),
         "<h2>Size</h2>",
         _sizes(contents.sizes),
         "<h2>What the error comes from</h2>",
@@ -131,7 +136,30 @@ def _pictures(judged: Judged) -> str:
     return f"<figure>{''.join(images)}<figcaption>{caption}</figcaption></figure>"
 
 
-def _data(picture: Picture) -> str:
+def _map(contents: Contents) -> str:
+    found, bake = contents.map, contents.bake.sidecar
+    names = [judged.view.name for judged in contents.judged]
+    labels = ["the map", *(f"the checker, {name}" for name in names)]
+    images = [
+        f'<img alt="{label}" src="{_data(picture)}">'
+        for label, picture in zip(labels, (found.picture, *found.checkers), strict=False)
+    ]
+    islands = "1 island covers" if found.islands == 1 else f"{found.islands} islands cover"
+    told = (
+        f"{islands} {found.coverage:.0%} of {bake.width} × {bake.height} texels, "
+        f"with {found.density:.3g} texels to a unit of the surface on average."
+    )
+    wasteful = f" <strong>The map {escape(found.wasteful)}.</strong>" if found.wasteful else ""
+    texels = "a texel" if found.square == 1 else f"{found.square} × {found.square} texels"
+    caption = (
+        "The map: an island in one colour, darker where texels are denser than on average. On the object, a "
+        f"square is {texels}: small squares are dense texels, oblong ones are stretched, and a seam is where "
+        "the colour changes."
+    )
+    return f"<p>{told}{wasteful}</p><figure>{''.join(images)}<figcaption>{caption}</figcaption></figure>"
+
+
+def _data(picture: Floats) -> str:
     return "data:image/png;base64," + b64encode(encode_png(picture)).decode("ascii")
 
 

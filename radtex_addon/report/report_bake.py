@@ -24,6 +24,7 @@ from ..scene.units import metres_per_unit
 from .causes import bake_variants, first_change
 from .finished_bake import Finished, check_whole, object_of, read_bake
 from .judging import judge, mean_energy, mean_flip, mean_psnr, noise_floor
+from .map_pictures import map_pictures
 from .mesh import Found, find_mesh
 from .needs import check_judged
 from .page import Contents, page
@@ -32,6 +33,7 @@ from .report_progress import Step, Task
 from .sizes import gpu_bytes, sizes_of
 from .views import MOST_PIXELS, View, make_views
 
+_CHECKERS = 2  # views that also show the checker
 _LIMITS = {"views": (1, 64), "pixels": (16, MOST_PIXELS), "samples": (1, 2**24)}
 
 
@@ -109,6 +111,7 @@ def report_steps(
         found, views = yield from _look(scene, bake, spec)
         yield Step(Task.COMPARE, 0, 1)
         judged = judge(bake, found.surface, views)
+        pictures = map_pictures(found.surface, views[:_CHECKERS], bake.sidecar.width, bake.sidecar.height)
         variants = None
         if spec.variants:
             again = replace(bake.spec(spec.device), uv_layer=found.uv_layer, unwrap=found.unwrap)
@@ -116,7 +119,7 @@ def report_steps(
             variants = yield from bake_variants(scene, again, name, views, whole)
     yield Step(Task.PAGE, 0, 1)
     sizes = sizes_of(bake)
-    contents = Contents(bake, judged, noise_floor(judged), sizes, variants, spec.samples)
+    contents = Contents(bake, judged, noise_floor(judged), sizes, variants, spec.samples, pictures)
     with replacing_together(out) as beside:
         beside.write_text(page(contents), encoding="utf-8", newline="\n")
     return ReportResult(

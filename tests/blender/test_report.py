@@ -82,7 +82,9 @@ def test_a_ball_that_glows_evenly_is_as_it_should_be(layout: Layout, out: Path, 
     assert found.lost == {}
     assert found.page.name.endswith(".report.html")
     text = found.page.read_text(encoding="utf-8")
-    assert len(re.findall(r'src="data:image/png;base64,', text)) == 3 * QUICK.views
+    maps = 1 + QUICK.views  # the map, and the checker in each view
+    assert len(re.findall(r'src="data:image/png;base64,', text)) == 3 * QUICK.views + maps
+    assert re.search(r"<p>\d+ islands? covers? \d+% of \d+ × \d+ texels, with [\d.]+ texels to a unit", text)
     assert re.findall(r"(?:https?:)?//[a-z]", re.sub(r"base64,[^\"]*", "", text)) == []
     assert "&lt;b&gt;Ball &amp; Co" in text
     assert "<b>" not in text
