@@ -145,10 +145,10 @@ class BakedSurface:
         matrix = np.array(matrix_world, dtype=np.float64)
         self._matrix = matrix[:3, :3]
         self.place = _values(mesh.vertices, "co", 3) @ self._matrix.T + matrix[:3, 3]
-        self.corner = _values(mesh.loops, "vertex_index", 1).astype(np.int64).reshape(-1, 3)
+        self._corner = _values(mesh.loops, "vertex_index", 1).astype(np.int64).reshape(-1, 3)
         self._twin = twin_numbers(mesh)
         # twins come last, so that the others keep their indices
-        met = self.corner if self._twin is None else self.corner[fronts(self._twin)]
+        met = self._corner if self._twin is None else self._corner[fronts(self._twin)]
         tree = BVHTree.FromPolygons(self.place.tolist(), met.tolist(), all_triangles=True)
         self._tree = cast(BVHTree, tree)
         fields = {NORMAL: ("vector", 3), TANGENT: ("vector", 3), SIGN: ("value", 1), uv_layer: ("vector", 2)}
@@ -157,16 +157,16 @@ class BakedSurface:
             _values(attributes[name].data, field, width).reshape(-1, 3, width)
             for name, (field, width) in fields.items()
         )
-        self.material = material_numbers(mesh)
-        self.normal, self._tangent, self._sign, self.uv = normal, tangent, sign, uv
+        self._material = material_numbers(mesh)
+        self._normal, self._tangent, self._sign, self._uv = normal, tangent, sign, uv
 
     def uv_map(self, width: int, height: int) -> UvMap:
         """The map of all triangles on an atlas of so many texels."""
-        return UvMap(self.place[self.corner], self.uv, width, height)
+        return UvMap(self.place[self._corner], self._uv, width, height)
 
     def gbuffer(self, rays: Rays, blocked: Array) -> GBuffer:
         """The G-buffer of rays that meet the mesh before the distances (N,) where they are `blocked`."""
-        place, corner = self.place, self.corner
+        place, corner = self.place, self._corner
         near = self._around(rays)
         triangle = np.full(len(rays.away), -1, dtype=np.int64)
         origin = np.broadcast_to(rays.origin, rays.away.shape)
@@ -187,7 +187,7 @@ class BakedSurface:
         mirrored = -1.0 if np.linalg.det(self._matrix) < 0 else 1.0
         sign = np.sign(at_hits(self._sign)[:, 0]) * mirrored
         tangent, bitangent, normal = orthonormal_frame(
-            at_hits(self.normal) @ np.linalg.inv(self._matrix), at_hits(self._tangent) @ self._matrix.T, sign
+            at_hits(self._normal) @ np.linalg.inv(self._matrix), at_hits(self._tangent) @ self._matrix.T, sign
         )
         spread = _spreader(hit)
         return GBuffer(
@@ -198,16 +198,16 @@ class BakedSurface:
             tangent=spread(tangent),
             bitangent=spread(bitangent),
             sign=spread(sign[:, None])[:, 0],
-            uv=spread(at_hits(self.uv)),
+            uv=spread(at_hits(self._uv)),
             incoming=spread(-rays.away[hit]),
             triangle=triangle,
             barycentric=spread(weights),
-            material=np.where(hit, self.material[triangle], 0).astype(np.int32),
+            material=np.where(hit, self._material[triangle], 0).astype(np.int32),
         )
 
     def _facing(self, triangle: Indices, away: Array, twin: Ints) -> Indices:
         """Replace triangles (K,) that rays meet from behind by their twins, where they have one."""
-        first, second, third = self.place[self.corner[triangle]].transpose(1, 0, 2)
+        first, second, third = self.place[self._corner[triangle]].transpose(1, 0, 2)
         normal = np.cross(second - first, third - first)
         if np.linalg.det(self._matrix) < 0:
             normal = -normal

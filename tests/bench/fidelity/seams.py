@@ -8,8 +8,9 @@ A seam is an island's border across which the surface goes on: no sharp edge, th
 scene: the root of the mean squared error, of what a display shows, of pixels within a texel of a seam, that
 of pixels two texels from any border, and their ratio. Seams often lie where surfaces are hard to bake, in
 folds and clefts. So the same pixels are looked at in a bake on xatlas's unwrap, if they are two texels from
-its borders, too: the ratio there, and, last, how many times larger ours is. DIR gets a picture of each
-scene's worst place at a seam, path traced and ours, at 400 %.
+its borders, too: the ratio there, and how many times larger ours is. Last, the step across seams: by how
+much what a display shows differs between lookups on both sides of a seam, at one place and from one
+viewpoint. DIR gets a picture of each scene's worst place at a seam, path traced and ours, at 400 %.
 """
 
 from __future__ import annotations
@@ -27,12 +28,15 @@ from PIL import Image
 
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout, Unwrap
-from radtex_addon.core.arrays import Bools, Floats, Ints
-from radtex_addon.core.frame import normalised
+from radtex_addon.core.arrays import Floats, Ints
+from radtex_addon.core.fragments import Fragments
+from radtex_addon.core.frame import normalised, orthonormal_frame
 from radtex_addon.core.gutter import nearest_covered
-from radtex_addon.core.islands import split_corners, uv_islands, weld
+from radtex_addon.core.seams import Seams
+from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.forms.layered.fit.fitting import fit_layered
 from radtex_addon.forms.layered.fit.parts import ALL_PARTS
+from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, sample_layered
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer
 from radtex_addon.report.metrics import Mask, Picture, display
 
@@ -45,7 +49,8 @@ from .references import SUBSAMPLES, View, views
 from .scenes import Stage
 
 _FINE = 8  # places along a texel's side at which distances to seams are known
-_SMOOTH = math.cos(math.radians(45))  # of the angle between normals on both sides of an edge that is no seam
+_ALONG = 4  # places along an edge where both sides of a seam are compared
+_FACING = 0.2  # least cosine of the angle to the viewer there
 _AROUND, _ENLARGED = 40, 4  # pixels of a picture's side, and times
 
 
@@ -57,10 +62,13 @@ class Borders:
     any: Floats
 
     @classmethod
-    def of(cls, surface: BakedSurface, width: int, height: int) -> Borders:
-        ends, goes_on = _borders(surface)
+    def of(cls, surface: SurfaceMesh, width: int, height: int) -> Borders:
+        seams = Seams.of(surface)
+        flat = surface.uv.reshape(-1, 2).astype(np.float64)
+        border = np.flatnonzero((seams.beyond < 0) | seams.seam)
+        ends = np.stack([flat[border], flat[following(border)]], axis=1)
         size = width * _FINE, height * _FINE
-        return cls(_distance(ends[goes_on], size), _distance(ends, size))
+        return cls(_distance(ends[seams.seam[border]], size), _distance(ends, size))
 
     def at(self, distances: Floats, uv: Floats) -> Floats:
         """The distances at uv (N, 2): (N,)."""
@@ -70,34 +78,9 @@ class Borders:
         return found
 
 
-def _borders(surface: BakedSurface) -> tuple[Floats, Bools]:
-    """Ends of islands' borders in UV (E, 2, 2), and across which of them the surface goes on (E,)."""
-    place = weld(surface.place)[surface.corner]
-    uv, normal = surface.uv[..., :2].astype(np.float64), normalised(surface.normal.reshape(-1, 3))
-    number = split_corners(place, uv_islands(place, uv))
-    start = np.arange(place.size)
-    end = np.roll(start.reshape(-1, 3), -1, axis=1).ravel()
-
-    def edges(numbers: Ints) -> Ints:
-        return weld(np.sort(np.stack([numbers.ravel()[start], numbers.ravel()[end]], axis=1), axis=1))
-
-    inner = edges(number)
-    border = np.flatnonzero(np.bincount(inner)[inner] == 1)
-    on_surface = edges(place)[border]
-    order = np.argsort(on_surface, kind="stable")
-    border, on_surface = border[order], on_surface[order]
-    goes_on = np.zeros(len(border), dtype=bool)
-    paired = np.flatnonzero(on_surface[1:] == on_surface[:-1])
-    one, other = border[paired], border[paired + 1]
-    turned = place.ravel()[start[one]] != place.ravel()[start[other]]
-    first, last = np.where(turned, end[other], start[other]), np.where(turned, start[other], end[other])
-    smooth = (np.sum(normal[start[one]] * normal[first], axis=1) >= _SMOOTH) & (
-        np.sum(normal[end[one]] * normal[last], axis=1) >= _SMOOTH
-    )
-    smooth &= surface.material[one // 3] == surface.material[other // 3]
-    goes_on[paired] = goes_on[paired + 1] = smooth
-    flat = uv.reshape(-1, 2)
-    return np.stack([flat[start[border]], flat[end[border]]], axis=1), goes_on
+def following(edge: Ints) -> Ints:
+    """Numbers of the corners at which edges end, which are called by those at which they begin."""
+    return 3 * (edge // 3) + (edge + 1) % 3
 
 
 def _distance(ends: Floats, size: tuple[int, int]) -> Floats:
@@ -134,25 +117,79 @@ def main() -> None:
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     print(
-        "| scene | pixels at seams | error there | elsewhere | ratio | without seams | larger |", flush=True
+        "| scene | pixels at seams | error there | elsewhere | ratio | without seams | larger | step |",
+        flush=True,
     )
-    print("|---|---|---|---|---|---|---|")
+    print("|---|---|---|---|---|---|---|---|")
     for name, build in chosen_scenes(options).items():
         looked_from = views(build(), options.quick, options.tuning)
         spec = BakeSpec(layout=Layout.LAYERED, texels=options.texels, samples=options.samples)
-        seen = _baked_and_seen(build, spec, looked_from)
-        others = _baked_and_seen(build, replace(spec, unwrap=Unwrap.XATLAS), looked_from)
-        print(f"| {name} | {_row(seen, others)} |", flush=True)
+        seen, step = _baked_and_seen(build, spec, looked_from)
+        others, _ = _baked_and_seen(build, replace(spec, unwrap=Unwrap.XATLAS), looked_from)
+        print(f"| {name} | {_row(seen, others)} | {step:.4f} |", flush=True)
         worst = max(seen, key=lambda one: one.worst)
         if worst.worst > 0:
             worst.enlarged().save(options.out / f"seam-{name}.png")
 
 
-def _baked_and_seen(build: Callable[[], Stage], spec: BakeSpec, looked_from: list[View]) -> list[_Seen]:
+def _baked_and_seen(
+    build: Callable[[], Stage], spec: BakeSpec, looked_from: list[View]
+) -> tuple[list[_Seen], float]:
+    """What is seen of a bake, and the step across its seams."""
     with tempfile.TemporaryDirectory() as folder:
         staged = capture_staged(build(), spec, Path(folder))
-        baked = baked_of(finished(fit_layered(staged.captured.capture, ALL_PARTS)), staged)
-        return [_Seen.of(baked, staged, view) for view in looked_from]
+        atlas = finished(fit_layered(staged.captured.capture, ALL_PARTS))
+        baked = baked_of(atlas, staged)
+        seen = [_Seen.of(baked, staged, view) for view in looked_from]
+        return seen, _step(atlas, staged.prepared.surface, looked_from)
+
+
+def _step(atlas: LayeredAtlas, surface: SurfaceMesh, looked_from: list[View]) -> float:
+    """The root of the mean squared difference, of what a display shows, between both sides of all seams."""
+    seams = Seams.of(surface)
+    one = np.flatnonzero(seams.seam)
+    one = one[one < seams.beyond[one]]
+    other = seams.beyond[one]
+    spot = surface.corner_position.reshape(-1, 3).astype(np.float64)
+    turned = np.sum((spot[one] - spot[other]) ** 2, axis=1) > np.sum(
+        (spot[one] - spot[following(other)]) ** 2, axis=1
+    )
+    along = np.random.default_rng(1).random((_ALONG, len(one)))
+    length = np.tile(np.linalg.norm(spot[following(one)] - spot[one], axis=1), _ALONG)
+    squares, weights = 0.0, 0.0
+    for view in looked_from:
+        sides = (
+            _fragments(surface, edge, share, view.rays.origin)
+            for edge, share in ((one, along), (other, np.where(turned, 1 - along, along)))
+        )
+        mine, theirs = ((display(sample_layered(atlas, at).astype(np.float64)), at) for at in sides)
+        faces = np.sum(mine[1].viewer * mine[1].normal, axis=1) > _FACING
+        difference = ((mine[0] - theirs[0]) ** 2).mean(axis=1)
+        squares += float(np.sum((difference * length)[faces]))
+        weights += float(np.sum(length[faces]))
+    return math.sqrt(squares / weights) if weights else 0.0
+
+
+def _fragments(surface: SurfaceMesh, edge: Ints, along: Floats, viewer: Floats) -> Fragments:
+    """Places `along` (n, E), 0 to 1, the edges (E,), looked at from a place (3,)."""
+    share = along[..., None]
+
+    def mixed(corners: Floats, width: int) -> Floats:
+        flat = corners.reshape(-1, width).astype(np.float64)
+        found: Floats = ((1 - share) * flat[edge] + share * flat[following(edge)]).reshape(-1, width)
+        return found
+
+    position = mixed(surface.corner_position, 3)
+    sign = np.where(mixed(surface.sign, 1)[:, 0] < 0, -1.0, 1.0)
+    tangent, bitangent, normal = orthonormal_frame(
+        normalised(mixed(surface.normal, 3)), mixed(surface.tangent, 3), sign
+    )
+    fields = mixed(surface.uv, 2), normal, normalised(viewer - position), position
+    uv, normal, towards, position = (field.astype(np.float32) for field in fields)
+    material = np.tile(surface.material_numbers[edge // 3], len(along))
+    return Fragments(
+        uv, normal, towards, position, material, tangent.astype(np.float32), bitangent.astype(np.float32)
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +204,7 @@ class _Seen:
     @classmethod
     def of(cls, baked: Baked, staged: Staged, view: View) -> _Seen:
         surface = BakedSurface(baked.mesh, baked.matrix_world, baked.uv_layer)
-        borders = Borders.of(surface, staged.prepared.width, staged.prepared.height)
+        borders = Borders.of(staged.prepared.surface, staged.prepared.width, staged.prepared.height)
         buffer = surface.gbuffer(view.rays, view.blocked)
         light = seen_light(baked, surface, view.rays, view.blocked, buffer, view.behind)
         return cls(view.reference, buffer.resolve(light), *_masks(borders, buffer))
