@@ -76,7 +76,7 @@ def test_the_longer_side_is_what_was_asked_for(unwrap: Unwrap, texels: int) -> N
     assert done.utilisation <= 1
     area = np.abs(signed_areas(done.uv * [done.width, done.height])).sum()
     nominal = evaluated_area(evaluated) * done.density**2
-    assert nominal * (0.93 if texels > 300 else 0.6) < area < nominal  # sides lie on texels' centres
+    assert nominal * (0.93 if texels > 300 else 0.6) < area < 1.01 * nominal  # sides lie on texels' centres
     assert done.utilisation == pytest.approx(area / (done.width * done.height))
 
 

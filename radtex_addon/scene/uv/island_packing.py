@@ -22,7 +22,7 @@ class Packed:
     """`uv` (F, 3, 2) in texels, within `width` x `height`; `density` is in texels per scene unit.
 
     `island` (F,) numbers the `islands`, -1 for none: those that were too long for the atlas, or overlapped
-    themselves, were taken apart.
+    themselves, were taken apart. `loose` are the islands that have triangles as the library placed them.
     """
 
     uv: Floats
@@ -31,6 +31,7 @@ class Packed:
     width: int
     height: int
     density: float
+    loose: Placed
 
 
 def pack_islands(flat: FlatIslands, texels: int, padding: int, density: float | None) -> Steps[Packed]:
@@ -65,7 +66,7 @@ def pack_islands(flat: FlatIslands, texels: int, padding: int, density: float | 
     if density is None:
         width, height = (texels, height) if width >= height else (width, texels)
     exact = found.density / flat.unit if density is None else density
-    return Packed(placed, island, found.islands, width, height, exact)
+    return Packed(placed, island, found.islands, width, height, exact, found)
 
 
 def _on_centres(placed: Placed) -> Floats:
@@ -75,9 +76,7 @@ def _on_centres(placed: Placed) -> Floats:
     """
     some = placed.owner >= 0
     owner, uv = placed.owner[some], placed.uv[some]
-    low, high = np.full((placed.islands, 2), np.inf), np.full((placed.islands, 2), -np.inf)
-    np.minimum.at(low, owner, uv.min(axis=1))
-    np.maximum.at(high, owner, uv.max(axis=1))
+    low, high = boxes(uv, owner, placed.islands)
     first = np.floor(low + _ROUNDING) + 0.5
     last = np.maximum(np.ceil(high - _ROUNDING) - 0.5, first)
     narrow = last - first < 1  # a texel or less: as it is
@@ -86,3 +85,11 @@ def _on_centres(placed: Placed) -> Floats:
     moved = placed.uv.copy()
     moved[some] = (uv - low[owner][:, None]) * scale[owner][:, None] + start[owner][:, None]
     return moved
+
+
+def boxes(uv: Floats, owner: Ints, count: int) -> tuple[Floats, Floats]:
+    """Lower and upper corners of the islands' bounding boxes: (I, 2) both."""
+    low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
+    np.minimum.at(low, owner, uv.min(axis=1))
+    np.maximum.at(high, owner, uv.max(axis=1))
+    return low, high

@@ -32,6 +32,7 @@ from ..mesh.flatten import (
     islands_of,
     merge_flat,
 )
+from .closer_packing import packed_closer
 from .island_packing import Packed, pack_islands
 from .unwrap_options import UnwrapOptions, Unwrapped
 from .uvunwrap_job import check_uvunwrap
@@ -88,6 +89,8 @@ def unwrap_steps(
     start = time.perf_counter()
     if options.density is None:
         best = yield from _best(evaluated, texels, method, options)
+        closer = yield from packed_closer(best.packed, texels, options.padding)
+        best = replace(best, packed=closer)
     else:
         corners = evaluated.world_position[evaluated.triangles]
         about = about_side(float(surface_areas(corners).sum()), options.density)
