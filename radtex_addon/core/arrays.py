@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,6 +15,12 @@ from .errors import ShapeError
 Floats: TypeAlias = npt.NDArray[np.floating[Any]]
 Ints: TypeAlias = npt.NDArray[np.integer[Any]]
 Bools: TypeAlias = npt.NDArray[np.bool_]
+
+
+def blocks(count: int, most: int = 1 << 18) -> Iterator[slice]:
+    """Slices of at most so many rows, which cut `count` rows into blocks that need little memory each."""
+    for first in range(0, count, most):
+        yield slice(first, min(first + most, count))
 
 
 def as_floats(name: str, values: npt.ArrayLike, components: int) -> Floats:

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .arrays import Bools, Floats, Ints
+from .arrays import Bools, Floats, Ints, blocks
 from .errors import ShapeError
+from .sorted_keys import ranks
 
-ROWS_AT_ONCE = 1 << 20  # rows of triangles that the overlap raster holds in memory at a time
+ROWS_AT_ONCE = 1 << 18  # rows of triangles that the overlap raster holds in memory at a time
 EDGE_MARGIN = 1e-6  # in grid cells: a sample this close to an edge counts as inside neither triangle
 
 
@@ -31,13 +32,47 @@ class Overlap:
 
 
 def weld(rows: Floats | Ints) -> Ints:
-    """Label the rows of (N, C) so that equal rows get equal labels: (N,) int64; 0 and -0 are equal."""
+    """Label the rows of (N, C) so that equal rows get equal labels: (N,) int64; 0 and -0 are equal.
+
+    Labels 0, 1, … ascend with the rows' bytes, as stored by a little-endian machine.
+    """
     table: npt.NDArray[Any] = np.asarray(rows)
     if table.ndim != 2:
         raise ShapeError(f"weld: expected shape (N, C), got {table.shape}")
-    clean = np.ascontiguousarray(table + table.dtype.type(0))  # -0 + 0 is 0
-    keys = clean.view(np.dtype((np.void, clean.dtype.itemsize * clean.shape[1]))).ravel()
-    return np.unique(keys, return_inverse=True)[1].reshape(-1)
+    label = np.zeros(len(table), dtype=np.uint32)
+    for number in range(table.shape[1]):
+        column = _in_order_of_bytes(table[:, number])
+        label = column if number == 0 else ranks(label.astype(np.uint64) << np.uint64(32) | column)
+    if table.shape[1] == 1:
+        label = ranks(label.astype(np.uint64))
+    return label.astype(np.int64)
+
+
+def _in_order_of_bytes(column: npt.NDArray[Any]) -> npt.NDArray[np.uint32]:
+    """Numbers (N,), in the order of the values' bytes, of values (N,) of four or eight bytes."""
+    clean = np.ascontiguousarray(column + column.dtype.type(0))  # -0 + 0 is 0
+    if clean.dtype.itemsize == 4:
+        return clean.view(np.uint32).byteswap()
+    if clean.dtype.itemsize != 8:
+        raise ShapeError(f"weld: expected values of 4 or 8 bytes, got {clean.dtype}")
+    words = clean.view(np.uint64)
+    words.byteswap(inplace=True)
+    if np.bitwise_or.reduce(words).astype(np.uint32) == 0:  # whole numbers of 32 bits
+        return (words >> np.uint64(32)).astype(np.uint32)
+    return ranks(words)
+
+
+def first_and_index(labels: Ints) -> tuple[Ints, Ints]:
+    """Of labels (...), none below 0, where each first stands, (L,), and the labels without gaps, (...).
+
+    Both are flat, and as `np.unique` returns them as index and inverse; but nothing is sorted, so labels must
+    not be much larger than their count.
+    """
+    flat = labels.reshape(-1)
+    first = np.full(int(flat.max(initial=-1)) + 1, -1, dtype=np.int64)
+    first[flat[::-1]] = np.arange(len(flat) - 1, -1, -1)  # the last one that is written stays
+    there = first >= 0
+    return first[there], (np.cumsum(there) - 1)[flat]
 
 
 def split_corners(triangles: Ints, owner: Ints) -> Ints:
@@ -49,18 +84,31 @@ def components(pairs: Ints, count: int) -> Ints:
     """Connected components of `count` nodes joined by `pairs` (M, 2): (count,) labels 0, 1, … without gaps.
 
     Minimum labels spread along the pairs, with pointer jumping, until nothing changes: O(log count) sweeps.
+    A component's label is the number of components whose least node is less than its own.
     """
-    label = np.arange(count)
-    first, second = np.asarray(pairs, dtype=np.int64).reshape(-1, 2).T
+    small = np.int32 if count <= np.iinfo(np.int32).max else np.int64
+    label: Ints = np.arange(count, dtype=small)
+    first, second = np.asarray(pairs).reshape(-1, 2).T.astype(small)
+    while len(first):
+        one, other = label[first], label[second]
+        lowest = np.minimum(one, other)
+        np.minimum.at(label, one, lowest)
+        np.minimum.at(label, other, lowest)
+        label = _roots(label)
+        apart = np.flatnonzero(label[first] != label[second])
+        first, second = first[apart], second[apart]
+    number = np.cumsum(label == np.arange(count, dtype=small), dtype=np.int64) - 1
+    found: Ints = number[label]
+    return found
+
+
+def _roots(label: Ints) -> Ints:
+    """Follow labels (N,), each at most its own index, to those that label themselves."""
     while True:
-        lowest = np.minimum(label[first], label[second])
-        spread = label.copy()
-        np.minimum.at(spread, label[first], lowest)
-        np.minimum.at(spread, label[second], lowest)
-        spread = np.minimum(spread, spread[spread])
-        if np.array_equal(spread, label):
-            return np.unique(label, return_inverse=True)[1].reshape(-1)
-        label = spread
+        following = label[label]
+        if np.array_equal(following, label):
+            return following
+        label = following
 
 
 def triangle_islands(corners: Ints) -> Ints:
@@ -105,8 +153,19 @@ def signed_areas(uv: Floats) -> Floats:
 
 def surface_areas(corners: Floats) -> Floats:
     """Areas of triangles in space, corners (F, 3, 3): (F,)."""
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas: Floats = 0.5 * np.sqrt(np.sum(cross * cross, axis=-1))
+    areas = np.empty(len(corners), dtype=corners.dtype)
+    for some in blocks(len(corners)):
+        a, b, c = corners[some].transpose(1, 0, 2)
+        cross = np.cross(b - a, c - a)
+        areas[some] = 0.5 * np.sqrt(np.sum(cross * cross, axis=-1))
+    return areas
+
+
+def areas_on_surface(position: Floats, triangles: Ints) -> Floats:
+    """Areas of triangles (F, 3) with vertices at `position` (V, 3): (F,) float64."""
+    areas = np.empty(len(triangles))
+    for some in blocks(len(triangles)):
+        areas[some] = surface_areas(position[triangles[some]].astype(np.float64))
     return areas
 
 
@@ -129,18 +188,21 @@ def coverage_depth(uv: Floats, resolution: int) -> Ints:
     Points lie at the centres of a grid over the unit square, row 0 at the bottom. Each triangle adds one
     span to each row that it crosses.
     """
-    grid = np.asarray(uv, dtype=np.float64) * resolution - 0.5  # sample points have whole coordinates
     steps = np.zeros((resolution, resolution + 1), dtype=np.int32)
-    low = np.clip(np.ceil(grid[..., 1].min(axis=1)), 0, resolution).astype(np.int64)
-    high = np.clip(np.floor(grid[..., 1].max(axis=1)), -1, resolution - 1).astype(np.int64)
-    rows = np.maximum(high - low + 1, 0)
-    ends = np.cumsum(rows)
-    start = 0
-    while start < len(rows):
-        base = ends[start] - rows[start]
-        stop = max(int(np.searchsorted(ends, base + ROWS_AT_ONCE, side="right")), start + 1)
-        _add_spans(steps, grid[start:stop], low[start:stop], rows[start:stop])
-        start = stop
+    for some in blocks(len(uv)):
+        grid = (
+            np.asarray(uv[some], dtype=np.float64) * resolution - 0.5
+        )  # sample points have whole coordinates
+        low = np.clip(np.ceil(grid[..., 1].min(axis=1)), 0, resolution).astype(np.int64)
+        high = np.clip(np.floor(grid[..., 1].max(axis=1)), -1, resolution - 1).astype(np.int64)
+        rows = np.maximum(high - low + 1, 0)
+        ends = np.cumsum(rows)
+        start = 0
+        while start < len(rows):
+            base = ends[start] - rows[start]
+            stop = max(int(np.searchsorted(ends, base + ROWS_AT_ONCE, side="right")), start + 1)
+            _add_spans(steps, grid[start:stop], low[start:stop], rows[start:stop])
+            start = stop
     return np.cumsum(steps[:, :-1], axis=1, dtype=np.int32)
 
 

@@ -23,8 +23,8 @@ def patches(vertex: Ints, place: Floats, most: int) -> Iterator[tuple[Ints, Ints
     close.
     """
     order = np.argsort(_along_a_curve(place), kind="stable")
-    corner = np.argsort(vertex, axis=None, kind="stable")
-    around, start = corner // 3, np.concatenate([[0], np.cumsum(np.bincount(vertex.ravel()))])
+    around = (np.argsort(vertex, axis=None, kind="stable") // 3).astype(np.int32)
+    start = np.concatenate([[0], np.cumsum(np.bincount(vertex.ravel()))])
     left = np.array_split(order, max(1, -(-len(order) // max(1, 3 * most // 4))))[::-1]
     while left:
         piece = left.pop()
@@ -43,8 +43,8 @@ def _along_a_curve(place: Floats) -> Ints:
     """Morton number (Z-order) of each position (F, 3): (F,), mostly similar for neighbours in space."""
     low, high = place.min(axis=0, initial=np.inf), place.max(axis=0, initial=-np.inf)
     size = np.maximum(high - low, 1e-30)
-    cell = np.minimum((place - low) / size * 2**_BITS, 2**_BITS - 1).astype(np.int64)
-    number: Ints = np.zeros(len(place), dtype=np.int64)
+    cell = np.minimum((place - low) / size * 2**_BITS, 2**_BITS - 1).astype(np.int32)
+    number: Ints = np.zeros(len(place), dtype=np.int32)
     for bit in range(_BITS):
         for axis in range(3):
             number = number | (((cell[:, axis] >> bit) & 1) << (3 * bit + axis))

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .arrays import Floats
+from .arrays import Floats, blocks
 
 _NOTHING = 1e-30  # lengths below count as 0
 
@@ -19,6 +19,13 @@ def stretches(corners: Floats, uv: Floats) -> Floats:
     Gortler and Hoppe, "Texture Mapping Progressive Meshes" (2001), section 3. Of a triangle without area in
     space they are not meaningful, but finite.
     """
+    found = np.empty((len(corners), 2))
+    for some in blocks(len(corners)):
+        found[some] = _stretches(corners[some], uv[some])
+    return found
+
+
+def _stretches(corners: Floats, uv: Floats) -> Floats:
     one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     length = np.maximum(np.linalg.norm(one, axis=1), _NOTHING)
     along = one / length[:, None]
