@@ -5,10 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import closing
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeAlias, TypeVar
+
+_PULSE = 0.1  # seconds between two reports of work in a thread
 
 _Result = TypeVar("_Result")
 _Step = TypeVar("_Step")
@@ -50,6 +53,18 @@ def finished(steps: Generator[object, None, _Result]) -> _Result:
         except StopIteration as stop:
             result: _Result = stop.value
             return result
+
+
+def in_a_thread(work: Callable[[], _Result], told: Progress) -> Steps[_Result]:
+    """Let a thread `work`, which must not touch Blender, yield `told` until it is done, return its result.
+
+    Closing this waits for the thread: NumPy cannot be interrupted.
+    """
+    with ThreadPoolExecutor(1) as pool:
+        result = pool.submit(work)
+        while not wait([result], _PULSE).done:
+            yield told
+        return result.result()
 
 
 def relayed(

@@ -5,10 +5,12 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from threading import Event, Timer
 
 import pytest
 
-from radtex_addon.bake.progress import Progress, Stage, relayed
+from radtex_addon.bake.progress import Progress, Stage, finished, in_a_thread, relayed
+from radtex_addon.core.errors import InputError
 
 
 def three(ended: list[str]) -> Generator[Progress, None, str]:
@@ -39,3 +41,31 @@ def test_the_inner_steps_are_closed_with_the_outer() -> None:
     assert ended == []
     steps.close()
     assert ended == ["ended"]
+
+
+def test_a_thread_works_while_its_progress_is_told() -> None:
+    """As often as it takes; what it raises is raised here, and closing waits for it."""
+    told, go, done = Progress(Stage.UNWRAP, 3, 10), Event(), Event()
+
+    def work() -> int:
+        go.wait()
+        done.set()
+        return 7
+
+    steps = in_a_thread(work, told)
+    assert [next(steps), next(steps)] == [told, told]
+    go.set()
+    assert finished(steps) == 7
+    go.clear()
+    done.clear()
+    steps = in_a_thread(work, told)
+    next(steps)
+    Timer(0.05, go.set).start()
+    steps.close()
+    assert done.is_set()
+
+    def failing() -> int:
+        raise InputError("no area")
+
+    with pytest.raises(InputError, match="no area"):
+        finished(in_a_thread(failing, told))
