@@ -32,7 +32,7 @@ def inset(texels: TexelMap, surface: SurfaceMesh, distance: float | Floats) -> T
     points, triangle = position.reshape(-1, 3), texels.triangle.ravel()
     for start in range(0, len(covered), _CHUNK):
         texel = covered[start : start + _CHUNK]
-        corner = surface.corner_position[triangle[texel]].astype(np.float64)
+        corner = surface.position[surface.triangles[triangle[texel]]].astype(np.float64)
         weight, least = _weights(points[texel].astype(np.float64), corner, distances[triangle[texel]])
         near = np.flatnonzero((weight < least).any(axis=1))
         points[texel[near]] = np.einsum("kc,kcx->kx", _at_least(weight[near], least[near]), corner[near])

@@ -12,12 +12,13 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from ...core.arrays import Floats, Ints
+from ...bake.progress import Steps, finished
+from ...core.arrays import Floats, Ints, blocks
 from ...core.errors import ShapeError
 from ...core.frame import DEGENERATE, fallback_tangent, normalised
 from ...core.surface import SurfaceMesh
 from .evaluated import ATTRIBUTE_LAYOUT, EvaluatedMesh, MeshAttribute
-from .tangents import calc_tangents
+from .tangents import calc_tangents_steps
 
 UV_LAYER = "RadTex"
 NORMAL, TANGENT, SIGN = "radtex_normal", "radtex_tangent", "radtex_sign"  # on corners, in object space
@@ -27,14 +28,19 @@ MATRIX = "radtex_matrix_world"  # of the mesh: the object's matrix at the bake, 
 
 
 def baked_mesh(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> bpy.types.Mesh:
+    """`baked_mesh_steps`, without progress."""
+    return finished(baked_mesh_steps(evaluated, uv, layer))
+
+
+def baked_mesh_steps(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> Steps[bpy.types.Mesh]:
     """Make the baked copy's mesh, with `uv` (F, 3, 2) as its active UV layer called `layer`.
 
     It carries the UV layers, colours and other attributes of the evaluated mesh, its materials and its
     normals, and for shaders, on corners in object space: `radtex_normal` (exactly Cycles's shading
     normal), `radtex_tangent` (MikkTSpace's of that layer, unit; `fallback_tangent` where the layer has
     no direction) and `radtex_sign` of the bitangent; on faces, where there are several materials,
-    `radtex_material`. Its custom property MATRIX is the object's matrix. Raises ShapeError where uv does not
-    fit the triangles.
+    `radtex_material`. Its custom property MATRIX is the object's matrix. Yields progress. Raises ShapeError
+    where uv does not fit the triangles.
     """
     count = len(evaluated.triangles)
     if uv.shape != (count, 3, 2):
@@ -51,7 +57,7 @@ def baked_mesh(evaluated: EvaluatedMesh, uv: Floats, layer: str = UV_LAYER) -> b
         write_face_numbers(mesh, MATERIAL, evaluated.material_index)
     _write(mesh, MeshAttribute(layer, "CORNER", "FLOAT2", uv))
     _choose_active(mesh, evaluated, layer)
-    _write_frame(mesh, evaluated, uv)
+    yield from _write_frame(mesh, evaluated, uv)
     cast(Any, mesh)[MATRIX] = evaluated.matrix_world.ravel().tolist()
     return mesh
 
@@ -85,24 +91,30 @@ def copy_object(original: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.O
 
 
 def surface_mesh(evaluated: EvaluatedMesh, mesh: bpy.types.Mesh, layer: str = UV_LAYER) -> SurfaceMesh:
-    """The baked copy's `mesh` as arrays in world space; positions and directions float64.
+    """The baked copy's `mesh` as arrays in world space; positions float64, directions float32.
 
     Normals are transformed by the inverse transpose of the object's matrix, tangents by the matrix; a
     negative determinant negates the sign, so that sign * cross(N, T) points towards larger v. A mirroring
     matrix also reverses the triangles' winding.
     """
-    normal = _corners(mesh, NORMAL).astype(np.float64)
-    tangent = _corners(mesh, TANGENT).astype(np.float64)
     matrix = evaluated.matrix_world[:3, :3]
     return SurfaceMesh(
         position=evaluated.world_position,
         triangles=evaluated.triangles,
-        normal=normal @ np.linalg.inv(matrix),
-        tangent=tangent @ matrix.T,
+        normal=_turned(_corners(mesh, NORMAL), np.linalg.inv(matrix)),
+        tangent=_turned(_corners(mesh, TANGENT), matrix.T),
         sign=_corners(mesh, SIGN)[..., 0] * (-1.0 if evaluated.mirrored else 1.0),
         uv=_corners(mesh, layer),
         material=evaluated.material_index.astype(np.int32),
     )
+
+
+def _turned(vectors: Floats, matrix: Floats) -> Floats:
+    """Vectors (F, 3, 3) times a matrix (3, 3), rounded to float32, as they are most of a large surface."""
+    found = np.empty(vectors.shape, dtype=np.float32)
+    for some in blocks(len(vectors)):
+        found[some] = vectors[some].astype(np.float64) @ matrix
+    return found
 
 
 def _build(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh) -> None:
@@ -138,20 +150,22 @@ def _choose_active(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh, layer: str) -
         colours.default_color_name = evaluated.render_color
 
 
-def _write_frame(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh, uv: Floats) -> None:
-    """Give the mesh its normals, and the frame of `uv` (F, 3, 2) as attributes."""
+def _write_frame(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh, uv: Floats) -> Steps[None]:
+    """Give the mesh its normals, and the frame of `uv` (F, 3, 2) as attributes. Yields progress."""
     normal = evaluated.normal.reshape(-1, 3)
     _write(mesh, MeshAttribute("custom_normal", "CORNER", "FLOAT_VECTOR", normal))
     mesh.update()
     corners = evaluated.normal.reshape(-1, 3, 3)
-    found = calc_tangents(evaluated.position, evaluated.triangles, corners, uv)
+    found = yield from calc_tangents_steps(evaluated.position, evaluated.triangles, corners, uv)
     tangent, sign = found[0].reshape(-1, 3), found[1].ravel()
-    flat = tangent - normal * np.sum(normal * tangent, axis=-1, keepdims=True)
-    degenerate = np.sum(flat * flat, axis=-1) < DEGENERATE
-    tangent[degenerate] = fallback_tangent(normal[degenerate])
+    for some in blocks(len(tangent)):
+        flat = tangent[some] - normal[some] * np.sum(normal[some] * tangent[some], axis=-1, keepdims=True)
+        degenerate = np.flatnonzero(np.sum(flat * flat, axis=-1) < DEGENERATE) + some.start
+        tangent[degenerate] = fallback_tangent(normal[degenerate])
+        tangent[some] = normalised(tangent[some])
     _write(mesh, MeshAttribute(NORMAL, "CORNER", "FLOAT_VECTOR", normal))
-    _write(mesh, MeshAttribute(TANGENT, "CORNER", "FLOAT_VECTOR", normalised(tangent)))
-    _write(mesh, MeshAttribute(SIGN, "CORNER", "FLOAT", np.where(sign < 0, -1.0, 1.0)))
+    _write(mesh, MeshAttribute(TANGENT, "CORNER", "FLOAT_VECTOR", tangent))
+    _write(mesh, MeshAttribute(SIGN, "CORNER", "FLOAT", np.where(sign < 0, np.float32(-1), np.float32(1))))
     _settle_normals(mesh, evaluated)
 
 
@@ -163,7 +177,7 @@ def _settle_normals(mesh: bpy.types.Mesh, evaluated: EvaluatedMesh) -> None:
     if evaluated.flat:
         mesh.shade_flat()
     else:  # Cycles 4.5 misreads normals stored as plain vectors
-        mesh.normals_split_custom_set(evaluated.normal.reshape(-1, 3).tolist())
+        cast(Any, mesh).normals_split_custom_set(evaluated.normal.reshape(-1, 3))
 
 
 def _corners(mesh: Any, name: str) -> Floats:

@@ -18,7 +18,7 @@ import bpy
 import numpy as np
 import numpy.typing as npt
 
-from ...core.arrays import Bools, Floats, Ints
+from ...core.arrays import Bools, Floats, Ints, blocks
 from ...core.errors import BakeError, InputError
 from ...core.frame import normalised
 from ..checks.missing_files import failed_drivers
@@ -104,7 +104,11 @@ class EvaluatedMesh:
     @property
     def world_normal(self) -> Floats:
         """Unit corner normals in world space (by the inverse transpose), (F, 3, 3) float64."""
-        return normalised(self.normal.astype(np.float64) @ np.linalg.inv(self.matrix_world[:3, :3]))
+        turn = np.linalg.inv(self.matrix_world[:3, :3])
+        world = np.empty(self.normal.shape)
+        for some in blocks(len(world)):
+            world[some] = normalised(self.normal[some].astype(np.float64) @ turn)
+        return world
 
     @property
     def uv_layers(self) -> tuple[str, ...]:
@@ -228,7 +232,7 @@ def _read_mesh(name: str, mesh: bpy.types.Mesh, rendered: bpy.types.Object, inst
     vertices = _bulk(mesh.loop_triangles, "vertices", count, 3, np.int32)
     corners = _bulk(mesh.loop_triangles, "loops", count, 3, np.int32)
     faces = _bulk(mesh.loop_triangles, "polygon_index", count, 1, np.int32)[:, 0]
-    used, triangles = np.unique(vertices, return_inverse=True)
+    used, triangles = _used(vertices, len(mesh.vertices))
     positions = _bulk(mesh.vertices, "co", len(mesh.vertices), 3, np.float32)
     _check_positions(name, positions[used])
     take = {"POINT": used, "CORNER": corners, "FACE": faces}
@@ -237,7 +241,7 @@ def _read_mesh(name: str, mesh: bpy.types.Mesh, rendered: bpy.types.Object, inst
     return EvaluatedMesh(
         name=name,
         position=positions[used],
-        triangles=triangles.reshape(-1, 3).astype(np.int32),
+        triangles=triangles,
         normal=_cycles_normals(mesh, positions, vertices, corners, faces),
         flat=mesh.normals_domain == "FACE",
         attributes=tuple(_attributes(mesh, take)),
@@ -250,6 +254,13 @@ def _read_mesh(name: str, mesh: bpy.types.Mesh, rendered: bpy.types.Object, inst
         texture_space=(np.array(mesh.texspace_location), np.array(mesh.texspace_size)),
         instances=instances,
     )
+
+
+def _used(vertices: Ints, count: int) -> tuple[Ints, Ints]:
+    """Which of `count` vertices are in `vertices` (F, 3), and the triangles (F, 3) int32 of these alone."""
+    there = np.zeros(count, dtype=bool)
+    there[vertices] = True
+    return np.flatnonzero(there), (np.cumsum(there, dtype=np.int32) - np.int32(1))[vertices]
 
 
 def _bulk(collection: Any, name: str, count: int, width: int, dtype: type[np.generic]) -> npt.NDArray[Any]:
@@ -277,17 +288,26 @@ def _cycles_normals(
     Flat faces get the normals of their triangles, not of the polygon. In Blender 4.5, smooth faces next to
     flat ones keep their vertex normals.
     """
-    a, b, c = (positions[vertices[:, k]].astype(np.float64) for k in range(3))
-    facet = np.repeat(normalised(np.cross(b - a, c - a))[:, None], 3, axis=1).astype(np.float32)
     split = _bulk(mesh.corner_normals, "vector", len(mesh.loops), 3, np.float32)[corners]
-    degenerate = ~facet.any(axis=(1, 2))
-    facet[degenerate] = split[degenerate]
     if mesh.normals_domain == "FACE":
-        return facet
+        return _facets(positions, vertices, split)
     if bpy.app.version >= (5, 0, 0) or mesh.has_custom_normals or _any_sharp_edge(mesh):
         return split
     smooth = _bulk(mesh.vertex_normals, "vector", len(mesh.vertices), 3, np.float32)[vertices]
-    return np.where(_sharp_faces(mesh)[faces][:, None, None], facet, smooth)
+    sharp = _sharp_faces(mesh)[faces]
+    smooth[sharp] = _facets(positions, vertices[sharp], split[sharp])
+    return smooth
+
+
+def _facets(positions: Floats, vertices: Ints, split: Floats) -> Floats:
+    """Normals of triangles at their corners, (F, 3, 3) float32; `split` (F, 3, 3) of those without area."""
+    found = np.empty((len(vertices), 3, 3), dtype=np.float32)
+    for some in blocks(len(vertices)):
+        a, b, c = (positions[vertices[some, k]].astype(np.float64) for k in range(3))
+        found[some] = normalised(np.cross(b - a, c - a))[:, None]
+    degenerate = ~found.any(axis=(1, 2))
+    found[degenerate] = split[degenerate]
+    return found
 
 
 def _any_sharp_edge(mesh: bpy.types.Mesh) -> bool:

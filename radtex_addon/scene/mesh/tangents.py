@@ -13,6 +13,7 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ...bake.progress import Progress, Stage, Steps, finished
 from ...core.arrays import Floats, Ints
 from ...core.islands import weld
 from ...core.patches import patches
@@ -22,17 +23,30 @@ _LAYER, _NORMAL = "RadTex patch", "custom_normal"
 
 
 def calc_tangents(position: Floats, triangles: Ints, normal: Floats, uv: Floats) -> tuple[Floats, Floats]:
+    """`calc_tangents_steps`, without progress."""
+    return finished(calc_tangents_steps(position, triangles, normal, uv))
+
+
+def calc_tangents_steps(
+    position: Floats, triangles: Ints, normal: Floats, uv: Floats
+) -> Steps[tuple[Floats, Floats]]:
     """Tangents (F, 3, 3) float32 on corners, and the bitangents' signs (F, 3).
 
-    `position` (V, 3), `triangles` (F, 3), `normal` (F, 3, 3) of unit length, `uv` (F, 3, 2).
+    `position` (V, 3), `triangles` (F, 3), `normal` (F, 3, 3) of unit length, `uv` (F, 3, 2). Yields progress
+    in triangles.
     """
     tangent = np.empty((len(triangles), 3, 3), dtype=np.float32)
     sign = np.empty((len(triangles), 3), dtype=np.float32)
-    vertex = weld(position)[triangles]  # MikkTSpace, too, treats vertices at the same position as one
+    vertex = weld(position).astype(np.int32)[
+        triangles
+    ]  # MikkTSpace, too, treats vertices at the same position as one
+    done = 0
     for own, whole in patches(vertex, position[triangles].mean(axis=1), _ALONE):
         found = _calc(position[triangles[whole]], normal[whole], uv[whole])
         here = np.searchsorted(whole, own)
         tangent[own], sign[own] = found[0][here], found[1][here]
+        done += len(own)
+        yield Progress(Stage.RASTER, done, len(triangles))
     return tangent, sign
 
 
