@@ -19,13 +19,13 @@ import numpy as np
 from ..bake.hidden_cells import HiddenCells
 from ..bake.piece_store import NO_STORE, PieceStore
 from ..bake.plan import CapturePlan, plan_capture
-from ..bake.progress import Progress, Stage, finished
+from ..bake.progress import Progress, Stage, Steps, finished
 from ..bake.rays import PROBE_CELLS, side_in
 from ..bake.spec import BakeSpec
 from ..bake.texel_density import capped_warning
 from ..core.arrays import Bools, Floats, Ints
 from ..core.inset import inset
-from ..core.islands import surface_areas
+from ..core.islands import areas_on_surface
 from ..core.ray_offset import ray_offset
 from ..core.seams import Seams, beyond_seams
 from ..core.surface import SurfaceMesh
@@ -34,7 +34,7 @@ from ..core.uv_map import UvMap
 from ..cycles.find_hidden import find_hidden
 from ..formats import sidecar
 from ..scene.digests import matrix_digest, mesh_digest, scene_digests
-from ..scene.mesh.copy import baked_mesh, surface_mesh
+from ..scene.mesh.copy import baked_mesh_steps, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
 from ..scene.mesh.mesh_parts import number_parts
 from ..scene.mesh.named_regions import chosen_triangles
@@ -45,7 +45,7 @@ from ..scene.units import metres_per_unit
 from .detailed import Detailed, read_detailed
 from .facts import facts_of
 from .map_checks import why_wasteful
-from .twins import all_with_twins, chosen_with_twins, find_two_sided, single_copy
+from .twins import all_with_twins, chosen_with_twins, find_all_two_sided, single_copy
 from .unwrapping import AtlasPart, Unwrapped, Unwraps, shapes_at, unwrap_surfaces
 
 log = logging.getLogger(__name__)
@@ -251,20 +251,22 @@ def prepare(
     detailed = read_detailed(scratch, originals[0], spec, store)
     if store is not NO_STORE:
         store.set_facts(scene_digests(scratch))
-    yield Progress(Stage.UNWRAP, 0, 1)
     shapes = evaluated
     if spec.unwrap_at is not None and spec.unwrap_at != spec.frame:
         shapes = shapes_at(scratch, originals, spec.unwrap_at, evaluated)
     if backs:
-        doubled = [find_two_sided(mesh, spec) for mesh in evaluated]
+        doubled = yield from find_all_two_sided(evaluated, spec)
         shapes, evaluated = all_with_twins(shapes, doubled), all_with_twins(evaluated, doubled)
         chosen = chosen_with_twins(chosen, doubled)
     metres = metres_per_unit(scratch)
     if store is not NO_STORE and spec.density is not None:
         store.set_facts({"scene's unit in metres": str(metres)})
+    yield Progress(Stage.UNWRAP, 0, 1)
     unwrapped = yield from unwrap_surfaces(shapes, spec, metres, store, {} if unwraps is None else unwraps)
     yield Progress(Stage.RASTER, 0, 1)
-    prepared = _joined(name or originals[0].name, originals, evaluated, unwrapped, spec, chosen, metres)
+    prepared = yield from _joined(
+        name or originals[0].name, originals, evaluated, unwrapped, spec, chosen, metres
+    )
     kept.extend(piece.mesh for piece in prepared.pieces)
     kept.extend(piece.single for piece in prepared.pieces if piece.single is not None)
     if detailed is None:
@@ -296,11 +298,11 @@ def _joined(
     spec: BakeSpec,
     chosen: Sequence[Bools] | None,
     metres: float,
-) -> Prepared:
+) -> Steps[Prepared]:
     index, part = unwrapped.chosen(spec, name)
     pieces, surfaces = [], []
     for number, (original, mesh) in enumerate(zip(originals, evaluated, strict=True)):
-        copy = baked_mesh(mesh, unwrapped.uvs[number], unwrapped.layer)
+        copy = yield from baked_mesh_steps(mesh, unwrapped.uvs[number], unwrapped.layer)
         surfaces.append(surface_mesh(mesh, copy, unwrapped.layer))
         parts = None
         if spec.split is not None:
@@ -339,7 +341,7 @@ def _density(
     """The density that was asked for, and what the atlas has in the mean; a warning says if it was capped."""
     if spec.density is None:
         return None
-    area = metres**2 * float(surface_areas(surface.position[surface.triangles].astype(np.float64)).sum())
+    area = metres**2 * float(areas_on_surface(surface.position, surface.triangles).sum())
     reached = float(f"{sqrt(coverage * part.width * part.height / area):.4g}")
     if part.needed:
         whose = f"'{name}', part '{part.name}'," if part.name else f"'{name}'"
@@ -357,5 +359,6 @@ def _digest(evaluated: Sequence[EvaluatedMesh], unwrapped: Unwrapped) -> str:
     found = hashlib.sha256()
     for mesh, uv in zip(evaluated, unwrapped.uvs, strict=True):
         for values in (mesh.position, mesh.triangles, mesh.normal, uv):
-            found.update(f"{values.shape}".encode() + np.ascontiguousarray(values).tobytes())
+            found.update(f"{values.shape}".encode())
+            found.update(np.ascontiguousarray(values).reshape(-1).view(np.uint8).data)
     return f"sha256:{found.hexdigest()}"

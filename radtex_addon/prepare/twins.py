@@ -11,9 +11,10 @@ from typing import TypeAlias
 import bpy
 import numpy as np
 
+from ..bake.progress import Steps
 from ..bake.spec import BakeSpec
 from ..core.arrays import Bools, Floats
-from ..scene.mesh.backs import fronts_of, seen_from_behind, with_twins, without_twins
+from ..scene.mesh.backs import fronts_of, seen_from_behind_steps, with_twins, without_twins
 from ..scene.mesh.copy import baked_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh
 
@@ -22,12 +23,21 @@ log = logging.getLogger(__name__)
 TwoSided: TypeAlias = Bools | None  # of a mesh, the triangles (F,) that get a twin
 
 
-def find_two_sided(mesh: EvaluatedMesh, spec: BakeSpec) -> TwoSided:
+def find_all_two_sided(meshes: Sequence[EvaluatedMesh], spec: BakeSpec) -> Steps[list[TwoSided]]:
+    """Of each mesh, the triangles (F,) that get a twin: see `find_two_sided`. Yields progress."""
+    found = []
+    for mesh in meshes:
+        faces = yield from find_two_sided(mesh, spec)
+        found.append(faces)
+    return found
+
+
+def find_two_sided(mesh: EvaluatedMesh, spec: BakeSpec) -> Steps[TwoSided]:
     """The triangles (F,) that are seen from behind; None if there are none, or they cannot get texels.
 
-    With a UV layer of the user's own or with a source they cannot: then a warning is logged.
+    With a UV layer of the user's own or with a source they cannot: then a warning is logged. Yields progress.
     """
-    faces = seen_from_behind(mesh)
+    faces = yield from seen_from_behind_steps(mesh)
     if not faces.any():
         return None
     if spec.uv_layer is not None or spec.source is not None:

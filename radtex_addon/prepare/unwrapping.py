@@ -242,7 +242,7 @@ def _anew(
     The columns of `sizes` are `AtlasPart`'s width, height, islands and needed. Yields progress.
     """
     every = np.concatenate([np.stack(faces_of_mesh) for faces_of_mesh in _by_mesh(parts)], axis=1)
-    uv = np.zeros((every.shape[1], 3, 2))
+    uv = np.zeros((every.shape[1], 3, 2), dtype=np.float32)  # as meshes store it
     sizes = []
     for faces, some in zip(parts.values(), every, strict=True):
         those = [

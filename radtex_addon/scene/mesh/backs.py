@@ -15,14 +15,18 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ...core.arrays import Bools, Floats, Ints
+from ...bake.progress import Progress, Stage, Steps, finished
+from ...core.arrays import Bools, Floats, Ints, blocks
+from ...core.edges import inner_edges
 from ...core.frame import normalised
-from ...core.islands import components, surface_areas, weld
+from ...core.islands import areas_on_surface, components, weld
 from ...core.ray_offset import ray_offset
 from .evaluated import EvaluatedMesh, MeshAttribute
 from .mesh_parts import taken
+from .triangle_tree import triangle_tree
 
 TWIN = "radtex_twin"  # attribute of faces: their twin's index, or -1; of twins: -2 minus their face's index
+_AT_ONCE = 1 << 14  # rays between two reports of progress
 _RAYS = 200_000  # about so many in total, in proportion to area, but at least one for each triangle
 _LEAST, _MOST = 8, 512  # rays per triangle; in large meshes the least is lower
 _OFF = 0.05  # times a bake's ray offset: how far behind a triangle rays start; thin walls must be thicker
@@ -36,21 +40,32 @@ _APART = 1.2  # times the mesh's extent: how far twins are moved for the unwrap
 
 
 def seen_from_behind(mesh: EvaluatedMesh) -> Bools:
+    """`seen_from_behind_steps`, without progress."""
+    return finished(seen_from_behind_steps(mesh))
+
+
+def seen_from_behind_steps(mesh: EvaluatedMesh) -> Steps[Bools]:
     """Which triangles can be seen from behind from outside the mesh, in whole regions: (F,).
 
     Cosine-distributed rays start at each triangle's back; it can be seen if some of them meet no other
     triangle. Triangles whose material culls back faces are left out, since engines do not draw their backs,
-    and so are triangles for which the mesh already has one that faces the other way.
+    and so are triangles for which the mesh already has one that faces the other way. Of a mesh of many
+    triangles a ray from each is cast only if one leaves it of those that start all over it. Yields progress.
     """
     triangles = mesh.triangles
-    vertex = weld(mesh.position)[triangles]
-    corners = mesh.position[triangles].astype(np.float64)
-    area = surface_areas(corners)
-    wanted = (area > 0) & ~_culled(mesh) & ~_paired(vertex)
+    area = areas_on_surface(mesh.position, triangles)
+    wanted = (area > 0) & ~_culled(mesh)
     if not wanted.any():
         return wanted
-    first, second = _neighbours(vertex)
-    share = _leaving(mesh, corners, area, wanted)
+    tree = triangle_tree(mesh.position, triangles)
+    if len(triangles) > _RAYS and not (yield from _any_leaves(mesh, tree, area * wanted)):
+        return np.zeros(len(triangles), dtype=bool)
+    vertex = weld(mesh.position)[triangles]
+    wanted &= ~_paired(vertex)
+    if not wanted.any():
+        return wanted
+    share = yield from _leaving(mesh, tree, area, wanted)
+    first, second = inner_edges(vertex).starts.T // 3
     count = np.bincount(np.concatenate([first, second]), minlength=len(triangles)) + 1
     for _ in range(_SPREAD):
         total = share + np.bincount(first, share[second], len(share))
@@ -177,36 +192,51 @@ def _paired(vertex: Ints) -> Bools:
     return found
 
 
-def _neighbours(vertex: Ints) -> tuple[Ints, Ints]:
-    """Pairs of triangles with vertices (F, 3) that share an edge: two arrays (M,)."""
-    edges = np.sort(np.stack([vertex, np.roll(vertex, -1, axis=1)], axis=-1), axis=-1).reshape(-1, 2)
-    label = weld(edges)
-    order = np.argsort(label, kind="stable")
-    same = label[order[1:]] == label[order[:-1]]
-    return order[:-1][same] // 3, order[1:][same] // 3
+def _any_leaves(mesh: EvaluatedMesh, tree: BVHTree, area: Floats) -> Steps[bool]:
+    """Whether any of _RAYS rays from the backs leaves the mesh; they start as densely all over the `area`."""
+    so_far = np.cumsum(area)
+    place = (np.arange(_RAYS) + 0.5) / _RAYS * so_far[-1]
+    free = yield from _cast(mesh, tree, np.searchsorted(so_far, place), stop=True)
+    return bool(free.any())
 
 
-def _leaving(mesh: EvaluatedMesh, corners: Floats, area: Floats, wanted: Bools) -> Floats:
+def _leaving(mesh: EvaluatedMesh, tree: BVHTree, area: Floats, wanted: Bools) -> Steps[Floats]:
     """The share of rays from each triangle's back that leave the mesh: (F,), 0 where not `wanted` (F,)."""
-    random = np.random.default_rng(0)
     least = max(1, min(_LEAST, _RAYS // len(area)))
     rays = np.clip(np.rint(_RAYS * area / area.sum()), least, _MOST).astype(np.int64) * wanted
     face = np.repeat(np.arange(len(rays)), rays)
-    root, along = np.sqrt(random.random(len(face)))[:, None], random.random(len(face))[:, None]
-    a, b, c = corners[face].transpose(1, 0, 2)
-    behind = -normalised(np.cross(b - a, c - a))
-    place = a * (1 - root) + root * ((1 - along) * b + along * c)
-    place += _INSET * (corners.mean(axis=1)[face] - place)
-    place += _OFF * ray_offset(mesh.position) * behind
-    anywhere = normalised(random.normal(size=(len(face), 3)))
-    tree: Any = BVHTree.FromPolygons(mesh.position.tolist(), mesh.triangles.tolist(), all_triangles=True)
-    ways = normalised(behind + 0.999 * anywhere)
-    free = [
-        tree.ray_cast(Vector(start), Vector(way))[0] is None
-        for start, way in zip(place.tolist(), ways.tolist(), strict=True)
-    ]
-    left: Floats = np.bincount(face, np.array(free, dtype=np.float64), len(rays)) / np.maximum(rays, 1)
+    free = yield from _cast(mesh, tree, face)
+    left: Floats = np.bincount(face, free.astype(np.float64), len(rays)) / np.maximum(rays, 1)
     return left
+
+
+def _cast(mesh: EvaluatedMesh, tree: BVHTree, face: Ints, stop: bool = False) -> Steps[Bools]:
+    """Which rays from the backs of triangles `face` (K,) leave the mesh, (K,); yields progress in rays.
+
+    With `stop`, rays after the first that leave are not cast.
+    """
+    random = np.random.default_rng(0)
+    root, along = np.sqrt(random.random(len(face)))[:, None], random.random(len(face))[:, None]
+    anywhere = random.normal(size=(len(face), 3))
+    off = _OFF * ray_offset(mesh.position)
+    cast: Any = tree.ray_cast
+    free = np.zeros(len(face), dtype=bool)
+    for some in blocks(len(face), _AT_ONCE):
+        yield Progress(Stage.EVALUATE, some.start, len(face))
+        corners = mesh.position[mesh.triangles[face[some]]].astype(np.float64)
+        a, b, c = corners.transpose(1, 0, 2)
+        behind = -normalised(np.cross(b - a, c - a))
+        place = a * (1 - root[some]) + root[some] * ((1 - along[some]) * b + along[some] * c)
+        place += _INSET * (corners.mean(axis=1) - place)
+        place += off * behind
+        ways = normalised(behind + 0.999 * normalised(anywhere[some]))
+        free[some] = [
+            cast(Vector(start), Vector(way))[0] is None
+            for start, way in zip(place.tolist(), ways.tolist(), strict=True)
+        ]
+        if stop and free[some].any():
+            break
+    return free
 
 
 def _joined(some: Bools, first: Ints, second: Ints) -> Bools:

@@ -10,7 +10,6 @@ from typing import Any, cast
 
 import bpy
 import numpy as np
-from mathutils.bvhtree import BVHTree
 
 from ...bake.progress import Progress, Stage
 from ...core.arrays import Floats, Ints
@@ -20,6 +19,7 @@ from ...core.messages import Message, Setting, do, leave_out
 from ...core.texel_map import TexelMap
 from ..objects import find_object
 from .evaluated import EvaluatedMesh
+from .triangle_tree import bare_mesh, triangle_tree
 
 _OF_SIZE = 0.03  # times the simple object's diagonal: the default extrusion
 _TOUCHING = 1e-4  # times a cage's largest distance from the surface: the least distance of a ray's start
@@ -128,7 +128,7 @@ def project_to_source(
         extrusion=extrusion,
         texels=moved,
         missed=int(np.count_nonzero(~hit)),
-        seen=(_bare_mesh(source), source.matrix_world),
+        seen=(bare_mesh(source.position, source.triangles), source.matrix_world),
         cage=cage,
     )
 
@@ -156,8 +156,7 @@ class Caster:
         places = world - self._middle
         corner = places[source.triangles]
         self.facet = normalised(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))
-        tree = BVHTree.FromPolygons(places.tolist(), source.triangles.tolist(), all_triangles=True)
-        self._cast = cast(Any, tree).ray_cast
+        self._cast = cast(Any, triangle_tree(places, source.triangles)).ray_cast
 
     def cast(self, start: Floats, way: Floats, reach: Floats) -> tuple[Ints, Floats]:
         """The first triangle that each ray meets, (K,), -1 for none, and the point where: (K, 3).
@@ -172,16 +171,3 @@ class Caster:
         triangle = np.array([-1 if index is None else index for _, _, index, _ in met], dtype=np.int64)
         distance = np.array([0.0 if index is None else length for _, _, index, length in met])
         return triangle, start + distance[:, None] * way
-
-
-def _bare_mesh(source: EvaluatedMesh) -> bpy.types.Mesh:
-    """A mesh with only the source's triangles, in object space."""
-    mesh = bpy.data.meshes.new("RadTex source")
-    mesh.vertices.add(len(source.position))
-    mesh.loops.add(source.triangles.size)
-    mesh.polygons.add(len(source.triangles))
-    mesh.vertices.foreach_set("co", source.position.ravel())
-    mesh.loops.foreach_set("vertex_index", source.triangles.ravel())
-    mesh.polygons.foreach_set("loop_start", np.arange(0, source.triangles.size, 3, dtype=np.int32))
-    mesh.update(calc_edges=True)
-    return mesh
