@@ -13,13 +13,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...bake.progress import Steps, relayed
-from ...core.arrays import Bools, Floats, Ints
+from ...bake.progress import Progress, Steps, finished, in_a_thread, relayed
+from ...core.arrays import Bools, Floats, Ints, blocks
+from ...core.edges import Edges, edge_keys, inner_edges
 from ...core.frame import normalised
-from ...core.islands import components, signed_areas, split_corners, surface_areas, uv_islands, weld
+from ...core.islands import (
+    components,
+    first_and_index,
+    signed_areas,
+    split_corners,
+    surface_areas,
+    uv_islands,
+    weld,
+)
+from ...core.sorted_keys import ranks
 from ...core.stretch import stretches
 from ..uv import uvunwrap_job
+from ..uv.flatten_in_parts import ALL_FLAT, flatten_in_parts
 from ..uv.unwrap_options import UnwrapOptions
+from ..uv.uvunwrap_job import FLATTENED, unwrap_progress
 from ..uv.xatlas_process import Options, XatlasProcess
 from .blender_unwrap import Way, unwrapped_by_blender
 from .cut_islands import cut_once
@@ -67,13 +79,13 @@ def flatten_with_xatlas(
 ) -> Steps[FlatIslands]:
     """Flatten by xatlas, in world space to include the object's scale and stretch. Yields progress."""
     corners, vertex = _world_corners(evaluated)
-    points, unit = _normalised(corners)
+    middle, unit = _centre(corners)
     shading = smooth_corners(evaluated, options)
-    _, first = np.unique(shading, return_index=True)
+    first, _ = first_and_index(shading)
     normals = np.zeros((len(first), 3))
     np.add.at(normals, shading, evaluated.world_normal.reshape(-1, 3))
     charts = yield from xatlas.flatten(
-        points.reshape(-1, 3)[first].astype(np.float32),
+        ((corners.reshape(-1, 3)[first] - middle) / unit).astype(np.float32),
         shading.reshape(-1, 3).astype(np.uint32),
         normalised(normals).astype(np.float32),
         _chart_options(options, len(vertex), iterations),
@@ -99,25 +111,30 @@ class _Shape:
     points: Floats
     triangles: Ints
     unit: float
-    edges: _Edges
+    edges: Edges
     smooth: Bools
 
     @classmethod
     def of(cls, evaluated: EvaluatedMesh, options: UnwrapOptions) -> _Shape:
         corners, vertex = _world_corners(evaluated)
-        points, unit = _normalised(corners)
-        _, first, index = np.unique(vertex, return_index=True, return_inverse=True)
-        edges = _inner_edges(vertex)
+        middle, unit = _centre(corners)
+        first, index = first_and_index(vertex)
+        points = (corners.reshape(-1, 3)[first] - middle) / unit
+        edges = inner_edges(vertex)
         smooth = _smooth(edges, evaluated, math.cos(math.radians(options.seam_angle)))
-        return cls(points.reshape(-1, 3)[first], index.reshape(-1, 3), unit, edges, smooth)
+        return cls(points, index.reshape(-1, 3), unit, edges, smooth)
 
 
 def flatten_with_uvunwrap(evaluated: EvaluatedMesh, options: UnwrapOptions) -> Steps[FlatIslands]:
     """Flatten by uvunwrap, in world space. Yields progress."""
-    shape = _Shape.of(evaluated, options)
+    shape = yield from in_a_thread(lambda: _Shape.of(evaluated, options), unwrap_progress(0))
     seams = _seams(shape.edges, ~shape.smooth, len(shape.triangles))
-    charts = yield from uvunwrap_job.flatten(shape.points, shape.triangles, seams)
-    return islands_of(evaluated, charts.uv * shape.unit, charts.owner)
+    charts = yield from flatten_in_parts(shape.points, shape.triangles, seams)
+    uv, unit = charts.uv, shape.unit
+    del shape, seams  # of large meshes, hundreds of megabytes
+    uv *= unit
+    corners, vertex = yield from in_a_thread(lambda: _world_corners(evaluated), _measured(0))
+    return (yield from _island_steps(uv, charts.owner, corners, vertex))
 
 
 def merge_flat(
@@ -127,13 +144,15 @@ def merge_flat(
 
     A `texel` will be about so wide on the surface, in scene units.
     """
+    rounds = options.rounds_of_merging(len(evaluated.triangles))
+    if not rounds:
+        return []
     shape = _Shape.of(evaluated, options)
     starts, ends = shape.edges.starts[shape.smooth], shape.edges.ends[shape.smooth]
     place = shape.points[shape.triangles.ravel()]
     along = place[ends[:, 0]] - place[starts[:, 0]]
     length = np.linalg.norm(along, axis=1)
     seamed = Seamed(shape.points, shape.triangles, starts // 3, length, texel / shape.unit)
-    rounds = options.rounds_of_merging(len(shape.triangles))
     merging = merged(seamed, flat.uv / shape.unit, flat.island, rounds)
     found = yield from relayed(merging, uvunwrap_job.merge_progress)
     return [islands_of(evaluated, uv * shape.unit, island) for uv, island in found]
@@ -157,7 +176,7 @@ def cut_flat(evaluated: EvaluatedMesh, flat: FlatIslands) -> FlatIslands | None:
     return None if island is None else islands_of(evaluated, flat.uv, island)
 
 
-def _seams(edges: _Edges, cut: Bools, count: int) -> Bools:
+def _seams(edges: Edges, cut: Bools, count: int) -> Bools:
     """Marks (F, 3) of the edges, from corner k to k + 1, that are `cut` (E,)."""
     marks = np.zeros(3 * count, dtype=bool)
     for column in (0, 1):
@@ -174,8 +193,9 @@ def flatten_with_blender(evaluated: EvaluatedMesh, options: UnwrapOptions) -> Fl
     uv = np.zeros((len(vertex), 3, 2))
     island = np.full(len(vertex), -1)
     number = split_corners(vertex, evaluated.material_index)[whole]
-    _, first, index = np.unique(number, return_index=True, return_inverse=True)
-    points = _normalised(corners)[0][whole].reshape(-1, 3)[first]
+    first, index = first_and_index(number)
+    middle, unit = _centre(corners)
+    points = (corners[whole].reshape(-1, 3)[first] - middle) / unit
     angle = math.radians(options.blender_angle)
     uv[whole] = unwrapped_by_blender(points, index.reshape(-1, 3), Way.PROJECT, angle)
     island[whole] = uv_islands(number, uv[whole])
@@ -191,41 +211,17 @@ def _world_corners(evaluated: EvaluatedMesh) -> tuple[Floats, Ints]:
     return evaluated.world_position[evaluated.triangles], vertex
 
 
-def _normalised(corners: Floats) -> tuple[Floats, float]:
-    """Corners centred on the origin, scaled to a mean triangle area of 1; and the length of their new unit.
+def _centre(corners: Floats) -> tuple[Floats, float]:
+    """The middle (3,) of corners (F, 3, 3), and the side of a square as large as the mean triangle.
 
-    xatlas treats areas below 1e-7 as 0, and float32 is most precise near 0.
+    Unwrappers get points from there in that unit: xatlas treats areas below 1e-7 as 0, and float32 is most
+    precise near 0.
     """
     unit = math.sqrt(float(surface_areas(corners).mean()))
-    middle = (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) / 2
-    return (corners - middle) / unit, unit
+    return (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) / 2, unit
 
 
-@dataclass(frozen=True, eq=False)
-class _Edges:
-    """Edges between two triangles: corner numbers, 0 to 3F, of their starts and of their ends, (E, 2) each.
-
-    A column is of one of the two triangles, whose numbers are those of its corners divided by three.
-    """
-
-    starts: Ints
-    ends: Ints
-
-
-def _inner_edges(vertex: Ints) -> _Edges:
-    corner = np.arange(vertex.size).reshape(-1, 3)
-    start, end = corner.ravel(), np.roll(corner, -1, axis=1).ravel()
-    ends = np.sort(np.stack([vertex.ravel()[start], vertex.ravel()[end]], axis=1), axis=1)
-    # Turn every half edge the same way, then put the halves of an edge side by side.
-    turned = vertex.ravel()[start] > vertex.ravel()[end]
-    start, end = np.where(turned, end, start), np.where(turned, start, end)
-    order = np.lexsort((ends[:, 1], ends[:, 0]))
-    same = (ends[order[1:]] == ends[order[:-1]]).all(axis=1) & (ends[order[1:], 0] != ends[order[1:], 1])
-    one, other = order[:-1][same], order[1:][same]
-    return _Edges(*(np.stack([side[one], side[other]], axis=1) for side in (start, end)))
-
-
-def _smooth(edges: _Edges, evaluated: EvaluatedMesh, cosine: float) -> Bools:
+def _smooth(edges: Edges, evaluated: EvaluatedMesh, cosine: float) -> Bools:
     """Which edges (E,) an island may cross: they have one material, and no sharp bend.
 
     An edge is sharp if at one of its ends the normals of its two triangles differ by more than the angle
@@ -235,7 +231,9 @@ def _smooth(edges: _Edges, evaluated: EvaluatedMesh, cosine: float) -> Bools:
     smooth: Bools = (evaluated.material_index[sides[:, 0]] == evaluated.material_index[sides[:, 1]]).copy()
     flat = evaluated.world_normal.reshape(-1, 3)
     for corners in (edges.starts, edges.ends):
-        smooth &= np.sum(flat[corners[:, 0]] * flat[corners[:, 1]], axis=1) >= cosine
+        for some in blocks(len(corners)):
+            one, other = corners[some].T
+            smooth[some] &= np.sum(flat[one] * flat[other], axis=1) >= cosine
     return smooth
 
 
@@ -256,20 +254,45 @@ def _islands(uv: Floats, island: Ints, corners: Floats, vertex: Ints) -> FlatIsl
 
     What hangs together by a corner alone becomes two islands.
     """
+    return finished(_island_steps(uv, island, corners, vertex))
+
+
+def _island_steps(uv: Floats, island: Ints, corners: Floats, vertex: Ints) -> Steps[FlatIslands]:
+    """`_islands`, with progress."""
     area = np.abs(signed_areas(uv))
     real = (island >= 0) & (area > _THIN * area.mean())
+    some: Bools | slice = slice(None) if real.all() else real  # a view
     numbered = np.full(len(island), -1)
-    edges = _inner_edges(split_corners(vertex[real], island[real]))
-    numbered[real] = components(edges.starts // 3, int(np.count_nonzero(real)))
-    least = stretches(corners[real], uv[real])[:, 1]
-    resolved = float(np.sum(surface_areas(corners[real]) * np.minimum(least, 1) ** 2))
-    return FlatIslands(uv, numbered, _border(corners[real], vertex[real], numbered[real]), resolved)
+    edges = yield from in_a_thread(
+        lambda: inner_edges(split_corners(vertex[some], island[some])), _measured(0.2)
+    )
+    numbered[some] = yield from in_a_thread(
+        lambda: components(edges.starts // 3, int(np.count_nonzero(real))), _measured(0.5)
+    )
+    resolved = yield from in_a_thread(lambda: _resolved(corners[some], uv[some]), _measured(0.6))
+    border = yield from in_a_thread(
+        lambda: _border(corners[some], vertex[some], numbered[some]), _measured(0.7)
+    )
+    return FlatIslands(uv, numbered, border, resolved)
+
+
+def _measured(share: float) -> Progress:
+    """Progress of the unwrap while islands that are flat are measured."""
+    return unwrap_progress(FLATTENED * (ALL_FLAT + (1 - ALL_FLAT) * share))
+
+
+def _resolved(corners: Floats, uv: Floats) -> float:
+    """`FlatIslands.resolved` of triangles."""
+    least = stretches(corners, uv)[:, 1]
+    return float(np.sum(surface_areas(corners) * np.minimum(least, 1) ** 2))
 
 
 def _border(corners: Floats, vertex: Ints, island: Ints) -> float:
     """Length on the surface of all edges that have a triangle of their island on one side only."""
-    following = np.roll(vertex, -1, axis=1)
-    edges = np.stack([np.minimum(vertex, following), np.maximum(vertex, following)], axis=-1).reshape(-1, 2)
-    label = weld(np.column_stack([edges, np.repeat(island, 3)]))
-    length = np.sqrt(np.sum((np.roll(corners, -1, axis=1) - corners) ** 2, axis=-1)).ravel()
-    return float(length[np.bincount(label)[label] == 1].sum())
+    keys = ranks(edge_keys(vertex)).astype(np.uint64) << np.uint64(32)
+    keys |= np.repeat(island.astype(np.uint64), 3)
+    label = ranks(keys)
+    start = np.flatnonzero(np.bincount(label)[label] == 1)
+    end = start + np.where(start % 3 == 2, -2, 1)
+    place = corners.reshape(-1, 3)
+    return float(np.sqrt(np.sum((place[end] - place[start]) ** 2, axis=-1)).sum())

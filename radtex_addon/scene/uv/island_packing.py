@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...bake.progress import Steps
-from ...core.arrays import Floats, Ints
-from ...core.islands import weld
+from ...bake.progress import Steps, in_a_thread
+from ...core.arrays import Bools, Floats, Ints
+from ...core.islands import first_and_index, weld
 from ..mesh.flatten import FlatIslands
-from .uvunwrap_job import Placed, pack
+from .uvunwrap_job import MERGED, Placed, pack, unwrap_progress
 
 _ROUNDING = 1e-3  # texels: a side this close to a texel's edge lies on it
 
@@ -44,22 +44,18 @@ def pack_islands(flat: FlatIslands, texels: int, padding: int, density: float | 
     there are too many islands for so few texels, BakeError if packing fails.
     """
     real = flat.island >= 0
-    corners = flat.uv[real].reshape(-1, 2) / flat.unit
-    owner = np.repeat(flat.island[real], 3)
-    _, first, index = np.unique(
-        weld(np.column_stack([corners, owner])), return_index=True, return_inverse=True
-    )
+    points, index, owner = yield from in_a_thread(lambda: _welded(flat, real), unwrap_progress(MERGED))
     around = (padding + 3) // 2 if padding else 1  # two islands lie at least twice as many, less two, apart
     found = yield from pack(
-        corners[first],
-        index.reshape(-1, 3),
-        owner[first],
+        points,
+        index,
+        owner,
         around,
         texels if density is None else None,
         None if density is None else density * flat.unit,
     )
     placed = np.zeros(flat.uv.shape)
-    placed[real] = _on_centres(found)
+    placed[real] = yield from in_a_thread(lambda: _on_centres(found), unwrap_progress(1))
     island = np.full(len(real), -1)
     island[real] = found.owner
     width, height = max(found.width, 1), max(found.height, 1)
@@ -67,6 +63,14 @@ def pack_islands(flat: FlatIslands, texels: int, padding: int, density: float | 
         width, height = (texels, height) if width >= height else (width, texels)
     exact = found.density / flat.unit if density is None else density
     return Packed(placed, island, found.islands, width, height, exact, found)
+
+
+def _welded(flat: FlatIslands, real: Bools) -> tuple[Floats, Ints, Ints]:
+    """Points (P, 2) in units of `flat`, the `real` (F,) triangles (T, 3) of them, and their islands (P,)."""
+    corners = flat.uv[real].reshape(-1, 2) / flat.unit
+    owner = np.repeat(flat.island[real], 3)
+    first, index = first_and_index(weld(np.column_stack([corners, owner])))
+    return corners[first], index.reshape(-1, 3), owner[first]
 
 
 def _on_centres(placed: Placed) -> Floats:

@@ -12,15 +12,16 @@ import logging
 import math
 import time
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from ...bake.progress import Steps, finished
+from ...bake.progress import Steps, finished, in_a_thread
 from ...bake.spec import Unwrap
 from ...bake.texel_density import about_side, grown_side, rounded
-from ...core.arrays import Bools, Floats
+from ...core.arrays import Bools, Floats, blocks
 from ...core.errors import InputError
-from ...core.islands import find_overlap, signed_areas, surface_areas, weld
+from ...core.islands import areas_on_surface, find_overlap, signed_areas, weld
 from ...core.messages import Setting, do
 from ..mesh.evaluated import EvaluatedMesh
 from ..mesh.flatten import (
@@ -35,7 +36,7 @@ from ..mesh.flatten import (
 from .closer_packing import packed_closer
 from .island_packing import Packed, pack_islands
 from .unwrap_options import UnwrapOptions, Unwrapped
-from .uvunwrap_job import check_uvunwrap
+from .uvunwrap_job import MERGED, check_uvunwrap, unwrap_progress
 from .xatlas_process import XatlasProcess, check_xatlas
 
 log = logging.getLogger(__name__)
@@ -44,6 +45,7 @@ _LONG = 10.0  # seconds: the log announces longer unwraps, and names the quick a
 _THREAD = 2e3  # times the root of the area: islands this long are packed in seconds, longer ones in hours
 _COVERED = 0.55  # share of an atlas that islands cover, to guess how large texels will be
 _CUTS = 6  # rounds
+_HUGE = 1_000_000  # triangles, of which one round takes a minute
 _QUICK = 50_000  # triangles that Blender's projection takes a moment for, so that it is tried, too
 _EXACT = 0.01  # share by which a density may differ from what is asked for
 _PACKINGS = 5  # tries to come that near
@@ -92,13 +94,13 @@ def unwrap_steps(
         closer = yield from packed_closer(best.packed, texels, options.padding)
         best = replace(best, packed=closer)
     else:
-        corners = evaluated.world_position[evaluated.triangles]
-        about = about_side(float(surface_areas(corners).sum()), options.density)
+        about = about_side(_area(evaluated), options.density)
         side = min(about, options.most or about)
         reachable = replace(options, density=options.density * side / about)
         best = yield from _best(evaluated, side, method, reachable)
         best = yield from _at_density(evaluated, best, options, options.density)
-    return _finish(evaluated, best, time.perf_counter() - start)
+    done = unwrap_progress(1)
+    return (yield from in_a_thread(lambda: _finish(evaluated, best, time.perf_counter() - start), done))
 
 
 def unwrap_uvunwrap(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
@@ -132,12 +134,19 @@ def _announce(evaluated: EvaluatedMesh, options: UnwrapOptions) -> None:
         )
 
 
+def _area(evaluated: EvaluatedMesh) -> float:
+    """The surface's area in the world, in square scene units."""
+    return float(areas_on_surface(evaluated.world_position, evaluated.triangles).sum())
+
+
 def _check_area(evaluated: EvaluatedMesh) -> None:
-    corners = evaluated.world_position[evaluated.triangles]
-    area = float(surface_areas(corners).sum())
+    place, area = evaluated.world_position, _area(evaluated)
     if not (np.isfinite(area) and area > 0):
         raise InputError(f"object '{evaluated.name}' has faces, but no area to unwrap: give it a size")
-    longest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).max())
+    longest = 0.0
+    for some in blocks(len(evaluated.triangles)):
+        corners = place[evaluated.triangles[some]]
+        longest = max(longest, float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).max()))
     if longest > _THREAD * math.sqrt(area):
         raise InputError(
             f"object '{evaluated.name}' is as thin as a thread, with an edge of {longest:.3g} scene units "
@@ -231,7 +240,7 @@ def _at_density(evaluated: EvaluatedMesh, best: _Try, options: UnwrapOptions, de
 
     The size is as large as `options.most` allows. Sides become multiples of `STEP`, by free texels.
     """
-    surface = float(surface_areas(evaluated.world_position[evaluated.triangles]).sum())
+    surface = _area(evaluated)
     flat, packed = best.flat, best.packed
     lacks = density / _reached(packed, surface)
     for _ in range(_PACKINGS):
@@ -261,8 +270,8 @@ def _reached(packed: Packed, surface: float) -> float:
 def _with_cuts(evaluated: EvaluatedMesh, best: _Try, texels: int, options: UnwrapOptions) -> Steps[_Try]:
     """Cut islands that pack badly, as often as that may help."""
     flat = best.flat
-    for _ in range(_CUTS):
-        cut = cut_flat(evaluated, flat)
+    for _ in range(_CUTS if len(flat.uv) <= _HUGE else 1):
+        cut = yield from in_a_thread(partial(cut_flat, evaluated, flat), unwrap_progress(MERGED))
         if cut is None:
             break
         flat = cut

@@ -14,6 +14,7 @@ _CHAOTIC = 8_000  # triangles: above, one try may make too many islands; up to 2
 _MANY = 30_000  # triangles above which island size is limited; without a limit xatlas takes minutes
 _MERGED = 400_000  # triangles flattened anew while islands are merged, all rounds together
 _MOST_ROUNDS = 8
+_HUGE = 1_000_000  # triangles: Blender's edit mode needs about a kilobyte for each
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,9 @@ class UnwrapOptions:
 
     @staticmethod
     def rounds_of_merging(triangles: int) -> int:
-        """In how many rounds islands may be merged: as many as take seconds."""
+        """In how many rounds islands may be merged: as many as take seconds; none if it takes gigabytes."""
+        if triangles > _HUGE:
+            return 0
         return max(min(_MERGED // max(triangles, 1), _MOST_ROUNDS), 1)
 
     def for_size(self, triangles: int) -> UnwrapOptions:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.arrays import Floats, Ints
 from ...core.errors import InputError
-from ...core.islands import find_overlap, signed_areas, surface_areas, uv_islands, weld
+from ...core.islands import areas_on_surface, find_overlap, signed_areas, uv_islands, weld
 from ...core.messages import Setting, do, leave_out
 from ...core.texel_map import triangle_of_texels
 from ..mesh.evaluated import EvaluatedMesh
@@ -83,7 +83,7 @@ def _check_area(evaluated: EvaluatedMesh, uv: Floats, where: str) -> None:
     lost = np.abs(signed_areas(uv.astype(np.float64))) < _NO_AREA
     if lost.all():
         raise InputError(f"{where} is empty (no triangle has area)", do("unwrap it"), leave_out(Setting.UV))
-    surface = surface_areas(evaluated.world_position[evaluated.triangles])
+    surface = areas_on_surface(evaluated.world_position, evaluated.triangles)
     if not surface.any():
         raise InputError(f"object '{evaluated.name}' has faces, but no area to bake: give it a size")
     share = float(surface[lost].sum() / surface.sum())

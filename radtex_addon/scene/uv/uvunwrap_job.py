@@ -60,10 +60,10 @@ def check_uvunwrap() -> None:
         ) from error
 
 
-def flatten(points: Floats, faces: Ints, seams: Bools) -> Steps[Charts]:
+def flatten(points: Floats, faces: Ints, seams: Bools, begin: float = 0.0, end: float = 1.0) -> Steps[Charts]:
     """Flatten a mesh: points (V, 3), faces (F, 3), and which edges, from corner k to k + 1, are seams (F, 3).
 
-    Yields progress. Raises BakeError if it fails.
+    Yields progress, from `begin` to `end` of the time until all is flat. Raises BakeError if it fails.
     """
     import uvunwrap  # noqa: PLC0415
 
@@ -73,7 +73,7 @@ def flatten(points: Floats, faces: Ints, seams: Bools) -> Steps[Charts]:
         seams=np.ascontiguousarray(seams, dtype=np.uint8),
     )
     job = uvunwrap.start([mesh], page_size=1024, padding=0, packing="fast")
-    atlas = yield from _finished(job, 0.0, FLATTENED)
+    atlas = yield from _finished(job, FLATTENED * begin, FLATTENED * end)
     uv, owner = _of_triangles(atlas)
     return Charts(uv / max(atlas.texels_per_unit, 1e-30), owner)
 

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ways that only meshes of very many triangles go, with bounds so low that small ones go them, too."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+from mathutils.bvhtree import BVHTree
+
+from radtex_addon.bake.progress import Progress, finished, relayed
+from radtex_addon.bake.spec import Unwrap
+from radtex_addon.core.islands import signed_areas, surface_areas, uv_islands, weld
+from radtex_addon.scene.mesh import backs
+from radtex_addon.scene.mesh.backs import seen_from_behind, seen_from_behind_steps
+from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
+from radtex_addon.scene.mesh.triangle_tree import triangle_tree
+from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.scene.uv import flatten_in_parts, unwrap_options
+from radtex_addon.scene.uv.unwrap import unwrap_steps
+
+context: Any = bpy.context  # to the stubs, every pointer may be None
+
+
+def ball() -> EvaluatedMesh:
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5)
+    return read()
+
+
+def read() -> EvaluatedMesh:
+    """The object that was made last."""
+    with scratch_scene(context.scene) as scratch:
+        return evaluate(scratch, context.object)
+
+
+def test_a_mesh_is_flattened_in_parts_that_no_island_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
+    mesh = ball()
+    monkeypatch.setattr(flatten_in_parts, "LARGE", 1000)
+    monkeypatch.setattr(unwrap_options, "_HUGE", 1000)  # so that none are merged
+    seen: list[Progress] = []
+    made = finished(relayed(unwrap_steps(mesh, 256, Unwrap.UVUNWRAP), seen.append))
+    parts = flatten_in_parts._parts(mesh.position[mesh.triangles].mean(axis=1))
+    assert max(map(len, parts)) <= 1000
+    assert np.array_equal(np.sort(np.concatenate(parts)), np.arange(len(mesh.triangles)))
+    part = np.empty(len(mesh.triangles), dtype=int)
+    for number, some in enumerate(parts):
+        part[some] = number
+    island = uv_islands(weld(mesh.position)[mesh.triangles], made.uv)
+    assert len(np.unique(np.stack([island, part]), axis=1).T) == made.islands == island.max() + 1
+    assert made.overlap < 1e-3
+    texels = np.abs(signed_areas(made.uv * [made.width, made.height]))
+    dense = texels / surface_areas(mesh.world_position[mesh.triangles])
+    assert np.percentile(dense, 2) > 0.5 * np.median(dense)
+    assert (
+        len({step.done for step in seen if 0 < step.done < 300}) >= len(parts) - 1
+    )  # the bar moves with the parts
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_few_rays_tell_whether_any_back_is_seen(closed: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    mesh = ball()
+    if not closed:
+        bpy.ops.mesh.primitive_grid_add(x_subdivisions=40, y_subdivisions=40)
+        mesh = read()
+    every = seen_from_behind(mesh)
+    assert every.all() != closed
+    monkeypatch.setattr(backs, "_RAYS", 2000)
+    monkeypatch.setattr(backs, "_AT_ONCE", 100)
+    steps = list(seen_from_behind_steps(mesh))
+    assert {step.total for step in steps} == ({2000} if closed else {2000, len(mesh.triangles)})
+    assert np.array_equal(seen_from_behind(mesh), every)
+
+
+def test_the_tree_of_arrays_is_that_of_lists() -> None:
+    mesh = ball()
+    tree: Any = triangle_tree(mesh.position, mesh.triangles)
+    lists: Any = BVHTree.FromPolygons(mesh.position.tolist(), mesh.triangles.tolist(), all_triangles=True)
+    before = len(bpy.data.meshes), len(bpy.data.scenes), len(bpy.data.objects)
+    chance = np.random.default_rng(0)
+    for start, way in chance.normal(size=(500, 2, 3)).tolist():
+        assert tree.ray_cast(start, way) == lists.ray_cast(start, way)
+    triangle_tree(mesh.position, mesh.triangles)
+    assert (len(bpy.data.meshes), len(bpy.data.scenes), len(bpy.data.objects)) == before
