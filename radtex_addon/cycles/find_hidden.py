@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import bpy
 import numpy as np
@@ -27,6 +27,7 @@ from ..bake.progress import Progress, Stage
 from ..bake.rays import PROBES
 from ..core.arrays import Floats, Ints
 from ..scene.mesh.backs import TWIN
+from ..scene.mesh.copy import NORMAL, SIGN, TANGENT
 from ..scene.nodes import open_material, open_world
 from ..scene.scratch import remove_scene
 from .portal import PortalCapture
@@ -96,6 +97,9 @@ def _probe_scene(mesh: bpy.types.Mesh, matrix_world: Floats) -> Iterator[bpy.typ
         scene.world = world
         copy.materials.clear()
         copy.materials.append(_shows_back_faces(TWIN in copy.attributes))
+        for name in ("custom_normal", NORMAL, TANGENT, SIGN):  # no ray asks, and they are most of the memory
+            if (attribute := copy.attributes.get(name)) is not None:
+                copy.attributes.remove(attribute)
         copy.transform(Matrix(matrix_world.tolist()))  # an object's own transform would lose shear
         if np.linalg.det(matrix_world[:3, :3]) < 0:
             copy.flip_normals()
@@ -120,4 +124,5 @@ def _shows_back_faces(twins: bool) -> bpy.types.Material:
         bright = build.math("MULTIPLY", bright, lone)
     glow = build.node("ShaderNodeEmission", bright, 1.0)
     build.node("ShaderNodeOutputMaterial", glow.outputs[0])
+    cast(Any, material).cycles.emission_sampling = "NONE"  # else each triangle were a lamp
     return material

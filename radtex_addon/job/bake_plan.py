@@ -134,7 +134,7 @@ def steps_of_bakes(
     """
     request = plan.request
     announce_all(plan.wanted, request.folder, request.saves_preview, request.exports, request.overwrite)
-    unwraps: Unwraps = {}
+    unwraps: Unwraps | None = {} if len(plan.wanted) > 1 else None  # it is as large as the mesh
     for name, spec in plan.wanted:
         steps = bake_steps(
             scene,

@@ -173,11 +173,10 @@ class _Captures:
         prepared = self.prepared
 
         def capture() -> Arrays:
-            uvs = [_uvs(piece, prepared) for piece in prepared.pieces]
             with scene_copied(self.scratch) as copy:
                 found = capture_own_rays(
-                    copy, self.bodies, uvs, plan, prepared.surface, triangle, self.spec.seed, self.folder,
-                    alpha, prepared.uv_layer,
+                    copy, self.bodies, [_uvs(piece, prepared) for piece in prepared.pieces], plan,
+                    prepared.surface, triangle, self.spec.seed, self.folder, alpha, prepared.uv_layer,
                 )  # fmt: skip
             return _own_arrays(found)
 

@@ -45,6 +45,11 @@ class SurfaceUV:
     back: Floats
     inside: Bools
 
+    @property
+    def two_sided(self) -> bool:
+        """Whether a back may have other coordinates than the front."""
+        return self.back is not self.front
+
 
 def capture_own_rays(
     scene: bpy.types.Scene,
@@ -66,9 +71,11 @@ def capture_own_rays(
     """
     aim = own_aim(plan, seed)
     with path_ends(scene, bodies, (), np.zeros(3, np.float32)) as ends:
-        material = _shows_uv(alpha, uv_layer)
+        two_sided = any(uv.two_sided for uv in uvs)
+        material = _shows_uv(alpha, uv_layer, two_sided)
         for copy, uv in zip(ends.copies, uvs, strict=True):
-            copy.data = _with_uv(cast(bpy.types.Mesh, copy.data), uv, material)
+            copy.data = _with_uv(cast(bpy.types.Mesh, copy.data), uv, material, two_sided)
+        del uvs, uv  # of large meshes, a hundred megabytes
         ends.scene.world = dark_world()
         capture = PortalCapture(ends.scene, plan, Kind.REFLECTION, 1, seed, folder, aim)
         count = plan.layout.bucket**2
@@ -130,7 +137,7 @@ def texels_met(plan: CapturePlan, surface: SurfaceMesh, triangle: Ints, uv: Floa
     `triangle` (K,) is each texel's in `surface`. Where the plan has no texel, the nearest one in the atlas.
     """
     width, height = plan.layout.width, plan.layout.height
-    frames = _uv_frames(surface)
+    frames = _uv_frames(surface, triangle)
     number = np.full(width * height, -1, dtype=np.int32)
     number[plan.texel] = np.arange(len(plan.texel), dtype=np.int32)
     rows, columns = nearest_covered((number >= 0).reshape(height, width))
@@ -138,39 +145,37 @@ def texels_met(plan: CapturePlan, surface: SurfaceMesh, triangle: Ints, uv: Floa
     met, place = np.empty(len(uv), dtype=np.int32), np.empty((len(uv), 3), dtype=np.float32)
     for first in range(0, len(uv), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
-        met[some], place[some] = _met(plan, filled, triangle, frames, surface.uv[:, 0], uv[some])
+        met[some], place[some] = _met(plan, filled, frames, surface.uv[triangle, 0], uv[some])
     return met, place
 
 
 def _met(
     plan: CapturePlan,
     nearest: Ints,
-    triangle: Ints,
     frames: tuple[Floats, Floats],
     corner: Floats,
     uv: Floats,
 ) -> tuple[Ints, Floats]:
-    """As `texels_met`; `nearest` (H, W) are the nearest texels, `frames` and `corner` (F, 2) of triangles."""
+    """As `texels_met`; `nearest` (H, W) are texels, `frames` and `corner` (K, 2) of the texels' triangles."""
     height, width = nearest.shape
     column = np.clip(np.floor(uv[:, 0] * width), 0, width - 1).astype(np.intp)
     row = np.clip(np.floor(uv[:, 1] * height), 0, height - 1).astype(np.intp)
     met = nearest[row, column]
     place = plan.points[met].astype(np.float32)
     origin, along = frames
-    own = triangle[met]
-    moved = uv - corner[own]
-    told = origin[own] + (along[own] * moved[:, None]).sum(axis=2)
+    moved = uv - corner[met]
+    told = origin[met] + (along[met] * moved[:, None]).sum(axis=2)
     j, i = np.divmod(plan.texel[met], width)
     off = np.maximum(np.abs(uv[:, 0] * width - i - 0.5), np.abs(uv[:, 1] * height - j - 0.5))
     usable = (off < _OUTSIDE) & np.isfinite(told).all(axis=1)
     return met.astype(np.int32), np.where(usable[:, None], told, place).astype(np.float32)
 
 
-def _uv_frames(surface: SurfaceMesh) -> tuple[Floats, Floats]:
-    """Each triangle's first corner (F, 3), and how places change with u and v, (F, 3, 2), or NaN."""
-    corners = surface.corner_position
+def _uv_frames(surface: SurfaceMesh, triangle: Ints) -> tuple[Floats, Floats]:
+    """Of triangles (K,) the first corners (K, 3), and how places change with u and v, (K, 3, 2), or NaN."""
+    corners, uv = surface.position[surface.triangles[triangle]], surface.uv[triangle]
     edges = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=2)
-    first, second = surface.uv[:, 1] - surface.uv[:, 0], surface.uv[:, 2] - surface.uv[:, 0]
+    first, second = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
     area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
     area = np.where(np.abs(area) > _FLAT, area, np.nan)
     inverse = np.stack(
@@ -199,13 +204,19 @@ def sides_of(surface_uv: Floats, mesh: bpy.types.Mesh, inside: Bools) -> Surface
     return SurfaceUV(front, back, inside[own])
 
 
-def _with_uv(mesh: bpy.types.Mesh, surface: SurfaceUV, material: bpy.types.Material) -> bpy.types.Mesh:
-    """A copy of the mesh with this material alone, which reads the texture coordinates of both sides."""
+def _with_uv(
+    mesh: bpy.types.Mesh, surface: SurfaceUV, material: bpy.types.Material, two_sided: bool
+) -> bpy.types.Mesh:
+    """A copy of the mesh with this material alone, which reads the texture coordinates of both sides.
+
+    If no mesh is `two_sided`, those of the front alone.
+    """
     copy: Any = cast(bpy.types.ID, mesh).copy()
     copy.materials.clear()
     copy.materials.append(material)
     flag = np.where(surface.inside, _COVERED, _APART).repeat(3)
-    for name, uv in ((_FRONT, surface.front), (_BACK, surface.back)):
+    sides = {_FRONT: surface.front, _BACK: surface.back} if two_sided else {_FRONT: surface.front}
+    for name, uv in sides.items():
         values = np.zeros((uv.shape[0] * 3, 3), dtype=np.float32)
         values[:, :2] = uv.reshape(-1, 2) + 1
         values[:, 2] = flag
@@ -213,11 +224,12 @@ def _with_uv(mesh: bpy.types.Mesh, surface: SurfaceUV, material: bpy.types.Mater
     return cast(bpy.types.Mesh, copy)
 
 
-def _shows_uv(alpha: Floats | None, uv_layer: str) -> bpy.types.Material:
+def _shows_uv(alpha: Floats | None, uv_layer: str, two_sided: bool) -> bpy.types.Material:
     """A material that emits the texture coordinates of the side that is met, plus 1, and the flag in blue."""
     material, build = open_material("RadTex UV")
-    behind = build.geometry("Backfacing")
-    shown = build.mix(behind, build.attribute(_FRONT), build.attribute(_BACK))
+    shown = build.attribute(_FRONT)
+    if two_sided:
+        shown = build.mix(build.geometry("Backfacing"), shown, build.attribute(_BACK))
     shader = build.node("ShaderNodeEmission", shown, 1.0).outputs[0]
     if alpha is not None:
         image = float_image("RadTex alpha", np.repeat(alpha, 3, axis=2))
