@@ -180,7 +180,7 @@ def _fragments(surface: SurfaceMesh, edge: Ints, along: Floats, viewer: Floats) 
         return found
 
     position = mixed(surface.corner_position, 3)
-    sign = np.where(mixed(surface.sign, 1)[:, 0] < 0, -1.0, 1.0)
+    sign = 1.0 - 2.0 * (mixed(surface.sign, 1)[:, 0] < 0).astype(np.float64)
     tangent, bitangent, normal = orthonormal_frame(
         normalised(mixed(surface.normal, 3)), mixed(surface.tangent, 3), sign
     )
