@@ -176,11 +176,11 @@ def _fragments(surface: SurfaceMesh, edge: Ints, along: Floats, viewer: Floats) 
 
     def mixed(corners: Floats, width: int) -> Floats:
         flat = corners.reshape(-1, width).astype(np.float64)
-        found: Floats = ((1 - share) * flat[edge] + share * flat[following(edge)]).reshape(-1, width)
-        return found
+        found: Floats = flat[edge] + share * (flat[following(edge)] - flat[edge])
+        return found.reshape(-1, width)
 
     position = mixed(surface.corner_position, 3)
-    sign = 1.0 - 2.0 * (mixed(surface.sign, 1)[:, 0] < 0).astype(np.float64)
+    sign = np.where(mixed(surface.sign, 1)[:, 0] < 0, -1.0, 1.0)
     tangent, bitangent, normal = orthonormal_frame(
         normalised(mixed(surface.normal, 3)), mixed(surface.tangent, 3), sign
     )
