@@ -19,6 +19,7 @@ from radtex_addon.scene.mesh.blender_unwrap import Way, unwrapped_by_blender
 from radtex_addon.scene.mesh.evaluated import EvaluatedMesh, evaluate
 from radtex_addon.scene.mesh.flatten import FlatIslands, flatten_with_uvunwrap, islands_of, smooth_corners
 from radtex_addon.scene.scratch import scratch_scene
+from radtex_addon.scene.uv.closer_packing import packed_closer
 from radtex_addon.scene.uv.island_packing import pack_islands
 from radtex_addon.scene.uv.unwrap import unwrap_steps
 from radtex_addon.scene.uv.unwrap_options import UnwrapOptions, Unwrapped
@@ -90,7 +91,8 @@ def _scaled(mesh: EvaluatedMesh, uv: Floats, vertex: Ints | None = None) -> Flat
 
 
 def _packed(flat: FlatIslands, texels: int, since: float) -> Unwrapped:
-    packed = finished(pack_islands(flat, texels, UnwrapOptions().padding, None))
+    padding = UnwrapOptions().padding
+    packed = finished(packed_closer(finished(pack_islands(flat, texels, padding, None)), texels, padding))
     uv = packed.uv / [packed.width, packed.height]
     used = float(np.abs(signed_areas(uv)).sum())
     size = packed.width, packed.height
