@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pack flattened islands, by their true outlines, into an atlas of so many texels or of a texel density."""
+"""Pack flattened islands, by their true outlines, into an atlas of so many texels."""
 
 from __future__ import annotations
 
@@ -34,11 +34,10 @@ class Packed:
     loose: Placed
 
 
-def pack_islands(flat: FlatIslands, texels: int, padding: int, density: float | None) -> Steps[Packed]:
-    """Pack islands as large as they fit into an atlas whose longer side is `texels`, or at a `density`.
+def pack_islands(flat: FlatIslands, texels: int, padding: int) -> Steps[Packed]:
+    """Pack islands as large as they fit into an atlas whose longer side is `texels`.
 
-    With a density, in texels per scene unit, the atlas is as large as needed. At least `padding` texels that
-    no island touches lie between two islands, and no bilinear lookup in one reads a texel of another, even
+    At least `padding` texels that no island touches lie between two islands, and no bilinear lookup in one reads a texel of another, even
     with a padding of 0. Islands are squeezed by less than a texel, so that straight sides go through the
     centres of texels: what is looked up there is the side's own light. Yields progress. Raises InputError if
     there are too many islands for so few texels, BakeError if packing fails.
@@ -46,23 +45,14 @@ def pack_islands(flat: FlatIslands, texels: int, padding: int, density: float | 
     real = flat.island >= 0
     points, index, owner = yield from in_a_thread(lambda: _welded(flat, real), unwrap_progress(MERGED))
     around = (padding + 3) // 2 if padding else 1  # two islands lie at least twice as many, less two, apart
-    found = yield from pack(
-        points,
-        index,
-        owner,
-        around,
-        texels if density is None else None,
-        None if density is None else density * flat.unit,
-    )
+    found = yield from pack(points, index, owner, around, texels)
     placed = np.zeros(flat.uv.shape)
     placed[real] = yield from in_a_thread(lambda: _on_centres(found), unwrap_progress(1))
     island = np.full(len(real), -1)
     island[real] = found.owner
     width, height = max(found.width, 1), max(found.height, 1)
-    if density is None:
-        width, height = (texels, height) if width >= height else (width, texels)
-    exact = found.density / flat.unit if density is None else density
-    return Packed(placed, island, found.islands, width, height, exact, found)
+    width, height = (texels, height) if width >= height else (width, texels)
+    return Packed(placed, island, found.islands, width, height, found.density / flat.unit, found)
 
 
 def _welded(flat: FlatIslands, real: Bools) -> tuple[Floats, Ints, Ints]:

@@ -228,7 +228,7 @@ def _fitted(flat: FlatIslands, texels: int, options: UnwrapOptions) -> Steps[Pac
     """Pack into `texels`; if a density is asked for, and these are too few, into more."""
     while True:
         try:
-            return (yield from pack_islands(flat, texels, options.padding, None))
+            return (yield from pack_islands(flat, texels, options.padding))
         except InputError:
             if options.density is None or texels * 2 > (options.most or 0):
                 raise
@@ -249,7 +249,7 @@ def _at_density(evaluated: EvaluatedMesh, best: _Try, options: UnwrapOptions, de
         if abs(lacks - 1) < _EXACT or wanted in (0, side):
             break
         try:
-            other = yield from pack_islands(flat, wanted, options.padding, None)
+            other = yield from pack_islands(flat, wanted, options.padding)
         except InputError:  # too many islands for fewer texels
             break
         closer = density / _reached(other, surface)

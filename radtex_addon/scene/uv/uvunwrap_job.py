@@ -78,15 +78,12 @@ def flatten(points: Floats, faces: Ints, seams: Bools, begin: float = 0.0, end: 
     return Charts(uv / max(atlas.texels_per_unit, 1e-30), owner)
 
 
-def pack(
-    points: Floats, faces: Ints, owner: Ints, padding: int, size: int | None, density: float | None
-) -> Steps[Placed]:
+def pack(points: Floats, faces: Ints, owner: Ints, padding: int, size: int) -> Steps[Placed]:
     """Place flat islands: points (V, 2), faces (F, 3), and the islands (V,) of the points.
 
     `padding` texels around each island stay free, in the library's own count, but none along the atlas's
-    edges. Islands are as large as fit into `size` x `size` texels, or of `density` in an atlas as large as
-    they need. Yields progress. Raises InputError if `size` texels are too few for so many islands, BakeError
-    if it fails.
+    edges. Islands are as large as fit into `size` x `size` texels. Yields progress. Raises InputError if
+    `size` texels are too few for so many islands, BakeError if it fails.
     """
     import uvunwrap  # noqa: PLC0415
 
@@ -96,13 +93,12 @@ def pack(
         np.ascontiguousarray(faces, dtype=np.uint32),
         existing_uvs=flat,
     )
-    page = None if size is None else size + 2 * padding
-    job = uvunwrap.start([mesh], page_size=page, texels_per_unit=density, padding=padding)
+    job = uvunwrap.start([mesh], page_size=size + 2 * padding, padding=padding)
     atlas = yield from _finished(job, MERGED, 1.0)
     if atlas.page_count > 1:
         raise InputError(
             f"{size} texels are too few for the {atlas.chart_count} islands of this unwrap: ask for at least "
-            f"{_enough(atlas, size or 1)} texels, or less padding"
+            f"{_enough(atlas, size)} texels, or less padding"
         )
     uv, owner = _of_triangles(atlas)
     width, height = atlas.width - 2 * padding, atlas.height - 2 * padding

@@ -92,7 +92,7 @@ def _scaled(mesh: EvaluatedMesh, uv: Floats, vertex: Ints | None = None) -> Flat
 
 def _packed(flat: FlatIslands, texels: int, since: float) -> Unwrapped:
     padding = UnwrapOptions().padding
-    packed = finished(packed_closer(finished(pack_islands(flat, texels, padding, None)), texels, padding))
+    packed = finished(packed_closer(finished(pack_islands(flat, texels, padding)), texels, padding))
     uv = packed.uv / [packed.width, packed.height]
     used = float(np.abs(signed_areas(uv)).sum())
     size = packed.width, packed.height
