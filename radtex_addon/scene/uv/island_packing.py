@@ -37,10 +37,11 @@ class Packed:
 def pack_islands(flat: FlatIslands, texels: int, padding: int) -> Steps[Packed]:
     """Pack islands as large as they fit into an atlas whose longer side is `texels`.
 
-    At least `padding` texels that no island touches lie between two islands, and no bilinear lookup in one reads a texel of another, even
-    with a padding of 0. Islands are squeezed by less than a texel, so that straight sides go through the
-    centres of texels: what is looked up there is the side's own light. Yields progress. Raises InputError if
-    there are too many islands for so few texels, BakeError if packing fails.
+    At least `padding` texels that no island touches lie between two islands, and no bilinear lookup in
+    one reads a texel of another, even with a padding of 0. Islands are squeezed by less than a texel, so
+    that straight sides go through the centres of texels: what is looked up there is the side's own light.
+    Yields progress. Raises InputError if there are too many islands for so few texels, BakeError if
+    packing fails.
     """
     real = flat.island >= 0
     points, index, owner = yield from in_a_thread(lambda: _welded(flat, real), unwrap_progress(MERGED))
