@@ -17,12 +17,13 @@ import numpy as np
 
 from .arrays import Bools, Floats, Ints
 from .frame import normalised, orthonormal_frame
-from .islands import weld
+from .islands import signed_areas, weld
 from .surface import SurfaceMesh
 from .texel_map import TexelMap
 
 _SMOOTH = math.cos(math.radians(10))  # of the angle between two normals at one place, to be one surface
 _STEPS = 64  # triangles crossed at most
+_FLAT = 1e-9  # square texels: triangles with less area lead nowhere
 _SLACK = 1e-9  # of a triangle's doubled area: a point this close to an edge is inside
 
 
@@ -81,7 +82,8 @@ def beyond_seams(texels: TexelMap, surface: SurfaceMesh, seams: Seams) -> TexelM
     triangle, point, target, fine = _across(surface, uv, seams, edge, along, centre)
     texel, edge, along = texel[fine], edge[fine], along[fine]
     triangle, weight = _walk(uv, seams, triangle[fine], point[fine], target[fine])
-    return _with_points(texels, surface, texel, triangle, weight)
+    met = weight.any(axis=1)
+    return _with_points(texels, surface, texel[met], triangle[met], weight[met])
 
 
 def _nearest_edge(uv: Floats, triangle: Ints, centre: Floats) -> tuple[Ints, Floats]:
@@ -111,6 +113,7 @@ def _across(
     place = surface.corner_position.astype(np.float64)
     flat = uv.reshape(-1, 2)
     mine, theirs = edge // 3, other // 3
+    flat_ones = _without_area(uv)
     following = 3 * mine + (edge + 1) % 3
     after = 3 * theirs + (other + 1) % 3
     spot = place.reshape(-1, 3)
@@ -128,8 +131,14 @@ def _across(
     target = entry + np.einsum(
         "kux,kx->ku", _slopes_back(place[theirs], uv[theirs]), ahead * line + out * inwards
     )
-    fine: Bools = np.isfinite(target).all(axis=1)
+    fine: Bools = np.isfinite(target).all(axis=1) & ~flat_ones[mine] & ~flat_ones[theirs]
     return theirs, entry, target, fine
+
+
+def _without_area(uv: Floats) -> Bools:
+    """Which triangles (F, 3, 2) have no area to speak of, in texels: (F,)."""
+    flat: Bools = ~(np.abs(signed_areas(uv)) > _FLAT)
+    return flat
 
 
 def _slopes(place: Floats, uv: Floats) -> Floats:
@@ -162,6 +171,7 @@ def _walk(uv: Floats, seams: Seams, triangle: Ints, point: Floats, target: Float
     Where the island ends before, the way ends there, too.
     """
     triangle, point = triangle.copy(), point.copy()
+    flat = _without_area(uv)
     walking = np.arange(len(triangle))
     for _ in range(_STEPS):
         corner = uv[triangle[walking]]
@@ -177,7 +187,7 @@ def _walk(uv: Floats, seams: Seams, triangle: Ints, point: Floats, target: Float
         leaving = share.argmin(axis=1)
         point[walking] += share.min(axis=1)[:, None] * (target[walking] - point[walking])
         edge = 3 * triangle[walking] + leaving
-        inner = (seams.beyond[edge] >= 0) & ~seams.seam[edge]
+        inner = (seams.beyond[edge] >= 0) & ~seams.seam[edge] & ~flat[seams.beyond[edge] // 3]
         walking = walking[inner]
         triangle[walking] = seams.beyond[edge[inner]] // 3
     sides = np.maximum(_sides(uv[triangle], point), 0)
@@ -221,6 +231,7 @@ def _with_points(
         tangent=tangent.reshape(shape),
         facet=facet.reshape(shape),
         triangle=owner,
+        touching=texels.triangle,
     )
 
 

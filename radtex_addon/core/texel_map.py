@@ -32,11 +32,12 @@ class TexelMap:
     """The surface at every texel, row 0 at v = 0; float32 unless stated, zero where no island touches.
 
     `position` (H, W, 3) in world space; `normal` and `tangent` (H, W, 3) unit and orthogonal, and the
-    bitangent's `sign` (H, W), +1 or -1; `facet` (H, W, 3) unit normal of the triangle itself, on the shading
-    normal's side; `triangle` (H, W) int32, -1 where no island touches; `inside` (H, W) bool, True where the
-    texel's centre lies in an island (elsewhere its point is the island's nearest to the centre). `offset`
-    (H, W) is the distance from the surface at which rays start, in scene units; None if it is the same for
-    all texels.
+    bitangent's `sign` (H, W), +1 or -1; `facet` (H, W, 3) unit normal of the triangle itself, on the
+    shading normal's side; `triangle` (H, W) int32, -1 where no island touches; `inside` (H, W) bool, True
+    where the texel's centre lies in an island (elsewhere its point is the island's nearest to the centre,
+    or one beyond a seam). `offset` (H, W) is the distance from the surface at which rays start, in scene
+    units; None if it is the same for all texels. `touching` (H, W) is the triangle of the texel's own
+    island, where that may be another than the point's `triangle`; None if it is the same everywhere.
     """
 
     position: Floats
@@ -47,6 +48,12 @@ class TexelMap:
     triangle: Ints
     inside: Bools
     offset: Floats | None = None
+    touching: Ints | None = None
+
+    @property
+    def own_triangle(self) -> Ints:
+        """The triangle of the island that touches the texel, -1 where none does: (H, W) int32."""
+        return self.triangle if self.touching is None else self.touching
 
     @property
     def covered(self) -> Bools:

@@ -121,3 +121,25 @@ def test_texels_within_islands_stay() -> None:
     assert not (changed & before.inside).any()
     same = ~changed & before.inside
     assert (before.position[same] == after.position[same]).all()
+
+
+def test_ways_end_before_triangles_without_area() -> None:
+    surface, own, island = sheet(FLAT, 0.7, False)
+    uv = surface.uv.copy()
+    some = island == 1
+    thin = some & (own[..., 0].mean(axis=1) < 0.75)
+    thin &= np.arange(len(thin)) % 2 == 0
+    uv[thin, 2] = (uv[thin, 0] + uv[thin, 1]) / 2
+    broken = SurfaceMesh(
+        surface.position + 5.0, surface.triangles, surface.normal, surface.tangent, surface.sign, uv
+    )
+    before = rasterise(broken, TEXELS, TEXELS)
+    after = beyond_seams(before, broken, Seams.of(broken))
+    assert np.abs(after.position[before.covered]).min() > 1  # none at the world's origin
+
+
+def test_a_texel_still_knows_the_triangle_of_its_own_island() -> None:
+    surface, _, island = sheet(FLAT, 0.7, False)
+    before, after, changed = maps(surface)
+    assert (after.own_triangle == before.triangle).all()
+    assert (island[after.own_triangle[changed]] != island[after.triangle[changed]]).any()

@@ -37,7 +37,7 @@ _SQUEEZED = (
 _WORST = 0.02  # share of an island's area that may be shorter
 _FLIPPED = 1e-3  # share of an island's area that may lie upside down
 _OVERLAP = 1e-3  # share of an island's covered area that may be covered twice
-_SEAM = 2.0  # texels lost along a border, on both sides together, where a seam may show
+_SEAM = 4.0  # texels lost along a border between two islands, two on either side, where a seam may show
 _LARGE = 200_000  # triangles: more are flattened by least squares, as angles take too long
 _AT_ONCE = 10_000  # triangles flattened between two reports of progress, if islands are smaller
 _FINE = 96  # sample points across an island, to find overlaps by
@@ -70,24 +70,26 @@ def merged(
     area = surface_areas(mesh.points[mesh.triangles])
     uv, island = uv.copy(), island.copy()
     found: list[tuple[Floats, Ints]] = []
+    group = _openable(mesh, island, _together(_Neighbours.of(mesh, island)))
+    first = int(group.max(initial=-1) >= 0)  # nothing hangs together that can be flattened: no round is spent
+    if first:
+        merging = _merge(mesh, area, uv, island, group)
+        fine = yield from relayed(merging, partial(_in_round, 0, rounds))
+        if fine.any():
+            found.append((uv.copy(), _connected(mesh.triangles, island)))
     apart: set[tuple[int, int]] = set()  # pairs that do not merge, until one of them does with another
-    for number in range(rounds):
+    for number in range(first, rounds):
         near = _Neighbours.of(mesh, island)
-        if number == 0:
-            pairs = near.pairs[:0]
-            group = _together(near)
-        else:
-            pairs = _pairs(near, area, island, apart)
-            group = np.full(near.count, -1)
-            group[pairs] = np.arange(len(pairs))[:, None]
-        if group.max(initial=-1) < 0:
+        pairs = _pairs(near, area, island, apart)
+        if not len(pairs):
             break
+        group = np.full(near.count, -1)
+        group[pairs] = np.arange(len(pairs))[:, None]
         merging = _merge(mesh, area, uv, island, group)
         fine = yield from relayed(merging, partial(_in_round, number, rounds))
-        if number:
-            apart |= {(int(one), int(other)) for one, other in pairs[~fine]}
-            grown = set(pairs[fine].ravel().tolist())
-            apart = {pair for pair in apart if not grown & set(pair)}
+        apart |= {(int(one), int(other)) for one, other in pairs[~fine]}
+        grown = set(pairs[fine].ravel().tolist())
+        apart = {pair for pair in apart if not grown & set(pair)}
         if fine.any():
             found.append((uv.copy(), _connected(mesh.triangles, island)))
     return found
@@ -124,6 +126,18 @@ def _together(near: _Neighbours) -> Ints:
     return found
 
 
+def _openable(mesh: Seamed, island: Ints, group: Ints) -> Ints:
+    """The groups (I,) without those that are closed all round, which become -1."""
+    count = int(group.max(initial=-1)) + 1
+    of_triangle = np.where(island >= 0, group[island], -1) if count else np.full(len(island), -1)
+    some = of_triangle >= 0
+    owner = of_triangle[some]
+    fine = _open(split_corners(mesh.triangles[some], owner), owner, count)
+    numbers = np.where(fine, np.cumsum(fine) - 1, -1)
+    found: Ints = np.where(group >= 0, np.append(numbers, -1)[group], -1)
+    return found
+
+
 def _pairs(near: _Neighbours, area: Floats, island: Ints, apart: set[tuple[int, int]]) -> Ints:
     """Pairs of neighbours (P, 2), no island twice, those with most border in common for their size first."""
     size = np.bincount(island[island >= 0], area[island >= 0], minlength=near.count)
@@ -157,7 +171,7 @@ def _merge(
     flat = _to_scale(flat, area[some], owner)
     corners = mesh.points[mesh.triangles[some]]
     lost = _lost(corners, area[some], uv[some], flat, owner, count)
-    fine &= lost <= _SEAM * 2 * mesh.texel * _inner_border(mesh, island, group)
+    fine &= lost <= _SEAM * mesh.texel * _inner_border(mesh, island, group)
     fine &= _sound(corners, area[some], flat, owner, count)
     fine[fine] = _apart_from_itself(flat, owner, fine)
     good = fine[owner]
@@ -176,8 +190,9 @@ def _flattened(mesh: Seamed, some: Ints, owner: Ints) -> Generator[float, None, 
     ends = np.flatnonzero(np.diff(owner[order], append=-1)) + 1  # of the islands
     begin = 0
     while begin < len(order):
-        end = max(int(ends[np.searchsorted(ends, begin + _AT_ONCE, side="right") - 1]), begin)
-        end = end if end > begin else int(ends[np.searchsorted(ends, begin, side="right")])
+        several = np.searchsorted(ends, begin + _AT_ONCE, side="right") - 1
+        one = np.searchsorted(ends, begin, side="right")
+        end = int(ends[max(several, one)])
         part = order[begin:end]
         corner = split_corners(mesh.triangles[some[part]], owner[part])
         _, first = np.unique(corner, return_index=True)

@@ -48,7 +48,7 @@ def pack_islands(flat: FlatIslands, texels: int, padding: int) -> Steps[Packed]:
     around = (padding + 3) // 2 if padding else 1  # two islands lie at least twice as many, less two, apart
     found = yield from pack(points, index, owner, around, texels)
     placed = np.zeros(flat.uv.shape)
-    placed[real] = yield from in_a_thread(lambda: _on_centres(found), unwrap_progress(1))
+    placed[real] = yield from in_a_thread(lambda: _on_centres(found), unwrap_progress(MERGED))
     island = np.full(len(real), -1)
     island[real] = found.owner
     width, height = max(found.width, 1), max(found.height, 1)

@@ -95,12 +95,14 @@ def unwrap_steps(
         best = replace(best, packed=closer)
     else:
         about = about_side(_area(evaluated), options.density)
-        side = min(about, options.most or about)
+        side = min(about, options.most)
         reachable = replace(options, density=options.density * side / about)
         best = yield from _best(evaluated, side, method, reachable)
         best = yield from _at_density(evaluated, best, options, options.density)
     done = unwrap_progress(1)
-    return (yield from in_a_thread(lambda: _finish(evaluated, best, time.perf_counter() - start), done))
+    made = yield from in_a_thread(lambda: _finish(evaluated, best, time.perf_counter() - start), done)
+    _tell(evaluated.name, made)
+    return made
 
 
 def unwrap_uvunwrap(evaluated: EvaluatedMesh, texels: int, options: UnwrapOptions | None = None) -> Unwrapped:
@@ -230,9 +232,9 @@ def _fitted(flat: FlatIslands, texels: int, options: UnwrapOptions) -> Steps[Pac
         try:
             return (yield from pack_islands(flat, texels, options.padding))
         except InputError:
-            if options.density is None or texels * 2 > (options.most or 0):
+            if options.density is None or texels >= options.most:
                 raise
-        texels *= 2
+        texels = min(2 * texels, options.most)
 
 
 def _at_density(evaluated: EvaluatedMesh, best: _Try, options: UnwrapOptions, density: float) -> Steps[_Try]:
@@ -245,7 +247,7 @@ def _at_density(evaluated: EvaluatedMesh, best: _Try, options: UnwrapOptions, de
     lacks = density / _reached(packed, surface)
     for _ in range(_PACKINGS):
         side = max(packed.width, packed.height)
-        wanted = min(round(side * max(lacks, 0.5)), options.most or side)
+        wanted = min(round(side * max(lacks, 0.5)), options.most)
         if abs(lacks - 1) < _EXACT or wanted in (0, side):
             break
         try:
@@ -288,35 +290,36 @@ def _finish(evaluated: EvaluatedMesh, best: _Try, seconds: float) -> Unwrapped:
     flat, packed = best.flat, best.packed
     uv = packed.uv / [packed.width, packed.height]
     _settle_thin(uv, evaluated, flat.island >= 0)
-    overlap = find_overlap(uv)
-    if overlap.fraction > _TOLERATED_OVERLAP:
-        log.warning(
-            "the unwrap of '%s' overlaps itself in %.1f %% of its area: try the other, or your UV layer",
-            evaluated.name,
-            100 * overlap.fraction,
-        )
-    done = Unwrapped(
+    return Unwrapped(
         uv=uv,
         width=packed.width,
         height=packed.height,
         islands=packed.islands,
         utilisation=float(np.abs(signed_areas(uv)).sum()),
         density=packed.density,
-        overlap=overlap.fraction,
+        overlap=find_overlap(uv).fraction,
         seconds=seconds,
         needed=best.needed,
     )
+
+
+def _tell(name: str, done: Unwrapped) -> None:
+    if done.overlap > _TOLERATED_OVERLAP:
+        log.warning(
+            "the unwrap of '%s' overlaps itself in %.1f %% of its area: try the other, or your UV layer",
+            name,
+            100 * done.overlap,
+        )
     log.info(
         "unwrapped '%s': %d islands, %d x %d texels, %.0f %% used, %.4g texels per unit, %.1f s",
-        evaluated.name,
+        name,
         done.islands,
         done.width,
         done.height,
         100 * done.utilisation,
         done.density,
-        seconds,
+        done.seconds,
     )
-    return done
 
 
 def _settle_thin(uv: Floats, evaluated: EvaluatedMesh, real: Bools) -> None:

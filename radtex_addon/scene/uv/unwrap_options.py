@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from ...bake.texel_density import MOST_TEXELS
 from ...core.arrays import Floats
 from ...core.errors import InputError
 
@@ -35,7 +36,7 @@ class UnwrapOptions:
 
     padding: int = 2
     density: float | None = None
-    most: int | None = None
+    most: int = MOST_TEXELS
     seam_angle: float = 45.0
     max_cost: float = 2.0
     normal_deviation_weight: float = 2.0

@@ -138,7 +138,7 @@ class _Captures:
         light = replace(light, through=without_zeros(light.through))
         material = texels.triangle.ravel()[lit.texel]
         if prepared.source is None:
-            own = self._own_rays(plan(own_side(count)), material, opacity.fine)
+            own = self._own_rays(plan(own_side(count)), texels.own_triangle.ravel()[lit.texel], opacity.fine)
         else:
             own = self._source_rays(plan(own_side(count)), coarse, opacity.coarse)
         own = replace(own, rays=replace(own.rays, plan=lit))
