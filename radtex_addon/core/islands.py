@@ -190,9 +190,8 @@ def coverage_depth(uv: Floats, resolution: int) -> Ints:
     """
     steps = np.zeros((resolution, resolution + 1), dtype=np.int32)
     for some in blocks(len(uv)):
-        grid = (
-            np.asarray(uv[some], dtype=np.float64) * resolution - 0.5
-        )  # sample points have whole coordinates
+        # Sample points have whole coordinates.
+        grid = np.asarray(uv[some], dtype=np.float64) * resolution - 0.5
         low = np.clip(np.ceil(grid[..., 1].min(axis=1)), 0, resolution).astype(np.int64)
         high = np.clip(np.floor(grid[..., 1].max(axis=1)), -1, resolution - 1).astype(np.int64)
         rows = np.maximum(high - low + 1, 0)

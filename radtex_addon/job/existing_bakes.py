@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -69,7 +70,9 @@ def _has_size(facts: Facts, spec: BakeSpec) -> bool:
     """Whether the atlas has the density that is asked for, or was baked without one and has the texels."""
     density = density_in(facts)
     if density is not None or spec.density is not None:
-        return density is not None and density.asked == spec.density
+        if density is None or spec.density is None:
+            return False
+        return math.isclose(density.asked, spec.density, rel_tol=1e-6)  # the panel's is a float32
     return max(facts.size("texels")) == spec.texels
 
 

@@ -37,9 +37,8 @@ def calc_tangents_steps(
     """
     tangent = np.empty((len(triangles), 3, 3), dtype=np.float32)
     sign = np.empty((len(triangles), 3), dtype=np.float32)
-    vertex = weld(position).astype(np.int32)[
-        triangles
-    ]  # MikkTSpace, too, treats vertices at the same position as one
+    # MikkTSpace, too, treats vertices at the same position as one.
+    vertex = weld(position).astype(np.int32)[triangles]
     done = 0
     for own, whole in patches(vertex, position[triangles].mean(axis=1), _ALONE):
         found = _calc(position[triangles[whole]], normal[whole], uv[whole])

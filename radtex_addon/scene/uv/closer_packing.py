@@ -29,15 +29,15 @@ def packed_closer(packed: Packed, texels: int, padding: int) -> Steps[Packed]:
     The library leaves up to twice as many, and one more where sides are moved to texels' centres: in small
     atlases, most of the place. Here each island's box is made as large as a whole number of texels, and the
     texels that it touches are packed; two free texels are the least, or lookups in two islands would read the
-    same one. `packed` is returned where that is no better, where the padding is 0,
-    and where there are too many texels and islands for that to be quick. Yields progress.
+    same one. `packed` is returned where that is no better, where the padding is 0, and where there are too
+    many texels and islands, or triangles, for that to be quick. Yields progress.
     """
+    if packed.loose is None or not padding or packed.islands * texels**2 > _QUICK:
+        return packed
     shapes = _Shapes.of(packed.loose)
     best = packed
     low = shapes.density(packed.uv[packed.island >= 0])
     high = low * _MOST_GAIN
-    if not padding or packed.islands * texels**2 > _QUICK:
-        return packed
     for number in range(_TRIES):
         density = math.sqrt(low * high)
         outlines = shapes.at(density)
@@ -46,7 +46,7 @@ def packed_closer(packed: Packed, texels: int, padding: int) -> Steps[Packed]:
             high = density
         else:
             low = density
-            best = _moved(packed, outlines, spots, texels)
+            best = _moved(packed, shapes, outlines, spots, texels)
         yield unwrap_progress(MERGED + (1 - MERGED) * (number + 1) / _TRIES)
     return best
 
@@ -62,11 +62,15 @@ class _Outlines:
 
 @dataclass(frozen=True, eq=False)
 class _Shapes:
-    """Islands, in any unit: `uv` (F, 3, 2) from the lower corner of each one's box, `size` (I, 2) of it."""
+    """Islands, in any unit: `uv` (F, 3, 2) from the lower corner of each one's box, `size` (I, 2) of it.
+
+    As the library placed them, they had `loose` texels a unit.
+    """
 
     uv: Floats
     owner: Ints
     size: Floats
+    loose: float
 
     @classmethod
     def of(cls, placed: Placed) -> _Shapes:
@@ -74,7 +78,7 @@ class _Shapes:
         owner = placed.owner[some]
         low, high = boxes(placed.uv[some], owner, placed.islands)
         uv = (placed.uv[some] - low[owner][:, None]) / placed.density
-        return cls(uv, owner, (high - low) / placed.density)
+        return cls(uv, owner, (high - low) / placed.density, placed.density)
 
     def density(self, uv: Floats) -> float:
         """Texels along a unit of the islands, in the mean, as placed at `uv` (F, 3, 2)."""
@@ -99,7 +103,7 @@ class _Shapes:
         return _Outlines(uv, self.owner, [touched[:h, x : x + w] for x, (w, h) in boxes])
 
 
-def _moved(packed: Packed, outlines: _Outlines, spots: list[Spot], texels: int) -> Packed:
+def _moved(packed: Packed, shapes: _Shapes, outlines: _Outlines, spots: list[Spot], texels: int) -> Packed:
     """The islands at their spots; the atlas's longer side is `texels`."""
     turned = np.array([spot.turned for spot in spots])[outlines.owner]
     tall = np.array([len(mask) for mask in outlines.masks])[outlines.owner]
@@ -111,7 +115,5 @@ def _moved(packed: Packed, outlines: _Outlines, spots: list[Spot], texels: int) 
     width, height = (texels, height) if width >= height else (width, texels)
     placed = packed.uv.copy()
     placed[packed.island >= 0] = uv
-    loose = packed.loose.uv[packed.loose.owner >= 0]
-    shown = np.abs(signed_areas(uv)).sum() / np.abs(signed_areas(loose)).sum()
-    density = packed.density * math.sqrt(shown)
+    density = packed.density * shapes.density(uv) / shapes.loose
     return replace(packed, uv=placed, width=width, height=height, density=density)

@@ -14,6 +14,7 @@ from ...core.islands import first_and_index, weld
 from ..mesh.flatten import FlatIslands
 from .uvunwrap_job import MERGED, Placed, pack, unwrap_progress
 
+_HUGE = 1_000_000  # triangles
 _ROUNDING = 1e-3  # texels: a side this close to a texel's edge lies on it
 
 
@@ -22,7 +23,8 @@ class Packed:
     """`uv` (F, 3, 2) in texels, within `width` x `height`; `density` is in texels per scene unit.
 
     `island` (F,) numbers the `islands`, -1 for none: those that were too long for the atlas, or overlapped
-    themselves, were taken apart. `loose` are the islands that have triangles as the library placed them.
+    themselves, were taken apart. `loose` is how the library placed the triangles that are in islands; None of
+    more than a million triangles, where it is large.
     """
 
     uv: Floats
@@ -31,7 +33,7 @@ class Packed:
     width: int
     height: int
     density: float
-    loose: Placed
+    loose: Placed | None
 
 
 def pack_islands(flat: FlatIslands, texels: int, padding: int) -> Steps[Packed]:
@@ -53,7 +55,8 @@ def pack_islands(flat: FlatIslands, texels: int, padding: int) -> Steps[Packed]:
     island[real] = found.owner
     width, height = max(found.width, 1), max(found.height, 1)
     width, height = (texels, height) if width >= height else (width, texels)
-    return Packed(placed, island, found.islands, width, height, found.density / flat.unit, found)
+    loose = found if len(flat.uv) <= _HUGE else None
+    return Packed(placed, island, found.islands, width, height, found.density / flat.unit, loose)
 
 
 def _welded(flat: FlatIslands, real: Bools) -> tuple[Floats, Ints, Ints]:
