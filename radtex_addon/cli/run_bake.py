@@ -23,7 +23,6 @@ from ..core.uv_map import UvMap
 from ..formats.disk.atomic import check_writable
 from ..formats.disk.memory import readable_size
 from ..formats.disk.path_checks import check_unicode
-from ..formats.sidecar_file import read_facts
 from ..job import BakeResult, OutputFiles
 from ..job.bake_plan import check_plan, plan_bakes, steps_of_bakes
 from ..preview.picture import render_picture
@@ -165,17 +164,15 @@ def summary_of(title: str, spec: BakeSpec, result: BakeResult) -> str:
 
 
 def _map_of(result: BakeResult) -> str:
-    """How much of the atlas the islands cover, as far as the sidecar tells."""
-    bake = read_facts(result.files.sidecar).values
-    if "islands" not in bake or "coverage" not in bake:
+    """How much of the atlas the islands cover, as far as that is known."""
+    if result.islands is None or result.coverage is None:
         return ""
-    islands = "1 island" if bake["islands"] == 1 else f"{bake['islands']} islands"
-    return f" ({islands} on {bake['coverage']:.0%} of the atlas)"
+    islands = "1 island" if result.islands == 1 else f"{result.islands} islands"
+    return f" ({islands} on {result.coverage:.0%} of the atlas)"
 
 
 def facts_of(spec: BakeSpec, result: BakeResult, others: list[Path]) -> dict[str, object]:
     """The facts of a finished bake, for programs; `others` are files in addition to the bake's own."""
-    bake = read_facts(result.files.sidecar).values
     return {
         "files": [str(path) for path in (*result.files.all, *others)],
         "layout": str(spec.layout),
@@ -186,7 +183,9 @@ def facts_of(spec: BakeSpec, result: BakeResult, others: list[Path]) -> dict[str
         "texels": [result.layout.width, result.layout.height],
         "bucket": result.layout.bucket,
         "covered_texels": None if result.was_finished else result.covered_texels,
-        **{key: bake.get(key) for key in ("islands", "coverage", "wasteful")},
+        "islands": result.islands,
+        "coverage": result.coverage,
+        "wasteful": result.wasteful or None,
         "texel_density": result.density,
         "paths": None if result.was_finished else result.paths,
         "device": result.device,

@@ -86,8 +86,7 @@ def assemble_steps(
             outcome = yield from watch.over(
                 join_buckets(plan, capture, hidden, spec, sidecar, manifest.facts, temporary, cells)
             )
-            density = manifest.facts.texel_density
-            made = BakeOutput.by(outcome, outputs, manifest.device, manifest.islands, density)
+            made = BakeOutput.by(outcome, outputs, manifest.device, manifest.facts)
             publish(cells, outputs, made, earlier)
             if copies is not None:
                 yield watch.start(Stage.PREVIEW)
@@ -102,7 +101,9 @@ def assemble_steps(
         files=made.files,
         layout=made.layout,
         covered_texels=made.covered_texels,
-        islands=manifest.islands,
+        islands=made.islands,
+        coverage=made.coverage,
+        wasteful=made.wasteful,
         density=made.density,
         paths=made.paths,
         device=manifest.device,

@@ -12,7 +12,7 @@ from typing import Any
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError, ShapeError
 from ..core.messages import Setting, do
-from ..formats.sidecar import TexelDensity
+from ..formats.sidecar import Sidecar
 from ..formats.sidecar_file import read_facts
 from ..forms.outcome import Outcome
 from .output_files import OutputFiles
@@ -22,7 +22,9 @@ from .output_files import OutputFiles
 class BakeOutput:
     """The result of a bake: its `files` on disk, and what it cost.
 
-    `density` is the texels per metre that it has, if its size follows from a density.
+    Its UV layer has so many `islands`, which cover a share of it, the `coverage`; `wasteful` says why the map
+    wastes its atlas, empty if it does not. `density` is the texels per metre that it has, if its size follows
+    from a density.
     """
 
     files: OutputFiles
@@ -33,17 +35,13 @@ class BakeOutput:
     device: str = ""
     islands: int | None = None
     density: float | None = None
+    coverage: float | None = None
+    wasteful: str = ""
 
     @classmethod
-    def by(
-        cls,
-        outcome: Outcome,
-        files: OutputFiles,
-        device: str,
-        islands: int | None,
-        density: TexelDensity | None,
-    ) -> BakeOutput:
+    def by(cls, outcome: Outcome, files: OutputFiles, device: str, facts: Sidecar) -> BakeOutput:
         """From a form's `outcome`, which says which of the images in `files` were written."""
+        density = facts.texel_density
         return cls(
             files=replace(files, images=outcome.images),
             layout=outcome.layout,
@@ -51,8 +49,10 @@ class BakeOutput:
             paths=outcome.paths,
             clamped=outcome.clamped,
             device=device,
-            islands=islands,
+            islands=facts.islands,
             density=None if density is None else density.reached,
+            coverage=facts.coverage,
+            wasteful=facts.wasteful,
         )
 
     @property
@@ -78,6 +78,8 @@ class BakeOutput:
             "device": self.device,
             "islands": self.islands,
             "density": self.density,
+            "coverage": self.coverage,
+            "wasteful": self.wasteful,
         }
 
     @staticmethod
@@ -108,6 +110,8 @@ class BakeOutput:
                 device=str(told["device"]),
                 islands=None if told["islands"] is None else int(told["islands"]),
                 density=None if told.get("density") is None else float(told["density"]),
+                coverage=None if told.get("coverage") is None else float(told["coverage"]),
+                wasteful=str(told.get("wasteful", "")),
             )
         except (IndexError, KeyError, TypeError, ValueError, ShapeError) as error:
             raise InputError(
@@ -124,4 +128,13 @@ class BakeOutput:
         facts = read_facts(files.sidecar)
         images = tuple(path for path in files.images if path.is_file())
         layout = AtlasLayout(*facts.size("texels"), facts.whole_number("bucket", 1))
-        return cls(replace(files, images=images), layout, 0, 0, facts.whole_number("clamped", 0))
+        return cls(
+            files=replace(files, images=images),
+            layout=layout,
+            covered_texels=0,
+            paths=0,
+            clamped=facts.whole_number("clamped", 0),
+            islands=facts.whole_number("islands", 0) if "islands" in facts.values else None,
+            coverage=facts.number("coverage") if "coverage" in facts.values else None,
+            wasteful=facts.text("wasteful") if "wasteful" in facts.values else "",
+        )

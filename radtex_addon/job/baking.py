@@ -65,7 +65,7 @@ BakeSteps: TypeAlias = "Generator[Progress | Step, None, BakeResult]"
 class BakeResult:
     """The result of a bake, and what it cost: `paths` are camera paths, `seconds` are by stage.
 
-    `density` is the texels per metre that the atlas has, if its size follows from a density. `exported` are
+    `islands`, `coverage`, `wasteful` and `density` are as in `BakeOutput`. `exported` are
     the folders that were made. If the bake `was_finished`, only its missing preview and exports were made,
     and paths and covered texels are 0: they are not known.
     """
@@ -74,6 +74,8 @@ class BakeResult:
     layout: AtlasLayout
     covered_texels: int
     islands: int | None
+    coverage: float | None
+    wasteful: str
     density: float | None
     paths: int
     device: str
@@ -91,6 +93,8 @@ class BakeResult:
             layout=made.layout,
             covered_texels=made.covered_texels,
             islands=made.islands,
+            coverage=made.coverage,
+            wasteful=made.wasteful,
             density=made.density,
             paths=made.paths,
             device=made.device,
@@ -326,7 +330,7 @@ def bake_unchecked(
         job = BakeJob(scratch, spec, files.sidecar, prepared, temporary, store, thumbnail)
         with _lit(scratch, spec):
             outcome = yield from watch.over(bake(job))
-    made = BakeOutput.by(outcome, files, device, prepared.islands, prepared.density)
+    made = BakeOutput.by(outcome, files, device, prepared.facts(spec))
     return Baked(made, prepared, spec)
 
 
