@@ -68,7 +68,9 @@ def test_a_proxy_shows_what_is_in_it(web: Site, bake: Callable[..., KindBake], c
         empty = made.eroded(camera) & (expected[..., 3] < 1e-3)
         empty[:90] = False  # there are words
         assert empty.sum() > 500, "nothing is seen through the hull"
-        assert screen[empty].max() < 0.25, "no background is seen through the hull"
+        background = screen[empty].max(axis=1)  # a hair's light may bleed by a texel
+        assert np.quantile(background, 0.99) < 0.2, "no background is seen through the hull"
+        assert background.max() < 0.35, "what is in the hull bleeds into the background"
 
 
 SUNS = (Sun(-40, 45), Sun(-40, 45, 30), Sun(110, 20, 8), Sun(0, 80, 90))
