@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ...core.arrays import Floats, Ints
+from .triangle_tree import bare_mesh
 
 
 class Way(Enum):
@@ -29,14 +30,7 @@ def unwrapped_by_blender(points: Floats, triangles: Ints, way: Way, angle: float
 
     `angle`, in radians, is Smart UV Project's limit. No triangle may have a vertex twice: Blender would hang.
     """
-    mesh = bpy.data.meshes.new("RadTex unwrap")
-    mesh.vertices.add(len(points))
-    mesh.vertices.foreach_set("co", np.ascontiguousarray(points, dtype=np.float32).ravel())
-    mesh.loops.add(3 * len(triangles))
-    mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(triangles, dtype=np.int32).ravel())
-    mesh.polygons.add(len(triangles))
-    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * len(triangles), 3, dtype=np.int32))
-    mesh.update(calc_edges=True)
+    mesh = bare_mesh(points, triangles, "RadTex unwrap")
     mesh.polygons.foreach_set("select", np.ones(len(triangles), dtype=bool))
     mesh.uv_layers.new(name="UV")
     item = bpy.data.objects.new("RadTex unwrap", mesh)

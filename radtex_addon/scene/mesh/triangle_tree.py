@@ -13,9 +13,9 @@ from mathutils.bvhtree import BVHTree
 from ...core.arrays import Floats, Ints
 
 
-def bare_mesh(position: Floats, triangles: Ints) -> bpy.types.Mesh:
+def bare_mesh(position: Floats, triangles: Ints, name: str = "RadTex triangles") -> bpy.types.Mesh:
     """A mesh of vertices (V, 3) and triangles (F, 3), and nothing else."""
-    mesh = bpy.data.meshes.new("RadTex triangles")
+    mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(position))
     mesh.loops.add(triangles.size)
     mesh.polygons.add(len(triangles))

@@ -99,8 +99,8 @@ class _Shapes:
         row = uv.copy()
         row[..., 0] += begins[self.owner][:, None]
         touched = triangle_of_texels(row / [width, height], width, height) >= 0
-        boxes = zip(begins.tolist(), cells.tolist(), strict=True)
-        return _Outlines(uv, self.owner, [touched[:h, x : x + w] for x, (w, h) in boxes])
+        places = zip(begins.tolist(), cells.tolist(), strict=True)
+        return _Outlines(uv, self.owner, [touched[:h, x : x + w] for x, (w, h) in places])
 
 
 def _moved(packed: Packed, shapes: _Shapes, outlines: _Outlines, spots: list[Spot], texels: int) -> Packed:
