@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .arrays import Bools, Floats, Ints
+from .edges import edge_keys
 from .frame import normalised, orthonormal_frame
 from .islands import signed_areas, weld
 from .surface import SurfaceMesh
@@ -44,11 +45,11 @@ class Seams:
         place = weld(surface.position)[surface.triangles].ravel()
         start = np.arange(place.size)
         end = np.roll(start.reshape(-1, 3), -1, axis=1).ravel()
-        low, high = np.minimum(place[start], place[end]), np.maximum(place[start], place[end])
-        order = np.lexsort((high, low))
-        alike = (low[order][1:] == low[order][:-1]) & (high[order][1:] == high[order][:-1])
+        keys = edge_keys(place.reshape(-1, 3))
+        order = np.argsort(keys, kind="stable")
+        alike = keys[order][1:] == keys[order][:-1]
         alone = ~np.append(False, alike[:-1]) & ~np.append(alike[1:], False)  # two triangles, not more
-        first = np.flatnonzero(alike & alone & (low != high)[order][1:])
+        first = np.flatnonzero(alike & alone & (place[start] != place[end])[order][1:])
         one, other = order[first], order[first + 1]
         beyond = np.full(place.size, -1)
         beyond[one], beyond[other] = other, one
