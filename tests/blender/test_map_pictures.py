@@ -31,6 +31,7 @@ from radtex_addon.worker.job import JobMap, State
 from radtex_addon.worker.orders import order_bake
 from radtex_addon.worker.queue import Queue
 from tests.blender.batch_process import Batch
+from tests.blender.card_frame import give_frame
 from tests.blender.test_unwrap_choice import quads
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -176,15 +177,7 @@ def test_a_checker_lies_on_the_texels() -> None:
     for loop in card.loops:
         place = card.vertices[loop.vertex_index].co
         layer.uv[loop.index].vector = [place[0] / 6 + 0.5, place[1] / 6 + 0.5]
-    fields: Any = (
-        ("radtex_normal", "FLOAT_VECTOR", (0.0, 0.0, 1.0)),
-        ("radtex_tangent", "FLOAT_VECTOR", (1.0, 0.0, 0.0)),
-        ("radtex_sign", "FLOAT", 1.0),
-    )
-    for name, kind, value in fields:
-        made: Any = card.attributes.new(name, kind, "CORNER")
-        for item in made.data:
-            setattr(item, "value" if kind == "FLOAT" else "vector", value)
+    give_frame(card)
     surface = BakedSurface(card, np.eye(4), "Baked")
     rays = Rays.of_camera((0, 0, 500), np.eye(3), 5 / 500, 40, 4)  # 10 x 10 wide, from afar: 4 pixels a unit
     nothing = np.zeros((40, 40, 3))

@@ -25,6 +25,7 @@ from radtex_addon.report.gbuffer import BakedSurface, Rays, eroded
 from radtex_addon.report.report_bake import ReportResult, ReportSpec, report_path, report_steps
 from radtex_addon.report.sizes import gpu_bytes, sizes_of
 from tests.blender import stage
+from tests.blender.card_frame import give_frame
 from tests.blender.fingerprint import differences, fingerprint
 from tests.blender.lived_in import lived_in_scene
 
@@ -192,15 +193,7 @@ def test_rays_meet_a_card_where_they_should() -> None:
     layer = card.uv_layers.new(name="Baked")
     for loop in card.loops:
         layer.uv[loop.index].vector = [part / 2 + 0.5 for part in places[loop.vertex_index][:2]]
-    fields: Any = (
-        ("radtex_normal", "FLOAT_VECTOR", (0.0, 0.0, 1.0)),
-        ("radtex_tangent", "FLOAT_VECTOR", (1.0, 0.0, 0.0)),
-        ("radtex_sign", "FLOAT", 1.0),
-    )
-    for name, kind, value in fields:
-        made: Any = card.attributes.new(name, kind, "CORNER")
-        for item in made.data:
-            setattr(item, "value" if kind == "FLOAT" else "vector", value)
+    give_frame(card)
     surface = BakedSurface(card, np.diag([3.0, 3.0, 1.0, 1.0]), "Baked")
     rays = Rays.of_camera((0, 0, 5), np.eye(3), 1.0, 10, 1)  # 10 x 10 wide where the card is, which is 6 x 6
     buffer = surface.gbuffer(rays, np.full(100, np.inf))
