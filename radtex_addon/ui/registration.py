@@ -19,21 +19,33 @@ from .operators.job_operators import (
     RADTEX_OT_fold_map,
     RADTEX_OT_open_folder,
 )
-from .panel import finished_panel, forecast, panel_state
+from .panel import finished_panel, forecast, list_panel, panel_state
 from .panel.cost_panel import RADTEX_PT_cost
 from .panel.jobs_panel import RADTEX_PT_jobs
-from .panel.main_panel import RADTEX_PT_bake, RADTEX_PT_output, RADTEX_PT_quality
+from .panel.main_panel import RADTEX_PT_bake
+from .panel.settings_panels import (
+    RADTEX_PT_light,
+    RADTEX_PT_output,
+    RADTEX_PT_sampling,
+    RADTEX_PT_surface,
+)
 from .settings import defaults, presets
 from .settings.bake_settings import RADTEX_PG_settings
+from .settings.chosen_objects import RADTEX_PG_chosen, RADTEX_PG_listed
+from .settings.object_settings import RADTEX_PG_object
 from .settings.preferences import RADTEX_preferences
 from .settings.presets import RADTEX_OT_preset_add, RADTEX_OT_preset_apply, RADTEX_PT_presets
 
-_scene: Any = bpy.types.Scene  # the stubs lack our property
+_scene: Any = bpy.types.Scene  # the stubs lack our properties
+_object: Any = bpy.types.Object
 _props: Any = bpy.props  # the 4.5 stubs type property functions as returning None
 
 CLASSES = (
     RADTEX_preferences,
     RADTEX_PG_settings,
+    RADTEX_PG_object,
+    RADTEX_PG_listed,
+    RADTEX_PG_chosen,
     RADTEX_OT_bake,
     RADTEX_OT_estimate,
     RADTEX_OT_cancel,
@@ -45,10 +57,13 @@ CLASSES = (
     RADTEX_OT_preset_apply,
     RADTEX_PT_presets,
     RADTEX_PT_bake,
+    *list_panel.CLASSES,
     RADTEX_PT_jobs,  # right below the button, where users look after pressing it
-    RADTEX_PT_quality,
-    RADTEX_PT_cost,
+    RADTEX_PT_light,
+    RADTEX_PT_surface,
+    RADTEX_PT_sampling,
     RADTEX_PT_output,
+    RADTEX_PT_cost,
     *finished_panel.CLASSES,
 )
 
@@ -58,6 +73,8 @@ def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     _scene.radtex = _props.PointerProperty(type=RADTEX_PG_settings)
+    _scene.radtex_chosen = _props.PointerProperty(type=RADTEX_PG_chosen)
+    _object.radtex = _props.PointerProperty(type=RADTEX_PG_object)
     presets.register()
     keys.register()
     defaults.register()
@@ -72,6 +89,8 @@ def unregister() -> None:
     defaults.unregister()
     keys.unregister()
     presets.unregister()
+    del _object.radtex
+    del _scene.radtex_chosen
     del _scene.radtex
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -59,6 +59,7 @@ class Job:
     map: JobMap | None = None
     files: tuple[Path, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
+    took: float | None = None
 
     @property
     def work(self) -> Work:
@@ -97,7 +98,7 @@ class Job:
                 return replace(self, files=files, message=Message(str(event["summary"])), facts=event)
         return self
 
-    def ends(self, state: State, message: Message) -> Job:
+    def ends(self, state: State, message: Message, took: float | None = None) -> Job:
         """The job after its worker has ended; an empty message keeps the current one."""
         whole = 1.0 if state is State.DONE else self.fraction
         return replace(
@@ -106,6 +107,7 @@ class Job:
             fraction=whole,
             seconds_left=None,
             message=message if message.problem else self.message,
+            took=took,
         )
 
     def _progressed(self, stage: str, done: int, total: int, left: float | None) -> Job:

@@ -10,7 +10,7 @@ import shutil
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from time import time
+from time import monotonic, time
 
 from ..core.errors import RadTexError
 from ..core.messages import Message
@@ -25,6 +25,7 @@ _SIGN_OF_LIFE = 600.0  # seconds
 @dataclass(eq=False)
 class _Entry:
     job: Job
+    started: float | None = None  # of `monotonic`
 
 
 class Queue:
@@ -79,9 +80,11 @@ class Queue:
         for job in self.snapshot():
             self.cancel(job.number)
 
-    def forget_ended(self) -> None:
-        """Remove ended jobs from the list."""
-        self._entries = [entry for entry in self._entries if not entry.job.ended]
+    def forget_ended(self, number: int | None = None) -> None:
+        """Remove ended jobs from the list, or only the one with that number."""
+        self._entries = [
+            entry for entry in self._entries if not entry.job.ended or number not in (None, entry.job.number)
+        ]
 
     def close(self) -> None:
         """Cancel all jobs and wait for their end, at most about two seconds."""
@@ -104,6 +107,7 @@ class Queue:
             self._end(entry, State.FAILED, Message(str(error)))
             return
         self._running = entry, worker
+        entry.started = monotonic()
         entry.job = replace(entry.job, state=State.RUNNING)
 
     def _hear(self, entry: _Entry, worker: Worker) -> None:
@@ -125,7 +129,8 @@ class Queue:
             self._end(entry, State.CANCELLED, Message("cancelled"))
 
     def _end(self, entry: _Entry, state: State, message: Message) -> None:
-        entry.job = entry.job.ends(state, message)
+        took = None if entry.started is None else monotonic() - entry.started
+        entry.job = entry.job.ends(state, message, took)
         folder = entry.job.order.folder
         if folder not in self._folders():
             shutil.rmtree(folder, ignore_errors=True)

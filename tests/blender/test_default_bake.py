@@ -310,7 +310,7 @@ def test_the_panel_goes_on_in_the_layout_that_was_begun(panel: Any, out: Path) -
     next(step for step in steps if step.stage is Stage.CAPTURE and step.done)
     steps.close()
     found = panel_state.refresh(context.scene, context.view_layer)
-    assert found.remedies == ("overwrite", "resume")
+    assert found.next is panel_state.Next.RESUME
     assert ops.radtex.bake(resume=True) == {"FINISHED"}
     assert (out / "Card.radiance.exr").is_file()
 

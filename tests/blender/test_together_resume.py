@@ -173,12 +173,12 @@ def test_other_parts_may_be_baked_meanwhile(panel: Any, tmp_path: Path, out: Pat
     two_coloured()
     preferences().cache_directory = str(tmp_path / "cache")
     panel.split, panel.part, panel.preview = "material", "Hot", False
-    jobs.submit(context.scene, _plan(panel))
+    jobs.submit(context.scene, [_plan(panel)])
     panel.part = ""
     with pytest.raises(InputError, match="object 'Cube' is being baked there already"):
-        jobs.submit(context.scene, _plan(panel))
+        jobs.submit(context.scene, [_plan(panel)])
     panel.resume = True
-    jobs.submit(context.scene, _plan(panel))
+    jobs.submit(context.scene, [_plan(panel)])
     assert [job.order.part for job in jobs.snapshot()] == ["Hot", "Cold / wet"]
     finish()
     assert [job.state for job in jobs.snapshot()] == [State.DONE] * 2, jobs.snapshot()

@@ -30,8 +30,8 @@ from radtex_addon.ui.jobs.comparison import BAKED, DIFFERENCE, TRACED, figures
 from radtex_addon.ui.operators.compare_operator import submit
 from radtex_addon.ui.operators.export_operator import ARRANGEMENTS, FORMATS, Place
 from radtex_addon.ui.operators.export_operator import submit as export
-from radtex_addon.ui.panel.forecast import chosen_objects
 from radtex_addon.ui.panel.jobs_panel import title
+from radtex_addon.ui.settings.chosen_objects import chosen_names
 from radtex_addon.worker.job import Job
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
@@ -194,7 +194,7 @@ def test_every_setting_has_a_tooltip(name: str) -> None:
 def test_the_button_bakes_the_object_and_says_that_its_preview_is_in_the_way(bake: str) -> None:
     scene_with_balls()
     radtex.preview_toggle(bake=bake)
-    assert chosen_objects(context.view_layer) == (NAME,)
+    assert chosen_names(context.scene, context.view_layer) == (NAME,)
     with pytest.raises(RuntimeError, match="its preview is shown in its place; switch that off"):
         radtex.bake(directory=bake, overwrite=True)
 

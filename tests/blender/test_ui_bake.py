@@ -19,6 +19,7 @@ from radtex_addon.textures.export_spec import Target
 from radtex_addon.ui.jobs import estimates, jobs
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.jobs_panel import phrase
+from radtex_addon.ui.panel.panel_state import Next
 from radtex_addon.ui.settings.request import request_of, spec_of, values_of
 from radtex_addon.worker.job import State
 from tests.blender import stage
@@ -96,7 +97,7 @@ def test_an_export_follows_the_bake(out: Path) -> None:
 
 
 def test_without_a_mesh_the_button_says_what_to_do() -> None:
-    with pytest.raises(RuntimeError, match="Select a mesh object"):
+    with pytest.raises(RuntimeError, match="Add a mesh object"):
         ops.radtex.bake()
     with pytest.raises(RuntimeError, match="Nothing is being baked"):
         ops.radtex.cancel()
@@ -130,7 +131,7 @@ def wait_for(state: State) -> None:
 def submit(**choice: object) -> None:
     for name, value in choice.items():
         setattr(settings(), name, value)
-    jobs.submit(context.scene, plan_bakes(context.scene, request_of(values_of(settings()), ("Card",))))
+    jobs.submit(context.scene, [plan_bakes(context.scene, request_of(values_of(settings()), ("Card",)))])
 
 
 def test_a_worker_bakes_and_exports_what_the_button_asks_for(out: Path, tmp_path: Path) -> None:
@@ -188,8 +189,8 @@ def test_a_cancelled_bake_can_be_gone_on_with(out: Path) -> None:
         time.sleep(0.02)
     jobs.cancel()
     wait_for(State.CANCELLED)
-    (error,) = panel_state.refresh(context.scene, context.view_layer).errors
-    assert "go on with it" in str(error)
+    found = panel_state.refresh(context.scene, context.view_layer)
+    assert (found.next, found.errors, found.unfinished) == (Next.RESUME, (), 1)
     jobs.forget_ended()
     submit(resume=True)
     wait_for(State.DONE)

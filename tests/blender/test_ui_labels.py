@@ -94,7 +94,7 @@ def test_whatever_is_reported_speaks_the_windows_words() -> None:
         (
             InputError("no layer", leave_out(Setting.UV, to="to have one made")),
             "no layer: leave --uv out to have one made",
-            "No layer: leave UV Layer empty to have one made",
+            "No layer: leave UV Map empty to have one made",
         ),
         (
             InputError("bits", leave_out(Setting.ARRANGEMENT, Setting.LEVELS)),

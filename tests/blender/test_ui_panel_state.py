@@ -19,7 +19,8 @@ from radtex_addon.job.preflight import run_preflight
 from radtex_addon.ui.jobs import estimates
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.cost_panel import figures
-from radtex_addon.ui.panel.panel_state import Forecast
+from radtex_addon.ui.panel.main_panel import what_is_there
+from radtex_addon.ui.panel.panel_state import Forecast, Next
 from radtex_addon.ui.settings.request import spec_of, values_of
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
@@ -69,7 +70,7 @@ def test_the_selected_meshes_are_baked_or_else_the_active_one() -> None:
 def test_what_would_fail_is_said_in_place(tmp_path: Path) -> None:
     plane()
     spec, out = spec_of(values_of(settings())), tmp_path / "out"
-    assert seen() == Forecast(("Card",), (), (), spec, seen().cost, folder=out)
+    assert seen() == Forecast(("Card",), spec=spec, cost=seen().cost, folder=out, next=Next.BAKE, bakes=1)
     context.object.hide_render = True
     assert "is hidden from render" in str(seen().errors[0])
     context.object.hide_render = False
@@ -81,36 +82,33 @@ def test_what_would_fail_is_said_in_place(tmp_path: Path) -> None:
     assert seen().errors == ()
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "Card.radiance.exr").touch()
-    (error,) = map(str, seen().errors)
-    assert "Card.radiance.exr is already there" in error
-    settings().overwrite = True
-    assert seen().errors == ()
+    assert (seen().errors, seen().next, seen().finished) == ((), Next.REPLACE, 0)
+    assert what_is_there(seen()) == ["Files of its name are there: they will be replaced"]
 
 
 def test_what_settles_a_refusal_is_known(tmp_path: Path) -> None:
     plane()
     settings().texels, settings().bucket, settings().samples = 8, 4, 1
     spec, out = spec_of(values_of(settings())), tmp_path / "out"
-    assert (seen().remedies, seen().baked) == ((), False)
+    assert seen().next is Next.BAKE
     steps = bake_steps(context.scene, "Card", spec, out)
     next(step for step in steps if step.stage is Stage.CAPTURE and step.done)
     steps.close()
-    assert (seen().remedies, seen().baked) == (("overwrite", "resume"), False)
+    assert seen().next is Next.RESUME
+    assert what_is_there(seen()) == ["Its bake is not finished"]
     settings().samples = 2  # another bake
-    assert seen().remedies == ("overwrite",)
-    settings().resume = True
-    assert seen().remedies == ("overwrite", "resume")  # anew, and then without
-    settings().resume, settings().overwrite = False, True
-    assert (seen().errors, seen().forgets) == ((), False)
+    assert seen().next is Next.REPLACE
+    settings().resume = settings().overwrite = True  # which the panel's buttons decide by themselves
+    assert seen().next is Next.REPLACE
     settings().samples = 1
-    assert (seen().errors, seen().forgets) == ((), True)
-    settings().overwrite = False
+    assert seen().next is Next.RESUME
     bake_object(context.scene, "Card", spec, out, resume=True)
-    assert (seen().remedies, seen().baked) == (("overwrite",), True)
+    assert (seen().next, seen().finished) == (Next.REPLACE, 1)
+    assert what_is_there(seen()) == ["It has a bake: that will be replaced"]
     settings().export_targets = {"web"}
     (out / "Card.web").mkdir()
     (out / "Card.web" / "mine.txt").touch()
-    assert (seen().remedies, seen().baked) == ((), False)  # the export would be refused all the same
+    assert (seen().next, len(seen().errors)) == (Next.NOTHING, 1)  # the export would be refused all the same
 
 
 def test_bakes_that_are_shown_are_known(tmp_path: Path) -> None:
@@ -121,11 +119,11 @@ def test_bakes_that_are_shown_are_known(tmp_path: Path) -> None:
     assert seen().shown == ()
     assert ops.radtex.preview_toggle() == {"FINISHED"}
     found = seen()
-    assert (found.objects, found.shown, len(found.errors), found.baked) == (("A",), ("A",), 1, False)
+    assert (found.objects, found.shown, found.errors, found.next) == (("A",), ("A",), (), Next.REPLACE)
     plane("B")
     context.object.hide_render = True
     bpy.ops.object.select_all(action="SELECT")
-    assert (seen().shown, len(seen().errors)) == (("A",), 2)
+    assert (seen().shown, len(seen().errors)) == (("A",), 1)
 
 
 def test_what_no_setting_settles_is_not_offered_to_be(tmp_path: Path) -> None:
@@ -133,10 +131,10 @@ def test_what_no_setting_settles_is_not_offered_to_be(tmp_path: Path) -> None:
     plane("B")
     context.object.hide_render = True
     bpy.ops.object.select_all(action="SELECT")
-    assert (len(seen().errors), seen().remedies) == (1, ())
+    assert (len(seen().errors), seen().next) == (1, Next.NOTHING)
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "A.radiance.exr").touch()
-    assert (len(seen().errors), seen().remedies, seen().baked) == (2, ("overwrite",), False)
+    assert (len(seen().errors), seen().next) == (1, Next.NOTHING)  # that of B alone
 
 
 def test_what_cannot_be_is_said_and_costs_nothing() -> None:
@@ -152,7 +150,7 @@ def test_a_file_never_saved_still_has_its_cost() -> None:
     plane()
     settings().directory = "//radtex"
     assert "never saved" in str(seen().errors[0])
-    assert (seen().remedies, seen().baked) == (("directory",), False)
+    assert (seen().needs_folder, seen().next) == (True, Next.NOTHING)
     assert seen().cost is not None
 
 

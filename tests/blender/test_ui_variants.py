@@ -19,6 +19,7 @@ from radtex_addon.preview.swap import copy_of, is_on
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.jobs_panel import title
+from radtex_addon.ui.panel.main_panel import what_is_there
 from radtex_addon.ui.settings.request import request_of, spec_of, values_of
 from radtex_addon.worker.job import State
 from tests.blender import stage
@@ -60,7 +61,7 @@ def finish() -> None:
 
 
 def submit() -> None:
-    jobs.submit(context.scene, plan_bakes(context.scene, request_of(values_of(settings()), ("Card",))))
+    jobs.submit(context.scene, [plan_bakes(context.scene, request_of(values_of(settings()), ("Card",)))])
 
 
 def test_each_lamp_is_a_job_with_a_preview_and_an_export_of_its_own(out: Path) -> None:
@@ -134,8 +135,8 @@ def test_the_forecast_looks_at_every_variant(out: Path) -> None:
     assert panel_state.refresh(context.scene, context.view_layer).errors == ()
     assert ops.radtex.bake() == {"FINISHED"}
     found = panel_state.refresh(context.scene, context.view_layer)
-    assert len(found.errors) == 3
-    assert "overwrite" in found.remedies
+    assert (found.errors, found.bakes, found.finished) == ((), 3, 3)
+    assert what_is_there(found) == ["3 bakes are there: they will be replaced"]
     for lamp in ("Key", "Fill, left"):
         bpy.data.objects.remove(bpy.data.objects[lamp])
     (error,) = panel_state.refresh(context.scene, context.view_layer).errors

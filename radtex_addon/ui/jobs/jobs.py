@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ...worker.job import Job
     from ...worker.order import Order
     from ...worker.queue import Queue
+    from ..settings.bake_settings import BakeSettings
 
 _PULSE = 0.25  # seconds between two polls of the workers
 
@@ -52,8 +53,8 @@ class _Session:
 _session = _Session()
 
 
-def submit(scene: bpy.types.Scene, plan: BakePlan) -> float:
-    """Save a copy of the scene in its current state and queue the bakes.
+def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan]) -> float:
+    """Save a copy of the scene in its current state and queue the bakes of all plans.
 
     Returns how long the window was blocked by that, in seconds. Raises InputError if one of the bakes is
     already queued or running, BakeError if the scene cannot be saved.
@@ -62,7 +63,7 @@ def submit(scene: bpy.types.Scene, plan: BakePlan) -> float:
     from ...worker.orders import order_bake
     from ..settings.preferences import preferred
 
-    request, bakes = plan.request, _free(plan)
+    bakes = [(plan.request, bake) for plan in plans for bake in _free(plan)]
     handover = hand_over(scene, preferred().cache)
     add(
         order_bake(
@@ -76,9 +77,25 @@ def submit(scene: bpy.types.Scene, plan: BakePlan) -> float:
             exports=request.exports,
             picture=handover.folder / f"picture-{place}.png",
         )
-        for place, (name, spec) in enumerate(bakes)
+        for place, (request, (name, spec)) in enumerate(bakes)
     )
     return handover.stalled
+
+
+def is_being_baked(name: str, settings: BakeSettings) -> bool:
+    """Whether a bake of the object, of the kind and the part that the settings ask for, waits or runs."""
+    from ...bake.kinds import is_default_kind
+    from ...worker.order import Work
+
+    about = "" if is_default_kind(settings.kind) else settings.kind
+    part = settings.part if settings.split != "none" else ""
+    return any(
+        name in (job.order.shared or (job.object,))
+        and job.order.about == about
+        and (not part or job.order.part == part)
+        for job in _session.shown
+        if not job.ended and job.work is Work.BAKE
+    )
 
 
 def _free(plan: BakePlan) -> tuple[Bake, ...]:
@@ -138,13 +155,13 @@ def cancel(number: int | None = None) -> None:
     _look()
 
 
-def forget_ended() -> None:
-    """Remove ended jobs from the panel's list, and delete their `results`."""
+def forget_ended(number: int | None = None) -> None:
+    """Remove one ended job, or all, from the panel's list, and delete their `results`."""
     if _session.queue is not None:
-        _session.queue.forget_ended()
+        _session.queue.forget_ended(number)
         _look()
-        for number in _session.completions.keys() - {job.number for job in _session.shown}:
-            _session.completions.pop(number).results.cleanup()
+        for gone in _session.completions.keys() - {job.number for job in _session.shown}:
+            _session.completions.pop(gone).results.cleanup()
 
 
 def advance() -> bool:

@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import bpy
+
+from ..settings.chosen_objects import chosen_meshes
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 def originals(
     layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene | None = None, bake: str = ""
 ) -> list[bpy.types.Object]:
-    """The object called `name`; if empty, the selected meshes, or else the active one.
+    """The object called `name`; if empty, those that the panel has chosen.
 
     If `scene` is given, `name` may also be the name of a shared atlas in `bake`: then its objects. Previews
     are replaced by their originals, unless these were deleted. Raises InputError if no object is found, or
@@ -37,7 +39,7 @@ def originals(
         if not chosen:
             raise InputError(f"no object '{name}' in view layer '{layer.name}': name one that is there")
     else:
-        chosen = selected_meshes(layer)
+        chosen = chosen_meshes(cast(bpy.types.Scene, layer.id_data), layer)
     if not chosen:
         raise InputError("no mesh object is selected: select one that was baked")
     return list(dict.fromkeys(original_of(item) or item for item in chosen))
@@ -71,23 +73,14 @@ def bake_called(layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene, b
     return str(sidecar_of(scene, name, bake)) if sharing(layer, name, scene, bake) else bake
 
 
-def selected_meshes(layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
-    """The selected meshes, sorted by name, or else the active one."""
-    found = [item for item in layer.objects.selected if item.type == "MESH"]
-    active = layer.objects.active
-    if not found and active is not None and active.type == "MESH":
-        found = [active]
-    return sorted(found, key=lambda item: item.name)
-
-
 def has_meshes(operator: type[bpy.types.Operator], context: bpy.types.Context | None) -> bool:
-    """Poll: whether a mesh is selected, in Object Mode; sets the operator's message if not.
+    """Poll: whether there is a mesh, in Object Mode; sets the operator's message if not.
 
-    In the background no selection is needed: scripts may name any object.
+    No selection is needed: scripts and the buttons of jobs name their object.
     """
     layer = context.view_layer if context is not None else None
-    if layer is None or not (bpy.app.background or selected_meshes(layer)):
-        operator.poll_message_set("Select a mesh object that was baked")
+    if layer is None or not any(item.type == "MESH" for item in layer.objects):
+        operator.poll_message_set("Bake a mesh object first")
         return False
     if context is not None and context.mode != "OBJECT":
         operator.poll_message_set("Go back to Object Mode first")

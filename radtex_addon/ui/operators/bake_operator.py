@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING, cast
 import bpy
 from bpy.props import BoolProperty, StringProperty
 
-from ..panel.forecast import chosen_objects
 from ..panel.labels import remark
 from ..settings.bake_settings import NAMES, BakeSettings
+from ..settings.chosen_objects import chosen_names, nothing_chosen
+from .undo import push_step
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
     from ...job.bake_plan import BakePlan
@@ -31,16 +34,24 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
     if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
         object: str
         wait: bool
+        show_object: bool
     else:
         object: StringProperty(
             name="Object",
-            description="Name of the object to bake. Left empty, all selected meshes are baked",
+            description="Name of the object to bake. Left empty, what the panel has chosen is baked",
             options={"SKIP_SAVE"},
         )
         wait: BoolProperty(
             name="Wait",
             description="Bake here and now, so that a script finds the files afterwards. Without a window "
             "that is always so",
+            default=False,
+            options={"SKIP_SAVE"},
+        )
+        show_object: BoolProperty(
+            name="Show the Object",
+            description="Where an earlier bake is shown in the object's place, show the object again first. "
+            "Otherwise such an object is not baked",
             default=False,
             options={"SKIP_SAVE"},
         )
@@ -52,54 +63,90 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         # Imported here so that OpenEXR is loaded with the first bake, not when Blender starts.
         from ...core.errors import RadTexError
-        from ...job.bake_plan import plan_bakes
-        from ..panel.remedies import check_left
-        from ..settings.request import request_of, values_with
+        from ..jobs import jobs
 
         scene, layer = shown(context)
-        names = (self.object,) if self.object else chosen_objects(layer)
-        given = (name for name in NAMES if self.properties.is_property_set(name))
+        at_once = bpy.app.background or self.wait
         try:
-            request = request_of(values_with(scene.radtex, self, given), names)  # type: ignore[attr-defined]  # ours
-            plan = plan_bakes(scene, request)
-            check_left(plan)
-            for told in (plan.skipped, *plan.layout_lines):
-                if told:
-                    self.report({"INFO"}, remark(told))
-            _check(scene, plan)
-            if bpy.app.background or self.wait:
-                self._bake(scene, plan)
+            names = (self.object,) if self.object else _free(scene, chosen_names(scene, layer), at_once)
+            if self.show_object:
+                _show_objects(scene, names)
+            plans = self._plans(scene, names)
+            for plan in plans:
+                for told in (plan.skipped, *plan.layout_lines):
+                    if told:
+                        self.report({"INFO"}, remark(told))
+                _check(scene, plan)
+            if at_once:
+                self._bake(scene, plans)
             else:
-                _submit(scene, plan)
+                jobs.submit(scene, plans)
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
         return {"FINISHED"}
 
-    def _bake(self, scene: bpy.types.Scene, plan: BakePlan) -> None:
+    def _plans(self, scene: bpy.types.Scene, names: Sequence[str]) -> list[BakePlan]:
+        """A plan for each group of objects that are baked by the same settings. Raises InputError."""
+        from ...core.errors import InputError
+        from ...job.bake_plan import plan_bakes
+        from ..panel.foreseen import check_left
+        from ..settings.object_settings import by_settings
+        from ..settings.request import request_of
+        from ..settings.values import values_with
+
+        if not names:
+            raise InputError(nothing_chosen(scene))
+        given = [name for name in NAMES if self.properties.is_property_set(name)]
+        plans = [
+            plan_bakes(scene, request_of(values_with(settings, self, given), group))
+            for settings, group in by_settings(scene, names)
+        ]
+        check_left(plans)
+        return [plan for plan in plans if plan.wanted or len(plans) == 1]
+
+    def _bake(self, scene: bpy.types.Scene, plans: Sequence[BakePlan]) -> None:
         """Bake in this process and report each object."""
         from ...bake.progress import finished
         from ...job.bake_plan import steps_of_bakes
         from ...job.variants import variant_of
 
-        for name, spec, steps in steps_of_bakes(scene, plan):
-            finished(steps)
-            told = (f"Baked {name}", spec.part, variant_of(spec))
-            self.report({"INFO"}, ", ".join(word for word in told if word))
+        for plan in plans:
+            for name, spec, steps in steps_of_bakes(scene, plan):
+                finished(steps)
+                told = (f"Baked {name}", spec.part, variant_of(spec))
+                self.report({"INFO"}, ", ".join(word for word in told if word))
 
 
-def _submit(scene: bpy.types.Scene, plan: BakePlan) -> None:
-    """Queue the bakes as background jobs."""
-    from ..jobs import jobs
+def _free(scene: bpy.types.Scene, names: tuple[str, ...], at_once: bool) -> tuple[str, ...]:
+    """Those of the names that are not being baked by a worker; all if all are, so that this is refused."""
+    from ..jobs.jobs import is_being_baked
+    from ..settings.object_settings import settings_for
 
-    jobs.submit(scene, plan)
+    if at_once:
+        return names
+    return tuple(name for name in names if not is_being_baked(name, settings_for(scene, name))) or names
+
+
+def _show_objects(scene: bpy.types.Scene, names: Sequence[str]) -> None:
+    """Switch the previews of these objects off: a step to undo."""
+    from ...preview.swap import is_on, switch_off
+
+    previewed = [item for item in scene.objects if item.name in names and is_on(item)]
+    for item in previewed:
+        switch_off(item)
+    if previewed:
+        push_step("Show the Object")
 
 
 def can_bake(operator: type[bpy.types.Operator], context: bpy.types.Context | None) -> bool:
-    """Poll: whether there is a mesh to bake; sets the operator's message if not."""
+    """Poll: whether there is a mesh to bake; sets the operator's message if not.
+
+    The operator may name another object than those that are chosen, so any mesh in the view layer will do.
+    """
     layer = context.view_layer if context is not None else None
-    if layer is None or not chosen_objects(layer):
-        operator.poll_message_set("Select a mesh object to bake its radiance texture")
+    if layer is None or not any(item.type == "MESH" for item in layer.objects):
+        operator.poll_message_set("Add a mesh object: its radiance texture can be baked")
         return False
     return True
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..jobs import estimates
-from ..panel.forecast import chosen_objects
 from ..panel.labels import duration, remark
+from ..settings.chosen_objects import chosen_names
 from .bake_operator import can_bake, shown
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class RADTEX_OT_estimate(bpy.types.Operator):
         from ..settings.surfaces import have_own_atlases
 
         scene, layer = shown(context)
-        names = chosen_objects(layer)
+        names = chosen_names(scene, layer)
         try:
             values = values_of(scene.radtex)  # type: ignore[attr-defined]  # ours
             spec = spec_of(values)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.props import IntProperty, StringProperty
@@ -70,11 +70,22 @@ class RADTEX_OT_cancel_here(bpy.types.Operator):
 
 
 class RADTEX_OT_clear_jobs(bpy.types.Operator):
-    """Take jobs that have ended off the list; their files stay"""
+    """Take a job that has ended, or all such jobs, off the list; their files stay"""
 
     bl_idname = "radtex.clear_jobs"
     bl_label = "Clear Finished"
     bl_options = {"INTERNAL"}
+
+    if TYPE_CHECKING:
+        number: int
+    else:
+        number: IntProperty(
+            name="Number",
+            description="The job's number; 0 clears all that have ended",
+            default=0,
+            min=0,
+            options={"SKIP_SAVE"},
+        )
 
     @classmethod
     def poll(cls, _: bpy.types.Context | None) -> bool:
@@ -83,8 +94,16 @@ class RADTEX_OT_clear_jobs(bpy.types.Operator):
             return False
         return True
 
+    @classmethod
+    def description(cls, _: bpy.types.Context | None, properties: Any) -> str:
+        """The tooltip, of one job or of all."""
+        if properties.number:
+            return "Take this job off the list; its files stay"
+        return "Take all jobs that have ended off the list; their files stay"
+
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
-        jobs.forget_ended()
+        jobs.forget_ended(self.number or None)
+        redraw()
         return {"FINISHED"}
 
 

@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
     """What the bake takes at most, of disk, memory and time"""
 
-    bl_label = "Cost"
+    bl_label = "Time and Size"
     bl_parent_id = "RADTEX_PT_bake"
+    bl_options: Any = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, _, found = drawn(self, context)

@@ -10,7 +10,7 @@ import blf
 import bpy
 
 from ..settings.bake_settings import BakeSettings
-from .labels import iface_, remark
+from .labels import remark
 from .panel_state import Forecast
 
 _UI_FONT = 0
@@ -42,36 +42,15 @@ def wrapped(text: str, room: float) -> list[str]:
 
 
 def draw_remarks(layout: Any, settings: BakeSettings, found: Forecast) -> None:
-    """Draw errors, the settings that would fix them, and warnings."""
-    if found.shown and len(found.errors) == len(found.shown):
-        draw_text(layout.box(), iface_("The bake is shown here. Switch it off to bake anew"), "HIDE_OFF")
-    else:
-        for message in found.errors:
-            icon = "CHECKMARK" if found.baked else "ERROR"
-            draw_text(layout.box(), remark(message, found.folder), icon)
-    if found.forgets:
-        text = iface_("An unfinished bake is here: resume it, or begin anew")
-        draw_text(layout.box(), text, "INFO")
-        layout.operator("radtex.bake", text="Resume", icon="PLAY").resume = True
-    if found.remedies:
-        _draw_remedies(layout.column(), settings, found)
-    for message in found.warnings:
-        draw_text(layout.box(), remark(message, found.folder), "INFO")
-
-
-def _draw_remedies(column: Any, settings: BakeSettings, found: Forecast) -> None:
-    """Draw each remedy as a setting, or as a button that applies it at once."""
-    if "directory" in found.remedies:
+    """Draw errors, what settles them, and warnings."""
+    for message in found.errors:
+        draw_text(layout.box(), remark(message, found.folder), "ERROR")
+    if found.needs_folder:
+        column = layout.column()
         column.operator("wm.save_as_mainfile", text="Save File…", icon="FILE_TICK")
         column.prop(settings, "directory", text="Folder")
-    row = column.row(align=True)
-    row.use_property_split = False
-    if "overwrite" in found.remedies:
-        row.prop(settings, "overwrite", toggle=True, icon="FILE_REFRESH")
-    if "resume" in found.remedies and settings.resume:
-        row.prop(settings, "resume", toggle=True, icon="PLAY")
-    elif "resume" in found.remedies:
-        row.operator("radtex.bake", text="Resume", icon="PLAY").resume = True
+    for message in found.warnings:
+        draw_text(layout.box(), remark(message, found.folder), "INFO")
 
 
 def _room() -> float:

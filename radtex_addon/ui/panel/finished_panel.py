@@ -12,17 +12,20 @@ from ..operators.compare_operator import RADTEX_OT_compare, RADTEX_OT_show_compa
 from ..operators.export_operator import RADTEX_OT_export
 from ..operators.preview_operator import RADTEX_OT_preview_toggle
 from ..operators.switch import draw_layers, draw_switch
-from .main_panel import Sidebar
+from .main_panel import Sidebar, drawn
 
 
 class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
     """What to do with a finished bake"""
 
-    bl_label = "Baked"
+    bl_label = "Finished Bake"
     bl_order = 10
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout: Any = self.layout
+        found = drawn(self, context)[2]
+        layout.use_property_split = False
+        layout.enabled = found is not None and bool(found.objects)
         item = context.active_object if context is not None else None
         draw_switch(layout, item)
         draw_layers(layout, item)

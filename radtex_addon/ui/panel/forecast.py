@@ -4,74 +4,144 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..operators.bake_lookup import selected_meshes
-from .panel_state import Forecast
+from ..settings.chosen_objects import chosen_names
+from .panel_state import Forecast, Next
 
 if TYPE_CHECKING:
-    from ..settings.bake_settings import BakeSettings
+    from ...bake.cost import Cost
+    from ...bake.spec import BakeSpec
+    from ...job.bake_request import BakeRequest
+    from .layouts import Chosen
 
 _PATIENCE = 0.05  # seconds that examining the objects may take
 
 
-def chosen_objects(view_layer: bpy.types.ViewLayer) -> tuple[str, ...]:
-    """Names of the objects to bake: the selected meshes, or else the active one; originals, not previews."""
-    from ...preview.swap import original_of
-
-    found = (original_of(item) or item for item in selected_meshes(view_layer))
-    return tuple(sorted({item.name for item in found}))
-
-
 def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Forecast:
-    """Check and estimate a bake of the chosen objects with the scene's settings. Changes nothing."""
-    from ...core.errors import InputError
-    from ...forms import cost_of
+    """Check and estimate a bake of the chosen objects, each with its settings. Changes nothing."""
     from ...preview.swap import is_on
+    from ..jobs.jobs import is_being_baked
+    from ..settings.object_settings import by_settings, settings_for
+    from ..settings.values import values_of
+
+    names = chosen_names(scene, view_layer)
+    busy = tuple(name for name in names if is_being_baked(name, settings_for(scene, name)))
+    free = tuple(name for name in names if name not in busy)
+    groups = [(values_of(settings), group) for settings, group in by_settings(scene, free or names)]
+    patience = _PATIENCE / len(groups)
+    found = _joined([_of_group(scene, group, values, patience) for values, group in groups])
+    if busy and not free:
+        found = replace(found, errors=(), next=Next.WAIT)
+    shown = tuple(name for name in free if is_on(scene.objects[name]))
+    return replace(found, objects=names, busy=busy, shown=shown)
+
+
+def _of_group(
+    scene: bpy.types.Scene, names: Sequence[str], values: dict[str, Any], patience: float
+) -> Forecast:
+    """The forecast of objects that are baked by the same settings."""
+    from ...core.errors import InputError
     from ..jobs import estimates
-    from ..settings.request import has_folder, request_of, spec_of, values_of
+    from ..settings.request import has_folder, request_of, spec_of
     from ..settings.surfaces import have_own_atlases
     from .atlas_sizes import told_sizes
     from .layouts import chosen_layouts, told_layouts
-    from .remedies import foreseen, forgets, remedies
 
-    names = chosen_objects(view_layer)
-    settings: BakeSettings = scene.radtex  # type: ignore[attr-defined]  # ours, not Blender's
-    values = values_of(settings)
+    values = values | {"overwrite": False, "resume": False}  # the panel's buttons decide that
+    objects = tuple(names)
     try:
         asked = spec_of(values)
-        chosen = chosen_layouts(scene, names, values, asked, _PATIENCE)
+        chosen = chosen_layouts(scene, names, values, asked, patience)
     except InputError as error:
-        return Forecast(names, (error.message,), ())
-    costs = {choice.spec: cost_of(choice.spec) for _, choice in chosen}
-    spec = max(costs, key=lambda one: costs[one].gpu)
-    cost, seconds, layout = costs[spec], None, told_layouts(values, chosen)
+        return Forecast(objects, (error.message,))
+    spec, cost = _dearest(chosen)
+    seconds = None
     if have_own_atlases(values, asked, len(names)) and len(chosen) >= len(names):
         seconds = estimates.seconds_known(scene, [(name, choice.spec) for name, choice in chosen if name])
+    found = Forecast(objects, (), (), spec, cost, seconds, layout=told_layouts(values, chosen))
     try:
         request = request_of(values, names)
     except InputError as error:
-        wanting = () if has_folder(values) else ("directory",)
-        return Forecast(names, (error.message,), (), spec, cost, seconds, remedies=wanting, layout=layout)
-    seen = foreseen(scene, request, _PATIENCE)
-    if seconds is not None and not seen.errors:
-        seconds *= len(request.specs(scene))
-    ways_out = remedies(scene, request, seen.errors, _PATIENCE) if seen.errors else {}
-    loses = not seen.errors and forgets(scene, request, _PATIENCE)
-    return Forecast(
-        names,
-        seen.errors,
-        seen.warnings,
-        spec,
-        cost,
-        seconds,
-        request.folder,
-        remedies=tuple(ways_out),
-        baked=ways_out == {"overwrite": 0},
-        forgets=loses,
-        shown=tuple(name for name in names if is_on(scene.objects[name])),
-        layout=layout,
-        sizes=told_sizes(scene, chosen, request.folder),
+        return replace(found, errors=(error.message,), needs_folder=not has_folder(values))
+    if not names:
+        return replace(found, folder=request.folder)
+    found = _with_files(scene, request, found, patience)
+    if seconds is not None and not found.errors:
+        found = replace(found, seconds=seconds * len(request.specs(scene)))
+    return replace(found, folder=request.folder, sizes=told_sizes(scene, chosen, request.folder))
+
+
+def _with_files(scene: bpy.types.Scene, request: BakeRequest, found: Forecast, patience: float) -> Forecast:
+    """The forecast with what the bakes that are there leave to do, and what stands in the way of that."""
+    from ...job.preflight import Preflight
+    from ...preview.swap import is_on
+    from .foreseen import files_there, foreseen
+
+    files = files_there(scene, request)
+    # Where a bake is shown in the object's place, the button shows the object first: then it can be checked.
+    checked = tuple(name for name in request.objects if not is_on(scene.objects[name]))
+    request = replace(request, objects=checked)
+    seen = foreseen(scene, request, patience) if checked else Preflight()
+    found = replace(
+        found,
+        warnings=seen.warnings,
+        bakes=files.bakes,
+        finished=files.finished,
+        unfinished=files.unfinished,
+        next=Next.REPLACE if files.finished and not checked else Next.BAKE,
     )
+    if not seen.errors:
+        return found
+    left = foreseen(scene, replace(request, overwrite=True), patience)
+    if not left.errors:
+        found = replace(found, next=Next.REPLACE)
+    resumable = files.unfinished or 0 < files.finished < files.bakes
+    if resumable and not foreseen(scene, replace(request, resume=True), patience).errors:
+        return replace(found, next=Next.RESUME)
+    return replace(found, errors=left.errors, next=Next.NOTHING) if left.errors else found
+
+
+def _dearest(chosen: Chosen) -> tuple[BakeSpec, Cost]:
+    """The specification that takes most of a GPU's memory, and its cost."""
+    from ...forms import cost_of
+
+    costs = {choice.spec: cost_of(choice.spec) for _, choice in chosen}
+    spec = max(costs, key=lambda one: costs[one].gpu)
+    return spec, costs[spec]
+
+
+def _joined(groups: Sequence[Forecast]) -> Forecast:
+    """The forecast of all objects from those of each group."""
+    if len(groups) == 1:
+        return groups[0]
+    dearest = max(groups, key=lambda group: group.cost.gpu if group.cost is not None else -1)
+    seconds = [group.seconds for group in groups if group.seconds is not None]
+    doing = [group.next for group in groups]
+    return replace(
+        dearest,
+        objects=tuple(name for group in groups for name in group.objects),
+        errors=tuple(dict.fromkeys(error for group in groups for error in group.errors)),
+        warnings=tuple(dict.fromkeys(warning for group in groups for warning in group.warnings)),
+        seconds=sum(seconds) if len(seconds) == len(groups) else None,
+        next=_joint(doing),
+        needs_folder=any(group.needs_folder for group in groups),
+        bakes=sum(group.bakes for group in groups),
+        finished=sum(group.finished for group in groups),
+        unfinished=sum(group.unfinished for group in groups),
+        layout="",
+        sizes=tuple(line for group in groups for line in group.sizes),
+    )
+
+
+def _joint(doing: Sequence[Next]) -> Next:
+    """What the button does for several groups of objects."""
+    if Next.NOTHING in doing:
+        return Next.NOTHING
+    if len(set(doing)) == 1:
+        return doing[0]
+    return Next.REPLACE if Next.REPLACE in doing else Next.RESUME

@@ -12,10 +12,12 @@ from ..jobs import jobs, pictures
 from ..operators.switch import draw_show, draw_switch
 from ..settings.menu_items import KINDS, TARGETS
 from .draw_messages import draw_text
-from .labels import duration, iface_, remark, stage
+from .labels import duration, iface_, number, remark, size, stage
 from .main_panel import Sidebar
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from ...worker.job import Job, JobMap
 
 _ICONS = {
@@ -79,18 +81,56 @@ def _draw_job(column: Any, job: Job) -> None:
         _draw_map(column, job, pictures.icon(job))
         _draw_warnings(column, job)
         return
+    row.operator("radtex.clear_jobs", text="", icon="TRASH", emboss=False).number = job.number
+    if job.state == "done":  # the icon shows the state, so no text
+        for line in results(job, jobs.snapshot()):
+            draw_text(column, line, "BLANK1")
     if job.map is not None:
         _draw_map(column, job, 0)
-    if job.state == "done":  # the icon shows the state, so no text
+    if job.state == "done":
         _OFFERS[job.work](column, job)
     else:
-        row.label(text=phrase(job), translate=False)
+        row = column.row(align=True)
+        row.label(text=phrase(job), icon="BLANK1", translate=False)
         if job.work == "bake" and not job.order.shared:  # the operator takes one object's name
-            again = row.operator("radtex.bake", text="", icon="PLAY")
+            again = row.operator("radtex.bake", text="Resume", icon="PLAY")
             again.object, again.part, again.resume = job.object, job.order.part, True
+            again.overwrite = False
     if job.state == "failed":
         draw_text(column, remark(job.message, job.out), "BLANK1")
     _draw_warnings(column, job)
+
+
+def results(job: Job, others: Iterable[Job]) -> list[str]:
+    """Figures of a finished job in lines: its time, the size of its files, and what a comparison found."""
+    sizes = [path.stat().st_size for path in job.files if path.is_file()]
+    told = [] if job.took is None else [duration(job.took)]
+    if job.work == "bake" and sizes:
+        told.append(iface_("{} in {} files").format(size(sum(sizes)), len(sizes)))
+    compared = _comparison_of(job, others)
+    if compared is not None:
+        told.append(iface_("{:.1f} dB").format(compared.facts["psnr"]))
+    lines = [", ".join(told)] if told else []
+    if clamped := job.facts.get("clamped"):
+        text = iface_(
+            "{} values were brighter than the file holds, and were cut off (32-bit Floats keeps them)"
+        )
+        lines.append(text.format(number(clamped)))
+    return lines
+
+
+def _comparison_of(job: Job, others: Iterable[Job]) -> Job | None:
+    """The latest comparison of the object with this bake, of those on the list after it."""
+    found = [
+        other
+        for other in others
+        if other.work == "comparison"
+        and other.state == "done"
+        and other.number > job.number
+        and other.facts.get("psnr") is not None
+        and job.object in other.object.split(", ")
+    ]
+    return found[-1] if found and job.work == "bake" else None
 
 
 def _draw_map(column: Any, job: Job, light: int) -> None:
@@ -119,13 +159,17 @@ def _draw_warnings(column: Any, job: Job) -> None:
 
 
 def _offer_bake(column: Any, job: Job) -> None:
-    """Draw the preview button and the folder button of a finished bake."""
+    """Draw buttons that show, compare and export this bake, whatever is selected, and open its folder."""
+    row = column.row(align=True)
     if any(path.name.endswith(".preview.blend") for path in job.files):
         item = bpy.data.objects.get((job.order.shared or (job.object,))[0])
-        switch = draw_show(column) if job.order.variant else draw_switch(column, item)
-        sidecar = next((path for path in job.files if path.suffix == ".json"), job.out)
-        switch.object, switch.bake = job.object, str(sidecar)
-    column.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(job.out)
+        sidecar = str(next((path for path in job.files if path.suffix == ".json"), job.out))
+        switch = draw_show(row) if job.order.variant else draw_switch(row, item)
+        compare = row.operator("radtex.compare", text="", icon="IMAGE_REFERENCE")
+        export = row.operator("radtex.export", text="", icon="EXPORT")
+        for button in (switch, compare, export):
+            button.object, button.bake = job.object, sidecar
+    row.operator("radtex.open_folder", text="", icon="FILE_FOLDER").directory = str(job.out)
 
 
 def _offer_comparison(column: Any, job: Job) -> None:

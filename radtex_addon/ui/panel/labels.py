@@ -25,7 +25,7 @@ iface_: Callable[[str], str] = _translations.pgettext_iface
 LABELS = {
     Setting.AO_DISTANCE: "Distance",
     Setting.ARRANGEMENT: "Arrangement",
-    Setting.BUCKET: "Cells",
+    Setting.BUCKET: "Angular Detail",
     Setting.CAGE: "Cage",
     Setting.COMPRESSION: "Compression",
     Setting.DENSITY: "Density",
@@ -34,11 +34,11 @@ LABELS = {
     Setting.FLOAT: "32-bit Floats",
     Setting.FORMAT: "Format",
     Setting.FRAMES: "Frames",
-    Setting.FROM: "From",
+    Setting.FROM: "Detailed Object",
     Setting.LAYER: "Layers",
-    Setting.LAYOUT: "Layout",
+    Setting.LAYOUT: "Storage",
     Setting.LEVELS: "Mip Levels",
-    Setting.LIGHTS: "Variants",
+    Setting.LIGHTS: "Variations",
     Setting.LIMIT: "Limit",
     Setting.MEMORY: "Memory (MB), in RadTex's preferences",
     Setting.OBJECT: "Object",
@@ -48,11 +48,11 @@ LABELS = {
     Setting.PIXELS: "Pixels",
     Setting.RESUME: "Resume",
     Setting.SAVE_PREVIEW: "Preview",
-    Setting.SPLIT: "Split",
-    Setting.TEXELS: "Texels",
+    Setting.SPLIT: "Split By",
+    Setting.TEXELS: "Resolution",
     Setting.TOGETHER: "One Atlas",
     Setting.UNWRAP: "Unwrap",
-    Setting.UV: "UV Layer",
+    Setting.UV: "UV Map",
 }
 STAGES = {  # labels of the stages of bakes, exports and comparisons
     "evaluate": "Reading the mesh",
@@ -117,6 +117,11 @@ def remark(said: RadTexError | Message | str, folder: Path | None = None) -> str
     text = joined(message.problem, map(_remedy, message.remedies))
     if folder is not None:
         text = text.replace(f"{folder}{os.sep}", "")
+    return capitalized(text)
+
+
+def capitalized(text: str) -> str:
+    """The text with its first letter a capital."""
     return text[:1].upper() + text[1:]
 
 

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sidebar's tab "RadTex". Panels only draw the cached `Forecast`: they compute nothing."""
+"""The sidebar's tab "RadTex": objects, presets, quality, the button. Draws the cached `Forecast` only.
+
+Nothing above the button changes its height by itself, so that the button stays under the mouse.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +11,16 @@ from typing import Any, cast
 
 import bpy
 
-from ...bake.forms import FormTraits
-from ...bake.kinds import Kind, Layout, Light, form_in
-from ..jobs import jobs
-from ..operators.switch import LARGE, draw_shading, draw_switch
+from ..operators.switch import LARGE, draw_shading
 from ..settings.bake_settings import BakeSettings
-from ..settings.presets import RADTEX_PT_presets
-from ..settings.surfaces import draw_surfaces
+from ..settings.chosen_objects import chosen_by, nothing_chosen
+from ..settings.object_settings import own_settings
+from ..settings.presets import STOCK, RADTEX_PT_presets, is_applied
 from .draw_messages import draw_remarks, draw_text
-from .labels import iface_
-from .panel_state import Forecast, cached_forecast
+from .labels import capitalized, duration, iface_, size
+from .panel_state import Forecast, Next, cached_forecast
+
+_PRESETS_IN_A_ROW = 3
 
 
 class Sidebar:
@@ -29,7 +32,7 @@ class Sidebar:
 
 
 class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
-    """What to bake, and the button"""
+    """What to bake, how well, and the button"""
 
     bl_label = "Bake Radiance Texture"
 
@@ -38,151 +41,131 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout, settings, found = drawn(self, context)
-        _draw_objects(layout, found)
-        _draw_kind(layout.column(), settings)
-        if found is not None and found.layout:
-            draw_text(layout.box(), found.layout, "INFO")
-        draw_surfaces(layout.column(), settings, found is not None and len(found.objects) > 1)
-        _draw_uv(layout, settings, context)
-        if Kind(settings.kind).traits.source:
-            column = layout.column()
-            assert context is not None  # Blender always gives one
-            column.prop_search(settings, "source", context.scene, "objects")
-            if settings.source:
-                column.prop_search(settings, "cage", context.scene, "objects")
-                if not settings.cage:
-                    column.prop(settings, "extrusion")
-        column = layout.column()
-        column.prop(settings, "variants")
-        if settings.variants == "frames":
-            column.prop(settings, "frames")
-        if found is not None:
-            draw_remarks(layout, settings, found)
-            _draw_preview(layout, found, context)
-        row = layout.row()
-        row.scale_y = LARGE
-        row.enabled = found is None or not found.errors
-        row.operator("radtex.bake", icon="RENDER_STILL")
-
-
-class RADTEX_PT_quality(Sidebar, bpy.types.Panel):
-    """How fine, how sharp and how clean the bake will be"""
-
-    bl_label = "Quality"
-    bl_parent_id = "RADTEX_PT_bake"
-
-    def draw(self, context: bpy.types.Context | None) -> None:
-        layout, settings, found = drawn(self, context)
-        layout.row().prop(settings, "atlas_size", expand=True)
+        assert context is not None  # Blender always gives one
+        _draw_objects(layout, cast(bpy.types.Scene, context.scene), context.active_object, found)
+        _draw_presets(layout.column(align=True), settings)
         column = layout.column(align=True)
-        kind = Kind(settings.kind).traits
-        for name, shown in (
-            (settings.atlas_size, True),  # "texels" or "density"
-            ("bucket", kind.cells and form_of(settings).any_cells),
-            ("samples", kind.samples),
-        ):
-            if shown:
-                column.prop(settings, name)
-        for line in found.sizes if found is not None else ():
+        column.prop(settings, settings.atlas_size)  # "texels" or "density"
+        column.prop(settings, "samples")
+        _draw_buttons(layout, found)
+        if found is None:
+            return
+        layout.label(text=time_and_size(found), translate=False)
+        for line in what_is_there(found):
             draw_text(layout, line, "INFO")
-        layout.prop(settings, "seed")
-        if kind.light is not Light.OCCLUSION and not form_of(settings).by_paths:
-            layout.prop(settings, "denoise")
+        draw_remarks(layout, settings, found)
+        for line in found.sizes:
+            draw_text(layout, line, "BLANK1")
+        if found.shown:
+            draw_shading(layout.column(), context.space_data)
 
 
-class RADTEX_PT_output(Sidebar, bpy.types.Panel):
-    """Where files go, and which"""
-
-    bl_label = "Output"
-    bl_parent_id = "RADTEX_PT_bake"
-    bl_options: Any = {"DEFAULT_CLOSED"}
-
-    def draw(self, context: bpy.types.Context | None) -> None:
-        layout, settings, _ = drawn(self, context)
-        layout.prop(settings, "directory", text="Folder")
-        column = layout.column(heading="Files")
-        column.prop(settings, "resume")
-        column.prop(settings, "overwrite")
-        form, kind = form_of(settings), Kind(settings.kind).traits
-        if form.accumulates and kind.accumulates:
-            column.prop(settings, "accumulate")
-            if form.refreshes:
-                column.prop(settings, "refresh")
-            if form.accumulates_parts and (settings.accumulate or settings.refresh):
-                column.prop(settings, "where")
-        column.prop(settings, "preview")
-        if kind.full_floats:
-            column.prop(settings, "full_floats")
-        layout.prop(settings, "compression")
-        if form.layers and kind.layers:
-            layout.column().prop(settings, "layers")
-        layout.column().prop(settings, "export_targets")
-        layout.operator("radtex.open_folder", icon="FILE_FOLDER")
+def time_and_size(found: Forecast) -> str:
+    """What the bake takes, in one line: time, where it was estimated, and space on disk and GPU at most."""
+    if found.cost is None:
+        return ""
+    time = (
+        iface_("time not estimated yet")
+        if found.seconds is None
+        else iface_("about {}").format(duration(found.seconds))
+    )
+    each = iface_(" each") if len(found.objects) > 1 else ""
+    return capitalized(iface_("{}, at most {} on a GPU{}").format(time, size(found.cost.gpu), each))
 
 
-def _draw_kind(column: bpy.types.UILayout, settings: BakeSettings) -> None:
-    """Draw the kind and its own settings."""
-    column.prop(settings, "kind")
-    kind = Kind(settings.kind).traits
-    if kind.views:
-        column.prop(settings, "view")
-    if kind.content:
-        column.prop(settings, "content")
-        if settings.content == "collection":
-            column.prop_search(settings, "content_collection", bpy.data, "collections")
-    if kind.ao_distance:
-        column.prop(settings, "ao_distance")
-    if kind.form is None:
-        column.prop(settings, "atlas_layout")
+def what_is_there(found: Forecast) -> list[str]:
+    """What the files and jobs that are there mean for the next bake, a line each; no errors."""
+    lines = []
+    if found.busy:
+        several = len(found.objects) > 1
+        text = iface_("{} of {} objects are being baked").format(len(found.busy), len(found.objects))
+        lines.append(text if several else iface_("It is being baked"))
+    if found.next is Next.RESUME and found.unfinished:
+        text = iface_("{} of {} bakes are not finished").format(found.unfinished, found.bakes)
+        lines.append(text if found.bakes > 1 else iface_("Its bake is not finished"))
+    elif found.next is Next.RESUME:
+        lines.append(iface_("{} of {} bakes are there").format(found.finished, found.bakes))
+    elif found.next is Next.REPLACE:
+        lines.append(_replaced(found))
+    return lines
 
 
-def form_of(settings: BakeSettings) -> FormTraits:
-    """The form that the settings ask for; buckets while the layout is automatic."""
-    chosen = settings.atlas_layout if settings.atlas_layout in tuple(Layout) else Layout.BUCKETS
-    return Kind(settings.kind).traits.form or form_in(Layout(chosen))
+def _replaced(found: Forecast) -> str:
+    there = found.finished + found.unfinished
+    if found.bakes > 1 and there:
+        told = iface_("{} of {} bakes are there: they will be replaced")
+        all_there = iface_("{} bakes are there: they will be replaced")
+        return all_there.format(there) if there == found.bakes else told.format(there, found.bakes)
+    if found.unfinished:
+        return iface_("An unfinished bake by other settings is there: it will be replaced")
+    if found.finished:
+        return iface_("It has a bake: that will be replaced")
+    return iface_("Files of its name are there: they will be replaced")
+
+
+def _draw_objects(
+    layout: Any, scene: bpy.types.Scene, active: bpy.types.Object | None, found: Forecast | None
+) -> None:
+    """One line: what is baked, how that is chosen, and whether the active object has its own settings."""
+    chosen = chosen_by(scene)
+    row = layout.row(align=True)
+    row.use_property_split = False
+    names = found.objects if found is not None else ()
+    if chosen.source == "collection":
+        row.prop(chosen, "collection", text="")
+    elif names:
+        text = names[0] if len(names) == 1 else iface_("{} objects").format(len(names))
+        row.label(text=text, icon="OUTLINER_OB_MESH", translate=False)
+    else:
+        row.label(text=capitalized(iface_(nothing_chosen(scene))), icon="INFO", translate=False)
+    row.prop(chosen, "source", text="", icon_only=True)
+    if active is not None and active.type == "MESH":
+        own: Any = active.radtex  # type: ignore[attr-defined]  # ours, not Blender's
+        row.prop(own, "use", text="", icon="PINNED" if own.use else "UNPINNED")
+
+
+def _draw_presets(column: Any, settings: BakeSettings) -> None:
+    """Draw RadTex's presets, the one that is set pressed."""
+    for start in range(0, len(STOCK), _PRESETS_IN_A_ROW):
+        row = column.row(align=True)
+        for name, label, _ in STOCK[start : start + _PRESETS_IN_A_ROW]:
+            pressed = is_applied(name, settings)
+            row.operator("radtex.preset_apply", text=label, depress=pressed).name = name
+
+
+def _draw_buttons(layout: Any, found: Forecast | None) -> None:
+    """Draw the large button, and what goes beside it: to resume, or to bake what has changed."""
+    row = layout.row(align=True)
+    row.scale_y = LARGE
+    doing = found.next if found is not None else Next.NOTHING
+    row.enabled = doing not in (Next.NOTHING, Next.WAIT)
+    if found is not None and doing is Next.RESUME:
+        text = iface_("Resume") if found.unfinished else iface_("Bake the Others")
+        _draw_bake(row, text, "PLAY", resume=True)
+    if doing in (Next.RESUME, Next.REPLACE):
+        _draw_bake(row, iface_("Bake Again"), "FILE_REFRESH", overwrite=True)
+    else:
+        _draw_bake(row, iface_("Being Baked") if doing is Next.WAIT else None, "RENDER_STILL")
+
+
+def _draw_bake(
+    row: Any, text: str | None, icon: str, *, resume: bool = False, overwrite: bool = False
+) -> None:
+    button = row.operator("radtex.bake", text=text, icon=icon, translate=False)
+    button.resume, button.overwrite, button.show_object = resume, overwrite, True
 
 
 def drawn(
     panel: bpy.types.Panel, context: bpy.types.Context | None
 ) -> tuple[Any, BakeSettings, Forecast | None]:
-    """The panel's layout with our options set, the scene's settings, and the cached forecast, if any."""
+    """The panel's layout with our options set, the settings to show, and the cached forecast, if any.
+
+    The settings are the active object's, if it has its own, else the scene's.
+    """
     assert context is not None  # Blender always gives one
     scene, view_layer = cast(bpy.types.Scene, context.scene), cast(bpy.types.ViewLayer, context.view_layer)
     layout: Any = panel.layout
     layout.use_property_split = True
     layout.use_property_decorate = False  # a bake is not animated
-    settings: BakeSettings = scene.radtex  # type: ignore[attr-defined]  # ours, not Blender's
+    settings: BakeSettings = own_settings(context.active_object) or scene.radtex  # type: ignore[attr-defined]  # ours, not Blender's
     return layout, settings, cached_forecast(scene, view_layer)
-
-
-def _draw_objects(layout: Any, found: Forecast | None) -> None:
-    names = found.objects if found is not None else ()
-    if len(names) == 1:
-        layout.label(text=names[0], icon="OUTLINER_OB_MESH", translate=False)
-    elif names:
-        text = iface_("{} objects").format(len(names))
-        layout.label(text=text, icon="OUTLINER_OB_MESH", translate=False)
-    elif found is not None:
-        layout.label(text="Select a mesh object", icon="INFO")
-
-
-def _draw_preview(layout: Any, found: Forecast, context: bpy.types.Context | None) -> None:
-    """Draw the preview button if a bake exists and the job list does not offer it; and shading buttons."""
-    assert context is not None  # Blender always gives one
-    offered = {job.object for job in jobs.snapshot() if job.state == "done" and job.work == "bake"}
-    if (found.baked or found.shown) and not offered.intersection(found.objects):
-        draw_switch(layout, context.active_object)
-    if found.shown:
-        draw_shading(layout.column(), context.space_data)
-
-
-def _draw_uv(layout: Any, settings: BakeSettings, context: bpy.types.Context | None) -> None:
-    item = context.active_object if context is not None else None
-    column = layout.column()
-    if item is not None and item.type == "MESH":
-        column.prop_search(settings, "uv_layer", item.data, "uv_layers", icon="GROUP_UVS")
-    else:
-        column.prop(settings, "uv_layer", icon="GROUP_UVS")
-    if not settings.uv_layer:
-        column.prop(settings, "unwrap")
-        column.prop(settings, "padding")

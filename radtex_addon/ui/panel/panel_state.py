@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, TypeAlias
@@ -26,29 +27,42 @@ if TYPE_CHECKING:
 _QUIET = 0.3  # seconds without a change before recomputing, so that dragging stays fluid
 
 
+class Next(StrEnum):
+    """What the panel's large button does."""
+
+    BAKE = "bake"
+    REPLACE = "replace"  # finished or unfinished bakes
+    RESUME = "resume"  # unfinished bakes, or make those that are missing; replacing all is offered beside it
+    WAIT = "wait"  # all chosen objects are in the list of jobs
+    NOTHING = "nothing"  # errors, or no object
+
+
 @dataclass(frozen=True)
 class Forecast:
-    """What to expect of a bake of the chosen objects: errors, warnings, and the most that any of them costs.
+    """What to expect of a bake of the chosen objects, and the most that any of them costs.
 
-    `spec` and `cost` are None if the settings are invalid. `seconds` is the time of all objects; None if it
-    was not estimated, or if objects share or split their atlases. `folder` is None if there is no output
-    folder. `remedies` are names of settings that would remove errors if toggled. `baked`: the only errors are
-    that bakes already exist. `forgets`: an unfinished bake that could be resumed would be discarded. `shown`
-    are the objects whose bake is shown in their place. `layout` describes the automatically chosen layout and
-    the reason; empty if the user chose the layout. `sizes` are lines on the size of each atlas, if that
-    follows from a texel density.
+    `errors` are those that replacing or resuming bakes do not settle. `spec` and `cost` are None if the
+    settings are invalid. `seconds` is the time of all objects; None if it was not estimated. `folder` is None
+    if there is no output folder, and `needs_folder` tells whether one must be chosen. `bakes` are all that
+    were asked for, `finished` and `unfinished` those of them that are there. `busy` are the objects that are
+    being baked; the other fields are of the others. `shown` are the objects whose bake is shown in their
+    place. `layout` describes the automatically chosen layout and the reason; empty if the user chose the
+    layout. `sizes` are lines on the size of each atlas, if that follows from a texel density.
     """
 
     objects: tuple[str, ...]
-    errors: tuple[Message, ...]
-    warnings: tuple[Message, ...]
+    errors: tuple[Message, ...] = ()
+    warnings: tuple[Message, ...] = ()
     spec: BakeSpec | None = None
     cost: Cost | None = None
     seconds: float | None = None
     folder: Path | None = None
-    remedies: tuple[str, ...] = ()
-    baked: bool = False
-    forgets: bool = False
+    next: Next = Next.NOTHING
+    needs_folder: bool = False
+    bakes: int = 0
+    finished: int = 0
+    unfinished: int = 0
+    busy: tuple[str, ...] = ()
     shown: tuple[str, ...] = ()
     layout: str = ""
     sizes: tuple[str, ...] = ()

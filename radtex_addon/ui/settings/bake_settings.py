@@ -104,8 +104,9 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
         denoise: bool
     else:
         kind: EnumProperty(
-            name="Kind",
-            description="Which light each texel keeps",
+            name="Bake Type",
+            description="What is recorded: how the object looks, the light that reaches it, or what blocks "
+            "light",
             items=KINDS,
             default=DEFAULT_KIND.value,
             update=_suit_bucket,
@@ -113,7 +114,8 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
         )
         view: EnumProperty(
             name="View",
-            description="From where the object's answer to light is seen",
+            description="From where the object will be looked at: fixes how its gloss comes out when lamps "
+            "move",
             items=VIEWS,
             default="normal",
             **NOTICED,
@@ -142,29 +144,29 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
             **NOTICED,
         )
         atlas_layout: EnumProperty(
-            name="Layout",
-            description="How the light is kept",
+            name="Storage",
+            description="Decides how sharp reflections are, and how large the files",
             items=LAYOUTS_OR_AUTOMATIC,
             default="auto",
             update=_suit_bucket,
             options={"SKIP_SAVE"},
         )
         uv_layer: StringProperty(
-            name="UV Layer",
-            description="The UV layer to bake on: inside the unit square and without overlaps, or places on "
-            "the surface would show each other's light. Left empty, a copy is unwrapped anew",
+            name="UV Map",
+            description="The UV map to bake on: inside the unit square and without overlaps, or places on "
+            "the surface would show each other's light. Left empty, Unwrap decides",
             **NOTICED,
         )
         unwrap: EnumProperty(
             name="Unwrap",
-            description="Who lays out the surface where no UV layer is chosen",
+            description="How UVs are made where no map is chosen. Your mesh stays as it is",
             items=UNWRAPS,
             default="auto",
             **NOTICED,
         )
         padding: IntProperty(
             name="Padding",
-            description="Texels left free between islands: too few, and light bleeds across seams",
+            description="Texels left free between UV islands: too few, and light bleeds across seams",
             default=2,
             min=0,
             max=256,
@@ -172,9 +174,9 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
             **NOTICED,
         )
         source: StringProperty(
-            name="From",
-            description="A detailed object in the same place, whose light the simple one shall show. The "
-            "simple one is not seen while it is baked. Left empty, objects show their own",
+            name="Detailed Object",
+            description="A high-poly object in the same place, whose light the low-poly one shall show. The "
+            "low-poly one is not seen while it is baked. Left empty, objects show their own light",
             **NOTICED,
         )
         extrusion: FloatProperty(
@@ -196,8 +198,8 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
             **NOTICED,
         )
         variants: EnumProperty(
-            name="Variants",
-            description="Several atlases of each object at once",
+            name="Variations",
+            description="Several bakes of each object at once",
             items=VARIANTS,
             default="none",
             **NOTICED,
@@ -209,16 +211,16 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
             **NOTICED,
         )
         atlas_size: EnumProperty(
-            name="Atlas",
-            description="What its size follows from",
+            name="Size By",
+            description="What the size of the texture follows from",
             items=ATLAS_SIZES,
             default="texels",
             **NOTICED,
         )
         texels: IntProperty(
-            name="Texels",
-            description="Texels along the atlas's longer side: more show finer detail on the surface. Twice "
-            "as many cost four times as much",
+            name="Resolution",
+            description="Texels along the texture's longer side: more show finer detail on the surface. "
+            "Twice as many take four times as long",
             default=128,
             min=1,
             max=65536,
@@ -229,7 +231,7 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
         density: FloatProperty(
             name="Density",
             description="Texels per metre of surface: objects of every size come out alike, and their "
-            "atlases are as large as that needs, up to 4096 texels a side. The scene's Unit Scale "
+            "textures are as large as that needs, up to 4096 texels a side. The scene's Unit Scale "
             "says what a metre is",
             default=64.0,
             min=1e-3,
@@ -238,10 +240,10 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
             **NOTICED,
         )
         bucket: IntProperty(
-            name="Cells",
-            description="Cells along each side of a texel's bucket: more keep sharper reflections and "
-            "highlights, and twice as many cost four times as much. The Layered layout chooses them itself: "
-            "Automatic takes other numbers than 14 for Buckets",
+            name="Angular Detail",
+            description="Directions that each texel tells apart, along each side of its bucket: more give "
+            "sharper reflections and highlights, and twice as many take four times as long. Layered chooses "
+            "it itself; a number other than 14 makes Automatic choose Buckets",
             default=14,  # the default of the automatic layout (`job.layout_choice`)
             min=2,
             max=256,
@@ -251,8 +253,8 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
         )
         samples: IntProperty(
             name="Samples",
-            description="Paths traced for each cell: more leave less noise. In Layered "
-            "each texel spends about 64 times as many, however many cells it has",
+            description="Paths that Cycles traces for each direction of a texel: more leave less noise, and "
+            "take longer. Layered traces about 64 times as many for each texel",
             default=16,
             min=1,
             max=2**24,
@@ -261,15 +263,15 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
         )
         seed: IntProperty(
             name="Seed",
-            description="Another seed gives other noise; the same one gives the same picture",
+            description="Another seed gives other noise; the same one gives the same picture again",
             default=0,
             min=0,
             **NOTICED,
         )
         denoise: BoolProperty(
             name="Denoise",
-            description="Take the grain out of buckets of light, and of transfers, by OpenImageDenoise. Turn "
-            "it off for bakes to which samples are added later",
+            description="Remove the grain by OpenImageDenoise. Turn it off for bakes to which samples "
+            "are added later",
             default=True,
             **NOTICED,
         )

@@ -29,7 +29,7 @@ CONTENTS = (
 )
 
 VARIANTS = (
-    ("none", "None", "One atlas for each object"),
+    ("none", "None", "One bake of each object"),
     ("frames", "Frames", "One for each of some frames of the animation, on one unwrap"),
     (
         "lamps",
@@ -54,18 +54,18 @@ LAYOUTS = (
     (
         "buckets",
         "Buckets",
-        "Every texel keeps a picture of its own of the light in all directions: exact, plain and large",
+        "Every texel keeps its own small picture of the light in all directions: exact, and large files",
     ),
     (
         "layered",
         "Layered",
-        "What surrounds the object, met from each place, and its own light: the best picture, and small",
+        "One sharp picture of the surroundings and the object's own light: the best picture, small files",
     ),
 )
 AUTOMATIC = (
     "auto",
     "Automatic",
-    "Layered where that goes, or else Buckets; which, and why, is said below",
+    "Layered where that is possible, else Buckets; the line below says which, and why",
 )
 # The numbers are explicit because .blend files store them; 1 was a layout that is no longer there.
 LAYOUTS_OR_AUTOMATIC = (
@@ -74,9 +74,9 @@ LAYOUTS_OR_AUTOMATIC = (
 )
 
 SPLITS = (
-    ("none", "None", "The whole surface has one atlas"),
-    ("material", "Material", "Each material has an atlas, as in engines that draw material by material"),
-    ("udim", "UDIM", "Each tile of the UV layer has an atlas, and tiles are numbered from 1001 on"),
+    ("none", "None", "The whole surface has one texture"),
+    ("material", "Material", "Each material has a texture, for engines that draw material by material"),
+    ("udim", "UDIM", "Each tile of the UV map has a texture; tiles are numbered from 1001 on"),
 )
 
 UNWRAPS = (
@@ -98,18 +98,18 @@ UNWRAPS = (
 )
 
 ATLAS_SIZES = (
-    ("texels", "Texels", "Each atlas has so many texels along its longer side"),
+    ("texels", "Texels", "Each texture has so many texels along its longer side"),
     (
         "density",
         "Density",
-        "Each metre of surface has so many texels, and the atlas is as large as that needs",
+        "Each metre of surface has so many texels, and the texture is as large as that needs",
     ),
 )
 
 COMPRESSIONS = (
     ("zip", "ZIP", "Exact, and small"),
     ("piz", "PIZ", "Exact, and often smaller where there is noise, but slower to read"),
-    ("dwaa", "DWAA", "Much smaller, and a little light is lost where it differs little"),
+    ("dwaa", "DWAA", "Much smaller; faint detail in smooth areas is lost"),
 )
 
 TARGETS = (

@@ -57,8 +57,8 @@ class OutputSettings:
     else:
         layers: EnumProperty(
             name="Layers",
-            description="Parts of the light to keep as atlases of their own, beside the whole: for deferred "
-            "rendering, or for a base that needs no view and a rest that does",
+            description="Also save parts of the light, such as reflections, as textures of their own, to "
+            "mix or to regrade later",
             items=LAYERS,
             update=notice,
             options={"ENUM_FLAG", "SKIP_SAVE"},
@@ -102,8 +102,7 @@ class OutputSettings:
         )
         accumulate: BoolProperty(
             name="Accumulate",
-            description="Fold the samples into the atlas that is there: less noise, and what was baked "
-            "before still counts",
+            description="Add samples to the bake that is there: the same picture with less grain",
             default=False,
             **NOTICED,
         )

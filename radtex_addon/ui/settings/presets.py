@@ -7,17 +7,21 @@ A preset is a Python script that sets the scene's settings, like Blender's own p
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import bpy
 from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
+from bpy.props import StringProperty
 
 from ...core.errors import InputError
 from ..operators.undo import push_step
 from ..panel.labels import remark
+from .object_settings import own_settings
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -30,11 +34,11 @@ STOCK = (
     ("draft", "Draft", "A first look in seconds: coarse, and noisy"),
     ("preview", "Preview", "Good enough to judge the light"),
     ("final", "Final", "Fine texels and little noise, for what ships"),
-    ("mirror_like", "Mirror-like", "Polished, coated and glassy things: sharp reflections"),
+    ("mirror_like", "Glossy", "Polished, coated and glassy things: sharp reflections"),
     (
         "diffuse_like",
-        "Diffuse-like",
-        "Matt things: light that hardly changes with the view, in little space",
+        "Matte",
+        "Plaster, cloth, raw wood: light that hardly changes with the view; small files",
     ),
 )
 
@@ -54,23 +58,14 @@ PRESET_NAMES = (
 
 
 class RADTEX_PT_presets(PresetPanel, bpy.types.Panel):
-    """Settings for a purpose, and your own"""
+    """Presets of your own, beside those in the panel"""
 
     bl_label = "RadTex Presets"
     bl_space_type = "VIEW_3D"
     bl_region_type = "HEADER"
     preset_subdir = SUBDIR
-    preset_operator = "script.execute_preset"
+    preset_operator = "radtex.preset_apply"
     preset_add_operator = "radtex.preset_add"
-
-    def draw(self, context: bpy.types.Context | None) -> None:
-        """Draw RadTex's presets in the order of `STOCK`, and the user's below them."""
-        layout: Any = self.layout
-        layout.emboss = "PULLDOWN_MENU"
-        for name, label, _ in STOCK:
-            layout.operator("radtex.preset_apply", text=label).name = name
-        layout.separator()
-        super().draw(context)
 
     def path_menu(self, searchpaths: Sequence[str], operator: str, **choices: Any) -> None:
         """Blender's menu, without RadTex's presets."""
@@ -100,8 +95,17 @@ class RADTEX_OT_preset_apply(bpy.types.Operator):
 
     if TYPE_CHECKING:
         name: str
+        filepath: str
     else:
-        name: bpy.props.StringProperty(name="Name", description="A preset's name, RadTex's or your own")
+        name: StringProperty(
+            name="Name", description="A preset's name, RadTex's or your own", options={"SKIP_SAVE"}
+        )
+        filepath: StringProperty(
+            name="File",
+            description="The preset's file, instead of its name",
+            subtype="FILE_PATH",
+            options={"SKIP_SAVE"},
+        )
 
     @classmethod
     def description(cls, _: bpy.types.Context | None, properties: Any) -> str:
@@ -109,22 +113,65 @@ class RADTEX_OT_preset_apply(bpy.types.Operator):
         return next((told for name, _, told in STOCK if name == properties.name), "")
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        assert context is not None  # Blender always gives one
+        own = own_settings(context.active_object)
         try:
-            apply_preset(self.name)
-        except InputError as error:
-            self.report({"ERROR"}, remark(error))
+            left_out = apply_preset(self.filepath or self.name, own)
+        except (InputError, OSError, SyntaxError, ValueError) as error:
+            self.report({"ERROR"}, remark(error if isinstance(error, InputError) else str(error)))
             return {"CANCELLED"}
+        for told in left_out:
+            self.report({"WARNING"}, remark(told))
         push_step(self.bl_label)
         return {"FINISHED"}
 
 
-def apply_preset(name: str) -> None:
-    """Apply a preset to the current scene. Raises InputError if no preset has that name."""
+def apply_preset(name: str, settings: Any = None) -> tuple[str, ...]:
+    """Apply a preset to `settings`, those of the current scene if None; returns what of it was left out.
+
+    `name` is a preset's name or its file. Raises InputError if there is none.
+    """
+    chosen: Any = bpy.context.scene.radtex if settings is None else settings  # type: ignore[union-attr]  # ours
+    values = preset_values(_found(name))
+    left_out = []
+    for setting, value in values.items():
+        try:
+            setattr(chosen, setting, value)
+        except (AttributeError, TypeError):  # no such setting, or no such choice of it
+            left_out.append(f"preset '{name}': this version of RadTex has no setting {setting} = {value!r}")
+    return tuple(left_out)
+
+
+def preset_values(path: Path) -> dict[str, Any]:
+    """Settings and values in a preset's file: of its lines `radtex.NAME = VALUE`, as Blender writes them."""
+    module = ast.parse(path.read_text(encoding="utf-8"))
+    lines = (line for line in module.body if isinstance(line, ast.Assign))
+    return {
+        line.targets[0].attr: ast.literal_eval(line.value)
+        for line in lines
+        if isinstance(line.targets[0], ast.Attribute) and ast.unparse(line.targets[0].value) == "radtex"
+    }
+
+
+def is_applied(name: str, settings: Any) -> bool:
+    """Whether all settings are as RadTex's preset `name` sets them."""
+    values = _stock_values(name)
+    return all(getattr(settings, setting) == value for setting, value in values.items())
+
+
+@lru_cache
+def _stock_values(name: str) -> dict[str, Any]:
+    return preset_values(_FOLDER / "presets" / SUBDIR / f"{name}.py")
+
+
+def _found(name: str) -> Path:
+    if name.endswith(".py") and Path(name).is_file():
+        return Path(name)
     utils: Any = bpy.utils  # the 4.5 stubs type preset_find as returning None
     found = utils.preset_find(name, SUBDIR) or utils.preset_find(name, SUBDIR, display_name=True)
     if found is None:
         raise InputError(f"there is no preset '{name}': choose one from the panel's preset menu")
-    bpy.utils.execfile(found)
+    return Path(found)
 
 
 def register() -> None:

@@ -31,19 +31,19 @@ class SurfaceSettings:
     else:
         together: BoolProperty(
             name="One Atlas",
-            description="Bake all selected objects into one atlas, so that they need but one texture",
+            description="Bake all chosen objects into one texture, so that a game draws them at once",
             default=False,
             **NOTICED,
         )
         atlas_name: StringProperty(
             name="Name",
-            description="What the atlas that objects share is called, and its files",
+            description="Name of the shared texture, and of its files",
             default="Atlas",
             **NOTICED,
         )
         split: EnumProperty(
-            name="Split",
-            description="What has an atlas of its own",
+            name="Split By",
+            description="One texture for the whole object, or one for each material or UDIM tile",
             items=SPLITS,
             default="none",
             **NOTICED,

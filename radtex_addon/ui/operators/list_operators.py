@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators on the bake list: add objects, take one off, move it, clear the list."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import bpy
+from bpy.props import EnumProperty
+
+from ..panel.panel_state import mark_stale
+from ..settings.chosen_objects import chosen_by, meshes_of, selected_meshes
+from .bake_operator import shown
+from .undo import push_step
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
+
+_ADDED = (
+    ("SELECTED", "Selected", "The selected meshes"),
+    ("COLLECTION", "Collection", "Every mesh of the active collection, and of those in it"),
+)
+_WAYS = (("UP", "Up", "Bake it earlier"), ("DOWN", "Down", "Bake it later"))
+
+
+class RADTEX_OT_list_add(bpy.types.Operator):
+    """Add objects to the end of the bake list; those that are on it stay where they are"""
+
+    bl_idname = "radtex.list_add"
+    bl_label = "Add to Bake List"
+    bl_options = {"REGISTER"}  # pushes its own undo step: see undo.py
+
+    if TYPE_CHECKING:
+        what: str
+    else:
+        what: EnumProperty(
+            name="Objects", description="Which objects to add", items=_ADDED, default="SELECTED"
+        )
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        from ...preview.swap import original_of
+
+        scene, layer = shown(context)
+        chosen = chosen_by(scene)
+        found = selected_meshes(layer)
+        if self.what == "COLLECTION":
+            active = layer.active_layer_collection
+            found = meshes_of(active.collection if active is not None else None, layer)
+        listed = {row.item for row in chosen.listed}
+        new = dict.fromkeys(item for one in found if (item := original_of(one) or one) not in listed)
+        if not new:
+            self.report({"WARNING"}, "All of them are on the list" if found else "There is no mesh to add")
+            return {"CANCELLED"}
+        for item in new:
+            chosen.listed.add().item = item
+        chosen.active = len(chosen.listed) - 1
+        return _done(self.bl_label)
+
+
+class RADTEX_OT_list_remove(bpy.types.Operator):
+    """Take the marked object off the bake list; the object stays"""
+
+    bl_idname = "radtex.list_remove"
+    bl_label = "Remove from Bake List"
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context | None) -> bool:
+        return _has_rows(cls, context)
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        chosen = chosen_by(shown(context)[0])
+        chosen.listed.remove(chosen.active)
+        chosen.active = max(0, min(chosen.active, len(chosen.listed) - 1))
+        return _done(self.bl_label)
+
+
+class RADTEX_OT_list_move(bpy.types.Operator):
+    """Bake the marked object earlier or later"""
+
+    bl_idname = "radtex.list_move"
+    bl_label = "Move in Bake List"
+    bl_options = {"REGISTER"}
+
+    if TYPE_CHECKING:
+        way: str
+    else:
+        way: EnumProperty(name="Way", description="Where to move it", items=_WAYS, default="UP")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context | None) -> bool:
+        return _has_rows(cls, context)
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        chosen = chosen_by(shown(context)[0])
+        to = chosen.active + (1 if self.way == "DOWN" else -1)
+        if not 0 <= to < len(chosen.listed):
+            return {"CANCELLED"}
+        chosen.listed.move(chosen.active, to)
+        chosen.active = to
+        return _done(self.bl_label)
+
+
+class RADTEX_OT_list_clear(bpy.types.Operator):
+    """Take all objects off the bake list; the objects stay"""
+
+    bl_idname = "radtex.list_clear"
+    bl_label = "Clear Bake List"
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context | None) -> bool:
+        return _has_rows(cls, context)
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        chosen = chosen_by(shown(context)[0])
+        chosen.listed.clear()
+        chosen.active = 0
+        return _done(self.bl_label)
+
+
+def _has_rows(operator: Any, context: bpy.types.Context | None) -> bool:
+    """Poll: whether a row is marked."""
+    chosen = chosen_by(shown(context)[0])
+    if 0 <= chosen.active < len(chosen.listed):
+        return True
+    operator.poll_message_set("The bake list is empty: add objects to it")
+    return False
+
+
+def _done(label: str) -> set[OperatorReturnItems]:
+    mark_stale()
+    push_step(label)
+    return {"FINISHED"}

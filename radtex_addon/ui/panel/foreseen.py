@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a request to bake would meet: errors, warnings, and bakes that are there already."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+
+from ...bake.key import is_unfinished
+from ...core.errors import InputError
+from ...core.messages import Setting, do
+from ...job.bake_plan import BakePlan, plan_bakes, preflight
+from ...job.bake_request import BakeRequest
+from ...job.output_files import OutputFiles
+from ...job.preflight import Preflight
+
+
+@dataclass(frozen=True)
+class FilesThere:
+    """How many `bakes` a request is for, and how many of them are `finished` and `unfinished` on disk."""
+
+    bakes: int = 0
+    finished: int = 0
+    unfinished: int = 0
+
+
+def foreseen(scene: bpy.types.Scene, request: BakeRequest, patience: float) -> Preflight:
+    """What the bakes of a request would meet, as far as `patience` seconds tell. Changes nothing."""
+    try:
+        plan = plan_bakes(scene, request, guess=True)
+        check_left([plan])
+    except InputError as error:
+        return Preflight((error.message,))
+    return preflight(scene, plan, patience)
+
+
+def check_left(plans: list[BakePlan]) -> None:
+    """Raise InputError if resuming finds all bakes of all plans finished."""
+    if any(not plan.choices or plan.wanted or plan.may_lack_parts for plan in plans):
+        return
+    several = sum(len(plan.request.objects) for plan in plans) > 1
+    what = "objects" if several else "variants"
+    raise InputError(f"all {what} are finished", do("bake anew", Setting.OVERWRITE))
+
+
+def files_there(scene: bpy.types.Scene, request: BakeRequest) -> FilesThere:
+    """Which of the requested bakes are on disk; none if they cannot be planned."""
+    try:
+        bakes = plan_bakes(scene, request, guess=True).wanted
+    except InputError:
+        return FilesThere()
+    files = [OutputFiles.of(name, spec, request.folder, request.saves_preview) for name, spec in bakes]
+    unfinished = [is_unfinished(one.unfinished) for one in files]
+    finished = [one.sidecar.is_file() and not begun for one, begun in zip(files, unfinished, strict=True)]
+    return FilesThere(len(bakes), sum(finished), sum(unfinished))

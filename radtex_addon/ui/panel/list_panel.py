@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Panel of the bake list: objects in the order in which they are baked."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import bpy
+
+from ..jobs.jobs import is_being_baked
+from ..operators.list_operators import (
+    RADTEX_OT_list_add,
+    RADTEX_OT_list_clear,
+    RADTEX_OT_list_move,
+    RADTEX_OT_list_remove,
+)
+from ..settings.chosen_objects import chosen_by
+from ..settings.object_settings import settings_for
+from .main_panel import Sidebar
+
+_ROWS = 4
+
+
+class RADTEX_UL_listed(bpy.types.UIList):
+    """The objects of the bake list"""
+
+    def draw_item(  # type: ignore[override]  # the stubs of the two Blenders differ
+        self,
+        context: bpy.types.Context,
+        layout: Any,
+        data: Any,
+        item: Any,
+        icon: int | None,
+        active_data: Any,
+        active_property: str | None,
+    ) -> None:
+        row = layout.row(align=True)
+        if item.item is None:
+            row.label(text="Deleted object", icon="ERROR")
+            return
+        row.prop(item, "use", text="")
+        row.label(text=item.item.name, icon="OUTLINER_OB_MESH", translate=False)
+        own = item.item.radtex
+        if is_being_baked(item.item.name, settings_for(cast(bpy.types.Scene, context.scene), item.item.name)):
+            row.label(text="", icon="RENDER_STILL")
+        row.prop(own, "use", text="", icon="PINNED" if own.use else "UNPINNED", emboss=False)
+
+
+class RADTEX_PT_list(Sidebar, bpy.types.Panel):
+    """Objects to bake, the first one first"""
+
+    bl_label = "Bake List"
+    bl_parent_id = "RADTEX_PT_bake"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context | None) -> bool:
+        scene = context.scene if context is not None else None
+        return scene is not None and chosen_by(scene).source == "list"
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        layout: Any = self.layout
+        assert context is not None  # Blender always gives one
+        chosen = chosen_by(cast(bpy.types.Scene, context.scene))
+        row = layout.row()
+        row.template_list("RADTEX_UL_listed", "", chosen, "listed", chosen, "active", rows=_ROWS)
+        buttons = row.column(align=True)
+        buttons.operator("radtex.list_add", text="", icon="ADD").what = "SELECTED"
+        buttons.operator("radtex.list_remove", text="", icon="REMOVE")
+        buttons.separator()
+        buttons.operator("radtex.list_move", text="", icon="TRIA_UP").way = "UP"
+        buttons.operator("radtex.list_move", text="", icon="TRIA_DOWN").way = "DOWN"
+        row = layout.row(align=True)
+        row.operator("radtex.list_add", text="Add Collection", icon="OUTLINER_COLLECTION").what = "COLLECTION"
+        row.operator("radtex.list_clear", text="", icon="TRASH")
+
+
+CLASSES = (
+    RADTEX_OT_list_add,
+    RADTEX_OT_list_remove,
+    RADTEX_OT_list_move,
+    RADTEX_OT_list_clear,
+    RADTEX_UL_listed,
+    RADTEX_PT_list,
+)

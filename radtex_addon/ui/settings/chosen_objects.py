@@ -1,0 +1,151 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which objects the panel bakes: the selected ones, those of a collection, or a list in an order."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import bpy
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, PointerProperty
+
+from .update_callbacks import notice
+
+SOURCES = (
+    (
+        "selection",
+        "Selected Objects",
+        "The selected meshes, or else the active one",
+        "RESTRICT_SELECT_OFF",
+        0,
+    ),
+    (
+        "collection",
+        "Collection",
+        "Every mesh of a collection, whatever is selected",
+        "OUTLINER_COLLECTION",
+        1,
+    ),
+    ("list", "Bake List", "The objects of a list, in its order, whatever is selected", "LONGDISPLAY", 2),
+)
+
+
+def _is_mesh(_: Any, item: bpy.types.Object) -> bool:
+    return item.type == "MESH"
+
+
+class RADTEX_PG_listed(bpy.types.PropertyGroup):
+    """An object on the bake list"""
+
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
+        item: bpy.types.Object | None
+        use: bool
+    else:
+        item: PointerProperty(
+            name="Object",
+            description="The object to bake",
+            type=bpy.types.Object,
+            poll=_is_mesh,
+            update=notice,
+        )
+        use: BoolProperty(
+            name="Bake",
+            description="Bake it with the others of the list",
+            default=True,
+            update=notice,
+        )
+
+
+class RADTEX_PG_chosen(bpy.types.PropertyGroup):
+    """Which objects to bake"""
+
+    if TYPE_CHECKING:  # types of the properties that Blender creates from the annotations below
+        source: str
+        collection: bpy.types.Collection | None
+        listed: Any
+        active: int
+    else:
+        source: EnumProperty(
+            name="Objects",
+            description="Which objects are baked",
+            items=SOURCES,
+            default="selection",
+            update=notice,
+        )
+        collection: PointerProperty(
+            name="Collection",
+            description="Its meshes are baked, and those of the collections in it",
+            type=bpy.types.Collection,
+            update=notice,
+        )
+        listed: CollectionProperty(
+            name="Bake List", description="Objects to bake, the first one first", type=RADTEX_PG_listed
+        )
+        active: IntProperty(
+            name="Active",
+            description="The row of the bake list that the buttons beside it work on",
+            default=0,
+            min=0,
+        )
+
+
+def chosen_by(scene: bpy.types.Scene) -> RADTEX_PG_chosen:
+    """The scene's choice of objects."""
+    return scene.radtex_chosen  # type: ignore[attr-defined, no-any-return]  # ours, not Blender's
+
+
+def chosen_meshes(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
+    """The objects that the panel bakes, in the order in which they are baked; originals, not previews."""
+    from ...preview.swap import original_of
+
+    chosen = chosen_by(scene)
+    if chosen.source == "selection":
+        found = selected_meshes(view_layer)
+    elif chosen.source == "collection":
+        found = meshes_of(chosen.collection, view_layer)
+    else:
+        here = set(view_layer.objects)
+        found = [row.item for row in chosen.listed if row.use and row.item in here]
+    return list(dict.fromkeys(original_of(item) or item for item in found))
+
+
+def chosen_names(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> tuple[str, ...]:
+    """Their names; those of selected objects and of a collection's are sorted."""
+    names = [item.name for item in chosen_meshes(scene, view_layer)]
+    return tuple(names if chosen_by(scene).source == "list" else sorted(names))
+
+
+def nothing_chosen(scene: bpy.types.Scene) -> str:
+    """What to do where the choice has no object, in one line."""
+    chosen = chosen_by(scene)
+    if chosen.source == "list":
+        return "the bake list is empty: add objects to it"
+    if chosen.source == "selection":
+        return "select a mesh object to bake"
+    if chosen.collection is None:
+        return "no collection is chosen: choose one"
+    return f"collection '{chosen.collection.name}' has no mesh that is seen in renders: choose another"
+
+
+def selected_meshes(layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
+    """The selected meshes, sorted by name, or else the active one."""
+    found = [item for item in layer.objects.selected if item.type == "MESH"]
+    active = layer.objects.active
+    if not found and active is not None and active.type == "MESH":
+        found = [active]
+    return sorted(found, key=lambda item: item.name)
+
+
+def meshes_of(
+    collection: bpy.types.Collection | None, view_layer: bpy.types.ViewLayer
+) -> list[bpy.types.Object]:
+    """The meshes of a collection, and of those in it, that are in the view layer, sorted by name.
+
+    What is hidden from render, such as a modifier's cutter, is left out, unless its bake is shown.
+    """
+    from ...preview.swap import is_on
+
+    found = [] if collection is None else [item for item in collection.all_objects if item.type == "MESH"]
+    here = set(view_layer.objects)
+    seen = (item for item in found if item in here and (not item.hide_render or is_on(item)))
+    return sorted(seen, key=lambda item: item.name)
