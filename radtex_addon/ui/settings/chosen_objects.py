@@ -105,7 +105,7 @@ def chosen_meshes(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> li
         found = meshes_of(chosen.collection, view_layer)
     else:
         here = set(view_layer.objects)
-        found = [row.item for row in chosen.listed if row.use and row.item in here]
+        found = [row.item for row in chosen.listed if row.use and row.item is not None and row.item in here]
     return list(dict.fromkeys(original_of(item) or item for item in found))
 
 

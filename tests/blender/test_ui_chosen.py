@@ -1,0 +1,175 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panel bakes: selected objects, a collection, a list in its order; each with its settings."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import bpy
+import pytest
+
+from radtex_addon.ui.panel import panel_state
+from radtex_addon.ui.panel.main_panel import what_is_there
+from radtex_addon.ui.panel.panel_state import Forecast, Next
+from radtex_addon.ui.settings.chosen_objects import chosen_by, chosen_names
+from tests.blender import stage
+from tests.blender.ui_stage import context, ops, registered, settings
+
+
+@pytest.fixture(autouse=True)
+def _registered(empty_file: None, out: Path) -> Iterator[None]:
+    with registered():
+        stage.world()
+        settings().directory = str(out)
+        settings().atlas_layout, settings().preview = "buckets", False
+        settings().texels, settings().bucket, settings().samples = 4, 2, 1
+        yield
+
+
+def plane(name: str, collection: Any = None) -> Any:
+    bpy.ops.mesh.primitive_plane_add(size=2)
+    item = context.object
+    item.name = name
+    if collection is not None:
+        for home in item.users_collection:
+            home.objects.unlink(item)
+        collection.objects.link(item)
+    return item
+
+
+def chosen() -> tuple[str, ...]:
+    return chosen_names(context.scene, context.view_layer)
+
+
+def seen() -> Forecast:
+    return panel_state.refresh(context.scene, context.view_layer)
+
+
+def kitchen() -> Any:
+    """A collection with two cups, a collection in it with a plate, a lamp, and what is never rendered."""
+    kitchen, shelf = bpy.data.collections.new("Kitchen"), bpy.data.collections.new("Shelf")
+    context.scene.collection.children.link(kitchen)
+    kitchen.children.link(shelf)
+    plane("Cup 2", kitchen)
+    plane("Cup 1", kitchen)
+    plane("Cutter", kitchen).hide_render = True
+    plane("Plate", shelf)
+    bpy.ops.object.light_add()
+    kitchen.objects.link(context.object)
+    plane("Elsewhere")
+    return kitchen
+
+
+def test_a_collections_meshes_are_chosen_whatever_is_selected() -> None:
+    chosen_by(context.scene).source = "collection"
+    assert chosen() == ()
+    chosen_by(context.scene).collection = kitchen()
+    assert chosen() == ("Cup 1", "Cup 2", "Plate")
+    assert (seen().next, seen().bakes) == (Next.BAKE, 3)
+
+
+def test_what_has_no_object_says_what_to_do() -> None:
+    with pytest.raises(RuntimeError, match="Add a mesh object"):
+        ops.radtex.bake()
+    plane("A")
+    for source, words in (
+        ("collection", "No collection is chosen: choose one"),
+        ("list", "The bake list is empty: add objects to it"),
+    ):
+        chosen_by(context.scene).source = source
+        with pytest.raises(RuntimeError, match=words):
+            ops.radtex.bake()
+
+
+def test_a_list_keeps_its_order_and_is_edited_by_buttons() -> None:
+    for name in ("A", "B", "C"):
+        plane(name)
+    chosen_by(context.scene).source = "list"
+    bpy.ops.object.select_all(action="DESELECT")
+    for name in ("C", "A", "B"):
+        bpy.data.objects[name].select_set(True)
+        assert ops.radtex.list_add() == {"FINISHED"}
+        assert ops.radtex.list_add() == {"CANCELLED"}  # it is on the list
+        bpy.data.objects[name].select_set(False)
+    assert chosen() == ("C", "A", "B")
+    assert ops.radtex.list_move(way="UP") == {"FINISHED"}
+    assert chosen() == ("C", "B", "A")
+    chosen_by(context.scene).listed[0].use = False
+    assert chosen() == ("B", "A")
+    assert ops.radtex.list_remove() == {"FINISHED"}
+    assert chosen() == ("A",)
+    bpy.data.objects.remove(bpy.data.objects["A"])
+    assert chosen() == ()
+    assert ops.radtex.list_clear() == {"FINISHED"}
+    assert not ops.radtex.list_move.poll()
+
+
+def test_a_collection_is_added_to_the_list() -> None:
+    kitchen()
+    layers = context.view_layer.layer_collection.children
+    context.view_layer.active_layer_collection = layers["Kitchen"]
+    assert ops.radtex.list_add(what="COLLECTION") == {"FINISHED"}
+    chosen_by(context.scene).source = "list"
+    assert chosen() == ("Cup 1", "Cup 2", "Plate")
+
+
+def test_own_settings_start_from_the_scenes_and_count_wherever_the_object_is_baked(out: Path) -> None:
+    cup, plate = plane("Cup"), plane("Plate")
+    cup.radtex.use = True
+    assert (cup.radtex.texels, cup.radtex.samples) == (4, 1)
+    cup.radtex.texels = 6
+    cup.radtex.use = False
+    cup.radtex.use = True
+    assert cup.radtex.texels == 6  # they are kept
+    settings().texels = 8
+    for item in (cup, plate):
+        item.select_set(True)
+    assert seen().bakes == 2
+    assert ops.radtex.bake() == {"FINISHED"}
+    sizes = {
+        name: json.loads((out / f"{name}.radiance.json").read_text())["texels"] for name in ("Cup", "Plate")
+    }
+    assert sizes == {"Cup": [6, 6], "Plate": [8, 8]}
+
+
+def test_all_are_checked_before_any_is_baked(out: Path) -> None:
+    cup, plate = plane("Cup"), plane("Plate")
+    cup.radtex.use = True
+    cup.radtex.uv_layer = "None such"
+    for item in (cup, plate):
+        item.select_set(True)
+    (error,) = seen().errors
+    assert "has no UV layer 'None such'" in str(error)
+    with pytest.raises(RuntimeError, match="has no UV layer 'None such'"):
+        ops.radtex.bake()
+    assert not out.exists()
+
+
+def test_some_bakes_of_a_collection_are_there() -> None:
+    chosen_by(context.scene).collection = kitchen()
+    assert ops.radtex.bake(object="Plate") == {"FINISHED"}
+    chosen_by(context.scene).source = "collection"
+    assert seen().next is Next.RESUME
+    assert what_is_there(seen()) == ["1 of 3 bakes are there"]
+    assert ops.radtex.bake(resume=True) == {"FINISHED"}
+    assert what_is_there(seen()) == ["3 bakes are there: they will be replaced"]
+    with pytest.raises(RuntimeError, match="All objects are finished"):
+        ops.radtex.bake(resume=True)
+
+
+def test_a_bake_that_is_shown_is_baked_again_by_one_press(out: Path) -> None:
+    settings().preview = True
+    plane("Card")
+    assert ops.radtex.bake() == {"FINISHED"}
+    assert ops.radtex.preview_toggle() == {"FINISHED"}
+    assert (seen().errors, seen().next, seen().shown) == ((), Next.REPLACE, ("Card",))
+    with pytest.raises(RuntimeError, match="its preview is shown in its place"):
+        ops.radtex.bake(overwrite=True)
+    before = (out / "Card.radiance.json").stat().st_mtime_ns
+    assert ops.radtex.bake(overwrite=True, show_object=True) == {"FINISHED"}
+    assert (out / "Card.radiance.json").stat().st_mtime_ns > before
+    assert not bpy.data.objects["Card"].hide_render
