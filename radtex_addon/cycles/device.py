@@ -6,12 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 from typing import Any, cast
 
 import bpy
 
 from ..core.errors import InputError
-from ..core.messages import Setting, do
+from ..core.messages import Message, Setting, do
 
 GPU_TYPES = ("OPTIX", "CUDA", "HIP", "METAL", "ONEAPI")  # in the order in which `gpu` tries them
 
@@ -24,13 +25,19 @@ def use_device(scene: bpy.types.Scene, wish: str) -> Iterator[str]:
     GPU), or one of Cycles's types, such as `optix`. Yields the type that renders, such as "CPU" or "OPTIX".
     Raises InputError if there is no such device.
     """
+    with _switched_on(wish) as chosen:
+        cast(Any, scene).cycles.device = "CPU" if chosen == "CPU" else "GPU"
+        yield chosen
+
+
+@contextmanager
+def _switched_on(wish: str) -> Iterator[str]:
+    """Within the context, the device `wish` is switched on in Blender's preferences; yields its type."""
     preferences = _cycles_preferences()
     before = preferences.compute_device_type
     switches = {device.id: device.use for device in preferences.devices}
     try:
-        chosen = _choose(preferences, wish.upper())
-        cast(Any, scene).cycles.device = "CPU" if chosen == "CPU" else "GPU"
-        yield chosen
+        yield _choose(preferences, wish.upper())
     finally:
         if preferences.compute_device_type != before:
             preferences.compute_device_type = before
@@ -39,6 +46,24 @@ def use_device(scene: bpy.types.Scene, wish: str) -> Iterator[str]:
                 preferences.devices.remove(index)
             elif device.use != switches[device.id]:
                 device.use = switches[device.id]
+
+
+def check_device(wish: str) -> None:
+    """Raises InputError if this machine has no such device: see `use_device`. Changes nothing."""
+    if (problem := _why_not(wish)) is not None:
+        raise InputError.of(problem)
+
+
+@lru_cache(maxsize=8)
+def _why_not(wish: str) -> Message | None:
+    """Why the device cannot be used, None if it can. Drivers are asked once, as that may take a second."""
+    if wish in ("auto", "cpu"):
+        return None
+    try:
+        with _switched_on(wish):
+            return None
+    except InputError as error:
+        return error.message
 
 
 def preferred_device() -> str:

@@ -13,6 +13,7 @@ from ..bake.memory_limits import check_memory
 from ..bake.spec import BakeSpec, CaptureMethod, View
 from ..core.errors import InputError
 from ..core.messages import Message, Setting, do
+from ..cycles.device import check_device
 from ..formats.disk.atomic import check_writable
 from ..formats.disk.path_checks import check_saveable
 from ..forms import form_for
@@ -58,6 +59,7 @@ def check_request(
     written, exports that are not possible, and if the bake to `resume` differs or is finished.
     """
     check_memory(spec)
+    check_device(spec.device)
     targets = tuple(exports)
     items = [find_object(scene, each) for each in spec.objects or (name,)]
     if spec.objects and name not in spec.objects and name in scene.objects:

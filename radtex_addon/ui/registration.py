@@ -19,7 +19,7 @@ from .operators.job_operators import (
     RADTEX_OT_fold_map,
     RADTEX_OT_open_folder,
 )
-from .panel import finished_panel, forecast, list_panel, panel_state
+from .panel import finished_panel, forecast, list_panel, menus, panel_state
 from .panel.cost_panel import RADTEX_PT_cost
 from .panel.jobs_panel import RADTEX_PT_jobs
 from .panel.main_panel import RADTEX_PT_bake
@@ -65,6 +65,7 @@ CLASSES = (
     RADTEX_PT_output,
     RADTEX_PT_cost,
     *finished_panel.CLASSES,
+    *menus.CLASSES,
 )
 
 
@@ -77,6 +78,7 @@ def register() -> None:
     _object.radtex = _props.PointerProperty(type=RADTEX_PG_object)
     presets.register()
     keys.register()
+    menus.register()
     defaults.register()
     panel_state.register(forecast.compute_forecast)
 
@@ -87,6 +89,7 @@ def unregister() -> None:
     estimates.unregister()
     jobs.unregister()
     defaults.unregister()
+    menus.unregister()
     keys.unregister()
     presets.unregister()
     del _object.radtex

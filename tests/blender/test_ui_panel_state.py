@@ -24,7 +24,7 @@ from radtex_addon.ui.panel.panel_state import Forecast, Next
 from radtex_addon.ui.settings.request import spec_of, values_of
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
-from tests.blender.ui_stage import context, ops, registered, settings
+from tests.blender.ui_stage import context, ops, preferences, registered, settings
 
 
 @pytest.fixture(autouse=True)
@@ -261,3 +261,36 @@ def test_an_estimate_is_made_of_two_small_bakes_and_kept() -> None:
     more = estimates.seconds_known(context.scene, [("Card", finer)])
     assert more is not None
     assert more >= seconds
+
+
+def test_what_has_no_mesh_is_named_with_what_to_do() -> None:
+    plane("Card")
+    bpy.ops.object.text_add()
+    context.object.name = "Label"
+    (told,) = seen().not_baked
+    assert told.text.startswith("'Label' is a text: meshes alone are baked")
+    assert told.operator == "object.convert"
+    assert ops.object.convert(target="MESH") == {"FINISHED"}
+    assert (seen().not_baked, seen().objects) == ((), ("Label",))
+    bpy.ops.object.light_add()
+    (told,) = seen().not_baked
+    assert "is a light, and has no surface to bake" in told.text
+    bpy.ops.object.collection_instance_add(collection=bpy.data.collections.new("Parts").name)
+    (told,) = seen().not_baked
+    assert told.operator == "object.duplicates_make_real"
+
+
+def test_a_device_that_is_not_there_is_said_before_the_bake() -> None:
+    plane()
+    assert seen().errors == ()
+    preferences().device = "metal"
+    (error,) = seen().errors
+    assert str(error).startswith("this machine has no device 'metal' for Cycles")
+    preferences().device = "auto"
+    assert seen().errors == ()
+
+
+def test_a_storage_that_is_no_longer_there_is_said() -> None:
+    plane()
+    settings()["atlas_layout"] = 1
+    assert any("is no longer there" in str(told) for told in seen().warnings)

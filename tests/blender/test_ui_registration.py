@@ -26,11 +26,14 @@ def state() -> dict[str, Any]:
     return {
         "types": sorted(name for name in dir(bpy.types) if "radtex" in name.lower()),
         "operators": sorted(dir(bpy.ops.radtex)),  # type: ignore[attr-defined]  # ours, not Blender's
-        "properties": sorted(one.identifier for one in bpy.types.Scene.bl_rna.properties),
+        "properties": sorted(
+            one.identifier for owner in (bpy.types.Scene, bpy.types.Object) for one in owner.bl_rna.properties
+        ),
         "handlers": {
             name: list(functions) for name, functions in lists.items() if isinstance(functions, list)
         },
         "timers": [bpy.app.timers.is_registered(timer) for timer in TIMERS],
+        "menu": len(getattr(bpy.types.VIEW3D_MT_object.draw, "_draw_funcs", ())),
         "presets": bpy.utils.preset_paths(SUBDIR),
         "keys": sum(len(keymap.keymap_items) for keymap in context.window_manager.keyconfigs.addon.keymaps),
     }
@@ -46,7 +49,7 @@ def test_registering_twice_leaves_nothing_behind() -> None:
         assert during["handlers"] != before["handlers"]
         assert any(during["timers"])
         assert "radtex" in during["properties"]
-        assert during["keys"] == before["keys"] + 1
+        assert during["keys"] == before["keys"] + 2
         registration.unregister()
         assert state() == before
         assert not any(cls.is_registered for cls in registration.CLASSES)

@@ -66,7 +66,7 @@ def test_the_panels_page_tells_of_every_setting_preset_and_operator() -> None:
     ],
 )
 def test_every_choice_of_the_library_is_offered(items: Any, enum: type[StrEnum]) -> None:
-    assert sorted(identifier for identifier, _, _ in items) == sorted(choice.value for choice in enum)
+    assert sorted(identifier for identifier, *_ in items) == sorted(choice.value for choice in enum)
 
 
 def test_every_device_of_the_library_is_offered() -> None:
@@ -153,6 +153,41 @@ def test_a_layout_of_an_earlier_version_is_the_automatic_one() -> None:
     assert chosen.atlas_layout == ""
     assert spec_of(values_of(chosen)) == BakeSpec(denoise=True)
     assert open_layout_of(values_of(chosen)) == OpenLayout()
+
+
+def test_choices_keep_the_numbers_that_files_store() -> None:
+    stored = {
+        "unwrap": {"xatlas": 0, "blender": 1, "auto": 2, "uvunwrap": 3},
+        "atlas_layout": {"buckets": 0, "auto": 2, "layered": 3},
+        "kind": dict(
+            zip(
+                ("radiance", "incident", "reflection", "proxy", "shadow", "ao", "transfer"),
+                range(7),
+                strict=True,
+            )
+        ),
+        "split": {"none": 0, "material": 1, "udim": 2},
+        "variants": {"none": 0, "frames": 1, "lamps": 2},
+        "compression": {"zip": 0, "piz": 1, "dwaa": 2},
+    }
+    for name, numbers in stored.items():
+        items = settings().bl_rna.properties[name].enum_items
+        assert {item.identifier: item.value for item in items} == numbers
+
+
+def test_a_preset_of_an_earlier_version_says_what_is_left_out(tmp_path: Path) -> None:
+    path = tmp_path / "Old Pots.py"
+    path.write_text(
+        "import bpy\nradtex = bpy.context.scene.radtex\n"
+        "radtex.samples = 7\nradtex.atlas_layout = 'shared'\nradtex.groups = 3\n"
+    )
+    left_out = apply_preset(str(path))
+    assert settings().samples == 7
+    assert [told.rpartition(" has no setting ")[2] for told in left_out] == [
+        "atlas_layout = 'shared'",
+        "groups = 3",
+    ]
+    assert ops.radtex.preset_apply(filepath=str(path)) == {"FINISHED"}
 
 
 def test_the_preset_draft_is_in_buckets() -> None:

@@ -45,6 +45,11 @@ def draw_remarks(layout: Any, settings: BakeSettings, found: Forecast) -> None:
     """Draw errors, what settles them, and warnings."""
     for message in found.errors:
         draw_text(layout.box(), remark(message, found.folder), "ERROR")
+    for other in found.not_baked:
+        box = layout.box()
+        draw_text(box, other.text, "INFO")
+        if other.operator:
+            box.operator(other.operator, text=other.button)
     if found.needs_folder:
         column = layout.column()
         column.operator("wm.save_as_mainfile", text="Save File…", icon="FILE_TICK")

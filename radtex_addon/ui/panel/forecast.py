@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
-from ..settings.chosen_objects import chosen_names
+from ..settings.chosen_objects import chosen_by, chosen_names
+from .not_baked import not_baked
 from .panel_state import Forecast, Next
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ _PATIENCE = 0.05  # seconds that examining the objects may take
 
 def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Forecast:
     """Check and estimate a bake of the chosen objects, each with its settings. Changes nothing."""
+    from ...core.messages import Message, Setting, do
     from ...preview.swap import is_on
     from ..jobs.jobs import is_being_baked
     from ..settings.object_settings import by_settings, settings_for
@@ -35,10 +37,23 @@ def compute_forecast(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) ->
     groups = [(values_of(settings), group) for settings, group in by_settings(scene, free or names)]
     patience = _PATIENCE / len(groups)
     found = _joined([_of_group(scene, group, values, patience) for values, group in groups])
+    if any(not settings_for(scene, name).atlas_layout for name in names):
+        told = Message("the storage that an earlier version of RadTex kept in this file is no longer there")
+        told = replace(told, remedies=(do("Automatic is used; choose one", Setting.LAYOUT),))
+        found = replace(found, warnings=(*found.warnings, told))
     if busy and not free:
         found = replace(found, errors=(), next=Next.WAIT)
     shown = tuple(name for name in free if is_on(scene.objects[name]))
-    return replace(found, objects=names, busy=busy, shown=shown)
+    others = not_baked(_selected(scene, view_layer))
+    return replace(found, objects=names, busy=busy, shown=shown, not_baked=others)
+
+
+def _selected(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Sequence[bpy.types.Object]:
+    """The selected objects, or else the active one; none where the panel bakes something else."""
+    if chosen_by(scene).source != "selection":
+        return ()
+    active = view_layer.objects.active
+    return list(view_layer.objects.selected) or ([active] if active is not None else [])
 
 
 def _of_group(

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ...bake.cost import Cost
     from ...bake.spec import BakeSpec
     from ...core.messages import Message
+    from .not_baked import NotBaked
 
 _QUIET = 0.3  # seconds without a change before recomputing, so that dragging stays fluid
 
@@ -48,6 +49,7 @@ class Forecast:
     being baked; the other fields are of the others. `shown` are the objects whose bake is shown in their
     place. `layout` describes the automatically chosen layout and the reason; empty if the user chose the
     layout. `sizes` are lines on the size of each atlas, if that follows from a texel density.
+    `not_baked` names selected objects that are no meshes.
     """
 
     objects: tuple[str, ...]
@@ -64,6 +66,7 @@ class Forecast:
     unfinished: int = 0
     busy: tuple[str, ...] = ()
     shown: tuple[str, ...] = ()
+    not_baked: tuple[NotBaked, ...] = ()
     layout: str = ""
     sizes: tuple[str, ...] = ()
 

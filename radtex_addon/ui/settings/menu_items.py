@@ -79,6 +79,7 @@ SPLITS = (
     ("udim", "UDIM", "Each tile of the UV map has a texture; tiles are numbered from 1001 on"),
 )
 
+# The numbers are explicit because .blend files store them: the first two are the older ones.
 UNWRAPS = (
     (
         "auto",
@@ -87,13 +88,23 @@ UNWRAPS = (
             "Your active UV map if it is fit: it covers half of the square, overlaps nowhere, and its "
             "islands are apart by the padding. Else a new unwrap; your mesh stays as it is"
         ),
+        "NONE",
+        2,
     ),
-    ("uvunwrap", "New", "Unwrap a copy anew: few, large islands, so that little is wasted on seams"),
-    ("xatlas", "xatlas", "Even islands, more of them. Takes long on large meshes"),
+    (
+        "uvunwrap",
+        "New",
+        "Unwrap a copy anew: few, large islands, so that seams waste little",
+        "NONE",
+        3,
+    ),
+    ("xatlas", "xatlas", "Even islands, more of them. Takes long on large meshes", "NONE", 0),
     (
         "blender",
         "Blender",
         "Blender's Smart UV Project: quick on large meshes, in more and smaller islands",
+        "NONE",
+        1,
     ),
 )
 

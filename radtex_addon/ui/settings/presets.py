@@ -21,6 +21,7 @@ from bpy.props import StringProperty
 from ...core.errors import InputError
 from ..operators.undo import push_step
 from ..panel.labels import remark
+from .bake_settings import NAMES
 from .object_settings import own_settings
 
 if TYPE_CHECKING:
@@ -135,11 +136,20 @@ def apply_preset(name: str, settings: Any = None) -> tuple[str, ...]:
     values = preset_values(_found(name))
     left_out = []
     for setting, value in values.items():
-        try:
-            setattr(chosen, setting, value)
-        except (AttributeError, TypeError):  # no such setting, or no such choice of it
+        if not _set(chosen, setting, value):
             left_out.append(f"preset '{name}': this version of RadTex has no setting {setting} = {value!r}")
     return tuple(left_out)
+
+
+def _set(settings: Any, name: str, value: Any) -> bool:
+    """Set one setting; returns False if there is none of that name, or it has no such choice."""
+    if name not in NAMES:
+        return False
+    try:
+        setattr(settings, name, value)
+    except TypeError:
+        return False
+    return True
 
 
 def preset_values(path: Path) -> dict[str, Any]:

@@ -1,0 +1,68 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Selected objects that have no mesh to bake: what they are, and what to do about it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import bpy
+
+_CONVERTED = ("CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD")
+_CALLED = {
+    "CURVE": "a curve",
+    "SURFACE": "a surface",
+    "META": "a metaball",
+    "FONT": "a text",
+    "CURVES": "hair curves",
+    "POINTCLOUD": "a point cloud",
+    "VOLUME": "a volume",
+    "GREASEPENCIL": "a drawing",
+    "LIGHT": "a light",
+    "LIGHT_PROBE": "a light probe",
+    "CAMERA": "a camera",
+    "ARMATURE": "an armature",
+    "LATTICE": "a lattice",
+    "SPEAKER": "a speaker",
+    "EMPTY": "an empty",
+}
+
+
+@dataclass(frozen=True)
+class NotBaked:
+    """Why selected objects are not baked, in one line, and the button that helps: its operator and its text.
+
+    `operator` is empty if no button helps.
+    """
+
+    text: str
+    operator: str = ""
+    button: str = ""
+
+
+def not_baked(items: Iterable[bpy.types.Object]) -> tuple[NotBaked, ...]:
+    """A line for each sort of selected object that is no mesh, with the first one's name."""
+    others = [item for item in items if item.type != "MESH"]
+    convertible = [item for item in others if item.type in _CONVERTED]
+    instances = [item for item in others if item.type == "EMPTY" and item.instance_type == "COLLECTION"]
+    rest = [item for item in others if item not in convertible and item not in instances]
+    found = []
+    if convertible:
+        text = f"{_named(convertible)}: meshes alone are baked. Convert it, or a copy of it"
+        found.append(NotBaked(text, "object.convert", "Convert to Mesh"))
+    if instances:
+        text = f"'{instances[0].name}' shows a collection's instances, which are no objects. Make them real"
+        found.append(NotBaked(text, "object.duplicates_make_real", "Make Instances Real"))
+    if rest:
+        text = f"{_named(rest)}, and has no surface to bake. Select the meshes that are to show its light"
+        lamp = rest[0].type == "LIGHT"
+        found.append(NotBaked(text if lamp else f"{_named(rest)}, and has no mesh. Select a mesh"))
+    return tuple(found)
+
+
+def _named(items: list[bpy.types.Object]) -> str:
+    first = items[0]
+    called = _CALLED.get(first.type, "no mesh")
+    others = f" (and {len(items) - 1} more such)" if len(items) > 1 else ""
+    return f"'{first.name}' is {called}{others}"
