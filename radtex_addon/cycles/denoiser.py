@@ -68,7 +68,7 @@ def image_denoiser(folder: Path) -> Iterator[ImageDenoiser | None]:
     """A denoiser in an empty scene, which goes away afterwards; None where Blender has none."""
     before = {image.session_uid for image in bpy.data.images}
     scene = bpy.data.scenes.new("RadTex denoiser")
-    if not _is_built(scene):
+    if not can_denoise(scene):
         remove_scene(scene)
         log.warning("this Blender has no OpenImageDenoise: the bake stays noisy")
         yield None
@@ -93,8 +93,11 @@ def image_denoiser(folder: Path) -> Iterator[ImageDenoiser | None]:
         bpy.data.batch_remove([each for each in made if each is not None])
 
 
-def _is_built(scene: bpy.types.Scene) -> bool:
-    """Whether this Blender was built with OpenImageDenoise."""
+def can_denoise(scene: bpy.types.Scene) -> bool:
+    """Whether this Blender was built with OpenImageDenoise; if so, `scene` is set to it.
+
+    Packages of Linux distributions may lack it.
+    """
     try:
         cast(Any, scene).cycles.denoiser = "OPENIMAGEDENOISE"
     except TypeError:  # not among the enum's choices

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -13,7 +14,7 @@ import pytest
 from radtex_addon.bake import memory_limits
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.forms import cost_of
-from radtex_addon.ui.settings.presets import PRESET_NAMES, STOCK, SUBDIR
+from radtex_addon.ui.settings.presets import PRESET_NAMES, STOCK, SUBDIR, is_applied
 from radtex_addon.ui.settings.request import spec_of, values_of
 from tests.blender.ui_stage import ops, preferences, registered, settings
 
@@ -31,6 +32,13 @@ def applied(name: str) -> BakeSpec:
     return spec_of(values_of(settings()))
 
 
+def layered(spec: BakeSpec) -> BakeSpec:
+    """The specification that an automatic layout comes to, for most objects."""
+    if settings().atlas_layout != "auto":
+        return spec
+    return replace(spec, layout=Layout.LAYERED, bucket=Layout.LAYERED.cells)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_a_stock_preset_is_a_bake_for_a_machine_of_8_gb(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(memory_limits, "physical_memory", lambda: 8 * 10**9)
@@ -43,7 +51,7 @@ def test_blender_finds_the_stock_presets_and_no_others() -> None:
 
 
 def test_a_better_preset_traces_more_paths() -> None:
-    draft, preview, final = (cost_of(applied(name)) for name in ("draft", "preview", "final"))
+    draft, preview, final = (cost_of(layered(applied(name))) for name in ("draft", "preview", "final"))
     assert 3 * draft.paths < 2 * preview.paths < final.paths
     assert draft.paths < 1_000_000
 
@@ -60,6 +68,10 @@ def test_a_preset_leaves_nothing_of_the_one_before(name: str) -> None:
     for other in NAMES:
         applied(other)
         assert applied(name) == expected, other
+
+
+def test_new_files_are_set_as_for_a_preview() -> None:
+    assert [name for name in NAMES if is_applied(name, settings())] == ["preview"]
 
 
 def test_ones_own_preset_is_kept_applied_and_removed() -> None:

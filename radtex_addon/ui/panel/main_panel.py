@@ -61,16 +61,15 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
 
 
 def time_and_size(found: Forecast) -> str:
-    """What the bake takes, in one line: time, where it was estimated, and space on disk and GPU at most."""
+    """What the bake takes, in one line: time, where it was estimated, and a GPU's memory at most."""
     if found.cost is None:
         return ""
-    time = (
-        iface_("time not estimated yet")
-        if found.seconds is None
-        else iface_("about {}").format(duration(found.seconds))
-    )
-    each = iface_(" each") if len(found.objects) > 1 else ""
-    return capitalized(iface_("{}, at most {} on a GPU{}").format(time, size(found.cost.gpu), each))
+    told = iface_("at most {}").format(size(found.cost.gpu))
+    if len(found.objects) > 1:
+        told = iface_("at most {} each").format(size(found.cost.gpu))
+    if found.seconds is not None:
+        told = iface_("about {}, {}").format(duration(found.seconds), told)
+    return capitalized(told)
 
 
 def what_is_there(found: Forecast) -> list[str]:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
@@ -17,9 +18,12 @@ import numpy as np
 from ....bake.rays import NEAR_SAMPLES, NEAR_WIDTH, WORLD_WIDTH, panorama_paths
 from ....core.arrays import Floats
 from ....cycles.building_blocks import render_layers
+from ....cycles.denoiser import can_denoise
 from ....formats.disk.path_checks import render_path
 from ..cells import PICTURE_SIZE
 from ..lookup.environment import Impostor, Layer, Pictures, Plane
+
+log = logging.getLogger(__name__)
 
 EYE = 2.0  # times the middle's height above a plane: whence it is seen, or its far parts are a few pixels
 _FLAT = 1e-3  # thickness of a flat thing, in its length
@@ -183,9 +187,9 @@ class _Camera:
         render, cycles = scene.render, cast(Any, scene).cycles
         cast(Any, render).engine = "CYCLES"
         cycles.samples, cycles.seed, cycles.use_adaptive_sampling = samples, self._seed, False
-        cycles.pixel_filter_type, cycles.use_denoising = "BOX", denoise
-        if denoise:
-            cycles.denoiser = "OPENIMAGEDENOISE"
+        cycles.pixel_filter_type, cycles.use_denoising = "BOX", denoise and can_denoise(scene)
+        if denoise and not cycles.use_denoising:
+            log.warning("this Blender has no OpenImageDenoise: what the object mirrors stays noisy")
         render.resolution_x, render.resolution_y, render.resolution_percentage = width, width // 2, 100
         image = render.image_settings
         if hasattr(image, "media_type"):

@@ -7,7 +7,7 @@ import bpy
 radtex = bpy.context.scene.radtex  # type: ignore[union-attr]  # ours, not Blender's
 
 radtex.kind = "radiance"
-radtex.atlas_layout = "layered"
+radtex.atlas_layout = "auto"
 radtex.atlas_size = "texels"
 radtex.texels = 256
 radtex.bucket = 14

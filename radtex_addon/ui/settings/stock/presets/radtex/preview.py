@@ -7,8 +7,8 @@ import bpy
 radtex = bpy.context.scene.radtex  # type: ignore[union-attr]  # ours, not Blender's
 
 radtex.kind = "radiance"
-radtex.atlas_layout = "layered"
+radtex.atlas_layout = "auto"
 radtex.atlas_size = "texels"
 radtex.texels = 128
 radtex.bucket = 14
-radtex.samples = 4
+radtex.samples = 16
