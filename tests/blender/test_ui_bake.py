@@ -18,7 +18,8 @@ from radtex_addon.job.bake_plan import plan_bakes
 from radtex_addon.textures.export_spec import Target
 from radtex_addon.ui.jobs import estimates, jobs
 from radtex_addon.ui.panel import panel_state
-from radtex_addon.ui.panel.jobs_panel import phrase
+from radtex_addon.ui.panel.jobs_panel import phrase, results
+from radtex_addon.ui.panel.labels import duration, size
 from radtex_addon.ui.panel.panel_state import Next
 from radtex_addon.ui.settings.request import request_of, spec_of, values_of
 from radtex_addon.worker.job import State
@@ -146,8 +147,23 @@ def test_a_worker_bakes_and_exports_what_the_button_asks_for(out: Path, tmp_path
     assert out / f"Card.{Target.GLTF}" in job.files
     assert not jobs.busy()
     assert list((tmp_path / "cache").iterdir()) == []
+    (told,) = results(job, jobs.snapshot())
+    files = [path for path in job.files if path.is_file()]
+    assert told == f"{duration(job.took or 0)}, {size(sum(path.stat().st_size for path in files))} in 3 files"
     assert ops.radtex.clear_jobs() == {"FINISHED"}
     assert jobs.snapshot() == ()
+
+
+def test_one_job_is_taken_off_the_list() -> None:
+    plane()
+    submit(texels=4, bucket=2, samples=1, preview=False)
+    wait_for(State.DONE)
+    submit(kind="shadow")
+    while jobs.advance():
+        time.sleep(0.05)
+    first, second = jobs.snapshot()
+    assert ops.radtex.clear_jobs(number=first.number) == {"FINISHED"}
+    assert jobs.snapshot() == (second,)
 
 
 def test_a_bake_can_be_cancelled_and_another_comes_after_it(out: Path) -> None:
