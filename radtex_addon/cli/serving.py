@@ -6,28 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Thread
-from typing import Any
 from urllib.parse import quote
 
 from ..core.errors import InputError
+from ..export.page_server import HERE, PageServer
 
-HERE = "127.0.0.1"
 _WATCHING = "watch"  # the page's parameter that has it look for new textures
-
-
-class _Files(SimpleHTTPRequestHandler):
-    """Serves files without a log, and has browsers ask for them each time."""
-
-    def log_message(self, *_message: Any) -> None:
-        pass
-
-    def end_headers(self) -> None:
-        self.send_header("Cache-Control", "no-cache")
-        super().end_headers()
 
 
 @contextmanager
@@ -40,14 +26,14 @@ def serving(folder: Path, port: int | None) -> Iterator[int | None]:
         yield None
         return
     try:
-        server = ThreadingHTTPServer((HERE, port), partial(_Files, directory=str(folder)))
+        server = PageServer(port, {"": folder})
     except OSError as error:
         raise InputError(f"--serve {port}: this port cannot be had ({error.strerror or error})") from error
     with server:
         thread = Thread(target=server.serve_forever, daemon=True)
         thread.start()
         try:
-            yield server.server_address[1]
+            yield server.port
         finally:
             server.shutdown()
             thread.join()

@@ -11,8 +11,9 @@ import pytest
 
 from radtex_addon.bake.spec import Layout
 from radtex_addon.cli.arguments import parse
-from radtex_addon.cli.serving import HERE, address, serving
+from radtex_addon.cli.serving import address, serving
 from radtex_addon.core.errors import InputError
+from radtex_addon.export.page_server import HERE
 
 BAKE = ["room.blend", "--object", "Vase"]
 PAGE = ["--save-preview", "--export", "web"]
@@ -55,7 +56,7 @@ def test_files_are_served_without_being_cached(tmp_path: Path) -> None:
         assert where == f"http://{HERE}:{port}/My%20vase.web/?watch"
         with urllib.request.urlopen(where) as answer:
             assert answer.read() == b"a page"
-            assert answer.headers["Cache-Control"] == "no-cache"
+            assert answer.headers["Cache-Control"] == "no-store"
         with pytest.raises(InputError, match="cannot be had"), serving(tmp_path, port):
             pass
     with serving(tmp_path, None) as none:
