@@ -119,6 +119,17 @@ def test_a_browser_without_webgl_is_told(root: Root, driver: BrowserType, web: S
         says(Shown(page), "no WebGL 2", "hardware acceleration")
 
 
+@pytest.mark.parametrize("alone", [False, True], ids=["in its folder", "as from a zip that was not unpacked"])
+def test_a_double_click_says_what_to_do(root: Root, web: Site, copied: Path, alone: bool) -> None:
+    folder, inside = root.shared("double-click")
+    for path in copied.glob("index.html" if alone else "*.*"):
+        shutil.copy(path, folder)
+    page = web.browser.new_context().new_page()
+    page.goto(f"file://{inside}/index.html")
+    says(Shown(page), "Show in Browser in Blender", "python -m http.server", "in this folder")
+    assert page.locator("body > *:visible").count() == 1, "the message and nothing else"
+
+
 def test_a_phone_has_all_of_it_by_taps(web: Site, exhibit: Exhibit) -> None:
     web.add("plain", exhibit.plain)
     with web.opened("plain/", 360, 740, has_touch=True, is_mobile=True, device_scale_factor=2) as shown:

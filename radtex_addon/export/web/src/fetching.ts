@@ -12,12 +12,6 @@ export function fileUrl(file: string, manifest: URL): URL {
 
 /** A file's bytes. Throws a Problem where it cannot be had. */
 export async function fetchBytes(url: URL): Promise<Uint8Array<ArrayBuffer>> {
-  if (location.protocol === "file:") {
-    throw new Problem(
-      "This page was opened as a file, and browsers then let it read no other",
-      "Serve its folder, with “python -m http.server” for one, and open the address that this tells.",
-    );
-  }
   let response: Response;
   try {
     response = await fetch(url);

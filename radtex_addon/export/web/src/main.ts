@@ -8,12 +8,13 @@ import { element } from "./elements";
 import { Inspector } from "./inspector";
 import { load } from "./loading";
 import { Panel } from "./panel";
-import { asProblem } from "./problem";
+import { asProblem, Problem } from "./problem";
 import { scriptOf } from "./script";
 import type { Viewer } from "./viewer";
 import { watch } from "./watching";
 
 async function open(): Promise<[Viewer, Inspector]> {
+  if (location.protocol === "file:") throw new Problem(said("headline"), said("remedy")); // as index.html shows it
   const canvas = element<HTMLCanvasElement>("view");
   const [viewer, url] = await load(element("stage"), canvas, (step) => (element("step").textContent = step));
   document.body.classList.remove("loading"); // the panel measures what it covers
@@ -29,6 +30,10 @@ async function open(): Promise<[Viewer, Inspector]> {
     panel.describe();
   });
   return [viewer, inspector];
+}
+
+function said(id: string): string {
+  return element(id).textContent ?? "";
 }
 
 function complain(headline: string, remedy: string): void {
