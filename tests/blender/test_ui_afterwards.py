@@ -28,8 +28,9 @@ from radtex_addon.ui import registration
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.jobs.comparison import BAKED, DIFFERENCE, TRACED, figures
 from radtex_addon.ui.operators.compare_operator import submit
-from radtex_addon.ui.operators.export_operator import ARRANGEMENTS, FORMATS, Place
-from radtex_addon.ui.operators.export_operator import submit as export
+from radtex_addon.ui.operators.export_operator import ARRANGEMENTS, FORMATS
+from radtex_addon.ui.operators.export_sources import Place
+from radtex_addon.ui.operators.export_sources import submit as export
 from radtex_addon.ui.panel.jobs_panel import title
 from radtex_addon.ui.settings.chosen_objects import chosen_names
 from radtex_addon.worker.job import Job

@@ -30,11 +30,16 @@ _PULSE = 0.25  # seconds between two polls of the workers
 class Completion:
     """Callback after a job: `arrived` is called when it is done.
 
-    The folder `results` is deleted when the job is removed from the list.
+    The folder `results`, if any, is deleted when the job is removed from the list.
     """
 
     arrived: Callable[[Job], None]
-    results: TemporaryDirectory[str]
+    results: TemporaryDirectory[str] | None = None
+
+    def clean_up(self) -> None:
+        """Delete the results."""
+        if self.results is not None:
+            self.results.cleanup()
 
 
 @dataclass
@@ -161,7 +166,7 @@ def forget_ended(number: int | None = None) -> None:
         _session.queue.forget_ended(number)
         _look()
         for gone in _session.completions.keys() - {job.number for job in _session.shown}:
-            _session.completions.pop(gone).results.cleanup()
+            _session.completions.pop(gone).clean_up()
 
 
 def advance() -> bool:
@@ -187,7 +192,7 @@ def unregister() -> None:
     if _session.queue is not None:
         _session.queue.close()
     for completion in _session.completions.values():
-        completion.results.cleanup()
+        completion.clean_up()
     _session.queue, _session.shown = None, ()
     _session.completions.clear()
     pictures.unregister()

@@ -82,6 +82,11 @@ def has_meshes(operator: type[bpy.types.Operator], context: bpy.types.Context | 
     if layer is None or not any(item.type == "MESH" for item in layer.objects):
         operator.poll_message_set("Bake a mesh object first")
         return False
+    return in_object_mode(operator, context)
+
+
+def in_object_mode(operator: type[bpy.types.Operator], context: bpy.types.Context | None) -> bool:
+    """Poll: whether Blender is in Object Mode; sets the operator's message if not."""
     if context is not None and context.mode != "OBJECT":
         operator.poll_message_set("Go back to Object Mode first")
         return False

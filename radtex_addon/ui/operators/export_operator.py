@@ -5,23 +5,23 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
-from ..jobs import jobs
-from ..panel.labels import remark
+from ..panel.labels import iface_, remark
 from ..settings.menu_items import TARGETS
-from .bake_lookup import originals, place_of, sharing
+from .bake_lookup import in_object_mode
 from .bake_operator import shown
-from .operator_mixins import AsksFirst, MayWait, OfBake
+from .export_dialog import WIDTH, Plan, applicable, dialog_title, draw_dialog, folders_of, planned
+from .export_sources import Place, export_sources, place_for, submit
+from .operator_mixins import MayWait, OfBake
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
+    from ...export.exporting import ExportSource
     from ...textures.export_spec import ExportSpec
 
 FORMATS = (
@@ -40,15 +40,7 @@ ARRANGEMENTS = (
 )
 
 
-class Place(NamedTuple):
-    """An object's name, the sidecar of its bake, and the folder to make."""
-
-    name: str
-    sidecar: Path
-    out: Path
-
-
-class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
+class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
     """Make a folder of the bake that an engine or a browser takes: mesh, textures, shaders"""
 
     bl_idname = "radtex.export"
@@ -65,6 +57,10 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         mirror: bool
         directory: str
         overwrite: bool
+        advanced: bool
+
+        _sources: tuple[ExportSource, ...]  # the bakes that the dialog is about; empty without a dialog
+        _plan: tuple[object, Plan] | None  # settings of the dialog, and the plan for them
     else:
         target: EnumProperty(name="Target", description="Who takes the folder", items=TARGETS, default="gltf")
         format: EnumProperty(
@@ -114,20 +110,82 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
             default=False,
             options={"SKIP_SAVE"},
         )
+        advanced: BoolProperty(
+            name="Advanced",
+            description="Show how the textures are stored",
+            default=False,
+            options={"HIDDEN"},
+        )
+
+        _sources = ()
+        _plan = None
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context | None) -> bool:
+        """Whether Blender is in Object Mode; nothing needs to be selected, since `object` may be given."""
+        return in_object_mode(cls, context)
+
+    def invoke(
+        self, context: bpy.types.Context | None, event: bpy.types.Event | None
+    ) -> set[OperatorReturnItems]:
+        """Open the dialog, unless there is no bake to export."""
+        from ...core.errors import RadTexError
+
+        assert context is not None  # Blender always gives one
+        assert context.window_manager is not None  # a click implies a window
+        try:
+            self.ask_for(context)
+        except RadTexError as error:
+            self.report({"ERROR"}, remark(error))
+            return {"CANCELLED"}
+        return context.window_manager.invoke_props_dialog(
+            self, width=WIDTH, title=dialog_title(self._sources), confirm_text=iface_("Export")
+        )
+
+    def ask_for(self, context: bpy.types.Context) -> None:
+        """Find the bakes that the dialog is about, and set Overwrite, which it shows where it matters.
+
+        Raises RadTexError if there are none.
+        """
+        self._sources = tuple(export_sources(*shown(context), self.object, self.bake))
+        if not self.properties.is_property_set("overwrite"):
+            self.overwrite = True
+        self.check(context)
+
+    def check(self, context: bpy.types.Context | None) -> bool:
+        """After each change in the dialog: leave a format that the target does not read."""
+        from ...textures.export_spec import TAKES, Target, TextureFormat
+
+        if TextureFormat(self.format) not in TAKES[Target(self.target)]:
+            self.format = "auto"
+        return True
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        layout: Any = self.layout
+        if self._sources:
+            draw_dialog(layout, self, self._planned())
+
+    def _planned(self) -> Plan:
+        """What OK would do; worked out anew after a change only."""
+        from ...core.errors import RadTexError
+
+        names = ("target", "format", "zstd", "arrangement", "levels", "limit", "mirror", "directory")
+        key = tuple(getattr(self, name) for name in names)
+        if self._plan is None or self._plan[0] != key:
+            try:
+                plan = planned(self._sources, self._spec(), self._folder())
+            except RadTexError as error:
+                plan = Plan.failed(self._sources, self.target, self._folder(), error.message)
+            self._plan = key, plan
+        return self._plan[1]
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
-        from ...core.errors import InputError, RadTexError
+        from ...core.errors import RadTexError
 
         scene, layer = shown(context)
         try:
             spec = self._spec()
-            names = [item.name for item in originals(layer, self.object, scene, self.bake)]
-            if sharing(layer, self.object, scene, self.bake):
-                names = [self.object]
-            places = [place for name in names for place in self._places(scene, name, spec)]
-            places = list({place.sidecar: place for place in places}.values())  # objects may share an atlas
-            if self.directory and len(places) > 1:
-                raise InputError("several bakes do not fit in one folder: leave the folder out")
+            places = self._places(export_sources(scene, layer, self.object, self.bake), spec)
             if self.at_once:
                 self._export(places, spec)
             else:
@@ -138,42 +196,36 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         return {"FINISHED"}
 
     def _spec(self) -> ExportSpec:
+        """The specification; settings that the dialog does not show are left out of one that it asked for."""
         from ...textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 
+        names = {"format", "zstd", "arrangement", "levels", "limit", "mirror"}
+        used = applicable(self._sources, self.target, self.format) if self._sources else names
         return ExportSpec(
             target=Target(self.target),
-            format=TextureFormat(self.format),
-            zstd=self.zstd,
-            arrangement=Arrangement(self.arrangement),
-            levels=self.levels or None,
+            format=TextureFormat(self.format if "format" in used else "auto"),
+            zstd=self.zstd or "zstd" not in used,
+            arrangement=Arrangement(self.arrangement if "arrangement" in used else "matrix"),
+            levels=(self.levels or None) if "levels" in used else None,
             limit=self.limit or None,
-            mirror=self.mirror,
+            mirror=self.mirror and "mirror" in used,
         )
 
-    def _places(self, scene: bpy.types.Scene, called: str, spec: ExportSpec) -> list[Place]:
-        """The sidecars of the bakes named `called`, one for each part or variant, and their export folders.
+    def _folder(self) -> Path | None:
+        """The folder that the user chose, if any."""
+        return Path(bpy.path.abspath(self.directory)) if self.directory else None
 
-        Raises RadTexError if an export would fail immediately.
-        """
-        from ...bake.spec import Kind
-        from ...export.exporting import ExportSource, check_export
-        from ...formats.sidecar import file_name
-        from ...job.variants import variants_in
-        from ...report.finished_bake import find_bakes, object_of
+    def _places(self, sources: list[ExportSource], spec: ExportSpec) -> list[Place]:
+        """Where each bake goes. Raises RadTexError if an export would fail immediately."""
+        from ...core.errors import InputError
+        from ...export.exporting import check_export
 
-        place, kind = place_of(scene, self.bake), scene.radtex.kind  # type: ignore[attr-defined]  # ours
-        chosen_kind = place / file_name(called, kind, "json")
-        variants = variants_in(place, called, kind) if place.is_dir() else ()
-        place = chosen_kind if chosen_kind.is_file() else place
-        chosen = Path(bpy.path.abspath(self.directory)) if self.directory else None
-        places = []
-        name = called if place.is_dir() else None
-        for sidecar in variants or find_bakes(place, name, "exported", tuple(Kind)):
-            bake = ExportSource.of(sidecar)
-            out = chosen or bake.folder(spec.target)
-            check_export(bake, spec, out, overwrite=self.overwrite)
-            places.append(Place(object_of(bake.sidecar), bake.sidecar.path, out))
-        return places
+        outs = folders_of(sources, spec.target, self._folder())
+        for source, out in zip(sources, outs, strict=True):
+            check_export(source, spec, out, overwrite=self.overwrite)
+        if self.directory and len(sources) > 1:
+            raise InputError("several bakes do not fit in one folder: leave the folder out")
+        return [place_for(source, out) for source, out in zip(sources, outs, strict=True)]
 
     def _export(self, places: list[Place], spec: ExportSpec) -> None:
         """Export in this process and report each object. Raises RadTexError."""
@@ -184,16 +236,3 @@ class RADTEX_OT_export(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         for place in places:
             made = finished(export_steps(place.sidecar, spec, place.out, overwrite=self.overwrite))
             self.report({"INFO"}, f"Exported {made.name} to {made.folder}: {size(made.bytes)}")
-
-
-def submit(places: Iterable[Place], spec: ExportSpec, *, overwrite: bool) -> None:
-    """Queue the exports as background jobs. Raises BakeError if no work folder can be created."""
-    from ...worker.handover import work_folder
-    from ...worker.orders import order_export
-    from ..settings.preferences import preferred
-
-    folder = work_folder(preferred().cache)
-    jobs.add(
-        order_export(folder, place.sidecar, place.name, spec, place.out, overwrite=overwrite)
-        for place in places
-    )

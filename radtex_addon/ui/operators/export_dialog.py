@@ -1,0 +1,230 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the export dialog shows: the bakes, the folders to make, what is in the way, and the settings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import bpy
+
+from ..panel.draw_messages import wrapped
+from ..panel.labels import iface_, remark, size
+from ..settings.menu_items import KINDS
+
+if TYPE_CHECKING:
+    from ...core.messages import Message
+    from ...export.exporting import ExportSource
+    from ...textures.export_spec import ExportSpec, Target
+
+WIDTH = 440  # of the dialog, in pixels at UI scale 1
+_ROOM = WIDTH - 60.0  # for text: without margins and icon
+_KTX2 = "ktx2"
+_NAMED = 3  # objects whose names are shown; of more the number
+_KINDS = {identifier: name for identifier, name, _ in KINDS}
+NEEDS = {  # by target
+    "web": "A browser shows it by a web server: Show in Browser starts one, and any static server will do",
+    "godot": "Open project.godot in Godot 4, and press F5",
+    "gltf": "Every viewer shows the flat lightmap; the light of each direction needs the shader beside it",
+    "unity": "Write a shader with the include beside it, as docs/unity.md of RadTex shows",
+    "unreal": "Make a material with the include beside it, as docs/unreal.md of RadTex shows",
+    "raw": "For an engine of your own: take the shader include of its language",
+}
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What pressing OK would do with the current settings.
+
+    `outs` are the folders that the bakes go to, `existing` those of them that an earlier export wrote.
+    `errors` would be met even if these were overwritten; `texture_bytes` is rough, None if unknown.
+    """
+
+    sources: tuple[ExportSource, ...]
+    outs: tuple[Path, ...]
+    existing: tuple[Path, ...] = ()
+    errors: tuple[Message, ...] = ()
+    texture_bytes: float | None = None
+
+    @classmethod
+    def failed(
+        cls, sources: Sequence[ExportSource], target: str, folder: Path | None, error: Message
+    ) -> Plan:
+        """The plan for settings that do not go together."""
+        from ...textures.export_spec import Target
+
+        return cls(tuple(sources), folders_of(sources, Target(target), folder), errors=(error,))
+
+
+def planned(sources: Sequence[ExportSource], spec: ExportSpec, folder: Path | None) -> Plan:
+    """The plan for an export with valid settings; `folder` is the user's choice, if any."""
+    from ...core.errors import RadTexError
+    from ...export.earlier_export import is_export
+    from ...export.exporting import check_export
+    from ...export.texture_size import about_texture_bytes
+
+    outs = folders_of(sources, spec.target, folder)
+    errors = []
+    for source, out in zip(sources, outs, strict=True):
+        try:
+            check_export(source, spec, out, overwrite=True)
+        except RadTexError as error:
+            errors.append(error.message)
+    return Plan(
+        sources=tuple(sources),
+        outs=outs,
+        existing=tuple(out for out in outs if is_export(out)),
+        errors=tuple(dict.fromkeys(errors)),
+        texture_bytes=sum(about_texture_bytes(source, spec) for source in sources),
+    )
+
+
+def folders_of(sources: Sequence[ExportSource], target: Target, folder: Path | None) -> tuple[Path, ...]:
+    """The folder of each bake's export: `folder` if it is given, else one beside the bake."""
+    return tuple(folder or source.folder(target) for source in sources)
+
+
+def applicable(sources: Sequence[ExportSource], target: str, form: str) -> frozenset[str]:
+    """The names of the settings that change something for these bakes, this target and this format."""
+    from ...bake.forms import AMBIENT, BITS, BUCKETS
+    from ...textures.export_spec import MIRRORS, TAKES, Target
+
+    names = {"limit"}
+    forms = [source.form.traits for source in sources]
+    if any(form != BITS for form in forms):
+        names.add("format")
+    takes_ktx2 = any(taken.startswith(_KTX2) for taken in TAKES[Target(target)])
+    if takes_ktx2 and (form == "auto" or form.startswith(_KTX2)):
+        names.add("zstd")
+    if any(form in (BUCKETS, AMBIENT) for form in forms):
+        names |= {"arrangement", "levels"}
+    if target in MIRRORS:
+        names.add("mirror")
+    return frozenset(names)
+
+
+def dialog_title(sources: Sequence[ExportSource]) -> str:
+    """The title: what is exported."""
+    if len(sources) == 1:
+        return iface_("Export Bake of {}").format(_titled(sources[0]))
+    return iface_("Export {} Bakes").format(len(sources))
+
+
+def told_bakes(sources: Sequence[ExportSource]) -> list[str]:
+    """Lines on what is exported: kind, texels, folder, and when it was baked."""
+    folders = sorted({shortened(source.sidecar.path.parent) for source in sources})
+    if len(sources) > 1:
+        names = ", ".join(_titled(source) for source in sources[:_NAMED])
+        more = iface_(" and {} more").format(len(sources) - _NAMED) if len(sources) > _NAMED else ""
+        return [f"{names}{more}", iface_("Baked in {}").format(", ".join(folders))]
+    bake = sources[0].bake
+    kind = iface_(_KINDS.get(bake.kind, bake.kind))
+    lines = [iface_("{}, {} x {} texels").format(kind, bake.width, bake.height)]
+    when = _baked_at(sources[0].sidecar.path)
+    lines.append(iface_("Baked {} in {}").format(when, folders[0]))
+    return lines
+
+
+def told_folders(plan: Plan) -> list[str]:
+    """Lines on what is made, and on what is there already."""
+    if len(plan.outs) == 1:
+        out = plan.outs[0]
+        return [iface_("Makes the folder {} in {}").format(out.name, shortened(out.parent))]
+    names = ", ".join(out.name for out in plan.outs[:_NAMED])
+    more = ", …" if len(plan.outs) > _NAMED else ""
+    return [iface_("Makes {} folders beside the bakes: {}").format(len(plan.outs), names + more)]
+
+
+def told_existing(plan: Plan, overwrite: bool) -> str:
+    """A line on the earlier exports in these folders; empty if there are none."""
+    found, all_of_them = len(plan.existing), len(plan.outs)
+    if not found:
+        return ""
+    there = iface_("It is there already")
+    if all_of_them > 1:
+        there = iface_("{} of {} are there already").format(found, all_of_them)
+    if overwrite:
+        return iface_("{}: will be replaced. Files that no export wrote stay").format(there)
+    if all_of_them > 1:
+        return iface_("{}: tick Overwrite to replace them").format(there)
+    return iface_("{}: tick Overwrite to replace it, or choose another Folder").format(there)
+
+
+def draw_dialog(layout: Any, settings: Any, plan: Plan) -> None:
+    """Draw the dialog; `settings` is the operator."""
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    for number, line in enumerate(told_bakes(plan.sources)):
+        _draw_text(layout, line, "TEXTURE" if number == 0 else "BLANK1")
+    layout.separator()
+    layout.prop(settings, "target")
+    _draw_text(layout, iface_(NEEDS[settings.target]), "BLANK1")
+    if len(plan.sources) == 1:
+        layout.prop(settings, "directory")
+    for line in told_folders(plan):
+        _draw_text(layout, line, "FILE_FOLDER")
+    if existing := told_existing(plan, settings.overwrite):
+        _draw_text(layout, existing, "FILE_REFRESH" if settings.overwrite else "ERROR")
+        layout.prop(settings, "overwrite")
+    if plan.texture_bytes is not None:
+        _draw_text(layout, iface_("Textures of roughly {}").format(size(plan.texture_bytes)), "BLANK1")
+    for message in plan.errors:
+        _draw_text(layout, remark(message), "ERROR")
+    shown = applicable(plan.sources, settings.target, settings.format)
+    if "mirror" in shown:
+        layout.prop(settings, "mirror")
+    _draw_advanced(layout, settings, shown)
+
+
+def _draw_advanced(layout: Any, settings: Any, shown: frozenset[str]) -> None:
+    """Draw how textures are stored, folded away below an arrow."""
+    row = layout.row()
+    row.use_property_split = False
+    row.alignment = "LEFT"
+    icon = "DOWNARROW_HLT" if settings.advanced else "RIGHTARROW"
+    row.prop(settings, "advanced", icon=icon, emboss=False)
+    if settings.advanced:
+        column = layout.column()
+        for name in ("format", "zstd", "arrangement", "levels", "limit"):
+            if name in shown:
+                column.prop(settings, name)
+
+
+def _draw_text(layout: Any, text: str, icon: str) -> None:
+    column = layout.column(align=True)
+    column.scale_y = 0.85
+    for number, line in enumerate(wrapped(text, _ROOM)):
+        column.label(text=line, icon=icon if number == 0 else "BLANK1", translate=False)
+
+
+def shortened(path: Path) -> str:
+    """A path relative to the open .blend, as Blender writes it, or to the user's home; else whole."""
+    roots = [("//", Path(bpy.data.filepath).parent)] if bpy.data.filepath else []
+    for sign, root in (*roots, ("~/", Path.home())):
+        if path.is_relative_to(root):
+            rest = path.relative_to(root).as_posix()
+            return sign if rest == "." else f"{sign}{rest}"
+    return str(path)
+
+
+def _titled(source: ExportSource) -> str:
+    """The object or atlas, its part, frame and lamps."""
+    bake = source.bake
+    words = [bake.object_name, *([] if bake.part is None else [bake.part.name])]
+    if bake.frame is not None:
+        words.append(iface_("frame {}").format(bake.frame))
+    if bake.lights:
+        words.append(iface_("light of {}").format(", ".join(bake.lights)))
+    return ", ".join(words)
+
+
+def _baked_at(sidecar: Path) -> str:
+    try:
+        when = datetime.fromtimestamp(sidecar.stat().st_mtime).astimezone()
+    except OSError:  # it is gone meanwhile
+        return ""
+    return f"{when:%d %b %Y, %H:%M},"

@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Find the finished bakes that are to be exported, and queue their exports."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from ..jobs import jobs
+from .bake_lookup import originals, place_of, sharing
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    import bpy
+
+    from ...export.exporting import ExportSource
+    from ...textures.export_spec import ExportSpec
+
+
+class Place(NamedTuple):
+    """An object's name, the sidecar of its bake, and the folder to make."""
+
+    name: str
+    sidecar: Path
+    out: Path
+
+
+def export_sources(
+    scene: bpy.types.Scene, layer: bpy.types.ViewLayer, name: str, bake: str
+) -> list[ExportSource]:
+    """The bakes of the object or shared atlas called `name`, or of all selected meshes, each once.
+
+    `bake` is their folder, or a sidecar; the scene's output folder if it is empty. Parts and variants are
+    bakes of their own. Raises RadTexError if one of the objects has no bake.
+    """
+    names = [item.name for item in originals(layer, name, scene, bake)]
+    if sharing(layer, name, scene, bake):
+        names = [name]
+    found = [source for called in names for source in _sources_of(scene, called, bake)]
+    return list({source.sidecar.path: source for source in found}.values())  # objects may share an atlas
+
+
+def place_for(source: ExportSource, out: Path) -> Place:
+    """Where an export of the bake goes."""
+    from ...report.finished_bake import object_of
+
+    return Place(object_of(source.sidecar), source.sidecar.path, out)
+
+
+def submit(
+    places: Iterable[Place],
+    spec: ExportSpec,
+    *,
+    overwrite: bool,
+    completion: jobs.Completion | None = None,
+) -> None:
+    """Queue the exports as background jobs. Raises BakeError if no work folder can be created."""
+    from ...worker.handover import work_folder
+    from ...worker.orders import order_export
+    from ..settings.preferences import preferred
+
+    folder = work_folder(preferred().cache)
+    orders = [
+        order_export(folder, place.sidecar, place.name, spec, place.out, overwrite=overwrite)
+        for place in places
+    ]
+    jobs.add(orders, completion)
+
+
+def _sources_of(scene: bpy.types.Scene, called: str, bake: str) -> list[ExportSource]:
+    """The bakes named `called`, one for each part or variant; of several kinds the panel's."""
+    from ...bake.spec import Kind
+    from ...export.exporting import ExportSource
+    from ...formats.sidecar import file_name
+    from ...job.variants import variants_in
+    from ...report.finished_bake import find_bakes
+
+    place, kind = place_of(scene, bake), scene.radtex.kind  # type: ignore[attr-defined]  # ours
+    chosen_kind = place / file_name(called, kind, "json")
+    variants = variants_in(place, called, kind) if place.is_dir() else ()
+    place = chosen_kind if chosen_kind.is_file() else place
+    name = called if place.is_dir() else None
+    return [ExportSource.of(file) for file in variants or find_bakes(place, name, "exported", tuple(Kind))]

@@ -1,0 +1,191 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The export dialog: what it says of bakes and folders, which settings it shows, what OK then does."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import bpy
+import pytest
+
+from radtex_addon.bake.progress import finished
+from radtex_addon.bake.spec import BakeSpec, Kind
+from radtex_addon.core.sampler import Filter
+from radtex_addon.export.exporting import ExportSource, export_steps
+from radtex_addon.export.texture_size import about_texture_bytes
+from radtex_addon.job import bake_object
+from radtex_addon.textures.export_spec import TAKES, ExportSpec, Target
+from radtex_addon.ui import registration
+from radtex_addon.ui.operators.export_dialog import dialog_title, draw_dialog
+from radtex_addon.ui.operators.export_operator import RADTEX_OT_export
+from tests.blender import stage
+from tests.blender.recorded_layout import RecordedLayout
+from tests.blender.test_swap import LAYERED, NAME, PLAIN, ball
+
+context: Any = bpy.context  # to the stubs, every pointer may be None
+radtex: Any = bpy.ops.radtex  # type: ignore[attr-defined]  # ours, not Blender's
+
+SHADOW = BakeSpec(kind=Kind.SHADOW, texels=16)
+OTHER = "Other"
+STORED = {"format", "zstd", "arrangement", "levels", "limit"}
+
+
+class RADTEX_OT_asked(RADTEX_OT_export):  # noqa: N801  # Blender wants such names
+    """The export operator, whose dialog is written down instead of shown; OK is pressed in it"""
+
+    bl_idname = "radtex.asked"
+    drawn: RecordedLayout
+    title: str
+
+    def execute(self, context: Any) -> Any:
+        self.ask_for(context)
+        type(self).drawn = RecordedLayout()
+        type(self).title = dialog_title(self._sources)
+        draw_dialog(self.drawn, self, self._planned())
+        return super().execute(context)
+
+
+@pytest.fixture(scope="module")
+def bakes(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Path]:
+    """Folders of bakes of a ball, and of one more in the first; not to be written to."""
+    folders = {}
+    for name, spec in {"plain": PLAIN, "layered": LAYERED, "shadow": SHADOW}.items():
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        ball()
+        ball(OTHER)
+        stage.hdri(stage.world())
+        folders[name] = tmp_path_factory.mktemp(name)
+        for item in (NAME, OTHER) if name == "plain" else (NAME,):
+            bake_object(context.scene, item, spec, folders[name], preview=Filter.QUADRILINEAR)
+    return folders
+
+
+@pytest.fixture(autouse=True)
+def registered(bakes: Mapping[str, Path]) -> Iterator[None]:
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    ball(OTHER)
+    ball()
+    registration.register()
+    bpy.utils.register_class(RADTEX_OT_asked)
+    yield
+    bpy.utils.unregister_class(RADTEX_OT_asked)
+    registration.unregister()
+
+
+@pytest.fixture
+def plain(bakes: Mapping[str, Path], tmp_path: Path) -> Path:
+    """A folder of bakes of two balls, to be written to."""
+    return Path(shutil.copytree(bakes["plain"], tmp_path / "bake"))
+
+
+def asked(**settings: Any) -> RecordedLayout:
+    """What the dialog showed before OK was pressed."""
+    assert radtex.asked(**settings) == {"FINISHED"}
+    return RADTEX_OT_asked.drawn
+
+
+def said(drawn: RecordedLayout) -> str:
+    return " ".join(drawn.texts)
+
+
+@pytest.mark.parametrize("target", list(Target))
+@pytest.mark.parametrize("kept", ["plain", "layered", "shadow"])
+def test_every_dialog_shows_the_settings_that_apply(
+    kept: str, target: Target, bakes: Mapping[str, Path], tmp_path: Path
+) -> None:
+    bake = shutil.copytree(bakes[kept], tmp_path / "bake")
+    context.scene.radtex.kind = "shadow" if kept == "shadow" else "radiance"
+    settings = {"bake": str(bake), "object": NAME, "target": target, "advanced": True}
+    if kept == "shadow" and target in (Target.GODOT, Target.UNITY, Target.UNREAL):
+        with pytest.raises(RuntimeError, match="of kind shadow, which"):
+            asked(**settings)
+        assert "of kind shadow, which" in said(RADTEX_OT_asked.drawn), "the dialog said so before"
+        return
+    drawn = asked(**settings)
+    assert f"{NAME}.{target}" in said(drawn)
+    assert (bake / f"{NAME}.{target}" / f"{NAME}.glb").is_file()
+    hidden = {
+        "plain": set(),
+        "layered": {"arrangement", "levels"},
+        "shadow": {"format", "arrangement", "levels"},
+    }[kept]
+    reads_ktx2 = any(form.startswith("ktx2") for form in TAKES[target])
+    hidden |= set() if reads_ktx2 else {"zstd"}
+    assert STORED - set(drawn.settings) == hidden
+    assert drawn.settings[0] == "target"
+    assert ("mirror" in drawn.settings) == (target in (Target.WEB, Target.GODOT))
+
+
+def test_the_dialog_tells_which_bake_it_is_about(plain: Path) -> None:
+    os.utime(plain / f"{NAME}.radiance.json", (1e9, 1e9))  # 9 September 2001
+    drawn = asked(bake=str(plain), object=NAME, target="raw")
+    assert RADTEX_OT_asked.title == "Export Bake of Ball"
+    assert drawn.texts[0] == "Radiance, 16 x 16 texels"
+    assert "Sep 2001" in said(drawn)
+    assert plain.name in said(drawn)
+    assert STORED.isdisjoint(drawn.settings), "they are folded away"
+    assert "overwrite" not in drawn.settings, "nothing is there"
+
+
+def test_the_named_object_is_exported_whatever_is_selected(plain: Path) -> None:
+    context.view_layer.objects.active = bpy.data.objects[OTHER]
+    bpy.data.objects[NAME].select_set(False)
+    asked(bake=str(plain), object=NAME, target="raw")
+    assert (plain / f"{NAME}.raw").is_dir()
+    assert not (plain / f"{OTHER}.raw").exists()
+
+
+def test_an_export_that_is_there_is_said_and_replaced(plain: Path) -> None:
+    settings = {"bake": str(plain), "object": NAME, "target": "raw"}
+    asked(**settings)
+    drawn = asked(**settings)
+    assert "It is there already: will be replaced" in said(drawn)
+    assert "overwrite" in drawn.settings
+    with pytest.raises(RuntimeError, match="is already there"):
+        asked(**settings, overwrite=False)
+    assert "tick Overwrite to replace it" in said(RADTEX_OT_asked.drawn)
+
+
+def test_of_several_bakes_the_number_is_said(plain: Path) -> None:
+    for item in bpy.data.objects:
+        item.select_set(True)
+    asked(bake=str(plain), object=OTHER, target="raw")
+    drawn = asked(bake=str(plain), target="raw")
+    assert RADTEX_OT_asked.title == "Export 2 Bakes"
+    assert "Ball, Other" in drawn.texts[0]
+    assert "1 of 2 are there already" in said(drawn)
+    assert "directory" not in drawn.settings
+    assert (plain / f"{NAME}.raw").is_dir()
+
+
+def test_what_is_hidden_does_not_count(bakes: Mapping[str, Path], tmp_path: Path) -> None:
+    """Blender remembers the settings of the last dialog, which may have been of another target and bake."""
+    bake = shutil.copytree(bakes["layered"], tmp_path / "bake")
+    remembered = {"format": "ktx2-rgb9e5", "mirror": True, "arrangement": "slices", "levels": 3}
+    asked(bake=str(bake), object=NAME, target="unity", **remembered)
+    assert list((bake / f"{NAME}.unity").glob("*.dds"))
+
+
+def test_settings_that_do_not_go_together_are_said_before(plain: Path) -> None:
+    with pytest.raises(RuntimeError, match="mirror ball reads no slices"):
+        asked(bake=str(plain), object=NAME, target="web", mirror=True, arrangement="slices")
+    assert "mirror ball reads no slices" in said(RADTEX_OT_asked.drawn)
+
+
+@pytest.mark.parametrize("kept", ["plain", "layered", "shadow"])
+@pytest.mark.parametrize("target", [Target.WEB, Target.RAW])
+def test_textures_are_about_as_large_as_said(
+    kept: str, target: Target, bakes: Mapping[str, Path], tmp_path: Path
+) -> None:
+    kind = "shadow" if kept == "shadow" else "radiance"
+    sidecar, spec = bakes[kept] / f"{NAME}.{kind}.json", ExportSpec(target, zstd=False)
+    made = finished(export_steps(sidecar, spec, tmp_path / "made"))
+    textures = [name for name in made.files if name.endswith((".ktx2", ".dds"))]
+    found = sum((made.folder / name).stat().st_size for name in textures)
+    headers = 500 * len(textures)
+    assert found / 3 <= about_texture_bytes(ExportSource.of(sidecar), spec) + headers <= found * 3
