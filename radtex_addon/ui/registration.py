@@ -11,6 +11,7 @@ import bpy
 from .jobs import estimates, jobs
 from .operators import keys
 from .operators.bake_operator import RADTEX_OT_bake
+from .operators.browser_operator import RADTEX_OT_show_in_browser
 from .operators.estimate_operator import RADTEX_OT_estimate
 from .operators.job_operators import (
     RADTEX_OT_cancel,
@@ -53,6 +54,7 @@ CLASSES = (
     RADTEX_OT_clear_jobs,
     RADTEX_OT_fold_map,
     RADTEX_OT_open_folder,
+    RADTEX_OT_show_in_browser,
     RADTEX_OT_preset_add,
     RADTEX_OT_preset_apply,
     RADTEX_PT_presets,
