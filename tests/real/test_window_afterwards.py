@@ -4,9 +4,14 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 from time import sleep
+from urllib.error import URLError
+from urllib.request import urlopen
 
 import numpy as np
+import pytest
 
 from tests.real.panel import Told, bake, jobs, latest, wait_for_end
 from tests.real.window import Window, wait_until
@@ -15,6 +20,17 @@ SHARP = {"atlas_layout": "buckets", "texels": 64, "bucket": 12, "samples": 8}
 IMAGES = "sorted(image.name for image in bpy.data.images if image.packed_file)"
 THREE = ["RadTex Baked", "RadTex Difference", "RadTex Path Traced"]
 WINDOWS = "len(bpy.context.window_manager.windows)"
+DIALOG = """
+window = bpy.context.window_manager.windows[0]
+area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+region = next(region for region in area.regions if region.type == "WINDOW")
+with bpy.context.temp_override(window=window, area=area, region=region):
+    bpy.ops.radtex.export("INVOKE_DEFAULT", object="Suzanne", target="{target}", advanced=True)
+"""
+BROWSER = """
+import webbrowser
+webbrowser.register("ours", None, webbrowser.GenericBrowser(["{program}", "%s"]), preferred=True)
+"""
 SECONDS_TO_DRAW = 5  # a new window
 
 
@@ -24,9 +40,40 @@ def test_an_export_is_made_while_the_window_stays_alive(window: Window) -> None:
     told = asked_for(window, "radtex.export(")
     assert told.state == "done", told.message
     assert list((window.folder / "radtex").glob("*/*.glb"))
-    told = asked_for(window, "radtex.export(")
-    assert told.state == "done", f"the dialog replaces it: {told.message}"
     assert window.value("room.changes('before')") == []
+
+
+def test_the_dialog_is_about_the_object_that_it_was_opened_for(window: Window) -> None:
+    window.point(500, 300)
+    window.ask("bpy.ops.object.select_all(action='DESELECT')")
+    number = latest(window).number
+    for target in ("web", "godot", "web"):  # the last replaces the first
+        window.ask(DIALOG.format(target=target))
+        sleep(SECONDS_TO_DRAW)
+        window.key("Return")
+        wait_until(lambda: jobs(window)[-1].number > number, 20, "no job")  # noqa: B023  # called in the loop
+        number += 1
+        told = wait_for_end(window)
+        assert told.state == "done", told.message
+    folders = {path.parent.name for path in (window.folder / "radtex").glob("*/*.glb")}
+    assert {"Suzanne.web", "Suzanne.godot"} <= folders
+
+
+def test_a_page_opens_in_the_browser_once_it_is_exported(window: Window) -> None:
+    shutil.rmtree(window.folder / "radtex" / "Suzanne.web", ignore_errors=True)
+    (window.folder / "browser").write_text(f'#!/bin/sh\necho "$1" > {window.inside}/opened\n')
+    (window.folder / "browser").chmod(0o755)
+    window.ask(BROWSER.format(program=f"{window.inside}/browser"))
+    window.ask("bpy.ops.radtex.show_in_browser(object='Suzanne')")
+    opened = window.folder / "opened"
+    wait_until(lambda: opened.is_file() and opened.read_text().endswith("\n"), 60, "nothing is opened")
+    address = opened.read_text().strip()
+    with urlopen(f"{address}Suzanne.export.json") as answer:
+        assert json.loads(answer.read())["name"] == "Suzanne"
+    window.ask("bpy.ops.preferences.addon_disable(module='bl_ext.user_default.radtex')")
+    with pytest.raises(URLError):
+        urlopen(address)
+    window.ask("bpy.ops.preferences.addon_enable(module='bl_ext.user_default.radtex')")
 
 
 def test_a_comparison_is_made_while_the_window_stays_alive(window: Window) -> None:

@@ -27,7 +27,7 @@ _KTX2 = "ktx2"
 _NAMED = 3  # objects whose names are shown; of more the number
 _KINDS = {identifier: name for identifier, name, _ in KINDS}
 NEEDS = {  # by target
-    "web": "A browser shows it by a web server: Show in Browser starts one, and any static server will do",
+    "web": "Show in Browser opens it. On a site of your own, any web server will do",
     "godot": "Open project.godot in Godot 4, and press F5",
     "gltf": "Every viewer shows the flat lightmap; the light of each direction needs the shader beside it",
     "unity": "Write a shader with the include beside it, as docs/unity.md of RadTex shows",
