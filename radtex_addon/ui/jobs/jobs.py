@@ -137,6 +137,7 @@ def add(orders: Iterable[Order], completion: Completion | None = None) -> None:
         if completion is not None:
             _session.completions[number] = completion
     _look()
+    panel_state.mark_stale()  # their objects are being baked now
 
 
 def snapshot() -> tuple[Job, ...]:

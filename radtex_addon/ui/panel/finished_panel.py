@@ -31,6 +31,7 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
         draw_layers(layout, item)
         column = layout.column()
         column.operator("radtex.compare", icon="IMAGE_REFERENCE")
+        column.operator("radtex.show_in_browser", icon="URL")
         column.operator("radtex.export", text="Export…", icon="EXPORT")
         column.operator("radtex.open_folder", icon="FILE_FOLDER")
 

@@ -160,15 +160,19 @@ def _draw_warnings(column: Any, job: Job) -> None:
 
 def _offer_bake(column: Any, job: Job) -> None:
     """Draw buttons that show, compare and export this bake, whatever is selected, and open its folder."""
-    row = column.row(align=True)
-    if any(path.name.endswith(".preview.blend") for path in job.files):
+    buttons: list[Any] = []
+    sidecar = str(next((path for path in job.files if path.suffix == ".json"), job.out))
+    has_preview = any(path.name.endswith(".preview.blend") for path in job.files)
+    if has_preview:
         item = bpy.data.objects.get((job.order.shared or (job.object,))[0])
-        sidecar = str(next((path for path in job.files if path.suffix == ".json"), job.out))
-        switch = draw_show(row) if job.order.variant else draw_switch(row, item)
-        compare = row.operator("radtex.compare", text="", icon="IMAGE_REFERENCE")
-        export = row.operator("radtex.export", text="", icon="EXPORT")
-        for button in (switch, compare, export):
-            button.object, button.bake = job.object, sidecar
+        buttons.append(draw_show(column) if job.order.variant else draw_switch(column, item))
+    row = column.row(align=True)
+    if has_preview:
+        buttons.append(row.operator("radtex.compare", text="", icon="IMAGE_REFERENCE"))
+        buttons.append(row.operator("radtex.show_in_browser", text="", icon="URL"))
+        buttons.append(row.operator("radtex.export", text="", icon="EXPORT"))
+    for button in buttons:
+        button.object, button.bake = job.object, sidecar
     row.operator("radtex.open_folder", text="", icon="FILE_FOLDER").directory = str(job.out)
 
 
@@ -184,7 +188,10 @@ def _offer_comparison(column: Any, job: Job) -> None:
 def _offer_export(column: Any, job: Job) -> None:
     """Draw a button for each exported folder."""
     for folder in job.files:
-        column.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(folder)
+        row = column.row(align=True)
+        if job.order.about == "web":
+            row.operator("radtex.show_in_browser", icon="URL").directory = str(folder)
+        row.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(folder)
 
 
 _OFFERS = {"bake": _offer_bake, "comparison": _offer_comparison, "export": _offer_export}

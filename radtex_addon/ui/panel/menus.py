@@ -26,6 +26,7 @@ class RADTEX_MT_object(bpy.types.Menu):
         layout.separator()
         layout.operator("radtex.preview_toggle", icon="HIDE_OFF")
         layout.operator("radtex.compare", icon="IMAGE_REFERENCE")
+        layout.operator("radtex.show_in_browser", icon="URL")
         layout.operator("radtex.export", icon="EXPORT")
         layout.separator()
         layout.operator_menu_enum("radtex.list_add", "what")

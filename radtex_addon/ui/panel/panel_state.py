@@ -102,9 +102,13 @@ def refresh(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> Forecast
 
 
 @persistent  # type: ignore[untyped-decorator]  # untyped in the stubs
-def mark_stale(*_: object) -> None:
-    """Handler: recompute the cache soon. Accepts the arguments of any handler."""
-    if _cache.looking:
+def mark_stale(_: object = None, depsgraph: object = None) -> None:
+    """Handler: recompute the cache soon. Accepts the arguments of any handler.
+
+    Updates of the depsgraph in which nothing has changed are ignored: redrawing the panel causes such.
+    """
+    nothing = isinstance(depsgraph, bpy.types.Depsgraph) and not depsgraph.updates
+    if _cache.looking or nothing:
         return
     _cache.changed = monotonic()
     if not bpy.app.timers.is_registered(_tick):
