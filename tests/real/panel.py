@@ -23,9 +23,11 @@ LONG = {
 }  # half a minute or more on two cores
 SHORT = {"atlas_layout": "buckets", "texels": 64, "bucket": 4, "samples": 4}
 _PATIENCE = 240.0  # seconds for a bake on a busy machine; after 300 a test counts as hung
-_FORGET = """
+_KNOW = """
 import sys
 panel_state = sys.modules["bl_ext.user_default.radtex.radtex_addon.ui.panel.panel_state"]
+"""
+_FORGET = """
 if bpy.ops.radtex.clear_jobs.poll():
     bpy.ops.radtex.clear_jobs()
 states.clear()
@@ -51,15 +53,21 @@ def radtex_window(root: Root, archive: Path) -> Iterator[Window]:
     What was said in Python's tracebacks meanwhile is an error.
     """
     with opened(root) as window:
-        shutil.copy(archive, window.folder / "radtex.zip")
-        window.ask(
-            f"bpy.ops.extensions.package_install_files(filepath={window.inside + '/radtex.zip'!r}, "
-            "repo='user_default', enable_on_install=True)"
-        )
+        install(window, archive)
         window.ask(f"room.build({window.inside + '/room.blend'!r})")
         window.show_tab("RadTex")
         yield window
         assert "Traceback" not in window.said(), window.said()
+
+
+def install(window: Window, archive: Path) -> None:
+    """Install the zip and enable it, as dropping it on Blender's window does."""
+    shutil.copy(archive, window.folder / "radtex.zip")
+    window.ask(
+        f"bpy.ops.extensions.package_install_files(filepath={window.inside + '/radtex.zip'!r}, "
+        "repo='user_default', enable_on_install=True)"
+    )
+    window.ask(_KNOW)
 
 
 def choose(window: Window, *objects: str, **settings: object) -> None:

@@ -33,6 +33,45 @@ def build(path: str) -> None:
     bpy.ops.wm.save_as_mainfile(filepath=path)
 
 
+def build_lamp(path: str) -> None:
+    """A desk lamp of three materials: mirrored, bevelled and subdivided, unwrapped by its maker; saved."""
+    bpy.ops.object.delete()
+    bpy.ops.mesh.primitive_cylinder_add(vertices=24, radius=0.8, depth=0.2)
+    lamp: Any = _context.object
+    lamp.name = "Lamp"
+    for vertices, radius, depth, height in ((12, 0.1, 1.6, 0.8), (24, 0.6, 0.5, 1.7)):
+        bpy.ops.mesh.primitive_cylinder_add(
+            vertices=vertices, radius=radius, depth=depth, location=(0, 0, height)
+        )
+        lamp.select_set(True)
+        _context.view_layer.objects.active = lamp
+        bpy.ops.object.join()
+    looks = {
+        "Enamel": ((0.7, 0.05, 0.04), 0, 0.3),
+        "Brass": ((0.9, 0.7, 0.3), 1, 0.2),
+        "Rubber": ((0.03,) * 3, 0, 0.6),
+    }
+    for name, (colour, metallic, roughness) in looks.items():
+        material: Any = bpy.data.materials.new(name)
+        inputs = material.node_tree.nodes["Principled BSDF"].inputs
+        inputs["Base Color"].default_value = *colour, 1
+        inputs["Metallic"].default_value, inputs["Roughness"].default_value = metallic, roughness
+        lamp.data.materials.append(material)
+    for face in lamp.data.polygons:
+        face.material_index = 2 if face.center.z < 0.15 else 1 if face.center.z < 1.4 else 0
+    for kind, settings in (("BEVEL", {"width": 0.03, "segments": 2}), ("SUBSURF", {"levels": 1})):
+        modifier: Any = lamp.modifiers.new(kind, kind)
+        for name, value in settings.items():
+            setattr(modifier, name, value)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.uv.smart_project(island_margin=0.02)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.mesh.primitive_plane_add(size=8, location=(0, 0, -0.1))
+    select("Lamp")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+
+
 def step(message: str) -> None:
     """What was done till now is one step to undo."""
     bpy.ops.ed.undo_push(message=message)
