@@ -1,73 +1,255 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Estimate how long a bake will take, from two small bakes of the same object with few texels and few paths.
+"""Estimate how long a bake takes, stage by stage, from measurements: finished bakes, and small probe bakes.
 
-The two differ only in their number of paths, which separates the time per path from the time for set-up.
+`typical_seconds` says how the time of each stage grows with the work, in seconds of a 2-core machine of 2026.
+A measurement tells how much slower or faster this machine, scene and object are: the ratio of its seconds to
+the typical ones of the same work. The estimate is the typical time multiplied by a weighted mean of such
+ratios, in which the measurements that are most like the bake count most.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from math import exp, log
 
+from .kinds import Light
 from .progress import Stage
-from .spec import BakeSpec
+from .rays import CLEAR_SAMPLES, PROBE_CELLS, PROBES, LayeredRays
+from .spec import BakeSpec, Kind, Layout, Unwrap
 
-_TEXELS = 96  # of a small bake, at most; many islands may not fit into fewer
-_SAMPLES = (1, 3)
-_ONCE = (Stage.EVALUATE, Stage.UNWRAP)  # take as long for few texels as for many
-_BY_PATH = (Stage.CAPTURE, Stage.FIT)
-_BY_TEXEL = (Stage.RASTER, Stage.PROBE, Stage.DENOISE, Stage.FILL, Stage.WRITE)
+START = "start"  # starting the worker, opening the scene, checks; a stage of no bake, but of its job
+STAGES = (START, *map(str, Stage))
+
+_COVERAGE = 0.55  # the usual share of an atlas that islands cover
+_OWN_RAYS = 400  # of a texel, in the layered layout: what it sees of the object itself
+# stages whose pace does not depend on what is baked
+_ALIKE = frozenset({START, *map(str, (Stage.EVALUATE, Stage.UNWRAP, Stage.RASTER, Stage.PREVIEW))})
+
+# weights of measurements; a measurement of another bake counts 1
+_PRIOR, _BAKED, _PROBED, _OTHER_KIND = 0.05, 1000.0, 100.0, 0.02
+_FADING = 4.0  # how quickly the weight of a finished bake falls with the difference in size
+_HALF_LIFE = 20  # so many bakes later a measurement counts half
+_LEAST = 1e-3  # seconds: what is shorter says nothing of a pace
+_NO_UNWRAP = 0.1  # ratio: an unwrap so quick was none, as the object has a UV layer of its own
 
 
 @dataclass(frozen=True)
-class Probe:
-    """Cost of a bake with `texels` on its longer side: covered texels, camera paths, seconds by stage."""
+class BakeWork:
+    """The amount of work in a bake, or in a probe of it.
 
+    `kind`, `device` and `unwrap` are as in a specification, `layout` is the form's name, and `unwrap` is ""
+    with a UV layer that the specification names. Of the `texels` on the longer side `covered` in all are
+    baked; the surface has so many `triangles`, and a cell so many `values`. `surroundings` is the width of
+    the pictures of what surrounds the object, relative to that in a bake.
+    """
+
+    kind: str
+    layout: str
+    device: str
+    unwrap: str
     texels: int
     covered: int
-    paths: int
-    seconds: Mapping[Stage, float]
+    bucket: int
+    samples: int
+    triangles: int
+    values: int = 4
+    denoise: bool = False
+    preview: bool = False
+    surroundings: float = 1.0
 
-    def spent(self, *stages: Stage) -> float:
-        """The sum of the seconds of these stages."""
-        return sum(self.seconds.get(stage, 0.0) for stage in stages)
+    @classmethod
+    def of(
+        cls,
+        spec: BakeSpec,
+        triangles: int,
+        *,
+        covered: int | None = None,
+        texels: int | None = None,
+        preview: bool = False,
+        device: str,
+    ) -> BakeWork:
+        """The work of `spec`, with a usual coverage or the specification's texels where none are given."""
+        side = spec.texels if texels is None else texels
+        return cls(
+            kind=str(spec.kind),
+            layout=spec.form.name,
+            device=device.lower(),
+            unwrap=str(spec.unwrap) if spec.uv_layer is None else "",
+            texels=side,
+            covered=max(1, round(_COVERAGE * side**2)) if covered is None else covered,
+            bucket=spec.bucket,
+            samples=spec.samples,
+            triangles=triangles,
+            values=spec.channels,
+            denoise=spec.denoise,
+            preview=preview,
+        )
+
+    @property
+    def cells(self) -> int:
+        """Cells of all covered texels."""
+        return self.covered * self.bucket**2
+
+    @property
+    def by_paths(self) -> bool:
+        """Whether the layout's paths do not depend on its cells."""
+        return self.layout == Layout.LAYERED
 
 
-def probe_specs(spec: BakeSpec) -> tuple[BakeSpec, BakeSpec]:
-    """The two small bakes from which to estimate `spec`; the one with fewer paths comes first."""
-    texels = min(spec.texels, _TEXELS)
-    padding = spec.padding if texels == spec.texels else 0
-    few, more = (
-        replace(spec, texels=texels, density=None, padding=padding, samples=samples) for samples in _SAMPLES
-    )
-    return few, more
+@dataclass(frozen=True)
+class Measurement:
+    """The `seconds` that stages of some `work` took, of the object `name` in the file and scene `place`.
+
+    `finished`: of a finished bake, and not of a probe. Stages that were not measured are missing.
+    """
+
+    place: str
+    name: str
+    work: BakeWork
+    seconds: Mapping[str, float]
+    finished: bool = True
 
 
-def paths_needed(spec: BakeSpec, probe: Probe) -> int:
-    """Camera paths of a bake of `spec`, if the covered share of its atlas is the same as the probe's."""
-    covered = round(probe.covered * _growth(spec, probe))
-    if spec.form.by_paths:
-        return spec.most_paths(covered)
-    if not spec.kind.traits.samples:  # the rays per cell depend on the scene, and were measured by the probe
-        return round(probe.paths * _growth(spec, probe))
-    return covered * spec.bucket**2 * spec.samples
+class Basis(StrEnum):
+    """What an estimate rests on, from the best to the worst."""
+
+    BAKED = "baked"  # finished bakes of the same object and kind
+    MEASURED = "measured"  # a probe bake of it
+    OTHERS = "others"  # bakes of other objects on this machine
+    NOTHING = "nothing"  # nothing was ever baked here
 
 
-def seconds_needed(spec: BakeSpec, few: Probe, more: Probe) -> float:
-    """How many seconds a bake of `spec` takes."""
-    growth = _growth(spec, more)
-    further = paths_needed(spec, more) - more.paths
-    total = more.spent(*_ONCE) + growth * more.spent(*_BY_TEXEL)
-    for stage in _BY_PATH:
-        spent = more.spent(stage)
-        pace = (spent - few.spent(stage)) / max(more.paths - few.paths, 1)
-        if pace <= 0 or more.paths <= few.paths:  # too noisy, or kind shadow: count all the time as per path
-            pace = spent / more.paths
-        total += max(spent + pace * further, 0.0)
-    return total
+@dataclass(frozen=True)
+class Estimate:
+    """The expected `seconds` by stage, and what they rest on."""
+
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    basis: Basis = Basis.NOTHING
+
+    @property
+    def total(self) -> float:
+        """Seconds from pressing the button to the job's end."""
+        return sum(self.seconds.values())
 
 
-def _growth(spec: BakeSpec, probe: Probe) -> float:
-    """How many times as many texels the bake has as the probe."""
-    return (spec.texels / probe.texels) ** 2
+def typical_seconds(work: BakeWork) -> dict[str, float]:
+    """Seconds of each of the bake's stages on a machine with 2 cores, measured for the demo's scene."""
+    kind, paths = Kind(work.kind), work.by_paths
+    seconds = {
+        START: 3.5,
+        str(Stage.EVALUATE): 0.1 + (5e-5 if paths else 5e-6) * work.triangles,
+        str(Stage.UNWRAP): _unwrap_seconds(work),
+        str(Stage.RASTER): 0.1 + 5e-6 * work.texels**2,
+        str(Stage.CAPTURE): _capture_seconds(work),
+        str(Stage.WRITE): 1.4 + 1e-5 * work.texels**2 if paths else 0.05 + 1e-7 * work.values * work.cells,
+    }
+    if kind.traits.looks_at_surface:
+        cells = work.covered * (PROBE_CELLS**2 * PROBES / 2 if paths else work.bucket**2)
+        seconds[str(Stage.PROBE)] = 0.1 + 3e-6 * cells
+    if paths:
+        rays = LayeredRays.of(work.samples).of_texel
+        seconds[str(Stage.SURROUNDINGS)] = 22.0 * (0.045 + 0.955 * work.surroundings**2)
+        seconds[str(Stage.FIT)] = 0.2 + work.covered * (1.4e-3 + 2.9e-6 * rays)
+    else:
+        seconds[str(Stage.FILL)] = 0.05 + 1.2e-6 * work.cells
+    if work.denoise and not paths:
+        seconds[str(Stage.DENOISE)] = 0.4 + 9e-6 * work.cells * work.values / 4
+    if work.preview:
+        seconds[str(Stage.PREVIEW)] = 1.0 + 2e-5 * work.triangles
+    return seconds
+
+
+def estimate(work: BakeWork, place: str, name: str, measured: Sequence[Measurement]) -> Estimate:
+    """How long the `work` takes for the object `name` in the file and scene `place`.
+
+    `measured` are all measurements of this machine, the latest last.
+    """
+    expected = {
+        stage: typical * _ratio(stage, typical, work, place, name, measured)
+        for stage, typical in typical_seconds(work).items()
+    }
+    return Estimate(expected, _basis(work, place, name, measured))
+
+
+def _unwrap_seconds(work: BakeWork) -> float:
+    if not work.unwrap:
+        return 0.1
+    if work.unwrap == Unwrap.XATLAS:
+        return float(0.3 + 2.5 * (work.triangles / 16_000) ** 1.75)
+    return 0.3 + (5e-5 if work.unwrap == Unwrap.BLENDER else 2.2e-4) * work.triangles
+
+
+def _capture_seconds(work: BakeWork) -> float:
+    kind = Kind(work.kind)
+    light = kind.traits.light
+    if work.by_paths:
+        paths = LayeredRays.of(work.samples)
+        of_texel = 4.5e-6 * paths.light**2 + 4.2e-6 * paths.ends**2 + 1.4e-6 * _OWN_RAYS + 6e-5
+        return 0.9 + work.covered * of_texel
+    if light is Light.RESPONSE:  # a render for each sun
+        return 0.4 + work.bucket**2 * 0.03 + 4e-6 * work.cells * work.samples
+    if light is Light.OCCLUSION:
+        rays = work.samples if kind.traits.samples else CLEAR_SAMPLES
+        return 0.4 + 1.6e-6 * work.cells * rays
+    return 0.4 + 5e-6 * work.cells * work.samples
+
+
+def _ratio(
+    stage: str, typical: float, work: BakeWork, place: str, name: str, measured: Sequence[Measurement]
+) -> float:
+    """How many times as long as typical the stage takes: a weighted geometric mean of what was measured."""
+    total, weights = 0.0, _PRIOR
+    for age, one in enumerate(reversed(measured)):
+        seconds = one.seconds.get(stage, 0.0)
+        of_one = typical_seconds(one.work).get(stage, 0.0)
+        if seconds < _LEAST or of_one < _LEAST:
+            continue
+        is_same = (one.place, one.name) == (place, name)
+        if stage == Stage.UNWRAP and not is_same and seconds < _NO_UNWRAP * of_one:
+            continue
+        weight = _weight(stage, typical / of_one, work, is_same, one) * 0.5 ** (age / _HALF_LIFE)
+        total += weight * log(seconds / of_one)
+        weights += weight
+    return exp(total / weights)
+
+
+def _weight(stage: str, growth: float, work: BakeWork, is_same: bool, one: Measurement) -> float:
+    """How much a measurement counts, where the work's stage typically takes `growth` times as long.
+
+    `is_same`: it is of the same object.
+    """
+    if not _same_device(work, one.work) and stage not in _ALIKE:
+        return 0.0
+    if stage == Stage.UNWRAP and work.unwrap != one.work.unwrap:
+        return 0.0
+    weight = 1.0 if _same_kind(work, one.work) or stage in _ALIKE else _OTHER_KIND
+    if not one.finished:
+        return weight * (_PROBED if is_same else 1.0)
+    if is_same:
+        weight *= _BAKED
+    return weight / (1 + _FADING * log(growth) ** 2)
+
+
+def _basis(work: BakeWork, place: str, name: str, measured: Iterable[Measurement]) -> Basis:
+    found = Basis.NOTHING
+    for one in measured:
+        if not (_same_kind(work, one.work) and _same_device(work, one.work)):
+            continue
+        if (one.place, one.name) != (place, name):
+            found = Basis.OTHERS if found is Basis.NOTHING else found
+        elif one.finished:
+            return Basis.BAKED
+        else:
+            found = Basis.MEASURED
+    return found
+
+
+def _same_kind(one: BakeWork, other: BakeWork) -> bool:
+    return (one.kind, one.layout) == (other.kind, other.layout)
+
+
+def _same_device(one: BakeWork, other: BakeWork) -> bool:
+    return one.device == other.device

@@ -26,6 +26,7 @@ class Stage(StrEnum):
     RASTER = "raster"
     PROBE = "probe"
     CAPTURE = "capture"
+    SURROUNDINGS = "surroundings"
     DENOISE = "denoise"
     FILL = "fill"
     FIT = "fit"

@@ -30,6 +30,7 @@ _SAYS: dict[StrEnum, str] = {
     Stage.RASTER: "placing texels",
     Stage.PROBE: "finding hidden cells",
     Stage.CAPTURE: "rendering",
+    Stage.SURROUNDINGS: "rendering the surroundings",
     Stage.DENOISE: "denoising",
     Stage.FILL: "filling gutters",
     Stage.FIT: "fitting",

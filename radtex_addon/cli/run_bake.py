@@ -184,6 +184,7 @@ def facts_of(spec: BakeSpec, result: BakeResult, others: list[Path]) -> dict[str
         "bucket": result.layout.bucket,
         "covered_texels": None if result.was_finished else result.covered_texels,
         "islands": result.islands,
+        "triangles": result.triangles,
         "coverage": result.coverage,
         "wasteful": result.wasteful or None,
         "texel_density": result.density,

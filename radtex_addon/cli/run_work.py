@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from ..bake.layers import Layer
 from ..bake.spec_facts import spec_in
@@ -28,7 +28,10 @@ from .options import ProgressStyle
 from .reporting import Report
 from .run_bake import run_bake
 from .run_compare import run_compare
+from .run_estimate import EstimateRequest, run_estimate
 from .run_export import run_export
+
+_Ordered: TypeAlias = Request | ExportRequest | CompareRequest | EstimateRequest
 
 
 @dataclass(frozen=True)
@@ -49,24 +52,27 @@ def parse_work(arguments: list[str], inside_blender: bool) -> WorkRequest:
 
 
 def run_work(request: WorkRequest, report: Report, interruption: Interruption) -> None:
-    """Bake, export or compare as ordered. Raises RadTexError."""
+    """Bake, export, compare or estimate as ordered. Raises RadTexError."""
     ordered = read_order(request)
     if isinstance(ordered, Request):
         run_bake(ordered, report, interruption)
+    elif isinstance(ordered, EstimateRequest):
+        run_estimate(ordered, report, interruption)
     elif isinstance(ordered, ExportRequest):
         run_export(ordered, report, interruption)
     else:
         run_compare(ordered, report, interruption)
 
 
-def read_order(request: WorkRequest) -> Request | ExportRequest | CompareRequest:
+def read_order(request: WorkRequest) -> _Ordered:
     """What the order's file asks for. Raises RadTexError."""
     facts = Facts.parse(read_text(request.order), str(request.order), "order of a worker")
     work = Work(facts.choice("work", tuple(Work)))
-    read: dict[Work, Callable[[Facts, WorkRequest], Request | ExportRequest | CompareRequest]] = {
+    read: dict[Work, Callable[[Facts, WorkRequest], _Ordered]] = {
         Work.BAKE: _bake,
         Work.EXPORT: _export,
         Work.COMPARISON: _comparison,
+        Work.ESTIMATE: _estimate,
     }
     try:
         return read[work](facts, request)
@@ -138,6 +144,14 @@ def _comparison(facts: Facts, request: WorkRequest) -> CompareRequest:
         out=Path(facts.text("folder")),
         **_of_scene(facts, request),
     )
+
+
+def _estimate(facts: Facts, request: WorkRequest) -> EstimateRequest:
+    specs = facts.inner("specs")
+    bakes = tuple(
+        (name, spec_in(specs.inner(str(number)))) for number, name in enumerate(facts.texts("names"))
+    )
+    return EstimateRequest(bakes=bakes, **_of_scene(facts, request))
 
 
 def _of_scene(facts: Facts, request: WorkRequest) -> dict[str, Any]:

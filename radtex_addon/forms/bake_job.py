@@ -21,7 +21,8 @@ class BakeJob:
 
     `sidecar` is the final path of the bake's sidecar, `folder` is for temporary files. The `store` takes
     finished pieces, and has places for output files until all are written. The `thumbnail` gets the captured
-    light.
+    light. `surroundings` is the width of the pictures of what surrounds the objects, relative to the usual;
+    a probe that only measures time has smaller ones.
     """
 
     scratch: bpy.types.Scene
@@ -31,6 +32,7 @@ class BakeJob:
     folder: Path
     store: PieceStore = NO_STORE
     thumbnail: Thumbnail | None = None
+    surroundings: float = 1.0
 
     @property
     def place(self) -> Path:

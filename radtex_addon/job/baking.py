@@ -67,7 +67,8 @@ class BakeResult:
 
     `islands`, `coverage`, `wasteful` and `density` are as in `BakeOutput`. `exported` are
     the folders that were made. If the bake `was_finished`, only its missing preview and exports were made,
-    and paths and covered texels are 0: they are not known.
+    and paths and covered texels are 0: they are not known. `triangles` of the baked surface are None where
+    none was evaluated.
     """
 
     files: OutputFiles
@@ -83,10 +84,16 @@ class BakeResult:
     seconds: dict[Stage, float]
     exported: tuple[Path, ...] = ()
     was_finished: bool = False
+    triangles: int | None = None
 
     @classmethod
     def of(
-        cls, made: BakeOutput, seconds: dict[Stage, float], exported: tuple[Path, ...], was_finished: bool
+        cls,
+        made: BakeOutput,
+        seconds: dict[Stage, float],
+        exported: tuple[Path, ...],
+        was_finished: bool,
+        triangles: int | None,
     ) -> BakeResult:
         return cls(
             files=made.files,
@@ -102,6 +109,7 @@ class BakeResult:
             seconds=seconds,
             exported=exported,
             was_finished=was_finished,
+            triangles=triangles,
         )
 
 
@@ -187,14 +195,14 @@ def bake_steps(
     ):
         try:
             known = _made_before(checkpoint, files, was_finished)
-            made = known
+            made, triangles = known, None
             if known is None or shown is not None:
                 baker = None if known is None else _finished_baker(known)
                 with at_frame(scene, spec.frame), new_data_removed():
                     baked = yield from bake_unchecked(
                         scene, name, spec, files, view_layer, watch, checkpoint, thumbnail, unwraps, baker
                     )
-                    made = baked.made
+                    made, triangles = baked.made, len(baked.prepared.surface.triangles)
                     if known is None:
                         publish(checkpoint, files, made, earlier)
                     if shown is not None:
@@ -207,7 +215,7 @@ def bake_steps(
             checkpoint.drop_own()
             raise
         checkpoint.remove()
-    return BakeResult.of(made, watch.seconds, exported, was_finished)
+    return BakeResult.of(made, watch.seconds, exported, was_finished, triangles)
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from .jobs import estimates, jobs
 from .operators import keys
 from .operators.bake_operator import RADTEX_OT_bake
 from .operators.browser_operator import RADTEX_OT_show_in_browser
-from .operators.estimate_operator import RADTEX_OT_estimate
+from .operators.estimate_operator import RADTEX_OT_cancel_estimate, RADTEX_OT_estimate
 from .operators.job_operators import (
     RADTEX_OT_cancel,
     RADTEX_OT_cancel_here,
@@ -49,6 +49,7 @@ CLASSES = (
     RADTEX_PG_chosen,
     RADTEX_OT_bake,
     RADTEX_OT_estimate,
+    RADTEX_OT_cancel_estimate,
     RADTEX_OT_cancel,
     RADTEX_OT_cancel_here,
     RADTEX_OT_clear_jobs,

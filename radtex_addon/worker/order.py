@@ -54,6 +54,7 @@ class Work(StrEnum):
     BAKE = "bake"
     EXPORT = "export"
     COMPARISON = "comparison"
+    ESTIMATE = "estimate"
 
 
 @dataclass(frozen=True)

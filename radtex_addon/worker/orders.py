@@ -14,7 +14,7 @@ from ..bake.progress import Stage
 from ..bake.spec import BakeSpec
 from ..bake.spec_facts import as_json, facts_of
 from ..core.sampler import Filter
-from ..job.variants import variant_of
+from ..job.variants import Bake, variant_of
 from ..report.report_progress import Task
 from ..textures.export_progress import Task as ExportTask
 from ..textures.export_spec import ExportSpec, Target
@@ -31,12 +31,14 @@ _BAKE = {
     Stage.RASTER: 2,
     Stage.PROBE: 4,
     Stage.CAPTURE: 80,
+    Stage.SURROUNDINGS: 25,
     Stage.DENOISE: 6,
     Stage.FILL: 2,
     Stage.FIT: 30,
     Stage.WRITE: 3,
     Stage.PREVIEW: 2,
 }
+MEASURING = "measure"  # the stage of an estimate, in objects
 _EXPORT = {ExportTask.TEXTURES: 6, ExportTask.FLAT: 2, ExportTask.MESH: 1, ExportTask.PACK: 1}
 _COMPARISON = {Task.REFERENCE: 20, Task.COMPARE: 1}
 
@@ -144,6 +146,27 @@ def order_comparison(
     )
 
 
+def order_estimate(handover: Handover, bakes: Sequence[Bake]) -> Order:
+    """A measurement of a small part of each of the `bakes`: see `job.probes`."""
+    return Order(
+        work=Work.ESTIMATE,
+        object=", ".join(name for name, _ in bakes),
+        folder=handover.folder,
+        out=handover.folder,
+        blend=handover.blend,
+        facts={
+            **_of_scene(handover),
+            "names": [name for name, _ in bakes],
+            "specs": {
+                str(number): facts_of(_on_device(spec, handover.device))
+                for number, (_, spec) in enumerate(bakes)
+            },
+        },
+        stages={MEASURING: 1.0},
+        remedy="estimate again, if memory ran out with fewer texels, cells or samples",
+    )
+
+
 def _of_scene(handover: Handover) -> dict[str, Any]:
     """The name of the scene, and the folder of unsaved images."""
     images = None if handover.images is None else str(handover.images)
@@ -157,7 +180,7 @@ def _on_device(spec: BakeSpec, device: str) -> BakeSpec:
 
 def _stages(spec: BakeSpec, preview: bool) -> dict[str, float]:
     """The fraction of the time for each stage of a bake; they add up to 1."""
-    absent = {Stage.FILL} if spec.form.by_paths else {Stage.FIT}
+    absent = {Stage.FILL} if spec.form.by_paths else {Stage.FIT, Stage.SURROUNDINGS}
     if not preview:
         absent.add(Stage.PREVIEW)
     if not spec.denoise or spec.form.by_paths:

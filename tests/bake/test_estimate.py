@@ -1,58 +1,87 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An estimate is exact for a machine whose times are exact."""
+"""An estimate follows what was measured, above all of the same object."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from radtex_addon.bake.estimate import Probe, paths_needed, probe_specs, seconds_needed
+from radtex_addon.bake.estimate import (
+    START,
+    BakeWork,
+    Basis,
+    Measurement,
+    estimate,
+    typical_seconds,
+)
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Kind, Layout
 
-COVERED = 0.75  # of every atlas
+LAYERED = BakeSpec(texels=128, layout=Layout.LAYERED, samples=16)
+PLAIN = BakeSpec(texels=128, samples=16, denoise=True)
 
 
-def taken(spec: BakeSpec) -> Probe:
-    """A bake on a machine of 1 us a path and 1 ms a texel, which needs 2 s to begin and 3 s to unwrap."""
-    covered = round(COVERED * spec.texels**2)
-    paths = spec.most_paths(covered) if spec.form.by_paths else covered * spec.bucket**2 * spec.samples
-    seconds = {Stage.UNWRAP: 3.0, Stage.RASTER: 1e-3 * spec.texels**2, Stage.CAPTURE: 2.0 + 1e-6 * paths}
-    return Probe(spec.texels, covered, paths, seconds)
+def work(spec: BakeSpec, covered: int | None = None) -> BakeWork:
+    return BakeWork.of(spec, 16_000, covered=covered, preview=True, device="CPU")
 
 
-@pytest.mark.parametrize(
-    "spec",
-    [
-        BakeSpec(texels=512, samples=64),
-        BakeSpec(texels=16, samples=1),
-        BakeSpec(texels=128, layout=Layout.LAYERED, samples=16),
-        BakeSpec(texels=32, layout=Layout.LAYERED, samples=100),
-    ],
-)
-def test_times_by_path_and_by_texel_are_told_apart(spec: BakeSpec) -> None:
-    few, more = (taken(small) for small in probe_specs(spec))
-    expected = taken(spec)
-    assert paths_needed(spec, more) == expected.paths
-    assert seconds_needed(spec, few, more) == pytest.approx(sum(expected.seconds.values()))
+def measured(one: BakeWork, slower: float, place: str = "here", name: str = "Head") -> Measurement:
+    """A bake on a machine that is so many times slower than the typical one in every stage."""
+    return Measurement(place, name, one, {s: slower * t for s, t in typical_seconds(one).items()})
 
 
-def test_the_small_bakes_are_small_and_differ_in_their_paths_alone() -> None:
-    few, more = probe_specs(BakeSpec(texels=128, layout=Layout.LAYERED, samples=64))
-    assert (few.texels, few.padding, few.bucket) == (96, 0, 14)
-    assert few.samples < more.samples
-    assert few.path_count + more.path_count < 11_000_000  # 9 of them for the surroundings
-    assert probe_specs(BakeSpec(texels=40, padding=3))[0].padding == 3  # the unwrap that it will have
+@pytest.mark.parametrize("spec", [LAYERED, PLAIN, BakeSpec(kind=Kind.SHADOW), BakeSpec(kind=Kind.TRANSFER)])
+def test_without_measurements_the_time_is_the_typical_one(spec: BakeSpec) -> None:
+    found = estimate(work(spec), "here", "Head", ())
+    assert found.basis is Basis.NOTHING
+    assert found.total == pytest.approx(sum(typical_seconds(work(spec)).values()))
 
 
-def test_of_a_shadow_both_are_alike_and_all_is_by_path() -> None:
-    spec = BakeSpec(kind=Kind.SHADOW, texels=192)
-    few, more = (Probe(96, 9000, 576_000, {Stage.CAPTURE: seconds}) for seconds in (1.0, 1.1))
-    assert paths_needed(spec, more) == 4 * 576_000
-    assert seconds_needed(spec, few, more) == pytest.approx(4.4)
+def test_the_same_bake_again_takes_as_long_as_it_took() -> None:
+    seconds = {START: 2.0, "unwrap": 40.0, "capture": 7.0, "fit": 90.0, "surroundings": 3.0, "write": 0.5}
+    others = [measured(work(LAYERED), 3.0, "there", f"Other {number}") for number in range(5)]
+    found = estimate(
+        work(LAYERED), "here", "Head", (*others, Measurement("here", "Head", work(LAYERED), seconds))
+    )
+    assert found.basis is Basis.BAKED
+    for stage, value in seconds.items():
+        assert found.seconds[stage] == pytest.approx(value, rel=0.03)
 
 
-def test_where_times_are_noise_the_estimate_is_rather_too_long() -> None:
-    spec = BakeSpec(texels=96, bucket=2, samples=8)
-    few, more = Probe(96, 1000, 4000, {Stage.CAPTURE: 2.5}), Probe(96, 1000, 12000, {Stage.CAPTURE: 2.4})
-    assert seconds_needed(spec, few, more) == pytest.approx(2.4 * 32000 / 12000)
+def test_another_object_is_as_slow_as_the_last_ones_on_this_machine() -> None:
+    history = [measured(work(PLAIN), 3.0, "there", f"Other {number}") for number in range(5)]
+    found = estimate(work(PLAIN), "here", "Head", history)
+    assert found.basis is Basis.OTHERS
+    assert found.total == pytest.approx(3.0 * sum(typical_seconds(work(PLAIN)).values()), rel=0.05)
+    unlike = estimate(replace(work(PLAIN), device="optix"), "here", "Head", history)
+    assert unlike.basis is Basis.NOTHING
+    assert unlike.seconds["capture"] == typical_seconds(work(PLAIN))["capture"]  # a GPU's pace is its own
+    assert unlike.seconds[START] == pytest.approx(3.0 * 3.5, rel=0.05)  # but starting is not
+
+
+def test_paths_grow_with_texels_and_samples() -> None:
+    once = typical_seconds(work(PLAIN, 5000))["capture"] - 0.4
+    assert typical_seconds(work(PLAIN, 20_000))["capture"] - 0.4 == pytest.approx(4 * once)
+    finer = replace(PLAIN, samples=48)
+    assert typical_seconds(work(finer, 5000))["capture"] - 0.4 == pytest.approx(3 * once)
+
+
+def test_a_probe_counts_more_than_other_objects_and_less_than_the_same_bake() -> None:
+    small = replace(work(LAYERED, 500), texels=24)
+    probe = replace(measured(small, 2.0), finished=False)
+    others = [measured(work(LAYERED), 1.0, "there", f"Other {number}") for number in range(5)]
+    found = estimate(work(LAYERED), "here", "Head", (*others, probe))
+    assert found.basis is Basis.MEASURED
+    assert found.seconds["capture"] == pytest.approx(
+        2.0 * typical_seconds(work(LAYERED))["capture"], rel=0.05
+    )
+    baked = estimate(work(LAYERED), "here", "Head", (measured(work(LAYERED), 4.0), probe))
+    assert baked.seconds["capture"] > 3.5 * typical_seconds(work(LAYERED))["capture"]
+
+
+def test_an_object_with_a_uv_layer_of_its_own_says_nothing_of_unwraps() -> None:
+    quick = Measurement("there", "Other", work(PLAIN), {str(Stage.UNWRAP): 0.01})
+    assert estimate(work(PLAIN), "here", "Head", [quick]).seconds["unwrap"] == pytest.approx(3.82, abs=0.01)
+    assert estimate(work(PLAIN), "there", "Other", [quick]).seconds["unwrap"] < 0.02

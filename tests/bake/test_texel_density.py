@@ -8,7 +8,6 @@ import math
 
 import pytest
 
-from radtex_addon.bake.estimate import probe_specs
 from radtex_addon.bake.spec import BakeSpec, Kind, View
 from radtex_addon.bake.texel_density import MOST_TEXELS, parse_density, side_for
 from radtex_addon.core.errors import InputError
@@ -45,9 +44,3 @@ def test_the_most_texels_are_what_an_image_can_hold() -> None:
 def test_a_square_metre_that_fills_a_quarter_has_twice_its_density_along_a_side() -> None:
     assert side_for(1.0, 64, 0.25) == 128
     assert side_for(1e300, 1e300, 1e-9) > MOST_TEXELS
-
-
-def test_the_small_bakes_of_an_estimate_stay_small() -> None:
-    assert all(
-        (one.texels, one.density) == (96, None) for one in probe_specs(BakeSpec(texels=400, density=9))
-    )

@@ -218,18 +218,19 @@ def test_an_object_that_is_missing_is_named_though_it_is_to_be_split(panel: Any,
         ops.radtex.bake(object="Nope", split=split, resume=True)
 
 
-def test_no_time_is_told_of_atlases_that_are_not_an_objects_own(panel: Any) -> None:
+def test_no_time_is_told_of_parts(panel: Any) -> None:
     room()
     for name in ROOM:
         context.scene.objects[name].select_set(True)
     assert ops.radtex.estimate() == {"FINISHED"}
     assert panel_state.refresh(context.scene, context.view_layer).seconds is not None
     panel.together = True
-    assert panel_state.refresh(context.scene, context.view_layer).seconds is None
-    with pytest.raises(RuntimeError, match="Only the time of whole objects with atlases of their own"):
-        ops.radtex.estimate()
+    assert panel_state.refresh(context.scene, context.view_layer).seconds is not None
+    assert ops.radtex.estimate() == {"FINISHED"}
     panel.together, panel.split = False, "material"
     assert panel_state.refresh(context.scene, context.view_layer).seconds is None
+    with pytest.raises(RuntimeError, match="Only the time of whole objects is estimated"):
+        ops.radtex.estimate()
     estimates.unregister()
 
 

@@ -13,10 +13,12 @@ from pathlib import Path
 import bpy
 import pytest
 
+from radtex_addon.bake.bake_history import read_history
+from radtex_addon.bake.estimate import Basis
 from radtex_addon.core.errors import InputError
 from radtex_addon.job.bake_plan import plan_bakes
 from radtex_addon.textures.export_spec import Target
-from radtex_addon.ui.jobs import estimates, jobs
+from radtex_addon.ui.jobs import bake_times, estimates, jobs
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.jobs_panel import phrase, results
 from radtex_addon.ui.panel.labels import duration, size
@@ -213,17 +215,65 @@ def test_a_cancelled_bake_can_be_gone_on_with(out: Path) -> None:
     assert names(out) == ["Card.radiance.exr", "Card.radiance.json"]
 
 
-def test_a_worker_finds_out_how_long_a_bake_will_take() -> None:
-    plane()
-    settings().texels, settings().bucket, settings().samples = 64, 4, 2
-    spec = spec_of(values_of(settings()))
-    estimates.ask(context.scene, [("Card", spec)])
-    assert estimates.asking()
-    assert not ops.radtex.estimate.poll()
+def finish_estimate() -> None:
     until = time.monotonic() + PATIENCE
     while estimates.advance():
         assert time.monotonic() < until
         time.sleep(0.05)
+
+
+def test_a_worker_measures_all_objects_and_can_be_cancelled() -> None:
+    plane()
+    plane("Other", at=5)
+    settings().texels, settings().bucket, settings().samples = 64, 4, 2
+    bakes = [(name, spec_of(values_of(settings()))) for name in ("Card", "Other")]
+    estimates.ask(context.scene, bakes)
+    assert estimates.asking()
+    assert estimates.progress() == (1, 2)
+    assert not ops.radtex.estimate.poll()
+    assert ops.radtex.cancel_estimate() == {"FINISHED"}
+    finish_estimate()
+    assert (estimates.message(), estimates.took()) == (None, None)
+    known = estimates.seconds_known(context.scene, bakes)
+    assert known is not None
+    assert known.basis == Basis.NOTHING
+    assert not ops.radtex.cancel_estimate.poll()
+    estimates.ask(context.scene, bakes)
+    finish_estimate()
     assert estimates.message() is None
-    assert not estimates.asking()
-    assert estimates.seconds_known(context.scene, [("Card", spec)]) is not None
+    assert estimates.took() is not None
+    known = estimates.seconds_known(context.scene, bakes)
+    assert known is not None
+    assert known.basis == Basis.MEASURED
+    assert list(Path(preferences().cache_folder).iterdir()) == []
+
+
+def test_what_cannot_be_measured_is_told() -> None:
+    plane()
+    spec = spec_of(values_of(settings()))
+    context.object.hide_render = True
+    estimates.ask(context.scene, [("Card", spec)])
+    finish_estimate()
+    assert "Card" in str(estimates.message())
+    assert estimates.took() is None
+
+
+def test_a_finished_bakes_time_is_remembered_and_expected_again() -> None:
+    bake_times.history_file().unlink(missing_ok=True)
+    plane()
+    submit(texels=16, bucket=4, samples=2, preview=True)
+    begun = time.monotonic()
+    wait_for(State.DONE)
+    took = time.monotonic() - begun
+    (made,) = read_history(bake_times.history_file())
+    facts = jobs.snapshot()[0].facts
+    assert made.name == "Card"
+    assert (made.work.texels, made.work.triangles, made.work.covered) == (16, 2, facts["covered_texels"])
+    assert (made.work.preview, made.work.device) == (True, "cpu")
+    assert {stage: made.seconds[stage] for stage in facts["seconds"]} == facts["seconds"]
+    assert sum(made.seconds.values()) == pytest.approx(took, abs=1.0)
+    known = estimates.seconds_known(context.scene, [("Card", spec_of(values_of(settings())))])
+    assert known is not None
+    assert known.basis == Basis.BAKED
+    assert known.seconds == pytest.approx(sum(made.seconds.values()), rel=0.1)
+    bake_times.history_file().unlink()

@@ -5,20 +5,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import bpy
 import pytest
 
+from radtex_addon.bake.estimate import Basis
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.job.preflight import run_preflight
-from radtex_addon.ui.jobs import estimates
 from radtex_addon.ui.panel import panel_state
-from radtex_addon.ui.panel.cost_panel import figures
+from radtex_addon.ui.panel.cost_panel import figures, told_basis
 from radtex_addon.ui.panel.main_panel import what_is_there
 from radtex_addon.ui.panel.panel_state import Forecast, Next
 from radtex_addon.ui.settings.request import spec_of, values_of
@@ -70,7 +69,16 @@ def test_the_selected_meshes_are_baked_or_else_the_active_one() -> None:
 def test_what_would_fail_is_said_in_place(tmp_path: Path) -> None:
     plane()
     spec, out = spec_of(values_of(settings())), tmp_path / "out"
-    assert seen() == Forecast(("Card",), spec=spec, cost=seen().cost, folder=out, next=Next.BAKE, bakes=1)
+    assert seen() == Forecast(
+        ("Card",),
+        spec=spec,
+        cost=seen().cost,
+        seconds=seen().seconds,
+        basis=seen().basis,
+        folder=out,
+        next=Next.BAKE,
+        bakes=1,
+    )
     context.object.hide_render = True
     assert "is hidden from render" in str(seen().errors[0])
     context.object.hide_render = False
@@ -248,19 +256,22 @@ def test_figures_are_for_people() -> None:
     ]
 
 
-def test_an_estimate_is_made_of_two_small_bakes_and_kept() -> None:
+def test_a_time_is_told_at_once_and_measured_by_the_button() -> None:
     plane()
     settings().texels, settings().bucket, settings().samples = 256, 4, 8
-    spec = spec_of(values_of(settings()))
-    assert estimates.seconds_known(context.scene, [("Card", spec)]) is None
+    assert (seen().basis, told_basis(Basis.NOTHING)) == ("nothing", "very roughly: nothing was baked here")
+    guessed = seen().seconds
+    assert guessed is not None
+    assert guessed > 5
     assert ops.radtex.estimate() == {"FINISHED"}
-    seconds = estimates.seconds_known(context.scene, [("Card", spec)])
-    assert seconds is not None
-    assert seconds > 0
-    finer = replace(spec, texels=512)
-    more = estimates.seconds_known(context.scene, [("Card", finer)])
-    assert more is not None
-    assert more >= seconds
+    found = seen()
+    assert found.basis == "measured"
+    assert found.seconds is not None
+    settings().texels = 512
+    finer = seen()
+    assert finer.basis == "measured"
+    assert finer.seconds is not None
+    assert finer.seconds > found.seconds
 
 
 def test_what_has_no_mesh_is_named_with_what_to_do() -> None:

@@ -30,7 +30,7 @@ def bake_layered(job: BakeJob) -> Generator[Progress, None, Outcome]:
         spec = seeded_anew(spec, samples)
     around = None if known is None else known.atlas.around
     captured = yield from capture_layered(
-        job.scratch, prepared, spec, job.folder, job.store, job.thumbnail, around
+        job.scratch, prepared, spec, job.folder, job.store, job.thumbnail, around, job.surroundings
     )
     plan = captured.capture.light.plan
     atlas = yield from fit_layered(captured.capture, known=known)

@@ -1,102 +1,132 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Estimate how long bakes take, from two small probe bakes: made in this process or by a worker."""
+"""Estimate how long bakes take: at once, from earlier bakes, or after measuring small parts of them.
+
+A worker measures all objects in one process; without a window this process does.
+"""
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING
+from time import monotonic
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import bpy
 
 from ..panel import panel_state
+from ..panel.redraw import redraw
+from . import bake_times
 
 if TYPE_CHECKING:
-    from ...bake.estimate import Probe
+    from ...bake.estimate import BakeWork, Basis
     from ...bake.spec import BakeSpec
     from ...core.messages import Message
+    from ...job.probes import Probe
     from ...job.variants import Bake
     from ...worker.job import Job
     from ...worker.queue import Queue
 
-    Key = tuple[int, str, tuple[BakeSpec, BakeSpec]]  # scene, object, specifications of its probes
+    Key = tuple[int, str, str, str]  # scene, object, kind, layout
 
 _PULSE = 0.25  # seconds between two polls of the worker
 
 
-@dataclass
-class _Asked:
-    """The job numbers of the two probe bakes of one object."""
+class KnownTime(NamedTuple):
+    """Expected seconds of bakes together, and the worst of what the estimates of the single ones rest on."""
 
-    key: Key
-    numbers: tuple[int, ...]
+    seconds: float
+    basis: Basis
 
 
 @dataclass
 class _Session:
-    probes: dict[Key, tuple[Probe, Probe]] = field(default_factory=dict)
-    asked: list[_Asked] = field(default_factory=list)
+    """Probes of this session, with the specifications that they are of; and the worker that makes more."""
+
+    probes: dict[Key, tuple[BakeSpec, Probe]] = field(default_factory=dict)
+    asked: tuple[int, tuple[Bake, ...]] = (0, ())  # scene, bakes
     queue: Queue | None = None
-    folder: tempfile.TemporaryDirectory[str] | None = None
+    shown: Job | None = None
+    since: float = 0.0
+    took: float | None = None
     message: Message | None = None
 
 
 _session = _Session()
 
 
-def seconds_known(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> float | None:
-    """Estimated seconds for all these bakes together; None unless all of them were probed."""
-    from ...bake.estimate import seconds_needed
+def seconds_known(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> KnownTime | None:
+    """The expected time of all these bakes together, one after another; None without bakes.
 
-    total = None
+    It is that of the whole job: the worker's start, the bake, and the preview, but no exports. Quick; nothing
+    is measured.
+    """
+    from ...bake.estimate import Basis, estimate
+
+    place, history = bake_times.place_of(scene.name), bake_times.measured()
+    total, bases = 0.0, []
     for name, spec in bakes:
-        probes = _session.probes.get(_key(scene, name, spec))
-        if probes is None:
-            return None
-        total = (total or 0.0) + seconds_needed(spec, *probes)
-    return total
+        found = _session.probes.get(_key(scene, name, spec))
+        probes = () if found is None else found[1].measurements(place, name, found[0])
+        made = estimate(_work_of(scene, name, spec), place, name, (*history, *probes))
+        total += made.total
+        bases.append(made.basis)
+    return KnownTime(total, max(bases, key=list(Basis).index)) if bases else None
 
 
 def probe_now(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> None:
-    """Make the probe bakes in this process. Raises the errors of a bake."""
+    """Measure small parts of the bakes in this process. Raises the errors of a bake."""
     from ...job.probes import probe_object
 
+    since = monotonic()
     for name, spec in bakes:
-        _session.probes[_key(scene, name, spec)] = probe_object(scene, name, spec)
+        _session.probes[_key(scene, name, spec)] = spec, probe_object(scene, name, spec)
+    _session.took = monotonic() - since
     panel_state.mark_stale()
 
 
 def ask(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> None:
-    """Queue the probe bakes for a worker. Raises BakeError if the scene cannot be saved for it."""
-    from ...bake.estimate import probe_specs
+    """Let a worker measure small parts of the bakes. Raises BakeError if the scene cannot be saved for it."""
     from ...worker.handover import hand_over, this_program
-    from ...worker.orders import order_bake
+    from ...worker.orders import order_estimate
     from ...worker.queue import Queue
     from ..settings.preferences import preferred
 
-    handover = hand_over(scene, preferred().cache)
-    _session.folder = tempfile.TemporaryDirectory(prefix="radtex-probes-", ignore_cleanup_errors=True)
-    queue = _session.queue = Queue(this_program())
-    _session.message = None
-    for name, spec in bakes:
-        numbers = tuple(
-            queue.add(order_bake(handover, name, small, Path(_session.folder.name, str(small.samples))))
-            for small in probe_specs(spec)
-        )
-        _session.asked.append(_Asked(_key(scene, name, spec), numbers))
+    asked = tuple(bakes)
+    _session.since, _session.message, _session.took = monotonic(), None, None
+    order = order_estimate(hand_over(scene, preferred().cache), asked)
+    queue = Queue(this_program())
+    queue.add(order)
+    _session.queue, _session.asked = queue, (scene.session_uid, asked)
+    (_session.shown,) = queue.snapshot()
     bpy.app.timers.register(_pulse, first_interval=0.0, persistent=True)
 
 
 def asking() -> bool:
-    """Whether a worker is making probe bakes."""
+    """Whether a worker is measuring."""
     return _session.queue is not None
 
 
+def progress() -> tuple[int, int]:
+    """The object that is being measured, counted from 1, and how many there are."""
+    total = len(_session.asked[1])
+    done = 0.0 if _session.shown is None else _session.shown.fraction
+    return min(total, round(done * total) + 1), total
+
+
+def cancel() -> None:
+    """Let the worker stop; what it has measured is forgotten."""
+    if _session.queue is not None:
+        _session.queue.cancel_all()
+
+
+def took() -> float | None:
+    """How many seconds the last measurement took; None if there was none, or it failed."""
+    return _session.took
+
+
 def message() -> Message | None:
-    """Why the last estimate failed; empty if it did not."""
+    """Why the last measurement failed; None if it did not, or was cancelled."""
     return _session.message
 
 
@@ -105,59 +135,89 @@ def advance() -> bool:
     queue = _session.queue
     if queue is None:
         return False
-    if queue.advance():
+    more = queue.advance()
+    (job,) = queue.snapshot()
+    _session.shown = job
+    if more:
         return True
-    jobs = {job.number: job for job in queue.snapshot()}
-    for asked in _session.asked:
-        _keep(asked.key, [jobs[number] for number in asked.numbers])
+    if job.state == "done":
+        _keep(job.facts)
+    elif job.state == "failed":
+        _session.message = job.message
     _end()
     panel_state.mark_stale()
     return False
 
 
 def unregister() -> None:
-    """End the worker and clear all estimates."""
+    """End the worker and clear all measurements."""
     if bpy.app.timers.is_registered(_pulse):
         bpy.app.timers.unregister(_pulse)
     _end()
     _session.probes.clear()
-    _session.message = None
+    _session.message = _session.took = None
 
 
 def _pulse() -> float | None:
-    return _PULSE if advance() else None
+    before = _session.shown
+    more = advance()
+    if _session.shown != before:
+        redraw()
+    return _PULSE if more else None
 
 
-def _keep(key: Key, jobs: list[Job]) -> None:
-    from ...bake.estimate import Probe
-    from ...bake.progress import Stage
+def _keep(facts: Mapping[str, Any]) -> None:
+    from ...job.probes import Probe
 
-    failed = next((job for job in jobs if not job.facts), None)
-    if failed is not None:
-        _session.message = failed.message
-        return
-    few, more = (
-        Probe(
-            small.texels,
-            job.facts["covered_texels"],
-            job.facts["paths"],
-            {Stage(stage): seconds for stage, seconds in job.facts["seconds"].items()},
-        )
-        for small, job in zip(key[2], jobs, strict=True)
-    )
-    _session.probes[key] = few, more
+    uid, bakes = _session.asked
+    for (name, spec), told in zip(bakes, facts["probes"], strict=True):
+        _session.probes[uid, name, str(spec.kind), spec.form.name] = spec, Probe.of(told)
+    _session.took = monotonic() - _session.since
 
 
 def _end() -> None:
     if _session.queue is not None:
         _session.queue.close()
-    if _session.folder is not None:
-        _session.folder.cleanup()
-    _session.queue, _session.folder = None, None
-    _session.asked.clear()
+    _session.queue = _session.shown = None
+    _session.asked = 0, ()
 
 
 def _key(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> Key:
-    from ...bake.estimate import probe_specs
+    return scene.session_uid, name, str(spec.kind), spec.form.name
 
-    return scene.session_uid, name, probe_specs(spec)
+
+def _work_of(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> BakeWork:
+    """The bake's work: measured by a probe, else like that of its last bake, else a guess."""
+    from ...bake.estimate import BakeWork
+    from ...cycles.device import preferred_device
+
+    device = preferred_device() if spec.device == "auto" else spec.device
+    preview: bool = scene.radtex.preview  # type: ignore[attr-defined]  # ours, not Blender's
+    triangles, texels, share = _triangles(scene, spec.objects or (name,)), spec.texels, None
+    found = _session.probes.get(_key(scene, name, spec))
+    if found is not None:
+        probe = found[1]
+        triangles, share = probe.triangles, probe.covered / probe.texels**2
+        if spec.density is not None and found[0].density == spec.density:
+            texels = probe.texels
+    else:
+        place = bake_times.place_of(scene.name)
+        last = [one for one in bake_times.measured() if (one.place, one.name) == (place, name)]
+        if last:
+            work = last[-1].work
+            triangles, share = work.triangles, work.covered / work.texels**2
+    covered = None if share is None else max(1, round(share * texels**2))
+    return BakeWork.of(spec, triangles, covered=covered, texels=texels, preview=preview, device=device)
+
+
+def _triangles(scene: bpy.types.Scene, names: Sequence[str]) -> int:
+    """About how many triangles the objects have, as the viewport shows them."""
+    total = 0
+    graph = bpy.context.evaluated_depsgraph_get() if scene == bpy.context.scene else None
+    for name in names:
+        item = scene.objects.get(name)
+        if item is None:
+            continue
+        shown: Any = item.data if graph is None else item.evaluated_get(graph).data
+        total += 2 * len(getattr(shown, "polygons", ()))
+    return total

@@ -7,13 +7,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from tempfile import TemporaryDirectory
+from time import monotonic
 from typing import TYPE_CHECKING
 
 import bpy
 
 from ..panel import panel_state
 from ..panel.redraw import redraw
-from . import pictures
+from . import bake_times, pictures
 
 if TYPE_CHECKING:
     from ...job.bake_plan import BakePlan
@@ -47,10 +48,13 @@ class _Session:
     """State of the jobs of this Blender session.
 
     `queue` is None before the first job, so that enabling RadTex does not import the worker modules. `shown`
-    is the last snapshot of the jobs; `completions` maps job numbers to completions.
+    is the last snapshot of the jobs; `completions` maps job numbers to completions, `begun` to the time when
+    each began, on the monotonic clock, `places` those of bakes to what tells their scene (`bake_times`).
     """
 
     queue: Queue | None = None
+    begun: dict[int, float] = field(default_factory=dict)
+    places: dict[int, str] = field(default_factory=dict)
     shown: tuple[Job, ...] = field(default=())
     completions: dict[int, Completion] = field(default_factory=dict)
 
@@ -71,18 +75,21 @@ def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan]) -> float:
     bakes = [(plan.request, bake) for plan in plans for bake in _free(plan)]
     handover = hand_over(scene, preferred().cache)
     add(
-        order_bake(
-            handover,
-            name,
-            spec,
-            request.folder,
-            request.preview,
-            overwrite=request.overwrite,
-            resume=request.resume,
-            exports=request.exports,
-            picture=handover.folder / f"picture-{place}.png",
-        )
-        for place, (request, (name, spec)) in enumerate(bakes)
+        (
+            order_bake(
+                handover,
+                name,
+                spec,
+                request.folder,
+                request.preview,
+                overwrite=request.overwrite,
+                resume=request.resume,
+                exports=request.exports,
+                picture=handover.folder / f"picture-{number}.png",
+            )
+            for number, (request, (name, spec)) in enumerate(bakes)
+        ),
+        place=bake_times.place_of(scene.name),
     )
     return handover.stalled
 
@@ -130,10 +137,12 @@ def _free(plan: BakePlan) -> tuple[Bake, ...]:
     return free
 
 
-def add(orders: Iterable[Order], completion: Completion | None = None) -> None:
-    """Queue jobs, all with the same completion."""
+def add(orders: Iterable[Order], completion: Completion | None = None, place: str | None = None) -> None:
+    """Queue jobs, all with the same completion; bakes of the scene at `place` are remembered."""
     for order in orders:
         number = _queue().add(order)
+        if place is not None:
+            _session.places[number] = place
         if completion is not None:
             _session.completions[number] = completion
     _look()
@@ -175,15 +184,27 @@ def advance() -> bool:
     if _session.queue is None:
         return False
     more = _session.queue.advance()
+    now = monotonic()
     before = {job.number for job in _session.shown if job.ended}
     _session.shown = _session.queue.snapshot()
     ended = [job for job in _session.shown if job.ended and job.number not in before]
+    for job in _session.shown:
+        if job.state == "running":
+            _session.begun.setdefault(job.number, now)
     if ended:
         panel_state.mark_stale()  # there are new files
     for job in ended:
+        _remember(job, now)
         if job.state == "done" and job.number in _session.completions:
             _session.completions[job.number].arrived(job)
     return more
+
+
+def _remember(job: Job, now: float) -> None:
+    """Keep a finished bake's time, for estimates."""
+    place, begun = _session.places.pop(job.number, None), _session.begun.pop(job.number, None)
+    if job.state == "done" and place is not None and begun is not None:
+        bake_times.remember_job(place, job, now - begun)
 
 
 def unregister() -> None:
@@ -196,6 +217,8 @@ def unregister() -> None:
         completion.clean_up()
     _session.queue, _session.shown = None, ()
     _session.completions.clear()
+    _session.begun.clear()
+    _session.places.clear()
     pictures.unregister()
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operator that estimates how long a bake will take."""
+"""Operators that measure how long a bake will take, and that stop it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class RADTEX_OT_estimate(bpy.types.Operator):
-    """Find out how long the bake will take, by two small ones: some seconds"""
+    """Measure a small part of the bake to find out how long it will take: some seconds for each object"""
 
     bl_idname = "radtex.estimate"
     bl_label = "Estimate Time"
@@ -35,18 +35,14 @@ class RADTEX_OT_estimate(bpy.types.Operator):
         from ...core.errors import InputError, RadTexError
         from ..panel.layouts import chosen_layouts
         from ..settings.request import spec_of, values_of
-        from ..settings.surfaces import have_own_atlases
 
         scene, layer = shown(context)
         names = chosen_names(scene, layer)
         try:
             values = values_of(scene.radtex)  # type: ignore[attr-defined]  # ours
             spec = spec_of(values)
-            if not have_own_atlases(values, spec, len(names)):
-                raise InputError(
-                    "only the time of whole objects with atlases of their own is estimated: "
-                    "switch One Atlas off, and choose no Split"
-                )
+            if spec.split is not None:
+                raise InputError("only the time of whole objects is estimated: choose no Split")
             bakes = [(name, choice.spec) for name, choice in chosen_layouts(scene, names, values, spec)]
             if not bpy.app.background:
                 estimates.ask(scene, bakes)
@@ -55,7 +51,26 @@ class RADTEX_OT_estimate(bpy.types.Operator):
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
-        seconds = estimates.seconds_known(scene, bakes)
-        assert seconds is not None  # probe_now has just probed every bake
-        self.report({"INFO"}, f"About {duration(seconds)}")
+        known = estimates.seconds_known(scene, bakes)
+        assert known is not None  # there is an object to bake, as the poll says
+        self.report({"INFO"}, f"About {duration(known.seconds)}")
+        return {"FINISHED"}
+
+
+class RADTEX_OT_cancel_estimate(bpy.types.Operator):
+    """Stop finding out how long the bake will take"""
+
+    bl_idname = "radtex.cancel_estimate"
+    bl_label = "Cancel"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, _: bpy.types.Context | None) -> bool:
+        if not estimates.asking():
+            cls.poll_message_set("Nothing is being estimated")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        estimates.cancel()
         return {"FINISHED"}

@@ -15,6 +15,15 @@ from .main_panel import Sidebar, drawn
 
 if TYPE_CHECKING:
     from ...bake.cost import Cost
+    from ...bake.estimate import Basis
+
+
+_BASES = {
+    "baked": "from earlier bakes of it",
+    "measured": "measured",
+    "others": "roughly, from other bakes here",
+    "nothing": "very roughly: nothing was baked here",
+}
 
 
 class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
@@ -33,12 +42,36 @@ class RADTEX_PT_cost(Sidebar, bpy.types.Panel):
             layout.label(text="For each object, at most:")
         for label, value in figures(found.cost):
             _draw_figure(layout, label, value)
-        if found.seconds is not None:
-            _draw_figure(layout, iface_("Time, all"), iface_("about {}").format(duration(found.seconds)))
-        text = iface_("Estimating…" if estimates.asking() else "Estimate Time")
-        layout.operator("radtex.estimate", text=text, icon="TIME", translate=False)
+        if found.seconds is not None and found.basis is not None:
+            _draw_figure(layout, iface_("Time, all"), told_time(found.seconds))
+            _draw_figure(layout, "", told_basis(found.basis))
+        _draw_button(layout)
         if failed := estimates.message():
             draw_text(layout, remark(failed), "ERROR")
+
+
+def told_time(seconds: float) -> str:
+    """The expected time of the bakes, without false precision."""
+    return iface_("about {}").format(duration(seconds))
+
+
+def told_basis(basis: Basis) -> str:
+    """How far the expected time can be trusted."""
+    if basis == "measured" and (took := estimates.took()) is not None:
+        return iface_("measured, in {}").format(duration(took))
+    return iface_(_BASES[basis])
+
+
+def _draw_button(layout: Any) -> None:
+    """Draw the button that measures, or while it does how far it is and a button to cancel it."""
+    if not estimates.asking():
+        layout.operator("radtex.estimate", icon="TIME")
+        return
+    row = layout.row(align=True)
+    done, total = estimates.progress()
+    text = iface_("Measuring {} of {}").format(done, total)
+    row.progress(factor=(done - 1) / max(total, 1), text=text, translate=False)
+    row.operator("radtex.cancel_estimate", text="", icon="X")
 
 
 def figures(cost: Cost) -> list[tuple[str, str]]:

@@ -16,6 +16,7 @@ from .panel_state import Forecast, Next
 
 if TYPE_CHECKING:
     from ...bake.cost import Cost
+    from ...bake.estimate import Basis
     from ...bake.spec import BakeSpec
     from ...job.bake_request import BakeRequest
     from .layouts import Chosen
@@ -63,7 +64,6 @@ def _of_group(
     from ...core.errors import InputError
     from ..jobs import estimates
     from ..settings.request import has_folder, request_of, spec_of
-    from ..settings.surfaces import have_own_atlases
     from .atlas_sizes import told_sizes
     from .layouts import chosen_layouts, told_layouts
 
@@ -75,10 +75,11 @@ def _of_group(
     except InputError as error:
         return Forecast(objects, (error.message,))
     spec, cost = _dearest(chosen)
-    seconds = None
-    if have_own_atlases(values, asked, len(names)) and len(chosen) >= len(names):
-        seconds = estimates.seconds_known(scene, [(name, choice.spec) for name, choice in chosen if name])
-    found = Forecast(objects, (), (), spec, cost, seconds, layout=told_layouts(values, chosen))
+    found = Forecast(objects, (), (), spec, cost, layout=told_layouts(values, chosen))
+    if names and asked.split is None and (len(chosen) >= len(names) or chosen[0][1].spec.objects):
+        known = estimates.seconds_known(scene, [(name, choice.spec) for name, choice in chosen if name])
+        if known is not None:
+            found = replace(found, seconds=known.seconds, basis=known.basis)
     try:
         request = request_of(values, names)
     except InputError as error:
@@ -86,8 +87,8 @@ def _of_group(
     if not names:
         return replace(found, folder=request.folder)
     found = _with_files(scene, request, found, patience)
-    if seconds is not None and not found.errors:
-        found = replace(found, seconds=seconds * len(request.specs(scene)))
+    if found.seconds is not None and not found.errors:
+        found = replace(found, seconds=found.seconds * len(request.specs(scene)))
     return replace(found, folder=request.folder, sizes=told_sizes(scene, chosen, request.folder))
 
 
@@ -143,6 +144,7 @@ def _joined(groups: Sequence[Forecast]) -> Forecast:
         errors=tuple(dict.fromkeys(error for group in groups for error in group.errors)),
         warnings=tuple(dict.fromkeys(warning for group in groups for warning in group.warnings)),
         seconds=sum(seconds) if len(seconds) == len(groups) else None,
+        basis=_vaguest([group.basis for group in groups]),
         next=_joint(doing),
         needs_folder=any(group.needs_folder for group in groups),
         bakes=sum(group.bakes for group in groups),
@@ -151,6 +153,14 @@ def _joined(groups: Sequence[Forecast]) -> Forecast:
         layout="",
         sizes=tuple(line for group in groups for line in group.sizes),
     )
+
+
+def _vaguest(bases: Sequence[Basis | None]) -> Basis | None:
+    """What the least certain of several estimates rests on; None if one of them has none."""
+    from ...bake.estimate import Basis
+
+    known = [basis for basis in bases if basis is not None]
+    return max(known, key=list(Basis).index) if len(known) == len(bases) else None
 
 
 def _joint(doing: Sequence[Next]) -> Next:

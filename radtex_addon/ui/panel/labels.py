@@ -60,6 +60,7 @@ STAGES = {  # labels of the stages of bakes, exports and comparisons
     "raster": "Placing texels",
     "probe": "Finding hidden parts",
     "capture": "Tracing paths",
+    "surroundings": "Looking around",
     "fill": "Filling gaps",
     "denoise": "Denoising",
     "fit": "Sharing light",

@@ -68,7 +68,8 @@ def time_and_size(found: Forecast) -> str:
     if len(found.objects) > 1:
         told = iface_("at most {} each").format(size(found.cost.gpu))
     if found.seconds is not None:
-        told = iface_("about {}, {}").format(duration(found.seconds), told)
+        about = iface_("about {}, {}") if found.basis in ("baked", "measured") else iface_("roughly {}, {}")
+        told = about.format(duration(found.seconds), told)
     return capitalized(told)
 
 

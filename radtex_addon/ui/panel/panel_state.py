@@ -21,6 +21,7 @@ from .redraw import redraw
 
 if TYPE_CHECKING:
     from ...bake.cost import Cost
+    from ...bake.estimate import Basis
     from ...bake.spec import BakeSpec
     from ...core.messages import Message
     from .not_baked import NotBaked
@@ -43,13 +44,14 @@ class Forecast:
     """What to expect of a bake of the chosen objects, and the most that any of them costs.
 
     `errors` are those that replacing or resuming bakes do not settle. `spec` and `cost` are None if the
-    settings are invalid. `seconds` is the time of all objects; None if it was not estimated. `folder` is None
-    if there is no output folder, and `needs_folder` tells whether one must be chosen. `bakes` are all that
-    were asked for, `finished` and `unfinished` those of them that are there. `busy` are the objects that are
-    being baked; the other fields are of the others. `shown` are the objects whose bake is shown in their
-    place. `layout` describes the automatically chosen layout and the reason; empty if the user chose the
-    layout. `sizes` are lines on the size of each atlas, if that follows from a texel density.
-    `not_baked` names selected objects that are no meshes.
+    settings are invalid. `seconds` is the time of all objects, and `basis` what this estimate rests on; both
+    None if it is not known, as of split atlases. `folder` is None if there is no output folder, and
+    `needs_folder` tells whether one must be chosen. `bakes` are all that were asked for, `finished` and
+    `unfinished` those of them that are there. `busy` are the objects that are being baked; the other fields
+    are of the others. `shown` are the objects whose bake is shown in their place. `layout` describes the
+    automatically chosen layout and the reason; empty if the user chose the layout. `sizes` are lines on the
+    size of each atlas, if that follows from a texel density. `not_baked` names selected objects that are no
+    meshes.
     """
 
     objects: tuple[str, ...]
@@ -58,6 +60,7 @@ class Forecast:
     spec: BakeSpec | None = None
     cost: Cost | None = None
     seconds: float | None = None
+    basis: Basis | None = None
     folder: Path | None = None
     next: Next = Next.NOTHING
     needs_folder: bool = False

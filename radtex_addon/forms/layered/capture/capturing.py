@@ -68,10 +68,12 @@ def capture_layered(
     store: PieceStore = NO_STORE,
     thumbnail: Thumbnail | None = None,
     around: Around | None = None,
+    surroundings: float = 1.0,
 ) -> Generator[Progress, None, Captured]:
     """Capture the scratch scene's prepared objects.
 
-    With what is `around` a bake that is there, only what more samples of its light need. `folder` is for
+    With what is `around` a bake that is there, only what more samples of its light need. `surroundings` is
+    as in `BakeJob`. `folder` is for
     temporary files; the `store` stores what is finished; the light is shown in the `thumbnail`. Yields
     progress in texels, then in paths. Raises InputError where no texel is covered or the objects are clear
     everywhere, BakeError where Cycles fails.
@@ -81,7 +83,9 @@ def capture_layered(
     matrices = matrices_in_renders(scratch, originals)
     bodies = tuple(map(Body, originals, meshes, matrices))
     with surface_alone(originals, meshes) as clear:
-        captures = _Captures(scratch, prepared, bodies, spec, folder, store, thumbnail, clear, around)
+        captures = _Captures(
+            scratch, prepared, bodies, spec, folder, store, thumbnail, clear, around, surroundings
+        )
         return (yield from captures.all())
 
 
@@ -96,6 +100,7 @@ class _Captures:
     thumbnail: Thumbnail | None
     clear: Clear
     known: Around | None = None
+    surroundings: float = 1.0
 
     def all(self) -> Generator[Progress, None, Captured]:
         scratch, prepared, spec, folder = self.scratch, self.prepared, self.spec, self.folder
@@ -142,6 +147,7 @@ class _Captures:
         else:
             own = self._source_rays(plan(own_side(count)), coarse, opacity.coarse)
         own = replace(own, rays=replace(own.rays, plan=lit))
+        yield Progress(Stage.SURROUNDINGS, 0, 1)
         around, looked = (self.known, 0) if self.known is not None else self._around(middle)
         yield Progress(Stage.CAPTURE, total, total)
         exits = None
@@ -205,7 +211,7 @@ class _Captures:
                 lamps = find_lamps(copy, middle, self.folder)
             with scene_copied(self.scratch) as copy:
                 names = {body.original.name for body in self.bodies}
-                seen = look_around(copy, names, middle, self.folder, self.spec.seed)
+                seen = look_around(copy, names, middle, self.folder, self.spec.seed, self.surroundings)
             around = Around(middle, seen.world, seen.layers, lamps)
             return arrays_of(around) | {"paths": np.array([seen.paths], dtype=np.int64)}
 

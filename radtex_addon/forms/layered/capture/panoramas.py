@@ -87,41 +87,49 @@ class Panoramas:
 
 
 def look_around(
-    scene: bpy.types.Scene, subjects: Collection[str], middle: Floats, folder: Path, seed: int
+    scene: bpy.types.Scene,
+    subjects: Collection[str],
+    middle: Floats,
+    folder: Path,
+    seed: int,
+    share: float = 1.0,
 ) -> Panoramas:
     """Render the panoramas, in copies of `scene`, without the objects called `subjects`, which are baked.
 
+    Their width and that of the resulting pictures is a `share` of the usual.
+
     Raises BakeError where Cycles fails.
     """
+    world_width, near_width, size = (int(share * side) for side in (WORLD_WIDTH, NEAR_WIDTH, PICTURE_SIZE))
     camera = _Camera(scene, middle, folder, seed)
     near = near_things(scene, subjects)
-    direction = panorama_directions(WORLD_WIDTH)
+    direction = panorama_directions(world_width)
     with _hidden(scene, "hide_render", _others(scene, frozenset())):
-        seen = camera.render(WORLD_WIDTH, 1)
-    world = Pictures.of(direction, seen["Combined"][..., :3], PICTURE_SIZE)
-    direction = panorama_directions(NEAR_WIDTH)
+        seen = camera.render(world_width, 1)
+    world = Pictures.of(direction, seen["Combined"][..., :3], size)
+    direction = panorama_directions(near_width)
     layers = []
     for things in near:
         plane = None if things.plane is None else _seen_from_above(*things.plane, middle)
         eye = np.zeros(3) if plane is None else plane.eye
         camera.move(middle + eye)
         with _hidden(scene, "visible_camera", _others(scene, things.names)):
-            seen = camera.render(NEAR_WIDTH, NEAR_SAMPLES, denoise=True)
-            where = camera.render(NEAR_WIDTH, 1, position=True)
+            seen = camera.render(near_width, NEAR_SAMPLES, denoise=True)
+            where = camera.render(near_width, 1, position=True)
         solid = (where["Combined"][..., 3] > _SOLID).ravel()
         if not solid.any():
             continue
         shape: Plane | Impostor
         if plane is not None:
             shape = plane
-            pictures = Pictures.of(*_with_mirror_image(plane, direction, seen["Combined"]), PICTURE_SIZE)
+            pictures = Pictures.of(*_with_mirror_image(plane, direction, seen["Combined"]), size)
         else:
             position = where["Position"].reshape(-1, where["Position"].shape[-1])[:, :3]
             distance = np.linalg.norm(position - middle, axis=1)
             shape = Impostor.of(direction.reshape(-1, 3)[solid], distance[solid])
-            pictures = Pictures.of(direction, seen["Combined"], PICTURE_SIZE)
+            pictures = Pictures.of(direction, seen["Combined"], size)
         layers.append(Layer(pictures, shape))
-    paths = panorama_paths(len(near), WORLD_WIDTH, NEAR_WIDTH)
+    paths = panorama_paths(len(near), world_width, near_width)
     return Panoramas(world, tuple(layers), paths)
 
 

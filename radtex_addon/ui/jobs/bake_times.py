@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Remember how long this machine's finished bakes took, for estimates: see `bake.bake_history`."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bpy
+
+if TYPE_CHECKING:
+    from ...bake.estimate import Measurement
+    from ...worker.job import Job
+
+_FILE = "bake-times.jsonl"
+_read: dict[Path, tuple[tuple[int, int], tuple[Measurement, ...]]] = {}  # by the file's time and size
+
+
+def history_file() -> Path:
+    """The file of finished bakes: in the extension's own folder, else in Blender's for users' data."""
+    package = ".".join(__name__.split(".")[:3])
+    try:
+        return Path(bpy.utils.extension_path_user(package)) / _FILE
+    except ValueError:  # not installed as an extension
+        return Path(bpy.utils.user_resource("DATAFILES", path="radtex")) / _FILE
+
+
+def measured() -> tuple[Measurement, ...]:
+    """All finished bakes of this machine, the latest last; read again when the file changes."""
+    from ...bake.bake_history import read_history
+
+    path = history_file()
+    try:
+        stat = path.stat()
+    except OSError:
+        return ()
+    state = stat.st_mtime_ns, stat.st_size
+    if path not in _read or _read[path][0] != state:
+        _read[path] = state, read_history(path)
+    return _read[path][1]
+
+
+def place_of(scene_name: str) -> str:
+    """What tells the open file and its scene from others, without naming it."""
+    told = f"{bpy.data.filepath}|{scene_name}"
+    return hashlib.sha256(told.encode(errors="surrogateescape")).hexdigest()[:16]
+
+
+def remember_job(place: str, job: Job, seconds: float) -> None:
+    """Add a bake that a worker has finished in so many `seconds`, unless it went on with an earlier one."""
+    from ...bake.bake_history import remember
+    from ...bake.estimate import START, BakeWork, Measurement
+    from ...bake.spec_facts import spec_in
+    from ...formats.json_reader import Facts
+
+    facts, order = job.facts, job.order.facts
+    if order["resume"] or not facts.get("covered_texels") or not facts.get("triangles"):
+        return
+    spec = spec_in(Facts(dict(order["spec"]), "the order"))
+    if spec.accumulate or spec.refresh:
+        return
+    work = BakeWork.of(
+        spec,
+        facts["triangles"],
+        covered=facts["covered_texels"],
+        texels=max(facts["texels"]),
+        preview=order["preview"] is not None,
+        device=facts["device"],
+    )
+    by_stage = dict(facts["seconds"])
+    if not order["exports"]:  # they take time that no stage counts
+        by_stage[START] = max(0.0, seconds - sum(by_stage.values()))
+    remember(history_file(), Measurement(place, job.object, work, by_stage))
