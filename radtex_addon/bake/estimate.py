@@ -158,7 +158,7 @@ def typical_seconds(work: BakeWork) -> dict[str, float]:
     if work.denoise and not paths:
         seconds[str(Stage.DENOISE)] = 0.4 + 9e-6 * work.cells * work.values / 4
     if work.preview:
-        seconds[str(Stage.PREVIEW)] = 1.0 + 2e-5 * work.triangles
+        seconds[str(Stage.PREVIEW)] = 0.3 + 1e-5 * work.triangles
     return seconds
 
 

@@ -3,8 +3,10 @@
 """Estimated and true times of bakes by the panel's workers: `python -m tests.bench.estimates`.
 
 Each scene is estimated without history, measured by **Estimate Time**, baked, and then baked with more
-texels, which is estimated again before. True times are from the button to the last job's end. An
-estimate and its bake follow one another at once, as other work on the machine slows both.
+texels, which is estimated from the first bake alone. True times are from the button to the last job's end. An
+estimate and its bake follow one another at once, as other work on the machine slows both; the load says how
+much. With `--cpu`, probes and bakes run in this process, and all times are CPU seconds of all cores, in which
+other work matters less: that tells how well a probe stands for its bake.
 """
 
 from __future__ import annotations
@@ -22,7 +24,12 @@ if __name__ == "__main__":  # before Blender starts: no user's history
 
 import bpy
 
+from radtex_addon.bake import stopwatch
+from radtex_addon.bake.estimate import START, estimate
+from radtex_addon.core.sampler import Filter
+from radtex_addon.job import bake_object
 from radtex_addon.job.bake_plan import plan_bakes
+from radtex_addon.job.probes import probe_object
 from radtex_addon.scene.demo import OBJECT, build_demo_scene
 from radtex_addon.ui.jobs import bake_times, estimates, jobs
 from radtex_addon.ui.panel.layouts import chosen_layouts
@@ -112,6 +119,37 @@ def bake(names: tuple[str, ...]) -> float:
     return seconds
 
 
+def cpu_seconds() -> float:
+    """CPU seconds of this process and its ended children, of all cores."""
+    return sum(os.times()[:4])
+
+
+def cpu_rows(scene: str, folder: Path) -> list[str]:
+    """Probe and bake each object of a scene in this process; returns the lines of the table."""
+    found = []
+    names = SCENES[scene]()
+    for name in names:
+        spec = spec_of(values_of(settings()))
+        since = cpu_seconds()
+        probe = probe_object(context.scene, name, spec)
+        took = cpu_seconds() - since
+        expected = estimate(
+            probe.work(spec, preview=True), "", name, probe.measurements("", name, spec)
+        ).seconds
+        true = bake_object(context.scene, name, spec, folder, preview=Filter.QUADRILINEAR).seconds
+        print(f"  {name}: expected { {stage: round(value, 2) for stage, value in expected.items()} }")
+        print(
+            f"  {name}: true { {str(stage): round(value, 2) for stage, value in true.items()} }", flush=True
+        )
+        total = sum(value for stage, value in expected.items() if stage != START)
+        whole = sum(true.values())
+        found.append(
+            f"| {scene}, {name} | a probe | {took:.0f} | {total:.0f} | {whole:.0f} | {total / whole:.2f} | |"
+        )
+    print("\n".join(found), flush=True)
+    return found
+
+
 def rows(scene: str, folder: Path) -> list[str]:
     """Estimate and bake a scene twice; returns the lines of the table."""
     bake_times.history_file().unlink(missing_ok=True)
@@ -120,14 +158,20 @@ def rows(scene: str, folder: Path) -> list[str]:
     before, _ = expected(names)
     took = measure(names)
     measured, basis = expected(names)
-    true = bake(names)
-    found = [f"| {scene} | nothing | 0 | {before:.0f} | {true:.0f} | {before / true:.2f} |"]
-    found.append(f"| {scene} | {basis} | {took:.0f} | {measured:.0f} | {true:.0f} | {measured / true:.2f} |")
+    load, true = os.getloadavg()[0], bake(names)
+    told = f"{load:.1f} to {os.getloadavg()[0]:.1f}"
+    found = [f"| {scene} | nothing | 0 | {before:.0f} | {true:.0f} | {before / true:.2f} | {told} |"]
+    ratio = measured / true
+    found.append(f"| {scene} | {basis} | {took:.0f} | {measured:.0f} | {true:.0f} | {ratio:.2f} | {told} |")
     settings().texels = round(_LARGER * settings().texels)
     settings().overwrite = True
+    estimates.unregister()  # forgets the probe: the first bake alone must do
     after, basis = expected(names)
-    true = bake(names)
-    found.append(f"| {scene}, larger | {basis} | 0 | {after:.0f} | {true:.0f} | {after / true:.2f} |")
+    load, true = os.getloadavg()[0], bake(names)
+    told = f"{load:.1f} to {os.getloadavg()[0]:.1f}"
+    found.append(
+        f"| {scene}, larger | {basis} | 0 | {after:.0f} | {true:.0f} | {after / true:.2f} | {told} |"
+    )
     print("\n".join(found), flush=True)
     return found
 
@@ -138,16 +182,19 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--scene", choices=SCENES, action="append")
+    parser.add_argument("--cpu", action="store_true")
     options = parser.parse_args()
+    if options.cpu:
+        stopwatch.perf_counter = cpu_seconds  # type: ignore[attr-defined]
     with tempfile.TemporaryDirectory() as temporary:
         found = []
         for scene in options.scene or SCENES:
             bpy.ops.wm.read_factory_settings(use_empty=True)
             with registered():
                 preferences().cache_folder = str(Path(temporary) / "cache")
-                found += rows(scene, Path(temporary))
-    print("\n| scene | rests on | took, s | estimated, s | true, s | estimated / true |")
-    print("|---|---|---|---|---|---|")
+                found += (cpu_rows if options.cpu else rows)(scene, Path(temporary))
+    print("\n| scene | rests on | took, s | estimated, s | true, s | estimated / true | load |")
+    print("|---|---|---|---|---|---|---|")
     print("\n".join(found))
 
 
