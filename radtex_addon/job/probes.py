@@ -35,6 +35,7 @@ from .split_parts import check_part
 _UNWRAP_SECONDS = 3.0  # at most; then the small atlas gets a quick unwrap, and the true one's time is guessed
 _PATHS = 200_000  # of a probe
 _LEAST_SIDE, _MOST_SIDE = 12, 64  # texels of the small atlas
+_QUICK_SIDE = 1024  # texels at least for a quick unwrap
 _SURROUNDINGS = 0.25  # width of the pictures of what surrounds the object
 _PREPARED = frozenset(map(str, (Stage.EVALUATE, Stage.UNWRAP, Stage.RASTER)))
 
@@ -102,9 +103,16 @@ def probe_steps(
     try:
         yield from probing.steps(spec, _UNWRAP_SECONDS)
     except _SlowUnwrapError:
-        yield from probing.steps(replace(spec, unwrap=Unwrap.BLENDER), None)
+        yield from probing.steps(_quickly_unwrapped(spec), None)
         probing.whole.pop(str(Stage.UNWRAP), None)
+        return probing.result(spec.texels)
     return probing.result()
+
+
+def _quickly_unwrapped(spec: BakeSpec) -> BakeSpec:
+    """The specification with a quick unwrap, whose many islands need many texels."""
+    texels = max(spec.texels, min(_QUICK_SIDE, spec.most_texels))
+    return replace(spec, unwrap=Unwrap.BLENDER, texels=texels, density=None, padding=0)
 
 
 class _SlowUnwrapError(Exception):
@@ -125,11 +133,15 @@ class _Probing:
         self._found: tuple[int, int, int] = (0, 0, 0)  # texels, covered ones, triangles
         self._small: BakeWork | None = None
 
-    def result(self) -> Probe:
+    def result(self, texels: int | None = None) -> Probe:
+        """What was found; with `texels` as for an atlas with so many along its longer side."""
         assert self._small is not None  # `steps` has run to its end
         self._part.seconds.pop(Stage.WRITE, None)
         part = {str(stage): seconds for stage, seconds in self._part.seconds.items()}
-        return Probe(*self._found, self.whole, self._small, part)
+        side, covered, triangles = self._found
+        if texels is not None:
+            side, covered = texels, max(1, round(covered * (texels / side) ** 2))
+        return Probe(side, covered, triangles, self.whole, self._small, part)
 
     def steps(self, spec: BakeSpec, limit: float | None) -> Generator[Progress, None, None]:
         """Prepare the object, in `limit` seconds, and bake the small atlas. Raises _SlowUnwrapError."""

@@ -69,7 +69,7 @@ def five() -> tuple[str, ...]:
         bpy.ops.mesh.primitive_monkey_add,
         bpy.ops.mesh.primitive_torus_add,
     )
-    modifiers = ("BEVEL", "SUBSURF", "WIREFRAME", "SUBSURF", "SOLIDIFY")
+    modifiers = ("BEVEL", "SUBSURF", "CAST", "SUBSURF", "SOLIDIFY")
     shaders = ("Diffuse", "Glossy", "Glossy", "Glass", "Diffuse")
     names = []
     for number, (add, modifier, shader) in enumerate(zip(adds, modifiers, shaders, strict=True)):
@@ -78,7 +78,7 @@ def five() -> tuple[str, ...]:
         context.object.modifiers.new("Modifier", modifier)
         context.object.data.materials.append(stage.material(f"Thing {number}", f"ShaderNodeBsdf{shader}"))
         names.append(context.object.name)
-    settings().texels, settings().samples, settings().atlas_layout = 64, 16, "buckets"
+    settings().texels, settings().samples, settings().atlas_layout = 48, 8, "buckets"
     return tuple(names)
 
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -14,7 +15,7 @@ from radtex_addon.bake.estimate import Basis
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
-from radtex_addon.job import bake_object, bake_steps
+from radtex_addon.job import bake_object, bake_steps, probes
 from radtex_addon.job.preflight import run_preflight
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.cost_panel import figures, told_basis
@@ -305,3 +306,17 @@ def test_a_storage_that_is_no_longer_there_is_said() -> None:
     plane()
     settings()["atlas_layout"] = 1
     assert any("is no longer there" in str(told) for told in seen().warnings)
+
+
+def test_an_unwrap_that_takes_too_long_is_replaced_in_the_measurement(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    bpy.ops.mesh.primitive_monkey_add()
+    context.object.modifiers.new("Finer", "SUBSURF").render_levels = 2
+    spec = replace(spec_of(values_of(settings())), texels=48, bucket=4, samples=2)
+    monkeypatch.setattr(probes, "_UNWRAP_SECONDS", 0.0)
+    found = probes.probe_object(context.scene, context.object.name, spec)
+    assert (found.texels, found.triangles) == (48, 15_744)
+    assert 0.2 * 48**2 < found.covered < 48**2
+    assert "unwrap" not in found.whole
+    assert found.part["capture"] > 0
