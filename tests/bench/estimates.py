@@ -64,7 +64,7 @@ def five() -> tuple[str, ...]:
     build_demo_scene()
     adds = (
         bpy.ops.mesh.primitive_cube_add,
-        bpy.ops.mesh.primitive_cone_add,
+        bpy.ops.mesh.primitive_ico_sphere_add,
         bpy.ops.mesh.primitive_uv_sphere_add,
         bpy.ops.mesh.primitive_monkey_add,
         bpy.ops.mesh.primitive_torus_add,
