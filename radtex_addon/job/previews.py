@@ -23,6 +23,7 @@ from ..forms import form_for
 from ..forms.form import PreviewOf
 from ..prepare.prepared import Piece
 from ..preview.save import MATERIAL_PREFIX, StandIn, save_preview
+from ..preview.swap import previews_off
 from ..scene.mesh.backs import lift_twins
 from ..scene.mesh.copy import copy_object
 from ..scene.mesh.watertight import is_closed
@@ -61,7 +62,8 @@ def save_preview_of(
     """Write `<name>.preview.blend`, in which the `prepared` objects show their bake.
 
     A split object shows all parts that have atlases of this kind and layout so far; the other parts keep
-    their materials. Raises BakeError if it cannot be written.
+    their materials. Other objects whose previews are on are shown themselves. Raises BakeError
+    if it cannot be written.
     """
     assert files.preview is not None  # set if there is a filter
     materials = {
@@ -83,7 +85,8 @@ def save_preview_of(
         hidden = find_content(find_view_layer(scene, view_layer), hull, spec.content)
     if spec.source is not None:
         hidden = (scene.objects[spec.source],)
-    save_preview(scene, stand_ins, files.preview.absolute(), hidden)
+    with previews_off(scene):
+        save_preview(scene, stand_ins, files.preview.absolute(), hidden)
 
 
 def _baked(spec: BakeSpec, files: OutputFiles, prepared: Shown) -> dict[int | None, tuple[str, OutputFiles]]:

@@ -17,7 +17,7 @@ from ..core.errors import InputError
 from ..formats.sidecar import content_in
 from ..formats.sidecar_file import AnySidecar, read_facts
 
-_RECORD = "radtex_source"
+RECORD = "radtex_source"  # custom property of the object and the preview
 _FLAGS = ("hide_render", "hide_viewport")
 
 Flags = Mapping[str, bool]  # values of _FLAGS by name
@@ -66,7 +66,7 @@ def hide_originals(pair: Iterable[Any], shown: Iterable[Any], others: Iterable[A
     if not record:
         return
     for one in pair:
-        one[_RECORD] = record
+        one[RECORD] = record
     for entry in record.values():
         for flag in _FLAGS:
             setattr(entry["object"], flag, True)
@@ -86,8 +86,8 @@ def restore_visibility(pair: Iterable[Any], others: Iterable[Any]) -> None:
     found = hidden_by(items)
     still = hidden_by(others)
     for item in items:
-        if _RECORD in item:
-            del item[_RECORD]
+        if RECORD in item:
+            del item[RECORD]
     for shown, flags in found.items():
         for flag, value in flags.items() if shown not in still else ():
             setattr(shown, flag, value)
@@ -95,7 +95,7 @@ def restore_visibility(pair: Iterable[Any], others: Iterable[Any]) -> None:
 
 def _hidden_in(item: Any) -> Iterator[tuple[bpy.types.Object, Flags]]:
     """The objects in an item's record, and their visibility before; without deleted objects."""
-    for entry in item[_RECORD].values() if _RECORD in item else ():
+    for entry in item[RECORD].values() if RECORD in item else ():
         shown = entry.get("object")
         if shown is not None and shown.users_collection:
             yield shown, {flag: bool(entry[flag]) for flag in _FLAGS}

@@ -2,14 +2,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """<name>.preview.blend: the user's scene with the baked copy in the object's place; the atlas lies beside it.
 
-The file is saved from the user's own session. While it is written, a stand-in replaces the object for
-everything that uses it: collections, children, constraints, other objects' modifiers, drivers.
+The file holds what the scene shows and nothing else of the user's file: the baked copy with its material,
+the objects that are visible, camera, lights and world. No other scenes, texts, brushes, window layouts, and
+nothing that only a fake user keeps. Images with a file on disk are linked; large packed ones are stored once
+for all previews of a folder (`shared_images`).
+
+It is written from the user's own session. Meanwhile a stand-in replaces the object for everything that uses
+it (collections, children, constraints, other objects' modifiers, drivers), and a trimmed copy the scene.
 """
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +26,8 @@ from ..core.errors import BakeError
 from ..formats.disk.atomic import refusal, replacing
 from ..scene.objects import is_linked
 from .linked import linked_homes_copied
+from .shared_images import packed_images_shared, relative_path
+from .trimmed_scene import trimmed_scene
 
 MATERIAL_PREFIX = "RadTex "  # prefix of the names of materials that show a bake
 
@@ -47,26 +54,32 @@ def save_preview(
 ) -> None:
     """Write a .blend in which the baked copies replace their originals and have their names.
 
-    The file opens with `scene`. The materials' images are in the file if they are packed, else referenced by
-    relative paths. The objects `hidden` are hidden in the file, because a copy shows them. Afterwards the
+    The file has `scene` alone (and its background scenes), with the objects that it shows and what these
+    need. The materials' images are in the file if they are packed, else referenced by relative paths. The
+    objects `hidden` are left out, because a copy shows them, or hidden if others need them. Afterwards the
     session (the objects, the file's name, unsaved edits) is as it was, also after an error. Raises BakeError
     if Blender cannot write.
     """
-    for image in bpy.data.images:
-        if image.is_dirty and not image.packed_file:
-            _log.warning("image '%s' has unsaved changes, which %s will not show", image.name, path.name)
     with replacing(path) as beside, ExitStack() as session:
         session.enter_context(_active_kept())
         session.enter_context(linked_homes_copied([stand_in.original for stand_in in stand_ins]))
-        for stand_in in stand_ins:
-            session.enter_context(_standing_in(stand_in))
+        shown = [session.enter_context(_standing_in(stand_in)) for stand_in in stand_ins]
         session.enter_context(_relative_images(stand_ins))
-        session.enter_context(_shown(scene))
         session.enter_context(_hidden(hidden))
+        trimmed = session.enter_context(trimmed_scene(scene, shown, hidden))
+        images = {block for block in trimmed.used if isinstance(block, bpy.types.Image)}
+        _warn_of_unsaved(images, path)
+        session.enter_context(packed_images_shared(images - _images_shown(stand_ins), path.parent))
         try:
-            bpy.ops.wm.save_as_mainfile(filepath=str(beside), copy=True, relative_remap=True)
-        except RuntimeError as error:
+            bpy.data.libraries.write(str(beside), {trimmed.scene}, path_remap="RELATIVE", compress=True)
+        except (RuntimeError, OSError) as error:
             raise BakeError(refusal(path, OSError(" ".join(str(error).split())))) from error
+
+
+def _warn_of_unsaved(images: Iterable[bpy.types.Image], path: Path) -> None:
+    for image in images:
+        if image.is_dirty and not image.packed_file:
+            _log.warning("image '%s' has unsaved changes, which %s will not show", image.name, path.name)
 
 
 @contextmanager
@@ -83,33 +96,40 @@ def _active_kept() -> Iterator[None]:
 
 
 @contextmanager
-def _standing_in(pair: StandIn) -> Iterator[None]:
-    """Within the context, a duplicate of the copy replaces the original for all its users, by its name."""
+def _standing_in(pair: StandIn) -> Iterator[bpy.types.Object]:
+    """Within the context, a duplicate of the copy replaces the original for all its users, by its name.
+
+    The copy's mesh has no materials meanwhile: they would bring the original's images into the file.
+    """
     original, copy = pair.original, pair.copy
     name = original.name
     mesh = cast(bpy.types.Mesh, copy.data)
-    bare = not mesh.materials
+    own = list(mesh.materials)
     standin = cast(bpy.types.Object, copy.copy())
     bearers = [item for item in bpy.data.objects if not is_linked(item) and item.name == name]
     try:
         for collection in standin.users_collection:  # Blender 5 adds a rigid body's copy to its world
             collection.objects.unlink(standin)
-        if bare:
+        if not own:
             mesh.materials.append(None)
         for index, slot in enumerate(standin.material_slots):
-            slot.link = "OBJECT"  # so that the mesh keeps its own materials
+            slot.link = "OBJECT"
             slot.material = pair.materials[index if len(pair.materials) > 1 else 0]
+        for index in range(len(own)):
+            mesh.materials[index] = None
         for item in bearers:  # the original; if that is linked, perhaps a local object of the same name
             item.name = f"{name} (original)"
         standin.name = name
         original.user_remap(standin)
-        yield
+        yield standin
     finally:
         standin.user_remap(original)
         bpy.data.objects.remove(standin)
         for item in bearers:
             item.name = name
-        if bare:
+        for index, material in enumerate(own):
+            mesh.materials[index] = material
+        if not own:
             mesh.materials.clear()
 
 
@@ -131,26 +151,24 @@ def _relative_images(stand_ins: Sequence[StandIn]) -> Iterator[None]:
 
     If the open file was never saved, nothing can be relative to it; Blender then makes all paths relative.
     """
-    worn = {material for stand_in in stand_ins for material in stand_in.materials}
-    own = {slot.material for stand_in in stand_ins for slot in stand_in.original.material_slots}
-    shown = [material for material in worn - own if material is not None]
-    images = {image for material in shown for image in images_of(material.node_tree)}
+    images = _images_shown(stand_ins)
     paths = {image: image.filepath_raw for image in images if not image.packed_file}
     try:
         if bpy.data.filepath:
             for image, path in paths.items():
-                image.filepath_raw = _relative(path)
+                image.filepath_raw = relative_path(path)
         yield
     finally:
         for image, path in paths.items():
             image.filepath_raw = path
 
 
-def _relative(path: str) -> str:
-    try:
-        return bpy.path.relpath(bpy.path.abspath(path))
-    except ValueError:  # on another Windows drive
-        return path
+def _images_shown(stand_ins: Sequence[StandIn]) -> set[bpy.types.Image]:
+    """The images of the materials that show the bakes."""
+    worn = {material for stand_in in stand_ins for material in stand_in.materials}
+    own = {slot.material for stand_in in stand_ins for slot in stand_in.original.material_slots}
+    shown = [material for material in worn - own if material is not None]
+    return {image for material in shown for image in images_of(material.node_tree)}
 
 
 def images_of(tree: bpy.types.NodeTree | None) -> set[bpy.types.Image]:
@@ -162,19 +180,3 @@ def images_of(tree: bpy.types.NodeTree | None) -> set[bpy.types.Image]:
         elif isinstance(node, bpy.types.ShaderNodeGroup):
             images |= images_of(node.node_tree)
     return images
-
-
-@contextmanager
-def _shown(scene: bpy.types.Scene) -> Iterator[None]:
-    """Make `scene` the one that the file opens with."""
-    manager = bpy.context.window_manager
-    window = manager.windows[0] if manager and manager.windows else None
-    if window is None or window.scene == scene:
-        yield
-        return
-    before, layer = window.scene, window.view_layer
-    window.scene = scene
-    try:
-        yield
-    finally:
-        window.scene, window.view_layer = before, layer

@@ -8,7 +8,7 @@ object's visibility before, so that it can be restored even if the other was del
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, cast
@@ -20,7 +20,14 @@ from ..core.errors import InputError, RadTexError
 from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..scene.mesh.copy import MATRIX, SHOWN, copy_object
 from ..scene.objects import animates_visibility
-from .hidden_objects import hidden_by, hide_originals, objects_to_hide, restore_visibility
+from .hidden_objects import (
+    RECORD,
+    Flags,
+    hidden_by,
+    hide_originals,
+    objects_to_hide,
+    restore_visibility,
+)
 from .load import load_baked_meshes, remove_unused
 from .show_layer import check_layer, show_layer
 from .sun import follow_sun
@@ -101,16 +108,16 @@ def _show(original: bpy.types.Object, mesh: bpy.types.Mesh, sidecar: SidecarFile
         if material is not None:
             follow_sun(material, original.users_scene[0])
     _take_away(original)
-    copy = _stand_in(original, mesh)
+    copy = stand_in(original, mesh)
     stances = _layer_states(original)
-    for collection in _homes(original):
+    for collection in homes(original):
         collection.objects.link(copy)
     _hide(original, copy)
     keep_variant(copy, sidecar)
     hide_originals((original, copy), objects_to_hide(sidecar, original.users_scene[0]), _others(copy))
     _take(copy, stances)
     _join_local_views(original, copy)
-    return Preview(original, copy, _has_moved(original, mesh))
+    return Preview(original, copy, has_moved(original, mesh))
 
 
 def switch_off(item: bpy.types.Object) -> None:
@@ -146,6 +153,42 @@ def originals_rendered(originals: Sequence[bpy.types.Object]) -> Iterator[None]:
     finally:
         for item, hidden in before.items():
             item.hide_render = hidden
+
+
+@contextmanager
+def previews_off(scene: bpy.types.Scene) -> Iterator[None]:
+    """Within the context, the scene shows the objects whose previews are on, and hides these previews.
+
+    The objects do not point to their previews meanwhile.
+    """
+    pairs = [pair for pair in map(_pair, scene.objects) if pair is not None]
+    shown: dict[bpy.types.Object, Flags] = {}
+    records: list[tuple[Any, str, Any]] = []
+    for original, copy in pairs:
+        shown |= hidden_by((original, copy))
+        if original is not None:
+            shown[original] = _flags_of(original, copy)
+            owner = cast(Any, original)
+            records += [(owner, key, owner[key].to_dict()) for key in (SHOWN, RECORD) if key in owner]
+        if copy is not None:
+            shown[copy] = dict.fromkeys(_FLAGS, True)
+    before = {item: {flag: bool(getattr(item, flag)) for flag in _FLAGS} for item in shown}
+    try:
+        for owner, key, _ in records:
+            if key in owner:
+                del owner[key]
+        _set_flags(shown)
+        yield
+    finally:
+        for owner, key, value in records:
+            owner[key] = value
+        _set_flags(before)
+
+
+def _set_flags(wanted: Mapping[bpy.types.Object, Flags]) -> None:
+    for item, flags in wanted.items():
+        for flag, value in flags.items():
+            setattr(item, flag, value)
 
 
 def _others(copy: bpy.types.Object | None) -> list[bpy.types.Object]:
@@ -240,7 +283,7 @@ def _check(original: bpy.types.Object) -> None:
         )
 
 
-def _stand_in(original: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
+def stand_in(original: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
     """A copy of the object that shows the mesh, linked to no collection."""
     copy = copy_object(original, mesh)
     for collection in copy.users_collection:  # Blender 5 adds a rigid body's copy to its world
@@ -248,8 +291,9 @@ def _stand_in(original: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Obj
     if copy.override_library is not None:
         copy = cast("bpy.types.Object", copy.make_local())
     copy.name = f"{original.name} (baked)"
-    if SHOWN in cast(Any, copy):  # copied with an original that is itself a duplicate
-        del cast(Any, copy)[SHOWN]
+    for key in (SHOWN, RECORD):  # copied with an original whose preview is on, or a duplicate of one
+        if key in cast(Any, copy):
+            del cast(Any, copy)[key]
     return copy
 
 
@@ -264,12 +308,12 @@ def _hide(original: Any, copy: Any) -> None:
         setattr(original, flag, True)
 
 
-def _homes(original: bpy.types.Object) -> list[bpy.types.Collection]:
+def homes(original: bpy.types.Object) -> list[bpy.types.Collection]:
     """The collections to link the copy to: the object's, or its scenes' if none of those can be changed."""
     worlds = [scene.rigidbody_world for scene in bpy.data.scenes if scene.rigidbody_world is not None]
     bodies = {part for world in worlds for part in (world.collection, world.constraints)}
-    homes = [home for home in original.users_collection if home not in bodies and not _is_foreign(home)]
-    return homes or [scene.collection for scene in original.users_scene if not _is_foreign(scene)]
+    found = [home for home in original.users_collection if home not in bodies and not _is_foreign(home)]
+    return found or [scene.collection for scene in original.users_scene if not _is_foreign(scene)]
 
 
 def _is_foreign(block: Any) -> bool:
@@ -297,11 +341,12 @@ def _layer_states(item: bpy.types.Object) -> list[_LayerState]:
         )
         for scene in item.users_scene
         for layer in scene.view_layers
-        if _is_in(layer, item)
+        if is_in(layer, item)
     ]
 
 
-def _is_in(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> bool:
+def is_in(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> bool:
+    """Whether a view layer has the object, visible or not."""
     item.select_get(view_layer=layer)  # makes Blender update the layer's objects
     return any(other == item for other in layer.objects)
 
@@ -310,7 +355,7 @@ def _take(item: bpy.types.Object, stances: Sequence[_LayerState]) -> None:
     """Give an object the selection and visibility that another object had."""
     for stance in stances:
         layer = stance.layer
-        if not _is_in(layer, item):
+        if not is_in(layer, item):
             continue
         item.hide_set(stance.hidden, view_layer=layer)
         if stance.selected:
@@ -329,7 +374,8 @@ def _join_local_views(original: bpy.types.Object, copy: bpy.types.Object) -> Non
                 copy.local_view_set(space, original.local_view_get(space))
 
 
-def _has_moved(original: bpy.types.Object, mesh: Any) -> bool:
+def has_moved(original: bpy.types.Object, mesh: Any) -> bool:
+    """Whether an object has moved since the bake with this mesh."""
     if MATRIX not in mesh:
         return False
     baked = np.array(mesh[MATRIX]).reshape(4, 4)

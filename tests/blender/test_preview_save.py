@@ -20,6 +20,8 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.preview import save
 from radtex_addon.preview.material import preview_material
 from radtex_addon.preview.save import StandIn, save_preview
+from radtex_addon.preview.shared_images import FOLDER
+from radtex_addon.scene.nodes import open_material, open_world
 from tests.blender.lookup_stage import ENGINES, add_camera_above, render_exr, set_up_render, write_exr
 from tests.lookups import LAYOUT
 
@@ -82,6 +84,14 @@ def baked_copy(original: Any, materials: int = 0) -> Any:
     return copy
 
 
+def wear(item: Any, image: Any) -> None:
+    """Give an object a material of its own that shows the image."""
+    material, build = open_material(image.name)
+    emission = build.node("ShaderNodeEmission", build.image(image, build.uv_map(UV_LAYER))[0])
+    build.node("ShaderNodeOutputMaterial", emission.outputs[0])
+    item.data.materials.append(material)
+
+
 def state(pane: Any, copy: Any) -> dict[str, Any]:
     """What a user could find changed."""
     objects = bpy.data.objects
@@ -95,6 +105,11 @@ def state(pane: Any, copy: Any) -> dict[str, Any]:
             pane.hide_get(),
             cast(Any, bpy.context.view_layer).objects.active == pane,
         ),
+        "layers": [
+            (found.name, found.exclude, found.hide_viewport)
+            for layer in current_scene().view_layers
+            for found in layer.layer_collection.children
+        ],
         "referring": [
             objects["child"].parent == pane,
             cast(Any, objects["child"]).constraints[0].target == pane,
@@ -161,7 +176,10 @@ def test_the_session_is_left_as_it_was(
     painted = cast(Any, bpy.data.images.new("painted", 2, 2))
     painted.pixels[0] = 0.5
     painted.update()
+    wear(bpy.data.objects["child"], painted)
     other = bpy.data.scenes.new("other")
+    other.collection.objects.link(pane)
+    other.collection.objects.link(bpy.data.objects["child"])
     copy = baked_copy(pane)
     before = state(pane, copy)
     with caplog.at_level(logging.WARNING):
@@ -186,3 +204,92 @@ def test_a_file_that_cannot_be_written_leaves_the_session_as_it_was(
     with pytest.raises(BakeError, match=r"pane\.preview\.blend could not be written: "):
         save_preview(current_scene(), [StandIn(pane, copy, (material,))], path)
     assert state(pane, copy) == before
+
+
+@pytest.fixture
+def crowded(pane: Any, tmp_path: Path) -> Any:
+    """Around the pane, what a session holds besides: hidden objects, another scene, texts, fake users."""
+    scene = current_scene()
+    store = bpy.data.collections.new("store")
+    bpy.data.collections["home"].children.link(store)
+    for name in ("high", "cutter", "seen"):
+        new_object(name, store).hide_render = name != "seen"
+    for name in ("high", "cutter"):
+        bpy.data.objects[name].hide_viewport = True
+    cut = cast(Any, bpy.data.objects["child"]).modifiers.new("cut", "BOOLEAN")
+    cut.object = bpy.data.objects["cutter"]
+    new_object("elsewhere", bpy.data.scenes.new("a second scene").collection)
+    bpy.data.texts.new("notes").use_fake_user = True
+    comparison = bpy.data.images.new("RadTex Difference", 2, 2)
+    comparison.use_fake_user = True
+    scene.tool_settings.image_paint.canvas = comparison
+    scene["chosen"] = bpy.data.objects["high"]
+    frames = cast(Any, bpy.data.objects["seen"]).driver_add("location", 0).driver.variables.new().targets[0]
+    frames.id_type, frames.id = "SCENE", scene
+    wear(pane, bpy.data.images.new("the original's", 2, 2))
+    bpy.data.objects["seen"].hide_set(True)
+    scene.view_layers[0].layer_collection.children["second"].hide_viewport = True
+    return pane
+
+
+def test_the_file_holds_what_the_scene_shows_alone(
+    crowded: Any, material: bpy.types.Material, tmp_path: Path
+) -> None:
+    path = tmp_path / "out" / "pane.preview.blend"
+    copy = baked_copy(crowded)
+    before = state(crowded, copy)
+    save_preview(current_scene(), [StandIn(crowded, copy, (material,))], path)
+    assert state(crowded, copy) == before
+    assert cast(Any, current_scene())["chosen"].name == "high"
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    assert [scene.name for scene in bpy.data.scenes] == ["Scene"]
+    assert sorted(o.name for o in bpy.data.objects) == ["after", "before", "child", "cutter", "pane", "seen"]
+    assert [o.name for o in bpy.data.collections["store"].objects] == ["cutter", "seen"]
+    assert bpy.data.objects["seen"].hide_get()
+    shown = current_scene().view_layers[0].layer_collection.children
+    assert [(one.name, one.hide_viewport) for one in shown] == [("home", False), ("second", True)]
+    assert [image.name for image in bpy.data.images] == ["pane.radiance.exr"]
+    assert sorted(mesh.name for mesh in bpy.data.meshes) == [
+        "after",
+        "baked",
+        "before",
+        "child",
+        "cutter",
+        "seen",
+    ]
+    assert not bpy.data.texts
+    assert bpy.context.object == bpy.data.objects["pane"]
+
+
+@pytest.mark.parametrize("saved", [False, True], ids=["a file never saved", "a saved file"])
+@pytest.mark.parametrize("kept", [False, True], ids=["its file is gone", "its file is there"])
+def test_a_packed_hdri_is_stored_once_for_all_previews(
+    pane: Any, material: bpy.types.Material, tmp_path: Path, saved: bool, kept: bool
+) -> None:
+    sky = write_exr(tmp_path / "sky.exr", np.random.default_rng(0).random((128, 256, 4), np.float32))
+    packed = sky.read_bytes()
+    if saved:
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "user.blend"))
+    image = cast(Any, bpy.data.images.load(str(sky)))
+    image.pack()
+    if not kept:
+        sky.unlink()
+    world, build = open_world("outside")
+    shown = build.node("ShaderNodeTexEnvironment", image=image).outputs[0]
+    build.node("ShaderNodeOutputWorld", build.node("ShaderNodeBackground", shown).outputs[0])
+    current_scene().world = world
+    for name in ("pane", "again"):
+        copy = baked_copy(pane)
+        before = state(pane, copy)
+        path = tmp_path / "out" / f"{name}.preview.blend"
+        save_preview(current_scene(), [StandIn(pane, copy, (material,))], path)
+        assert state(pane, copy) == before
+        assert image.packed_file.data == packed
+        assert path.stat().st_size < len(packed)
+    stored = list((tmp_path / "out" / FOLDER).glob("*"))
+    assert [found.read_bytes() for found in stored] == [] if kept else [packed]
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out" / "again.preview.blend"))
+    linked = cast(Any, bpy.data.images["sky.exr"])
+    assert linked.packed_file is None
+    assert Path(bpy.path.abspath(linked.filepath)).resolve() == (sky if kept else stored[0])
+    assert linked.size[:] == (256, 128)

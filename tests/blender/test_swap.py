@@ -93,6 +93,25 @@ def images() -> set[str]:
     return {Path(bpy.path.abspath(image.filepath)).name for image in bpy.data.images}
 
 
+# in the file of another object's bake
+
+
+def test_another_objects_preview_shows_the_object_itself(sidecar: Path, tmp_path: Path) -> None:
+    original, other = ball(), ball("Other")
+    other.location.x = 3
+    context.view_layer.update()
+    switch_on(original, sidecar)
+    before = digest()
+    made = bake_object(context.scene, "Other", PLAIN, tmp_path, preview=Filter.NEAREST)
+    assert differences(before, digest()) == {}
+    assert made.files.preview is not None
+    bpy.ops.wm.open_mainfile(filepath=str(made.files.preview))
+    assert sorted(item.name for item in bpy.data.objects) == ["Ball", "Other"]
+    assert not object_called("Ball").hide_render
+    assert not is_on(object_called("Ball"))
+    assert images() == {"Other.radiance.exr"}
+
+
 # on
 
 
