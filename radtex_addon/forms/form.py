@@ -103,6 +103,13 @@ class Form(Protocol):
         """The material that shows a bake on its baked copy."""
         ...
 
+    def script_node(self, tree: bpy.types.NodeTree, sidecar: SidecarFile) -> bpy.types.Node:
+        """Add a Script node (OSL) that looks a finished bake up, with the sockets of the material's group.
+
+        Raises FormatError as the form's readers do, InputError where OSL cannot be used: see `preview.osl`.
+        """
+        ...
+
     # For a finished bake
 
     def holds(self, facts: Facts) -> bool:

@@ -70,7 +70,7 @@ def remove_unused() -> None:
 def _blocks() -> Iterator[bpy.types.ID]:
     """All data-blocks of the types that are loaded from previews."""
     data = bpy.data
-    for kind in (data.meshes, data.materials, data.node_groups, data.images):
+    for kind in (data.meshes, data.materials, data.node_groups, data.images, data.texts):
         yield from cast("Iterator[bpy.types.ID]", kind)
 
 

@@ -22,6 +22,7 @@ import bpy
 from ..core.atlas import AtlasLayout
 from ..core.errors import InputError
 from ..core.sampler import Filter
+from ..formats.sidecar_file import AnySidecar, read_facts
 from ..scene.working_space import REC_709, working_space
 
 SHADERS = Path(__file__).parents[2] / "shaders"
@@ -68,6 +69,32 @@ def add_transfer_osl_node(
         "Views": views,
     }
     return script_node(tree, source.name, source.read_text(encoding="utf-8"), constants)
+
+
+def check_scene(scene: bpy.types.Scene) -> None:
+    """Raise InputError if the scene's device for Cycles cannot run Script nodes."""
+    if cast(Any, scene).cycles.device == "GPU":
+        raise InputError(
+            f"scene '{scene.name}' renders on the GPU, and Script nodes (OSL) run on the CPU: set Render "
+            "Properties > Device to CPU, or choose the nodes for Eevee and Cycles"
+        )
+
+
+def switch_osl_on(scene: bpy.types.Scene) -> bool:
+    """Let Cycles run Script nodes in this scene. Returns False if it did so already."""
+    cycles = cast(Any, scene).cycles
+    before = bool(cycles.shading_system)
+    cycles.shading_system = True
+    return not before
+
+
+def no_script(sidecar: AnySidecar) -> InputError:
+    """The error for a bake that has no OSL shader."""
+    facts = read_facts(sidecar)
+    return InputError(
+        f"{facts.source} is a bake of kind {facts.text('kind')}, which has no Script node (OSL): choose the "
+        "nodes for Eevee and Cycles"
+    )
 
 
 def script_node(

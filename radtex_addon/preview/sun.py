@@ -66,10 +66,16 @@ def follow_sun(material: bpy.types.Material | None, scene: bpy.types.Scene) -> N
 
     Other materials are left alone.
     """
+    if material is not None and material.node_tree is not None:
+        follow_sun_in(material.node_tree, scene)
+
+
+def follow_sun_in(tree: bpy.types.NodeTree, scene: bpy.types.Scene) -> None:
+    """`follow_sun` for the node tree of such a material, or a group with its nodes."""
     sun = first_sun(scene)
-    if material is None or not forget_sun(material) or sun is None:
+    if not _forget_sun_in(tree) or sun is None:
         return
-    nodes = cast(Any, material.node_tree).nodes
+    nodes = cast(Any, tree).nodes
     lamp = cast(bpy.types.Light, sun.data)
     exposed = hasattr(lamp, "exposure")  # since Blender 4.5
     for axis in range(3):
@@ -84,8 +90,11 @@ def follow_sun(material: bpy.types.Material | None, scene: bpy.types.Scene) -> N
 
 def forget_sun(material: bpy.types.Material) -> bool:
     """Remove a material's drivers of the sun. Returns False for a material without a light of its own."""
-    tree = material.node_tree
-    if tree is None or DIRECTION not in tree.nodes or IRRADIANCE not in tree.nodes:
+    return material.node_tree is not None and _forget_sun_in(material.node_tree)
+
+
+def _forget_sun_in(tree: bpy.types.NodeTree) -> bool:
+    if DIRECTION not in tree.nodes or IRRADIANCE not in tree.nodes:
         return False
     for name in (DIRECTION, IRRADIANCE):
         for socket in tree.nodes[name].inputs:

@@ -47,7 +47,7 @@ def baked_copy(
             scene.view_layers[0].update()
             alone = len(copies) == 1 and part is None
             for copy in copies:
-                _settle(copy, copy.data, whole=not alone)
+                settle(copy, copy.data, _matrix_at_bake(copy), whole=not alone)
             found = copies[0] if alone else _joined(scene, copies, uv_layer, part)
             scene.view_layers[0].update()
             yield scene, found
@@ -83,11 +83,19 @@ def _joined(
     return found
 
 
-def _settle(copy: bpy.types.Object, mesh: Any, whole: bool) -> None:
-    """Put the copy where the bake had it; apply its matrix to the mesh if `whole`, or if it shears."""
-    matrix = copy.matrix_world.copy()
+def _matrix_at_bake(copy: bpy.types.Object) -> Matrix:
+    mesh: Any = copy.data
     if MATRIX in mesh:
-        matrix = Matrix(np.array(mesh[MATRIX]).reshape(4, 4).tolist())
+        return Matrix(np.array(mesh[MATRIX]).reshape(4, 4).tolist())
+    return copy.matrix_world.copy()
+
+
+def settle(copy: bpy.types.Object, mesh: Any, matrix: Matrix, whole: bool = False) -> None:
+    """Put a baked copy at `matrix`, on its own: no parent, constraints or animation.
+
+    The matrix is applied to the mesh and its frame if `whole`, or if location, rotation and scale cannot
+    express it.
+    """
     copy.parent = None
     copy.constraints.clear()
     copy.animation_data_clear()

@@ -10,6 +10,7 @@ import bpy
 
 from .jobs import estimates, jobs
 from .operators import keys
+from .operators.apply_operators import RADTEX_OT_apply_to_copy, RADTEX_OT_make_asset
 from .operators.bake_operator import RADTEX_OT_bake
 from .operators.browser_operator import RADTEX_OT_show_in_browser
 from .operators.estimate_operator import RADTEX_OT_cancel_estimate, RADTEX_OT_estimate
@@ -67,6 +68,8 @@ CLASSES = (
     RADTEX_PT_sampling,
     RADTEX_PT_output,
     RADTEX_PT_cost,
+    RADTEX_OT_make_asset,
+    RADTEX_OT_apply_to_copy,
     *finished_panel.CLASSES,
     *menus.CLASSES,
 )

@@ -23,6 +23,7 @@ from ...formats.json_reader import Facts
 from ...formats.sidecar_file import SidecarFile
 from ...preview.node_group import check_previewable
 from ...preview.occlusion_material import preview_ambient_material
+from ...preview.osl import no_script
 from ...textures.export_progress import Step
 from ..bake_job import BakeJob
 from ..buckets.flat import flat_buckets
@@ -51,6 +52,9 @@ class Ambient(Buckets):
     def material(self, of: PreviewOf) -> bpy.types.Material:
         layout, atlas = layout_in(of.sidecar), of.sidecar.with_suffix(".exr")
         return preview_ambient_material(of.title, atlas, layout, of.uv_layer, of.spec.half)
+
+    def script_node(self, tree: bpy.types.NodeTree, sidecar: SidecarFile) -> bpy.types.Node:
+        raise no_script(sidecar)
 
     def holds(self, facts: Facts) -> bool:
         kind = facts.text("kind")

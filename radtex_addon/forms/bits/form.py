@@ -27,6 +27,7 @@ from ...formats.shadow_files import visible_buckets
 from ...formats.sidecar import read_sidecar
 from ...formats.sidecar_file import SidecarFile
 from ...preview.occlusion_material import preview_shadow_material
+from ...preview.osl import no_script
 from ...textures.entry import TextureEntry
 from ...textures.export_progress import Step
 from ...textures.export_spec import ExportSpec, Target
@@ -64,6 +65,9 @@ class Bits(Buckets):
 
     def material(self, of: PreviewOf) -> bpy.types.Material:
         return preview_shadow_material(of.title, of.sidecar, of.uv_layer, of.scene, of.filter)
+
+    def script_node(self, tree: bpy.types.NodeTree, sidecar: SidecarFile) -> bpy.types.Node:
+        raise no_script(sidecar)
 
     def holds(self, facts: Facts) -> bool:
         kind = facts.text("kind")

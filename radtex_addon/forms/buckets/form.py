@@ -26,9 +26,10 @@ from ...formats.containers.exr import loss_of, read_buckets, stored_compression
 from ...formats.image_files import Shapes
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar, read_sidecar
-from ...formats.sidecar_file import SidecarFile
+from ...formats.sidecar_file import AnySidecar, SidecarFile
 from ...preview.material import preview_material
 from ...preview.node_group import check_previewable
+from ...preview.osl import add_osl_node
 from ...textures.entry import Arranged, Container, TextureEntry
 from ...textures.export_progress import Step
 from ...textures.export_spec import ExportSpec, Target
@@ -72,6 +73,10 @@ class Buckets:
     def material(self, of: PreviewOf) -> bpy.types.Material:
         layout, atlas = layout_in(of.sidecar), of.sidecar.with_suffix(".exr")
         return preview_material(of.title, atlas, layout, of.uv_layer, of.filter, of.spec.half, of.hull)
+
+    def script_node(self, tree: bpy.types.NodeTree, sidecar: SidecarFile) -> bpy.types.Node:
+        atlas = sidecar.path.with_suffix(".exr").absolute()
+        return add_osl_node(tree, atlas, layout_in(sidecar), Filter.QUADRILINEAR)
 
     def holds(self, facts: Facts) -> bool:
         kind = facts.text("kind")  # a bake of an unknown kind is read as plain buckets
@@ -157,7 +162,7 @@ class Buckets:
         return buckets_shader(bake, textures)
 
 
-def layout_in(sidecar: Path) -> AtlasLayout:
+def layout_in(sidecar: AnySidecar) -> AtlasLayout:
     """The atlas's layout, by its sidecar. Raises FormatError."""
     facts = read_sidecar(sidecar)
     return AtlasLayout(facts.width, facts.height, facts.bucket)

@@ -22,7 +22,7 @@ from ...formats.containers.exr import stored_compression
 from ...formats.image_files import Shapes, layer_path
 from ...formats.json_reader import Facts
 from ...formats.sidecar import Sidecar
-from ...formats.sidecar_file import SidecarFile
+from ...formats.sidecar_file import SidecarFile, opened
 from ...textures.entry import TextureEntry
 from ...textures.export_progress import Step
 from ...textures.export_spec import ExportSpec, Target
@@ -59,6 +59,7 @@ from .godot import layered_shader
 from .lookup.atlas import sample_layered
 from .lookup.blurred_levels import level_count
 from .preview.material import check_layered_previewable, preview_layered_material
+from .preview.osl import add_layered_osl_node
 from .shader_values import exported_facts
 from .signature import own_texels
 from .textures import write_layered_textures
@@ -89,6 +90,9 @@ class Layered:
 
     def material(self, of: PreviewOf) -> bpy.types.Material:
         return preview_layered_material(of.title, of.sidecar, of.uv_layer, of.spec.half, of.hull)
+
+    def script_node(self, tree: bpy.types.NodeTree, sidecar: SidecarFile) -> bpy.types.Node:
+        return add_layered_osl_node(tree, opened(sidecar.path.absolute()))
 
     def holds(self, facts: Facts) -> bool:
         return True

@@ -24,6 +24,7 @@ from ...formats.sidecar import Sidecar
 from ...formats.sidecar_file import SidecarFile
 from ...formats.transfer_files import TransferSidecar, read_transfer_sidecar
 from ...preview.node_group import check_previewable
+from ...preview.osl import add_transfer_osl_node
 from ...preview.sun import preview_transfer_material
 from ...textures.entry import TextureEntry
 from ...textures.export_progress import Step
@@ -55,6 +56,10 @@ class Sphere(Buckets):
         return preview_transfer_material(
             of.title, atlas, facts.layout, of.uv_layer, of.scene, of.spec.half, facts.views
         )
+
+    def script_node(self, tree: bpy.types.NodeTree, sidecar: SidecarFile) -> bpy.types.Node:
+        facts, atlas = read_transfer_sidecar(sidecar), sidecar.path.with_suffix(".exr").absolute()
+        return add_transfer_osl_node(tree, atlas, facts.layout, facts.views)
 
     def holds(self, facts: Facts) -> bool:
         return True
