@@ -140,7 +140,8 @@ def _compile(node: Any, text: Any) -> None:
     _log.debug("%s: %s", text.name, "; ".join(reports))
     if not done:
         raise InputError(
-            f"{text.name}: does not compile ({'; '.join(reports)}); its errors are on the console"
+            f"{text.name}: does not compile ({'; '.join(reports)}), its errors are on the console; use the "
+            "node group"
         )
 
 

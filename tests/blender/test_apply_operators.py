@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import shutil
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -171,13 +172,20 @@ def test_one_undo_takes_it_back(bakes: dict[str, Path], operator: str) -> None:
     assert TITLE in bpy.data.materials
 
 
-def test_where_osl_cannot_be_used_the_remedy_is_said(bakes: dict[str, Path], tmp_path: Path) -> None:
+def test_where_osl_cannot_be_used_the_remedy_is_said(
+    bakes: dict[str, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
     ball()
     before = digest()
     context.scene.cycles.device = "GPU"
     with pytest.raises(RuntimeError, match="Device to CPU, or choose the nodes for Eevee and Cycles"):
         radtex.make_asset(object=NAME, bake=str(bakes["plain"]), shader="OSL")
     context.scene.cycles.device = "CPU"
+    assert differences(before, digest()) == {}
+    monkeypatch.setitem(sys.modules, "oslquery", None)
+    for operator in (radtex.make_asset, radtex.apply_to_copy):
+        with pytest.raises(RuntimeError, match=r"this Blender has no OSL .* or the node group"):
+            operator(object=NAME, bake=str(bakes["plain"]), shader="OSL")
     assert differences(before, digest()) == {}
 
 
