@@ -57,6 +57,8 @@ CLASSES = (
     RADTEX_OT_fold_map,
     RADTEX_OT_open_folder,
     RADTEX_OT_show_in_browser,
+    RADTEX_OT_apply_to_copy,
+    RADTEX_OT_make_asset,
     RADTEX_OT_preset_add,
     RADTEX_OT_preset_apply,
     RADTEX_PT_presets,
@@ -68,8 +70,6 @@ CLASSES = (
     RADTEX_PT_sampling,
     RADTEX_PT_output,
     RADTEX_PT_cost,
-    RADTEX_OT_make_asset,
-    RADTEX_OT_apply_to_copy,
     *finished_panel.CLASSES,
     *menus.CLASSES,
 )

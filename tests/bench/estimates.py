@@ -108,7 +108,7 @@ def measure(names: tuple[str, ...]) -> float:
 def bake(names: tuple[str, ...]) -> float:
     """Press Bake, and wait for the end of all jobs; returns how long it takes."""
     since = monotonic()
-    jobs.submit(context.scene, plan_bakes(context.scene, request_of(values_of(settings()), names)))
+    jobs.submit(context.scene, [plan_bakes(context.scene, request_of(values_of(settings()), names))])
     while jobs.advance():
         sleep(0.1)
     seconds = monotonic() - since

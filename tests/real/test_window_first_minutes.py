@@ -60,7 +60,8 @@ def fresh(blender_root: Root, window_zip: Path) -> Iterator[Window]:
 
 
 def knows(window: Window, doing: str) -> bool:
-    return window.value(_KNOWN) == [doing]
+    """Whether the panel has found that its button does this."""
+    return bool(window.value(_KNOWN) == [doing])
 
 
 def bakes_and_looks(artist: Artist, seen: str) -> None:

@@ -10,11 +10,13 @@ import bpy
 
 from ..jobs import estimates
 from ..panel.labels import duration, remark
-from ..settings.chosen_objects import chosen_names
+from ..settings.chosen_objects import chosen_names, nothing_chosen
 from .bake_operator import can_bake, shown
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
+
+    from ...job.variants import Bake
 
 
 class RADTEX_OT_estimate(bpy.types.Operator):
@@ -32,18 +34,11 @@ class RADTEX_OT_estimate(bpy.types.Operator):
         return can_bake(cls, context)
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
-        from ...core.errors import InputError, RadTexError
-        from ..panel.layouts import chosen_layouts
-        from ..settings.request import spec_of, values_of
+        from ...core.errors import RadTexError
 
         scene, layer = shown(context)
-        names = chosen_names(scene, layer)
         try:
-            values = values_of(scene.radtex)  # type: ignore[attr-defined]  # ours
-            spec = spec_of(values)
-            if spec.split is not None:
-                raise InputError("only the time of whole objects is estimated: choose no Split")
-            bakes = [(name, choice.spec) for name, choice in chosen_layouts(scene, names, values, spec)]
+            bakes = _bakes(scene, chosen_names(scene, layer))
             if not bpy.app.background:
                 estimates.ask(scene, bakes)
                 return {"FINISHED"}
@@ -55,6 +50,25 @@ class RADTEX_OT_estimate(bpy.types.Operator):
         assert known is not None  # there is an object to bake, as the poll says
         self.report({"INFO"}, f"About {duration(known.seconds)}")
         return {"FINISHED"}
+
+
+def _bakes(scene: bpy.types.Scene, names: tuple[str, ...]) -> list[Bake]:
+    """Names and specifications of the bakes; raises InputError for those that have no estimate."""
+    from ...core.errors import InputError
+    from ..panel.layouts import chosen_layouts
+    from ..settings.object_settings import by_settings
+    from ..settings.values import spec_of, values_of
+
+    if not names:
+        raise InputError(nothing_chosen(scene))
+    bakes: list[Bake] = []
+    for settings, group in by_settings(scene, names):
+        values = values_of(settings)
+        spec = spec_of(values)
+        if spec.split is not None:
+            raise InputError("only the time of whole objects is estimated: choose no Split")
+        bakes += [(name, choice.spec) for name, choice in chosen_layouts(scene, group, values, spec)]
+    return bakes
 
 
 class RADTEX_OT_cancel_estimate(bpy.types.Operator):

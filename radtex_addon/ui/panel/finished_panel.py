@@ -30,6 +30,8 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
         draw_switch(layout, item)
         draw_layers(layout, item)
         column = layout.column()
+        column.operator_menu_enum("radtex.apply_to_copy", "shader", icon="DUPLICATE")
+        column.operator_menu_enum("radtex.make_asset", "shader", icon="ASSET_MANAGER")
         column.operator("radtex.compare", icon="IMAGE_REFERENCE")
         column.operator("radtex.show_in_browser", icon="URL")
         column.operator("radtex.export", text="Export…", icon="EXPORT")

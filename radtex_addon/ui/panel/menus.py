@@ -25,6 +25,8 @@ class RADTEX_MT_object(bpy.types.Menu):
         layout.operator("radtex.estimate", icon="TIME")
         layout.separator()
         layout.operator("radtex.preview_toggle", icon="HIDE_OFF")
+        layout.operator_menu_enum("radtex.apply_to_copy", "shader", icon="DUPLICATE")
+        layout.operator_menu_enum("radtex.make_asset", "shader", icon="ASSET_MANAGER")
         layout.operator("radtex.compare", icon="IMAGE_REFERENCE")
         layout.operator("radtex.show_in_browser", icon="URL")
         layout.operator("radtex.export", icon="EXPORT")
