@@ -15,10 +15,11 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from math import exp, log
 
+from .forms import FORMS
 from .kinds import Light
 from .progress import Stage
 from .rays import CLEAR_SAMPLES, PROBE_CELLS, PROBES, LayeredRays
-from .spec import BakeSpec, Kind, Layout, Unwrap
+from .spec import BakeSpec, Kind, Unwrap
 
 START = "start"  # starting the worker, opening the scene, checks; a stage of no bake, but of its job
 STAGES = (START, *map(str, Stage))
@@ -96,7 +97,7 @@ class BakeWork:
     @property
     def by_paths(self) -> bool:
         """Whether the layout's paths do not depend on its cells."""
-        return self.layout == Layout.LAYERED
+        return any(form.by_paths for form in FORMS if form.name == self.layout)
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ class FormTraits:
     * `by_paths`: fitted to single paths, whose number does not depend on the cells.
     * Options that it can be baked with: `layers`, `accumulates`, `accumulates_parts` of the surface alone,
       `refreshes`, a `farm`, the `panoramic` capture, and `any_cells`.
+    * Of its textures: `bits` in whole numbers; `arranges`: an export may choose arrangement and mip levels.
     * `backs`: faces that are seen from behind get texels of their own.
     """
 
@@ -38,14 +39,25 @@ class FormTraits:
     farm: bool = True
     panoramic: bool = True
     any_cells: bool = True
+    bits: bool = False
+    arranges: bool = True
     backs: bool = False
 
 
 BUCKETS = FormTraits("buckets", "buckets", "layout buckets")
-BITS = FormTraits("bits", "buckets", "bits", channels=1, panoramic=False)
+BITS = FormTraits("bits", "buckets", "bits", channels=1, panoramic=False, bits=True, arranges=False)
 AMBIENT = FormTraits("ambient", "buckets", "ambient occlusion", channels=1, panoramic=False)
 # 9 cells: odd, so that the creases of octahedral maps run through the middles of cells.
-SPHERE = FormTraits("sphere", "sphere", "spheres", cells=9, streams=False, layers=False, panoramic=False)
+SPHERE = FormTraits(
+    name="sphere",
+    layout="sphere",
+    title="spheres",
+    cells=9,
+    streams=False,
+    layers=False,
+    panoramic=False,
+    arranges=False,
+)
 LAYERED = FormTraits(
     name="layered",
     layout="layered",
@@ -58,6 +70,7 @@ LAYERED = FormTraits(
     accumulates_parts=False,
     farm=False,
     panoramic=False,
+    arranges=False,
     any_cells=False,
     backs=True,
 )

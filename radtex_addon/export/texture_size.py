@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from ..bake.forms import BITS, SPHERE
 from ..textures.choice import in_blocks
 from ..textures.export_spec import ExportSpec, Target, TextureFormat
 from .exporting import ExportSource
@@ -27,12 +26,12 @@ def about_texture_bytes(bake: ExportSource, spec: ExportSpec) -> float:
     """Bytes of the textures before they are packed by Zstandard, for light without alpha."""
     shapes = bake.form.shapes(bake.sidecar).values()
     pixels = sum(width * height for width, height, _ in shapes)
-    if bake.form.traits == BITS:
+    if bake.form.traits.bits:
         return float(_WORD * sum(width * height * words for width, height, words in shapes))
-    if bake.form.traits == SPHERE:
-        return float(pixels * _bytes(spec))
     if bake.form.traits.by_paths:
         return pixels * _LEVELS * (_BLOCKS if in_blocks(spec) else _FLOATS)
+    if not bake.form.traits.arranges:
+        return float(pixels * _bytes(spec))
     levels = 1 if spec.levels == 1 or spec.format is TextureFormat.EXR else _LEVELS
     return pixels * levels * _bytes(spec)
 

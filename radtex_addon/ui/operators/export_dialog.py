@@ -90,18 +90,17 @@ def folders_of(sources: Sequence[ExportSource], target: Target, folder: Path | N
 
 def applicable(sources: Sequence[ExportSource], target: str, form: str) -> frozenset[str]:
     """The names of the settings that all these bakes take, for this target and this format."""
-    from ...bake.forms import AMBIENT, BITS, BUCKETS
     from ...bake.kinds import KINDS as TABLE
     from ...textures.export_spec import MIRRORS, TAKES, Target
 
     names = {"limit"}
     forms = [source.form.traits for source in sources]
-    if BITS not in forms:
+    if not any(form.bits for form in forms):
         names.add("format")
     takes_ktx2 = any(taken.startswith(_KTX2) for taken in TAKES[Target(target)])
     if takes_ktx2 and (form == "auto" or form.startswith(_KTX2)):
         names.add("zstd")
-    if all(form in (BUCKETS, AMBIENT) for form in forms):
+    if all(form.arranges for form in forms):
         names |= {"arrangement", "levels"}
     mirrored = {kind for kind, traits in TABLE.items() if traits.looks_at_surface}
     if target in MIRRORS and all(source.bake.kind in mirrored for source in sources):
