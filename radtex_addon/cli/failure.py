@@ -24,4 +24,4 @@ def as_ours(raised: BaseException) -> RadTexError:
     if isinstance(raised, OSError):
         return BakeError(f"the system refuses: {raised}; make room, or choose another folder")
     show_traceback(raised)
-    return BakeError(f"a mistake in RadTex ({type(raised).__name__}): please report it, with the lines above")
+    return BakeError(f"a mistake in RadTex ({type(raised).__name__}): please report it, with its traceback")

@@ -43,7 +43,8 @@ class Job:
     decreases. `seconds_left` is an estimate, None while there is none. `message` is one line: the result, or
     why the job failed. `picture` is the latest picture of what is done so far, `map` the UV map of a bake;
     the worker's folder has the pictures while it runs. `files` and `facts` are what the worker reported when
-    it was done.
+    it was done. `took`: seconds from its start to its end, None if it never started. `log`: the end of what
+    a failed worker said on standard error, such as a traceback.
     """
 
     number: int
@@ -60,6 +61,7 @@ class Job:
     files: tuple[Path, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
     took: float | None = None
+    log: str = ""
 
     @property
     def work(self) -> Work:

@@ -27,15 +27,17 @@ from .job import State
 
 PATIENCE = 1.0  # seconds that a cancelled worker has for itself
 _NICE = 10  # Blender's window goes before
+_LOG = 8000  # characters of a failed worker's standard error that are kept
 
 Event: TypeAlias = Mapping[str, Any]
 
 
 class Ended(NamedTuple):
-    """The final state of a worker, and why it failed, if it did."""
+    """The final state of a worker, why it failed, if it did, and what it last said on standard error then."""
 
     state: State
     message: Message
+    log: str = ""
 
 
 class Worker:
@@ -164,16 +166,19 @@ class Worker:
             return Ended(State.DONE, Message(""))
         if self._cancelled or code == Cancelled.exit_code:
             return Ended(State.CANCELLED, Message("cancelled"))
-        return Ended(State.FAILED, self._error or Message(self._explain(self._reason(code))))
-
-    def _reason(self, code: int) -> str:
-        """Why it ended without reporting an error: a signal, or the last line of its standard error."""
-        if code < 0:
-            return f"killed by signal {-code}"
         self._errors.seek(0)
-        lines = self._errors.read().decode(errors="replace").splitlines()
-        last = next((line.strip() for line in reversed(lines) if line.strip()), f"exit code {code}")
-        return last.removeprefix("radtex: ")
+        log = self._errors.read().decode(errors="replace")
+        message = self._error or Message(self._explain(_reason(code, log)))
+        return Ended(State.FAILED, message, log[-_LOG:])
+
+
+def _reason(code: int, log: str) -> str:
+    """Why a worker ended without reporting an error: a signal, or the last line of its standard error."""
+    if code < 0:
+        return f"killed by signal {-code}"
+    lines = log.splitlines()
+    last = next((line.strip() for line in reversed(lines) if line.strip()), f"exit code {code}")
+    return last.removeprefix("radtex: ")
 
 
 def _event(line: bytes) -> Event | None:

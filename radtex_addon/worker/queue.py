@@ -119,7 +119,8 @@ class Queue:
         worker.close()
         if worker.ended.state is not State.DONE:
             remove_unfinished(entry.job.out, worker.pid)
-        self._end(entry, *worker.ended)
+        entry.job = replace(entry.job, log=worker.ended.log)
+        self._end(entry, worker.ended.state, worker.ended.message)
 
     def _cancel(self, entry: _Entry) -> None:
         if self._running is not None and entry is self._running[0]:

@@ -29,6 +29,8 @@ from radtex_addon.report.comparison_files import read_picture
 from radtex_addon.report.side_by_side import ComparisonSpec
 from radtex_addon.report.viewpoint import Eye
 from radtex_addon.textures.export_spec import ExportSpec, Target
+from radtex_addon.ui.jobs.bug_report import report_of
+from radtex_addon.version import VERSION
 from radtex_addon.worker.handover import hand_over, this_program, work_folder
 from radtex_addon.worker.job import Job, State
 from radtex_addon.worker.order import Handover, Program
@@ -175,6 +177,11 @@ def test_three_wait_for_one_another_and_one_that_fails_holds_up_none(
     assert "did you mean 'Card'?" in str(second.message)
     assert "\n" not in str(second.message)
     assert second.files == ()
+    report = report_of(second).splitlines()
+    assert report[0].startswith(f"RadTex {VERSION}, Blender {bpy.app.version_string}")
+    assert report[2] == "bake of Crad: failed, at 0% (None)"
+    assert str(second.message) in report
+    assert second.log.strip().splitlines()[-1] in report[-1]
     assert {path.parent.name for path in third.files} == {"three"}
     assert not handover.folder.exists()
     queue.forget_ended()

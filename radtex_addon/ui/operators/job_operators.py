@@ -107,6 +107,35 @@ class RADTEX_OT_clear_jobs(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class RADTEX_OT_copy_report(bpy.types.Operator):
+    """Copy what a report of a bug needs: versions, system, settings, and what the job said"""
+
+    bl_idname = "radtex.copy_report"
+    bl_label = "Copy Report"
+    bl_options = {"INTERNAL"}
+
+    if TYPE_CHECKING:
+        number: int
+    else:
+        number: IntProperty(
+            name="Number",
+            description="The job's number; 0 copies versions and system alone",
+            default=0,
+            min=0,
+            options={"SKIP_SAVE"},
+        )
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        from ..jobs.bug_report import report_of
+
+        assert context is not None  # Blender always gives one
+        assert context.window_manager is not None  # as above
+        job = next((job for job in jobs.snapshot() if job.number == self.number), None)
+        context.window_manager.clipboard = report_of(job)
+        self.report({"INFO"}, "The report is in the clipboard: paste it where you report the bug")
+        return {"FINISHED"}
+
+
 class RADTEX_OT_fold_map(bpy.types.Operator):
     """Show the map that is baked on: an island in one colour, darker where texels are denser. Or hide it"""
 

@@ -98,6 +98,7 @@ def _draw_job(column: Any, job: Job) -> None:
             again.overwrite = False
     if job.state == "failed":
         draw_text(column, remark(job.message, job.out), "BLANK1")
+        column.operator("radtex.copy_report", icon="COPYDOWN").number = job.number
     _draw_warnings(column, job)
 
 

@@ -83,6 +83,7 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
         layout.use_property_split = True
         for name in ("device", "memory_mb", "output_folder", "cache_folder", "default_preset"):
             layout.prop(self, name)
+        layout.operator("radtex.copy_report", text="Copy System Information for a Report", icon="COPYDOWN")
 
 
 def preferred() -> Preferred:
