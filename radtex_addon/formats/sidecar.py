@@ -16,6 +16,7 @@ from typing import Any
 
 from ..core.errors import FormatError
 from .disk.atomic import write_text
+from .fingerprint import KEY, Fingerprint, fingerprint_in
 from .json_reader import Facts, json_text
 from .sidecar_file import AnySidecar, read_facts
 
@@ -87,7 +88,8 @@ class Sidecar:
     `texel_samples` (`formats.sample_counts`) is given, `samples` is its smallest number. The UV layer has so
     many `islands`, which cover a share of the atlas, the `coverage`; both are None if unknown. The
     `texel_density` is given if the atlas's size follows from a density. `wasteful` says why the map wastes
-    its atlas, to go on after "the map …", and is empty if it does not.
+    its atlas, to go on after "the map …", and is empty if it does not. The `fingerprint` tells what was
+    baked, None if unknown.
     """
 
     object_name: str
@@ -117,6 +119,7 @@ class Sidecar:
     coverage: float | None = None
     texel_density: TexelDensity | None = None
     wasteful: str = ""
+    fingerprint: Fingerprint | None = None
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -169,6 +172,7 @@ class Sidecar:
             "texel_density": density and {"asked": density.asked, "reached": density.reached},
             "wasteful": self.wasteful or None,
             "content": content and {"collection": content.collection, "objects": list(content.objects)},
+            KEY: self.fingerprint and self.fingerprint.to_facts(),
         }
         facts |= {key: value for key, value in optional.items() if value is not None}
         return facts
@@ -220,6 +224,7 @@ class Sidecar:
             coverage=facts.number("coverage") if "coverage" in facts.values else None,
             texel_density=density_in(facts),
             wasteful=facts.text("wasteful") if "wasteful" in facts.values else "",
+            fingerprint=fingerprint_in(facts),
         )
 
 

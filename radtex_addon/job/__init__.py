@@ -7,6 +7,7 @@ map, captures, atlas, files.
 """
 
 from .baking import BakeResult, bake_object, bake_steps
+from .changed_bakes import Changes, changes
 from .checks import check_request
 from .layout_choice import Choice, OpenLayout, choose_layout, choose_layouts
 from .output_files import OutputFiles
@@ -14,11 +15,13 @@ from .split_parts import part_specs
 
 __all__ = [
     "BakeResult",
+    "Changes",
     "Choice",
     "OpenLayout",
     "OutputFiles",
     "bake_object",
     "bake_steps",
+    "changes",
     "check_request",
     "choose_layout",
     "choose_layouts",

@@ -7,7 +7,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Collection, Generator, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -47,6 +47,7 @@ from ..scene.proxy_content import EVERYTHING, show_content_only
 from ..scene.scratch import find_view_layer, new_data_removed, scratch_scene
 from ..textures.export_progress import Step
 from ..textures.export_spec import ExportSpec, Target
+from .bake_fingerprint import fingerprint_of_bake
 from .bake_output import BakeOutput
 from .checks import check_request, check_seen
 from .existing_bakes import images_of, is_there, misses_preview, missing_exports
@@ -323,6 +324,7 @@ def bake_unchecked(
         prepared = yield from watch.over(
             prepare(scratch, originals, spec, kept, store, unwraps, name, spec.form.backs)
         )
+        prepared = replace(prepared, fingerprint=fingerprint_of_bake(scratch, name, spec, files))
         if spec.density is not None:
             spec = prepared.sized(spec)
             check_memory(spec)

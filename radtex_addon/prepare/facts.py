@@ -7,6 +7,7 @@ from __future__ import annotations
 import bpy
 
 from ..bake.spec import BakeSpec
+from ..formats.fingerprint import Fingerprint
 from ..formats.sidecar import Part, Sidecar, Source, TexelDensity
 from ..version import VERSION
 
@@ -24,6 +25,7 @@ def facts_of(
     coverage: float | None = None,
     texel_density: TexelDensity | None = None,
     wasteful: str = "",
+    fingerprint: Fingerprint | None = None,
 ) -> Sidecar:
     """The sidecar's facts about a bake called `name` with `width` x `height` texels."""
     return Sidecar(
@@ -48,4 +50,5 @@ def facts_of(
         coverage=coverage,
         texel_density=texel_density,
         wasteful=wasteful,
+        fingerprint=fingerprint,
     )

@@ -33,6 +33,7 @@ from ..core.texel_map import TexelMap, rasterise
 from ..core.uv_map import UvMap
 from ..cycles.find_hidden import find_hidden
 from ..formats import sidecar
+from ..formats.fingerprint import Fingerprint
 from ..scene.digests import matrix_digest, mesh_digest, scene_digests
 from ..scene.mesh.copy import baked_mesh_steps, surface_mesh
 from ..scene.mesh.evaluated import EvaluatedMesh, evaluate
@@ -85,7 +86,8 @@ class Prepared:
     its `parts`. `counts` is the number of each piece's triangles in the surface, in which the pieces follow
     each other. With a `source`, the points to capture lie on that, the `detailed` object; its mesh `shown`,
     which renders as it does, is made for forms by paths alone. `chosen` (F,) marks the surface's triangles
-    that the specification selects, None if it selects none.
+    that the specification selects, None if it selects none. The `fingerprint` tells what is baked, None if
+    that was not read.
     """
 
     name: str
@@ -106,6 +108,7 @@ class Prepared:
     chosen: Bools | None = None
     detailed: Detailed | None = None
     shown: bpy.types.Mesh | None = None
+    fingerprint: Fingerprint | None = None
 
     @property
     def original(self) -> bpy.types.Object:
@@ -163,6 +166,7 @@ class Prepared:
             coverage=self.coverage,
             texel_density=self.density,
             wasteful=self.wasteful,
+            fingerprint=self.fingerprint,
         )
 
     def sized(self, spec: BakeSpec) -> BakeSpec:

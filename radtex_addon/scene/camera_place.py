@@ -20,6 +20,11 @@ def find_camera_place(scene: bpy.types.Scene) -> Eye:
             f"scene '{scene.name}' has no camera to be seen from: add one (Add > Camera), "
             "or choose the view normal"
         )
+    return place_of_camera(camera)
+
+
+def place_of_camera(camera: bpy.types.Object) -> Eye:
+    """The place of a camera, which may be an evaluated one."""
     far = cast(bpy.types.Camera, camera.data).type == "ORTHO"
     x, y, z = cast(Any, camera.matrix_world).col[2 if far else 3][:3]
     length = (x * x + y * y + z * z) ** 0.5 if far else 1.0

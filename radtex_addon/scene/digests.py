@@ -10,9 +10,7 @@ simulations.
 from __future__ import annotations
 
 import hashlib
-import warnings
-from collections.abc import Iterable, Iterator
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any, cast
 
 import bpy
@@ -20,55 +18,17 @@ import numpy as np
 
 from ..bake.key import DIGEST
 from ..core.arrays import Floats
-from .content_digests import Geometry, file_digest, image_contents
+from .block_digests import block_settings, digest_of, setting
+from .content_digests import Geometry
 from .mesh.evaluated import EvaluatedMesh, render_with
 from .render_settings import KEPT_OF_RENDER, LIGHT_PATHS
 from .working_space import working_space
 
-_DEPTH = 4  # levels of settings within settings, such as the points of a curve
 _SHOWN = sorted(KEPT_OF_RENDER - {"engine", "threads", "threads_mode"})
 _LIGHT = sorted(LIGHT_PATHS | {"dicing_rate", "feature_set", "max_subdivisions", "shading_system"})
 _CURVES = ("shape", "subdivisions")
 _OBJECT = ("is_holdout", "is_shadow_catcher", "pass_index", "color", "instance_type", "hide_render")
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
-# Properties that do not change renders.
-_IDLE = frozenset(
-    (
-        "animation_data",
-        "asset_data",
-        "bl_rna",
-        "inputs",
-        "interface",
-        "internal_links",
-        "library",
-        "library_weak_reference",
-        "original",
-        "outputs",
-        "override_library",
-        "parent",
-        "preview",
-        "rna_type",
-        "tag",
-        "use_extra_user",
-        "use_fake_user",
-    )
-)
-# Properties of nodes that do not change renders, such as their place in the editor.
-_IDLE_OF_NODES = _IDLE | {
-    "color",
-    "height",
-    "hide",
-    "label",
-    "location",
-    "location_absolute",
-    "select",
-    "show_options",
-    "show_preview",
-    "show_texture",
-    "use_custom_color",
-    "width",
-    "width_hidden",
-}
 
 
 def mesh_digest(mesh: EvaluatedMesh) -> str:
@@ -104,18 +64,23 @@ def scene_digests(scratch: bpy.types.Scene) -> dict[str, str]:
 
     render_with(scratch, read)
     frame = scratch.frame_current + scratch.frame_subframe
-    cycles, render, curves = cast(Any, scratch).cycles, scratch.render, cast(Any, scratch).cycles_curves
     return {
         **found,
-        "world": _digest(_walk(scratch.world, set())),
-        "light paths": _digest(
-            f"{name} {getattr(of, name, None)!r}"
-            for of, names in ((cycles, _LIGHT), (render, _SHOWN), (curves, _CURVES))
-            for name in names
-        ),
+        "world": digest_of(block_settings(scratch.world)),
+        "light paths": light_paths_digest(scratch),
         "working colour space": working_space(),
         "frame": f"{frame:g}",
     }
+
+
+def light_paths_digest(scratch: bpy.types.Scene) -> str:
+    """Digest of the scratch scene's settings of how light travels and what renders show."""
+    cycles, render, curves = cast(Any, scratch).cycles, scratch.render, cast(Any, scratch).cycles_curves
+    return digest_of(
+        f"{name} {getattr(of, name, None)!r}"
+        for of, names in ((cycles, _LIGHT), (render, _SHOWN), (curves, _CURVES))
+        for name in names
+    )
 
 
 def _of_instances(depsgraph: bpy.types.Depsgraph) -> dict[str, str]:
@@ -130,29 +95,30 @@ def _of_instances(depsgraph: bpy.types.Depsgraph) -> dict[str, str]:
         if item.type == "CAMERA":  # the bake has cameras of its own
             continue
         place = np.array(instance.matrix_world, dtype=np.float32).tobytes().hex()
-        said = f"{item.name_full} {item.type} {instance.is_instance} {place} {_of_object(item)}"
+        said = f"{item.name_full} {item.type} {instance.is_instance} {place} {object_settings(item)}"
         if item.type == "LIGHT":
-            lights.append(" ".join((said, *_walk(item.data, set()))))
+            lights.append(" ".join((said, *block_settings(item.data))))
             continue
         objects.append(f"{said} {geometry.of(item)}")
-        for material in _materials(item):
+        for material in materials_of(item):
             materials[material.name_full] = material
     return {
-        "objects": _digest(sorted(objects)),
-        "lights": _digest(sorted(lights)),
-        "materials": _digest(
-            text for name in sorted(materials) for text in (name, *_walk(materials[name], set()))
+        "objects": digest_of(sorted(objects)),
+        "lights": digest_of(sorted(lights)),
+        "materials": digest_of(
+            text for name in sorted(materials) for text in (name, *block_settings(materials[name]))
         ),
     }
 
 
-def _of_object(item: bpy.types.Object) -> str:
+def object_settings(item: bpy.types.Object) -> str:
+    """What rays see of an object, and other settings of it that shaders know, as text."""
     rays = [getattr(item, f"visible_{ray}") for ray in _RAYS]
-    settings = [repr(_value(getattr(item, name))) for name in _OBJECT]
+    settings = [repr(setting(getattr(item, name))) for name in _OBJECT]
     return f"{rays} {settings}"
 
 
-def _materials(item: bpy.types.Object) -> Iterator[bpy.types.Material]:
+def materials_of(item: bpy.types.Object) -> Iterator[bpy.types.Material]:
     """The original materials of an evaluated object, including those that its modifiers set."""
     slots = (slot.material for slot in item.material_slots)
     for material in (*slots, *getattr(item.data, "materials", ())):
@@ -160,91 +126,6 @@ def _materials(item: bpy.types.Object) -> Iterator[bpy.types.Material]:
             yield cast("bpy.types.Material", material.original)
 
 
-def _walk(struct: Any, seen: set[str], depth: int = _DEPTH) -> Iterator[str]:
-    """Yield the settings of a data-block, or of a part of one, as text, with its node groups and images."""
-    if struct is None:
-        return
-    if isinstance(struct, bpy.types.ID):
-        name = f"{type(struct).__name__} {struct.name_full}"
-        yield name
-        if name in seen:
-            return
-        seen.add(name)
-    if isinstance(struct, bpy.types.Image):
-        yield _of_image(struct)
-        return
-    if isinstance(struct, bpy.types.NodeTree):
-        yield from _walk_tree(struct, seen)
-        return
-    idle = _IDLE_OF_NODES if isinstance(struct, bpy.types.Node) else _IDLE
-    for prop in struct.bl_rna.properties:
-        if prop.identifier in idle or prop.identifier.startswith("bl_"):
-            continue
-        with warnings.catch_warnings(action="ignore"):  # reading properties that Blender 6 will remove
-            value = getattr(struct, prop.identifier, None)
-        yield from _walk_property(prop, value, seen, depth)
-
-
-def _walk_property(prop: Any, value: Any, seen: set[str], depth: int) -> Iterator[str]:
-    if prop.type == "COLLECTION":
-        if depth:
-            for item in value or ():
-                yield from _walk(item, seen, depth - 1)
-    elif prop.type == "POINTER":
-        if isinstance(value, bpy.types.NodeTree | bpy.types.Image):
-            yield from _walk(value, seen)
-        elif isinstance(value, bpy.types.Text):
-            yield value.as_string()
-        elif isinstance(value, bpy.types.ID):
-            yield f"{prop.identifier} {value.name_full}"
-        elif depth:
-            yield from _walk(value, seen, depth - 1)
-    elif not prop.is_readonly or prop.identifier == "type":
-        yield f"{prop.identifier} {_value(value)!r}"
-
-
-def _walk_tree(tree: bpy.types.NodeTree, seen: set[str]) -> Iterator[str]:
-    for node in tree.nodes:
-        yield node.bl_idname
-        yield from _walk(node, seen)
-        if path := getattr(node, "filepath", ""):  # of an OSL script or an IES file
-            yield file_digest(Path(bpy.path.abspath(path, library=tree.library)))
-        for socket in (*node.inputs, *node.outputs):
-            default = getattr(socket, "default_value", None)
-            value = default.name_full if isinstance(default, bpy.types.ID) else _value(default)
-            yield f"{socket.identifier} {value!r}"
-    for link in tree.links:
-        ends = (link.from_node, link.from_socket), (link.to_node, link.to_socket)
-        yield " ".join(f"{node and node.name}.{socket and socket.identifier}" for node, socket in ends)
-
-
-def _of_image(image: bpy.types.Image) -> str:
-    """An image's settings and contents; its path and date may differ, as in a copy of the scene."""
-    settings = (image.source, image.colorspace_settings.name, image.alpha_mode, _value(image.size))
-    generated = f"{image.generated_type} {_value(image.generated_color)}"
-    return f"{settings} {image_contents(image)} {generated}"
-
-
-def _value(value: Any) -> Any:
-    """A property's value in Python's own types; vectors and the like become lists of numbers."""
-    if value is None or isinstance(value, str | bytes | int | float):
-        return value
-    if isinstance(value, set):
-        return sorted(value)
-    try:
-        return np.array(value).tolist()
-    except (TypeError, ValueError):
-        return str(type(value))
-
-
 def _feed(state: Any, array: Any) -> None:
     state.update(repr((array.shape, str(array.dtype))).encode())
     state.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8))
-
-
-def _digest(texts: Iterable[str]) -> str:
-    state = hashlib.sha256()
-    for text in texts:
-        state.update(text.encode("utf-8", "surrogateescape"))
-        state.update(b"\0")
-    return DIGEST + state.hexdigest()

@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a bake was made of, as digests by parts, so that one can tell what has changed since."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+
+from .json_reader import Facts
+
+VERSION = 1  # another one digests other things: such fingerprints cannot be compared
+KEY = "fingerprint"  # in the sidecar
+PARTS = ("mesh", "transform", "materials", "settings", "surroundings")
+
+
+@dataclass(frozen=True)
+class Fingerprint:
+    """Digests of what a bake was made of; a part is empty if it is not known.
+
+    `mesh`, `transform` and `materials` are those of the baked objects, with their source and cage; `settings`
+    are the specification's, and the scene's of how light travels; `surroundings` is all else that the scene
+    renders.
+    """
+
+    mesh: str = ""
+    transform: str = ""
+    materials: str = ""
+    settings: str = ""
+    surroundings: str = ""
+    version: int = VERSION
+
+    def differences(self, other: Fingerprint) -> tuple[str, ...]:
+        """Names of the parts that differ, in the order of `PARTS`; a part that is not known differs."""
+        return tuple(part for part in PARTS if not self._has(part, other))
+
+    def folded_onto(self, earlier: Fingerprint | None, *, everywhere: bool) -> Fingerprint:
+        """The fingerprint of an atlas of the `earlier` fingerprint to which a bake of this one is added.
+
+        The settings stay the earlier ones. Unless the bake renews the atlas `everywhere`, the parts that
+        differ are not known: the atlas has some of both.
+        """
+        if earlier is None or earlier.version != self.version:
+            return Fingerprint()
+        settings = earlier.settings
+        if everywhere:
+            return replace(self, settings=settings)
+        mixed = {part: "" for part in PARTS if part != "settings" and not self._has(part, earlier)}
+        return replace(self, **{**mixed, "settings": settings})  # type: ignore[arg-type]  # all are strings
+
+    def to_facts(self) -> dict[str, str | int]:
+        """The fingerprint as JSON values."""
+        found = asdict(self)
+        return {"version": found.pop("version"), **found}
+
+    def _has(self, part: str, other: Fingerprint) -> bool:
+        mine = getattr(self, part)
+        return bool(mine) and mine == getattr(other, part)
+
+
+def fingerprint_in(facts: Facts) -> Fingerprint | None:
+    """The fingerprint in a sidecar's `facts`, None if it has none. Raises FormatError."""
+    if KEY not in facts.values:
+        return None
+    found = facts.inner(KEY)
+    parts = {part: found.text(part) for part in PARTS if part in found.values}
+    return Fingerprint(**parts, version=found.whole_number("version", 1))
