@@ -66,7 +66,8 @@ class Request:
     """One bake run. `scene` is the .blend to open; None bakes the file that Blender has open.
 
     `passes` fold samples into one atlas; `serve` is the port at which the web page is served meanwhile. With
-    a `thumbnail` a bake also draws its UV map, in the file `map_picture`, if that is given.
+    a `thumbnail` a bake also draws its UV map, in the file `map_picture`, if that is given. The meshes of
+    `collections` are baked, too.
     """
 
     scene: Path | None
@@ -81,6 +82,7 @@ class Request:
     parent_pipe: bool = False
     passes: int = 1
     serve: int | None = None
+    collections: tuple[str, ...] = ()
 
 
 def parse(arguments: list[str], inside_blender: bool) -> Request:
@@ -109,18 +111,21 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
     if found.exports and not (found.save_preview or demo):
         raise InputError("--export is made from the preview: give --save-preview too")
     objects = tuple(dict.fromkeys(found.object or ()))
-    chosen["objects"] = _sharing(found.together, objects, demo)
+    collections = tuple(dict.fromkeys(found.collection or ()))
+    sharing = _sharing(found.together, objects, demo)
+    chosen["objects"] = () if collections else sharing  # the file has the others
     lights = tuple(map(parse_lights, found.lit or ()))
     spec = lit(BakeSpec(**chosen), lights)
     check_memory(spec)
     _check_passes(found, spec, passes)
+    _check_changed(found, demo, passes)
     for target in found.exports or ():
         check_target("the bake", spec.kind, target)
     return Request(
         scene=None if demo or found.scene is None else Path(found.scene),
         demo=demo,
         bakes=BakeRequest(
-            objects=objects or (OBJECT,),
+            objects=objects or ((OBJECT,) if demo else ()),
             spec=spec,
             folder=Path(found.out),
             shared=found.together,
@@ -131,6 +136,8 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
             frames=found.frames,
             lights=lights,
             open_layout=open_layout,
+            only_changed=found.only_changed,
+            surroundings=found.surroundings,
         ),
         progress=found.progress,
         verbose=found.verbose,
@@ -139,6 +146,7 @@ def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
         parent_pipe=found.parent_pipe,
         passes=passes,
         serve=found.serve,
+        collections=collections,
     )
 
 
@@ -159,6 +167,26 @@ def _check_passes(found: argparse.Namespace, spec: BakeSpec, passes: int) -> Non
         )
     if not 0 <= found.serve <= _LAST_PORT:
         raise InputError(f"--serve {found.serve}: give a port from 0 to {_LAST_PORT}")
+
+
+def _check_changed(found: argparse.Namespace, demo: bool, passes: int) -> None:
+    """Refuse what does not go with --changed. Raises InputError."""
+    if not found.only_changed:
+        if not found.surroundings:
+            raise InputError("--ignore-surroundings says what --changed looks at: give --changed too")
+        return
+    if demo:
+        raise InputError(f"the {DEMO} is always baked anew: leave --changed out")
+    if found.overwrite:
+        raise InputError("--changed replaces what has changed, --overwrite everything: give one of them")
+    if found.resume:
+        raise InputError(
+            "--changed begins unfinished bakes anew: go on with them by --resume first, then give --changed"
+        )
+    adds = {"--accumulate": found.accumulate, "--refresh": found.refresh, "--passes": passes > 1}
+    for flag, given in adds.items():
+        if given:
+            raise InputError(f"--changed bakes anew, {flag} adds to what is there: give one of them")
 
 
 def _sharing(together: str | None, objects: tuple[str, ...], demo: bool) -> tuple[str, ...]:

@@ -43,6 +43,13 @@ def _add_objects(group: argparse._ArgumentGroup, inside_blender: bool) -> None:
         help="the mesh object to bake; may be given several times",
     )
     group.add_argument(
+        "--collection",
+        action="append",
+        metavar="NAME",
+        help="bake all meshes of the collection and of those in it that are seen in renders, by name; may be "
+        "given several times, and beside --object",
+    )
+    group.add_argument(
         "--together",
         metavar="NAME",
         help="bake all objects into one atlas, which is called NAME: DIR/NAME.KIND.exr "
@@ -343,6 +350,19 @@ def add_course(group: argparse._ArgumentGroup) -> None:
         default=_DEFAULT.where,
         help="accumulate or refresh only faces of the object's vertex group, boolean face attribute or "
         "material of that name (default: everywhere)",
+    )
+    group.add_argument(
+        "--changed",
+        dest="only_changed",
+        action="store_true",
+        help="bake only what has no finished bake in DIR, or has changed since: mesh, place, materials, "
+        "settings or surroundings; replaces what is there, and says in a line what became of each",
+    )
+    group.add_argument(
+        "--ignore-surroundings",
+        dest="surroundings",
+        action="store_false",
+        help="of --changed, what has changed of neighbours, lamps and the world does not count",
     )
     group.add_argument(
         "--resume",

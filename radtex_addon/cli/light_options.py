@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError
-from ..job.variants import variant_of
+from ..job.variants import title_of
 from ..scene.lights.lamps import ALL, EACH
 
 
@@ -34,7 +34,5 @@ def lit(spec: BakeSpec, lights: tuple[tuple[str, ...], ...]) -> BakeSpec:
 
 def titled(name: str, spec: BakeSpec, number: int, count: int) -> str:
     """Title of bake `number` (from 0) in a run of `count` bakes."""
-    words = [f"{spec.split} {spec.part}"] if spec.part is not None else []
-    if variant := variant_of(spec):
-        words.append(variant)
-    return ", ".join([name, *words]) + (f" ({number + 1} of {count})" if words else "")
+    title = title_of(name, spec)
+    return title if title == name else f"{title} ({number + 1} of {count})"

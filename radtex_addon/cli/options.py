@@ -99,7 +99,10 @@ def check_named(found: argparse.Namespace, inside_blender: bool, done: str) -> N
     """
     if not inside_blender and found.scene is None:
         raise InputError(f"which file? give a .blend, or the word {DEMO} (--help lists everything)")
-    if found.scene != DEMO and not found.object:
+    collections = getattr(found, "collection", None)
+    if found.scene == DEMO and collections:
+        raise InputError(f"the {DEMO} has one object: leave --collection out")
+    if found.scene != DEMO and not (found.object or collections):
         raise InputError("which object? name it: --object NAME (--help lists everything)")
     if inside_blender and found.scene not in (None, DEMO):
         raise InputError(

@@ -29,6 +29,8 @@ _ELSEWHERE = {
     "resume": False,
     "where": None,
     "exports": None,
+    "only_changed": False,
+    "surroundings": True,
     "passes": None,
     "serve": None,
 }

@@ -28,6 +28,7 @@ from ..job.bake_plan import check_plan, plan_bakes, steps_of_bakes
 from ..preview.picture import render_picture
 from ..textures.export_spec import Target
 from .arguments import Request
+from .collection_objects import with_collections
 from .failure import as_ours
 from .interruption import INTERRUPTED, Interruption
 from .light_options import titled
@@ -42,6 +43,7 @@ _NAME = 255  # most bytes in a file name
 def run_bake(request: Request, report: Report, interruption: Interruption) -> None:
     """Bake each object and report the results. Raises RadTexError."""
     scene = open_asked(request, interruption)
+    request = with_collections(scene, request)
     with serving(request.bakes.folder, request.serve) as port:
         pages = _bake(scene, request, report, interruption, "")
         for page in pages if port is not None else ():
@@ -62,8 +64,11 @@ def _bake(
     """Bake each object once and report the results, their titles ending in `after`; returns the web pages."""
     pages: list[Path] = []
     plan = plan_bakes(scene, request.bakes)
+    for line in plan.change_lines:
+        report.event("note", message=line)
     if not plan.wanted:
-        report.event("note", message=f"all {len(plan.choices)} bakes are finished: nothing is left to do")
+        state = "unchanged" if plan.found else "finished"
+        report.event("note", message=f"all {len(plan.choices)} bakes are {state}: nothing is left to do")
     if plan.skipped:
         report.event("warning", **told(Message(plan.skipped)))
     check_plan(scene, plan)

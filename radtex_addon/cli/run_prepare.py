@@ -13,6 +13,7 @@ from ..farm.frame_list import commands
 from ..farm.prepare_farm import Farm, prepare_steps
 from ..job import Choice
 from .arguments import Request
+from .collection_objects import with_collections
 from .interruption import Interruption
 from .opening import open_asked
 from .options import ASSEMBLE
@@ -24,6 +25,7 @@ _LISTED = 20  # most files listed in the summary
 def run_prepare(request: Request, report: Report, interruption: Interruption) -> None:
     """Write the farm's folder and print the commands that render it. Raises RadTexError."""
     scene = open_asked(request, interruption)
+    request = with_collections(scene, request)
     asked = request.bakes.asked(scene)
     if len(asked) > 1:
         raise InputError(

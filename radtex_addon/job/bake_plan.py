@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from itertools import groupby
 from math import inf
 from operator import itemgetter
 from time import monotonic
+from typing import NamedTuple
 
 import bpy
 
@@ -20,25 +21,43 @@ from ..core.messages import Message
 from ..prepare.unwrapping import Unwraps
 from .bake_request import BakeRequest
 from .baking import BakeSteps, bake_steps
+from .changed_bakes import BakeState, Changes, SceneReader, changes
 from .checks import check_request
 from .layout_choice import Choice, choose_layouts
 from .output_collisions import check_output_collisions
 from .preflight import Preflight, run_preflight
 from .split_parts import may_lack_parts
-from .variants import Bake, announce_all, bakes_to_resume, skipped_warning, tidy
+from .variants import (
+    Bake,
+    announce_all,
+    bakes_to_resume,
+    skipped_warning,
+    tidy,
+    title_of,
+    with_incomplete,
+)
+
+
+class Course(NamedTuple):
+    """Whether a bake may replace files, and whether it goes on with what is there."""
+
+    overwrite: bool
+    resume: bool
 
 
 @dataclass(frozen=True)
 class BakePlan:
     """The bakes of a request, with their layouts; `wanted` are those that are to be made.
 
-    Resuming leaves out finished bakes. If `may_lack_parts`, a guessed plan may miss bakes of parts.
+    Resuming leaves out finished bakes. If `may_lack_parts`, a guessed plan may miss bakes of parts. If only
+    changed bakes are asked for, `found` is what was found of each.
     """
 
     request: BakeRequest
     choices: dict[Bake, Choice]
     wanted: tuple[Bake, ...]
     may_lack_parts: bool = False
+    found: Mapping[Bake, Changes] = field(default_factory=dict)
 
     @property
     def skipped(self) -> str:
@@ -50,6 +69,34 @@ class BakePlan:
         """A line for each object for which layout buckets was chosen automatically, with the reason."""
         lines = (self.choices[bake].told(bake[0]) for bake in self.wanted)
         return tuple(dict.fromkeys(line for line in lines if line))
+
+    @property
+    def change_lines(self) -> tuple[str, ...]:
+        """What was found of each bake, and what becomes of it, if only changed bakes are asked for."""
+        return tuple(
+            f"{title_of(*bake)}: {found}{_becomes(found, bake in self.wanted)}"
+            for bake, found in self.found.items()
+        )
+
+    @property
+    def replaced(self) -> tuple[Bake, ...]:
+        """The wanted bakes that are baked, and not only get what is made of them."""
+        return tuple(bake for bake in self.wanted if bake not in self.found or self.found[bake].asks_for_bake)
+
+    def course_of(self, bake: Bake) -> Course:
+        """Whether a wanted bake may replace files, and whether it goes on with what is there."""
+        if bake not in self.found:
+            return Course(self.request.overwrite, self.request.resume)
+        again = self.found[bake].asks_for_bake
+        return Course(overwrite=again, resume=not again)
+
+
+def _becomes(found: Changes, wanted: bool) -> str:
+    if not wanted:
+        return ""
+    if not found.asks_for_bake:
+        return ", but lacks its preview or an export, which is made"
+    return ", baking" if found.state is BakeState.MISSING else ", baking again"
 
 
 def plan_bakes(scene: bpy.types.Scene, request: BakeRequest, *, guess: bool = False) -> BakePlan:
@@ -66,6 +113,8 @@ def plan_bakes(scene: bpy.types.Scene, request: BakeRequest, *, guess: bool = Fa
         resume=request.resume,
         overwrite=request.overwrite,
     )
+    if request.only_changed:
+        return _plan_of_changed(scene, request, choices)
     bakes, unsure = tuple(choices), guess and may_lack_parts(scene, request.objects, request.spec)
     if not (request.resume and not request.overwrite and request.is_of_several(scene)):
         return BakePlan(request, choices, bakes, unsure)
@@ -80,18 +129,35 @@ def plan_bakes(scene: bpy.types.Scene, request: BakeRequest, *, guess: bool = Fa
     return BakePlan(request, choices, left, unsure)
 
 
+def _plan_of_changed(scene: bpy.types.Scene, request: BakeRequest, choices: dict[Bake, Choice]) -> BakePlan:
+    """The bakes that are not there, unfinished or changed, and those that lack a preview or an export."""
+    bakes = tuple(choices)
+    tidy(bakes, request.folder)
+    reader = SceneReader(scene)
+    found = {
+        (name, spec): changes(
+            scene, name, spec, request.folder, surroundings=request.surroundings, reader=reader
+        )
+        for name, spec in bakes
+    }
+    again = [bake for bake in bakes if found[bake].asks_for_bake]
+    wanted = with_incomplete(bakes, again, request.folder, request.saves_preview, request.exports)
+    return BakePlan(request, choices, wanted, found=found)
+
+
 def check_plan(scene: bpy.types.Scene, plan: BakePlan) -> None:
     """Check all bakes before the first starts. Raises InputError with the first problem."""
     request = plan.request
     for name, spec in plan.wanted:
+        course = plan.course_of((name, spec))
         check_request(
             scene,
             name,
             spec,
             request.folder,
             request.saves_preview,
-            request.overwrite,
-            resume=request.resume,
+            course.overwrite,
+            resume=course.resume,
             exports=request.exports,
         )
     check_output_collisions(plan.wanted, request.folder, request.saves_preview)
@@ -133,17 +199,19 @@ def steps_of_bakes(
     Bakes of one object share its unwrap. `thumbnail` returns the thumbnail for a bake's name.
     """
     request = plan.request
-    announce_all(plan.wanted, request.folder, request.saves_preview, request.exports, request.overwrite)
+    replaces = request.overwrite or request.only_changed
+    announce_all(plan.replaced, request.folder, request.saves_preview, request.exports, replaces)
     unwraps: Unwraps | None = {} if len(plan.wanted) > 1 else None  # it is as large as the mesh
     for name, spec in plan.wanted:
+        course = plan.course_of((name, spec))
         steps = bake_steps(
             scene,
             name,
             spec,
             request.folder,
             preview=request.preview,
-            overwrite=request.overwrite,
-            resume=request.resume,
+            overwrite=course.overwrite,
+            resume=course.resume,
             thumbnail=thumbnail(name),
             unwraps=unwraps,
             exports=request.exports,

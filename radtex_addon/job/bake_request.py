@@ -29,7 +29,9 @@ class BakeRequest:
     If `shared` is not None the objects share one atlas of that name. An entry of `lights` names lamps, or is
     (EACH,) for every lamp alone, or (ALL,) for all light together. If `open_layout` is not None, `spec` has
     layout buckets until a layout is chosen for each object. `preview` is the filter of the previews to save,
-    `exports` are made of every bake. `overwrite` and `resume` are as in `bake_steps`.
+    `exports` are made of every bake. `overwrite` and `resume` are as in `bake_steps`. With `only_changed`,
+    bakes that are not there, unfinished or changed (`changes`) are made, and replace what is there;
+    `surroundings` says whether neighbours and lamps count as changes.
     """
 
     objects: tuple[str, ...]
@@ -43,6 +45,8 @@ class BakeRequest:
     frames: tuple[int, ...] = ()
     lights: tuple[tuple[str, ...], ...] = ()
     open_layout: OpenLayout | None = None
+    only_changed: bool = False
+    surroundings: bool = True
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -65,6 +65,20 @@ class Changes:
         return ", ".join([*moved, f"{named} changed"] if last else moved)
 
 
+class SceneReader:
+    """Digests a scene when they are first needed, once for each frame; make a new one when it has changed."""
+
+    def __init__(self, scene: bpy.types.Scene, view_layer: str | None = None) -> None:
+        self._scene, self._view_layer = scene, view_layer
+        self._known: dict[int | None, SceneDigests] = {}
+
+    def at(self, frame: int | None) -> SceneDigests:
+        """Digests at a frame, or at the scene's own. Raises InputError as `read_now` does."""
+        if frame not in self._known:
+            self._known[frame] = read_now(self._scene, frame, self._view_layer)
+        return self._known[frame]
+
+
 def changes(
     scene: bpy.types.Scene,
     name: str,
@@ -73,14 +87,14 @@ def changes(
     view_layer: str | None = None,
     *,
     surroundings: bool = True,
-    now: SceneDigests | None = None,
+    reader: SceneReader | None = None,
 ) -> Changes:
     """What has changed of the scene since the bake called `name` into `folder`, which `spec` asks for again.
 
     `name`, `spec` and `view_layer` are as in `bake_steps`; the layout has been chosen. Without
-    `surroundings`, neighbours, lamps and the world do not count, except for what a hull shows. `now` is what
-    `read_now` returns at the frame of `spec`, for the checks of several bakes; without it the scene is
-    evaluated, once a bake was found. Nothing is changed. Raises InputError for an object or a lamp that no
+    `surroundings`, neighbours, lamps and the world do not count, except for what a hull shows. Checks of
+    several bakes share a `reader`, so that the scene is evaluated once; it is not evaluated where no bake is
+    found. Nothing is changed. Raises InputError for an object or a lamp that no
     longer renders.
     """
     files = OutputFiles.of(name, spec, folder, preview=False)
@@ -94,8 +108,7 @@ def changes(
         return Changes(BakeState.UNKNOWN, reason=f"{files.sidecar.name} cannot be read")
     if stored is None or stored.version != VERSION:
         return Changes(BakeState.UNKNOWN, reason="it was baked by a RadTex that did not note what it is of")
-    if now is None:
-        now = read_now(scene, spec.frame, view_layer)
+    now = (reader or SceneReader(scene, view_layer)).at(spec.frame)
     found = stored.differences(now.of_bake(name, spec, find_view_layer(scene, view_layer)))
     if "settings" not in found and not files.atlas.is_file():
         return Changes(BakeState.MISSING)

@@ -25,6 +25,12 @@ Bake: TypeAlias = tuple[str, BakeSpec]  # the name of an object or a shared atla
 _KEYS = ("frame", "lights")  # keys that only sidecars of variants have
 
 
+def title_of(name: str, spec: BakeSpec) -> str:
+    """A bake's name, its part and its variant, for people."""
+    words = [f"{spec.split} {spec.part}"] if spec.part is not None else []
+    return ", ".join(word for word in (name, *words, variant_of(spec)) if word)
+
+
 def variant_of(spec: BakeSpec) -> str:
     """The frame and the lamps of a bake in words; empty if it is no variant."""
     words = [] if spec.frame is None else [f"frame {spec.frame}"]
@@ -70,9 +76,20 @@ def bakes_to_resume(
 def _not_whole(
     bakes: Sequence[Bake], out: Path, preview: bool, exports: Collection[Target]
 ) -> tuple[Bake, ...]:
-    """The bakes that lack files. A missing preview that parts share is made by only one of them."""
+    """The bakes that lack files."""
+    lacking = [bake for bake in bakes if not is_finished(*bake, out)]
+    return with_incomplete(bakes, lacking, out, preview, exports)
+
+
+def with_incomplete(
+    bakes: Sequence[Bake], lacking: Collection[Bake], out: Path, preview: bool, exports: Collection[Target]
+) -> tuple[Bake, ...]:
+    """Those of the `bakes` that are `lacking`, or lack their preview or exports.
+
+    A missing preview that parts share is made by only one of them.
+    """
     files = {bake: OutputFiles.of(*bake, out, preview) for bake in bakes}
-    lacking = {bake for bake in bakes if not is_finished(*bake, out)}
+    lacking = set(lacking)
     made = {files[bake].preview for bake in lacking}
     for bake, there in files.items():
         is_alone = misses_preview(there) and there.preview not in made

@@ -16,8 +16,7 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object
-from radtex_addon.job.bake_fingerprint import read_now
-from radtex_addon.job.changed_bakes import BakeState, Changes, changes
+from radtex_addon.job.changed_bakes import BakeState, Changes, SceneReader, changes
 from radtex_addon.preview.swap import switch_off, switch_on
 from tests.blender import stage
 from tests.blender.batch_process import process
@@ -70,8 +69,8 @@ def diffuse(name: str) -> Any:
 
 
 def told(out: Path, spec: BakeSpec = SPEC, **options: Any) -> tuple[Changes, ...]:
-    now = read_now(context.scene)
-    return tuple(changes(context.scene, name, spec, out, now=now, **options) for name in NAMES)
+    reader = SceneReader(context.scene)
+    return tuple(changes(context.scene, name, spec, out, reader=reader, **options) for name in NAMES)
 
 
 def a_vertex() -> None:

@@ -10,7 +10,7 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..panel.panel_state import mark_stale
-from ..settings.chosen_objects import chosen_by, meshes_of, selected_meshes
+from ..settings.chosen_objects import chosen_by, selected_meshes
 from .bake_operator import shown
 from .undo import push_step
 
@@ -39,6 +39,7 @@ class RADTEX_OT_list_add(bpy.types.Operator):
         )
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        from ...preview.collection_meshes import meshes_of
         from ...preview.swap import original_of
 
         scene, layer = shown(context)

@@ -96,6 +96,7 @@ def chosen_by(scene: bpy.types.Scene) -> RADTEX_PG_chosen:
 
 def chosen_meshes(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
     """The objects that the panel bakes, in the order in which they are baked; originals, not previews."""
+    from ...preview.collection_meshes import meshes_of
     from ...preview.swap import original_of
 
     chosen = chosen_by(scene)
@@ -134,18 +135,3 @@ def selected_meshes(layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
     if not found and active is not None and active.type == "MESH":
         found = [active]
     return sorted(found, key=lambda item: item.name)
-
-
-def meshes_of(
-    collection: bpy.types.Collection | None, view_layer: bpy.types.ViewLayer
-) -> list[bpy.types.Object]:
-    """The meshes of a collection, and of those in it, that are in the view layer, sorted by name.
-
-    What is hidden from render, such as a modifier's cutter, is left out, unless its bake is shown.
-    """
-    from ...preview.swap import is_on
-
-    found = [] if collection is None else [item for item in collection.all_objects if item.type == "MESH"]
-    here = set(view_layer.objects)
-    seen = (item for item in found if item in here and (not item.hide_render or is_on(item)))
-    return sorted(seen, key=lambda item: item.name)
