@@ -33,14 +33,14 @@ class Fingerprint:
         """Names of the parts that differ, in the order of `PARTS`; a part that is not known differs."""
         return tuple(part for part in PARTS if not self._has(part, other))
 
-    def folded_onto(self, earlier: Fingerprint | None, *, everywhere: bool) -> Fingerprint:
+    def folded_onto(self, earlier: Fingerprint | None, *, everywhere: bool) -> Fingerprint | None:
         """The fingerprint of an atlas of the `earlier` fingerprint to which a bake of this one is added.
 
         The settings stay the earlier ones. Unless the bake renews the atlas `everywhere`, the parts that
-        differ are not known: the atlas has some of both.
+        differ are not known: the atlas has some of both. None if nothing is known of the earlier bake.
         """
         if earlier is None or earlier.version != self.version:
-            return Fingerprint()
+            return None
         settings = earlier.settings
         if everywhere:
             return replace(self, settings=settings)

@@ -36,8 +36,8 @@ def read_originals(scratch: bpy.types.Scene) -> SceneDigests:
 
 def fingerprint_of_bake(
     scratch: bpy.types.Scene, name: str, spec: BakeSpec, files: OutputFiles
-) -> Fingerprint:
-    """The fingerprint of an atlas that a bake of the scratch scene makes, or adds to."""
+) -> Fingerprint | None:
+    """The fingerprint of an atlas that a bake of the scratch scene makes, or adds to; None if not known."""
     found = read_originals(scratch).of_bake(name, spec, find_view_layer(scratch, None))
     if not (spec.accumulate or spec.refresh):
         return found

@@ -13,11 +13,13 @@ from typing import Any
 import bpy
 import pytest
 
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.bake.spec import BakeSpec, Kind, View
 from radtex_addon.core.sampler import Filter
+from radtex_addon.formats.fingerprint import Fingerprint
 from radtex_addon.job import bake_object
 from radtex_addon.job.changed_bakes import BakeState, Changes, SceneReader, changes
 from radtex_addon.preview.swap import switch_off, switch_on
+from radtex_addon.worker.handover import hand_over
 from tests.blender import stage
 from tests.blender.batch_process import process
 from tests.blender.fingerprint import differences, fingerprint
@@ -179,7 +181,7 @@ def test_what_no_render_shows_is_no_change(out: Path) -> None:
     assert changes(context.scene, "Cup", SPEC, out) == UNCHANGED
 
 
-def test_a_saved_file_opened_by_another_process_is_unchanged(scene: Any, out: Path, tmp_path: Path) -> None:
+def test_a_saved_file_and_a_workers_copy_are_unchanged(scene: Any, out: Path, tmp_path: Path) -> None:
     """Also the values of animated properties, which the file holds as they last were."""
     colour = diffuse("Table").inputs["Color"]
     for frame, value in ((1, 0.1), (20, 0.9)):
@@ -203,10 +205,13 @@ def test_a_saved_file_opened_by_another_process_is_unchanged(scene: Any, out: Pa
     bpy.ops.wm.save_as_mainfile(filepath=str(blend), relative_remap=True)
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     assert told(out) == (UNCHANGED,) * 3
-    words = ["--uv=UVMap", "--layout=buckets", "--texels=8", "--bucket=2", "--samples=1", "--no-denoise"]
-    ended = process(blend, "--object=Table", *words, "--out", out / "other", "--progress=none")
+    handed = hand_over(context.scene, tmp_path / "jobs")
+    words = [f"--object={name}" for name in NAMES]
+    words += ["--uv=UVMap", "--layout=buckets", "--texels=8", "--bucket=2", "--samples=1", "--no-denoise"]
+    ended = process(handed.blend, *words, "--out", out / "other", "--progress=none")
     assert ended.code == 0, ended.err
-    assert note(out / "other" / "Table.radiance.json") == note(out / "Table.radiance.json")
+    for name in NAMES:
+        assert note(out / "other" / f"{name}.radiance.json") == note(out / f"{name}.radiance.json")
 
 
 def note(sidecar: Path) -> Any:
@@ -274,3 +279,31 @@ def test_shown_bakes_count_as_their_objects_and_nothing_is_left(scene: Any, out:
     assert differences(before, fingerprint()) == {}
     switch_off(item("Cup"))
     assert told(out) == (UNCHANGED,) * 3
+
+
+@pytest.mark.usefixtures("scene")
+def test_a_source_is_the_objects_own_and_a_camera_counts_where_it_looks() -> None:
+    bpy.ops.object.camera_add(location=(0, -5, 2))
+    context.scene.camera = context.object
+    onto = replace(SPEC, source="Ball")
+    seen = BakeSpec(kind=Kind.TRANSFER, view=View.CAMERA)
+    before = noted(onto), noted(seen), noted(SPEC)
+    item("Camera").location.x = 1
+    after = noted(onto), noted(seen), noted(SPEC)
+    assert [old.differences(new) for old, new in zip(before, after, strict=True)] == [
+        (),
+        ("surroundings",),
+        (),
+    ]
+    item("Ball").location.z = 1
+    moved = noted(onto), noted(seen), noted(SPEC)
+    assert [old.differences(new) for old, new in zip(after, moved, strict=True)] == [
+        ("transform",),
+        ("surroundings",),
+        ("surroundings",),
+    ]
+
+
+def noted(spec: BakeSpec) -> Fingerprint:
+    """The fingerprint of the cup's bake, if it was baked now."""
+    return SceneReader(context.scene).at(None).of_bake("Cup", spec, context.view_layer)
