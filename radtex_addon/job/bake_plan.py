@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import groupby
 from math import inf
-from operator import itemgetter
 from time import monotonic
 from typing import NamedTuple
 
@@ -172,15 +171,15 @@ def preflight(scene: bpy.types.Scene, plan: BakePlan, patience: float = inf) -> 
         check_output_collisions(plan.wanted, request.folder, request.saves_preview)
     except InputError as error:
         return Preflight((error.message,))
-    for spec, group in groupby(plan.wanted, key=itemgetter(1)):
+    for (spec, course), group in groupby(plan.wanted, key=lambda bake: (bake[1], plan.course_of(bake))):
         found = run_preflight(
             scene,
             (name for name, _ in group),
             spec,
             request.folder,
             preview=request.saves_preview,
-            overwrite=request.overwrite,
-            resume=request.resume,
+            overwrite=course.overwrite,
+            resume=course.resume,
             targets=request.exports,
             patience=patience - (monotonic() - since),
         )

@@ -173,3 +173,33 @@ def test_a_bake_that_is_shown_is_baked_again_by_one_press(out: Path) -> None:
     assert ops.radtex.bake(overwrite=True, show_object=True) == {"FINISHED"}
     assert (out / "Card.radiance.json").stat().st_mtime_ns > before
     assert not bpy.data.objects["Card"].hide_render
+
+
+def test_thirty_objects_are_baked_and_only_the_one_that_changed_again(out: Path) -> None:
+    """A collection's, without another setting; its neighbours count only if they are asked for."""
+    kitchen = bpy.data.collections.new("Kitchen")
+    context.scene.collection.children.link(kitchen)
+    for number in range(30):
+        plane(f"Tile {number:02}", kitchen).location = (3 * number, 0, 0)
+    settings().texels = 2
+    chosen_by(context.scene).source, chosen_by(context.scene).collection = "collection", kitchen
+    assert ops.radtex.bake() == {"FINISHED"}
+    before = written(out)
+    assert len(before) == 30
+    assert ops.radtex.bake(only="affected") == {"FINISHED"}
+    assert written(out) == before
+    bpy.data.objects["Tile 07"].rotation_euler.x = 0.4
+    assert ops.radtex.bake(only="changed") == {"FINISHED"}
+    after = written(out)
+    assert [name for name, time in after.items() if time != before[name]] == ["Tile 07"]
+    assert ops.radtex.bake(only="affected") == {"FINISHED"}
+    again = written(out)
+    assert [name for name, time in again.items() if time == after[name]] == ["Tile 07"]
+
+
+def written(folder: Path) -> dict[str, int]:
+    """When the bake of each object was written, in ns."""
+    return {
+        path.name.removesuffix(".radiance.json"): path.stat().st_mtime_ns
+        for path in sorted(folder.glob("*.json"))
+    }

@@ -72,7 +72,7 @@ def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan]) -> float:
     from ...worker.orders import order_bake
     from ..settings.preferences import preferred
 
-    bakes = [(plan.request, bake) for plan in plans for bake in _free(plan)]
+    bakes = [(plan, bake) for plan in plans for bake in _free(plan)]
     handover = hand_over(scene, preferred().cache)
     add(
         (
@@ -80,14 +80,14 @@ def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan]) -> float:
                 handover,
                 name,
                 spec,
-                request.folder,
-                request.preview,
-                overwrite=request.overwrite,
-                resume=request.resume,
-                exports=request.exports,
+                plan.request.folder,
+                plan.request.preview,
+                overwrite=plan.course_of((name, spec)).overwrite,
+                resume=plan.course_of((name, spec)).resume,
+                exports=plan.request.exports,
                 picture=handover.folder / f"picture-{number}.png",
             )
-            for number, (request, (name, spec)) in enumerate(bakes)
+            for number, (plan, (name, spec)) in enumerate(bakes)
         ),
         place=bake_times.place_of(scene.name),
     )

@@ -4,10 +4,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, cast
 
 import bpy
-from bpy.props import BoolProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ..panel.labels import remark
 from ..settings.bake_settings import NAMES, BakeSettings
@@ -21,6 +22,19 @@ if TYPE_CHECKING:
 
     from ...job.bake_plan import BakePlan
 
+_ONLY = (
+    ("all", "All", "Every one of them"),
+    (
+        "changed",
+        "Changed",
+        "Those that have no finished bake, or whose mesh, place, materials or settings have changed since",
+    ),
+    (
+        "affected",
+        "Changed, or Near a Change",
+        "As Changed, and those whose surroundings have changed: other objects, lamps, the world",
+    ),
+)
 _PATIENCE = 1.0  # seconds that the check before queuing may take; each bake checks its object again
 
 
@@ -35,6 +49,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         object: str
         wait: bool
         show_object: bool
+        only: str
     else:
         object: StringProperty(
             name="Object",
@@ -56,6 +71,24 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             options={"SKIP_SAVE"},
         )
 
+        only: EnumProperty(
+            name="Only",
+            description="Which of the chosen objects to bake; with other than All their bakes are replaced",
+            items=_ONLY,
+            default="all",
+            options={"SKIP_SAVE"},
+        )
+
+    @classmethod
+    def description(cls, _: bpy.types.Context | None, properties: Any) -> str:
+        """The tooltip of what the button does."""
+        if properties.only != "all":
+            told = next(told for name, _, told in _ONLY if name == properties.only)
+            return f"Bake again only what has changed. {told}"
+        if properties.resume:
+            return "Go on with bakes that were cancelled or failed; finished ones stay"
+        return cls.__doc__ or ""
+
     @classmethod
     def poll(cls, context: bpy.types.Context | None) -> bool:
         return can_bake(cls, context)
@@ -69,14 +102,19 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         at_once = bpy.app.background or self.wait
         try:
             names = (self.object,) if self.object else _free(scene, chosen_names(scene, layer), at_once)
-            if self.show_object:
+            if self.show_object and self.only == "all":
                 _show_objects(scene, names)
             plans = self._plans(scene, names)
+            if self.show_object and self.only != "all":
+                _show_objects(scene, [name for plan in plans for name, _ in plan.replaced])
             for plan in plans:
-                for told in (plan.skipped, *plan.layout_lines):
+                for told in (*plan.change_lines, plan.skipped, *plan.layout_lines):
                     if told:
                         self.report({"INFO"}, remark(told))
                 _check(scene, plan)
+            if not any(plan.wanted for plan in plans):
+                self.report({"INFO"}, "Nothing has changed: no bake is left to do")
+                return {"FINISHED"}
             if at_once:
                 self._bake(scene, plans)
             else:
@@ -98,11 +136,18 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         if not names:
             raise InputError(nothing_chosen(scene))
         given = [name for name in NAMES if self.properties.is_property_set(name)]
-        plans = [
-            plan_bakes(scene, request_of(values_with(settings, self, given), group))
+        requests = [
+            request_of(values_with(settings, self, given), group)
             for settings, group in by_settings(scene, names)
         ]
-        check_left(plans)
+        if self.only != "all":
+            near = self.only == "affected"
+            requests = [
+                replace(request, overwrite=False, resume=False, only_changed=True, surroundings=near)
+                for request in requests
+            ]
+        plans = [plan_bakes(scene, request) for request in requests]
+        check_left([plan for plan in plans if not plan.request.only_changed])
         return [plan for plan in plans if plan.wanted or len(plans) == 1]
 
     def _bake(self, scene: bpy.types.Scene, plans: Sequence[BakePlan]) -> None:

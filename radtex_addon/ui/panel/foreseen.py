@@ -38,7 +38,7 @@ def foreseen(scene: bpy.types.Scene, request: BakeRequest, patience: float) -> P
 
 def check_left(plans: list[BakePlan]) -> None:
     """Raise InputError if resuming finds all bakes of all plans finished."""
-    if any(not plan.choices or plan.wanted or plan.may_lack_parts for plan in plans):
+    if not plans or any(not plan.choices or plan.wanted or plan.may_lack_parts for plan in plans):
         return
     several = sum(len(plan.request.objects) for plan in plans) > 1
     what = "objects" if several else "variants"

@@ -144,6 +144,11 @@ def _draw_buttons(layout: Any, found: Forecast | None) -> None:
         _draw_bake(row, text, "PLAY", resume=True)
     if doing in (Next.RESUME, Next.REPLACE):
         _draw_bake(row, iface_("Bake Again"), "FILE_REFRESH", overwrite=True)
+        if found is not None and found.finished > 1:
+            row = layout.row(align=True)
+            for only, text, icon in (("changed", "Bake Changed", "FILE_TICK"), ("affected", "", "WORLD")):
+                button = row.operator("radtex.bake", text=text, icon=icon)
+                button.only, button.show_object = only, True
     else:
         _draw_bake(row, iface_("Being Baked") if doing is Next.WAIT else None, "RENDER_STILL")
 
