@@ -25,6 +25,7 @@ from radtex_addon.job import bake_object, bake_steps
 from radtex_addon.preview.picture import render_picture
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.main_panel import RADTEX_PT_bake
+from radtex_addon.ui.panel.settings_panels import RADTEX_PT_light, RADTEX_PT_surface
 from tests.blender import stage
 from tests.blender.batch_process import Batch, refusal
 from tests.blender.ui_stage import ops, registered, settings
@@ -292,7 +293,6 @@ def test_the_panel_says_what_an_automatic_layout_comes_to(panel: Any, card: Any,
         "Buckets for 1 of 2 objects, Layered for the others. 'Card' is baked in layout buckets, not layered: "
         "its material 'Smoke' has a volume"
     )
-    panel.resume = True
     steps = bake_steps(
         context.scene, "Card", BakeSpec(uv_layer="UVMap", texels=16, samples=1, denoise=True), out
     )
@@ -366,11 +366,11 @@ def test_the_panel_draws_the_line_and_no_setting_of_a_layout_that_was_not_chosen
 ) -> None:
     card.data.materials[0] = smoke()
     told()
-    seen = drawn(RADTEX_PT_bake)
-    assert "Buckets, 8 cells. Its material 'Smoke' has a volume" in " ".join(seen.labels)
-    assert {"atlas_layout", "source", "split"} <= set(seen.settings)
+    light, surface = drawn(RADTEX_PT_light), drawn(RADTEX_PT_surface)
+    assert "Buckets, 8 cells. Its material 'Smoke' has a volume" in " ".join(light.labels)
+    assert "atlas_layout" in light.settings
+    assert {"source", "split"} <= set(surface.settings)
     panel.atlas_layout = "layered"
     told()
-    labels = " ".join(drawn(RADTEX_PT_bake).labels)
-    assert "Buckets, 8 cells" not in labels
-    assert "will look like a solid surface" in labels
+    assert "Buckets, 8 cells" not in " ".join(drawn(RADTEX_PT_light).labels)
+    assert "will look like a solid surface" in " ".join(drawn(RADTEX_PT_bake).labels)

@@ -87,6 +87,9 @@ def _of_group(
     if not names:
         return replace(found, folder=request.folder)
     found = _with_files(scene, request, found, patience)
+    if found.next is Next.RESUME:  # in the layout that was begun
+        begun = chosen_layouts(scene, names, values | {"resume": True}, asked, patience)
+        found = replace(found, layout=told_layouts(values, begun))
     if found.seconds is not None and not found.errors:
         found = replace(found, seconds=found.seconds * len(request.specs(scene)))
     return replace(found, folder=request.folder, sizes=told_sizes(scene, chosen, request.folder))
@@ -109,17 +112,19 @@ def _with_files(scene: bpy.types.Scene, request: BakeRequest, found: Forecast, p
         bakes=files.bakes,
         finished=files.finished,
         unfinished=files.unfinished,
-        next=Next.REPLACE if files.finished and not checked else Next.BAKE,
+        next=Next.BAKE,
     )
-    if not seen.errors:
+    adds = request.spec.accumulate or request.spec.refresh  # to bakes that are there
+    there = files.finished + files.unfinished > 0 and not adds
+    if not seen.errors and not there:
         return found
-    left = foreseen(scene, replace(request, overwrite=True), patience)
-    if not left.errors:
-        found = replace(found, next=Next.REPLACE)
+    left = foreseen(scene, replace(request, overwrite=True), patience).errors if checked else ()
+    if left:
+        return replace(found, errors=left, next=Next.NOTHING)
     resumable = files.unfinished or 0 < files.finished < files.bakes
     if resumable and not foreseen(scene, replace(request, resume=True), patience).errors:
         return replace(found, next=Next.RESUME)
-    return replace(found, errors=left.errors, next=Next.NOTHING) if left.errors else found
+    return replace(found, next=Next.REPLACE)
 
 
 def _dearest(chosen: Chosen) -> tuple[BakeSpec, Cost]:
