@@ -12,7 +12,7 @@ from collections.abc import Generator, Mapping
 from dataclasses import asdict, dataclass, replace
 from math import sqrt
 from time import perf_counter
-from typing import Any
+from typing import Any, cast
 
 import bpy
 
@@ -228,7 +228,7 @@ def _resized(prepared: Prepared, texels: int) -> Prepared:
 
 def _device_of(scratch: bpy.types.Scene, spec: BakeSpec) -> str:
     """The name of the device that renders, as `use_device` yields it."""
-    if scratch.cycles.device == "CPU":  # type: ignore[attr-defined]  # Cycles's, not Blender's
+    if cast(Any, scratch).cycles.device == "CPU":
         return "cpu"
     preferences = bpy.context.preferences.addons["cycles"].preferences
     return str(preferences.compute_device_type).lower() if spec.device == "auto" else spec.device

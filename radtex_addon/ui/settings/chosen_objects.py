@@ -91,7 +91,8 @@ class RADTEX_PG_chosen(bpy.types.PropertyGroup):
 
 def chosen_by(scene: bpy.types.Scene) -> RADTEX_PG_chosen:
     """The scene's choice of objects."""
-    return scene.radtex_chosen  # type: ignore[attr-defined, no-any-return]  # ours, not Blender's
+    found: RADTEX_PG_chosen = scene.radtex_chosen  # type: ignore[attr-defined]  # ours, not Blender's
+    return found
 
 
 def chosen_meshes(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> list[bpy.types.Object]:
