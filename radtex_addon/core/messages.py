@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Messages as data: what is wrong, and what to do about it with which settings.
 
-The command line and the panel call the same setting by different names (`--uv`, "UV Layer"). So a message
+The command line and the panel call the same setting by different names (`--uv`, "UV Map"). So a message
 refers to settings by `Setting`, and `cli.wording` and `ui.panel.labels` insert their own names.
 """
 
