@@ -136,6 +136,20 @@ def test_own_settings_start_from_the_scenes_and_count_wherever_the_object_is_bak
     assert sizes == {"Cup": [6, 6], "Plate": [8, 8]}
 
 
+def test_presets_change_the_settings_that_the_panel_shows() -> None:
+    cup, plate = plane("Cup"), plane("Plate")
+    cup.radtex.use = True
+    context.view_layer.objects.active = cup
+    bpy.ops.object.select_all(action="DESELECT")
+    cup.select_set(True)
+    assert ops.radtex.preset_apply(name="final") == {"FINISHED"}
+    assert (cup.radtex.texels, settings().texels) == (256, 4)
+    cup.select_set(False)
+    plate.select_set(True)  # the cup is active, and is not baked
+    assert ops.radtex.preset_apply(name="draft") == {"FINISHED"}
+    assert (cup.radtex.texels, settings().texels) == (256, 64)
+
+
 def test_all_are_checked_before_any_is_baked(out: Path) -> None:
     cup, plate = plane("Cup"), plane("Plate")
     cup.radtex.use = True

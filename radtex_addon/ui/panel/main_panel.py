@@ -14,7 +14,7 @@ import bpy
 from ..operators.switch import LARGE, draw_shading
 from ..settings.bake_settings import BakeSettings
 from ..settings.chosen_objects import chosen_by, nothing_chosen
-from ..settings.object_settings import own_settings
+from ..settings.object_settings import edited_settings, owner_of
 from ..settings.presets import STOCK, RADTEX_PT_presets, is_applied
 from .draw_messages import draw_remarks, draw_text
 from .labels import capitalized, duration, iface_, size
@@ -119,8 +119,9 @@ def _draw_objects(
     else:
         row.label(text=capitalized(iface_(nothing_chosen(scene))), icon="INFO", translate=False)
     row.prop(chosen, "source", text="", icon_only=True)
-    if active is not None and active.type == "MESH":
-        own: Any = active.radtex  # type: ignore[attr-defined]  # ours, not Blender's
+    owner = owner_of(active)
+    if owner is not None and owner.name in names:
+        own: Any = owner.radtex  # type: ignore[attr-defined]  # ours, not Blender's
         row.prop(own, "use", text="", icon="PINNED" if own.use else "UNPINNED")
 
 
@@ -144,18 +145,17 @@ def _draw_buttons(layout: Any, found: Forecast | None) -> None:
         _draw_bake(row, text, "PLAY", resume=True)
     if doing in (Next.RESUME, Next.REPLACE):
         _draw_bake(row, iface_("Bake Again"), "FILE_REFRESH", overwrite=True)
-        if found is not None and found.finished > 1:
-            row = layout.row(align=True)
-            for only, text, icon in (("changed", "Bake Changed", "FILE_TICK"), ("affected", "", "WORLD")):
-                button = row.operator("radtex.bake", text=text, icon=icon)
-                button.only, button.show_object = only, True
     else:
-        _draw_bake(row, iface_("Being Baked") if doing is Next.WAIT else None, "RENDER_STILL")
+        text = iface_("Being Baked" if doing is Next.WAIT else "Bake Radiance Texture")
+        _draw_bake(row, text, "RENDER_STILL")
+    if found is not None and doing in (Next.RESUME, Next.REPLACE) and found.finished > 1:
+        row = layout.row(align=True)
+        for only, text, icon in (("changed", "Bake Changed", "FILE_TICK"), ("affected", "", "WORLD")):
+            button = row.operator("radtex.bake", text=text, icon=icon)
+            button.only, button.show_object = only, True
 
 
-def _draw_bake(
-    row: Any, text: str | None, icon: str, *, resume: bool = False, overwrite: bool = False
-) -> None:
+def _draw_bake(row: Any, text: str, icon: str, *, resume: bool = False, overwrite: bool = False) -> None:
     button = row.operator("radtex.bake", text=text, icon=icon, translate=False)
     button.resume, button.overwrite, button.show_object = resume, overwrite, True
 
@@ -165,12 +165,13 @@ def drawn(
 ) -> tuple[Any, BakeSettings, Forecast | None]:
     """The panel's layout with our options set, the settings to show, and the cached forecast, if any.
 
-    The settings are the active object's, if it has its own, else the scene's.
+    The settings are the active object's, if it is among those to bake and has its own, else the scene's.
     """
     assert context is not None  # Blender always gives one
     scene, view_layer = cast(bpy.types.Scene, context.scene), cast(bpy.types.ViewLayer, context.view_layer)
     layout: Any = panel.layout
     layout.use_property_split = True
     layout.use_property_decorate = False  # a bake is not animated
-    settings: BakeSettings = own_settings(context.active_object) or scene.radtex  # type: ignore[attr-defined]  # ours, not Blender's
-    return layout, settings, cached_forecast(scene, view_layer)
+    found = cached_forecast(scene, view_layer)
+    names = found.objects if found is not None else ()
+    return layout, edited_settings(scene, context.active_object, names), found

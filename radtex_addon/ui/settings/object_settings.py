@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -42,6 +42,23 @@ def own_settings(item: bpy.types.Object | None) -> RADTEX_PG_object | None:
     """The settings stored on an object, None if it is baked by the scene's."""
     own: RADTEX_PG_object | None = getattr(item, "radtex", None)
     return own if own is not None and own.use else None
+
+
+def owner_of(active: bpy.types.Object | None) -> bpy.types.Object | None:
+    """The object whose own settings the panel offers: the active mesh, or the one whose bake it shows."""
+    from ...preview.swap import original_of
+
+    found = None if active is None or active.type != "MESH" else original_of(active)
+    return found if found is None or found.library is None else None
+
+
+def edited_settings(
+    scene: bpy.types.Scene, active: bpy.types.Object | None, names: Collection[str]
+) -> BakeSettings:
+    """The settings that the panel shows and presets change, while the objects `names` are to be baked."""
+    owner = owner_of(active)
+    own = own_settings(owner) if owner is not None and owner.name in names else None
+    return own if own is not None else scene.radtex  # type: ignore[attr-defined]  # ours, not Blender's
 
 
 def settings_for(scene: bpy.types.Scene, name: str) -> BakeSettings:

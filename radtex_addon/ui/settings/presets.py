@@ -22,7 +22,8 @@ from ...core.errors import InputError
 from ..operators.undo import push_step
 from ..panel.labels import remark
 from .bake_settings import NAMES
-from .object_settings import own_settings
+from .chosen_objects import chosen_names
+from .object_settings import edited_settings
 
 if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
@@ -115,9 +116,12 @@ class RADTEX_OT_preset_apply(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         assert context is not None  # Blender always gives one
-        own = own_settings(context.active_object)
+        assert context.scene is not None  # as above
+        assert context.view_layer is not None  # as above
+        names = chosen_names(context.scene, context.view_layer)
+        settings = edited_settings(context.scene, context.active_object, names)
         try:
-            left_out = apply_preset(self.filepath or self.name, own)
+            left_out = apply_preset(self.filepath or self.name, settings)
         except (InputError, OSError, SyntaxError, ValueError) as error:
             self.report({"ERROR"}, remark(error if isinstance(error, InputError) else str(error)))
             return {"CANCELLED"}
