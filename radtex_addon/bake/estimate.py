@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import lru_cache
 from math import exp, log
 
 from .forms import FORMS
@@ -136,7 +137,8 @@ class Estimate:
         return sum(self.seconds.values())
 
 
-def typical_seconds(work: BakeWork) -> dict[str, float]:
+@lru_cache(maxsize=1024)
+def typical_seconds(work: BakeWork) -> Mapping[str, float]:
     """Seconds of each of the bake's stages on a machine with 2 cores, measured for the demo's scene."""
     kind, paths = Kind(work.kind), work.by_paths
     seconds = {

@@ -112,10 +112,11 @@ def _of_instances(depsgraph: bpy.types.Depsgraph) -> dict[str, str]:
 
 
 def object_settings(item: bpy.types.Object) -> str:
-    """What rays see of an object, and other settings of it that shaders know, as text."""
+    """What rays see of an object, its empty material slots, and settings that shaders know, as text."""
     rays = [getattr(item, f"visible_{ray}") for ray in _RAYS]
     settings = [repr(setting(getattr(item, name))) for name in _OBJECT]
-    return f"{rays} {settings}"
+    empty = [slot.material is None for slot in item.material_slots]  # `materials_of` leaves these out
+    return f"{rays} {settings} {empty}"
 
 
 def materials_of(item: bpy.types.Object) -> Iterator[bpy.types.Material]:

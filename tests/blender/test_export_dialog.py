@@ -16,6 +16,7 @@ import pytest
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.sampler import Filter
+from radtex_addon.export import web
 from radtex_addon.export.exporting import ExportSource, export_steps
 from radtex_addon.export.texture_size import about_texture_bytes
 from radtex_addon.job import bake_object
@@ -63,6 +64,14 @@ def bakes(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Path]:
         for item in (NAME, OTHER) if name == "plain" else (NAME,):
             bake_object(context.scene, item, spec, folders[name], preview=Filter.QUADRILINEAR)
     return folders
+
+
+@pytest.fixture(autouse=True)
+def _page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A web page in place of the built one, which a clone has only once its zip was built."""
+    for name in web.FILES:
+        (tmp_path / name).write_text(web._UNNAMED)
+    monkeypatch.setattr(web, "BUILT", tmp_path)
 
 
 @pytest.fixture(autouse=True)

@@ -80,7 +80,7 @@ def test_a_layer_that_leaves_most_of_the_atlas_empty_is_warned_of(
         "the map of 'Quads' covers only 8% of 64 x 64 texels: fill the square with fewer, larger islands, "
         "or leave --uv out to have one made"
     )
-    assert remark(warning).endswith("or leave UV Layer empty to have one made")
+    assert remark(warning).endswith("or leave UV Map empty to have one made")
 
 
 def test_an_unwrap_that_is_all_seams_is_warned_of(out: Path, caplog: pytest.LogCaptureFixture) -> None:
@@ -92,7 +92,7 @@ def test_an_unwrap_that_is_all_seams_is_warned_of(out: Path, caplog: pytest.LogC
     assert worded(warning).endswith(
         "give it more texels (--texels), or have a new one made (--unwrap uvunwrap)"
     )
-    assert remark(warning).endswith("give it more texels, or have a new one made (Unwrap)")
+    assert remark(warning).endswith("give it more texels (Resolution), or have a new one made (Unwrap)")
 
 
 def test_an_atlas_of_a_density_is_to_get_a_higher_one(out: Path, caplog: pytest.LogCaptureFixture) -> None:

@@ -174,13 +174,15 @@ def test_a_job_shows_its_own_bake_and_has_no_arrow_for_several_objects(out: Path
     files = (out / "Room.radiance.exr", out / "Room.radiance.json", out / "Room.preview.blend")
     done, failed = Row(), Row()
     jobs_panel._draw_job(done, Job(1, order, State.DONE, files=files))
-    name, switch = done.drawn[0]
-    assert (name, switch.object, switch.bake) == ("radtex.preview_toggle", "Room", str(files[1]))
+    drawn = dict(done.drawn)
+    for name in ("radtex.preview_toggle", "radtex.compare", "radtex.export", "radtex.show_in_browser"):
+        assert (drawn[name].object, drawn[name].bake) == ("Room", str(files[1]))
     jobs_panel._draw_job(failed, Job(2, order, State.FAILED))
-    assert failed.drawn == []
+    assert [name for name, _ in failed.drawn] == ["radtex.clear_jobs", "radtex.copy_report"]
+    failed.drawn.clear()
     alone = order_bake(handover, "Left", TINY, out, Filter.NEAREST)
     jobs_panel._draw_job(failed, Job(3, alone, State.CANCELLED))
-    assert [name for name, _ in failed.drawn] == ["radtex.bake"]
+    assert [name for name, _ in failed.drawn] == ["radtex.clear_jobs", "radtex.bake"]
 
 
 @pytest.mark.usefixtures("window")

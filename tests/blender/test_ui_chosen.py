@@ -150,6 +150,27 @@ def test_presets_change_the_settings_that_the_panel_shows() -> None:
     assert (cup.radtex.texels, settings().texels) == (256, 64)
 
 
+def test_a_bake_in_an_objects_own_folder_is_found(tmp_path: Path) -> None:
+    settings().preview = True
+    cup = plane("Cup")
+    cup.radtex.use = True
+    cup.radtex.directory = str(tmp_path / "hero")
+    assert ops.radtex.bake() == {"FINISHED"}
+    assert (tmp_path / "hero" / "Cup.radiance.json").is_file()
+    assert ops.radtex.preview_toggle() == {"FINISHED"}
+    assert cup.hide_render
+    assert ops.radtex.export(target="raw") == {"FINISHED"}
+    assert (tmp_path / "hero" / "Cup.raw").is_dir()
+
+
+def test_a_button_drawn_for_other_objects_bakes_nothing(out: Path) -> None:
+    plane("Cup")
+    with pytest.raises(RuntimeError, match="Other objects are chosen by now"):
+        ops.radtex.bake(expected="Plate", overwrite=True)
+    assert not out.exists()
+    assert ops.radtex.bake(expected="Cup") == {"FINISHED"}
+
+
 def test_all_are_checked_before_any_is_baked(out: Path) -> None:
     cup, plate = plane("Cup"), plane("Plate")
     cup.radtex.use = True

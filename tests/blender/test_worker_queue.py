@@ -141,8 +141,8 @@ def test_painted_images_linked_data_and_unsaved_changes_are_in_the_bake(
     np.testing.assert_allclose(quarters, [[4, 0, 0], [0, 2, 0], [0, 0, 8], [1, 1, 1]], atol=1e-2)
     np.testing.assert_allclose(mean_light(done[1].files[0]), 1, atol=1e-3)
     assert not handover.folder.exists()
-    bpy.ops.wm.open_mainfile(filepath=str(next(path for path in done[0].files if path.suffix == ".blend")))
-    assert blocks.images["painted"].packed_file, "the preview keeps what was painted"
+    bpy.ops.wm.open_mainfile(filepath=str(next(path for path in done[1].files if path.suffix == ".blend")))
+    assert blocks.images["painted"].packed_file, "the painted card stands beside the linked one"
 
 
 def test_the_scene_on_the_screen_is_baked_and_stays_what_it_was(queue: Queue, jobs: Path, out: Path) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 import bpy
 
 from radtex_addon.ui import registration
+from radtex_addon.ui.jobs.bake_times import history_file
 from radtex_addon.ui.settings.preferences import ADDON
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -20,6 +21,7 @@ ops: Any = bpy.ops  # and they know Blender's own operators only
 @contextmanager
 def registered() -> Iterator[None]:
     """RadTex, with preferences of its own."""
+    history_file().unlink(missing_ok=True)  # of bakes by other tests
     registration.register()
     addon = context.preferences.addons.new()
     addon.module = ADDON

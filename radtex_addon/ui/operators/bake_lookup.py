@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast
 import bpy
 
 from ..settings.chosen_objects import chosen_meshes
+from ..settings.object_settings import settings_for
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -54,9 +55,9 @@ def sharing(layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene, bake:
 
     if not name or any(item.name == name for item in layer.objects):
         return ()
-    kind = scene.radtex.kind  # type: ignore[attr-defined]  # ours
+    kind = settings_for(scene, name).kind
     try:
-        place = place_of(scene, bake)
+        place = place_of(scene, bake, name)
         variants = variants_in(place, name, kind) if place.is_dir() else ()
         facts = read_facts(variants[0] if variants else shown_bake(place, name))
         return facts.texts("objects") if "objects" in facts.values else ()
@@ -100,11 +101,11 @@ def sidecar_of(scene: bpy.types.Scene, name: str, bake: str) -> Path:
     """
     from ...report.shown import shown_bake
 
-    return shown_bake(place_of(scene, bake), name).path
+    return shown_bake(place_of(scene, bake, name), name).path
 
 
-def place_of(scene: bpy.types.Scene, bake: str) -> Path:
-    """The folder or file that `bake` names; the scene's output folder if it is empty.
+def place_of(scene: bpy.types.Scene, bake: str, name: str = "") -> Path:
+    """The folder or file that `bake` names; if empty, the output folder of the object `name`, or the scene's.
 
     Raises InputError if the output folder does not exist yet, or the path cannot be read.
     """
@@ -112,7 +113,7 @@ def place_of(scene: bpy.types.Scene, bake: str) -> Path:
     from ..settings.preferences import preferred
     from ..settings.request import output_folder
 
-    chosen: str = bake or scene.radtex.directory  # type: ignore[attr-defined]  # ours
+    chosen = bake or settings_for(scene, name).directory
     place = output_folder(chosen, preferred().output)
     try:
         is_there = place.exists()

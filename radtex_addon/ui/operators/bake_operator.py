@@ -12,7 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ..panel.labels import remark
 from ..settings.bake_settings import NAMES, BakeSettings
-from ..settings.chosen_objects import chosen_names, nothing_chosen
+from ..settings.chosen_objects import chosen_names, nothing_chosen, told_names
 from .undo import push_step
 
 if TYPE_CHECKING:
@@ -50,6 +50,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         wait: bool
         show_object: bool
         only: str
+        expected: str
     else:
         object: StringProperty(
             name="Object",
@@ -79,6 +80,13 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             options={"SKIP_SAVE"},
         )
 
+        expected: StringProperty(
+            name="Expected",
+            description="Names that the panel showed when its button was drawn, a line each: if others are "
+            "chosen by now, nothing is baked. Left empty, that is not checked",
+            options={"SKIP_SAVE", "HIDDEN"},
+        )
+
     @classmethod
     def description(cls, _: bpy.types.Context | None, properties: Any) -> str:
         """The tooltip of what the button does."""
@@ -101,21 +109,19 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         scene, layer = shown(context)
         at_once = bpy.app.background or self.wait
         try:
-            names = (self.object,) if self.object else _free(scene, chosen_names(scene, layer), at_once)
+            names = self._names(scene, layer, at_once)
             if self.show_object and self.only == "all":
                 _show_objects(scene, names)
             plans = self._plans(scene, names)
             if self.show_object and self.only != "all":
-                _show_objects(scene, [name for plan in plans for name, _ in plan.replaced])
+                replaced = [bake for plan in plans for bake in plan.replaced]
+                _show_objects(scene, [one for name, spec in replaced for one in spec.objects or (name,)])
             for plan in plans:
-                for told in (*plan.change_lines, plan.skipped, *plan.layout_lines):
-                    if told:
-                        self.report({"INFO"}, remark(told))
+                self._tell(plan)
                 _check(scene, plan)
             if not any(plan.wanted for plan in plans):
                 self.report({"INFO"}, "Nothing has changed: no bake is left to do")
-                return {"FINISHED"}
-            if at_once:
+            elif at_once:
                 self._bake(scene, plans)
             else:
                 jobs.submit(scene, plans)
@@ -123,6 +129,21 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
         return {"FINISHED"}
+
+    def _names(self, scene: bpy.types.Scene, layer: bpy.types.ViewLayer, at_once: bool) -> tuple[str, ...]:
+        """The objects to bake. Raises InputError if they are not those that are `expected`."""
+        from ...core.errors import InputError
+
+        names = (self.object,) if self.object else chosen_names(scene, layer)
+        if self.expected and self.expected != told_names(names):
+            raise InputError("other objects are chosen by now: look at the panel, and press again")
+        return names if self.object or at_once else _free(scene, names)
+
+    def _tell(self, plan: BakePlan) -> None:
+        """Report what a plan leaves out or chooses."""
+        for told in (*plan.change_lines, plan.skipped, *plan.layout_lines):
+            if told:
+                self.report({"INFO"}, remark(told))
 
     def _plans(self, scene: bpy.types.Scene, names: Sequence[str]) -> list[BakePlan]:
         """A plan for each group of objects that are baked by the same settings. Raises InputError."""
@@ -163,14 +184,17 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
                 self.report({"INFO"}, ", ".join(word for word in told if word))
 
 
-def _free(scene: bpy.types.Scene, names: tuple[str, ...], at_once: bool) -> tuple[str, ...]:
-    """Those of the names that are not being baked by a worker; all if all are, so that this is refused."""
+def _free(scene: bpy.types.Scene, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Those of the names that are not being baked by a worker; all if all are, so that this is refused.
+
+    Objects that share an atlas stay together.
+    """
     from ..jobs.jobs import is_being_baked
     from ..settings.object_settings import settings_for
 
-    if at_once:
-        return names
-    return tuple(name for name in names if not is_being_baked(name, settings_for(scene, name))) or names
+    settings = {name: settings_for(scene, name) for name in names}
+    free = (name for name in names if settings[name].together or not is_being_baked(name, settings[name]))
+    return tuple(free) or names
 
 
 def _show_objects(scene: bpy.types.Scene, names: Sequence[str]) -> None:

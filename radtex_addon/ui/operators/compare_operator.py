@@ -113,7 +113,7 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
 
         if all(map(is_on, items)):
             return dict.fromkeys(items), None
-        place = place_of(scene, bake)
+        place = place_of(scene, bake, items[0].name)
         return bakes_of(items, place), place
 
     def _compare(self, scene: bpy.types.Scene, bakes: _Bakes, eye: Eye, spec: ComparisonSpec) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..jobs import jobs
+from ..settings.object_settings import settings_for
 from .bake_lookup import originals, place_of, sharing
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ def _sources_of(scene: bpy.types.Scene, called: str, bake: str) -> list[ExportSo
     from ...job.variants import variants_in
     from ...report.finished_bake import find_bakes
 
-    place, kind = place_of(scene, bake), scene.radtex.kind  # type: ignore[attr-defined]  # ours
+    place, kind = place_of(scene, bake, called), settings_for(scene, called).kind
     chosen_kind = place / file_name(called, kind, "json")
     variants = variants_in(place, called, kind) if place.is_dir() else ()
     place = chosen_kind if chosen_kind.is_file() else place

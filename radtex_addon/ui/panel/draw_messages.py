@@ -11,6 +11,7 @@ import bpy
 
 from ..settings.bake_settings import BakeSettings
 from .labels import remark
+from .not_baked import CONVERT
 from .panel_state import Forecast
 
 _UI_FONT = 0
@@ -49,7 +50,9 @@ def draw_remarks(layout: Any, settings: BakeSettings, found: Forecast) -> None:
         box = layout.box()
         draw_text(box, other.text, "INFO")
         if other.operator:
-            box.operator(other.operator, text=other.button)
+            button = box.operator(other.operator, text=other.button)
+            if other.operator == CONVERT:
+                button.target = "MESH"
     if found.needs_folder:
         column = layout.column()
         column.operator("wm.save_as_mainfile", text="Save File…", icon="FILE_TICK")

@@ -91,8 +91,18 @@ def _of_group(
         begun = chosen_layouts(scene, names, values | {"resume": True}, asked, patience)
         found = replace(found, layout=told_layouts(values, begun))
     if found.seconds is not None and not found.errors:
-        found = replace(found, seconds=found.seconds * len(request.specs(scene)))
+        found = replace(found, seconds=found.seconds * _count_of_variants(scene, request))
     return replace(found, folder=request.folder, sizes=told_sizes(scene, chosen, request.folder))
+
+
+def _count_of_variants(scene: bpy.types.Scene, request: BakeRequest) -> int:
+    """How many frames or lamps each object is baked for; 1 where that cannot be found out."""
+    from ...core.errors import InputError
+
+    try:
+        return len(request.specs(scene))
+    except InputError:
+        return 1
 
 
 def _with_files(scene: bpy.types.Scene, request: BakeRequest, found: Forecast, patience: float) -> Forecast:
@@ -121,7 +131,7 @@ def _with_files(scene: bpy.types.Scene, request: BakeRequest, found: Forecast, p
     left = foreseen(scene, replace(request, overwrite=True), patience).errors if checked else ()
     if left:
         return replace(found, errors=left, next=Next.NOTHING)
-    resumable = files.unfinished or 0 < files.finished < files.bakes
+    resumable = checked and (files.unfinished or 0 < files.finished < files.bakes)
     if resumable and not foreseen(scene, replace(request, resume=True), patience).errors:
         return replace(found, next=Next.RESUME)
     return replace(found, next=Next.REPLACE)

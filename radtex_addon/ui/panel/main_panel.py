@@ -13,7 +13,7 @@ import bpy
 
 from ..operators.switch import LARGE, draw_shading
 from ..settings.bake_settings import BakeSettings
-from ..settings.chosen_objects import chosen_by, nothing_chosen
+from ..settings.chosen_objects import chosen_by, nothing_chosen, told_names
 from ..settings.object_settings import edited_settings, owner_of
 from ..settings.presets import STOCK, RADTEX_PT_presets, is_applied
 from .draw_messages import draw_remarks, draw_text
@@ -142,22 +142,27 @@ def _draw_buttons(layout: Any, found: Forecast | None) -> None:
     row.enabled = doing not in (Next.NOTHING, Next.WAIT)
     if found is not None and doing is Next.RESUME:
         text = iface_("Resume") if found.unfinished else iface_("Bake the Others")
-        _draw_bake(row, text, "PLAY", resume=True)
+        _draw_bake(row, found, text, "PLAY", resume=True)
     if doing in (Next.RESUME, Next.REPLACE):
-        _draw_bake(row, iface_("Bake Again"), "FILE_REFRESH", overwrite=True)
+        _draw_bake(row, found, iface_("Bake Again"), "FILE_REFRESH", overwrite=True)
     else:
         text = iface_("Being Baked" if doing is Next.WAIT else "Bake Radiance Texture")
-        _draw_bake(row, text, "RENDER_STILL")
-    if found is not None and doing in (Next.RESUME, Next.REPLACE) and found.finished > 1:
+        _draw_bake(row, found, text, "RENDER_STILL")
+    can_choose = doing in (Next.RESUME, Next.REPLACE) and found is not None and not found.unfinished
+    if found is not None and can_choose and found.finished > 1:
         row = layout.row(align=True)
         for only, text, icon in (("changed", "Bake Changed", "FILE_TICK"), ("affected", "", "WORLD")):
             button = row.operator("radtex.bake", text=text, icon=icon)
             button.only, button.show_object = only, True
 
 
-def _draw_bake(row: Any, text: str, icon: str, *, resume: bool = False, overwrite: bool = False) -> None:
+def _draw_bake(
+    row: Any, found: Forecast | None, text: str, icon: str, *, resume: bool = False, overwrite: bool = False
+) -> None:
+    """Draw a button that bakes what was found, and is refused if other objects are chosen by now."""
     button = row.operator("radtex.bake", text=text, icon=icon, translate=False)
     button.resume, button.overwrite, button.show_object = resume, overwrite, True
+    button.expected = "" if found is None else told_names(found.objects)
 
 
 def drawn(

@@ -18,9 +18,7 @@ class RADTEX_MT_object(bpy.types.Menu):
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout: Any = self.layout
-        # As the panel's button: what is there is replaced.
-        bake = layout.operator("radtex.bake", icon="RENDER_STILL")
-        bake.overwrite, bake.show_object = True, True
+        layout.operator("radtex.bake", icon="RENDER_STILL")
         layout.operator("radtex.bake", text="Resume Bake", icon="PLAY").resume = True
         layout.operator("radtex.estimate", icon="TIME")
         layout.separator()
@@ -44,8 +42,7 @@ class RADTEX_MT_pie(bpy.types.Menu):
         pie.operator("radtex.export", text="Export…", icon="EXPORT")  # left
         pie.operator("radtex.preview_toggle", icon="HIDE_OFF")  # right
         pie.operator("radtex.compare", icon="IMAGE_REFERENCE")  # bottom
-        bake = pie.operator("radtex.bake", icon="RENDER_STILL")  # top
-        bake.overwrite, bake.show_object = True, True
+        pie.operator("radtex.bake", icon="RENDER_STILL")  # top
 
 
 CLASSES = (RADTEX_MT_object, RADTEX_MT_pie)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import bpy
 
+CONVERT = "object.convert"
 _CONVERTED = ("CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD")
 _CALLED = {
     "CURVE": "a curve",
@@ -43,14 +44,16 @@ class NotBaked:
 
 def not_baked(items: Iterable[bpy.types.Object]) -> tuple[NotBaked, ...]:
     """A line for each sort of selected object that is no mesh, with the first one's name."""
-    others = [item for item in items if item.type != "MESH"]
+    chosen = list(items)
+    others = [item for item in chosen if item.type != "MESH"]
     convertible = [item for item in others if item.type in _CONVERTED]
     instances = [item for item in others if item.type == "EMPTY" and item.instance_type == "COLLECTION"]
     rest = [item for item in others if item not in convertible and item not in instances]
     found = []
     if convertible:
         text = f"{_named(convertible)}: meshes alone are baked. Convert it, or a copy of it"
-        found.append(NotBaked(text, "object.convert", "Convert to Mesh"))
+        alone = len(others) == len(chosen)  # converting applies the modifiers of all selected meshes
+        found.append(NotBaked(text, CONVERT, "Convert to Mesh") if alone else NotBaked(text))
     if instances:
         text = f"'{instances[0].name}' shows a collection's instances, which are no objects. Make them real"
         found.append(NotBaked(text, "object.duplicates_make_real", "Make Instances Real"))

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -115,6 +116,11 @@ def chosen_names(scene: bpy.types.Scene, view_layer: bpy.types.ViewLayer) -> tup
     """Their names; those of selected objects and of a collection's are sorted."""
     names = [item.name for item in chosen_meshes(scene, view_layer)]
     return tuple(names if chosen_by(scene).source == "list" else sorted(names))
+
+
+def told_names(names: Iterable[str]) -> str:
+    """Names as one text, to compare with those of a later choice."""
+    return "\n".join(names)
 
 
 def nothing_chosen(scene: bpy.types.Scene) -> str:

@@ -13,13 +13,16 @@ from bpy.props import BoolProperty
 from .bake_settings import NAMES, BakeSettings
 from .update_callbacks import notice
 
+_CHOICES = frozenset({"atlas_layout", "kind", "unwrap"})  # "" if a file has the number of a former choice
+
 
 def _start_from_the_scenes(own: Any, context: bpy.types.Context) -> None:
     """Update callback: settings that were never changed start as a copy of the scene's."""
     if own.use and not any(own.is_property_set(name) for name in NAMES):
         of_scene: Any = context.scene.radtex  # type: ignore[union-attr]  # ours, not Blender's
         for name in NAMES:
-            setattr(own, name, getattr(of_scene, name))
+            if (value := getattr(of_scene, name)) != "" or name not in _CHOICES:
+                setattr(own, name, value)
     notice(own, context)
 
 
