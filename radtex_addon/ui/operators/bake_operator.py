@@ -149,7 +149,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         """A plan for each group of objects that are baked by the same settings. Raises InputError."""
         from ...core.errors import InputError
         from ...job.bake_plan import plan_bakes
-        from ..panel.foreseen import check_left
+        from ..panel.request_checks import check_left
         from ..settings.object_settings import by_settings
         from ..settings.request import request_of
         from ..settings.values import values_with

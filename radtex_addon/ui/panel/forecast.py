@@ -109,7 +109,7 @@ def _with_files(scene: bpy.types.Scene, request: BakeRequest, found: Forecast, p
     """The forecast with what the bakes that are there leave to do, and what stands in the way of that."""
     from ...job.preflight import Preflight
     from ...preview.swap import is_on
-    from .foreseen import files_there, foreseen
+    from .request_checks import files_there, foreseen
 
     files = files_there(scene, request)
     # Where a bake is shown in the object's place, the button shows the object first: then it can be checked.

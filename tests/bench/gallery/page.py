@@ -35,8 +35,7 @@ Each effect and kind on a small scene, from cameras that no bake knows: path tra
 difference, times {gain}, of the view that came out worst. Decibels are of what a display shows (clipped, by a
 gamma of 2.2), inside the object's silhouette; FLIP is 0 for what nobody can tell apart. Seconds are of
 two CPU cores with other work beside. Buckets of light are denoised ([format.md](format.md), "Denoising"),
-but for the row Proxy, whose cells are raw means. All rows stand on xatlas's unwrap, the default when they
-were made ([unwrap.md](unwrap.md)); today's moved those tried by -1.7 to +2.4 dB. The first row is what a
+but for the row Proxy, whose cells are raw means. The first row is what a
 bake makes by default, in the layered layout, under hard lamps. The other scenes were chosen for what
 buckets of this many texels and cells can hold: soft light, rough or curved things.
 [results.md](results.md) has harder ones.
