@@ -23,7 +23,7 @@ from .load import PREVIEW_TAG, load_baked_meshes, remove_unused
 from .save import MATERIAL_PREFIX
 from .sun import follow_sun_in
 
-MADE = "radtex_bake"  # custom property of groups and materials made here: the name that they were made by
+MADE = "radtex_bake"  # custom property of groups and materials made here: their name and the bake's sidecar
 OSL_SUFFIX = " (OSL)"
 _OUTPUTS = {"Shader": "NodeSocketShader", "Color": "NodeSocketColor", "Alpha": "NodeSocketFloat"}
 _NUMBER = re.compile(r"\.\d{3,}$")  # what Blender adds to a name that is taken
@@ -53,8 +53,9 @@ def load_with_groups(
         remove_unused()
         raise
     for material in shown:
-        group = _settled_group(groups[material], titles[material])
-        settled = _settled_material(material, group, titles[material])
+        made = f"{titles[material]} of {file.path.absolute()}"
+        group = _settled_group(groups[material], titles[material], made)
+        settled = _settled_material(material, group, titles[material], made)
         for mesh in meshes:
             for index, other in enumerate(mesh.materials):
                 if other == material:
@@ -145,22 +146,22 @@ def _look_up_by_script(group: bpy.types.NodeTree, script: ScriptNode) -> None:
     group.nodes.remove(sampler)
 
 
-def _settled_group(group: bpy.types.ShaderNodeTree, title: str) -> bpy.types.ShaderNodeTree:
-    """Give a new group its name; it replaces the one that had it, if that was made here."""
-    earlier = _made_before(bpy.data.node_groups, title)
+def _settled_group(group: bpy.types.ShaderNodeTree, title: str, made: str) -> bpy.types.ShaderNodeTree:
+    """Give a new group its name; it replaces the one that was `made` of the same bake before."""
+    earlier = _made_before(bpy.data.node_groups, made)
     if earlier is not None:
         _take_over_asset(earlier, group)
         earlier.user_remap(group)
         bpy.data.node_groups.remove(earlier)
-    group.name, cast(Any, group)[MADE] = title, title
+    group.name, cast(Any, group)[MADE] = title, made
     return group
 
 
 def _settled_material(
-    material: bpy.types.Material, group: bpy.types.ShaderNodeTree, title: str
+    material: bpy.types.Material, group: bpy.types.ShaderNodeTree, title: str, made: str
 ) -> bpy.types.Material:
-    """The material of that name which was made before and shows the group, or else this one, as such."""
-    earlier = _made_before(bpy.data.materials, title)
+    """The material that was `made` of the same bake before and shows the group, or else this one, as such."""
+    earlier = _made_before(bpy.data.materials, made)
     if earlier is not None and group_in(earlier) == group:
         return cast(bpy.types.Material, earlier)
     tree = cast(bpy.types.NodeTree, material.node_tree)
@@ -170,12 +171,12 @@ def _settled_material(
     output: Any = tree.nodes.new("ShaderNodeOutputMaterial")
     output.location.x = 320
     tree.links.new(node.outputs["Shader"], output.inputs["Surface"])
-    material.name, cast(Any, material)[MADE] = title, title
+    material.name, cast(Any, material)[MADE] = title, made
     return material
 
 
-def _made_before(blocks: Any, title: str) -> Any:
-    named: Iterator[Any] = (block for block in blocks if block.get(MADE) == title and block.library is None)
+def _made_before(blocks: Any, made: str) -> Any:
+    named: Iterator[Any] = (block for block in blocks if block.get(MADE) == made and block.library is None)
     return next(named, None)
 
 

@@ -159,6 +159,20 @@ def test_copies_are_objects_of_their_own(bakes: dict[str, Path]) -> None:
     assert second.matrix_world.translation.x == item.matrix_world.translation.x + 5
 
 
+def test_a_copy_keeps_its_bake_when_one_of_another_folder_is_applied(
+    bakes: dict[str, Path], tmp_path: Path
+) -> None:
+    ball()
+    night = Path(shutil.copytree(bakes["plain"].parent, tmp_path / "night")) / bakes["plain"].name
+    for sidecar in (bakes["plain"], night, bakes["plain"]):
+        assert radtex.apply_to_copy(object=NAME, bake=str(sidecar)) == {"FINISHED"}
+    first, second, third = (
+        bpy.data.objects[f"{COPY}{end}"].material_slots[0].material for end in ("", ".001", ".002")
+    )
+    assert first != second
+    assert first == third
+
+
 @pytest.mark.parametrize("operator", ["apply_to_copy", "make_asset"])
 def test_one_undo_takes_it_back(bakes: dict[str, Path], operator: str) -> None:
     ball()
