@@ -171,6 +171,23 @@ def test_a_button_drawn_for_other_objects_bakes_nothing(out: Path) -> None:
     assert ops.radtex.bake(expected="Cup") == {"FINISHED"}
 
 
+def test_what_is_missing_beside_own_settings_is_baked_alone(out: Path) -> None:
+    cup, plate = plane("Cup"), plane("Plate")
+    cup.radtex.use = True
+    cup.radtex.texels = 6
+    for item in (cup, plate):
+        item.select_set(True)
+    assert ops.radtex.bake(object="Cup") == {"FINISHED"}
+    assert (seen().next, what_is_there(seen())) == (Next.RESUME, ["1 of 2 bakes are there"])
+    before = written(out)
+    assert ops.radtex.bake(resume=True) == {"FINISHED"}
+    after = written(out)
+    assert (set(after), after["Cup"]) == ({"Cup", "Plate"}, before["Cup"])
+    assert seen().next is Next.REPLACE
+    with pytest.raises(RuntimeError, match="All objects are finished"):
+        ops.radtex.bake(resume=True)
+
+
 def test_all_are_checked_before_any_is_baked(out: Path) -> None:
     cup, plate = plane("Cup"), plane("Plate")
     cup.radtex.use = True

@@ -7,6 +7,7 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 from typing import TYPE_CHECKING
+from uuid import uuid4
 
 import bpy
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from ...worker.job import Job
 
 _FILE = "bake-times.jsonl"
+_SESSION = uuid4().hex
 _read: dict[Path, tuple[tuple[int, int], tuple[Measurement, ...]]] = {}  # by the file's time and size
 
 
@@ -43,8 +45,8 @@ def measured() -> tuple[Measurement, ...]:
 
 
 def place_of(scene_name: str) -> str:
-    """What tells the open file and its scene from others, without naming it."""
-    told = f"{bpy.data.filepath}|{scene_name}"
+    """What tells the open file and its scene from others, without naming it; of this session if not saved."""
+    told = f"{bpy.data.filepath or _SESSION}|{scene_name}"
     return hashlib.sha256(told.encode(errors="surrogateescape")).hexdigest()[:16]
 
 

@@ -149,7 +149,7 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         """A plan for each group of objects that are baked by the same settings. Raises InputError."""
         from ...core.errors import InputError
         from ...job.bake_plan import plan_bakes
-        from ..panel.request_checks import check_left
+        from ..panel.request_checks import all_finished, check_left
         from ..settings.object_settings import by_settings
         from ..settings.request import request_of
         from ..settings.values import values_with
@@ -168,6 +168,10 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
                 for request in requests
             ]
         plans = [plan_bakes(scene, request) for request in requests]
+        if len(plans) > 1:  # resuming a group that is done would be refused
+            plans = [plan for plan in plans if not (plan.request.resume and _is_done(plan))]
+            if not plans:
+                raise all_finished("objects")
         check_left([plan for plan in plans if not plan.request.only_changed])
         return [plan for plan in plans if plan.wanted or len(plans) == 1]
 
@@ -182,6 +186,20 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
                 finished(steps)
                 told = (f"Baked {name}", spec.part, variant_of(spec))
                 self.report({"INFO"}, ", ".join(word for word in told if word))
+
+
+def _is_done(plan: BakePlan) -> bool:
+    """Whether all its bakes are finished, by the same settings and with all that is made of them."""
+    from ...job.existing_bakes import is_finished, misses_preview, missing_exports
+    from ...job.output_files import OutputFiles
+
+    request = plan.request
+    for name, spec in plan.choices:
+        files = OutputFiles.of(name, spec, request.folder, request.saves_preview)
+        lacks = misses_preview(files) or missing_exports(files, request.exports)
+        if lacks or not is_finished(name, spec, request.folder):
+            return False
+    return True
 
 
 def _free(scene: bpy.types.Scene, names: tuple[str, ...]) -> tuple[str, ...]:

@@ -122,6 +122,7 @@ def _with_files(scene: bpy.types.Scene, request: BakeRequest, found: Forecast, p
         bakes=files.bakes,
         finished=files.finished,
         unfinished=files.unfinished,
+        done=files.done,
         next=Next.BAKE,
     )
     adds = request.spec.accumulate or request.spec.refresh  # to bakes that are there
@@ -152,7 +153,6 @@ def _joined(groups: Sequence[Forecast]) -> Forecast:
         return groups[0]
     dearest = max(groups, key=lambda group: group.cost.gpu if group.cost is not None else -1)
     seconds = [group.seconds for group in groups if group.seconds is not None]
-    doing = [group.next for group in groups]
     return replace(
         dearest,
         objects=tuple(name for group in groups for name in group.objects),
@@ -160,11 +160,12 @@ def _joined(groups: Sequence[Forecast]) -> Forecast:
         warnings=tuple(dict.fromkeys(warning for group in groups for warning in group.warnings)),
         seconds=sum(seconds) if len(seconds) == len(groups) else None,
         basis=_vaguest([group.basis for group in groups]),
-        next=_joint(doing),
+        next=_joint(groups),
         needs_folder=any(group.needs_folder for group in groups),
         bakes=sum(group.bakes for group in groups),
         finished=sum(group.finished for group in groups),
         unfinished=sum(group.unfinished for group in groups),
+        done=sum(group.done for group in groups),
         layout="",
         sizes=tuple(line for group in groups for line in group.sizes),
     )
@@ -178,10 +179,12 @@ def _vaguest(bases: Sequence[Basis | None]) -> Basis | None:
     return max(known, key=list(Basis).index) if len(known) == len(bases) else None
 
 
-def _joint(doing: Sequence[Next]) -> Next:
-    """What the button does for several groups of objects."""
+def _joint(groups: Sequence[Forecast]) -> Next:
+    """What the button does for several groups of objects; resuming leaves out groups that are done."""
+    doing = {Next.BAKE if group.done == group.bakes else group.next for group in groups}
     if Next.NOTHING in doing:
         return Next.NOTHING
-    if len(set(doing)) == 1:
-        return doing[0]
-    return Next.REPLACE if Next.REPLACE in doing else Next.RESUME
+    there = any(group.finished or group.unfinished for group in groups)
+    if Next.REPLACE in doing or (there and all(group.done == group.bakes for group in groups)):
+        return Next.REPLACE
+    return Next.RESUME if there else Next.BAKE

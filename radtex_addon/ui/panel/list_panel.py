@@ -36,7 +36,7 @@ class RADTEX_UL_listed(bpy.types.UIList):
         active_property: str | None,
     ) -> None:
         row = layout.row(align=True)
-        if item.item is None:
+        if item.item is None or not item.item.users_collection:
             row.label(text="Deleted object", icon="ERROR")
             return
         row.prop(item, "use", text="")

@@ -47,11 +47,11 @@ class Forecast:
     settings are invalid. `seconds` is the time of all objects, and `basis` what this estimate rests on; both
     None if it is not known, as of split atlases. `folder` is None if there is no output folder, and
     `needs_folder` tells whether one must be chosen. `bakes` are all that were asked for, `finished` and
-    `unfinished` those of them that are there. `busy` are the objects that are being baked; the other fields
-    are of the others. `shown` are the objects whose bake is shown in their place. `layout` describes the
-    automatically chosen layout and the reason; empty if the user chose the layout. `sizes` are lines on the
-    size of each atlas, if that follows from a texel density. `not_baked` names selected objects that are no
-    meshes.
+    `unfinished` those of them that are there, `done` the finished ones that have these settings. `busy` are
+    the objects that are being baked; the other fields are of the others. `shown` are the objects whose bake
+    is shown in their place. `layout` describes the automatically chosen layout and the reason; empty if the
+    user chose the layout. `sizes` are lines on the size of each atlas, if that follows from a texel density.
+    `not_baked` names selected objects that are no meshes.
     """
 
     objects: tuple[str, ...]
@@ -67,6 +67,7 @@ class Forecast:
     bakes: int = 0
     finished: int = 0
     unfinished: int = 0
+    done: int = 0
     busy: tuple[str, ...] = ()
     shown: tuple[str, ...] = ()
     not_baked: tuple[NotBaked, ...] = ()

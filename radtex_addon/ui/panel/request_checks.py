@@ -13,17 +13,22 @@ from ...core.errors import InputError
 from ...core.messages import Setting, do
 from ...job.bake_plan import BakePlan, plan_bakes, preflight
 from ...job.bake_request import BakeRequest
+from ...job.existing_bakes import is_finished
 from ...job.output_files import OutputFiles
 from ...job.preflight import Preflight
 
 
 @dataclass(frozen=True)
 class FilesThere:
-    """How many `bakes` a request is for, and how many of them are `finished` and `unfinished` on disk."""
+    """How many `bakes` a request is for, and how many of them are `finished` and `unfinished` on disk.
+
+    `done` are those of the finished ones that have these settings.
+    """
 
     bakes: int = 0
     finished: int = 0
     unfinished: int = 0
+    done: int = 0
 
 
 def foreseen(scene: bpy.types.Scene, request: BakeRequest, patience: float) -> Preflight:
@@ -41,8 +46,12 @@ def check_left(plans: list[BakePlan]) -> None:
     if not plans or any(not plan.choices or plan.wanted or plan.may_lack_parts for plan in plans):
         return
     several = sum(len(plan.request.objects) for plan in plans) > 1
-    what = "objects" if several else "variants"
-    raise InputError(f"all {what} are finished", do("bake anew", Setting.OVERWRITE))
+    raise all_finished("objects" if several else "variants")
+
+
+def all_finished(what: str) -> InputError:
+    """The error where nothing is left to resume."""
+    return InputError(f"all {what} are finished", do("bake anew", Setting.OVERWRITE))
 
 
 def files_there(scene: bpy.types.Scene, request: BakeRequest) -> FilesThere:
@@ -54,4 +63,5 @@ def files_there(scene: bpy.types.Scene, request: BakeRequest) -> FilesThere:
     files = [OutputFiles.of(name, spec, request.folder, request.saves_preview) for name, spec in bakes]
     unfinished = [is_unfinished(one.unfinished) for one in files]
     finished = [one.sidecar.is_file() and not begun for one, begun in zip(files, unfinished, strict=True)]
-    return FilesThere(len(bakes), sum(finished), sum(unfinished))
+    done = sum(is_finished(name, spec, request.folder) for name, spec in bakes)
+    return FilesThere(len(bakes), sum(finished), sum(unfinished), done)
