@@ -32,7 +32,9 @@ if bpy.ops.radtex.clear_jobs.poll():
     bpy.ops.radtex.clear_jobs()
 states.clear()
 """
-_NOTHING_FAILS = "[found.errors for found in panel_state._cache.found.values()] == [()]"
+_SETTLED = "not bpy.app.timers.is_registered(panel_state._tick)"
+_NOTHING_FAILS = f"{_SETTLED} and [found.errors for found in panel_state._cache.found.values()] == [()]"
+_RIGHT = 70  # pixels from the sidebar's right edge to the last of the large buttons
 
 
 @dataclass(frozen=True)
@@ -80,9 +82,14 @@ def choose(window: Window, *objects: str, **settings: object) -> None:
 
 
 def press(window: Window) -> None:
-    """Click on the panel's large button."""
-    window.click(*window.find("radtex.bake("))
+    """Click on the panel's large button, the last one if there are two."""
+    window.click(*window.find("radtex.bake(", right=_RIGHT))
     wait_until(lambda: jobs(window), 20, "no bake")
+
+
+def settle(window: Window) -> None:
+    """Wait until the panel knows of what has happened."""
+    wait_until(lambda: window.value(_SETTLED), 20, "the panel does not settle")
 
 
 def jobs(window: Window) -> list[Told]:

@@ -11,7 +11,7 @@ from time import sleep
 
 import numpy as np
 
-from tests.real.panel import LONG, SHORT, choose, press, preview, wait_for, wait_for_end
+from tests.real.panel import LONG, SHORT, choose, press, preview, settle, wait_for, wait_for_end
 from tests.real.window import Window, changed
 
 SECONDS_TO_RENDER = 12
@@ -51,6 +51,7 @@ def test_the_button_bakes_by_a_click(window: Window) -> None:
 
 def test_the_map_unfolds_by_a_click_and_folds_by_another(window: Window) -> None:
     window.point(*AWAY)
+    settle(window)
     folded = window.picture("folded")
     line = window.find("radtex.fold_map(", right=LINE)
     window.click(*line)
