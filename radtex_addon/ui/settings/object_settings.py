@@ -43,7 +43,8 @@ class RADTEX_PG_object(BakeSettings, bpy.types.PropertyGroup):
 
 def own_settings(item: bpy.types.Object | None) -> RADTEX_PG_object | None:
     """The settings stored on an object, None if it is baked by the scene's, as linked ones always are."""
-    own: RADTEX_PG_object | None = None if item is None or item.library else getattr(item, "radtex", None)
+    local = item is not None and item.library is None
+    own: RADTEX_PG_object | None = getattr(item, "radtex", None) if local else None
     return own if own is not None and own.use else None
 
 
