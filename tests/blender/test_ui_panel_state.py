@@ -195,6 +195,16 @@ def test_every_change_marks_it_stale() -> None:
         assert bpy.app.timers.is_registered(panel_state._tick)
 
 
+def test_arguments_of_a_button_leave_it_as_it_is() -> None:
+    """Drawing sets them: if that marked it stale, it would be worked out again for ever, or never."""
+    plane()
+    seen()
+    bpy.app.timers.unregister(panel_state._tick)
+    properties = context.window_manager.operator_properties_last("radtex.bake")
+    properties.resume, properties.overwrite, properties.bucket = True, True, 5
+    assert not bpy.app.timers.is_registered(panel_state._tick)
+
+
 def test_the_timer_waits_for_quiet_and_then_stops(monkeypatch: pytest.MonkeyPatch) -> None:
     plane()
     now = 100.0

@@ -56,7 +56,7 @@ def _suit_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
 
         own = cast(Any, settings).get(_OWN_CELLS, {}).get(_sort_of_cells(settings))
         settings.bucket = own or suited_bucket(settings.kind, settings.atlas_layout)
-    mark_stale()
+        mark_stale()
 
 
 def _keep_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
@@ -64,7 +64,7 @@ def _keep_bucket(settings: BakeSettings, _: bpy.types.Context) -> None:
     if isinstance(settings, bpy.types.PropertyGroup):
         known = dict(cast(Any, settings).get(_OWN_CELLS, {}))
         cast(Any, settings)[_OWN_CELLS] = known | {_sort_of_cells(settings): settings.bucket}
-    mark_stale()
+        mark_stale()
 
 
 def _sort_of_cells(settings: BakeSettings) -> str:

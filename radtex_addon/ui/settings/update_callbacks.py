@@ -11,9 +11,13 @@ import bpy
 from ..panel.panel_state import mark_stale
 
 
-def notice(_: Any, __: bpy.types.Context) -> None:
-    """Mark the panel's state stale: Blender calls no handler when a script changes a property."""
-    mark_stale()
+def notice(settings: Any, _: bpy.types.Context) -> None:
+    """Mark the panel's state stale: Blender calls no handler when a script changes a property.
+
+    Not for an operator's arguments, which drawing a button sets.
+    """
+    if isinstance(settings, bpy.types.PropertyGroup):
+        mark_stale()
 
 
 NOTICED: dict[str, Any] = {"update": notice, "options": {"SKIP_SAVE"}}  # arguments of a property
