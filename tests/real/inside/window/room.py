@@ -34,7 +34,7 @@ def build(path: str) -> None:
 
 
 def build_lamp(path: str) -> None:
-    """A desk lamp of three materials: mirrored, bevelled and subdivided, unwrapped by its maker; saved."""
+    """A desk lamp of three materials, bevelled, subdivided, and unwrapped by its maker; saved."""
     bpy.ops.object.delete()
     bpy.ops.mesh.primitive_cylinder_add(vertices=24, radius=0.8, depth=0.2)
     lamp: Any = _context.object
