@@ -11,10 +11,10 @@ from contextlib import suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Thread
-from typing import IO
 
 import bpy
 
+from ..core.child_process import pipes_of
 from ..core.errors import BakeError, InputError
 
 _SERVER = Path(__file__).with_name("page_server.py")
@@ -56,7 +56,7 @@ class PageProcess:
 
     def address_of(self, folder: Path) -> str:
         """Serve the folder, if that is not done yet; returns its address. Raises BakeError if that fails."""
-        stdin = self._pipes[0]
+        stdin = pipes_of(self._process)[0]
         line = b""
         with suppress(OSError, Empty):  # it has ended, or does not answer
             stdin.write(json.dumps(str(folder.absolute())).encode() + b"\n")
@@ -71,19 +71,12 @@ class PageProcess:
         """End it, and what it is sending."""
         self._process.kill()
         self._process.wait()
-        for pipe in self._pipes:
+        for pipe in pipes_of(self._process):
             with suppress(OSError):  # a line may be left in it
                 pipe.close()
 
     def _listen(self) -> None:
         with suppress(OSError, ValueError):  # closed meanwhile
-            for line in self._pipes[1]:
+            for line in pipes_of(self._process)[1]:
                 self._answers.put(line)
         self._answers.put(b"")
-
-    @property
-    def _pipes(self) -> tuple[IO[bytes], IO[bytes]]:
-        stdin, stdout = self._process.stdin, self._process.stdout
-        assert stdin is not None  # both are pipes, as asked for
-        assert stdout is not None
-        return stdin, stdout

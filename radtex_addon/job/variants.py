@@ -50,7 +50,7 @@ def bakes_to_resume(
     """
     again = [spec for _, spec in bakes if spec.accumulate or spec.refresh]
     if not again:
-        return _not_whole(bakes, out, preview, exports)
+        return not_whole(bakes, out, preview, exports)
     found = tuple(
         (name, spec)
         for name, spec in bakes
@@ -73,7 +73,7 @@ def bakes_to_resume(
     return found
 
 
-def _not_whole(
+def not_whole(
     bakes: Sequence[Bake], out: Path, preview: bool, exports: Collection[Target]
 ) -> tuple[Bake, ...]:
     """The bakes that lack files."""

@@ -18,12 +18,13 @@ from importlib.util import find_spec
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Thread
-from typing import IO, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import bpy
 
 from ...bake.progress import Progress, Stage, Steps
 from ...core.arrays import Floats, Ints
+from ...core.child_process import pipes_of
 from ...core.errors import BakeError, InputError
 from ...core.messages import Setting, do
 
@@ -102,7 +103,7 @@ class XatlasProcess:
         self._process.wait()
         if self._thread is not None:
             self._thread.join()  # it ends, since the process's pipes are closed
-        for pipe in self._pipes:
+        for pipe in pipes_of(self._process):
             with suppress(OSError):  # half a request may be left in it
                 pipe.close()
         self._errors.close()
@@ -136,7 +137,7 @@ class XatlasProcess:
         answer = None
         try:
             self._send(request)
-            answer = pickle.load(self._pipes[1])
+            answer = pickle.load(pipes_of(self._process)[1])
         except (OSError, EOFError, pickle.UnpicklingError):
             with suppress(subprocess.TimeoutExpired):  # it has died or is no Python: stderr says why
                 self._process.wait(_LAST_WORDS)
@@ -145,16 +146,9 @@ class XatlasProcess:
             answers.put(answer)
 
     def _send(self, message: object) -> None:
-        stdin = self._pipes[0]
+        stdin = pipes_of(self._process)[0]
         stdin.write(pickle.dumps(message, pickle.HIGHEST_PROTOCOL))
         stdin.flush()
-
-    @property
-    def _pipes(self) -> tuple[IO[bytes], IO[bytes]]:
-        stdin, stdout = self._process.stdin, self._process.stdout
-        assert stdin is not None  # both are pipes, as asked for
-        assert stdout is not None
-        return stdin, stdout
 
     def _last_words(self) -> str:
         """The last line of the process's standard error, or else its exit code."""

@@ -190,16 +190,10 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
 
 def _is_done(plan: BakePlan) -> bool:
     """Whether all its bakes are finished, by the same settings and with all that is made of them."""
-    from ...job.existing_bakes import is_finished, misses_preview, missing_exports
-    from ...job.output_files import OutputFiles
+    from ...job.variants import not_whole
 
     request = plan.request
-    for name, spec in plan.choices:
-        files = OutputFiles.of(name, spec, request.folder, request.saves_preview)
-        lacks = misses_preview(files) or missing_exports(files, request.exports)
-        if lacks or not is_finished(name, spec, request.folder):
-            return False
-    return True
+    return not not_whole(tuple(plan.choices), request.folder, request.saves_preview, request.exports)
 
 
 def _free(scene: bpy.types.Scene, names: tuple[str, ...]) -> tuple[str, ...]:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import bpy
 from bpy.props import EnumProperty
@@ -59,16 +59,25 @@ class RADTEX_OT_list_add(bpy.types.Operator):
         return _done(self.bl_label)
 
 
-class RADTEX_OT_list_remove(bpy.types.Operator):
+class _OnRow:
+    """Mixin of operators that need a marked row of the list."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context | None) -> bool:
+        """Whether a row is marked; sets the operator's message if not."""
+        chosen = chosen_by(shown(context)[0])
+        if 0 <= chosen.active < len(chosen.listed):
+            return True
+        cast(Any, cls).poll_message_set("The bake list is empty: add objects to it")
+        return False
+
+
+class RADTEX_OT_list_remove(_OnRow, bpy.types.Operator):
     """Take the marked object off the bake list; the object stays"""
 
     bl_idname = "radtex.list_remove"
     bl_label = "Remove from Bake List"
     bl_options = {"REGISTER"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context | None) -> bool:
-        return _has_rows(cls, context)
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         chosen = chosen_by(shown(context)[0])
@@ -77,7 +86,7 @@ class RADTEX_OT_list_remove(bpy.types.Operator):
         return _done(self.bl_label)
 
 
-class RADTEX_OT_list_move(bpy.types.Operator):
+class RADTEX_OT_list_move(_OnRow, bpy.types.Operator):
     """Bake the marked object earlier or later"""
 
     bl_idname = "radtex.list_move"
@@ -89,10 +98,6 @@ class RADTEX_OT_list_move(bpy.types.Operator):
     else:
         way: EnumProperty(name="Way", description="Where to move it", items=_WAYS, default="UP")
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context | None) -> bool:
-        return _has_rows(cls, context)
-
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         chosen = chosen_by(shown(context)[0])
         to = chosen.active + (1 if self.way == "DOWN" else -1)
@@ -103,31 +108,18 @@ class RADTEX_OT_list_move(bpy.types.Operator):
         return _done(self.bl_label)
 
 
-class RADTEX_OT_list_clear(bpy.types.Operator):
+class RADTEX_OT_list_clear(_OnRow, bpy.types.Operator):
     """Take all objects off the bake list; the objects stay"""
 
     bl_idname = "radtex.list_clear"
     bl_label = "Clear Bake List"
     bl_options = {"REGISTER"}
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context | None) -> bool:
-        return _has_rows(cls, context)
-
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         chosen = chosen_by(shown(context)[0])
         chosen.listed.clear()
         chosen.active = 0
         return _done(self.bl_label)
-
-
-def _has_rows(operator: Any, context: bpy.types.Context | None) -> bool:
-    """Poll: whether a row is marked."""
-    chosen = chosen_by(shown(context)[0])
-    if 0 <= chosen.active < len(chosen.listed):
-        return True
-    operator.poll_message_set("The bake list is empty: add objects to it")
-    return False
 
 
 def _done(label: str) -> set[OperatorReturnItems]:

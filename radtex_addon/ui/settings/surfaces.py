@@ -73,8 +73,3 @@ def shared_name(values: Mapping[str, Any], spec: BakeSpec) -> str | None:
     fits = spec.kind.traits.shared_atlas
     name: str = values["atlas_name"]
     return name if values["together"] and fits else None
-
-
-def have_own_atlases(values: Mapping[str, Any], spec: BakeSpec, count: int) -> bool:
-    """Whether each of `count` objects has exactly one atlas, not shared."""
-    return spec.split is None and (count < 2 or shared_name(values, spec) is None)
