@@ -196,6 +196,10 @@ def test_all_are_checked_before_any_is_baked(out: Path) -> None:
         item.select_set(True)
     (error,) = seen().errors
     assert "has no UV layer 'None such'" in str(error)
+    assert seen().next is Next.NOTHING
+    cup.radtex.frames, cup.radtex.variants = "first", "frames"  # an error before anything is planned
+    assert (len(seen().errors), seen().next) == (1, Next.NOTHING)
+    cup.radtex.variants = "none"
     with pytest.raises(RuntimeError, match="has no UV layer 'None such'"):
         ops.radtex.bake()
     assert not out.exists()

@@ -181,10 +181,10 @@ def _vaguest(bases: Sequence[Basis | None]) -> Basis | None:
 
 def _joint(groups: Sequence[Forecast]) -> Next:
     """What the button does for several groups of objects; resuming leaves out groups that are done."""
-    doing = {Next.BAKE if group.done == group.bakes else group.next for group in groups}
-    if Next.NOTHING in doing:
+    if any(group.next is Next.NOTHING for group in groups):
         return Next.NOTHING
+    left = {group.next for group in groups if group.done < group.bakes}
     there = any(group.finished or group.unfinished for group in groups)
-    if Next.REPLACE in doing or (there and all(group.done == group.bakes for group in groups)):
+    if not left or Next.REPLACE in left:
         return Next.REPLACE
     return Next.RESUME if there else Next.BAKE
