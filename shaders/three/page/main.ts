@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+// The page's entry: load, show, or say why not.
+
+import "./style.css";
+
+import { loadRadTex } from "../src/load";
+import { asProblem, Problem } from "../src/problem";
+import { element } from "./elements";
+import { Inspector } from "./inspector";
+import { manifestUrl, rendererOn } from "./loading";
+import { Panel } from "./panel";
+import { recover } from "./recovering";
+import { scriptOf } from "./script";
+import { Viewer } from "./viewer";
+import { watch } from "./watching";
+
+const { body } = document;
+
+/** Show the flat lightmap as soon as it is there, then the light. */
+async function open(): Promise<[Viewer, Inspector]> {
+  if (location.protocol === "file:") throw new Problem(said("headline"), said("remedy")); // as index.html shows it
+  body.classList.toggle("bare", new URLSearchParams(location.search).get("ui") === "0");
+  const renderer = rendererOn(element<HTMLCanvasElement>("view"));
+  const url = manifestUrl();
+  const progressed = (done: number, all: number): void => tell(`Loading textures: ${done} of ${all}`);
+  const { object, complete } = await loadRadTex(url, { progressed });
+  body.classList.remove("loading"); // the panel measures what it covers
+  body.classList.add("refining");
+  const viewer = new Viewer(renderer, element("stage"), object);
+  const inspector = new Inspector(viewer, element<HTMLCanvasElement>("bucket"));
+  const panel = new Panel(viewer, inspector);
+  viewer.draw();
+  performance.mark("radtex-first");
+  await complete;
+  viewer.completed();
+  panel.complete();
+  viewer.draw();
+  performance.mark("radtex-complete");
+  body.classList.remove("refining");
+  recover(viewer, url);
+  watch(viewer, url, () => {
+    inspector.forget();
+    panel.describe();
+  });
+  return [viewer, inspector];
+}
+
+function tell(step: string): void {
+  element("step").textContent = step;
+}
+
+function said(id: string): string {
+  return element(id).textContent ?? "";
+}
+
+function complain(headline: string, remedy: string): void {
+  element("headline").textContent = headline;
+  element("remedy").textContent = remedy;
+  body.classList.remove("loading", "refining");
+  body.classList.add("failed");
+}
+
+const page = open();
+window.radtex = scriptOf(page);
+page.catch((error: unknown) => {
+  const problem = asProblem(error);
+  console.error(error);
+  complain(problem.message, problem.remedy);
+});

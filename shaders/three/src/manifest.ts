@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+// The export's manifest, <name>.export.json: which file is which. docs/format.md describes it.
+
+import { fetchBytes } from "./fetching";
+import { isKind, type Kind } from "./kinds";
+import { Problem } from "./problem";
+
+export const VERSION = 1;
+
+export type Size = [number, number];
+export type PixelFormat =
+  | "RGB9E5"
+  | "RGBA16F"
+  | "BC3"
+  | "BC3_SRGB"
+  | "BC4"
+  | "BC6H"
+  | "BC7"
+  | "BC7_SRGB"
+  | "RGBA8"
+  | "SRGB8_A8"
+  | "R32UI"
+  | "RG32UI"
+  | "RGBA32F";
+
+/** One texture of the export; sizes are in pixels or texels, x first. */
+export interface TextureEntry {
+  file: string;
+  container: "ktx2" | "dds" | "exr";
+  format: PixelFormat;
+  arrangement: "matrix" | "slices" | "image" | "words" | "tree";
+  size: Size;
+  layers: number;
+  texels: Size;
+  levels: number;
+  pages: Size;
+  page_texels: Size;
+}
+
+/** The mesh as a tree that rays are traced in, and the ball's way, an ellipse, in Blender's world of the bake. */
+export interface MirrorEntry extends TextureEntry {
+  nodes: number;
+  triangles: number;
+  /** Light where a ray meets nothing. */
+  sky: number[];
+  middle: number[];
+  /** Half axes along x and y. */
+  across: number[];
+  radius: number;
+}
+
+/** The values of shader uniforms, by name: vectors of four numbers, or arrays of such. */
+export type UniformValues = Record<string, number[] | number[][]>;
+
+/** What a layered bake's shaders are told: docs/format.md. */
+export interface ShaderFacts {
+  defines: Record<string, number>;
+  /** Those whose textures are read. */
+  layers: string[];
+  /** The same for all materials. */
+  values: UniformValues;
+  /** Of each material, by its number. */
+  materials: UniformValues[];
+}
+
+/** The bake's sidecar, as far as the page reads it. */
+export interface Sidecar {
+  kind: Kind;
+  layout: "buckets" | "sphere" | "layered";
+  texels: Size;
+  bucket: number;
+  samples: number;
+  /** Of kind transfer; views along a side where it was seen from around. */
+  transfer?: { view: "normal" | "camera" | "around"; views?: number };
+}
+
+export interface Manifest {
+  version: number;
+  tool: string;
+  name: string;
+  mesh: string;
+  flat: string;
+  /** The flat lightmap's light was multiplied by this before it was encoded. */
+  flat_scale: number;
+  bake: Sidecar;
+  /** Faces are drawn from the front alone: those that are seen from behind have others for their backs. */
+  culled?: boolean;
+  /** Of a layered bake. */
+  shader?: ShaderFacts;
+  textures: Record<string, TextureEntry>;
+  /** What a moving mirror ball needs. */
+  mirror?: MirrorEntry;
+}
+
+/** Read a manifest. Throws a Problem where it is missing, damaged, or of a newer version. */
+export async function readManifest(url: URL): Promise<Manifest> {
+  const text = new TextDecoder().decode(await fetchBytes(url, "high"));
+  let manifest: Manifest;
+  try {
+    manifest = JSON.parse(text) as Manifest;
+  } catch {
+    throw damaged(url, "it is no JSON");
+  }
+  return checkManifest(manifest, url);
+}
+
+/** The same facts, of the file `url`. Throws a Problem where they are damaged, or of a newer version. */
+export function checkManifest(manifest: Manifest | undefined, url: URL): Manifest {
+  if (typeof manifest?.version !== "number") throw damaged(url, "it has no version");
+  if (manifest.version > VERSION) {
+    throw new Problem(
+      `${fileName(url)} is of version ${manifest.version}, this page reads version ${VERSION}`,
+      `${manifest.tool ?? "A newer RadTex"} wrote it: take the page that the same export made.`,
+    );
+  }
+  for (const key of ["name", "mesh", "flat", "bake", "textures"] as const) {
+    if (!manifest[key]) throw damaged(url, `it has no “${key}”`);
+  }
+  const { kind, layout, texels, bucket } = manifest.bake;
+  if (!isKind(kind)) {
+    throw new Problem(
+      `${fileName(url)} is of a bake of kind “${kind as string}”, which this page does not show`,
+      `${manifest.tool ?? "A newer RadTex"} wrote it: take the page that the same export made.`,
+    );
+  }
+  if ((layout as string) === "shared") {
+    throw new Problem(
+      `${fileName(url)} is of a bake in the shared layout, which this page no longer shows`,
+      "Bake the object again and export it, or take the page that the same export made.",
+    );
+  }
+  if (!["buckets", "sphere", "layered"].includes(layout) || !(texels?.length === 2) || !(bucket >= 1)) {
+    throw damaged(url, "its “bake” is no sidecar that this page knows");
+  }
+  if (layout === "layered" && !manifest.shader?.materials?.length) throw damaged(url, "it has no “shader”");
+  return manifest;
+}
+
+/** The last part of an address, as a person would name the file. */
+export function fileName(url: URL): string {
+  return decodeURIComponent(url.pathname.split("/").pop() ?? "") || url.href;
+}
+
+function damaged(url: URL, reason: string): Problem {
+  return new Problem(`${fileName(url)} is no manifest of RadTex: ${reason}`, "Export the object again.");
+}

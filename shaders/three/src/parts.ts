@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+// How each layout and kind is looked up: the shaders that ship with every export, and what they are given.
+
+import bucketLookups from "../../radtex.glsl";
+import shadowLookups from "../../radtex_shadow.glsl";
+import layeredLookups from "../../radtex_layered.glsl";
+import throughLookups from "../../radtex_layered_through.glsl";
+import transferLookups from "../../radtex_transfer.glsl";
+import type { Filter } from "./filters";
+import { BASE, bucketsOf, SUM, WHOLE } from "./layers";
+import type { Manifest, ShaderFacts, Sidecar, UniformValues } from "./manifest";
+import { Problem } from "./problem";
+import bucketLight from "./shaders/buckets.glsl";
+import layeredLight from "./shaders/layered.glsl";
+import shadowLight from "./shaders/shadow.glsl";
+import transferLight from "./shaders/transfer.glsl";
+import type { SunUniforms } from "./sun";
+import type { BakeTexture } from "./textures";
+
+/** What is drawn: the mesh, the inspector's picture of one bucket, or its three pixels of numbers. */
+export type Stage = "mesh" | "bucket" | "probe";
+
+/** The same, or the mirror ball. */
+type Drawn = Stage | "mirror";
+
+export type Uniforms = Record<string, { value: unknown }>;
+
+/** GLSL with a function `light`, and its uniforms. */
+export type Parts = [string, Uniforms];
+
+/** A bake with its textures, and the sun that lights some kinds. */
+export interface Bake {
+  manifest: Manifest;
+  textures: ReadonlyMap<string, BakeTexture>;
+  sun: SunUniforms;
+}
+
+/** How a bake is looked up, by a filter. */
+export function partsOf(
+  { manifest, textures, sun }: Bake,
+  filter: Filter,
+  stage: Drawn,
+  layer: string,
+  material: number,
+): Parts {
+  const { bake } = manifest;
+  if (bake.layout === "layered") return layeredParts(manifest.shader as ShaderFacts, textures, stage, material);
+  const loaded = needed(textures, bucketsOf(layer, bake.kind));
+  if (bake.kind === "shadow") return shadowParts(bake, loaded, sun, stage);
+  if (bake.kind === "transfer") return transferParts(bake, loaded, sun, stage);
+  const [defines, uniforms] = layerParts(bake, textures, layer);
+  const [lookups, own] = bucketParts(bake, loaded, filter, stage);
+  return [[...defines, lookups].join("\n"), { ...own, ...uniforms }];
+}
+
+/** What a layer changes: the base is an image, and what covers is the whole's to say. */
+function layerParts(bake: Sidecar, textures: ReadonlyMap<string, BakeTexture>, layer: string): [string[], Uniforms] {
+  if (layer === WHOLE) return [[], {}];
+  const whole = needed(textures, bake.kind);
+  const uniforms: Uniforms = { u_whole: { value: whole.texture } };
+  const defines = [
+    layer === BASE ? "#define BASE_ALONE" : "",
+    layer === SUM ? "#define BASE_ADDED" : "",
+    layer === "normal" ? "#define NORMALS" : "",
+    whole.entry.format === "RGBA16F" ? "#define COVERED" : "",
+  ];
+  if (layer === BASE || layer === SUM) uniforms["u_base"] = { value: needed(textures, BASE).texture };
+  return [defines, uniforms];
+}
+
+function bucketParts(bake: Sidecar, loaded: BakeTexture, filter: Filter, stage: Drawn): Parts {
+  const { arrangement, levels, pages, page_texels: page, texels } = loaded.entry;
+  const slices = arrangement === "slices";
+  const modes: Partial<Record<Filter, string>> = { nearest: "RADTEX_NEAREST", linear: "RADTEX_LINEAR" };
+  const defines = [
+    "#define RADTEX_HARDWARE_LINEAR",
+    `#define SAMPLER ${loaded.isArray ? "sampler2DArray" : "sampler2D"}`,
+    `#define FILTER ${modes[filter] ?? "RADTEX_QUADRILINEAR"}`,
+    slices ? "#define SLICES" : "",
+    loaded.isArray && !slices ? "#define RADTEX_PAGES" : "",
+    filter === "levels" ? `#define LEVELS ${levels}` : "",
+    stage === "bucket" ? "#define STORED" : "",
+    bake.kind === "ao" ? "#define AMBIENT" : "",
+  ];
+  const uniforms: Uniforms = {
+    u_radiance: { value: loaded.texture },
+    u_texels: { value: texels },
+    u_bucket: { value: bake.bucket },
+    u_pages: { value: [...(pages ?? [1, 1]), ...(page ?? texels)] },
+  };
+  return [[...defines, bucketLookups, bucketLight].join("\n"), uniforms];
+}
+
+function shadowParts(bake: Sidecar, loaded: BakeTexture, sun: SunUniforms, stage: Drawn): Parts {
+  const defines = [
+    "#define RADTEX_NO_DERIVATIVES",
+    "#define SUNLIT",
+    loaded.isArray ? "#define RADTEX_SHADOW_LAYERS" : "",
+    stage === "bucket" ? "#define STORED" : "",
+  ];
+  const uniforms: Uniforms = {
+    u_bits: { value: loaded.texture },
+    u_texels: { value: bake.texels },
+    u_bucket: { value: bake.bucket },
+    ...sun,
+  };
+  return [[...defines, bucketLookups, shadowLookups, shadowLight].join("\n"), uniforms];
+}
+
+function transferParts(bake: Sidecar, loaded: BakeTexture, sun: SunUniforms, stage: Drawn): Parts {
+  const { pages, page_texels: page, texels } = loaded.entry;
+  const views = bake.transfer?.views ?? 1;
+  const defines = [
+    "#define RADTEX_NO_DERIVATIVES",
+    "#define SUNLIT",
+    "#define SPHERE",
+    `#define SAMPLER ${loaded.isArray ? "sampler2DArray" : "sampler2D"}`,
+    loaded.isArray ? "#define RADTEX_PAGES" : "",
+    views > 1 ? "#define AROUND" : "",
+    stage === "bucket" ? "#define STORED" : "",
+  ];
+  const uniforms: Uniforms = {
+    u_transfer: { value: loaded.texture },
+    u_texels: { value: bake.texels },
+    u_bucket: { value: bake.bucket },
+    u_views: { value: views },
+    u_pages: { value: [...(pages ?? [1, 1]), ...(page ?? texels)] },
+    ...sun,
+  };
+  return [[...defines, bucketLookups, transferLookups, transferLight].join("\n"), uniforms];
+}
+
+function layeredParts(
+  facts: ShaderFacts,
+  textures: ReadonlyMap<string, BakeTexture>,
+  stage: Drawn,
+  material: number,
+): Parts {
+  const told = Object.entries(facts.defines).map(([name, value]) => `#define ${name} ${value}`);
+  const through = "RADTEX_THROUGH" in facts.defines;
+  if (stage === "mirror") told.push(`#define RADTEX_MATERIALS ${facts.materials.length}`);
+  const own = stage === "mirror" ? ofAll(facts.materials) : (facts.materials[material] ?? {});
+  const uniforms: Uniforms = { ...valued(facts.values), ...valued(own) };
+  for (const layer of facts.layers) uniforms[`radtex_${layer}_map`] = { value: needed(textures, layer).texture };
+  // The surface's frame is for the inspector alone.
+  const framed = stage === "bucket" || stage === "probe";
+  const lookups = [framed ? bucketLookups : "", layeredLookups, through ? throughLookups : "", layeredLight];
+  return [["#define LAYERED", "#define RADTEX_NO_DERIVATIVES", ...told, ...lookups].join("\n"), uniforms];
+}
+
+/** The values of all materials, one behind the other. */
+function ofAll(materials: UniformValues[]): UniformValues {
+  const names = Object.keys(materials[0] ?? {});
+  return Object.fromEntries(names.map((name) => [name, materials.flatMap((each) => (each[name] ?? []).flat())]));
+}
+
+function valued(values: UniformValues): Uniforms {
+  return Object.fromEntries(Object.entries(values).map(([name, value]) => [name, { value: value.flat() }]));
+}
+
+function needed(textures: ReadonlyMap<string, BakeTexture>, name: string): BakeTexture {
+  const loaded = textures.get(name);
+  if (!loaded) throw new Problem(`The manifest names no texture “${name}”`, "Export the object again.");
+  return loaded;
+}

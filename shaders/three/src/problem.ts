@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+// What went wrong, in words for the person before the screen.
+
+/** An error that the page shows: a headline, and what to do about it. */
+export class Problem extends Error {
+  /** `ofDevice`: another device can do it. */
+  constructor(
+    headline: string,
+    readonly remedy: string,
+    readonly ofDevice = false,
+  ) {
+    super(headline);
+    this.name = "Problem";
+  }
+}
+
+/** Whatever was thrown, as a Problem. */
+export function asProblem(error: unknown): Problem {
+  if (error instanceof Problem) return error;
+  const reason = error instanceof Error ? error.message : String(error);
+  return new Problem("The page failed", `${reason}. Reload it; should that not help, export the object again.`);
+}

@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+// A bake in a scene of three.js.
+
+import { Group, type Material, Matrix4, type Mesh, type ShaderMaterial, type Texture, Vector3, type WebGLRenderer } from "three";
+
+import { sortTriangles } from "./far_first";
+import { type Filter, filtersOf } from "./filters";
+import { layersOf, WHOLE } from "./layers";
+import type { Manifest } from "./manifest";
+import { flatMaterial, RadTexMaterial } from "./material";
+import type { Bake } from "./parts";
+import type { Problem } from "./problem";
+import { changedSun, FIRST_SUN, shine, type Sun, type SunUniforms, sunUniforms } from "./sun";
+import type { BakeTexture } from "./textures";
+
+/** A mesh of the bake, as the .glb has it, and the number of its material. */
+export interface BakedMesh {
+  mesh: Mesh;
+  number: number;
+}
+
+/**
+ * A bake: its meshes, where they stood in Blender (three.js's axes, y up), with their materials. It may be moved, turned
+ * and scaled like any object; the light moves along. Until its textures are there it shows its flat lightmap.
+ */
+export class RadTexObject extends Group implements Bake {
+  readonly isRadTexObject = true;
+  readonly meshes: readonly Mesh[];
+  readonly sun: SunUniforms = sunUniforms();
+  /** Why the textures cannot be shown on this device, if so: the flat lightmap stays. */
+  problem: Problem | null = null;
+  /** The flat lightmap, one colour a texel. */
+  readonly flat: ShaderMaterial;
+  private found: ReadonlyMap<string, BakeTexture> | null = null;
+  private chosen: { filter: Filter; layer: string };
+  private shining: Readonly<Sun> = FIRST_SUN;
+  private readonly numbers = new Map<Mesh, number>();
+  private readonly materials = new Map<string, RadTexMaterial>();
+  private readonly baked: Matrix4;
+
+  /** `map` is the flat lightmap's texture. The meshes, which have the same matrix, are taken out of their parents. */
+  constructor(
+    private current: Manifest,
+    parts: readonly BakedMesh[],
+    map: Texture,
+  ) {
+    super();
+    this.name = current.name;
+    this.meshes = parts.map(({ mesh }) => mesh);
+    const [first] = this.meshes;
+    if (!first) throw new Error("a bake needs a mesh");
+    this.baked = first.matrixWorld.clone();
+    this.flat = flatMaterial(current, map, this.baked);
+    for (const { mesh, number } of parts) {
+      this.numbers.set(mesh, number);
+      this.attach(mesh);
+      mesh.material = this.flat;
+      mesh.onBeforeRender = (_renderer, _scene, camera) => {
+        const material = mesh.material as Material;
+        if (material.transparent && this.manifest.bake.kind !== "proxy") {
+          sortTriangles(mesh, new Vector3().setFromMatrixPosition(camera.matrixWorld));
+        }
+      };
+    }
+    this.chosen = { filter: filtersOf(current).at(-1) as Filter, layer: WHOLE };
+    shine(this.sun, this.shining);
+  }
+
+  get manifest(): Manifest {
+    return this.current;
+  }
+
+  /** The bake's textures, by name; none before they are loaded. */
+  get textures(): ReadonlyMap<string, BakeTexture> {
+    return this.found ?? new Map();
+  }
+
+  /** How textures can be filtered, the best last. */
+  get filters(): Filter[] {
+    return filtersOf(this.current);
+  }
+
+  get filter(): Filter {
+    return this.chosen.filter;
+  }
+
+  set filter(filter: Filter) {
+    if (!this.filters.includes(filter)) throw new Error(`no filter ${filter}: there are ${this.filters.join(", ")}`);
+    this.chosen = { ...this.chosen, filter };
+    this.show();
+  }
+
+  /** What can be shown: "whole", the export's layers, and "sum" of base and rest. */
+  get lightLayers(): string[] {
+    return layersOf(this.current);
+  }
+
+  get lightLayer(): string {
+    return this.chosen.layer;
+  }
+
+  set lightLayer(layer: string) {
+    if (!this.lightLayers.includes(layer)) throw new Error(`no layer ${layer}: there are ${this.lightLayers.join(", ")}`);
+    this.chosen = { ...this.chosen, layer };
+    this.show();
+  }
+
+  /** The sun that lights bakes of the kinds shadow and transfer, in the scene's world. */
+  get sunlight(): Readonly<Sun> {
+    return this.shining;
+  }
+
+  /** Change some of the sun's settings. */
+  setSun(change: Partial<Sun>): void {
+    this.shining = changedSun(this.shining, change);
+    shine(this.sun, this.shining);
+  }
+
+  /** Bytes of all textures: on the GPU, and as files. */
+  get memory(): { gpu: number; files: number } {
+    const all = [...this.textures.values()];
+    const sum = (values: number[]): number => values.reduce((total, each) => total + each, 0);
+    return { gpu: sum(all.map(({ bytes }) => bytes)), files: sum(all.map(({ fileBytes }) => fileBytes)) };
+  }
+
+  /** The number of a mesh's material, as the bake counts them. */
+  numberOf(mesh: Mesh): number {
+    return this.numbers.get(mesh) ?? 0;
+  }
+
+  /** The material of a mesh by the filter and layer that are set; the flat lightmap before there are textures. */
+  materialOf(mesh: Mesh): ShaderMaterial {
+    if (!this.found) return this.flat;
+    const { filter, layer } = this.chosen;
+    const number = this.numberOf(mesh);
+    const key = `${filter} ${layer} ${number}`;
+    const material = this.materials.get(key) ?? new RadTexMaterial(this, { filter, layer, number, baked: this.baked });
+    this.materials.set(key, material);
+    return material;
+  }
+
+  /** Show these textures of the same surface from now on, and free those from before. */
+  take(manifest: Manifest, textures: ReadonlyMap<string, BakeTexture>): void {
+    this.forget();
+    this.current = manifest;
+    this.found = textures;
+    this.show();
+  }
+
+  /** Put the textures onto the renderer's GPU now, not when it first draws the object. */
+  prepare(renderer: WebGLRenderer): void {
+    for (const texture of this.textures.values()) texture.upload(renderer);
+    this.show();
+  }
+
+  /** Show the flat lightmap, and free textures and their materials. */
+  forget(): void {
+    for (const texture of this.textures.values()) texture.dispose();
+    for (const material of this.materials.values()) material.dispose();
+    this.materials.clear();
+    this.found = null;
+    this.show();
+  }
+
+  /** Free all that it has on the GPU. */
+  dispose(): void {
+    this.forget();
+    for (const mesh of this.meshes) mesh.geometry.dispose();
+    (this.flat.uniforms["u_flat"]?.value as Texture).dispose();
+    this.flat.dispose();
+  }
+
+  /** Give the meshes the materials that are set. */
+  private show(): void {
+    for (const texture of this.textures.values()) {
+      if (texture.entry.arrangement === "slices") texture.blendLevels(this.filter === "levels");
+    }
+    for (const mesh of this.meshes) mesh.material = this.materialOf(mesh);
+  }
+}

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+// The mesh as its light shows it, with what three.js adds: tone mapping, fog, clipping planes, logarithmic depth.
+
+#include <common>
+#include <fog_pars_fragment>
+#include <logdepthbuf_pars_fragment>
+#include <clipping_planes_pars_fragment>
+in vec3 v_position, v_normal, v_eye;
+in vec4 v_tangent;
+in vec2 v_uv;
+#ifdef SUNLIT
+in vec3 v_to_sun;
+#endif
+
+void main() {
+    #include <clipping_planes_fragment>
+    #include <logdepthbuf_fragment>
+#ifdef LAYERED
+    surface_place = v_position;
+#endif
+#ifdef SUNLIT
+    to_sun = normalize(v_to_sun);
+#endif
+    vec3 V = normalize(isOrthographic ? v_eye : v_eye - v_position);
+    vec4 seen = light(v_uv, v_normal, v_tangent, V);
+#ifdef CLEAR
+    if (max(seen.a, max(seen.r, max(seen.g, seen.b))) < 0.002) discard;  // else it would hide what lies behind
+#endif
+#ifdef BLENDED
+    // Browsers blend display values: tone and fog act on the light where it covers, and it may cover more than its
+    // alpha says where it is brighter than white, or glows without hiding anything.
+    vec3 exposed = seen.rgb;
+#ifdef TONE_MAPPING
+    exposed *= toneMappingExposure;
+#endif
+    float cover = clamp(max(seen.a, max(max(exposed.r, exposed.g), exposed.b)), 1e-6, 1.0);
+    gl_FragColor = vec4(seen.rgb / cover, seen.a);
+#else
+    gl_FragColor = seen;
+#endif
+    #include <tonemapping_fragment>
+    #include <colorspace_fragment>
+    #include <fog_fragment>
+#ifdef BLENDED
+    gl_FragColor.rgb *= cover;
+#endif
+}
