@@ -14,6 +14,8 @@ from .pack import Pack
 
 BUILT = Path(__file__).with_name("web") / "built"  # made by .ci/build_web.py from the sources in web/
 FILES = ("index.html", "viewer.css", "viewer.js", "LICENSES.txt")
+# The first picture needs these: browsers fetch them while they still load the page's script.
+_PRELOAD = '<link rel="preload" href="{}" as="fetch" crossorigin />'
 _UNNAMED = '<meta name="radtex-bake" content="" />'
 
 
@@ -26,9 +28,11 @@ def check_page() -> None:
 
 
 def write_web(pack: Pack, folder: Path) -> None:
-    """Add the page (see `check_page`) to a pack's folder, with the manifest's name in its index.html."""
+    """Add the page (see `check_page`) to a pack's folder, with the names of manifest and mesh in its index.html."""
     for name in FILES:
         shutil.copyfile(BUILT / name, folder / name)
     page = folder / "index.html"
-    named = _UNNAMED.replace('""', f'"{quote(f"{pack.name}.{EXTENSION}")}"')
-    page.write_text(page.read_text(encoding="utf-8").replace(_UNNAMED, named), encoding="utf-8", newline="\n")
+    manifest, mesh = quote(f"{pack.name}.{EXTENSION}"), quote(pack.manifest.mesh)
+    named = [_UNNAMED.replace('""', f'"{manifest}"'), *(_PRELOAD.format(file) for file in (manifest, mesh))]
+    text = page.read_text(encoding="utf-8").replace(_UNNAMED, "\n    ".join(named))
+    page.write_text(text, encoding="utf-8", newline="\n")

@@ -43,6 +43,8 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "distance": {"ao_distance": 0.5},
 }
 _INTRODUCTION = """\
+<!-- SPDX-FileCopyrightText: 2026 RadTex authors -->
+<!-- SPDX-License-Identifier: GPL-3.0-or-later -->
 # What goes with what
 
 Each row is a kind of bake, in layout buckets or the layered layout; each column something that it can be

@@ -10,8 +10,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
-from playwright.sync_api import BrowserType
+from playwright.sync_api import BrowserType, Route
 
 from tests.real.browser import Shown, chromium
 from tests.real.exhibit import Exhibit
@@ -53,7 +54,7 @@ def changed(folder: Path, change: Callable[[dict[str, Any]], None]) -> None:
     path.write_text(json.dumps(facts))
 
 
-@pytest.mark.parametrize("ending", [".export.json", ".radiance.ktx2", ".glb", ".flat.png"])
+@pytest.mark.parametrize("ending", [".export.json", ".radiance.ktx2", ".glb"])
 def test_a_missing_file_is_named(web: Site, copied: Path, ending: str) -> None:
     (path,) = copied.glob(f"*{ending}")
     path.unlink()
@@ -61,7 +62,7 @@ def test_a_missing_file_is_named(web: Site, copied: Path, ending: str) -> None:
         says(shown, f"{path.name} is missing", "one folder")
 
 
-@pytest.mark.parametrize("ending", [".radiance.ktx2", ".glb", ".flat.png", ".export.json"])
+@pytest.mark.parametrize("ending", [".radiance.ktx2", ".glb", ".export.json"])
 def test_a_file_cut_short_is_named(web: Site, copied: Path, ending: str) -> None:
     (path,) = copied.glob(f"*{ending}")
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
@@ -107,9 +108,60 @@ def test_a_page_without_a_bake_says_how_to_name_one(web: Site, copied: Path) -> 
         shown.wait()
 
 
-def test_a_texture_too_large_for_the_device_is_named(web: Site, copied: Path) -> None:
+def test_a_device_that_cannot_take_a_texture_shows_the_flat_lightmap_and_says_why(
+    web: Site, copied: Path
+) -> None:
     with web.opened("spoilt/", before=SMALL_TEXTURES) as shown:
-        says(shown, "takes 256 a side at most", "--limit 256")
+        shown.wait()
+        notice = shown.text("notice")
+        assert "takes 256 a side at most" in notice
+        assert "--limit 256" in notice
+        assert np.array_equal(shown.pixels(), shown.pixels(flat=True))
+        assert shown.pixels().max() > 0.1
+
+
+def test_the_flat_lightmap_is_seen_before_the_textures_come(web: Site, copied: Path) -> None:
+    """The texture's answer is held back until the page was looked at."""
+    with web.opened("plain/") as shown:
+        shown.wait()
+        whole = shown.screen()
+    with web.opened("spoilt/index.html?bake=none.export.json") as shown:
+        held: list[Route] = []
+        shown.page.route("**/*.ktx2", lambda route: held.append(route))
+        shown.page.goto(f"{web.address}/spoilt/")
+        shown.page.locator("body.refining").wait_for()
+        first = shown.screen()
+        shown.page.wait_for_timeout(500)
+        for route in held:
+            route.continue_()
+        shown.wait()
+        assert np.abs(first - whole).mean() < np.abs(whole - whole[0, 0]).mean(), "it shows the object"
+        assert np.abs(first - whole).mean() > 0.002, "as its flat lightmap"
+        assert np.abs(shown.screen() - whole).mean() < 0.001
+
+
+def test_a_lost_graphics_device_comes_back(web: Site, copied: Path) -> None:
+    with web.opened("spoilt/") as shown:
+        before = shown.wait().pixels()
+        shown.page.evaluate("""async () => {
+            const canvas = document.getElementById("view");
+            const lost = new Promise((done) => canvas.addEventListener("webglcontextlost", done, { once: true }));
+            window.device = canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
+            window.device.loseContext();
+            await lost;
+        }""")
+        shown.page.locator("body.refining").wait_for()
+        shown.page.evaluate("device.restoreContext()")
+        shown.page.locator("body:not(.refining)").wait_for()
+        shown.still()
+        assert np.allclose(shown.pixels(), before, atol=1e-3)
+
+
+def test_the_object_alone_is_shown_in_a_frame_of_another_page(web: Site, copied: Path) -> None:
+    with web.opened("spoilt/?ui=0") as shown:
+        shown.wait()
+        assert shown.page.locator("header, aside, #divider").filter(visible=True).count() == 0
+        assert shown.pixels().max() > 0.1
 
 
 def test_a_browser_without_webgl_is_told(root: Root, driver: BrowserType, web: Site, copied: Path) -> None:

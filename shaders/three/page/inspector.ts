@@ -74,7 +74,7 @@ export class Inspector {
       this.inspection = null;
       return;
     }
-    const { bake } = viewer.manifest;
+    const { bake } = point.part.manifest;
     const stored = bake.layout !== "layered";
     const side = stored ? bake.bucket : SYNTHETIC;
     const texel = point.uv.map((along, axis) => {
@@ -184,9 +184,9 @@ export class Inspector {
   }
 
   private material(stage: Stage, filter: Filter): RawShaderMaterial {
-    const number = this.point?.material ?? 0;
-    const key = `${stage} ${filter} ${number}`;
-    const material = this.materials.get(key) ?? inspectorMaterial(this.viewer.object, filter, stage, number);
+    const { material: number, part } = this.point as SurfacePoint;
+    const key = `${stage} ${filter} ${part.id} ${number}`;
+    const material = this.materials.get(key) ?? inspectorMaterial(part, part.filters.includes(filter) ? filter : (part.filters.at(-1) as Filter), stage, number);
     this.materials.set(key, material);
     return material;
   }

@@ -4,7 +4,7 @@
 
 import "./style.css";
 
-import { loadRadTex } from "../src/load";
+import { loadRadTexScene } from "../src/load";
 import { asProblem, Problem } from "../src/problem";
 import { element } from "./elements";
 import { Inspector } from "./inspector";
@@ -24,15 +24,15 @@ async function open(): Promise<[Viewer, Inspector]> {
   const renderer = rendererOn(element<HTMLCanvasElement>("view"));
   const url = manifestUrl();
   const progressed = (done: number, all: number): void => tell(`Loading textures: ${done} of ${all}`);
-  const { object, complete } = await loadRadTex(url, { progressed });
+  const loaded = await loadRadTexScene(url, { progressed });
   body.classList.remove("loading"); // the panel measures what it covers
   body.classList.add("refining");
-  const viewer = new Viewer(renderer, element("stage"), object);
+  const viewer = new Viewer(renderer, element("stage"), loaded);
   const inspector = new Inspector(viewer, element<HTMLCanvasElement>("bucket"));
   const panel = new Panel(viewer, inspector);
   viewer.draw();
   performance.mark("radtex-first");
-  await complete;
+  await loaded.complete;
   viewer.completed();
   panel.complete();
   viewer.draw();

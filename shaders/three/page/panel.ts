@@ -70,7 +70,7 @@ export class Panel {
 
   /** The textures are there, or this device does not take them. */
   complete(): void {
-    const { problem } = this.viewer.object;
+    const problem = this.viewer.shown.parts.find((part) => part.problem)?.problem;
     element("notice").hidden = !problem;
     if (problem) element("notice").textContent = `The flat lightmap is shown: ${problem.message}. ${problem.remedy}`;
     this.mirror.complete();
@@ -79,13 +79,14 @@ export class Panel {
 
   /** What is shown, in one line. */
   describe(): void {
-    const { name, bake, textures } = this.viewer.manifest;
+    const { name, parts } = this.viewer.shown;
+    const { bake, textures } = this.viewer.manifest;
     const formats = [...new Set(Object.values(textures).map(({ format }) => format))].join(", ");
     const several = bake.layout === "layered"; // images
     const layout = several ? "layered layout" : "";
     const arrangement = several ? "" : textures[bake.kind]?.arrangement;
     const { title, about, way } = KINDS[bake.kind];
-    const facts = [
+    const facts = parts.length > 1 ? [`${parts.length} bakes`] : [
       bake.kind === "radiance" ? "" : title,
       `${bake.texels.join(" × ")} texels`,
       bake.kind === "ao" || bake.layout === "layered" ? "" : `${bake.bucket} × ${bake.bucket} cells`,
@@ -176,9 +177,10 @@ export class Panel {
   }
 
   private inspectAt(clientX: number, clientY: number): void {
-    if (!this.viewer.object.textures.size || !this.inspector.works) return;
+    if (!this.inspector.works) return;
     const box = this.viewer.renderer.domElement.getBoundingClientRect();
-    this.change(() => this.inspector.inspect(this.viewer.pick(clientX - box.left, clientY - box.top)));
+    const point = this.viewer.pick(clientX - box.left, clientY - box.top);
+    if (!point || point.part.textures.size) this.change(() => this.inspector.inspect(point));
   }
 
   private followDivider(): void {
@@ -277,7 +279,7 @@ export class Panel {
 
   private tellStatus(): void {
     const { viewer } = this;
-    const { gpu: bytes, files: fileBytes } = viewer.object.memory;
+    const [bytes, fileBytes] = viewer.memory;
     const { width, height } = viewer.renderer.domElement;
     element("rate").textContent = viewer.rate === null ? "at rest" : `${Math.round(viewer.rate)} frames/s`;
     element("memory").textContent = `${memorySize(bytes)} textures`;
@@ -297,7 +299,8 @@ export class Panel {
 
   private tellInspection(at: Inspection): void {
     const begin = (at.cell[1] * at.side + at.cell[0]) * 4;
-    const channels = this.viewer.manifest.bake.kind === "proxy" ? 4 : 3; // a hull's alpha says what is in it
+    const { kind } = (this.inspector.point?.part ?? this.viewer.object).manifest.bake;
+    const channels = kind === "proxy" ? 4 : 3; // a hull's alpha says what is in it
     const words: Record<string, string> = {
       "at-uv": numbers(at.uv, 4),
       "at-texel": `(${at.texel.join(", ")})`,
@@ -307,7 +310,7 @@ export class Panel {
       "at-light": numbers(at.light.slice(0, channels)),
     };
     for (const [id, word] of Object.entries(words)) element(id).textContent = word;
-    element("bucket-note").textContent = at.stored ? KINDS[this.viewer.manifest.bake.kind].bucket : "Light of this point, every way";
+    element("bucket-note").textContent = at.stored ? KINDS[kind].bucket : "Light of this point, every way";
   }
 }
 

@@ -4,6 +4,8 @@
 
 import { thisDevice } from "../src/device";
 import { loadTextures } from "../src/load_textures";
+import type { RadTexObject } from "../src/radtex_object";
+import type { BakeTexture } from "../src/textures";
 import { element } from "./elements";
 import type { Viewer } from "./viewer";
 
@@ -14,13 +16,15 @@ export function recover(viewer: Viewer, url: URL): void {
     event.preventDefault(); // else it is not given back
     element("step").textContent = "Waiting for the graphics device";
     document.body.classList.add("refining");
-    viewer.object.forget();
+    for (const part of viewer.shown.parts) part.forget();
   });
   canvas.addEventListener("webglcontextrestored", () => {
-    const { manifest } = viewer;
     viewer.invalidate();
-    loadTextures(manifest, url, thisDevice())
-      .then((textures) => viewer.take(manifest, textures))
+    const shared = new Map<string, Promise<BakeTexture>>();
+    const again = async (part: RadTexObject): Promise<void> =>
+      part.take(part.manifest, await loadTextures(part.manifest, url, thisDevice(), { shared }));
+    Promise.all(viewer.shown.parts.map(again))
+      .then(() => viewer.completed())
       .catch((error: unknown) => console.warn(error)) // the flat lightmap stays
       .finally(() => document.body.classList.remove("refining"));
   });

@@ -22,10 +22,11 @@ import {
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
 import { sortTriangles } from "../src/far_first";
 import type { Filter } from "../src/filters";
+import type { RadTexScene } from "../src/load";
 import type { Manifest } from "../src/manifest";
 import { type MirrorState, RadTexMirror } from "../src/mirror";
 import type { RadTexObject } from "../src/radtex_object";
@@ -43,6 +44,8 @@ export interface SurfacePoint {
   tangent: [number, number, number, number];
   /** The number of its material. */
   material: number;
+  /** The bake that it is of. */
+  part: RadTexObject;
 }
 
 const FOVY = 35; // degrees
@@ -64,7 +67,9 @@ export class Viewer {
   /** Frames a second while pictures follow one another, else null. */
   rate: number | null = null;
 
+  readonly meshes: readonly Mesh[];
   private readonly scene = new Scene();
+  private readonly owners = new Map<Mesh, RadTexObject>();
   private readonly ball: Sphere;
   private scheduled = 0;
   private before = 0; // when the last frame was, in milliseconds
@@ -75,10 +80,12 @@ export class Viewer {
   constructor(
     readonly renderer: WebGLRenderer,
     readonly stage: HTMLElement,
-    readonly object: RadTexObject,
+    readonly shown: Pick<RadTexScene, "name" | "object" | "parts">,
   ) {
-    this.scene.add(object);
-    this.ball = new Box3().setFromObject(object).getBoundingSphere(new Sphere());
+    for (const part of shown.parts) for (const mesh of part.meshes) this.owners.set(mesh, part);
+    this.meshes = [...this.owners.keys()];
+    this.scene.add(shown.object);
+    this.ball = new Box3().setFromObject(shown.object).getBoundingSphere(new Sphere());
     this.controls = new OrbitControls(this.camera, renderer.domElement);
     this.controls.enableDamping = true;
     this.controls.dampingFactor = 0.12;
@@ -93,8 +100,9 @@ export class Viewer {
     this.resetView();
   }
 
-  get meshes(): readonly Mesh[] {
-    return this.object.meshes;
+  /** The bake by which filters and layers are named: the first of several. */
+  get object(): RadTexObject {
+    return this.shown.parts[0] as RadTexObject;
   }
 
   get manifest(): Manifest {
@@ -121,7 +129,13 @@ export class Viewer {
     return this.object.sunlight;
   }
 
-  /** Show these textures; camera, filter and all else stay as they are. */
+  /** Bytes of all textures: on the GPU, and as files. */
+  get memory(): [number, number] {
+    const all = [...new Set(this.shown.parts.flatMap(({ textures }) => [...textures.values()]))];
+    return [all.reduce((sum, { bytes }) => sum + bytes, 0), all.reduce((sum, { fileBytes }) => sum + fileBytes, 0)];
+  }
+
+  /** Show these textures of the first bake; camera, filter and all else stay as they are. */
   take(manifest: Manifest, textures: ReadonlyMap<string, BakeTexture>): void {
     this.object.take(manifest, textures);
     this.completed();
@@ -149,12 +163,12 @@ export class Viewer {
   }
 
   setFilter(filter: Filter): void {
-    this.object.filter = filter;
+    for (const part of this.shown.parts) if (part.filters.includes(filter)) part.filter = filter;
     this.completed(); // the mirror ball looks up in the same way
   }
 
   setLayer(layer: string): void {
-    this.object.lightLayer = layer;
+    for (const part of this.shown.parts) if (part.lightLayers.includes(layer)) part.lightLayer = layer;
     this.invalidate();
   }
 
@@ -172,7 +186,7 @@ export class Viewer {
   }
 
   setSun(change: Partial<Sun>): void {
-    this.object.setSun(change);
+    for (const part of this.shown.parts) part.setSun(change);
     this.invalidate();
   }
 
@@ -283,7 +297,8 @@ export class Viewer {
       uv: [u, 1 - v],
       normal: normal.normalize().toArray(),
       tangent: [...tangent.normalize().toArray(), sign * mirrored],
-      material: this.object.numberOf(hit.object),
+      material: this.ownerOf(hit.object).numberOf(hit.object),
+      part: this.ownerOf(hit.object),
     };
   }
 
@@ -298,11 +313,11 @@ export class Viewer {
     renderer.setScissorTest(true);
     if (edge > 0) {
       renderer.setScissor(0, 0, edge, height);
-      this.render((mesh) => this.object.materialOf(mesh));
+      this.render((mesh) => this.ownerOf(mesh).materialOf(mesh));
     }
     if (edge < width) {
       renderer.setScissor(edge, 0, width - edge, height);
-      this.render(() => this.object.flat);
+      this.render((mesh) => this.ownerOf(mesh).flat);
     }
     renderer.setScissorTest(false);
     this.drawn();
@@ -313,7 +328,10 @@ export class Viewer {
     const { renderer } = this;
     const { width, height } = renderer.getDrawingBufferSize(new Vector2());
     const target = new WebGLRenderTarget(width, height, { type: FloatType });
-    const materialOf = (mesh: Mesh): ShaderMaterial => (flat ? this.object.flat : this.object.materialOf(mesh));
+    const materialOf = (mesh: Mesh): ShaderMaterial => {
+      const part = this.ownerOf(mesh);
+      return flat ? part.flat : part.materialOf(mesh);
+    };
     const materials = [...new Set(this.meshes.map(materialOf))];
     const blendings = materials.map(({ blending }) => blending);
     for (const material of materials) material.blending = NoBlending; // many devices do not blend floats
@@ -336,15 +354,23 @@ export class Viewer {
     for (const mesh of this.meshes) {
       const material = materialOf(mesh);
       mesh.material = material;
-      if (material.transparent && this.manifest.bake.kind !== "proxy") sortTriangles(mesh, this.camera.position);
+      if (material.transparent && !this.isHull(mesh)) sortTriangles(mesh, this.camera.position);
     }
-    if (this.manifest.bake.kind === "proxy") {
-      const materials = new Set(this.meshes.map(materialOf));
+    if (this.meshes.some((mesh) => this.isHull(mesh))) {
+      const materials = new Set(this.meshes.filter((mesh) => this.isHull(mesh)).map(materialOf));
       for (const material of materials) material.colorWrite = false; // first the depths: of a hull in folds nothing is
       this.renderer.render(this.scene, this.camera); // seen but its nearest side
       for (const material of materials) material.colorWrite = true;
     }
     this.renderer.render(this.scene, this.camera);
+  }
+
+  private ownerOf(mesh: Mesh): RadTexObject {
+    return this.owners.get(mesh) as RadTexObject;
+  }
+
+  private isHull(mesh: Mesh): boolean {
+    return this.ownerOf(mesh).manifest.bake.kind === "proxy";
   }
 
   private frame(now: number): void {

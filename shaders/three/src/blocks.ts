@@ -3,8 +3,8 @@
 // Blocks of 4 x 4 pixels, unpacked here for devices that know none of their formats, as phones do. Only what RadTex
 // writes is decoded: BC7 of mode 6 and BC6H of mode 11. radtex_addon/formats/codecs is the reference.
 
-import { levelSize, type Pixels } from "./containers";
-import type { PixelFormat } from "./manifest";
+import { levelSize, type Pixels } from "./containers.js";
+import type { PixelFormat } from "./manifest.js";
 
 /** What the pixels of blocks become. */
 const UNPACKED: Partial<Record<PixelFormat, PixelFormat>> = {

@@ -5,8 +5,8 @@
 import { KHR_SUPERCOMPRESSION_NONE, KHR_SUPERCOMPRESSION_ZSTD, read } from "ktx-parse";
 import { ZSTDDecoder } from "zstddec";
 
-import type { PixelFormat, Size, TextureEntry } from "./manifest";
-import { Problem } from "./problem";
+import type { PixelFormat, Size, TextureEntry } from "./manifest.js";
+import { Problem } from "./problem.js";
 
 /** Pixels as a GPU takes them: each level with all its layers, the first row at the bottom. */
 export interface Pixels {

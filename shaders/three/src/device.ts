@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 // What a device takes: sizes, layers, and formats of pixels and blocks.
 
-import type { PixelFormat, TextureEntry } from "./manifest";
-import { Problem } from "./problem";
+import type { PixelFormat, TextureEntry } from "./manifest.js";
+import { Problem } from "./problem.js";
 
 /** Internal format, format and type of pixels. */
 export const PLAIN: Partial<Record<PixelFormat, [number, number, number]>> = {

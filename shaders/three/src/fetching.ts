@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 // Files from the server.
 
-import { fileName } from "./manifest";
-import { Problem } from "./problem";
+import { fileName } from "./manifest.js";
+import { Problem } from "./problem.js";
 
 /** The address of a file that lies beside the manifest. */
 export function fileUrl(file: string, manifest: URL): URL {

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: MIT
 // How textures can be filtered.
 
-import { KINDS } from "./kinds";
-import type { Manifest } from "./manifest";
-import { Problem } from "./problem";
+import { KINDS } from "./kinds.js";
+import type { Manifest } from "./manifest.js";
+import { Problem } from "./problem.js";
 
 export type Filter = "nearest" | "linear" | "quadrilinear" | "levels" | "layered";
 

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: MIT
 // What the package offers.
 
-export { type Device, deviceOf, thisDevice } from "./device";
-export { type Filter, filtersOf } from "./filters";
-export { type Kind, KINDS } from "./kinds";
-export { type LoadOptions, loadRadTex, type RadTex } from "./load";
-export { type Manifest, readManifest } from "./manifest";
-export { flatMaterial, type MaterialOptions, RadTexMaterial } from "./material";
-export { type MirrorState, RadTexMirror } from "./mirror";
-export { Problem } from "./problem";
-export { RadTexObject } from "./radtex_object";
-export { type Sun } from "./sun";
+export { type Device, deviceOf, thisDevice } from "./device.js";
+export { type Filter, filtersOf } from "./filters.js";
+export { type Kind, KINDS } from "./kinds.js";
+export { type LoadOptions, loadRadTex, loadRadTexScene, type RadTex, type RadTexScene } from "./load.js";
+export { type Manifest, readManifest, type SceneManifest } from "./manifest.js";
+export { flatMaterial, type MaterialOptions, RadTexMaterial } from "./material.js";
+export { type MirrorState, RadTexMirror } from "./mirror.js";
+export { Problem } from "./problem.js";
+export { RadTexObject } from "./radtex_object.js";
+export { type Sun } from "./sun.js";

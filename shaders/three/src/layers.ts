@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 // Layers: the whole, the parts of its light that lie beside it, and base and rest together.
 
-import type { Manifest } from "./manifest";
+import type { Manifest } from "./manifest.js";
 
 export const WHOLE = "whole";
 export const SUM = "sum";

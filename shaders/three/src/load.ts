@@ -1,18 +1,27 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
-// From an address to an object in a scene.
+// From an address to objects in a scene.
 
-import { type Device, thisDevice } from "./device";
-import { fileUrl } from "./fetching";
-import { loadTextures, type TextureOptions } from "./load_textures";
-import { checkManifest, type Manifest, readManifest } from "./manifest";
-import { bakeBelow, loadMeshFile } from "./mesh_file";
-import { Problem } from "./problem";
-import { RadTexObject } from "./radtex_object";
+import { type Color, Group, type Object3D } from "three";
+
+import { type Device, thisDevice } from "./device.js";
+import { fileUrl } from "./fetching.js";
+import { loadTextures, type TextureOptions } from "./load_textures.js";
+import { checkManifest, fileName, type Manifest, readAnyManifest, readManifest } from "./manifest.js";
+import { bakeBelow, loadMeshFile } from "./mesh_file.js";
+import type { Bake } from "./parts.js";
+import { Problem } from "./problem.js";
+import { RadTexObject } from "./radtex_object.js";
+import { sunUniforms } from "./sun.js";
+import type { BakeTexture } from "./textures.js";
+
+type Textures = Map<string, BakeTexture>;
 
 export interface LoadOptions extends TextureOptions {
   /** What the device takes; by default this one is asked. */
   device?: Device;
+  /** Exports of the same surface lit by one lamp each, by names of yours, to be mixed by `object.lamps`. */
+  lamps?: Readonly<Record<string, string | URL>>;
 }
 
 /** A bake that can be drawn. */
@@ -27,6 +36,16 @@ export interface RadTex {
   complete: Promise<void>;
 }
 
+/** Several bakes that can be drawn. */
+export interface RadTexScene {
+  /** Holds all of `parts`. */
+  object: Group;
+  name: string;
+  parts: RadTexObject[];
+  /** As of one bake; each part shows its radiance as soon as its own textures are there. */
+  complete: Promise<void>;
+}
+
 /**
  * Load an export of RadTex by the address of its NAME.export.json or NAME.glb, relative to the page.
  *
@@ -37,23 +56,84 @@ export async function loadRadTex(address: string | URL, options: LoadOptions = {
   const url = new URL(address, document.baseURI);
   const device = options.device ?? thisDevice();
   const [manifest, early] = url.pathname.endsWith(".glb") ? await manifestOfMesh(url) : [await readManifest(url), null];
-  const textures = loadTextures(manifest, url, device, options);
+  const lamps = options.lamps ?? {};
+  const textures = Promise.all([
+    loadTextures(manifest, url, device, options),
+    ...Object.values(lamps).map((lamp) => loadLamp(new URL(lamp, document.baseURI), manifest, device)),
+  ]);
   textures.catch(() => undefined); // `complete` tells it
   const mesh = fileUrl(manifest.mesh, url);
   const { parts, map } = bakeBelow(early ?? (await loadMeshFile(mesh)), mesh);
-  const object = new RadTexObject(manifest, parts, map);
+  const object = new RadTexObject(manifest, parts, map, Object.keys(lamps));
   return { object, manifest, complete: completed(object, textures) };
 }
 
+/** Load an export of one bake or of several by the address of its NAME.export.json. Rejected as `loadRadTex`. */
+export async function loadRadTexScene(address: string | URL, options: LoadOptions = {}): Promise<RadTexScene> {
+  const url = new URL(address, document.baseURI);
+  const device = options.device ?? thisDevice();
+  const manifest = await readAnyManifest(url);
+  const manifests = "scene" in manifest ? manifest.scene : [manifest];
+  const [shared, counts] = [new Map<string, Promise<BakeTexture>>(), manifests.map(() => [0, 0] as [number, number])];
+  const loading = manifests.map((part, place) => {
+    const progressed = (done: number, all: number): void => {
+      counts[place] = [done, all];
+      options.progressed?.(...counts.reduce(([have, of], [more, further]) => [have + more, of + further], [0, 0]));
+    };
+    const textures = loadTextures(part, url, device, { ...options, progressed, shared });
+    textures.catch(() => undefined); // `complete` tells it
+    return textures;
+  });
+  const mesh = fileUrl(manifest.mesh, url);
+  const root = await loadMeshFile(mesh);
+  const parts = manifests.map((part) => {
+    const below = "node" in part ? nodeOf(root, part.node as string, mesh) : root;
+    const { parts: meshes, map } = bakeBelow(below, mesh);
+    return new RadTexObject(part, meshes, map);
+  });
+  const object = new Group();
+  object.name = manifest.name;
+  object.add(...parts);
+  const each = parts.map((part, place) => completed(part, (loading[place] as Promise<Textures>).then((found) => [found])));
+  return { object, name: manifest.name, parts, complete: Promise.all(each).then(() => undefined) };
+}
+
 /** What a .glb says of its bake, and its contents. */
-async function manifestOfMesh(url: URL): Promise<[Manifest, Awaited<ReturnType<typeof loadMeshFile>>]> {
+async function manifestOfMesh(url: URL): Promise<[Manifest, Object3D]> {
   const root = await loadMeshFile(url);
   return [checkManifest(bakeBelow(root, url).facts, url), root];
 }
 
-async function completed(object: RadTexObject, textures: ReturnType<typeof loadTextures>): Promise<void> {
+/** The node that the .glb calls so: GLTFLoader gives names without what three.js cannot have in them. */
+function nodeOf(root: Object3D, name: string, url: URL): Object3D {
+  let found: Object3D | undefined;
+  root.traverse((each) => {
+    if (each.userData["name"] === name) found ??= each;
+  });
+  if (found) return found;
+  throw new Problem(`${fileName(url)} has no node “${name}”`, "Export the scene again.");
+}
+
+/** The textures of a lamp's export. Throws a Problem if that is of another surface than `main`. */
+async function loadLamp(url: URL, main: Manifest, device: Device): Promise<Bake> {
+  const manifest = await readManifest(url);
+  const alike = (["layout", "texels"] as const).every((key) => String(manifest.bake[key]) === String(main.bake[key]));
+  if (!alike) {
+    throw new Problem(
+      `${manifest.name} is of another surface than ${main.name}: ${manifest.bake.texels.join(" × ")} texels`,
+      "Bake the lamps of one object in one go, with --lights each.",
+    );
+  }
+  return { manifest, textures: await loadTextures(manifest, url, device), sun: sunUniforms() };
+}
+
+/** Give an object its textures when they and its lamps' have come. */
+async function completed(object: RadTexObject, loading: Promise<[Textures, ...Bake[]]>): Promise<void> {
   try {
-    object.take(object.manifest, await textures);
+    const [textures, ...bakes] = await loading;
+    const colours = [...object.lamps.values()];
+    const lamps = bakes.map((bake, place) => ({ bake, colour: colours[place] as Color }));
+    object.take(object.manifest, textures, lamps);
   } catch (error) {
     if (!(error instanceof Problem) || !error.ofDevice) throw error;
     object.problem = error;

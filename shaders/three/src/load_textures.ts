@@ -2,18 +2,20 @@
 // SPDX-License-Identifier: MIT
 // All textures of a bake from their files.
 
-import { withoutBlocks } from "./blocks";
-import { unpack } from "./containers";
-import { checkSize, type Device, isTaken } from "./device";
-import { fetchBytes, fileUrl } from "./fetching";
-import type { Manifest, TextureEntry } from "./manifest";
-import { BakeTexture } from "./textures";
+import { withoutBlocks } from "./blocks.js";
+import { unpack } from "./containers.js";
+import { checkSize, type Device, isTaken } from "./device.js";
+import { fetchBytes, fileUrl } from "./fetching.js";
+import type { Manifest, TextureEntry } from "./manifest.js";
+import { BakeTexture } from "./textures.js";
 
 export interface TextureOptions {
   /** Called whenever a texture is there. */
   progressed?: ((done: number, all: number) => void) | undefined;
   /** Another address for each file's. */
   address?: ((url: URL) => URL) | undefined;
+  /** Textures that other bakes have asked for, by their addresses: what several share is loaded once. */
+  shared?: Map<string, Promise<BakeTexture>> | undefined;
 }
 
 /** Fetch and unpack the textures of a manifest, which lies at `base`. Throws a Problem for the first that fails. */
@@ -21,19 +23,25 @@ export async function loadTextures(
   manifest: Manifest,
   base: URL,
   device: Device,
-  { progressed, address = (url) => url }: TextureOptions = {},
+  { progressed, address = (url) => url, shared = new Map() }: TextureOptions = {},
 ): Promise<Map<string, BakeTexture>> {
   const { mirror } = manifest;
   const entries = Object.entries({ ...manifest.textures, ...(mirror ? { mirror } : {}) });
   for (const [, entry] of entries) checkSize(device, entry);
   const loaded = new Map<string, BakeTexture>();
   const load = async ([name, entry]: [string, TextureEntry]): Promise<void> => {
-    const bytes = await fetchBytes(address(fileUrl(entry.file, base)), "low");
-    const pixels = await unpack(bytes, entry);
-    const taken = isTaken(device, pixels.format) ? pixels : withoutBlocks(pixels);
-    loaded.set(name, new BakeTexture(entry, taken, bytes.byteLength));
+    const url = address(fileUrl(entry.file, base));
+    const texture = shared.get(url.href) ?? loadTexture(url, entry, device);
+    shared.set(url.href, texture);
+    loaded.set(name, await texture);
     progressed?.(loaded.size, entries.length);
   };
   await Promise.all(entries.map(load));
   return loaded;
+}
+
+async function loadTexture(url: URL, entry: TextureEntry, device: Device): Promise<BakeTexture> {
+  const bytes = await fetchBytes(url, "low");
+  const pixels = await unpack(bytes, entry);
+  return new BakeTexture(entry, isTaken(device, pixels.format) ? pixels : withoutBlocks(pixels), bytes.byteLength);
 }

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: MIT
 // The export's manifest, <name>.export.json: which file is which. docs/format.md describes it.
 
-import { fetchBytes } from "./fetching";
-import { isKind, type Kind } from "./kinds";
-import { Problem } from "./problem";
+import { fetchBytes } from "./fetching.js";
+import { isKind, type Kind } from "./kinds.js";
+import { Problem } from "./problem.js";
 
 export const VERSION = 1;
 
@@ -93,16 +93,41 @@ export interface Manifest {
   mirror?: MirrorEntry;
 }
 
-/** Read a manifest. Throws a Problem where it is missing, damaged, or of a newer version. */
+/** The bake of one node of a .glb that has several. */
+export interface PartManifest extends Manifest {
+  node: string;
+}
+
+/** Of an export of several bakes in one .glb. */
+export interface SceneManifest {
+  version: number;
+  tool: string;
+  name: string;
+  mesh: string;
+  scene: PartManifest[];
+}
+
+/** Read the manifest of one bake. Throws a Problem where it is missing, damaged, of several, or of a newer version. */
 export async function readManifest(url: URL): Promise<Manifest> {
+  const manifest = await readAnyManifest(url);
+  if (!("scene" in manifest)) return manifest;
+  throw new Problem(`${fileName(url)} is of ${manifest.scene.length} bakes`, "Load it by loadRadTexScene.");
+}
+
+/** Read the manifest of one bake, or of several. Throws a Problem as `readManifest` does. */
+export async function readAnyManifest(url: URL): Promise<Manifest | SceneManifest> {
   const text = new TextDecoder().decode(await fetchBytes(url, "high"));
-  let manifest: Manifest;
+  let manifest: Manifest | SceneManifest;
   try {
-    manifest = JSON.parse(text) as Manifest;
+    manifest = JSON.parse(text) as Manifest | SceneManifest;
   } catch {
     throw damaged(url, "it is no JSON");
   }
-  return checkManifest(manifest, url);
+  if (!Array.isArray((manifest as Partial<SceneManifest> | null)?.scene)) return checkManifest(manifest as Manifest, url);
+  const { scene, ...whole } = manifest as SceneManifest;
+  if (!scene.length) throw damaged(url, "it has no bakes");
+  const parts = scene.map((part) => ({ ...checkManifest({ ...part, mesh: whole.mesh }, url), node: part.node }));
+  return { ...whole, scene: parts };
 }
 
 /** The same facts, of the file `url`. Throws a Problem where they are damaged, or of a newer version. */

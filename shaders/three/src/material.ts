@@ -3,6 +3,7 @@
 // Materials of three.js that show a bake.
 
 import {
+  Color,
   CustomBlending,
   DoubleSide,
   FrontSide,
@@ -17,10 +18,11 @@ import {
   type WebGLRenderer,
 } from "three";
 
-import { type Filter, filtersOf } from "./filters";
-import { WHOLE } from "./layers";
-import type { Manifest } from "./manifest";
-import { type Bake, partsOf, type Parts } from "./parts";
+import { type Filter, filtersOf } from "./filters.js";
+import { type Lamp, lampParts } from "./lamps.js";
+import { WHOLE } from "./layers.js";
+import type { Manifest } from "./manifest.js";
+import { type Bake, partsOf, type Parts } from "./parts.js";
 import flatLight from "./shaders/flat.glsl";
 import surface from "./shaders/surface.glsl";
 import surfaceVertex from "./shaders/surface.vert.glsl";
@@ -34,23 +36,30 @@ export interface MaterialOptions {
   number?: number;
   /** From the mesh's own space to the world of the bake. */
   baked?: Matrix4;
+  /** Lamps whose light is added. */
+  lamps?: readonly Lamp[];
+  /** What the bake's own light is multiplied by, where there are lamps. */
+  own?: Color;
 }
 
 /** The light of a bake, as it leaves its surface towards the camera. For a Mesh or an InstancedMesh of the bake's. */
 export class RadTexMaterial extends ShaderMaterial {
   readonly isRadTexMaterial = true;
-  private readonly bake: Bake;
+  private readonly bakes: readonly Bake[];
 
   constructor(bake: Bake, options: MaterialOptions = {}) {
+    const { layer = WHOLE, number = 0, baked = new Matrix4(), lamps = [], own = new Color(1, 1, 1) } = options;
     const filter = options.filter ?? (filtersOf(bake.manifest).at(-1) as Filter);
     super();
-    this.bake = bake;
-    const parts = partsOf(bake, filter, "mesh", options.layer ?? WHOLE, options.number ?? 0);
-    assemble(this, parts, bake.manifest, hasAlpha(bake), options.baked ?? new Matrix4());
+    this.bakes = [bake, ...lamps.map((lamp) => lamp.bake)];
+    const [lookups, uniforms] = partsOf(bake, filter, "mesh", layer, number);
+    const [more, further]: Parts = lamps.length ? lampParts(lamps, own, filter, number) : ["", {}];
+    const parts: Parts = [[lookups, more].join("\n"), { ...uniforms, ...further }];
+    assemble(this, parts, bake.manifest, hasAlpha(bake), baked);
   }
 
   override onBeforeRender(renderer: WebGLRenderer): void {
-    for (const texture of this.bake.textures.values()) texture.upload(renderer);
+    for (const { textures } of this.bakes) for (const texture of textures.values()) texture.upload(renderer);
   }
 }
 

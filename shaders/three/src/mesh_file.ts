@@ -3,12 +3,12 @@
 // The exported .glb: its meshes, their materials' numbers, and the flat lightmap.
 
 import { Mesh, type MeshBasicMaterial, type Object3D, type Texture } from "three";
-import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
+import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
-import { fetchBytes } from "./fetching";
-import { fileName, type Manifest } from "./manifest";
-import { Problem } from "./problem";
-import type { BakedMesh } from "./radtex_object";
+import { fetchBytes } from "./fetching.js";
+import { fileName, type Manifest } from "./manifest.js";
+import { Problem } from "./problem.js";
+import type { BakedMesh } from "./radtex_object.js";
 
 export const EXTENSION = "RADTEX_radiance_texture";
 

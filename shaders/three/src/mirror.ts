@@ -5,10 +5,10 @@
 import { Mesh, NoBlending, ShaderMaterial, SphereGeometry, UniformsLib, UniformsUtils, Vector3, type WebGLRenderer } from "three";
 
 import traceLookups from "../../radtex_trace.glsl";
-import type { Filter } from "./filters";
-import { WHOLE } from "./layers";
-import type { MirrorEntry } from "./manifest";
-import { type Bake, partsOf } from "./parts";
+import type { Filter } from "./filters.js";
+import { WHOLE } from "./layers.js";
+import type { MirrorEntry } from "./manifest.js";
+import { type Bake, partsOf } from "./parts.js";
 import ballVertex from "./shaders/ball.vert.glsl";
 import mirrorMain from "./shaders/mirror.glsl";
 

@@ -7,16 +7,16 @@ import shadowLookups from "../../radtex_shadow.glsl";
 import layeredLookups from "../../radtex_layered.glsl";
 import throughLookups from "../../radtex_layered_through.glsl";
 import transferLookups from "../../radtex_transfer.glsl";
-import type { Filter } from "./filters";
-import { BASE, bucketsOf, SUM, WHOLE } from "./layers";
-import type { Manifest, ShaderFacts, Sidecar, UniformValues } from "./manifest";
-import { Problem } from "./problem";
+import type { Filter } from "./filters.js";
+import { BASE, bucketsOf, SUM, WHOLE } from "./layers.js";
+import type { Manifest, ShaderFacts, Sidecar, UniformValues } from "./manifest.js";
+import { Problem } from "./problem.js";
 import bucketLight from "./shaders/buckets.glsl";
 import layeredLight from "./shaders/layered.glsl";
 import shadowLight from "./shaders/shadow.glsl";
 import transferLight from "./shaders/transfer.glsl";
-import type { SunUniforms } from "./sun";
-import type { BakeTexture } from "./textures";
+import type { SunUniforms } from "./sun.js";
+import type { BakeTexture } from "./textures.js";
 
 /** What is drawn: the mesh, the inspector's picture of one bucket, or its three pixels of numbers. */
 export type Stage = "mesh" | "bucket" | "probe";

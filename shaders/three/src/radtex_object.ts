@@ -2,17 +2,18 @@
 // SPDX-License-Identifier: MIT
 // A bake in a scene of three.js.
 
-import { Group, type Material, Matrix4, type Mesh, type ShaderMaterial, type Texture, Vector3, type WebGLRenderer } from "three";
+import { Color, Group, type Material, Matrix4, type Mesh, type ShaderMaterial, type Texture, Vector3, type WebGLRenderer } from "three";
 
-import { sortTriangles } from "./far_first";
-import { type Filter, filtersOf } from "./filters";
-import { layersOf, WHOLE } from "./layers";
-import type { Manifest } from "./manifest";
-import { flatMaterial, RadTexMaterial } from "./material";
-import type { Bake } from "./parts";
-import type { Problem } from "./problem";
-import { changedSun, FIRST_SUN, shine, type Sun, type SunUniforms, sunUniforms } from "./sun";
-import type { BakeTexture } from "./textures";
+import { sortTriangles } from "./far_first.js";
+import { type Filter, filtersOf } from "./filters.js";
+import type { Lamp } from "./lamps.js";
+import { layersOf, WHOLE } from "./layers.js";
+import type { Manifest } from "./manifest.js";
+import { flatMaterial, RadTexMaterial } from "./material.js";
+import type { Bake } from "./parts.js";
+import type { Problem } from "./problem.js";
+import { changedSun, FIRST_SUN, shine, type Sun, type SunUniforms, sunUniforms } from "./sun.js";
+import type { BakeTexture } from "./textures.js";
 
 /** A mesh of the bake, as the .glb has it, and the number of its material. */
 export interface BakedMesh {
@@ -32,6 +33,11 @@ export class RadTexObject extends Group implements Bake {
   problem: Problem | null = null;
   /** The flat lightmap, one colour a texel. */
   readonly flat: ShaderMaterial;
+  /** What the bake's own light is multiplied by, where lamps are added to it. */
+  readonly own = new Color(1, 1, 1);
+  /** What the light of each lamp is multiplied by, by the lamp's name: change the colours as you like. */
+  readonly lamps: ReadonlyMap<string, Color>;
+  private added: readonly Lamp[] = [];
   private found: ReadonlyMap<string, BakeTexture> | null = null;
   private chosen: { filter: Filter; layer: string };
   private shining: Readonly<Sun> = FIRST_SUN;
@@ -44,8 +50,10 @@ export class RadTexObject extends Group implements Bake {
     private current: Manifest,
     parts: readonly BakedMesh[],
     map: Texture,
+    lamps: readonly string[] = [],
   ) {
     super();
+    this.lamps = new Map(lamps.map((name) => [name, new Color(1, 1, 1)]));
     this.name = current.name;
     this.meshes = parts.map(({ mesh }) => mesh);
     const [first] = this.meshes;
@@ -119,7 +127,7 @@ export class RadTexObject extends Group implements Bake {
 
   /** Bytes of all textures: on the GPU, and as files. */
   get memory(): { gpu: number; files: number } {
-    const all = [...this.textures.values()];
+    const all = this.everyTexture();
     const sum = (values: number[]): number => values.reduce((total, each) => total + each, 0);
     return { gpu: sum(all.map(({ bytes }) => bytes)), files: sum(all.map(({ fileBytes }) => fileBytes)) };
   }
@@ -135,31 +143,38 @@ export class RadTexObject extends Group implements Bake {
     const { filter, layer } = this.chosen;
     const number = this.numberOf(mesh);
     const key = `${filter} ${layer} ${number}`;
-    const material = this.materials.get(key) ?? new RadTexMaterial(this, { filter, layer, number, baked: this.baked });
+    const material = this.materials.get(key) ?? this.made(number);
     this.materials.set(key, material);
     return material;
   }
 
-  /** Show these textures of the same surface from now on, and free those from before. */
-  take(manifest: Manifest, textures: ReadonlyMap<string, BakeTexture>): void {
+  private made(number: number): RadTexMaterial {
+    const { added: lamps, baked, filter, lightLayer: layer, own } = this;
+    return new RadTexMaterial(this, { filter, layer, number, baked, lamps, own });
+  }
+
+  /** Show these textures of the same surface, and lamps', from now on, and free those from before. */
+  take(manifest: Manifest, textures: ReadonlyMap<string, BakeTexture>, lamps: readonly Lamp[] = []): void {
     this.forget();
     this.current = manifest;
     this.found = textures;
+    this.added = lamps;
     this.show();
   }
 
   /** Put the textures onto the renderer's GPU now, not when it first draws the object. */
   prepare(renderer: WebGLRenderer): void {
-    for (const texture of this.textures.values()) texture.upload(renderer);
+    for (const texture of this.everyTexture()) texture.upload(renderer);
     this.show();
   }
 
   /** Show the flat lightmap, and free textures and their materials. */
   forget(): void {
-    for (const texture of this.textures.values()) texture.dispose();
+    for (const texture of this.everyTexture()) texture.dispose();
     for (const material of this.materials.values()) material.dispose();
     this.materials.clear();
     this.found = null;
+    this.added = [];
     this.show();
   }
 
@@ -171,9 +186,14 @@ export class RadTexObject extends Group implements Bake {
     this.flat.dispose();
   }
 
+  /** The bake's textures and the lamps'. */
+  private everyTexture(): BakeTexture[] {
+    return [this, ...this.added.map(({ bake }) => bake)].flatMap(({ textures }) => [...textures.values()]);
+  }
+
   /** Give the meshes the materials that are set. */
   private show(): void {
-    for (const texture of this.textures.values()) {
+    for (const texture of this.everyTexture()) {
       if (texture.entry.arrangement === "slices") texture.blendLevels(this.filter === "levels");
     }
     for (const mesh of this.meshes) mesh.material = this.materialOf(mesh);

@@ -4,10 +4,10 @@
 
 import { ExternalTexture, type WebGLRenderer } from "three";
 
-import { levelBytes, levelSize, type Pixels } from "./containers";
-import { PACKED, PLAIN } from "./device";
-import type { TextureEntry } from "./manifest";
-import { Problem } from "./problem";
+import { levelBytes, levelSize, type Pixels } from "./containers.js";
+import { PACKED, PLAIN } from "./device.js";
+import type { TextureEntry } from "./manifest.js";
+import { Problem } from "./problem.js";
 
 /** A texture that shaders read. It is uploaded when a renderer first draws with it. */
 export class BakeTexture {

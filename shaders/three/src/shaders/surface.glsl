@@ -24,6 +24,9 @@ void main() {
 #endif
     vec3 V = normalize(isOrthographic ? v_eye : v_eye - v_position);
     vec4 seen = light(v_uv, v_normal, v_tangent, V);
+#ifdef LAMPS
+    seen.rgb = light_of_lamps(seen.rgb, v_position, v_uv, v_normal, v_tangent, V);
+#endif
 #ifdef CLEAR
     if (max(seen.a, max(seen.r, max(seen.g, seen.b))) < 0.002) discard;  // else it would hide what lies behind
 #endif

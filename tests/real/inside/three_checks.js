@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+// What tests ask of the page of docs/three.md: linear light of its scene, by one camera, by two eyes, of an instance.
+
+import {
+  ArrayCamera,
+  FloatType,
+  Fog,
+  InstancedMesh,
+  Matrix4,
+  NoToneMapping,
+  OrthographicCamera,
+  PerspectiveCamera,
+  Vector4,
+  WebGLRenderTarget,
+} from "three";
+import { loadRadTex } from "radtex-three";
+
+function placed(camera, matrix) {
+  new Matrix4().fromArray(matrix).transpose().decompose(camera.position, camera.quaternion, camera.scale);
+  camera.updateMatrixWorld(true);
+  return camera;
+}
+
+function perspective([matrix, fovy, width, height]) {
+  const camera = new PerspectiveCamera((fovy * 180) / Math.PI, width / height, 0.05, 100);
+  return placed(camera, matrix);
+}
+
+async function drawn(camera, width, height, screen = false) {
+  const { scene, renderer } = await window.app;
+  renderer.setAnimationLoop(null);
+  scene.background = null;
+  if (screen) return onScreen(scene, camera, renderer, width, height);
+  const target = new WebGLRenderTarget(width, height, { type: FloatType });
+  renderer.setRenderTarget(target);
+  renderer.setClearColor(0, 0);
+  renderer.clear();
+  renderer.render(scene, camera);
+  const values = new Float32Array(width * height * 4);
+  renderer.readRenderTargetPixels(target, 0, 0, width, height, values);
+  renderer.setRenderTarget(null);
+  target.dispose();
+  return encoded(values);
+}
+
+function onScreen(scene, camera, renderer, width, height) {
+  renderer.setPixelRatio(1);
+  renderer.setSize(width, height);
+  renderer.setClearColor(0, 0);
+  renderer.render(scene, camera);
+  const gl = renderer.getContext();
+  const bytes = new Uint8Array(width * height * 4);
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+  return encoded(Float32Array.from(bytes, (byte) => byte / 255));
+}
+
+function encoded(values) {
+  const bytes = new Uint8Array(values.buffer);
+  const parts = [];
+  for (let begin = 0; begin < bytes.length; begin += 8192) {
+    parts.push(String.fromCharCode(...bytes.subarray(begin, begin + 8192)));
+  }
+  return btoa(parts.join(""));
+}
+
+window.checks = {
+  // Load the page's bake once more, itself as a lamp of twice its light beside half of its own.
+  addLamp: async () => {
+    const { object, scene } = await window.app;
+    const address = new URLSearchParams(location.search).get("bake");
+    const { object: mixed, complete } = await loadRadTex(address, { lamps: { key: address } });
+    await complete;
+    mixed.own.setScalar(0.5);
+    mixed.lamps.get("key").setScalar(2);
+    scene.remove(object);
+    scene.add(mixed);
+  },
+
+  one: (view, screen) => drawn(perspective(view), view[2], view[3], screen),
+
+  // Two eyes side by side in one picture, as WebXR draws them.
+  eyes: (left, right) => {
+    const eyes = [left, right].map((view, place) => {
+      const eye = perspective(view);
+      eye.viewport = new Vector4(place * view[2], 0, view[2], view[3]);
+      return eye;
+    });
+    const both = new ArrayCamera(eyes);
+    placed(both, left[0]);
+    both.projectionMatrix.copy(eyes[0].projectionMatrix);
+    return drawn(both, 2 * left[2], left[3]);
+  },
+
+  // The object turned, moved and scaled with the camera: nothing may change.
+  moved: async (view, matrix) => {
+    const { object } = await window.app;
+    const change = new Matrix4().fromArray(matrix).transpose();
+    const camera = perspective(view);
+    object.applyMatrix4(change);
+    camera.applyMatrix4(change);
+    camera.scale.set(1, 1, 1);
+    camera.updateMatrixWorld(true);
+    const made = await drawn(camera, view[2], view[3]);
+    object.applyMatrix4(change.invert());
+    return made;
+  },
+
+  // The same by an instance of its mesh, the object itself hidden.
+  instance: async (view, matrix) => {
+    const { object, scene } = await window.app;
+    const change = new Matrix4().fromArray(matrix).transpose();
+    const camera = perspective(view);
+    camera.applyMatrix4(change);
+    camera.scale.set(1, 1, 1);
+    camera.updateMatrixWorld(true);
+    object.updateMatrixWorld(true);
+    const copies = object.meshes.map((mesh) => {
+      const copy = new InstancedMesh(mesh.geometry, mesh.material, 1);
+      copy.setMatrixAt(0, change.clone().multiply(mesh.matrixWorld));
+      return copy;
+    });
+    object.visible = false;
+    scene.add(...copies);
+    const made = await drawn(camera, view[2], view[3]);
+    scene.remove(...copies);
+    object.visible = true;
+    return made;
+  },
+
+  // An orthographic camera that sees `side` to each side of its middle.
+  orthographic: (view, side) => {
+    const camera = placed(new OrthographicCamera(-side, side, side, -side, 0.1, 100), view[0]);
+    return drawn(camera, view[2], view[3]);
+  },
+
+  fog: async (view, near, far) => {
+    const { scene, renderer } = await window.app;
+    const before = renderer.toneMapping;
+    renderer.toneMapping = NoToneMapping;
+    scene.fog = new Fog("#000000", near, far);
+    const made = await drawn(perspective(view), view[2], view[3]);
+    scene.fog = null;
+    renderer.toneMapping = before;
+    return made;
+  },
+};

@@ -1,0 +1,229 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The npm package radtex-three: packed, installed, and used by the page of docs/three.md in a real Chromium."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from radtex_addon.core.arrays import Floats
+from tests.real.browser import Shown, decoded
+from tests.real.exhibit import CAMERAS, Camera, Exhibit, decibels
+from tests.real.root import REPOSITORY
+from tests.real.test_web_blocks import NO_BLOCKS
+from tests.real.web import SOURCES, Site, encoded, node
+
+INSIDE = REPOSITORY / "tests/real/inside"
+GUIDE = REPOSITORY / "docs/three.md"
+FRONT = CAMERAS[0]
+LEAST = 38.0  # dB against the reference
+SAME = 55.0  # dB between two ways to draw the same light: rasterisers know places to a part of a pixel
+PHONE = {"has_touch": True, "is_mobile": True, "device_scale_factor": 2}
+# A turn about an oblique axis, a mirror-free scale, and a move.
+CHANGE = [[0.0, -1.5, 0.0, 2.0], [1.5, 0.0, 0.0, -1.0], [0.0, 0.0, 1.5, 0.7], [0.0, 0.0, 0.0, 1.0]]
+
+
+@dataclass(frozen=True)
+class App:
+    """The page of the guide, opened with a bake."""
+
+    shown: Shown
+
+    def ready(self) -> App:
+        self.shown.page.wait_for_function("window.app && window.checks", timeout=60_000)
+        self.shown.page.evaluate("async () => { await window.app }")
+        return self
+
+    def light(self, check: str, camera: Camera, *further: Any, wide: int = 1) -> Floats:
+        """A picture's linear light (H, W, 3), rows from the top."""
+        made = self.shown.page.evaluate(
+            "([check, view, further]) => checks[check](view, ...further)",
+            [check, Shown.view(camera), list(further)],
+        )
+        return decoded(made).reshape(camera.pixels, wide * camera.pixels, 4)[::-1, :, :3].astype(np.float64)
+
+
+def blocks_of(guide: str, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", guide, re.DOTALL)
+
+
+@pytest.fixture(scope="module")
+def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the packed package and three.js installed, and the guide's page."""
+    folder = tmp_path_factory.mktemp("three")
+    npm = ("npm", "--loglevel=error")
+    told = json.loads(node(*npm, "pack", "--json", f"--pack-destination={folder}"))
+    facts = next(iter(told.values())) if isinstance(told, dict) else told[0]
+    names = {file["path"] for file in facts["files"]}
+    assert {"package.json", "README.md", "LICENSE", "dist/radtex-three.js", "dist/types/index.d.ts"} <= names
+    assert not {name for name in names if name.startswith(("src/", "page/", "node_modules/"))}
+    print(f"npm pack: {facts['size']} bytes, {len(names)} files")
+    version = json.loads((SOURCES / "package.json").read_text())["devDependencies"]["three"]
+    (folder / "package.json").write_text('{"private": true, "type": "module"}')
+    tarball = folder / Path(facts["filename"]).name
+    installing = ("--no-audit", "--no-fund", "--ignore-scripts", "--no-package-lock")
+    node(*npm, "install", f"--prefix={folder}", *installing, str(tarball), f"three@{version}", f"@types/three@{version}")
+    guide = GUIDE.read_text(encoding="utf-8")
+    (folder / "app.js").write_text(blocks_of(guide, "js")[0])
+    shutil.copyfile(INSIDE / "three_checks.js", folder / "three_checks.js")
+    (folder / "both.js").write_text('import "./app.js";\nimport "./three_checks.js";\n')
+    return folder
+
+
+@pytest.fixture(scope="module")
+def bundled(packed: Path) -> Path:
+    """The page's script as a bundler makes it, with what the tests ask."""
+    script = packed / "bundled.js"
+    node(
+        *("npx", "esbuild", str(packed / "both.js"), "--bundle", "--format=iife", "--minify"),
+        *(f"--outfile={script}", "--log-level=error"),
+    )
+    return script
+
+
+@contextmanager
+def opened(
+    web: Site, exhibit: Exhibit, form: str, script: Path, before: str = "", **context: Any
+) -> Iterator[App]:
+    folder = web.add(form, getattr(exhibit, form))
+    (manifest,) = folder.glob("*.export.json")
+    shutil.copyfile(script, folder / script.name)
+    (folder / "app.html").write_text(f'<!doctype html><body></body><script src="{script.name}"></script>')
+    with web.opened(f"{form}/app.html?bake={manifest.name}", before=before, **context) as shown:
+        yield App(shown).ready()
+
+
+@pytest.mark.parametrize("form", ["plain", "layered"])
+@pytest.mark.parametrize("device", ["desktop", "phone"])
+def test_the_guides_page_shows_the_bake(
+    web: Site, exhibit: Exhibit, bundled: Path, form: str, device: str
+) -> None:
+    phone = device == "phone"
+    size = {"width": 360, "height": 740, **PHONE} if phone else {}
+    with opened(web, exhibit, form, bundled, NO_BLOCKS if phone else "", **size) as app:
+        for camera in CAMERAS:
+            bake = getattr(exhibit, form)
+            found = decibels(app.light("one", camera), bake.picture(camera), bake.eroded(camera))
+            print(f"{form}, {device}, {camera.name}: {found:.1f} dB")
+            assert found >= LEAST
+
+
+def test_it_runs_without_a_bundler(web: Site, exhibit: Exhibit, packed: Path) -> None:
+    folder = web.add("plain", exhibit.plain)
+    (manifest,) = folder.glob("*.export.json")
+    (page,) = blocks_of(GUIDE.read_text(encoding="utf-8"), "html")
+    (folder / "modules.html").write_text(page.replace('src="app.js"', 'src="both.js"'))
+    for name in ("app.js", "both.js", "three_checks.js"):
+        shutil.copyfile(packed / name, folder / name)
+    if not (folder / "node_modules").exists():
+        (folder / "node_modules").symlink_to(packed / "node_modules")
+    with web.opened(f"plain/modules.html?bake={manifest.name}") as shown:
+        seen = App(shown).ready().light("one", FRONT)
+    bake = exhibit.plain
+    assert decibels(seen, bake.picture(FRONT), bake.eroded(FRONT)) >= LEAST
+
+
+@pytest.mark.parametrize("form", ["plain", "layered"])
+def test_three_js_moves_it_instances_it_and_gives_each_eye_its_own_light(
+    web: Site, exhibit: Exhibit, bundled: Path, form: str
+) -> None:
+    with opened(web, exhibit, form, bundled) as app:
+        mask = getattr(exhibit, form).eroded(FRONT)
+        one = app.light("one", FRONT)
+        flat_change = np.array(CHANGE).ravel().tolist()
+        for check in ("moved", "instance"):
+            found = decibels(app.light(check, FRONT, flat_change), one, mask)
+            print(f"{form}, {check}: {found:.1f} dB")
+            assert found >= SAME
+        other = CAMERAS[1]
+        both = app.light("eyes", FRONT, Shown.view(other), wide=2)
+        left, right = both[:, : FRONT.pixels], both[:, FRONT.pixels :]
+        second = app.light("one", other)
+        found = (
+            decibels(left, one, mask),
+            decibels(right, second, getattr(exhibit, form).eroded(other)),
+        )
+        print(f"{form}, eyes: {found[0]:.1f} and {found[1]:.1f} dB")
+        assert min(found) >= SAME
+
+
+def test_an_orthographic_camera_sees_what_a_far_one_does(web: Site, exhibit: Exhibit, bundled: Path) -> None:
+    away, side = 95.0, 1.5
+    place = (0.6 * away, -0.8 * away, 0.0)
+    far = Camera("far", place, target=(0.0, 0.0, 0.0), fovy=2 * float(np.degrees(np.arctan(side / away))))
+    with opened(web, exhibit, "plain", bundled) as app:
+        found = decibels(app.light("orthographic", far, side), app.light("one", far), exhibit.plain.eroded(far))
+    print(f"orthographic: {found:.1f} dB")
+    assert found >= 30
+
+
+def test_tone_mapping_and_fog_are_three_js_s(web: Site, exhibit: Exhibit, bundled: Path) -> None:
+    with opened(web, exhibit, "plain", bundled) as app:
+        mask = exhibit.plain.eroded(FRONT)
+        light = app.light("one", FRONT)
+        seen = app.light("one", FRONT, True)[mask]
+        wanted = encoded(aces(light[mask]))
+        assert np.quantile(np.abs(seen - wanted).max(axis=-1), 0.9) < 0.02
+        nothing = app.light("fog", FRONT, 0.001, 0.002)
+        assert nothing[mask].max() < 1e-4
+        half = app.light("fog", FRONT, 0.0, 20.0)[mask] / np.maximum(light[mask], 1e-3)
+        assert 0.2 < np.median(half) < 0.999
+
+
+def aces(light: Floats) -> Floats:
+    """Stephen Hill's fit of ACES, exposed as three.js does."""
+    into = np.array([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
+    back = np.array(
+        [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]]
+    )
+    a = light / 0.6 @ into.T
+    fitted = (a * (a + 0.0245786) - 0.000090537) / (a * (0.983729 * a + 0.4329510) + 0.238081)
+    toned: Floats = fitted @ back.T
+    return toned
+
+
+@pytest.mark.parametrize("form", ["plain", "layered"])
+def test_lamps_add_their_light(web: Site, exhibit: Exhibit, bundled: Path, form: str) -> None:
+    """The same bake as a lamp: with its own light at 1/2 and the lamp's at 2 there is 2.5 times as much."""
+    with opened(web, exhibit, form, bundled) as app:
+        mask = getattr(exhibit, form).eroded(FRONT)
+        one = app.light("one", FRONT)
+        app.shown.page.evaluate("checks.addLamp()")
+        found = decibels(app.light("one", FRONT) / 2.5, one, mask)
+        print(f"{form}, lamps: {found:.1f} dB")
+        assert found >= SAME
+
+
+def test_types_are_found_by_typescript(packed: Path) -> None:
+    (packed / "typed.ts").write_text(
+        'import { loadRadTex, type RadTexObject, RadTexMirror } from "radtex-three";\n'
+        'const { object, complete } = await loadRadTex("a.export.json", { lamps: { key: "b.export.json" } });\n'
+        "await complete;\n"
+        'const ours: RadTexObject = object; ours.lamps.get("key")?.set("#ffcc88");\n'
+        "ours.add(new RadTexMirror(ours, ours.filter));\n"
+        'ours.setSun({ azimuth: 30 }); const bytes: number = ours.memory.gpu; console.log(bytes);\n'
+    )
+    for resolution in ("bundler", "nodenext"):
+        module = "esnext" if resolution == "bundler" else "nodenext"
+        node(
+            *("npx", "tsc", "--noEmit", "--ignoreConfig", "--strict", "--target", "es2022", "--skipLibCheck"),
+            *("--module", module, "--moduleResolution", resolution, "--lib", "es2023,dom,dom.iterable"),
+            str(packed / "typed.ts"),
+        )
+
+
+def test_its_version_is_the_extensions() -> None:
+    manifest = tomllib.loads((REPOSITORY / "blender_manifest.toml").read_text(encoding="utf-8"))
+    assert json.loads((SOURCES / "package.json").read_text())["version"] == manifest["version"]
+    assert (SOURCES / "LICENSE").read_text() == (REPOSITORY / "shaders/LICENSE").read_text()
