@@ -2,16 +2,16 @@
 // SPDX-License-Identifier: MIT
 // From an address to objects in a scene.
 
-import { type Color, Group, type Object3D } from "three";
+import { type Color, Group, type Material, type Object3D } from "three";
 
 import { type Device, thisDevice } from "./device.js";
 import { fileUrl } from "./fetching.js";
 import { loadTextures, type TextureOptions } from "./load_textures.js";
 import { checkManifest, fileName, type Manifest, readAnyManifest, readManifest } from "./manifest.js";
-import { bakeBelow, loadMeshFile } from "./mesh_file.js";
+import { bakeBelow, loadMeshFile, type MeshFile } from "./mesh_file.js";
 import type { Bake } from "./parts.js";
 import { Problem } from "./problem.js";
-import { RadTexObject } from "./radtex_object.js";
+import { type BakedMesh, RadTexObject } from "./radtex_object.js";
 import { sunUniforms } from "./sun.js";
 import type { BakeTexture } from "./textures.js";
 
@@ -63,7 +63,8 @@ export async function loadRadTex(address: string | URL, options: LoadOptions = {
   ]);
   textures.catch(() => undefined); // `complete` tells it
   const mesh = fileUrl(manifest.mesh, url);
-  const { parts, map } = bakeBelow(early ?? (await loadMeshFile(mesh)), mesh);
+  const { root } = early ?? (await loadMeshFile(mesh));
+  const { parts, map } = bakeBelow(root, mesh);
   const object = new RadTexObject(manifest, parts, map, Object.keys(lamps));
   return { object, manifest, complete: completed(object, textures) };
 }
@@ -85,7 +86,7 @@ export async function loadRadTexScene(address: string | URL, options: LoadOption
     return textures;
   });
   const mesh = fileUrl(manifest.mesh, url);
-  const root = await loadMeshFile(mesh);
+  const { root } = await loadMeshFile(mesh);
   const parts = manifests.map((part) => {
     const below = "node" in part ? nodeOf(root, part.node as string, mesh) : root;
     const { parts: meshes, map } = bakeBelow(below, mesh);
@@ -99,9 +100,11 @@ export async function loadRadTexScene(address: string | URL, options: LoadOption
 }
 
 /** What a .glb says of its bake, and its contents. */
-async function manifestOfMesh(url: URL): Promise<[Manifest, Object3D]> {
-  const root = await loadMeshFile(url);
-  return [checkManifest(bakeBelow(root, url).facts, url), root];
+async function manifestOfMesh(url: URL): Promise<[Manifest, MeshFile]> {
+  const file = await loadMeshFile(url);
+  const [first] = bakeBelow(file.root, url).parts;
+  const { material } = (first as BakedMesh).mesh;
+  return [checkManifest(file.factsOf(material as Material), url), file];
 }
 
 /** The node that the .glb calls so: GLTFLoader gives names without what three.js cannot have in them. */

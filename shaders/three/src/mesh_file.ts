@@ -2,48 +2,66 @@
 // SPDX-License-Identifier: MIT
 // The exported .glb: its meshes, their materials' numbers, and the flat lightmap.
 
-import { Mesh, type MeshBasicMaterial, type Object3D, type Texture } from "three";
-import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { type Material, Mesh, type MeshBasicMaterial, type Object3D, type Texture } from "three";
+import { type GLTF, GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
 import { fetchBytes } from "./fetching.js";
 import { fileName, type Manifest } from "./manifest.js";
 import { Problem } from "./problem.js";
 import type { BakedMesh } from "./radtex_object.js";
 
-export const EXTENSION = "RADTEX_radiance_texture";
+const EXTENSION = "RADTEX_radiance_texture";
 
-/** One bake of a .glb: its meshes, the flat lightmap's texture, and what our extension says. */
+/** One bake of a .glb: its meshes, and the flat lightmap's texture. */
 export interface MeshOfBake {
   parts: BakedMesh[];
   map: Texture;
-  facts: Manifest | undefined;
 }
 
-/** Fetch and read a .glb. Throws a Problem where it is missing, damaged, or lacks what lookups need. */
-export async function loadMeshFile(url: URL): Promise<Object3D> {
+/** The part of a .glb's JSON that is read here. */
+interface Document {
+  materials: MaterialOfFile[];
+}
+
+interface MaterialOfFile {
+  pbrMetallicRoughness: { baseColorTexture?: { extensions?: Record<string, Manifest> } };
+}
+
+/** A .glb: its objects, and what our extension says of each material. */
+export interface MeshFile {
+  root: Object3D;
+  factsOf: (material: Material) => Manifest | undefined;
+}
+
+/** Fetch and read a .glb. Throws a Problem where it is missing or damaged. */
+export async function loadMeshFile(url: URL): Promise<MeshFile> {
   const bytes = await fetchBytes(url, "high");
-  let scene;
+  let gltf: GLTF;
   try {
-    ({ scene } = await new GLTFLoader().parseAsync(bytes.buffer, ""));
+    gltf = await new GLTFLoader().parseAsync(bytes.buffer, "");
   } catch {
     throw new Problem(`${fileName(url)} is damaged: it cannot be read as glTF`, "Copy it once more, or export again.");
   }
+  const { parser, scene } = gltf;
+  const materials: Partial<MaterialOfFile>[] = (parser.json as Partial<Document>).materials ?? [];
   scene.updateMatrixWorld(true);
-  return scene;
+  const factsOf = (material: Material): Manifest | undefined => {
+    const number = parser.associations.get(material)?.materials;
+    const found = number === undefined ? undefined : materials[number];
+    return found?.pbrMetallicRoughness?.baseColorTexture?.extensions?.[EXTENSION];
+  };
+  return { root: scene, factsOf };
 }
 
-/** The bake below an object of a .glb that was loaded from `url`. Throws a Problem where it lacks what lookups need. */
+/** A bake below an object of a .glb that was loaded from `url`. Throws a Problem where it lacks what lookups need. */
 export function bakeBelow(root: Object3D, url: URL): MeshOfBake {
   const parts: BakedMesh[] = [];
   let map: Texture | null = null;
-  let facts: Manifest | undefined;
   root.traverse((each) => {
     if (!(each instanceof Mesh)) return;
     const mesh = each as Mesh<Mesh["geometry"], MeshBasicMaterial>;
-    const { userData } = mesh.material;
-    facts ??= (userData["gltfExtensions"] as Record<string, Manifest> | undefined)?.[EXTENSION];
     map ??= mesh.material.map;
-    parts.push({ mesh, number: (userData["radtex_material"] as number | undefined) ?? 0 });
+    parts.push({ mesh, number: (mesh.material.userData["radtex_material"] as number | undefined) ?? 0 });
   });
   const wanted = ["position", "normal", "uv", "tangent"];
   const lacking = wanted.filter((name) => parts.some(({ mesh }) => !mesh.geometry.hasAttribute(name)));
@@ -51,5 +69,5 @@ export function bakeBelow(root: Object3D, url: URL): MeshOfBake {
   if (!parts.length || lacking.length || !map) {
     throw new Problem(`${fileName(url)} lacks ${lacking.join(" and ") || "a mesh"}`, "Export the object again.");
   }
-  return { parts, map, facts };
+  return { parts, map };
 }

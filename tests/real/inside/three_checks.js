@@ -14,6 +14,7 @@ import {
   Vector4,
   WebGLRenderTarget,
 } from "three";
+import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 import { loadRadTex } from "radtex-three";
 
 function placed(camera, matrix) {
@@ -132,6 +133,18 @@ window.checks = {
   orthographic: (view, side) => {
     const camera = placed(new OrthographicCamera(-side, side, side, -side, 0.1, 100), view[0]);
     return drawn(camera, view[2], view[3]);
+  },
+
+  // Which of these files three.js's own loader takes: null, or what it says.
+  stock: async (files) => {
+    const { renderer } = await window.app;
+    const loader = new KTX2Loader().detectSupport(renderer);
+    const said = {};
+    for (const file of files) {
+      const load = loader.loadAsync(file);
+      said[file] = await load.then((texture) => (texture.image.width > 0 ? null : "empty"), (error) => error.message);
+    }
+    return said;
   },
 
   fog: async (view, near, far) => {
