@@ -8,6 +8,7 @@ import { loadRadTexScene } from "../src/load";
 import { asProblem, Problem } from "../src/problem";
 import { element } from "./elements";
 import { Inspector } from "./inspector";
+import { askedLamps } from "./lamp_controls";
 import { manifestUrl, rendererOn } from "./loading";
 import { Panel } from "./panel";
 import { recover } from "./recovering";
@@ -24,7 +25,7 @@ async function open(): Promise<[Viewer, Inspector]> {
   const renderer = rendererOn(element<HTMLCanvasElement>("view"));
   const url = manifestUrl();
   const progressed = (done: number, all: number): void => tell(`Loading textures: ${done} of ${all}`);
-  const loaded = await loadRadTexScene(url, { progressed });
+  const loaded = await loadRadTexScene(url, { progressed, lamps: askedLamps() });
   body.classList.remove("loading"); // the panel measures what it covers
   body.classList.add("refining");
   const viewer = new Viewer(renderer, element("stage"), loaded);
@@ -32,13 +33,13 @@ async function open(): Promise<[Viewer, Inspector]> {
   const panel = new Panel(viewer, inspector);
   viewer.draw();
   performance.mark("radtex-first");
+  recover(viewer, loaded.reload);
   await loaded.complete;
   viewer.completed();
   panel.complete();
   viewer.draw();
   performance.mark("radtex-complete");
   body.classList.remove("refining");
-  recover(viewer, url);
   watch(viewer, url, () => {
     inspector.forget();
     panel.describe();

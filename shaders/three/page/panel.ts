@@ -6,6 +6,7 @@ import { element } from "./elements";
 import type { Inspection, Inspector } from "./inspector";
 import { KINDS } from "../src/kinds";
 import { layerWords } from "../src/layers";
+import { followLamps } from "./lamp_controls";
 import { MirrorControls } from "./mirror_controls";
 import type { Filter } from "../src/filters";
 import { type Tone, TONES } from "./tones";
@@ -47,6 +48,7 @@ export class Panel {
     this.exposure.addEventListener("dblclick", () => this.change(() => viewer.setExposure(0)));
     this.sun = new SunControls(viewer, (act) => this.change(act));
     this.mirror = new MirrorControls(viewer, (act) => this.change(act));
+    followLamps(viewer, (act) => this.change(act));
     this.button("compare", () => viewer.setDivider(viewer.divider === null ? viewer.middle : null));
     this.button("turn", () => viewer.setTurning(!viewer.controls.autoRotate));
     this.button("reset", () => viewer.resetView());

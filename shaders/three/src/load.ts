@@ -34,6 +34,8 @@ export interface RadTex {
    * a Problem for a file that is missing or damaged.
    */
   complete: Promise<void>;
+  /** Load the textures again, after the graphics device was taken away and came back. As `complete`. */
+  reload: () => Promise<void>;
 }
 
 /** Several bakes that can be drawn. */
@@ -44,6 +46,7 @@ export interface RadTexScene {
   parts: RadTexObject[];
   /** As of one bake; each part shows its radiance as soon as its own textures are there. */
   complete: Promise<void>;
+  reload: () => Promise<void>;
 }
 
 /**
@@ -56,27 +59,45 @@ export async function loadRadTex(address: string | URL, options: LoadOptions = {
   const url = new URL(address, document.baseURI);
   const device = options.device ?? thisDevice();
   const [manifest, early] = url.pathname.endsWith(".glb") ? await manifestOfMesh(url) : [await readManifest(url), null];
-  const lamps = options.lamps ?? {};
-  const textures = Promise.all([
-    loadTextures(manifest, url, device, options),
-    ...Object.values(lamps).map((lamp) => loadLamp(new URL(lamp, document.baseURI), manifest, device)),
-  ]);
-  textures.catch(() => undefined); // `complete` tells it
-  const mesh = fileUrl(manifest.mesh, url);
-  const { root } = early ?? (await loadMeshFile(mesh));
-  const { parts, map } = bakeBelow(root, mesh);
-  const object = new RadTexObject(manifest, parts, map, Object.keys(lamps));
-  return { object, manifest, complete: completed(object, textures) };
+  return loadOne(manifest, url, device, options, early);
 }
 
-/** Load an export of one bake or of several by the address of its NAME.export.json. Rejected as `loadRadTex`. */
+/** Load an export of one bake, with `lamps`, or of several by the address of its NAME.export.json. Rejected as `loadRadTex`. */
 export async function loadRadTexScene(address: string | URL, options: LoadOptions = {}): Promise<RadTexScene> {
   const url = new URL(address, document.baseURI);
   const device = options.device ?? thisDevice();
   const manifest = await readAnyManifest(url);
-  const manifests = "scene" in manifest ? manifest.scene : [manifest];
-  const [shared, counts] = [new Map<string, Promise<BakeTexture>>(), manifests.map(() => [0, 0] as [number, number])];
-  const loading = manifests.map((part, place) => {
+  if (!("scene" in manifest)) {
+    const { object: part, complete, reload } = await loadOne(manifest, url, device, options);
+    return { object: new Group().add(part), name: manifest.name, parts: [part], complete, reload };
+  }
+  const manifests = manifest.scene;
+  const load = (): Promise<Textures>[] => loadAll(manifests, url, device, options);
+  const loading = load();
+  const mesh = fileUrl(manifest.mesh, url);
+  const { root } = await loadMeshFile(mesh);
+  const parts = manifests.map((part) => {
+    const { parts: meshes, map } = bakeBelow(nodeOf(root, part.node, mesh), mesh);
+    return new RadTexObject(part, meshes, map);
+  });
+  const object = new Group();
+  object.name = manifest.name;
+  object.add(...parts);
+  const taken = async (coming: Promise<Textures>[]): Promise<void> => {
+    await Promise.all(parts.map((part, place) => completed(part, alone(coming[place] as Promise<Textures>))));
+  };
+  return { object, name: manifest.name, parts, complete: taken(loading), reload: () => taken(load()) };
+}
+
+async function alone(textures: Promise<Textures>): Promise<[Textures]> {
+  return [await textures];
+}
+
+/** The textures of several bakes; what they share is loaded once. */
+function loadAll(manifests: readonly Manifest[], url: URL, device: Device, options: LoadOptions): Promise<Textures>[] {
+  const shared = new Map<string, Promise<BakeTexture>>();
+  const counts = manifests.map(() => [0, 0] as [number, number]);
+  return manifests.map((part, place) => {
     const progressed = (done: number, all: number): void => {
       counts[place] = [done, all];
       options.progressed?.(...counts.reduce(([have, of], [more, further]) => [have + more, of + further], [0, 0]));
@@ -85,18 +106,28 @@ export async function loadRadTexScene(address: string | URL, options: LoadOption
     textures.catch(() => undefined); // `complete` tells it
     return textures;
   });
+}
+
+async function loadOne(
+  manifest: Manifest,
+  url: URL,
+  device: Device,
+  options: LoadOptions,
+  early: MeshFile | null = null,
+): Promise<RadTex> {
+  const lamps = options.lamps ?? {};
+  const load = (): Promise<[Textures, ...Bake[]]> =>
+    Promise.all([
+      loadTextures(manifest, url, device, options),
+      ...Object.values(lamps).map((lamp) => loadLamp(new URL(lamp, document.baseURI), manifest, device)),
+    ]);
+  const textures = load();
+  textures.catch(() => undefined); // `complete` tells it
   const mesh = fileUrl(manifest.mesh, url);
-  const { root } = await loadMeshFile(mesh);
-  const parts = manifests.map((part) => {
-    const below = "node" in part ? nodeOf(root, part.node as string, mesh) : root;
-    const { parts: meshes, map } = bakeBelow(below, mesh);
-    return new RadTexObject(part, meshes, map);
-  });
-  const object = new Group();
-  object.name = manifest.name;
-  object.add(...parts);
-  const each = parts.map((part, place) => completed(part, (loading[place] as Promise<Textures>).then((found) => [found])));
-  return { object, name: manifest.name, parts, complete: Promise.all(each).then(() => undefined) };
+  const { root } = early ?? (await loadMeshFile(mesh));
+  const { parts, map } = bakeBelow(root, mesh);
+  const object = new RadTexObject(manifest, parts, map, Object.keys(lamps));
+  return { object, manifest, complete: completed(object, textures), reload: () => completed(object, load()) };
 }
 
 /** What a .glb says of its bake, and its contents. */
