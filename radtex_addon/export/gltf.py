@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, cast
@@ -26,7 +27,7 @@ from ..core.errors import BakeError, InputError
 from ..core.frame import normalised
 from ..formats.containers.glb import Glb
 from ..formats.disk.temporary import temporary_folder
-from ..scene.mesh.copy import NORMAL, SIGN, TANGENT, material_numbers
+from ..scene.mesh.copy import MATERIAL, NORMAL, SIGN, TANGENT, material_numbers
 from .export_manifest import Manifest
 
 EXTENSION = "RADTEX_radiance_texture"
@@ -35,6 +36,18 @@ _EXPORTER = "io_scene_gltf2"
 _CARRIED = {NORMAL: "_RADTEX_NORMAL", TANGENT: "_RADTEX_TANGENT", SIGN: "_RADTEX_SIGN"}
 _PLACE = "RadTex "  # how temporary materials' names begin, before the place of their slot
 _CLAMP, _LINEAR, _LINEAR_MIPMAPPED = 33071, 9729, 9987
+
+
+@dataclass(frozen=True, eq=False)
+class BakedMesh:
+    """A baked copy as glTF without materials: one node with its mesh.
+
+    The mesh has a primitive for each of these `numbers`, by which shaders tell a bake's materials apart. The
+    primitive's `material` counts them from 0.
+    """
+
+    glb: Glb
+    numbers: tuple[int, ...]
 
 
 def write_gltf(
@@ -51,9 +64,24 @@ def write_gltf(
     `flat` is the fallback's PNG; if `clear`, its alpha is blended. The material of a hull is single-sided.
     Raises BakeError if Blender's exporter fails.
     """
-    numbers = (
-        _split_by_material(copy) if manifest.form.shader_facts(manifest.bake, manifest.textures) else [0]
-    )
+    mesh = baked_mesh(scene, copy, uv_layer, manifest, manifest.bake["object"])
+    glb = mesh.glb
+    glb.document["scenes"][0]["name"] = manifest.name
+    texture = add_flat(glb, flat, manifest.flat)
+    add_materials(glb, texture, manifest, mesh.numbers, manifest.name, clear)
+    glb.compact()
+    glb.write(path)
+
+
+def baked_mesh(
+    scene: bpy.types.Scene, copy: bpy.types.Object, uv_layer: str, manifest: Manifest, name: str
+) -> BakedMesh:
+    """The baked copy, which is alone in `scene` and is changed, as glTF; the node and its mesh are called `name`.
+
+    Raises BakeError if Blender's exporter fails.
+    """
+    facts = manifest.form.shader_facts(manifest.bake, manifest.textures)
+    numbers = [0] if facts is None else _split_by_material(copy)
     _strip(copy, uv_layer, several=len(numbers) > 1)
     with temporary_folder() as folder:
         file = folder / "mesh.glb"
@@ -61,25 +89,26 @@ def write_gltf(
         glb = Glb.read(file)
     document = glb.document
     (mesh,), (node,) = document["meshes"], document["nodes"]
-    mesh["name"] = node["name"] = manifest.bake["object"]
-    document["scenes"][0]["name"] = manifest.name
+    mesh["name"] = node["name"] = name
     for primitive in mesh["primitives"]:
         _set_frame(glb, primitive["attributes"])
         primitive["material"] = _place_of(document, primitive) if len(numbers) > 1 else 0
-    _add_materials(glb, flat, manifest, numbers)
-    if clear:
-        for material in document["materials"]:
-            material["alphaMode"] = "BLEND"
-    glb.compact()
+    document["materials"] = []
     document["asset"]["generator"] = f"{manifest.tool}, {document['asset']['generator']}"
-    glb.write(path)
+    return BakedMesh(glb, tuple(numbers))
 
 
-def extension_facts(manifest: Manifest) -> dict[str, Any]:
-    """The JSON of our extension: the manifest's, with each texture's file also as a relative `uri`."""
+def extension_facts(manifest: Manifest, material: int | None = None) -> dict[str, Any]:
+    """The JSON of our extension: the manifest's, with each texture's file also as a relative `uri`.
+
+    `material` is the material's number where the bake's shader tells materials apart.
+    """
     facts = manifest.facts()
-    for texture in facts["textures"].values():
+    mirror = [facts["mirror"]] if "mirror" in facts else []
+    for texture in (*facts["textures"].values(), *mirror):
         texture["uri"] = quote(texture["file"])
+    if material is not None:
+        facts["material"] = material
     return facts
 
 
@@ -210,27 +239,43 @@ def _unit(vectors: Floats, otherwise: tuple[float, float, float]) -> Floats:
     return unit
 
 
-def _add_materials(glb: Glb, flat: bytes, manifest: Manifest, numbers: Sequence[int]) -> None:
-    """Add a material for each of these numbers, as shaders count a bake's materials."""
+def add_flat(glb: Glb, flat: bytes, name: str) -> int:
+    """Add the PNG of a flat lightmap; returns the index of its texture."""
     document = glb.document
-    document["images"] = [{"bufferView": glb.add_view(flat), "mimeType": "image/png", "name": manifest.flat}]
+    images, textures = document.setdefault("images", []), document.setdefault("textures", [])
+    images.append({"bufferView": glb.add_view(flat), "mimeType": "image/png", "name": name})
     sampler = {"magFilter": _LINEAR, "minFilter": _LINEAR_MIPMAPPED, "wrapS": _CLAMP, "wrapT": _CLAMP}
     document["samplers"] = [sampler]
-    document["textures"] = [{"source": 0, "sampler": 0}]
-    facts = extension_facts(manifest)
+    textures.append({"source": len(images) - 1, "sampler": 0})
+    return len(textures) - 1
+
+
+def add_materials(
+    glb: Glb, texture: int, manifest: Manifest, numbers: Sequence[int], name: str, clear: bool
+) -> None:
+    """Add a material for each of these `numbers`, as `BakedMesh` has them; `name` begins the materials' names.
+
+    `texture` is the flat lightmap's; if `clear`, its alpha is blended.
+    """
+    document = glb.document
+    layered = manifest.form.shader_facts(manifest.bake, manifest.textures) is not None
     culled = manifest.culled or Kind(manifest.bake["kind"]).traits.content
     document["materials"] = [
-        {
-            "name": f"{manifest.name} radiance" + (f" {place}" if place else ""),
-            "doubleSided": not culled,
-            "pbrMetallicRoughness": {
-                "baseColorTexture": {"index": 0, "texCoord": 0},
-                "metallicFactor": 0.0,
-                "roughnessFactor": 1.0,
-            },
-            "extensions": {UNLIT: {}, EXTENSION: facts},
-            "extras": {"radtex": facts} | ({"radtex_material": number} if len(numbers) > 1 else {}),
-        }
-        for place, number in enumerate(numbers)
+        *document["materials"],
+        *(
+            {
+                "name": f"{name} radiance" + (f" {place}" if place else ""),
+                "doubleSided": not culled,
+                **({"alphaMode": "BLEND"} if clear else {}),
+                "pbrMetallicRoughness": {
+                    "baseColorTexture": {"index": texture, "texCoord": 0},
+                    "metallicFactor": 0.0,
+                    "roughnessFactor": 1.0,
+                },
+                "extensions": {UNLIT: {}, EXTENSION: extension_facts(manifest, number if layered else None)},
+                **({"extras": {MATERIAL: number}} if number or len(numbers) > 1 else {}),
+            }
+            for place, number in enumerate(numbers)
+        ),
     ]
     document["extensionsUsed"] = sorted({*document.get("extensionsUsed", []), UNLIT, EXTENSION})
