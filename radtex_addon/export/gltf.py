@@ -9,7 +9,7 @@ are replaced by the bake's. In glTF y points up and v runs down: (x, y, z) becom
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -76,7 +76,7 @@ def write_gltf(
 def baked_mesh(
     scene: bpy.types.Scene, copy: bpy.types.Object, uv_layer: str, manifest: Manifest, name: str
 ) -> BakedMesh:
-    """The baked copy, which is alone in `scene` and is changed, as glTF; the node and its mesh are called `name`.
+    """The baked copy, which is alone in `scene` and is changed, as glTF. The node and mesh get the `name`.
 
     Raises BakeError if Blender's exporter fails.
     """
@@ -109,6 +109,12 @@ def extension_facts(manifest: Manifest, material: int | None = None) -> dict[str
         texture["uri"] = quote(texture["file"])
     if material is not None:
         facts["material"] = material
+    return facts
+
+
+def extension_in(material: Mapping[str, Any]) -> dict[str, Any]:
+    """Our extension in a material of a document: its base colour texture's, which the extension refines."""
+    facts: dict[str, Any] = material["pbrMetallicRoughness"]["baseColorTexture"]["extensions"][EXTENSION]
     return facts
 
 
@@ -253,7 +259,7 @@ def add_flat(glb: Glb, flat: bytes, name: str) -> int:
 def add_materials(
     glb: Glb, texture: int, manifest: Manifest, numbers: Sequence[int], name: str, clear: bool
 ) -> None:
-    """Add a material for each of these `numbers`, as `BakedMesh` has them; `name` begins the materials' names.
+    """Add a material for each of these `numbers`, as `BakedMesh` has them. `name` begins their names.
 
     `texture` is the flat lightmap's; if `clear`, its alpha is blended.
     """
@@ -268,11 +274,15 @@ def add_materials(
                 "doubleSided": not culled,
                 **({"alphaMode": "BLEND"} if clear else {}),
                 "pbrMetallicRoughness": {
-                    "baseColorTexture": {"index": texture, "texCoord": 0},
+                    "baseColorTexture": {
+                        "index": texture,
+                        "texCoord": 0,
+                        "extensions": {EXTENSION: extension_facts(manifest, number if layered else None)},
+                    },
                     "metallicFactor": 0.0,
                     "roughnessFactor": 1.0,
                 },
-                "extensions": {UNLIT: {}, EXTENSION: extension_facts(manifest, number if layered else None)},
+                "extensions": {UNLIT: {}},
                 **({"extras": {MATERIAL: number}} if number or len(numbers) > 1 else {}),
             }
             for place, number in enumerate(numbers)

@@ -15,7 +15,7 @@ import numpy as np
 from ..core.arrays import Floats
 from ..formats.containers.glb import Glb
 from ..textures.godot_shader import GodotShader
-from .gltf import EXTENSION
+from .gltf import extension_in
 from .godot_mirror import SCRIPT, mirror_nodes, mirror_shader
 from .pack import SHADERS, Pack
 
@@ -59,7 +59,7 @@ def write_godot(pack: Pack, folder: Path) -> None:
 
 def _materials(glb: Glb, name: str) -> dict[str, int]:
     """The material files, in the order of the mesh's materials, and the number of each in the shader's."""
-    numbers = [each["extensions"][EXTENSION].get("material", 0) for each in glb.document["materials"]]
+    numbers = [extension_in(each).get("material", 0) for each in glb.document["materials"]]
     ends = ["", *(f"-{place}" for place in range(1, len(numbers)))]
     return {f"{name}.material{end}.tres": number for end, number in zip(ends, numbers, strict=True)}
 

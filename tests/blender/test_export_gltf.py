@@ -24,7 +24,7 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.core.surface import SurfaceMesh
 from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.exporting import export_steps
-from radtex_addon.export.gltf import to_gltf
+from radtex_addon.export.gltf import extension_in, to_gltf
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.job import bake_object
 from radtex_addon.scene.mesh.copy import NORMAL, SIGN, TANGENT
@@ -205,7 +205,7 @@ def test_the_material_says_it_to_us_and_to_others(out: Path, tmp_path: Path) -> 
     glb = exported(baked("Wedge", out), tmp_path / "made")
     (material,) = glb.document["materials"]
     manifest = read_manifest(tmp_path / "made" / "Wedge.export.json")
-    facts = material["extensions"]["RADTEX_radiance_texture"]
+    facts = extension_in(material)
     assert "extras" not in material
     assert {key: facts[key] for key in facts if key != "textures"} == {
         key: value for key, value in manifest.facts().items() if key != "textures"

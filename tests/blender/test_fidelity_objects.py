@@ -17,7 +17,7 @@ from radtex_addon.bake.spec import BakeSpec, Layout, Split
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.export_manifest import EXTENSION
 from radtex_addon.export.exporting import export_steps
-from radtex_addon.export.gltf import EXTENSION as GLTF_EXTENSION
+from radtex_addon.export.gltf import extension_in
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.forms.layered.capture import capturing, panoramas
 from radtex_addon.forms.layered.files.layered_files import read_layered_sidecar
@@ -53,7 +53,7 @@ def test_objects_that_share_an_atlas_look_as_cycles_sees_them(
     assert len(facts.materials) == 3, "gold, red and blue are in five slots"
     exported = finished(export_steps(made.files.sidecar, ExportSpec(Target.GODOT))).folder
     glb = Glb.read(exported / "Pair.glb")
-    numbers = [each["extensions"][GLTF_EXTENSION]["material"] for each in glb.document["materials"]]
+    numbers = [extension_in(each)["material"] for each in glb.document["materials"]]
     assert numbers == [0, 1, 2]
     manifest = json.loads((exported / f"Pair.{EXTENSION}").read_text())
     assert manifest["bake"]["objects"] == ["Ball", "Box"]
@@ -106,7 +106,7 @@ def test_a_detailed_object_is_shown_by_a_simple_one(out: Path, monkeypatch: pyte
     assert front.psnr(blue) > 22
     exported = finished(export_steps(made.files.sidecar, ExportSpec(Target.GLTF))).folder
     materials = Glb.read(exported / "Low.glb").document["materials"]
-    assert [each["extensions"][GLTF_EXTENSION]["material"] for each in materials] == [0, 1]
+    assert [extension_in(each)["material"] for each in materials] == [0, 1]
 
 
 def _resumed_alike(name: str, spec: BakeSpec, out: Path) -> None:

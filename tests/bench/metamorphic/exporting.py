@@ -18,7 +18,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.sampler import Filter
 from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.exporting import export_steps
-from radtex_addon.export.gltf import EXTENSION
+from radtex_addon.export.gltf import extension_in
 from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.sidecar import read_sidecar
@@ -50,7 +50,7 @@ def manifest_facts(trial: Trial) -> Outcome:
         facts = read_manifest(Path(folder) / "export" / f"{BODY}.export.json")
         sidecar = read_sidecar(Path(folder) / f"{BODY}.radiance.json")
         pixels, header = read_atlas(Path(folder) / f"{BODY}.radiance.exr")
-        stated = glb.document["materials"][0]["extensions"][EXTENSION]["bake"]
+        stated = extension_in(glb.document["materials"][0])["bake"]
         wrong = [
             header != sidecar,
             pixels.shape[:2] != (sidecar.height * sidecar.bucket, sidecar.width * sidecar.bucket),
