@@ -39,7 +39,10 @@ def _validator() -> Draft202012Validator:
 def problems(facts: dict[str, Any]) -> list[str]:
     """What the schema finds wrong with an extension, and properties that it does not describe."""
     found = [f"{error.json_path}: {error.message}" for error in _validator().iter_errors(facts)]
-    parts = [(facts, (TOP,)), *((each, (TEXTURE,)) for each in facts.get("textures", {}).values())]
+    parts: list[tuple[dict[str, Any], tuple[str, ...]]] = [
+        (facts, (TOP,)),
+        *((each, (TEXTURE,)) for each in facts.get("textures", {}).values()),
+    ]
     parts += [(facts[name], names) for name, names in _INSIDE.items() if name in facts]
     for part, names in parts:
         known = {key for name in names for key in schemas()[name]["properties"]}

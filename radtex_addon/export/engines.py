@@ -35,7 +35,7 @@ def write_engine(pack: Pack, folder: Path) -> None:
     shaders = folder / "shaders"
     shaders.mkdir()
     for source in includes(target, pack):
-        _copy_include(source, shaders, target)
+        copy_include(source, shaders, target)
     shutil.copyfile(SHADERS / "LICENSE", shaders / "LICENSE")
     (folder / "README.txt").write_text(readme(pack), encoding="utf-8", newline="\n")
 
@@ -64,7 +64,7 @@ def readme(pack: Pack) -> str:
         "",
         f"layout {bake['layout']}, {width} x {height} texels of {bake['bucket']} x {bake['bucket']} cells",
         "",
-        *(_described(layer, entry) for layer, entry in manifest.textures.items()),
+        *(described(layer, entry) for layer, entry in manifest.textures.items()),
         "",
         *manifest.form.usage(bake, manifest.textures, target),
         "",
@@ -75,7 +75,8 @@ def readme(pack: Pack) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _described(layer: str, entry: TextureEntry) -> str:
+def described(layer: str, entry: TextureEntry) -> str:
+    """A line of README.txt on a texture."""
     width, height = entry.size
     layers = f" x {entry.layers} layers" if entry.layers > 1 else ""
     levels = f", {entry.levels} mip levels" if entry.levels > 1 else ""
@@ -83,7 +84,8 @@ def _described(layer: str, entry: TextureEntry) -> str:
     return f"{entry.file}: {layer}, {entry.format}, {width} x {height}{layers}{levels}; {first}"
 
 
-def _copy_include(source: Path, folder: Path, target: Target) -> None:
+def copy_include(source: Path, folder: Path, target: Target) -> None:
+    """Copy a shader include, for Unreal under the ending that it wants."""
     if target is not Target.UNREAL:
         shutil.copyfile(source, folder / source.name)
         return

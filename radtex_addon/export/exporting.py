@@ -4,9 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
+
+import bpy
 
 from ..core.errors import FormatError, InputError
 from ..core.messages import Setting, do
@@ -16,6 +19,7 @@ from ..formats.sidecar_file import AnySidecar, SidecarFile, opened
 from ..forms import Form, form_in
 from ..scene.mesh.backs import twin_numbers
 from ..scene.preview_file import baked_copy, check_preview, surface_of
+from ..textures.entry import TextureEntry
 from ..textures.export_progress import Step, Task
 from ..textures.export_spec import ExportSpec, Target
 from ..textures.flat_lightmap import flat_png
@@ -80,6 +84,22 @@ class ExportSource:
         """The folder that an export writes by default."""
         return self.sidecar.path.with_name(f"{self.name}.{target}")
 
+    def copy(
+        self, surfaces: Sequence[str] = ()
+    ) -> AbstractContextManager[tuple[bpy.types.Scene, bpy.types.Object]]:
+        """The baked copy, alone in a scene, as of `baked_copy`; of a shared atlas only these `surfaces`."""
+        part = None if self.bake.part is None else self.bake.part.index
+        return baked_copy(self.preview, surfaces or self.bake.surfaces, self.bake.uv_map, part)
+
+
+@dataclass(frozen=True)
+class Flat:
+    """A bake's flat lightmap: the PNG, what its light was multiplied by, and whether it has alpha."""
+
+    png: bytes
+    scale: float
+    clear: bool
+
 
 def _check_layers(bake: ExportSource, spec: ExportSpec) -> None:
     """Raise InputError for a layer that the bake does not have."""
@@ -105,8 +125,14 @@ def check_writer(target: Target) -> None:
 
 def check_export(bake: ExportSource, spec: ExportSpec, out: Path, *, overwrite: bool = False) -> None:
     """Preflight checks of an export. Raises InputError and FormatError."""
+    check_out(out, bake.sidecar.path.parent, overwrite)
+    check_bake(bake, spec)
+    check_writer(spec.target)
+
+
+def check_bake(bake: ExportSource, spec: ExportSpec) -> None:
+    """Check whether a bake can be exported by this specification. Raises InputError and FormatError."""
     path = bake.sidecar.path
-    check_out(out, path.parent, overwrite)
     check_target(path, bake.bake.kind, spec.target)
     _check_layers(bake, spec)
     if spec.mirror:
@@ -114,7 +140,6 @@ def check_export(bake: ExportSource, spec: ExportSpec, out: Path, *, overwrite: 
     needed = _LEAST_BYTES + bake.form.export_bytes(bake.sidecar)
     check_allowed(f"an export of {path}", needed, spec.memory_mb)
     check_preview(bake.preview)
-    check_writer(spec.target)
 
 
 def export_steps(
@@ -143,31 +168,46 @@ def _pack(bake: ExportSource, spec: ExportSpec, folder: Path) -> Generator[Step,
     yield Step(Task.TEXTURES, 0, 1)
     textures = bake.form.write_textures(bake.sidecar, spec, folder)
     layer = bake.bake.uv_map
-    part = None if bake.bake.part is None else bake.bake.part.index
-    with baked_copy(bake.preview, bake.bake.surfaces, layer, part) as (scene, copy):
+    with bake.copy() as (scene, copy):
         yield Step(Task.FLAT, 0, 1)
-        surface = surface_of(copy, layer)
-        light = yield from bake.form.flat(bake.sidecar, surface)
-        flat, scale = flat_png(light)
-        clear = light.shape[2] > 3  # it has alpha
-        manifest = Manifest(
-            tool=f"RadTex {VERSION}",
-            name=bake.name,
-            mesh=f"{bake.name}.glb",
-            flat=f"{bake.name}.flat.png",
-            bake=bake.sidecar.facts.values,
-            textures=textures,
-            flat_scale=scale,
-            culled=bake.form.traits.backs and twin_numbers(copy.data) is not None,
-        )
+        flat = yield from flat_steps(bake, copy)
+        manifest = manifest_of(bake, f"{bake.name}.glb", textures, flat, copy)
         if spec.mirror:
             shader = bake.form.shader_facts(manifest.bake, textures)
             check_mirror(bake.sidecar.path, bake.bake.kind, materials_of(shader))
             mirrored = copy.matrix_world.determinant() < 0
+            surface = surface_of(copy, layer)
             mirror = write_mirror(surface, mirrored, manifest.culled, bake.name, spec, folder)
             manifest = replace(manifest, mirror=mirror)
-        (folder / manifest.flat).write_bytes(flat)
+        (folder / manifest.flat).write_bytes(flat.png)
         yield Step(Task.MESH, 0, 1)
-        write_gltf(scene, copy, layer, flat, manifest, folder / manifest.mesh, clear)
+        write_gltf(scene, copy, layer, flat.png, manifest, folder / manifest.mesh, flat.clear)
     write_manifest(folder / f"{bake.name}.{EXTENSION}", manifest)
     return Pack(bake.name, manifest, folder, spec)
+
+
+def flat_steps(bake: ExportSource, copy: bpy.types.Object) -> Generator[Step, None, Flat]:
+    """The flat lightmap of a bake with this baked copy. Yields progress."""
+    light = yield from bake.form.flat(bake.sidecar, surface_of(copy, bake.bake.uv_map))
+    png, scale = flat_png(light)
+    return Flat(png, scale, clear=light.shape[2] > 3)
+
+
+def manifest_of(
+    bake: ExportSource,
+    mesh: str,
+    textures: Mapping[str, TextureEntry],
+    flat: Flat,
+    copy: bpy.types.Object,
+) -> Manifest:
+    """The manifest of a bake with this baked copy, which is in the file `mesh`; without a mirror."""
+    return Manifest(
+        tool=f"RadTex {VERSION}",
+        name=bake.name,
+        mesh=mesh,
+        flat=f"{bake.name}.flat.png",
+        bake=bake.sidecar.facts.values,
+        textures=textures,
+        flat_scale=flat.scale,
+        culled=bake.form.traits.backs and twin_numbers(copy.data) is not None,
+    )

@@ -11,8 +11,9 @@ from urllib.parse import quote
 from ..core.errors import InputError
 from .export_manifest import EXTENSION
 from .pack import Pack
+from .scene_manifest import ScenePack
 
-BUILT = Path(__file__).with_name("web") / "built"  # made by .ci/build_web.py from the sources in web/
+BUILT = Path(__file__).with_name("web") / "built"  # made by .ci/build_web.py of shaders/three
 FILES = ("index.html", "viewer.css", "viewer.js", "LICENSES.txt")
 # The first picture needs these: browsers fetch them while they still load the page's script.
 _PRELOAD = '<link rel="preload" href="{}" as="fetch" crossorigin />'
@@ -27,12 +28,12 @@ def check_page() -> None:
         raise InputError("the web page is not of this version: build it with `uv run .ci/build_web.py`")
 
 
-def write_web(pack: Pack, folder: Path) -> None:
+def write_web(pack: Pack | ScenePack, folder: Path) -> None:
     """Add the page (see `check_page`) to a pack's folder, with the names of manifest and mesh in its index.html."""
     for name in FILES:
         shutil.copyfile(BUILT / name, folder / name)
     page = folder / "index.html"
-    manifest, mesh = quote(f"{pack.name}.{EXTENSION}"), quote(pack.manifest.mesh)
+    manifest, mesh = quote(f"{pack.name}.{EXTENSION}"), quote(f"{pack.name}.glb")
     named = [_UNNAMED.replace('""', f'"{manifest}"'), *(_PRELOAD.format(file) for file in (manifest, mesh))]
     text = page.read_text(encoding="utf-8").replace(_UNNAMED, "\n    ".join(named))
     page.write_text(text, encoding="utf-8", newline="\n")

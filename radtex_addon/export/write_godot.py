@@ -8,7 +8,7 @@ import json
 import shutil
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -35,12 +35,16 @@ def write_godot(pack: Pack, folder: Path) -> None:
     ball = f"{name}.mirror.tres"
     resources, node = mirror_nodes(mirror, quoted(f"res://{ball}")) if mirror else ("", "")
     words = {"MIRROR_RESOURCES": resources and f"{resources}\n", "MIRROR_NODE": node and f"{node}\n"}
-    facts = paths | words | {"NAME": quoted(name), "MATERIALS": _external(glb, materials)}
+    facts = (
+        paths
+        | words
+        | {"NAME": quoted(name), "MATERIALS": external_materials(glb.document["materials"], materials)}
+    )
     for template in ("project.godot", "main.tscn", "orbit.gd"):
-        _write(folder / template, template, facts)
-    _write(folder / f"{manifest.mesh}.import", "mesh.import", facts)
-    _write(folder / "README.txt", "README.txt", {"NAME": name, **files})
-    _write(folder / files["SHADER"], shader.template, shader.words)
+        write_template(folder / template, template, facts)
+    write_template(folder / f"{manifest.mesh}.import", "mesh.import", facts)
+    write_template(folder / "README.txt", "README.txt", {"NAME": name, **files})
+    write_template(folder / files["SHADER"], shader.template, shader.words)
     for file, number in materials.items():
         material = material_text(shader, files["SHADER"], number)
         (folder / file).write_text(material, encoding="utf-8", newline="\n")
@@ -48,8 +52,8 @@ def write_godot(pack: Pack, folder: Path) -> None:
     if mirror:
         own = mirror_shader(shader, manifest, mirror)
         included |= dict.fromkeys(own.includes)
-        _write(folder / SCRIPT, SCRIPT, {})
-        _write(folder / f"{name}.mirror.gdshader", own.template, own.words)
+        write_template(folder / SCRIPT, SCRIPT, {})
+        write_template(folder / f"{name}.mirror.gdshader", own.template, own.words)
         text = material_text(own, f"{name}.mirror.gdshader")
         (folder / ball).write_text(text, encoding="utf-8", newline="\n")
     (folder / "shaders").mkdir()
@@ -64,12 +68,12 @@ def _materials(glb: Glb, name: str) -> dict[str, int]:
     return {f"{name}.material{end}.tres": number for end, number in zip(ends, numbers, strict=True)}
 
 
-def _external(glb: Glb, files: Iterable[str]) -> str:
-    """The lines of an import file by which the mesh's materials are replaced by those files."""
+def external_materials(materials: Iterable[Mapping[str, Any]], files: Iterable[str]) -> str:
+    """The lines of an import file by which a document's materials are replaced by those files."""
     found = (
         f'{quoted(each["name"])}: {{\n"use_external/enabled": true,\n'
         f'"use_external/path": {quoted(f"res://{file}")}\n}}'
-        for each, file in zip(glb.document["materials"], files, strict=True)
+        for each, file in zip(materials, files, strict=True)
     )
     return ",\n".join(found)
 
@@ -80,6 +84,11 @@ def baked_matrix(glb: Glb) -> Floats:
     Its first three columns are that of directions.
     """
     (node,) = (node for node in glb.document["nodes"] if "mesh" in node)
+    return matrix_of(node)
+
+
+def matrix_of(node: Mapping[str, Any]) -> Floats:
+    """The same of one node of a document."""
     x, y, z, w = node.get("rotation", (0, 0, 0, 1))
     turn = np.array(
         [
@@ -116,7 +125,7 @@ def quoted(text: str) -> str:
     return json.dumps(text, ensure_ascii=False)
 
 
-def _write(path: Path, template: str, words: Mapping[str, str]) -> None:
+def write_template(path: Path, template: str, words: Mapping[str, str]) -> None:
     """Write a file of the project: the template with each @WORD@ replaced by its value in `words`."""
     text = (TEMPLATES / template).read_text(encoding="utf-8")
     for word, value in words.items():

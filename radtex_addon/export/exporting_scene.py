@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Export several finished bakes as one scene: one folder, one glTF with a node for each object."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..core.errors import InputError
+from ..formats.sidecar import safe_name
+from ..formats.sidecar_file import AnySidecar
+from ..textures.export_progress import Step, Task
+from ..textures.export_spec import ExportSpec, Target
+from ..version import VERSION
+from .export_manifest import Manifest
+from .exporting import (
+    Exported,
+    ExportSource,
+    Flat,
+    check_bake,
+    check_writer,
+    flat_steps,
+    manifest_of,
+)
+from .folder import check_out, files_in, replacing_folder
+from .gltf import baked_mesh
+from .scene_engines import write_engine_scene
+from .scene_gltf import SceneGltf
+from .scene_manifest import SceneEntry, ScenePack
+from .scene_nodes import SceneNode, scene_nodes
+from .web import write_web
+from .write_godot_scene import write_godot_scene
+
+_WRITERS: dict[Target, Callable[[ScenePack, Path], None]] = {
+    Target.WEB: write_web,
+    Target.GODOT: write_godot_scene,
+    Target.GLTF: write_engine_scene,
+    Target.UNITY: write_engine_scene,
+    Target.UNREAL: write_engine_scene,
+    Target.RAW: write_engine_scene,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class _Baked:
+    """A bake of the scene whose textures are written; `texture` is its flat lightmap's in the glTF."""
+
+    source: ExportSource
+    manifest: Manifest
+    flat: Flat
+    texture: int
+
+
+def scene_sources(sidecars: Sequence[AnySidecar]) -> tuple[ExportSource, ...]:
+    """The bakes with these sidecars, each once. Raises as `ExportSource.of`, and InputError for none."""
+    found = [ExportSource.of(sidecar) for sidecar in sidecars]
+    if not found:
+        raise InputError("a scene of no bakes: name one at least")
+    return tuple({bake.sidecar.path.resolve(): bake for bake in found}.values())
+
+
+def scene_folder(bakes: Sequence[ExportSource], name: str, target: Target) -> Path:
+    """The folder that an export as the scene `name` writes by default: beside the first of the bakes."""
+    return bakes[0].sidecar.path.with_name(f"{safe_name(name)}.{target}")
+
+
+def check_scene(
+    bakes: Sequence[ExportSource], spec: ExportSpec, out: Path, *, overwrite: bool = False
+) -> tuple[SceneNode, ...]:
+    """Preflight checks of an export as one scene; returns its nodes. Raises InputError and FormatError."""
+    if spec.mirror:
+        raise InputError("a mirror ball mirrors one bake, not a whole scene: leave the ball out")
+    for bake in bakes:
+        check_out(out, bake.sidecar.path.parent, overwrite)
+        check_bake(bake, spec)
+    check_writer(spec.target)
+    return scene_nodes(bakes)
+
+
+def export_scene_steps(
+    sidecars: Sequence[AnySidecar],
+    spec: ExportSpec,
+    name: str,
+    out: Path | None = None,
+    *,
+    overwrite: bool = False,
+) -> Generator[Step, None, Exported]:
+    """Export finished bakes, by their sidecars, as the scene `name` into the folder `out`.
+
+    `out` is by default NAME.TARGET beside the first bake. Yields progress; returns the result; raises as
+    `export_steps` does, and InputError if two of the bakes show the same thing.
+    """
+    bakes = scene_sources(sidecars)
+    out = out or scene_folder(bakes, name, spec.target)
+    nodes = check_scene(bakes, spec, out, overwrite=overwrite)
+    with replacing_folder(out) as folder:
+        pack = yield from _pack(bakes, nodes, spec, safe_name(name), folder)
+        yield Step(Task.PACK, 0, 1)
+        _WRITERS[spec.target](pack, folder)
+        files = tuple(files_in(folder))
+        size = sum((folder / file).stat().st_size for file in files)
+    return Exported(out, pack.name, spec.target, files, size)
+
+
+def _pack(
+    bakes: Sequence[ExportSource], nodes: Sequence[SceneNode], spec: ExportSpec, name: str, folder: Path
+) -> Generator[Step, None, ScenePack]:
+    """Write the files that all targets need. Yields progress."""
+    scene = SceneGltf(name, f"RadTex {VERSION}")
+    baked = yield from _bakes_written(bakes, scene, f"{name}.glb", spec, folder)
+    every = [each for node in nodes for each in (node, *node.levels)]
+    places: dict[str, int] = {}
+    for number, node in enumerate(every):
+        yield Step(Task.MESH, number, len(every))
+        places[node.name] = _add_node(scene, node, baked[node.bake])
+    shown = [(places[node.name], [places[level.name] for level in node.levels]) for node in nodes]
+    scene.write(folder / f"{name}.glb", shown)
+    pack = ScenePack(name, [_entry(node, baked) for node in nodes], folder, spec)
+    pack.write_manifest()
+    return pack
+
+
+def _bakes_written(
+    bakes: Sequence[ExportSource], scene: SceneGltf, mesh: str, spec: ExportSpec, folder: Path
+) -> Generator[Step, None, list[_Baked]]:
+    """Write each bake's textures and flat lightmap, into the glTF too. Yields progress."""
+    textures = []
+    for number, bake in enumerate(bakes):
+        yield Step(Task.TEXTURES, number, len(bakes))
+        textures.append(bake.form.write_textures(bake.sidecar, spec, folder))
+    found = []
+    for number, (bake, written) in enumerate(zip(bakes, textures, strict=True)):
+        step = Step(Task.FLAT, number, len(bakes))
+        yield step
+        with bake.copy() as (_, copy):
+            steps = flat_steps(bake, copy)
+            flat = yield from _told_as(step, steps)
+            manifest = manifest_of(bake, mesh, written, flat, copy)
+        (folder / manifest.flat).write_bytes(flat.png)
+        found.append(_Baked(bake, manifest, flat, scene.add_flat(flat.png, manifest)))
+    return found
+
+
+def _told_as(step: Step, steps: Generator[Step, None, Flat]) -> Generator[Step, None, Flat]:
+    """The result of `steps`; each of them is told as `step`, a part of something larger."""
+    while True:
+        try:
+            next(steps)
+        except StopIteration as stop:
+            flat: Flat = stop.value
+            return flat
+        yield step
+
+
+def _add_node(scene: SceneGltf, node: SceneNode, baked: _Baked) -> int:
+    """Add a node to the glTF; returns its index."""
+    with baked.source.copy(node.surfaces) as (alone, copy):
+        mesh = baked_mesh(alone, copy, baked.source.bake.uv_map, baked.manifest, node.name)
+    return scene.add_node(mesh, baked.texture, baked.manifest, baked.flat.clear)
+
+
+def _entry(node: SceneNode, baked: Sequence[_Baked]) -> SceneEntry:
+    levels = tuple(_entry(level, baked) for level in node.levels)
+    return SceneEntry(node.name, baked[node.bake].manifest, levels)

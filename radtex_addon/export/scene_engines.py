@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scene for targets without a ready-made project: the shader includes of all bakes, and a README.txt."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+from .engines import copy_include, described, includes
+from .export_manifest import EXTENSION, Manifest
+from .pack import SHADERS, Pack
+from .scene_manifest import SceneEntry, ScenePack
+
+
+def write_engine_scene(pack: ScenePack, folder: Path) -> None:
+    """Add the shader includes that the bakes need, and a README.txt, to a scene's folder."""
+    target = pack.spec.target
+    packs = [Pack(manifest.name, manifest, folder, pack.spec) for manifest in pack.manifests]
+    shaders = folder / "shaders"
+    shaders.mkdir()
+    for source in dict.fromkeys(path for each in packs for path in includes(target, each)):
+        copy_include(source, shaders, target)
+    shutil.copyfile(SHADERS / "LICENSE", shaders / "LICENSE")
+    (folder / "README.txt").write_text("\n".join(_lines(pack)) + "\n", encoding="utf-8", newline="\n")
+
+
+def _lines(pack: ScenePack) -> Iterator[str]:
+    """The lines of README.txt: the files, the nodes, and how each bake is looked up."""
+    yield f"{pack.name}: a scene of {len(pack.manifests)} radiance textures, made by {pack.manifests[0].tool}"
+    yield ""
+    yield f"{pack.mesh}: the meshes, a node for each object. TEXCOORD_0 is the baked UV layer, NORMAL and"
+    yield "TANGENT its frame."
+    yield f"{pack.name}.{EXTENSION}: which node has which textures, for programs."
+    yield "shaders/: the includes to look them up by (MIT licence)."
+    yield ""
+    for entry in pack.entries:
+        yield _node(entry)
+    for manifest in pack.manifests:
+        yield from _bake(manifest, pack)
+    yield ""
+    yield "Import textures whose format ends in _SRGB as sRGB, all others as linear data; with no compression"
+    yield "and no mipmaps but their own."
+
+
+def _node(entry: SceneEntry) -> str:
+    levels = ", ".join(level.node for level in entry.levels)
+    return f"node {entry.node}: {entry.manifest.name}" + (f"; farther away {levels}" if levels else "")
+
+
+def _bake(manifest: Manifest, pack: ScenePack) -> Iterator[str]:
+    bake = manifest.bake
+    width, height = bake["texels"]
+    yield ""
+    yield f"{manifest.name}"
+    yield f"layout {bake['layout']}, {width} x {height} texels of {bake['bucket']} x {bake['bucket']} cells"
+    yield f"{manifest.flat}: a flat lightmap, the mean of each texel's light; also inside {pack.mesh}."
+    for layer, entry in manifest.textures.items():
+        yield described(layer, entry)
+    yield from manifest.form.usage(bake, manifest.textures, pack.spec.target)
