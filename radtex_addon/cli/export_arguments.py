@@ -28,7 +28,8 @@ _DESCRIPTION = """\
 Make a folder of a finished bake that an engine or a browser takes: the mesh
 as glTF, the textures in a format that the target loads, a flat lightmap for
 programs that know no radiance textures, and what the target needs beside.
-The bake must have been made with --save-preview, which keeps its mesh."""
+The bake must have been made with --save-preview, which keeps its mesh.
+Several bakes are a folder each, or with --scene one scene."""
 
 _EPILOG = """\
 examples:
@@ -36,48 +37,58 @@ examples:
   python bake.py export baked --object Vase --to godot --out game/vase
   python bake.py export baked --to unity --format exr
   python bake.py export baked --to web --mirror
+  python bake.py export baked --to web --scene Room
+  python bake.py export A.radiance.json B.radiance.json --to gltf --scene Room
 
 exit codes: as of a bake"""
 
 
 @dataclass(frozen=True)
 class ExportRequest:
-    """One export. `bake` is a folder or a sidecar; `out` is None for a folder beside the bake."""
+    """An export of bakes, each to a folder of its own, or as one scene if that has a name.
 
-    bake: Path
+    Each of `bakes` is a folder or a sidecar; `out` is None for a folder beside the bake.
+    """
+
+    bakes: tuple[Path, ...]
     object: str | None
     spec: ExportSpec
     out: Path | None
     overwrite: bool
     progress: ProgressStyle
     verbose: bool
+    scene: str | None = None
     parent_pipe: bool = False
 
 
 def parse_export(arguments: list[str], inside_blender: bool) -> ExportRequest:
     """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
     found = _parser(inside_blender).parse_args(arguments)
-    if found.bake is None:
+    if not found.bakes:
         raise InputError("which bake? name its folder, or its sidecar (--help lists everything)")
     if found.target is None:
         raise InputError(f"for whom? --to {', '.join(Target)} (--help lists everything)")
+    if found.as_scene is not None and not found.as_scene.strip():
+        raise InputError("--scene is empty: give the scene a name")
     return ExportRequest(
-        bake=Path(found.bake),
+        bakes=tuple(map(Path, found.bakes)),
         object=found.object,
         spec=ExportSpec(**{field.name: getattr(found, field.name) for field in fields(ExportSpec)}),
         out=None if found.out is None else Path(found.out),
         overwrite=found.overwrite,
         progress=found.progress,
         verbose=found.verbose,
+        scene=found.as_scene,
         parent_pipe=found.parent_pipe,
     )
 
 
 def _parser(inside_blender: bool) -> Parser:
     parser = command_parser(
-        EXPORT, "DIR --to TARGET", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=False
+        EXPORT, "DIR [DIR ...] --to TARGET", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=False
     )
     _add_what(parser.add_argument_group("what is exported"))
+    _add_scene(parser.add_argument_group("a whole scene"))
     _add_textures(parser.add_argument_group("textures"))
     _add_mirror(parser.add_argument_group("mirror ball"))
     add_memory(
@@ -92,7 +103,9 @@ def _parser(inside_blender: bool) -> Parser:
 
 
 def _add_what(group: argparse._ArgumentGroup) -> None:
-    group.add_argument("bake", nargs="?", metavar="DIR", help="the folder of a bake, or its sidecar's .json")
+    group.add_argument(
+        "bakes", nargs="*", metavar="DIR", help="the folder of a bake, or its sidecar's .json; or several"
+    )
     group.add_argument("--object", metavar="NAME", help="whose bake, if there are several in the folder")
     add_choice(
         group,
@@ -102,6 +115,17 @@ def _add_what(group: argparse._ArgumentGroup) -> None:
         "web: a page for any static server; godot: a project; gltf, unity, unreal: mesh, textures and "
         "shader includes; raw: the same with the includes of all languages",
         dest="target",
+    )
+
+
+def _add_scene(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--scene",
+        dest="as_scene",
+        metavar="NAME",
+        help="export all bakes as one scene of this name: one folder, one glTF with a node for each "
+        "object, one manifest. Of a folder all objects' bakes. Objects called TREE_LOD0, TREE_LOD1 "
+        "and so on become levels of detail",
     )
 
 

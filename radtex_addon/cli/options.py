@@ -32,6 +32,7 @@ _DIGITS = 12  # longest number accepted: no machine has that much memory
 _PLACES = (
     "scene",
     "bake",
+    "bakes",
     "farm",
     "out",
     "thumbnail",
@@ -55,10 +56,11 @@ class Parser(argparse.ArgumentParser):
         found = super().parse_args(args, namespace)
         for action in self._actions:
             place = getattr(found, action.dest, None) if action.dest in _PLACES else None
-            if place == "":
+            if place == "" or (isinstance(place, list) and "" in place):
                 raise InputError(f"{'/'.join(action.option_strings) or action.metavar} is empty: give a name")
             if place is not None:
-                setattr(found, action.dest, one_root(place))
+                several = isinstance(place, list)
+                setattr(found, action.dest, [*map(one_root, place)] if several else one_root(place))
         return found
 
     def _print_message(self, message: str, file: Any = None) -> None:

@@ -4,37 +4,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Generator, Iterable
 from functools import partial
 from pathlib import Path
 
 from ..bake.spec import Kind
 from ..core.errors import InputError
-from ..export.exporting import export_steps
+from ..export.exporting import Exported, export_steps
+from ..export.exporting_scene import export_scene_steps
 from ..formats.disk.memory import readable_size
 from ..formats.sidecar_file import SidecarFile
-from ..report.finished_bake import find_bakes, object_of
+from ..report.finished_bake import find_bakes, find_bakes_of_all, object_of
+from ..textures.export_progress import Step
 from ..textures.export_spec import ExportSpec, Target
 from .export_arguments import ExportRequest
 from .interruption import Interruption
 from .reporting import Report
+
+_DONE = "exported"
 
 
 def run_export(request: ExportRequest, report: Report, interruption: Interruption) -> None:
     """Export the bakes and report the folders. Raises RadTexError."""
     if request.parent_pipe:
         interruption.ask_when_input_ends()
-    sidecars = find_bakes(request.bake, request.object, "exported", tuple(Kind))
+    sidecars = _sidecars(request)
+    if request.scene is not None:
+        scene = export_scene_steps(
+            sidecars, request.spec, request.scene, request.out, overwrite=request.overwrite
+        )
+        _export(request.scene, scene, report, interruption)
+        return
     if len(sidecars) > 1 and request.out is not None:
         names = ", ".join(sidecar.path.name for sidecar in sidecars)
-        raise InputError(f"{names} do not fit in one folder: name one of them, or leave --out out")
+        raise InputError(
+            f"{names} do not fit in one folder: name one of them, leave --out out, or export them as one "
+            "scene (--scene)"
+        )
     for sidecar in sidecars:
-        _export(sidecar, request, report, interruption)
+        steps = export_steps(sidecar, request.spec, request.out, overwrite=request.overwrite)
+        _export(object_of(sidecar), steps, report, interruption)
 
 
-def _export(sidecar: SidecarFile, request: ExportRequest, report: Report, interruption: Interruption) -> None:
-    name = object_of(sidecar)
-    steps = export_steps(sidecar, request.spec, request.out, overwrite=request.overwrite)
+def _sidecars(request: ExportRequest) -> list[SidecarFile]:
+    """The bakes that are meant; for a scene those of all objects in a folder, unless one is named."""
+    if request.scene is not None and request.object is None:
+        return [file for bake in request.bakes for file in find_bakes_of_all(bake, _DONE, tuple(Kind))]
+    return [file for bake in request.bakes for file in find_bakes(bake, request.object, _DONE, tuple(Kind))]
+
+
+def _export(
+    name: str, steps: Generator[Step, None, Exported], report: Report, interruption: Interruption
+) -> None:
     made = interruption.between(steps, partial(report.progress, name))
     summary = f"{name} for {made.target}: {len(made.files)} files, {readable_size(made.bytes)}"
     report.event(

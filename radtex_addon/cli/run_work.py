@@ -105,7 +105,7 @@ def _bake(facts: Facts, request: WorkRequest) -> Request:
 def _export(facts: Facts, request: WorkRequest) -> ExportRequest:
     asked = facts.inner("spec")
     return ExportRequest(
-        bake=Path(facts.text("sidecar")),
+        bakes=tuple(map(Path, facts.texts("sidecars"))),
         object=None,
         spec=ExportSpec(
             target=Target(asked.choice("target", tuple(Target))),
@@ -123,6 +123,7 @@ def _export(facts: Facts, request: WorkRequest) -> ExportRequest:
         overwrite=facts.truth("overwrite"),
         progress=request.progress,
         verbose=request.verbose,
+        scene=None if _absent(facts, "scene") else facts.text("scene"),
         parent_pipe=True,
     )
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -107,20 +107,55 @@ def find_bakes(
     place: Path, object_name: str | None, purpose: str, kinds: Collection[str] = (DEFAULT_KIND,)
 ) -> list[SidecarFile]:
     """Like `find_bake`, but if an object is split, the sidecars of all its parts that exist."""
+    if not _is_folder(place):
+        file = SidecarFile.read(place)
+        _check(file.path, _identity(file), object_name, purpose, kinds)
+        return [file]
+    return _chosen(place, _bakes_in(place), object_name, purpose, kinds)
+
+
+def find_bakes_of_all(
+    place: Path, purpose: str, kinds: Collection[str] = (DEFAULT_KIND,)
+) -> list[SidecarFile]:
+    """Like `find_bakes`, but of a folder those of all objects that have a bake of one of the `kinds`."""
+    if not _is_folder(place):
+        return find_bakes(place, None, purpose, kinds)
+    files = _bakes_in(place)
+    identities = [identity for _, identity in files.values() if identity.kind in kinds]
+    names = sorted({identity.name for identity in identities})
+    if not names:
+        return _chosen(place, files, None, purpose, kinds)
+    return [file for name in names for file in _chosen(place, files, name, purpose, kinds)]
+
+
+def _is_folder(place: Path) -> bool:
+    """Whether it is a folder. Raises InputError if there is nothing."""
     try:
         found_there, is_folder = place.exists(), place.is_dir()
     except (OSError, ValueError):  # not a valid file name
         found_there = is_folder = False
     if not found_there:
         raise InputError(f"there is no {place}: name the folder of a bake, or its sidecar, a .json file")
-    if not is_folder:
-        file = SidecarFile.read(place)
-        _check(file.path, _identity(file), object_name, purpose, kinds)
-        return [file]
-    files = {path: ours for path in _json_files(place) if (ours := _read_if_ours(path))}
-    found = {path: _identity(file) for path, file in files.items()}
-    if not found:
-        raise InputError(f"{place} holds no bake: name a folder with a sidecar, NAME.{DEFAULT_KIND}.json")
+    return is_folder
+
+
+def _bakes_in(folder: Path) -> dict[Path, tuple[SidecarFile, _Identity]]:
+    """All bakes in a folder. Raises InputError if there are none."""
+    files = {path: ours for path in _json_files(folder) if (ours := _read_if_ours(path))}
+    if not files:
+        raise InputError(f"{folder} holds no bake: name a folder with a sidecar, NAME.{DEFAULT_KIND}.json")
+    return {path: (file, _identity(file)) for path, file in files.items()}
+
+
+def _chosen(
+    place: Path,
+    files: Mapping[Path, tuple[SidecarFile, _Identity]],
+    object_name: str | None,
+    purpose: str,
+    kinds: Collection[str],
+) -> list[SidecarFile]:
+    """Those of a folder's bakes that `find_bakes` returns."""
+    found = {path: identity for path, (_, identity) in files.items()}
     wanted = {path: identity for path, identity in found.items() if identity.is_of(object_name)}
     wanted = {path: wanted[path] for path in wanted if wanted[path].name == object_name} or wanted
     if not wanted:
@@ -138,7 +173,7 @@ def find_bakes(
         raise InputError(f"{place} holds {names}: name one of these files instead of the folder")
     if not fitting:
         _check(*next(iter(wanted.items())), object_name, purpose, kinds)
-    return [files[path] for path in fitting]
+    return [files[path][0] for path in fitting]
 
 
 def check_whole(sidecar: AnySidecar) -> None:

@@ -94,6 +94,25 @@ def order_export(
     folder: Path, sidecar: Path, name: str, spec: ExportSpec, out: Path, *, overwrite: bool = False
 ) -> Order:
     """An export of the bake of `name` with this sidecar to the folder `out`; `folder` is the worker's own."""
+    return _export(folder, [sidecar], name, spec, out, overwrite, scene=None)
+
+
+def order_scene_export(
+    folder: Path, sidecars: Sequence[Path], name: str, spec: ExportSpec, out: Path, *, overwrite: bool = False
+) -> Order:
+    """An export of the bakes with these sidecars as the scene `name`; the rest is as of `order_export`."""
+    return _export(folder, sidecars, name, spec, out, overwrite, scene=name)
+
+
+def _export(
+    folder: Path,
+    sidecars: Sequence[Path],
+    name: str,
+    spec: ExportSpec,
+    out: Path,
+    overwrite: bool,
+    scene: str | None,
+) -> Order:
     return Order(
         work=Work.EXPORT,
         object=name,
@@ -101,7 +120,8 @@ def order_export(
         folder=folder,
         out=out.parent,
         facts={
-            "sidecar": str(sidecar.absolute()),
+            "sidecars": [str(sidecar.absolute()) for sidecar in sidecars],
+            "scene": scene,
             "spec": {field.name: as_json(getattr(spec, field.name)) for field in fields(ExportSpec)},
             "folder": str(out.absolute()),
             "overwrite": overwrite,

@@ -95,20 +95,30 @@ def test_inside_blender_the_open_file_stays_open(
 def test_help_shows_every_option() -> None:
     ended = process("export", "--help")
     assert (ended.code, ended.err) == (0, "")
-    flags = ("--object", "--to", "--format", "--no-zstd", "--arrangement", "--levels", "--limit", "--out")
+    flags = (
+        "--object",
+        "--to",
+        "--scene",
+        "--format",
+        "--no-zstd",
+        "--arrangement",
+        "--levels",
+        "--limit",
+        "--out",
+    )
     others = ("--overwrite", "--progress", "--verbose", "--help")
     assert [flag for flag in (*flags, *others) if flag not in ended.out] == []
     told = " ".join(ended.out.split())
     for word in (*Target, *TextureFormat, *Arrangement):
         assert word in told
     assert max(len(line) for line in ended.out.splitlines()) <= 80
-    assert ended.out.startswith("usage: bake.py export DIR --to TARGET [options]\n")
+    assert ended.out.startswith("usage: bake.py export DIR [DIR ...] --to TARGET [options]\n")
 
 
 def test_a_request_is_what_was_said() -> None:
     words = "baked --to web --no-zstd --arrangement slices --format ktx2-rgba16f --limit 4096 --levels 2"
     assert parse_export(words.split(), inside_blender=False) == ExportRequest(
-        bake=Path("baked"),
+        bakes=(Path("baked"),),
         object=None,
         spec=ExportSpec(
             Target.WEB, TextureFormat.KTX2_RGBA16F, False, Arrangement.SLICES, levels=2, limit=4096
@@ -120,6 +130,8 @@ def test_a_request_is_what_was_said() -> None:
     )
     plain = parse_export(["baked", "--to", "raw"], inside_blender=True)
     assert plain.spec == ExportSpec(Target.RAW)
+    scene = parse_export(["a", "b", "--to", "web", "--scene", "Room"], inside_blender=False)
+    assert (scene.bakes, scene.scene) == ((Path("a"), Path("b")), "Room")
 
 
 @pytest.mark.parametrize(
@@ -133,6 +145,8 @@ def test_a_request_is_what_was_said() -> None:
         (["baked", "--to", "web", "--limit", "many"], r"--limit many: give a whole number"),
         (["baked", "--to", "web", "--limit", "1"], r"limit 1: a texture needs"),
         (["baked", "--to", "web", "--levels", "99"], r"levels 99: give a whole number from 1"),
+        (["baked", "", "--to", "web"], r"DIR is empty: give a name"),
+        (["baked", "--to", "web", "--scene", ""], r"--scene is empty: give the scene a name"),
     ],
 )
 def test_what_is_missing_or_wrong_is_named(arguments: list[str], words: str) -> None:

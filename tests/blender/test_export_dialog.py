@@ -173,6 +173,27 @@ def test_of_several_bakes_the_number_is_said(plain: Path) -> None:
     assert (plain / f"{NAME}.raw").is_dir()
 
 
+def test_several_bakes_go_into_one_scene_if_that_is_asked_for(plain: Path) -> None:
+    for item in bpy.data.objects:
+        item.select_set(True)
+    context.scene.name = "Room"
+    remembered = {"as_scene": True, "mirror": True}
+    drawn = asked(bake=str(plain), target="godot", **remembered)
+    assert drawn.settings[:4] == ["target", "as_scene", "scene_name", "directory"]
+    assert "Makes the folder Room.godot in" in said(drawn)
+    assert "mirror" not in drawn.settings, "a ball mirrors one bake"
+    assert (plain / "Room.godot" / "Room.glb").is_file()
+    assert not (plain / f"{NAME}.godot").exists()
+    drawn = asked(bake=str(plain), target="godot", scene_name="Room", **remembered)
+    assert "It is there already: will be replaced" in said(drawn)
+    out = plain / "elsewhere"
+    asked(bake=str(plain), target="gltf", scene_name="Attic", directory=str(out), **remembered)
+    assert (out / "Attic.glb").is_file()
+    drawn = asked(bake=str(plain), object=NAME, target="raw", **remembered)
+    assert "as_scene" not in drawn.settings, "there is one bake only"
+    assert (plain / f"{NAME}.raw" / f"{NAME}.glb").is_file()
+
+
 def test_what_is_hidden_does_not_count(bakes: Mapping[str, Path], tmp_path: Path) -> None:
     """Blender remembers the settings of the last dialog, which may have been of another target and bake."""
     bake = shutil.copytree(bakes["layered"], tmp_path / "bake")

@@ -17,6 +17,7 @@ from mathutils import Matrix, Quaternion
 
 from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Kind
+from radtex_addon.cli import main as batch_module
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
 from radtex_addon.core.sampler import Filter
@@ -268,3 +269,31 @@ def test_two_bakes_of_one_object_are_refused(sidecars: list[Path], out: Path) ->
         InputError, match=r"Furniture\.radiance\.json and .*Chair\.ao\.json are both of 'Chair'"
     ):
         export([sidecars[1], other], out=out)
+
+
+def test_the_command_line_takes_a_folder_or_a_list(
+    sidecars: list[Path], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def ran(*words: str) -> tuple[int, list[dict[str, Any]], str]:
+        capfd.readouterr()
+        options = ["--to", "gltf", "--progress", "json"]
+        code = batch_module.main(["export", *words, *options], inside_blender=False)
+        said, error = capfd.readouterr()
+        return code, [json.loads(line) for line in said.splitlines() if line.startswith("{")], error
+
+    folder = sidecars[0].parent
+    code, events, _ = ran(str(folder), "--scene", "Room")
+    assert code == 0
+    *progress, done = events
+    stages = [event["stage"] for event in progress]
+    assert list(dict.fromkeys(stages)) == ["textures", "flat", "mesh", "pack"]
+    assert stages == sorted(stages, key=["textures", "flat", "mesh", "pack"].index), "none begins twice"
+    assert (done["object"], done["files"]) == ("Room", [str(folder / "Room.gltf")])
+    scene = json.loads((folder / "Room.gltf" / "Room.export.json").read_text(encoding="utf-8"))["scene"]
+    assert sorted(entry["node"] for entry in scene) == sorted(NODES)
+    out = tmp_path / "two"
+    code, _, _ = ran(str(sidecars[0]), str(sidecars[2]), "--scene", "Two", "--out", str(out))
+    assert (code, (out / "Two.glb").is_file()) == (0, True)
+    code, _, error = ran(str(sidecars[0]), str(sidecars[2]), "--out", str(tmp_path / "three"))
+    assert code == 2
+    assert "or export them as one scene (--scene)" in error

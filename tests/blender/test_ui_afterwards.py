@@ -29,7 +29,7 @@ from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.jobs.comparison import BAKED, DIFFERENCE, TRACED, figures
 from radtex_addon.ui.operators.compare_operator import submit
 from radtex_addon.ui.operators.export_operator import ARRANGEMENTS, FORMATS
-from radtex_addon.ui.operators.export_sources import Place
+from radtex_addon.ui.operators.export_sources import Place, submit_scene
 from radtex_addon.ui.operators.export_sources import submit as export
 from radtex_addon.ui.panel.jobs_panel import title
 from radtex_addon.ui.settings.chosen_objects import chosen_names
@@ -431,7 +431,25 @@ def test_a_worker_exports_while_the_scene_is_left_alone(bake: str) -> None:
     assert differences(before, fingerprint()) == {}
 
 
+def test_an_export_of_a_scene_runs_as_one_job(bake: str) -> None:
+    sidecar, out = Path(bake) / "Ball.radiance.json", Path(bake) / "Room"
+    submit_scene([sidecar], ExportSpec(Target.GLTF), "Room", out, overwrite=False)
+    assert title(jobs.snapshot()[0]) == "Room for glTF"
+    (job,) = finish()
+    assert (job.state, job.files) == ("done", (out,)), job.message
+    assert (out / "Room.export.json").is_file()
+
+
 # export
+
+
+def test_a_script_exports_a_scene(bake: str) -> None:
+    scene_with_balls()
+    settings = {"bake": bake, "target": "gltf", "as_scene": True, "scene_name": "Room"}
+    assert radtex.export(**settings) == {"FINISHED"}
+    assert (Path(bake) / "Room.gltf" / "Room.glb").is_file()
+    with pytest.raises(RuntimeError, match=r"Room\.gltf is already there"):
+        radtex.export(**settings)
 
 
 def test_an_export_makes_its_folder_and_leaves_the_scene_alone(bake: str) -> None:

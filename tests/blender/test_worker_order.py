@@ -28,7 +28,7 @@ from radtex_addon.textures.export_progress import Task as ExportTask
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from radtex_addon.worker.job import Job, State
 from radtex_addon.worker.order import Handover, Order, Program, Work, command_line, write_order
-from radtex_addon.worker.orders import order_bake, order_comparison, order_export
+from radtex_addon.worker.orders import order_bake, order_comparison, order_export, order_scene_export
 
 FOLDER = Path("/some where/größer")
 ORDER = FOLDER / "order.json"
@@ -178,11 +178,20 @@ def test_an_export_arrives_as_it_was_ordered(tmp_path: Path) -> None:
         asked = order_export(FOLDER, FOLDER / "-Vase.json", "Vase", spec, FOLDER / "out", overwrite=overwrite)
         line = command_line(Program("/opt/blender", is_blender=True), asked, ORDER)
         request = understood(asked, tmp_path, inside_blender=True)
-        assert (request.bake, request.spec) == (FOLDER / "-Vase.json", spec)
+        assert (request.bakes, request.spec) == ((FOLDER / "-Vase.json",), spec)
+        assert request.scene is None
         assert isinstance(request.spec.format, TextureFormat)
         assert (request.out, request.overwrite) == (FOLDER / "out", overwrite)
         assert (request.progress, request.parent_pipe) == (ProgressStyle.JSON, True)
     assert line[line.index("--python-exit-code") + 2] == "--python-expr", "no file is opened"
+
+
+def test_an_export_of_a_scene_arrives_as_it_was_ordered(tmp_path: Path) -> None:
+    sidecars = [FOLDER / "A.json", FOLDER / "B.json"]
+    asked = order_scene_export(FOLDER, sidecars, "Room", ExportSpec(Target.WEB), FOLDER / "out")
+    request = understood(asked, tmp_path)
+    assert (request.bakes, request.scene) == (tuple(sidecars), "Room")
+    assert (asked.object, asked.about) == ("Room", "web")
 
 
 def test_a_comparison_arrives_as_it_was_ordered(tmp_path: Path) -> None:

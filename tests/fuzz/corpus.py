@@ -73,7 +73,8 @@ _ORDERS: tuple[dict[str, Any], ...] = (
     },
     {
         "work": "export",
-        "sidecar": "/Vase.radiance.json",
+        "sidecars": ["/Vase.radiance.json"],
+        "scene": "Room",
         "spec": {"target": "raw", "format": "exr", "zstd": True, "arrangement": "slices", "layers": ["base"]},
         "folder": "/out",
         "overwrite": True,

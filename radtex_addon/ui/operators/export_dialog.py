@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,8 +41,9 @@ NEEDS = {  # by target
 class Plan:
     """What pressing OK would do with the current settings.
 
-    `outs` are the folders that the bakes go to, `existing` those of them that an earlier export wrote.
-    `errors` would be met even if these were overwritten; `texture_bytes` is rough, None if unknown.
+    `outs` are the folders that the bakes go to, only one if they are one scene, `existing` those of them that
+    an earlier export wrote. `errors` would be met even if these were overwritten; `texture_bytes` is rough,
+    None if unknown.
     """
 
     sources: tuple[ExportSource, ...]
@@ -52,28 +54,40 @@ class Plan:
 
     @classmethod
     def failed(
-        cls, sources: Sequence[ExportSource], target: str, folder: Path | None, error: Message
+        cls,
+        sources: Sequence[ExportSource],
+        target: str,
+        folder: Path | None,
+        scene: str | None,
+        error: Message,
     ) -> Plan:
         """The plan for settings that do not go together."""
         from ...textures.export_spec import Target
 
-        return cls(tuple(sources), folders_of(sources, Target(target), folder), errors=(error,))
+        return cls(tuple(sources), folders_of(sources, Target(target), folder, scene), errors=(error,))
 
 
-def planned(sources: Sequence[ExportSource], spec: ExportSpec, folder: Path | None) -> Plan:
-    """The plan for an export with valid settings; `folder` is the user's choice, if any."""
-    from ...core.errors import RadTexError
+def planned(
+    sources: Sequence[ExportSource], spec: ExportSpec, folder: Path | None, scene: str | None
+) -> Plan:
+    """The plan for an export with valid settings; `folder` is the user's choice, if any.
+
+    `scene` is the name if the bakes are exported as one scene.
+    """
     from ...export.earlier_export import is_export
     from ...export.exporting import check_export
+    from ...export.exporting_scene import check_scene
     from ...export.texture_size import about_texture_bytes
 
-    outs = folders_of(sources, spec.target, folder)
-    errors = []
-    for source, out in zip(sources, outs, strict=True):
-        try:
-            check_export(source, spec, out, overwrite=True)
-        except RadTexError as error:
-            errors.append(error.message)
+    outs = folders_of(sources, spec.target, folder, scene)
+    if scene is None:
+        checks = [
+            partial(check_export, source, spec, out, overwrite=True)
+            for source, out in zip(sources, outs, strict=True)
+        ]
+        errors = _errors_of(checks)
+    else:
+        errors = _errors_of([partial(check_scene, sources, spec, outs[0], overwrite=True)])
     return Plan(
         sources=tuple(sources),
         outs=outs,
@@ -83,13 +97,40 @@ def planned(sources: Sequence[ExportSource], spec: ExportSpec, folder: Path | No
     )
 
 
-def folders_of(sources: Sequence[ExportSource], target: Target, folder: Path | None) -> tuple[Path, ...]:
-    """The folder of each bake's export: `folder` if it is given, else one beside the bake."""
+def _errors_of(checks: Iterable[Callable[[], object]]) -> list[Message]:
+    """The errors that these checks raise."""
+    from ...core.errors import RadTexError
+
+    errors = []
+    for check in checks:
+        try:
+            check()
+        except RadTexError as error:
+            errors.append(error.message)
+    return errors
+
+
+def folders_of(
+    sources: Sequence[ExportSource], target: Target, folder: Path | None, scene: str | None
+) -> tuple[Path, ...]:
+    """The folder of each bake's export: `folder` if it is given, else one beside the bake.
+
+    One folder if all are exported as one `scene`, which is its name.
+    """
+    from ...export.exporting_scene import scene_folder
+
+    if scene is not None:
+        return (folder or scene_folder(sources, scene, target),)
     return tuple(folder or source.folder(target) for source in sources)
 
 
-def applicable(sources: Sequence[ExportSource], target: str, form: str) -> frozenset[str]:
-    """The names of the settings that all these bakes take, for this target and this format."""
+def applicable(
+    sources: Sequence[ExportSource], target: str, form: str, scene: bool = False
+) -> frozenset[str]:
+    """The names of the settings that all these bakes take, for this target and this format.
+
+    `scene` is whether they are exported as one scene.
+    """
     from ...bake.kinds import KINDS as TABLE
     from ...textures.export_spec import MIRRORS, TAKES, Target
 
@@ -103,7 +144,7 @@ def applicable(sources: Sequence[ExportSource], target: str, form: str) -> froze
     if all(form.arranges for form in forms):
         names |= {"arrangement", "levels"}
     mirrored = {kind for kind, traits in TABLE.items() if traits.looks_at_surface}
-    if target in MIRRORS and all(source.bake.kind in mirrored for source in sources):
+    if not scene and target in MIRRORS and all(source.bake.kind in mirrored for source in sources):
         names.add("mirror")
     return frozenset(names)
 
@@ -164,7 +205,12 @@ def draw_dialog(layout: Any, settings: Any, plan: Plan) -> None:
     layout.separator()
     layout.prop(settings, "target")
     _draw_text(layout, iface_(NEEDS[settings.target]), "BLANK1")
-    if len(plan.sources) == 1:
+    several = len(plan.sources) > 1
+    if several:
+        layout.prop(settings, "as_scene")
+    if several and settings.as_scene:
+        layout.prop(settings, "scene_name")
+    if not several or settings.as_scene:
         layout.prop(settings, "directory")
     for line in told_folders(plan):
         _draw_text(layout, line, "FILE_FOLDER")
@@ -175,7 +221,7 @@ def draw_dialog(layout: Any, settings: Any, plan: Plan) -> None:
         _draw_text(layout, iface_("Textures of roughly {}").format(size(plan.texture_bytes)), "BLANK1")
     for message in plan.errors:
         _draw_text(layout, remark(message), "ERROR")
-    shown = applicable(plan.sources, settings.target, settings.format)
+    shown = applicable(plan.sources, settings.target, settings.format, several and settings.as_scene)
     if "mirror" in shown:
         layout.prop(settings, "mirror")
     _draw_advanced(layout, settings, shown)

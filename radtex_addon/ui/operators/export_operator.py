@@ -15,7 +15,7 @@ from ..settings.menu_items import TARGETS
 from .bake_lookup import in_object_mode
 from .bake_operator import shown
 from .export_dialog import WIDTH, Plan, applicable, dialog_title, draw_dialog, folders_of, planned
-from .export_sources import Place, export_sources, place_for, submit
+from .export_sources import Place, export_sources, place_for, submit, submit_scene
 from .operator_mixins import MayWait, OfBake
 
 if TYPE_CHECKING:
@@ -55,6 +55,8 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         levels: int
         limit: int
         mirror: bool
+        as_scene: bool
+        scene_name: str
         directory: str
         overwrite: bool
         advanced: bool
@@ -98,9 +100,21 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
             description="For the web and Godot: a chrome ball that moves and mirrors the bake",
             default=False,
         )
+        as_scene: BoolProperty(
+            name="As One Scene",
+            description="Of several objects: one folder with one glTF, which has a node for each object, "
+            "instead of a folder for each. TREE_LOD0, TREE_LOD1 and so on become levels of detail",
+            default=False,
+        )
+        scene_name: StringProperty(
+            name="Scene Name",
+            description="What the folder and its files are called. Left empty, as this scene in Blender",
+            options={"SKIP_SAVE"},
+        )
         directory: StringProperty(
             name="Folder",
-            description="The folder to make. Left empty, one beside the bake. Not for several objects",
+            description="The folder to make. Left empty, one beside the bake. Not for several objects, "
+            "unless they are one scene",
             subtype="DIR_PATH",
             options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
         )
@@ -150,6 +164,8 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         self._sources = tuple(export_sources(*shown(context), self.object, self.bake))
         if not self.properties.is_property_set("overwrite"):
             self.overwrite = True
+        assert context.scene is not None  # as in every window
+        self.scene_name = self.scene_name or context.scene.name
         self.check(context)
 
     def check(self, context: bpy.types.Context | None) -> bool:
@@ -170,12 +186,13 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         from ...core.errors import RadTexError
 
         names = ("target", "format", "zstd", "arrangement", "levels", "limit", "mirror", "directory")
-        key = tuple(getattr(self, name) for name in names)
+        key = tuple(getattr(self, name) for name in (*names, "as_scene", "scene_name"))
         if self._plan is None or self._plan[0] != key:
+            scene = self._scene_name()
             try:
-                plan = planned(self._sources, self._spec(), self._folder())
+                plan = planned(self._sources, self._spec(), self._folder(), scene)
             except RadTexError as error:
-                plan = Plan.failed(self._sources, self.target, self._folder(), error.message)
+                plan = Plan.failed(self._sources, self.target, self._folder(), scene, error.message)
             self._plan = key, plan
         return self._plan[1]
 
@@ -185,7 +202,12 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         scene, layer = shown(context)
         try:
             spec = self._spec()
-            places = self._places(export_sources(scene, layer, self.object, self.bake), spec)
+            sources = export_sources(scene, layer, self.object, self.bake)
+            name = self._scene_name()
+            if name is not None:
+                self._export_scene(sources, spec, name)
+                return {"FINISHED"}
+            places = self._places(sources, spec)
             if self.at_once:
                 self._export(places, spec)
             else:
@@ -200,7 +222,8 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         from ...textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 
         names = {"format", "zstd", "arrangement", "levels", "limit", "mirror"}
-        used = applicable(self._sources, self.target, self.format) if self._sources else names
+        scene = self._scene_name() is not None
+        used = applicable(self._sources, self.target, self.format, scene) if self._sources else names
         return ExportSpec(
             target=Target(self.target),
             format=TextureFormat(self.format if "format" in used else "auto"),
@@ -211,6 +234,13 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
             mirror=self.mirror and "mirror" in used,
         )
 
+    def _scene_name(self) -> str | None:
+        """The name of the scene that all bakes are exported as; None if each has a folder of its own."""
+        if not self.as_scene or len(self._sources) == 1:  # the dialog does not show the choice for one bake
+            return None
+        assert bpy.context.scene is not None
+        return self.scene_name.strip() or bpy.context.scene.name
+
     def _folder(self) -> Path | None:
         """The folder that the user chose, if any."""
         return Path(bpy.path.abspath(self.directory)) if self.directory else None
@@ -220,12 +250,29 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         from ...core.errors import InputError
         from ...export.exporting import check_export
 
-        outs = folders_of(sources, spec.target, self._folder())
+        outs = folders_of(sources, spec.target, self._folder(), None)
         for source, out in zip(sources, outs, strict=True):
             check_export(source, spec, out, overwrite=self.overwrite)
         if self.directory and len(sources) > 1:
-            raise InputError("several bakes do not fit in one folder: leave the folder out")
+            raise InputError(
+                "several bakes do not fit in one folder: leave the folder out, or export them as one scene"
+            )
         return [place_for(source, out) for source, out in zip(sources, outs, strict=True)]
+
+    def _export_scene(self, sources: list[ExportSource], spec: ExportSpec, name: str) -> None:
+        """Export the bakes as one scene, here and now or as a job. Raises RadTexError."""
+        from ...bake.progress import finished
+        from ...export.exporting_scene import check_scene, export_scene_steps, scene_folder
+        from ..panel.labels import size
+
+        out = self._folder() or scene_folder(sources, name, spec.target)
+        check_scene(sources, spec, out, overwrite=self.overwrite)
+        sidecars = [source.sidecar.path for source in sources]
+        if not self.at_once:
+            submit_scene(sidecars, spec, name, out, overwrite=self.overwrite)
+            return
+        made = finished(export_scene_steps(sidecars, spec, name, out, overwrite=self.overwrite))
+        self.report({"INFO"}, f"Exported {made.name} to {made.folder}: {size(made.bytes)}")
 
     def _export(self, places: list[Place], spec: ExportSpec) -> None:
         """Export in this process and report each object. Raises RadTexError."""

@@ -12,7 +12,7 @@ from ..settings.object_settings import settings_for
 from .bake_lookup import originals, place_of, sharing
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     import bpy
 
@@ -68,6 +68,18 @@ def submit(
         for place in places
     ]
     jobs.add(orders, completion)
+
+
+def submit_scene(
+    sidecars: Sequence[Path], spec: ExportSpec, name: str, out: Path, *, overwrite: bool
+) -> None:
+    """Queue an export as one scene as a background job. Raises BakeError as `submit` does."""
+    from ...worker.handover import work_folder
+    from ...worker.orders import order_scene_export
+    from ..settings.preferences import preferred
+
+    folder = work_folder(preferred().cache)
+    jobs.add([order_scene_export(folder, sidecars, name, spec, out, overwrite=overwrite)], None)
 
 
 def _sources_of(scene: bpy.types.Scene, called: str, bake: str) -> list[ExportSource]:
