@@ -13,9 +13,11 @@ import pytest
 
 from radtex_addon.bake.progress import finished
 from radtex_addon.export.exporting import export_steps
+from radtex_addon.export.exporting_scene import export_scene_steps
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.blender.every_kind import EXPORTS, bake_every_kind
+from tests.blender.furnished_room import bake_room
 from tests.gltf_schema import EXTENSION_FOLDER
 from tests.real.exhibit import Bake, Exhibit, Form
 from tests.real.web import build_page, node
@@ -26,8 +28,8 @@ validator.validateBytes(new Uint8Array(fs.readFileSync(process.argv[1])), { maxI
   .then((report) => process.stdout.write(JSON.stringify(report)));
 """
 # What it tells as information, as docs/gltf/RADTEX_radiance_texture/README.md lists it: it does not know our
-# extension, nor what we need tangents for, and textures may have any size by now.
-KNOWN = {"UNSUPPORTED_EXTENSION", "UNUSED_MESH_TANGENT", "IMAGE_NPOT_DIMENSIONS"}
+# extension, nor what we need tangents and levels of detail for, and textures may have any size by now.
+KNOWN = {"UNSUPPORTED_EXTENSION", "UNUSED_MESH_TANGENT", "UNUSED_OBJECT", "IMAGE_NPOT_DIMENSIONS"}
 README = EXTENSION_FOLDER / "README.md"
 
 
@@ -65,12 +67,14 @@ def test_the_validator_finds_no_error(form: Form, exhibit: Exhibit, tmp_path: Pa
     assert facts["resources"][1]["image"]["transfer"] == "srgb"
 
 
-def test_every_kind_has_no_error_and_no_warning(tmp_path: Path) -> None:
+def test_every_kind_and_a_scene_have_no_error_and_no_warning(tmp_path: Path) -> None:
     sidecars = bake_every_kind(tmp_path / "bakes")
     told = codes(validated(EXTENSION_FOLDER / "example" / "Ball.glb"))
     for name, (kind, spec) in EXPORTS.items():
         made = finished(export_steps(sidecars[kind], spec, tmp_path / name))
         told |= codes(validated(made.folder / f"{made.name}.glb"))
+    steps = export_scene_steps(bake_room(tmp_path / "room"), ExportSpec(Target.GLTF), "Room")
+    told |= codes(validated(finished(steps).folder / "Room.glb"))
     print(sorted(told))
     assert told == KNOWN
     listed = set(re.findall(r"^\| `([A-Z_]+)` \|", README.read_text(encoding="utf-8"), re.MULTILINE))
