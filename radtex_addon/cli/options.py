@@ -59,8 +59,8 @@ class Parser(argparse.ArgumentParser):
             if place == "" or (isinstance(place, list) and "" in place):
                 raise InputError(f"{'/'.join(action.option_strings) or action.metavar} is empty: give a name")
             if place is not None:
-                several = isinstance(place, list)
-                setattr(found, action.dest, [*map(one_root, place)] if several else one_root(place))
+                paths = [one_root(each) for each in place] if isinstance(place, list) else one_root(place)
+                setattr(found, action.dest, paths)
         return found
 
     def _print_message(self, message: str, file: Any = None) -> None:

@@ -29,7 +29,7 @@ def check_page() -> None:
 
 
 def write_web(pack: Pack | ScenePack, folder: Path) -> None:
-    """Add the page (see `check_page`) to a pack's folder, with the names of manifest and mesh in its index.html."""
+    """Add the page (see `check_page`) to a pack's folder; its index.html names the manifest and the mesh."""
     for name in FILES:
         shutil.copyfile(BUILT / name, folder / name)
     page = folder / "index.html"

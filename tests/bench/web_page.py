@@ -4,10 +4,10 @@
 
     python -m tests.bench.web_page FOLDER … [--megabits 9] [--latency 40] [--repeats 3]
 
-Each FOLDER is a web export, also of an earlier RadTex: its page is opened in Chromium with an empty cache, over a
-line of so many megabits a second with so many milliseconds to the server. The first picture is when the object is
-drawn at all, the whole when all its textures are. A page that marks no first picture has only the whole. Chromium
-draws without a GPU here: what it takes for that is in the times, and the same for all.
+Each FOLDER is a web export, also of an earlier RadTex: its page is opened in Chromium with an empty cache,
+over a line of so many megabits a second, so many milliseconds from the server. The first picture is when the
+object is drawn at all, the whole when all its textures are. A page that marks no first picture has only the
+whole. Chromium draws without a GPU here: what it takes for that is in the times, and the same for all.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _PATIENCE = 600_000  # milliseconds
 
 
 def visit(browser: Browser, address: str, megabits: float, latency: float) -> dict[str, Any]:
-    """Open the page once, with an empty cache. Returns bytes, seconds, megabytes of the heap, ms of a frame."""
+    """Open the page once, with an empty cache. Returns bytes, seconds, and ms of a frame."""
     tab = browser.new_context(viewport={"width": 1000, "height": 700})
     try:
         page = tab.new_page()
@@ -73,7 +73,9 @@ def visit(browser: Browser, address: str, megabits: float, latency: float) -> di
 
 def main() -> None:
     """Print a line for each folder."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("folders", nargs="+", type=Path)
     parser.add_argument("--megabits", type=float, default=9)
     parser.add_argument("--latency", type=float, default=40)
@@ -97,7 +99,7 @@ def told(folder: Path, visits: list[dict[str, Any]]) -> str:
     """One line: medians of all visits."""
 
     def median(key: str) -> float:
-        return statistics.median(each[key] for each in visits)
+        return float(statistics.median(each[key] for each in visits))
 
     first = "-" if visits[0]["first"] is None else f"{median('first'):.1f} s"
     size = median("bytes") / 1e6

@@ -8,7 +8,21 @@ import subprocess
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-SAYING = {".css", ".glsl", ".gdshader", ".gdshaderinc", ".hlsl", ".html", ".md", ".mjs", ".js", ".osl", ".py", ".ts", ".wgsl"}
+SAYING = {
+    ".css",
+    ".glsl",
+    ".gdshader",
+    ".gdshaderinc",
+    ".hlsl",
+    ".html",
+    ".md",
+    ".mjs",
+    ".js",
+    ".osl",
+    ".py",
+    ".ts",
+    ".wgsl",
+}
 LINE = "SPDX-License-Identifier: "
 
 

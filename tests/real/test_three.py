@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The npm package radtex-three: packed, installed, and used by the page of docs/three.md in a real Chromium."""
+"""The npm package radtex-three: packed, installed, and used by the page of docs/three.md in Chromium."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.report.metrics import Picture
 from tests.real.browser import Shown, decoded
 from tests.real.exhibit import CAMERAS, Camera, Exhibit, decibels
 from tests.real.root import REPOSITORY
@@ -45,7 +46,7 @@ class App:
         self.shown.page.evaluate("async () => { await window.app }")
         return self
 
-    def light(self, check: str, camera: Camera, *further: Any, wide: int = 1) -> Floats:
+    def light(self, check: str, camera: Camera, *further: Any, wide: int = 1) -> Picture:
         """A picture's linear light (H, W, 3), rows from the top."""
         made = self.shown.page.evaluate(
             "([check, view, further]) => checks[check](view, ...further)",
@@ -73,7 +74,15 @@ def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "package.json").write_text('{"private": true, "type": "module"}')
     tarball = folder / Path(facts["filename"]).name
     installing = ("--no-audit", "--no-fund", "--ignore-scripts", "--no-package-lock")
-    node(*npm, "install", f"--prefix={folder}", *installing, str(tarball), f"three@{version}", f"@types/three@{version}")
+    node(
+        *npm,
+        "install",
+        f"--prefix={folder}",
+        *installing,
+        str(tarball),
+        f"three@{version}",
+        f"@types/three@{version}",
+    )
     guide = GUIDE.read_text(encoding="utf-8")
     (folder / "app.js").write_text(blocks_of(guide, "js")[0])
     shutil.copyfile(INSIDE / "three_checks.js", folder / "three_checks.js")
@@ -99,7 +108,9 @@ def opened(
     folder = web.add(form, getattr(exhibit, form))
     (manifest,) = folder.glob("*.export.json")
     shutil.copyfile(script, folder / script.name)
-    (folder / "app.html").write_text(f'<!doctype html><body></body><script type="module" src="{script.name}"></script>')
+    (folder / "app.html").write_text(
+        f'<!doctype html><body></body><script type="module" src="{script.name}"></script>'
+    )
     with web.opened(f"{form}/app.html?bake={manifest.name}", before=before, **context) as shown:
         yield App(shown).ready()
 
@@ -150,12 +161,9 @@ def test_three_js_moves_it_instances_it_and_gives_each_eye_its_own_light(
         both = app.light("eyes", FRONT, Shown.view(other), wide=2)
         left, right = both[:, : FRONT.pixels], both[:, FRONT.pixels :]
         second = app.light("one", other)
-        found = (
-            decibels(left, one, mask),
-            decibels(right, second, getattr(exhibit, form).eroded(other)),
-        )
-        print(f"{form}, eyes: {found[0]:.1f} and {found[1]:.1f} dB")
-        assert min(found) >= SAME
+        each = decibels(left, one, mask), decibels(right, second, getattr(exhibit, form).eroded(other))
+        print(f"{form}, eyes: {each[0]:.1f} and {each[1]:.1f} dB")
+        assert min(each) >= SAME
 
 
 def test_an_orthographic_camera_sees_what_a_far_one_does(web: Site, exhibit: Exhibit, bundled: Path) -> None:
@@ -163,7 +171,9 @@ def test_an_orthographic_camera_sees_what_a_far_one_does(web: Site, exhibit: Exh
     place = (0.6 * away, -0.8 * away, 0.0)
     far = Camera("far", place, target=(0.0, 0.0, 0.0), fovy=2 * float(np.degrees(np.arctan(side / away))))
     with opened(web, exhibit, "plain", bundled) as app:
-        found = decibels(app.light("orthographic", far, side), app.light("one", far), exhibit.plain.eroded(far))
+        found = decibels(
+            app.light("orthographic", far, side), app.light("one", far), exhibit.plain.eroded(far)
+        )
     print(f"orthographic: {found:.1f} dB")
     assert found >= 30
 
@@ -219,11 +229,11 @@ def test_lamps_add_their_light(web: Site, exhibit: Exhibit, bundled: Path, form:
 def test_types_are_found_by_typescript(packed: Path) -> None:
     (packed / "typed.ts").write_text(
         'import { loadRadTex, type RadTexObject, RadTexMirror } from "radtex-three";\n'
-        'const { object, complete } = await loadRadTex("a.export.json", { lamps: { key: "b.export.json" } });\n'
+        'const { object, complete } = await loadRadTex("a.json", { lamps: { key: "b.json" } });\n'
         "await complete;\n"
         'const ours: RadTexObject = object; ours.lamps.get("key")?.set("#ffcc88");\n'
         "ours.add(new RadTexMirror(ours, ours.filter));\n"
-        'ours.setSun({ azimuth: 30 }); const bytes: number = ours.memory.gpu; console.log(bytes);\n'
+        "ours.setSun({ azimuth: 30 }); const bytes: number = ours.memory.gpu; console.log(bytes);\n"
     )
     for resolution in ("bundler", "nodenext"):
         module = "esnext" if resolution == "bundler" else "nodenext"

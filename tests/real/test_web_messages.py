@@ -127,7 +127,11 @@ def test_the_flat_lightmap_is_seen_before_the_textures_come(web: Site, copied: P
         whole = shown.screen()
     with web.opened("spoilt/index.html?bake=none.export.json") as shown:
         held: list[Route] = []
-        shown.page.route("**/*.ktx2", lambda route: held.append(route))
+
+        def hold(route: Route) -> None:
+            held.append(route)
+
+        shown.page.route("**/*.ktx2", hold)
         shown.page.goto(f"{web.address}/spoilt/")
         shown.page.locator("body.refining").wait_for()
         first = shown.screen()
@@ -145,7 +149,7 @@ def test_a_lost_graphics_device_comes_back(web: Site, copied: Path) -> None:
         before = shown.wait().pixels()
         shown.page.evaluate("""async () => {
             const canvas = document.getElementById("view");
-            const lost = new Promise((done) => canvas.addEventListener("webglcontextlost", done, { once: true }));
+            const lost = new Promise((done) => canvas.addEventListener("webglcontextlost", done));
             window.device = canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
             window.device.loseContext();
             await lost;
