@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A whole scene exported for the web: the page shows each of its objects by its own bake."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.ndimage import binary_dilation
+
+from radtex_addon.bake.progress import finished
+from radtex_addon.export.exporting_scene import export_scene_steps
+from radtex_addon.textures.export_spec import ExportSpec, Target
+from tests.blender.furnished_room import bake_room
+from tests.real.exhibit import CAMERAS, Bake, Exhibit, Form, decibels
+from tests.real.web import Site, save
+
+LEAST = 38.0  # dB
+
+
+@pytest.fixture(scope="module")
+def room(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """Bakes of a room; its last three are trees, which stand beside what the cameras see."""
+    return bake_room(tmp_path_factory.mktemp("room"))
+
+
+@pytest.mark.parametrize("form", Form)
+def test_an_object_in_a_scene_looks_as_the_reference(
+    form: Form, web: Site, exhibit: Exhibit, room: list[Path]
+) -> None:
+    bake: Bake = getattr(exhibit, form)
+    sidecars = [room[-3], bake.sidecar, *room[-2:]]
+    name = f"scene-{form}"
+    finished(export_scene_steps(sidecars, ExportSpec(Target.WEB), "Room", web.folder / name))
+    with web.opened(f"{name}/") as shown:
+        shown.wait()
+        assert "bakes" in shown.text("facts")
+        if form is Form.PLAIN:
+            shown.page.get_by_role("button", name="Quadrilinear").click()
+        for camera in CAMERAS:
+            shown.set_camera(camera)
+            light = shown.pixels()[..., :3].astype(np.float64)
+            found = decibels(light, bake.picture(camera), bake.eroded(camera))
+            print(f"{form}, {camera.name}: {found:.1f} dB")
+            assert found >= LEAST
+            beside = light[~binary_dilation(bake.inside(camera), iterations=2)]
+            assert (beside.max() > 0.1) == (camera.name == "left"), "behind the head are the trees"
+
+
+def test_a_room_of_all_layouts_is_one_page(web: Site, room: list[Path]) -> None:
+    """Bakes that share an atlas load it once; the inspector tells of the object that was clicked."""
+    folder = web.folder / "room"
+    finished(export_scene_steps(room, ExportSpec(Target.WEB), "Room", folder))
+    asked: list[str] = []
+    with web.opened("room/") as shown:
+        shown.wait()
+        shown.page.on("request", lambda request: asked.append(request.url))
+        shown.page.reload()
+        shown.wait()
+        textures = [address for address in asked if address.endswith(".ktx2")]
+        assert len(textures) == len(set(textures))
+        parts = json.loads(next(folder.glob("*.export.json")).read_text())["scene"]
+        files = {entry["file"] for part in parts for entry in part["textures"].values()}
+        assert {Path(address).name for address in textures} == files
+        seen = set()
+        for x in range(60, 760, 25):
+            found = shown.page.evaluate("x => radtex.inspect(x, 380)", x)
+            if found:
+                seen.add(found["side"])
+        assert len(seen) > 1, "buckets, and the layered gem"
+        shown.page.keyboard.press("Escape")
+        save(shown, "room")
