@@ -5,11 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Iterable
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from time import monotonic
 
 from ..bake.spec import Kind
-from ..core.errors import InputError
+from ..core.errors import Cancelled, InputError, RadTexError
 from ..export.exporting import Exported, export_steps
 from ..export.exporting_scene import export_scene_steps
 from ..formats.disk.memory import readable_size
@@ -17,11 +19,29 @@ from ..formats.sidecar_file import SidecarFile
 from ..report.finished_bake import find_bakes, find_bakes_of_all, object_of
 from ..textures.export_progress import Step
 from ..textures.export_spec import ExportSpec, Target
+from ..worker.orders import EXPORTING
 from .export_arguments import ExportRequest
 from .interruption import Interruption
+from .options import ProgressStyle
 from .reporting import Report
+from .wording import told
 
 _DONE = "exported"
+
+
+@dataclass(frozen=True)
+class OrderedExports:
+    """Exports that the panel has ordered: of each bake the sidecar, and the folder to make.
+
+    `scene` is the name if all are one scene, whose folder each of them names.
+    """
+
+    bakes: tuple[tuple[Path, Path], ...]
+    spec: ExportSpec
+    overwrite: bool
+    progress: ProgressStyle
+    verbose: bool
+    scene: str | None = None
 
 
 def run_export(request: ExportRequest, report: Report, interruption: Interruption) -> None:
@@ -44,6 +64,53 @@ def run_export(request: ExportRequest, report: Report, interruption: Interruptio
     for sidecar in sidecars:
         steps = export_steps(sidecar, request.spec, request.out, overwrite=request.overwrite)
         _export(object_of(sidecar), steps, report, interruption)
+
+
+def run_exports(request: OrderedExports, report: Report, interruption: Interruption) -> None:
+    """Export the bakes that were ordered. Of several, those that fail are warned of, and the others made.
+
+    Raises RadTexError if none is made.
+    """
+    interruption.ask_when_input_ends()
+    if request.scene is not None:
+        (out,) = {out for _, out in request.bakes}
+        sidecars = [path for path, _ in request.bakes]
+        scene = export_scene_steps(sidecars, request.spec, request.scene, out, overwrite=request.overwrite)
+        _export(request.scene, scene, report, interruption)
+    elif len(request.bakes) == 1:
+        ((path, out),) = request.bakes
+        (sidecar,) = find_bakes(path, None, _DONE, tuple(Kind))
+        steps = export_steps(sidecar, request.spec, out, overwrite=request.overwrite)
+        _export(object_of(sidecar), steps, report, interruption)
+    else:
+        _export_each(request, report, interruption)
+
+
+def _export_each(request: OrderedExports, report: Report, interruption: Interruption) -> None:
+    """Export several bakes, each into a folder of its own. Raises RadTexError if none is made."""
+    made, errors, size, since = list[Path](), list[RadTexError](), 0, monotonic()
+    for number, (path, out) in enumerate(request.bakes):
+        total = len(request.bakes)
+        left = (monotonic() - since) / number * (total - number) if number else None
+        report.event(
+            "progress", object=path.stem, stage=EXPORTING, done=number, total=total, seconds_left=left
+        )
+        try:
+            steps = export_steps(path, request.spec, out, overwrite=request.overwrite)
+            done = interruption.between(steps, lambda _: None)
+        except Cancelled:
+            raise
+        except RadTexError as error:
+            errors.append(error)
+            report.event("warning", **told(error.message))
+            continue
+        made.append(done.folder)
+        size += done.bytes
+    if not made:
+        raise errors[0]
+    summary = f"{len(made)} bakes for {request.spec.target}: {readable_size(size)}"
+    folders = [str(folder) for folder in made]
+    report.event("done", object="", summary=summary, files=folders, target=request.spec.target, bytes=size)
 
 
 def _sidecars(request: ExportRequest) -> list[SidecarFile]:

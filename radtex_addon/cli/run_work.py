@@ -22,16 +22,15 @@ from ..textures.export_spec import Arrangement, ExportSpec, Target, TextureForma
 from ..worker.order import Work
 from .arguments import Request
 from .compare_arguments import CompareRequest
-from .export_arguments import ExportRequest
 from .interruption import Interruption
 from .options import ProgressStyle
 from .reporting import Report
 from .run_bake import run_bake
 from .run_compare import run_compare
 from .run_estimate import EstimateRequest, run_estimate
-from .run_export import run_export
+from .run_export import OrderedExports, run_exports
 
-_Ordered: TypeAlias = Request | ExportRequest | CompareRequest | EstimateRequest
+_Ordered: TypeAlias = Request | OrderedExports | CompareRequest | EstimateRequest
 
 
 @dataclass(frozen=True)
@@ -58,8 +57,8 @@ def run_work(request: WorkRequest, report: Report, interruption: Interruption) -
         run_bake(ordered, report, interruption)
     elif isinstance(ordered, EstimateRequest):
         run_estimate(ordered, report, interruption)
-    elif isinstance(ordered, ExportRequest):
-        run_export(ordered, report, interruption)
+    elif isinstance(ordered, OrderedExports):
+        run_exports(ordered, report, interruption)
     else:
         run_compare(ordered, report, interruption)
 
@@ -102,11 +101,11 @@ def _bake(facts: Facts, request: WorkRequest) -> Request:
     )
 
 
-def _export(facts: Facts, request: WorkRequest) -> ExportRequest:
+def _export(facts: Facts, request: WorkRequest) -> OrderedExports:
     asked = facts.inner("spec")
-    return ExportRequest(
-        bakes=tuple(map(Path, facts.texts("sidecars"))),
-        object=None,
+    sidecars, folders = (map(Path, facts.texts(key)) for key in ("sidecars", "folders"))
+    return OrderedExports(
+        bakes=tuple(zip(sidecars, folders, strict=True)),
         spec=ExportSpec(
             target=Target(asked.choice("target", tuple(Target))),
             format=TextureFormat(asked.choice("format", tuple(TextureFormat))),
@@ -119,12 +118,10 @@ def _export(facts: Facts, request: WorkRequest) -> ExportRequest:
             mirror="mirror" in asked.values and asked.truth("mirror"),
             sky=None if _absent(asked, "sky") else _colour(asked, "sky"),
         ),
-        out=Path(facts.text("folder")),
         overwrite=facts.truth("overwrite"),
         progress=request.progress,
         verbose=request.verbose,
         scene=None if _absent(facts, "scene") else facts.text("scene"),
-        parent_pipe=True,
     )
 
 

@@ -39,6 +39,7 @@ _BAKE = {
     Stage.PREVIEW: 2,
 }
 MEASURING = "measure"  # the stage of an estimate, in objects
+EXPORTING = "export"  # the stage of an export of several bakes, in bakes
 _EXPORT = {ExportTask.TEXTURES: 6, ExportTask.FLAT: 2, ExportTask.MESH: 1, ExportTask.PACK: 1}
 _COMPARISON = {Task.REFERENCE: 20, Task.COMPARE: 1}
 
@@ -91,42 +92,44 @@ def kind_of(spec: BakeSpec) -> str:
 
 
 def order_export(
-    folder: Path, sidecar: Path, name: str, spec: ExportSpec, out: Path, *, overwrite: bool = False
+    folder: Path, bakes: Sequence[tuple[str, Path, Path]], spec: ExportSpec, *, overwrite: bool = False
 ) -> Order:
-    """An export of the bake of `name` with this sidecar to the folder `out`; `folder` is the worker's own."""
-    return _export(folder, [sidecar], name, spec, out, overwrite, scene=None)
+    """An export of bakes: of each the object's name, the sidecar and the folder to make, all in one folder.
+
+    `folder` is the worker's own.
+    """
+    return _export(folder, bakes, spec, overwrite, scene=None)
 
 
 def order_scene_export(
     folder: Path, sidecars: Sequence[Path], name: str, spec: ExportSpec, out: Path, *, overwrite: bool = False
 ) -> Order:
     """An export of the bakes with these sidecars as the scene `name`; the rest is as of `order_export`."""
-    return _export(folder, sidecars, name, spec, out, overwrite, scene=name)
+    return _export(folder, [(name, sidecar, out) for sidecar in sidecars], spec, overwrite, scene=name)
 
 
 def _export(
     folder: Path,
-    sidecars: Sequence[Path],
-    name: str,
+    bakes: Sequence[tuple[str, Path, Path]],
     spec: ExportSpec,
-    out: Path,
     overwrite: bool,
     scene: str | None,
 ) -> Order:
+    names, sidecars, outs = zip(*bakes, strict=True)
     return Order(
         work=Work.EXPORT,
-        object=name,
+        object=", ".join(dict.fromkeys(names)),
         about=spec.target,
         folder=folder,
-        out=out.parent,
+        out=outs[0].parent,
         facts={
             "sidecars": [str(sidecar.absolute()) for sidecar in sidecars],
             "scene": scene,
             "spec": {field.name: as_json(getattr(spec, field.name)) for field in fields(ExportSpec)},
-            "folder": str(out.absolute()),
+            "folders": [str(out.absolute()) for out in outs],
             "overwrite": overwrite,
         },
-        stages=parts(_EXPORT),
+        stages=parts(_EXPORT) if len(set(outs)) == 1 else {EXPORTING: 1.0},
         remedy="export again",
     )
 
@@ -146,7 +149,7 @@ def order_comparison(
     view, window = eye.rows
     return Order(
         work=Work.COMPARISON,
-        object=", ".join(names),
+        object=", ".join(dict.fromkeys(names)),
         folder=handover.folder,
         out=out,
         blend=handover.blend,

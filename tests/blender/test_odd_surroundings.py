@@ -206,7 +206,7 @@ def test_a_clock_that_jumps_takes_no_waiting_job_its_folder(
     queue = queue_module.Queue(Program(sys.executable, is_blender=False))
     spec = ExportSpec(Target.RAW)
     for folder in folders:
-        queue.add(order_export(folder, tmp_path / "none.json", "x", spec, tmp_path / "out", overwrite=False))
+        queue.add(order_export(folder, [("x", tmp_path / "none.json", tmp_path / "out")], spec))
     try:
         long_ago = time.time() - 3 * 86400
         os.utime(folders[1], (long_ago, long_ago))

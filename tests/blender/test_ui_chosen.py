@@ -7,12 +7,17 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from time import sleep
 from typing import Any
 
 import bpy
 import pytest
 
+from radtex_addon.textures.export_spec import ExportSpec, Target
+from radtex_addon.ui.jobs import jobs
+from radtex_addon.ui.operators.export_sources import export_sources, place_for, submit
 from radtex_addon.ui.panel import panel_state
+from radtex_addon.ui.panel.jobs_panel import title
 from radtex_addon.ui.panel.main_panel import what_is_there
 from radtex_addon.ui.panel.panel_state import Forecast, Next
 from radtex_addon.ui.settings.chosen_objects import chosen_by, chosen_names
@@ -231,8 +236,9 @@ def test_a_bake_that_is_shown_is_baked_again_by_one_press(out: Path) -> None:
     assert not bpy.data.objects["Card"].hide_render
 
 
-def test_thirty_objects_are_baked_and_only_the_one_that_changed_again(out: Path) -> None:
+def test_thirty_objects_are_baked_the_one_that_changed_again_and_all_exported(out: Path) -> None:
     """A collection's, without another setting; its neighbours count only if they are asked for."""
+    settings().preview = True
     kitchen = bpy.data.collections.new("Kitchen")
     context.scene.collection.children.link(kitchen)
     for number in range(30):
@@ -251,6 +257,37 @@ def test_thirty_objects_are_baked_and_only_the_one_that_changed_again(out: Path)
     assert ops.radtex.bake(only="affected") == {"FINISHED"}
     again = written(out)
     assert [name for name, time in again.items() if time == after[name]] == ["Tile 07"]
+    assert ops.radtex.export() == {"FINISHED"}
+    made = {folder.name for folder in out.iterdir() if folder.is_dir()}
+    assert made == {f"Tile {number:02}.gltf" for number in range(30)}
+    assert all((out / name / f"{name.removesuffix('.gltf')}.glb").is_file() for name in made)
+
+
+def test_several_bakes_are_exported_by_one_job_into_the_chosen_folder(out: Path, tmp_path: Path) -> None:
+    settings().preview = True
+    for name in ("Cup", "Jug", "Plate"):
+        plane(name).select_set(True)
+        assert ops.radtex.bake(object=name) == {"FINISHED"}
+        bpy.data.objects[name].select_set(True)
+    bpy.ops.object.select_all(action="SELECT")
+    (tmp_path / "game").mkdir()
+    assert ops.radtex.export(target="raw", into=str(tmp_path / "game")) == {"FINISHED"}
+    assert {path.name for path in (tmp_path / "game").iterdir()} == {"Cup.raw", "Jug.raw", "Plate.raw"}
+
+    sources = export_sources(context.scene, context.view_layer, "", "")
+    (out / "Jug.preview.blend").write_bytes(b"damaged")
+    places = [place_for(source, out / f"{source.name}.raw") for source in sources]
+    submit(places, ExportSpec(Target.RAW), overwrite=False)
+    (job,) = jobs.snapshot()
+    assert title(job) == "3 bakes for Raw"
+    while jobs.advance():
+        sleep(0.05)
+    (job,) = jobs.snapshot()
+    assert job.state == "done", job.message
+    assert [folder.name for folder in job.files] == ["Cup.raw", "Plate.raw"]
+    (warning,) = job.warnings
+    assert "Jug.preview.blend is no .blend" in str(warning)
+    assert not (out / "Jug.raw").exists()
 
 
 def written(folder: Path) -> dict[str, int]:

@@ -24,6 +24,7 @@ from radtex_addon.ui import registration
 from radtex_addon.ui.panel import draw_messages as messages_module
 from radtex_addon.ui.panel import labels
 from radtex_addon.ui.panel.labels import remark
+from radtex_addon.worker.orders import EXPORTING
 from tests.blender.ui_stage import context, properties_of, registered
 
 ANEW = do("begin anew", Setting.OVERWRITE, without=(Setting.RESUME,))
@@ -138,7 +139,8 @@ def test_messages_are_wrapped_to_the_sidebar(room: float) -> None:
 
 def test_every_stage_of_a_job_has_its_words() -> None:
     compared = {Task.REFERENCE, Task.COMPARE}
-    assert set(labels.STAGES) == {stage.value for stages in (Stage, ExportTask, compared) for stage in stages}
+    stages = {stage.value for stages in (Stage, ExportTask, compared) for stage in stages}
+    assert set(labels.STAGES) == {*stages, EXPORTING}
     assert labels.stage(None) == "Starting"
     assert labels.stage("capture") == "Tracing paths"
 

@@ -28,7 +28,13 @@ from radtex_addon.textures.export_progress import Task as ExportTask
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from radtex_addon.worker.job import Job, State
 from radtex_addon.worker.order import Handover, Order, Program, Work, command_line, write_order
-from radtex_addon.worker.orders import order_bake, order_comparison, order_export, order_scene_export
+from radtex_addon.worker.orders import (
+    EXPORTING,
+    order_bake,
+    order_comparison,
+    order_export,
+    order_scene_export,
+)
 
 FOLDER = Path("/some where/größer")
 ORDER = FOLDER / "order.json"
@@ -174,15 +180,16 @@ def test_with_the_bpy_module_the_worker_opens_the_file(tmp_path: Path) -> None:
 def test_an_export_arrives_as_it_was_ordered(tmp_path: Path) -> None:
     line: list[str] = []
     chosen = ExportSpec(Target.RAW, TextureFormat.EXR, False, Arrangement.SLICES, 3, 512)
-    for spec, overwrite in ((chosen, True), (ExportSpec(Target.WEB), False)):
-        asked = order_export(FOLDER, FOLDER / "-Vase.json", "Vase", spec, FOLDER / "out", overwrite=overwrite)
+    vase = ("Vase", FOLDER / "-Vase.json", FOLDER / "out")
+    cup = ("Cup", FOLDER / "Cup.json", FOLDER / "Cup.raw")
+    for spec, bakes, overwrite in ((chosen, [vase], True), (ExportSpec(Target.WEB), [vase, cup], False)):
+        asked = order_export(FOLDER, bakes, spec, overwrite=overwrite)
         line = command_line(Program("/opt/blender", is_blender=True), asked, ORDER)
         request = understood(asked, tmp_path, inside_blender=True)
-        assert (request.bakes, request.spec) == ((FOLDER / "-Vase.json",), spec)
-        assert request.scene is None
+        assert request.bakes == tuple((sidecar, out) for _, sidecar, out in bakes)
+        assert (request.spec, request.scene) == (spec, None)
         assert isinstance(request.spec.format, TextureFormat)
-        assert (request.out, request.overwrite) == (FOLDER / "out", overwrite)
-        assert (request.progress, request.parent_pipe) == (ProgressStyle.JSON, True)
+        assert (request.overwrite, request.progress) == (overwrite, ProgressStyle.JSON)
     assert line[line.index("--python-exit-code") + 2] == "--python-expr", "no file is opened"
 
 
@@ -190,7 +197,8 @@ def test_an_export_of_a_scene_arrives_as_it_was_ordered(tmp_path: Path) -> None:
     sidecars = [FOLDER / "A.json", FOLDER / "B.json"]
     asked = order_scene_export(FOLDER, sidecars, "Room", ExportSpec(Target.WEB), FOLDER / "out")
     request = understood(asked, tmp_path)
-    assert (request.bakes, request.scene) == (tuple(sidecars), "Room")
+    assert request.bakes == tuple((sidecar, FOLDER / "out") for sidecar in sidecars)
+    assert request.scene == "Room"
     assert (asked.object, asked.about) == ("Room", "web")
 
 
@@ -214,7 +222,7 @@ def test_a_comparison_arrives_as_it_was_ordered(tmp_path: Path) -> None:
     ("asked", "words"),
     [
         (
-            order_export(FOLDER, FOLDER, "Vase", ExportSpec(Target.RAW), FOLDER),
+            order_export(FOLDER, [("Vase", FOLDER, FOLDER)], ExportSpec(Target.RAW)),
             "the export ended early (x): ",
         ),
         (order_bake(HANDOVER, "Vase", BakeSpec(), FOLDER), "the bake ended early (x): bake again, "),
@@ -269,7 +277,7 @@ def test_the_time_left_covers_what_comes_after_a_stage() -> None:
 
 
 def test_an_exports_bar_runs_over_its_own_stages() -> None:
-    known = Job(1, order_export(FOLDER, FOLDER, "Vase", ExportSpec(Target.RAW), FOLDER))
+    known = Job(1, order_export(FOLDER, [("Vase", FOLDER, FOLDER)], ExportSpec(Target.RAW)))
     fractions = []
     for task in ExportTask:
         known = known.hears({**progress(Stage.WRITE, 0, 1), "stage": str(task)})
@@ -279,6 +287,15 @@ def test_an_exports_bar_runs_over_its_own_stages() -> None:
     assert known.hears(progress(Stage.WRITE, 1, 1)).fraction == known.fraction, (
         "of a stage that is none of its"
     )
+
+
+def test_the_bar_of_several_exports_counts_bakes() -> None:
+    bakes = [(name, FOLDER / f"{name}.json", FOLDER / f"{name}.raw") for name in ("Vase", "Cup", "Jug")]
+    known = Job(1, order_export(FOLDER, bakes, ExportSpec(Target.RAW)))
+    for done in range(3):
+        event = {"event": "progress", "stage": EXPORTING, "done": done, "total": 3, "seconds_left": None}
+        known = known.hears(event)
+        assert known.fraction == pytest.approx(done / 3)
 
 
 def test_what_else_a_worker_says() -> None:

@@ -207,7 +207,7 @@ def test_a_comparison_and_an_export_are_worked_at_like_bakes(queue: Queue, jobs:
     folder = work_folder(jobs)
     for overwrite in (False, False):
         export = ExportSpec(Target.GLTF)
-        queue.add(order_export(folder, sidecar, NAME, export, out / "made", overwrite=overwrite))
+        queue.add(order_export(folder, [(NAME, sidecar, out / "made")], export, overwrite=overwrite))
     compared, exported, again = finish(queue)
     assert compared.state is State.DONE, compared.message
     assert compared.facts["psnr"] > 30
@@ -226,7 +226,7 @@ def test_an_export_that_is_killed_is_one_line_and_leaves_nothing(queue: Queue, j
     sidecar = bake_of(PLAIN, out)
     before = set(out.iterdir())
     folder = work_folder(jobs)
-    queue.add(order_export(folder, sidecar, NAME, ExportSpec(Target.RAW), out / "made"))
+    queue.add(order_export(folder, [(NAME, sidecar, out / "made")], ExportSpec(Target.RAW)))
     until(queue, lambda job: job.stage is not None)
     assert set(out.iterdir()) > before, "it is written beside its place"
     os.kill(running_pid(queue), signal.SIGKILL)

@@ -141,9 +141,10 @@ def _spec_like_before(source: ExportSource, out: Path) -> ExportSpec:
 
 def _is_being_exported(out: Path) -> bool:
     """Whether a job that has not ended writes this folder."""
-    return any(
-        not job.ended and job.order.facts.get("folder") == str(out.absolute()) for job in jobs.snapshot()
-    )
+    from ...worker.order import Work
+
+    exports = [job.order.facts for job in jobs.snapshot() if not job.ended and job.work is Work.EXPORT]
+    return any(str(out.absolute()) in facts["folders"] for facts in exports)
 
 
 def _checked_page(folder: Path) -> Path:

@@ -20,7 +20,7 @@ from ..settings.menu_items import KINDS
 if TYPE_CHECKING:
     from ...core.messages import Message
     from ...export.exporting import ExportSource
-    from ...textures.export_spec import ExportSpec, Target
+    from ...textures.export_spec import ExportSpec
 
 WIDTH = 440  # of the dialog, in pixels at UI scale 1
 _ROOM = WIDTH - 60.0  # for text: without margins and icon
@@ -52,42 +52,27 @@ class Plan:
     errors: tuple[Message, ...] = ()
     texture_bytes: float | None = None
 
-    @classmethod
-    def failed(
-        cls,
-        sources: Sequence[ExportSource],
-        target: str,
-        folder: Path | None,
-        scene: str | None,
-        error: Message,
-    ) -> Plan:
-        """The plan for settings that do not go together."""
-        from ...textures.export_spec import Target
-
-        return cls(tuple(sources), folders_of(sources, Target(target), folder, scene), errors=(error,))
-
 
 def planned(
-    sources: Sequence[ExportSource], spec: ExportSpec, folder: Path | None, scene: str | None
+    sources: Sequence[ExportSource], spec: ExportSpec, outs: tuple[Path, ...], scene: bool = False
 ) -> Plan:
-    """The plan for an export with valid settings; `folder` is the user's choice, if any.
+    """The plan for an export with valid settings into the folders `outs`, one for each bake.
 
-    `scene` is the name if the bakes are exported as one scene.
+    One folder if all are exported as one `scene`.
     """
     from ...export.earlier_export import is_export
     from ...export.exporting import check_export
     from ...export.exporting_scene import check_scene
     from ...export.texture_size import about_texture_bytes
 
-    outs = folders_of(sources, spec.target, folder, scene)
-    if scene is None:
+    if scene:
+        errors = _errors_of([partial(check_scene, sources, spec, outs[0], overwrite=True)])
+    else:
         checks = [
             partial(check_export, source, spec, out, overwrite=True)
             for source, out in zip(sources, outs, strict=True)
         ]
         errors = _errors_of(checks)
-    else:
-        errors = _errors_of([partial(check_scene, sources, spec, outs[0], overwrite=True)])
     return Plan(
         sources=tuple(sources),
         outs=outs,
@@ -108,20 +93,6 @@ def _errors_of(checks: Iterable[Callable[[], object]]) -> list[Message]:
         except RadTexError as error:
             errors.append(error.message)
     return errors
-
-
-def folders_of(
-    sources: Sequence[ExportSource], target: Target, folder: Path | None, scene: str | None
-) -> tuple[Path, ...]:
-    """The folder of each bake's export: `folder` if it is given, else one beside the bake.
-
-    One folder if all are exported as one `scene`, which is its name.
-    """
-    from ...export.exporting_scene import scene_folder
-
-    if scene is not None:
-        return (folder or scene_folder(sources, scene, target),)
-    return tuple(folder or source.folder(target) for source in sources)
 
 
 def applicable(
@@ -178,7 +149,8 @@ def told_folders(plan: Plan) -> list[str]:
         return [iface_("Makes the folder {} in {}").format(out.name, shortened(out.parent))]
     names = ", ".join(out.name for out in plan.outs[:_NAMED])
     more = ", …" if len(plan.outs) > _NAMED else ""
-    return [iface_("Makes {} folders beside the bakes: {}").format(len(plan.outs), names + more)]
+    homes = ", ".join(sorted({shortened(out.parent) for out in plan.outs}))
+    return [iface_("Makes {} folders in {}: {}").format(len(plan.outs), homes, names + more)]
 
 
 def told_existing(plan: Plan, overwrite: bool) -> str:
@@ -193,7 +165,7 @@ def told_existing(plan: Plan, overwrite: bool) -> str:
         return iface_("{}: will be replaced. Files that no export wrote stay").format(there)
     if all_of_them > 1:
         return iface_("{}: tick Overwrite to replace them").format(there)
-    return iface_("{}: tick Overwrite to replace it, or choose another Folder").format(there)
+    return iface_("{}: tick Overwrite to replace it, or choose another folder").format(there)
 
 
 def draw_dialog(layout: Any, settings: Any, plan: Plan) -> None:
@@ -210,8 +182,7 @@ def draw_dialog(layout: Any, settings: Any, plan: Plan) -> None:
         layout.prop(settings, "as_scene")
     if several and settings.as_scene:
         layout.prop(settings, "scene_name")
-    if not several or settings.as_scene:
-        layout.prop(settings, "directory")
+    layout.prop(settings, "into")
     for line in told_folders(plan):
         _draw_text(layout, line, "FILE_FOLDER")
     if existing := told_existing(plan, settings.overwrite):

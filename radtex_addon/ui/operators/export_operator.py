@@ -14,11 +14,13 @@ from ..panel.labels import iface_, remark
 from ..settings.menu_items import TARGETS
 from .bake_lookup import in_object_mode
 from .bake_operator import shown
-from .export_dialog import WIDTH, Plan, applicable, dialog_title, draw_dialog, folders_of, planned
+from .export_dialog import WIDTH, Plan, applicable, dialog_title, draw_dialog, planned
 from .export_sources import Place, export_sources, place_for, submit, submit_scene
 from .operator_mixins import MayWait, OfBake
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
     from ...export.exporting import ExportSource
@@ -58,6 +60,7 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         as_scene: bool
         scene_name: str
         directory: str
+        into: str
         overwrite: bool
         advanced: bool
 
@@ -113,8 +116,13 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         )
         directory: StringProperty(
             name="Folder",
-            description="The folder to make. Left empty, one beside the bake. Not for several objects, "
-            "unless they are one scene",
+            description="The folder to make, of a single bake or a scene. Left empty, one in Into",
+            subtype="DIR_PATH",
+            options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
+        )
+        into: StringProperty(
+            name="Into",
+            description="Where a folder is made for each bake. Left empty, beside the bake",
             subtype="DIR_PATH",
             options={"SKIP_SAVE", "PATH_SUPPORTS_BLEND_RELATIVE"},
         )
@@ -185,14 +193,14 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         """What OK would do; worked out anew after a change only."""
         from ...core.errors import RadTexError
 
-        names = ("target", "format", "zstd", "arrangement", "levels", "limit", "mirror", "directory")
+        names = ("target", "format", "zstd", "arrangement", "levels", "limit", "mirror", "directory", "into")
         key = tuple(getattr(self, name) for name in (*names, "as_scene", "scene_name"))
         if self._plan is None or self._plan[0] != key:
             scene = self._scene_name()
             try:
-                plan = planned(self._sources, self._spec(), self._folder(), scene)
+                plan = planned(self._sources, self._spec(), self._outs(self._sources), scene is not None)
             except RadTexError as error:
-                plan = Plan.failed(self._sources, self.target, self._folder(), scene, error.message)
+                plan = Plan(self._sources, self._outs(self._sources), errors=(error.message,))
             self._plan = key, plan
         return self._plan[1]
 
@@ -241,19 +249,30 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         assert bpy.context.scene is not None
         return self.scene_name.strip() or bpy.context.scene.name
 
-    def _folder(self) -> Path | None:
-        """The folder that the user chose, if any."""
-        return Path(bpy.path.abspath(self.directory)) if self.directory else None
+    def _outs(self, sources: Sequence[ExportSource]) -> tuple[Path, ...]:
+        """The folder of each bake's export, or of the scene: the one that was named, else one in `into`."""
+        from ...export.exporting_scene import scene_folder
+        from ...textures.export_spec import Target
+
+        target, scene = Target(self.target), self._scene_name()
+        if self.directory:
+            return (Path(bpy.path.abspath(self.directory)),) * (len(sources) if scene is None else 1)
+        if scene is None:
+            found = [source.folder(target) for source in sources]
+        else:
+            found = [scene_folder(sources, scene, target)]
+        into = Path(bpy.path.abspath(self.into)) if self.into else None
+        return tuple(out if into is None else into / out.name for out in found)
 
     def _places(self, sources: list[ExportSource], spec: ExportSpec) -> list[Place]:
         """Where each bake goes. Raises RadTexError if an export would fail immediately."""
         from ...core.errors import InputError
         from ...export.exporting import check_export
 
-        outs = folders_of(sources, spec.target, self._folder(), None)
+        outs = self._outs(sources)
         for source, out in zip(sources, outs, strict=True):
             check_export(source, spec, out, overwrite=self.overwrite)
-        if self.directory and len(sources) > 1:
+        if len(set(outs)) < len(outs):
             raise InputError(
                 "several bakes do not fit in one folder: leave the folder out, or export them as one scene"
             )
@@ -262,10 +281,10 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
     def _export_scene(self, sources: list[ExportSource], spec: ExportSpec, name: str) -> None:
         """Export the bakes as one scene, here and now or as a job. Raises RadTexError."""
         from ...bake.progress import finished
-        from ...export.exporting_scene import check_scene, export_scene_steps, scene_folder
+        from ...export.exporting_scene import check_scene, export_scene_steps
         from ..panel.labels import size
 
-        out = self._folder() or scene_folder(sources, name, spec.target)
+        (out,) = self._outs(sources)
         check_scene(sources, spec, out, overwrite=self.overwrite)
         sidecars = [source.sidecar.path for source in sources]
         if not self.at_once:

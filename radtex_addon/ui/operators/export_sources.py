@@ -57,16 +57,16 @@ def submit(
     overwrite: bool,
     completion: jobs.Completion | None = None,
 ) -> None:
-    """Queue the exports as background jobs. Raises BakeError if no work folder can be created."""
+    """Queue the exports, one job for all in a folder. Raises BakeError if no work folder can be created."""
     from ...worker.handover import work_folder
     from ...worker.orders import order_export
     from ..settings.preferences import preferred
 
+    by_folder: dict[Path, list[Place]] = {}
+    for place in places:
+        by_folder.setdefault(place.out.absolute().parent, []).append(place)
     folder = work_folder(preferred().cache)
-    orders = [
-        order_export(folder, place.sidecar, place.name, spec, place.out, overwrite=overwrite)
-        for place in places
-    ]
+    orders = [order_export(folder, group, spec, overwrite=overwrite) for group in by_folder.values()]
     jobs.add(orders, completion)
 
 

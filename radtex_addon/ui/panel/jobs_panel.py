@@ -28,6 +28,7 @@ _ICONS = {
 }
 _RUNNING = {"bake": "RENDER_STILL", "comparison": "IMAGE_REFERENCE", "export": "EXPORT"}
 _TITLES = {"bake": "{}", "comparison": "{}, compared", "export": "{} for {}"}
+_PAGES = 4  # most of an export's web pages that get a button each
 _TARGETS = {identifier: name for identifier, name, _ in TARGETS}
 _KINDS = {identifier: name for identifier, name, _ in KINDS}
 
@@ -58,6 +59,8 @@ def title(job: Job) -> str:
     about = job.order.about
     kind = iface_(_KINDS[about]) if about in _KINDS else ""
     name = ", ".join(filter(None, (job.object, job.order.part, kind, job.order.variant)))
+    if (count := len(job.order.facts.get("folders", ()))) > 1:
+        name = iface_("{} bakes").format(count)
     return iface_(_TITLES[job.work]).format(name, _TARGETS.get(about, ""))
 
 
@@ -108,6 +111,8 @@ def results(job: Job, others: Iterable[Job]) -> list[str]:
     told = [] if job.took is None else [duration(job.took)]
     if job.work == "bake" and sizes:
         told.append(iface_("{} in {} files").format(size(sum(sizes)), len(sizes)))
+    if job.work == "export" and "bytes" in job.facts:
+        told.append(size(job.facts["bytes"]))
     compared = _comparison_of(job, others)
     if compared is not None:
         told.append(iface_("{:.1f} dB").format(compared.facts["psnr"]))
@@ -187,12 +192,15 @@ def _offer_comparison(column: Any, job: Job) -> None:
 
 
 def _offer_export(column: Any, job: Job) -> None:
-    """Draw a button for each exported folder."""
-    for folder in job.files:
-        row = column.row(align=True)
-        if job.order.about == "web":
-            row.operator("radtex.show_in_browser", icon="URL").directory = str(folder)
-        row.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(folder)
+    """Draw buttons that open the exported folder, or the one that several are in, and pages."""
+    several = len(job.files) > 1
+    pages = job.files if job.order.about == "web" else ()
+    for folder in pages[:_PAGES]:
+        text = folder.stem if several else iface_("Show in Browser")
+        page = column.operator("radtex.show_in_browser", text=text, icon="URL", translate=False)
+        page.directory = str(folder)
+    opened = job.out if several else job.files[0]
+    column.operator("radtex.open_folder", icon="FILE_FOLDER").directory = str(opened)
 
 
 _OFFERS = {"bake": _offer_bake, "comparison": _offer_comparison, "export": _offer_export}

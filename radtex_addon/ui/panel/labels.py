@@ -72,6 +72,7 @@ STAGES = {  # labels of the stages of bakes, exports and comparisons
     "pack": "Packing it up",
     "reference": "Tracing paths",
     "compare": "Comparing",
+    "export": "Exporting",
 }
 _LEFT_OUT = {Setting.UV: "empty", Setting.FROM: "empty", Setting.RESUME: "off"}  # others: "as it was"
 
