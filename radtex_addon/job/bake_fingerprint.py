@@ -10,7 +10,7 @@ from ..bake.spec import BakeSpec
 from ..core.errors import FormatError
 from ..formats.fingerprint import Fingerprint, fingerprint_in
 from ..formats.sidecar_file import read_facts
-from ..preview.swap import is_on, originals_rendered
+from ..preview.swap import previews_not_rendered
 from ..scene.fingerprints import SceneDigests, read_scene
 from ..scene.scratch import find_view_layer, scratch_scene
 from .output_files import OutputFiles
@@ -30,7 +30,7 @@ def read_now(scene: bpy.types.Scene, frame: int | None = None, view_layer: str |
 
 def read_originals(scratch: bpy.types.Scene) -> SceneDigests:
     """Digests of what a scratch scene shows with the objects in the place of bakes that are shown."""
-    with originals_rendered([item for item in scratch.objects if is_on(item)]):
+    with previews_not_rendered(scratch):
         return read_scene(scratch)
 
 

@@ -37,6 +37,7 @@ from ..forms.outcome import Outcome
 from ..prepare.map_checks import wasteful_map
 from ..prepare.prepared import Prepared, prepare
 from ..prepare.unwrapping import COUNTED, Unwraps
+from ..preview.swap import previews_not_rendered
 from ..scene.at_frame import at_frame
 from ..scene.camera_place import find_camera_place
 from ..scene.lights.lamps import light_only
@@ -305,7 +306,8 @@ def bake_unchecked(
 ) -> Generator[Progress, None, Baked]:
     """Bake as `bake_steps` does, but without checks, preview and exports; the caller removes the baked mesh.
 
-    A `baker` replaces that of the specification's form, to make something else of the prepared objects. It
+    Where a bake of another object is shown in its place, the object is rendered, not its stored light. A
+    `baker` replaces that of the specification's form, to make something else of the prepared objects. It
     `warns` of a UV map that wastes its atlas.
     """
     kept: list[bpy.types.ID] = []
@@ -313,6 +315,7 @@ def bake_unchecked(
         one_blas_thread(),
         temporary_folder() as temporary,
         scratch_scene(scene, view_layer, kept) as scratch,
+        previews_not_rendered(scratch),
         use_device(scratch, spec.device) as device,  # before the unwrap, which may take long
     ):
         originals = [find_object(scratch, each) for each in spec.objects or (name,)]

@@ -8,7 +8,7 @@ object's visibility before, so that it can be restored even if the other was del
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, cast
@@ -161,17 +161,13 @@ def previews_off(scene: bpy.types.Scene) -> Iterator[None]:
 
     The objects do not point to their previews meanwhile.
     """
-    pairs = [pair for pair in map(_pair, scene.objects) if pair is not None]
-    shown: dict[bpy.types.Object, Flags] = {}
+    pairs = _pairs_in(scene)
+    shown = _flags_without_previews(pairs)
     records: list[tuple[Any, str, Any]] = []
-    for original, copy in pairs:
-        shown |= hidden_by((original, copy))
+    for original, _ in pairs:
         if original is not None:
-            shown[original] = _flags_of(original, copy)
             owner = cast(Any, original)
             records += [(owner, key, owner[key].to_dict()) for key in (SHOWN, RECORD) if key in owner]
-        if copy is not None:
-            shown[copy] = dict.fromkeys(_FLAGS, True)
     before = {item: {flag: bool(getattr(item, flag)) for flag in _FLAGS} for item in shown}
     try:
         for owner, key, _ in records:
@@ -183,6 +179,35 @@ def previews_off(scene: bpy.types.Scene) -> Iterator[None]:
         for owner, key, value in records:
             owner[key] = value
         _set_flags(before)
+
+
+@contextmanager
+def previews_not_rendered(scene: bpy.types.Scene) -> Iterator[None]:
+    """Within the context, renders of the scene show the objects whose previews are on, and no previews."""
+    shown = _flags_without_previews(_pairs_in(scene))
+    before = {item: {"hide_render": item.hide_render} for item in shown}
+    try:
+        _set_flags({item: {"hide_render": flags["hide_render"]} for item, flags in shown.items()})
+        yield
+    finally:
+        _set_flags(before)
+
+
+def _pairs_in(scene: bpy.types.Scene) -> list[_Pair]:
+    """The objects of a scene whose previews are on, with these."""
+    return [pair for pair in map(_pair, scene.objects) if pair is not None]
+
+
+def _flags_without_previews(pairs: Iterable[_Pair]) -> dict[bpy.types.Object, Flags]:
+    """What would be hidden if these previews were off: of the objects, of those they hide, and of them."""
+    shown: dict[bpy.types.Object, Flags] = {}
+    for original, copy in pairs:
+        shown |= hidden_by((original, copy))
+        if original is not None:
+            shown[original] = _flags_of(original, copy)
+        if copy is not None:
+            shown[copy] = dict.fromkeys(_FLAGS, True)
+    return shown
 
 
 def _set_flags(wanted: Mapping[bpy.types.Object, Flags]) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 import pytest
 
 from radtex_addon.bake.spec import BakeSpec, Kind, View
@@ -23,6 +24,7 @@ from radtex_addon.worker.handover import hand_over
 from tests.blender import stage
 from tests.blender.batch_process import process
 from tests.blender.fingerprint import differences, fingerprint
+from tests.blender.test_job import pixels_of
 
 pytestmark = pytest.mark.usefixtures("temporary")
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -279,6 +281,30 @@ def test_shown_bakes_count_as_their_objects_and_nothing_is_left(scene: Any, out:
     assert differences(before, fingerprint()) == {}
     switch_off(item("Cup"))
     assert told(out) == (UNCHANGED,) * 3
+
+
+def test_a_bake_sees_the_objects_whose_bakes_are_shown_as_its_fingerprint_says(out: Path) -> None:
+    """A lamp's bake has red light; the lamp itself is green by now, and lights the floor."""
+    for name, height, shader in (("Floor", 0, "ShaderNodeBsdfDiffuse"), ("Panel", 1, "ShaderNodeEmission")):
+        bpy.ops.mesh.primitive_plane_add(size=2, location=(0, 0, height))
+        context.object.name = name
+        context.object.data.materials.append(stage.material(name, shader))
+    stage.world((0, 0, 0))
+    glow = item("Panel").data.materials[0].node_tree.nodes["Emission"].inputs["Color"]
+    glow.default_value = (1, 0, 0, 1)
+    bake_object(context.scene, "Panel", SPEC, out, preview=Filter.NEAREST)
+    glow.default_value = (0, 1, 0, 1)
+    alone = pixels_of(bake_object(context.scene, "Floor", SPEC, out))
+    switch_on(item("Panel"), out / "Panel.radiance.json")
+    before = fingerprint()
+    beside = pixels_of(bake_object(context.scene, "Floor", SPEC, out, overwrite=True))
+    assert differences(before, fingerprint()) == {}
+    np.testing.assert_array_equal(beside, alone)
+    assert beside[..., 1].mean() > 0.1
+    assert beside[..., 0].max() == 0
+    assert changes(context.scene, "Floor", SPEC, out) == UNCHANGED
+    switch_off(item("Panel"))
+    assert changes(context.scene, "Floor", SPEC, out) == UNCHANGED
 
 
 @pytest.mark.usefixtures("scene")
