@@ -13,6 +13,8 @@ from typing import Any
 import bpy
 import pytest
 
+from radtex_addon.bake.progress import Stage
+from radtex_addon.job import bake_steps
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.operators.export_sources import export_sources, place_for, submit
@@ -21,6 +23,7 @@ from radtex_addon.ui.panel.jobs_panel import title
 from radtex_addon.ui.panel.main_panel import what_is_there
 from radtex_addon.ui.panel.panel_state import Forecast, Next
 from radtex_addon.ui.settings.chosen_objects import chosen_by, chosen_names
+from radtex_addon.ui.settings.request import spec_of, values_of
 from tests.blender import stage
 from tests.blender.ui_stage import context, ops, registered, settings
 
@@ -288,6 +291,29 @@ def test_several_bakes_are_exported_by_one_job_into_the_chosen_folder(out: Path,
     (warning,) = job.warnings
     assert "Jug.preview.blend is no .blend" in str(warning)
     assert not (out / "Jug.raw").exists()
+
+
+def test_what_has_changed_is_not_baked_over_what_is_unfinished_or_added_to(out: Path) -> None:
+    for name in ("Cup", "Plate"):
+        plane(name).select_set(True)
+    bpy.ops.object.select_all(action="SELECT")
+    assert ops.radtex.bake() == {"FINISHED"}
+    spec = spec_of(values_of(settings()))
+    steps = bake_steps(context.scene, "Cup", spec, out, overwrite=True)
+    while next(steps).stage is not Stage.WRITE:
+        pass
+    steps.close()
+    assert seen().next is Next.RESUME  # which has no Bake Changed beside it
+    with pytest.raises(RuntimeError, match=r"The bake of 'Cup' is not finished: go on with it \(Resume\)"):
+        ops.radtex.bake(only="changed")
+    assert list(out.glob("*.radtex-unfinished"))
+    assert ops.radtex.bake(resume=True) == {"FINISHED"}
+    assert ops.radtex.bake(only="changed") == {"FINISHED"}
+    settings().accumulate = True
+    before = written(out)
+    with pytest.raises(RuntimeError, match="baked anew, and not added to the bake: leave Accumulate off"):
+        ops.radtex.bake(only="changed")
+    assert written(out) == before
 
 
 def written(folder: Path) -> dict[str, int]:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from bpy.stub_internal.rna_enums import OperatorReturnItems
 
     from ...job.bake_plan import BakePlan
+    from ...job.bake_request import BakeRequest
 
 _ONLY = (
     ("all", "All", "Every one of them"),
@@ -162,12 +163,9 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             for settings, group in by_settings(scene, names)
         ]
         if self.only != "all":
-            near = self.only == "affected"
-            requests = [
-                replace(request, overwrite=False, resume=False, only_changed=True, surroundings=near)
-                for request in requests
-            ]
+            requests = [_of_changed(request, surroundings=self.only == "affected") for request in requests]
         plans = [plan_bakes(scene, request) for request in requests]
+        _check_begun(plans)
         if len(plans) > 1:  # resuming a group that is done would be refused
             plans = [plan for plan in plans if not (plan.request.resume and _is_done(plan))]
             if not plans:
@@ -186,6 +184,39 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
                 finished(steps)
                 told = (f"Baked {name}", spec.part, variant_of(spec))
                 self.report({"INFO"}, ", ".join(word for word in told if word))
+
+
+def _of_changed(request: BakeRequest, *, surroundings: bool) -> BakeRequest:
+    """The request for those bakes alone that have changed. Raises InputError where bakes are added to."""
+    from ...core.errors import InputError
+    from ...core.messages import Setting, leave_out
+
+    adds = {Setting.ACCUMULATE: request.spec.accumulate, Setting.REFRESH: request.spec.refresh}
+    if used := [setting for setting, is_on in adds.items() if is_on]:
+        raise InputError("what has changed is baked anew, and not added to the bake", leave_out(*used))
+    return replace(request, overwrite=False, resume=False, only_changed=True, surroundings=surroundings)
+
+
+def _check_begun(plans: Sequence[BakePlan]) -> None:
+    """Raise InputError if bakes that have changed, and would be made anew, are not finished."""
+    from ...core.errors import InputError
+    from ...core.messages import Setting, do
+    from ...job.changed_bakes import BakeState
+    from ...job.variants import title_of
+
+    begun = [
+        title_of(*bake)
+        for plan in plans
+        for bake, found in plan.found.items()
+        if found.state is BakeState.UNFINISHED
+    ]
+    if begun:
+        others = f" and {len(begun) - 1} more" if len(begun) > 1 else ""
+        raise InputError(
+            f"the bake of '{begun[0]}'{others} is not finished",
+            do("go on with it", Setting.RESUME),
+            do("bake it anew", Setting.OVERWRITE),
+        )
 
 
 def _is_done(plan: BakePlan) -> bool:

@@ -23,6 +23,7 @@ iface_: Callable[[str], str] = _translations.pgettext_iface
 
 # The panel's names of settings. Those that are missing here have none: the panel does not offer them.
 LABELS = {
+    Setting.ACCUMULATE: "Accumulate",
     Setting.AO_DISTANCE: "Distance",
     Setting.ARRANGEMENT: "Arrangement",
     Setting.BUCKET: "Angular Detail",
@@ -46,6 +47,7 @@ LABELS = {
     Setting.OVERWRITE: "Overwrite",
     Setting.PART: "Only",
     Setting.PIXELS: "Pixels",
+    Setting.REFRESH: "Refresh",
     Setting.RESUME: "Resume",
     Setting.SAVE_PREVIEW: "Preview",
     Setting.SPLIT: "Split By",
@@ -70,11 +72,17 @@ STAGES = {  # labels of the stages of bakes, exports and comparisons
     "flat": "Making the flat picture",
     "mesh": "Writing the mesh",
     "pack": "Packing it up",
+    "export": "Exporting",
     "reference": "Tracing paths",
     "compare": "Comparing",
-    "export": "Exporting",
 }
-_LEFT_OUT = {Setting.UV: "empty", Setting.FROM: "empty", Setting.RESUME: "off"}  # others: "as it was"
+_LEFT_OUT = {  # others: "as it was"
+    Setting.UV: "empty",
+    Setting.FROM: "empty",
+    Setting.RESUME: "off",
+    Setting.ACCUMULATE: "off",
+    Setting.REFRESH: "off",
+}
 
 
 def size(count: float) -> str:
