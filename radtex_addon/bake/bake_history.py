@@ -80,7 +80,8 @@ def _locked(path: Path) -> Lock:
 
 def _line(one: Measurement) -> str:
     seconds = {stage: round(value, 3) for stage, value in one.seconds.items()}
-    return json.dumps({"place": one.place, "name": one.name, "work": asdict(one.work), "seconds": seconds})
+    told = {"place": one.place, "name": one.name, "work": asdict(one.work), "seconds": seconds}
+    return json.dumps(told | {"shown_triangles": one.shown_triangles})
 
 
 def _parsed(line: str) -> Measurement:
@@ -91,7 +92,10 @@ def _parsed(line: str) -> Measurement:
         raise TypeError("no measurement")
     if not all(stage in STAGES and _is_time(value) for stage, value in seconds.items()):
         raise ValueError("no seconds by stage")
-    return Measurement(place, name, work_in(told["work"]), seconds)
+    shown = told.get("shown_triangles", 0)  # earlier versions did not keep it
+    if type(shown) is not int or shown < 0:
+        raise TypeError("no number of triangles")
+    return Measurement(place, name, work_in(told["work"]), seconds, shown_triangles=shown)
 
 
 def work_in(told: Any) -> BakeWork:

@@ -106,6 +106,7 @@ class Measurement:
     """The `seconds` that stages of some `work` took, of the object `name` in the file and scene `place`.
 
     `finished`: of a finished bake, and not of a probe. Stages that were not measured are missing.
+    `shown_triangles` are the object's in the viewport then, 0 if that is not known.
     """
 
     place: str
@@ -113,6 +114,7 @@ class Measurement:
     work: BakeWork
     seconds: Mapping[str, float]
     finished: bool = True
+    shown_triangles: int = 0
 
 
 class Basis(StrEnum):

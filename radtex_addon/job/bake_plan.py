@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from heapq import merge
 from itertools import groupby
 from math import inf
 from time import monotonic
@@ -188,6 +189,20 @@ def preflight(scene: bpy.types.Scene, plan: BakePlan, patience: float = inf) -> 
         if monotonic() - since > patience:
             break
     return Preflight(tuple(errors), tuple(warnings))
+
+
+def in_order(plans: Sequence[BakePlan], names: Sequence[str]) -> list[tuple[BakePlan, Bake]]:
+    """The wanted bakes of all plans, each with its plan, in the order of their objects among `names`.
+
+    Each plan's bakes stay in its own order: those of a frame, say, before those of the next one.
+    """
+    places = {name: number for number, name in enumerate(names)}
+
+    def place(planned: tuple[BakePlan, Bake]) -> int:
+        name, spec = planned[1]
+        return min(places.get(each, len(places)) for each in spec.objects or (name,))
+
+    return list(merge(*([(plan, bake) for bake in plan.wanted] for plan in plans), key=place))
 
 
 def steps_of_bakes(

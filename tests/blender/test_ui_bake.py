@@ -276,4 +276,9 @@ def test_a_finished_bakes_time_is_remembered_and_expected_again() -> None:
     assert known is not None
     assert known.basis == Basis.BAKED
     assert known.seconds == pytest.approx(sum(made.seconds.values()), rel=0.1)
+
+    finer: Any = bpy.data.objects["Card"].modifiers.new("finer", "SUBSURF")
+    finer.levels = 6  # 4096 quads, of one
+    spec = spec_of(values_of(settings()))
+    assert estimates._work_of(context.scene, "Card", spec).triangles == 8192
     bake_times.history_file().unlink()

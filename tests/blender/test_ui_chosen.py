@@ -15,6 +15,7 @@ import pytest
 
 from radtex_addon.bake.progress import Stage
 from radtex_addon.job import bake_steps
+from radtex_addon.job.bake_plan import plan_bakes
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.operators.export_sources import export_sources, place_for, submit
@@ -23,7 +24,8 @@ from radtex_addon.ui.panel.jobs_panel import title
 from radtex_addon.ui.panel.main_panel import what_is_there
 from radtex_addon.ui.panel.panel_state import Forecast, Next
 from radtex_addon.ui.settings.chosen_objects import chosen_by, chosen_names
-from radtex_addon.ui.settings.request import spec_of, values_of
+from radtex_addon.ui.settings.object_settings import by_settings
+from radtex_addon.ui.settings.request import request_of, spec_of, values_of
 from tests.blender import stage
 from tests.blender.ui_stage import context, ops, registered, settings
 
@@ -314,6 +316,30 @@ def test_what_has_changed_is_not_baked_over_what_is_unfinished_or_added_to(out: 
     with pytest.raises(RuntimeError, match="baked anew, and not added to the bake: leave Accumulate off"):
         ops.radtex.bake(only="changed")
     assert written(out) == before
+
+
+def test_a_lists_order_holds_where_objects_have_settings_of_their_own(out: Path) -> None:
+    for name in ("C", "A", "B"):
+        bpy.ops.object.select_all(action="DESELECT")
+        plane(name).select_set(True)
+        assert ops.radtex.list_add() == {"FINISHED"}
+    chosen_by(context.scene).source = "list"
+    own: Any = bpy.data.objects["A"]
+    own.radtex.use = True
+    own.radtex.texels = 6
+    plans = [
+        plan_bakes(context.scene, request_of(values_of(group), names))
+        for group, names in by_settings(context.scene, chosen())
+    ]
+    assert [plan.request.objects for plan in plans] == [("C", "B"), ("A",)]
+    jobs.submit(context.scene, plans, chosen())
+    assert [job.object for job in jobs.snapshot()] == ["C", "A", "B"]
+    jobs.cancel()
+    while jobs.advance():
+        sleep(0.05)
+    assert ops.radtex.bake(overwrite=True) == {"FINISHED"}
+    times = written(out)
+    assert sorted(times, key=lambda name: times[name]) == ["C", "A", "B"]
 
 
 def written(folder: Path) -> dict[str, int]:

@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 from uuid import uuid4
 
 import bpy
@@ -44,13 +45,34 @@ def measured() -> tuple[Measurement, ...]:
     return _read[path][1]
 
 
-def place_of(scene_name: str) -> str:
+class BakedScene(NamedTuple):
+    """What is remembered of a bake's scene: its `key`, and the object's triangles in the viewport then."""
+
+    key: str
+    triangles: int
+
+
+def scene_key(scene_name: str) -> str:
     """What tells the open file and its scene from others, without naming it; of this session if not saved."""
     told = f"{bpy.data.filepath or _SESSION}|{scene_name}"
     return hashlib.sha256(told.encode(errors="surrogateescape")).hexdigest()[:16]
 
 
-def remember_job(place: str, job: Job, seconds: float) -> None:
+def shown_triangles(scene: bpy.types.Scene, names: Sequence[str]) -> int:
+    """How many triangles the objects have, as the viewport shows them; renders may show more."""
+    total = 0
+    graph = bpy.context.evaluated_depsgraph_get() if scene == bpy.context.scene else None
+    for name in names:
+        item = scene.objects.get(name)
+        if item is None:
+            continue
+        shown: Any = item.data if graph is None else item.evaluated_get(graph).data
+        if isinstance(shown, bpy.types.Mesh):  # a polygon of k corners has k - 2 triangles
+            total += len(shown.loops) - 2 * len(shown.polygons)
+    return total
+
+
+def remember_job(scene: BakedScene, job: Job, seconds: float) -> None:
     """Add a bake that a worker has finished in so many `seconds`, unless it went on with an earlier one."""
     from ...bake.bake_history import remember
     from ...bake.estimate import START, BakeWork, Measurement
@@ -74,4 +96,5 @@ def remember_job(place: str, job: Job, seconds: float) -> None:
     by_stage = dict(facts["seconds"])
     if not order["exports"]:  # they take time that no stage counts
         by_stage[START] = max(0.0, seconds - sum(by_stage.values()))
-    remember(history_file(), Measurement(place, job.object, work, by_stage))
+    made = Measurement(scene.key, job.object, work, by_stage, shown_triangles=scene.triangles)
+    remember(history_file(), made)

@@ -7,7 +7,7 @@ A worker measures all objects in one process; without a window this process does
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from time import monotonic
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -39,12 +39,23 @@ class KnownTime(NamedTuple):
     basis: Basis
 
 
+class _Probed(NamedTuple):
+    """A probe, the specification that it is of, and the object's triangles in the viewport then."""
+
+    spec: BakeSpec
+    probe: Probe
+    shown_triangles: int
+
+
 @dataclass
 class _Session:
-    """Probes of this session, with the specifications that they are of; and the worker that makes more."""
+    """Probes of this session, and the worker that makes more.
 
-    probes: dict[Key, tuple[BakeSpec, Probe]] = field(default_factory=dict)
-    asked: tuple[int, tuple[Bake, ...]] = (0, ())  # scene, bakes
+    It was `asked` for the bakes of a scene, whose objects had so many triangles in the viewport.
+    """
+
+    probes: dict[Key, _Probed] = field(default_factory=dict)
+    asked: tuple[int, tuple[Bake, ...], tuple[int, ...]] = (0, (), ())
     queue: Queue | None = None
     shown: Job | None = None
     since: float = 0.0
@@ -63,11 +74,11 @@ def seconds_known(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> KnownTime | 
     """
     from ...bake.estimate import Basis, estimate
 
-    place, history = bake_times.place_of(scene.name), bake_times.measured()
+    place, history = bake_times.scene_key(scene.name), bake_times.measured()
     total, bases = 0.0, []
     for name, spec in bakes:
         found = _session.probes.get(_key(scene, name, spec))
-        probes = () if found is None else found[1].measurements(place, name, found[0])
+        probes = () if found is None else found.probe.measurements(place, name, found.spec)
         made = estimate(_work_of(scene, name, spec), place, name, (*history, *probes))
         total += made.total
         bases.append(made.basis)
@@ -80,7 +91,8 @@ def probe_now(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> None:
 
     since = monotonic()
     for name, spec in bakes:
-        _session.probes[_key(scene, name, spec)] = spec, probe_object(scene, name, spec)
+        shown = _shown_triangles(scene, name, spec)
+        _session.probes[_key(scene, name, spec)] = _Probed(spec, probe_object(scene, name, spec), shown)
     _session.took = monotonic() - since
     panel_state.mark_stale()
 
@@ -97,7 +109,8 @@ def ask(scene: bpy.types.Scene, bakes: Iterable[Bake]) -> None:
     order = order_estimate(hand_over(scene, preferred().cache), asked)
     queue = Queue(this_program())
     queue.add(order)
-    _session.queue, _session.asked = queue, (scene.session_uid, asked)
+    shown = tuple(_shown_triangles(scene, name, spec) for name, spec in asked)
+    _session.queue, _session.asked = queue, (scene.session_uid, asked, shown)
     (_session.shown,) = queue.snapshot()
     bpy.app.timers.register(_pulse, first_interval=0.0, persistent=True)
 
@@ -169,9 +182,9 @@ def _pulse() -> float | None:
 def _keep(facts: Mapping[str, Any]) -> None:
     from ...job.probes import Probe
 
-    uid, bakes = _session.asked
-    for (name, spec), told in zip(bakes, facts["probes"], strict=True):
-        _session.probes[uid, name, str(spec.kind), spec.form.name] = spec, Probe.of(told)
+    uid, bakes, shown = _session.asked
+    for (name, spec), count, told in zip(bakes, shown, facts["probes"], strict=True):
+        _session.probes[uid, name, str(spec.kind), spec.form.name] = _Probed(spec, Probe.of(told), count)
     _session.took = monotonic() - _session.since
 
 
@@ -179,7 +192,7 @@ def _end() -> None:
     if _session.queue is not None:
         _session.queue.close()
     _session.queue = _session.shown = None
-    _session.asked = 0, ()
+    _session.asked = 0, (), ()
 
 
 def _key(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> Key:
@@ -193,31 +206,30 @@ def _work_of(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> BakeWork:
 
     device = preferred_device() if spec.device == "auto" else spec.device
     preview: bool = scene.radtex.preview  # type: ignore[attr-defined]  # ours, not Blender's
-    triangles, texels, share = _triangles(scene, spec.objects or (name,)), spec.texels, None
+    shown = _shown_triangles(scene, name, spec)
+    triangles, texels, share = shown, spec.texels, None
     found = _session.probes.get(_key(scene, name, spec))
     if found is not None:
-        probe = found[1]
-        triangles, share = probe.triangles, probe.covered / probe.texels**2
-        if spec.density is not None and found[0].density == spec.density:
+        probe = found.probe
+        triangles = _triangles_now(probe.triangles, found.shown_triangles, shown)
+        share = probe.covered / probe.texels**2
+        if spec.density is not None and found.spec.density == spec.density:
             texels = probe.texels
     else:
-        place = bake_times.place_of(scene.name)
+        place = bake_times.scene_key(scene.name)
         last = [one for one in bake_times.measured() if (one.place, one.name) == (place, name)]
         if last:
             work = last[-1].work
-            triangles, share = work.triangles, work.covered / work.texels**2
+            triangles = _triangles_now(work.triangles, last[-1].shown_triangles, shown)
+            share = work.covered / work.texels**2
     covered = None if share is None else max(1, round(share * texels**2))
     return BakeWork.of(spec, triangles, covered=covered, texels=texels, preview=preview, device=device)
 
 
-def _triangles(scene: bpy.types.Scene, names: Sequence[str]) -> int:
-    """About how many triangles the objects have, as the viewport shows them."""
-    total = 0
-    graph = bpy.context.evaluated_depsgraph_get() if scene == bpy.context.scene else None
-    for name in names:
-        item = scene.objects.get(name)
-        if item is None:
-            continue
-        shown: Any = item.data if graph is None else item.evaluated_get(graph).data
-        total += 2 * len(getattr(shown, "polygons", ()))
-    return total
+def _triangles_now(baked: int, shown_then: int, shown_now: int) -> int:
+    """The triangles of a bake now, where an earlier one had `baked`, by what the viewport showed."""
+    return round(baked * shown_now / shown_then) if shown_then and shown_now else baked
+
+
+def _shown_triangles(scene: bpy.types.Scene, name: str, spec: BakeSpec) -> int:
+    return bake_times.shown_triangles(scene, spec.objects or (name,))

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ import bpy
 from ..panel import panel_state
 from ..panel.redraw import redraw
 from . import bake_times, pictures
+from .bake_times import BakedScene
 
 if TYPE_CHECKING:
     from ...job.bake_plan import BakePlan
@@ -49,12 +51,12 @@ class _Session:
 
     `queue` is None before the first job, so that enabling RadTex does not import the worker modules. `shown`
     is the last snapshot of the jobs; `completions` maps job numbers to completions, `begun` to the time when
-    each began, on the monotonic clock, `places` those of bakes to what tells their scene (`bake_times`).
+    each began, on the monotonic clock, `scenes` those of bakes to what is remembered of their scene.
     """
 
     queue: Queue | None = None
     begun: dict[int, float] = field(default_factory=dict)
-    places: dict[int, str] = field(default_factory=dict)
+    scenes: dict[int, BakedScene] = field(default_factory=dict)
     shown: tuple[Job, ...] = field(default=())
     completions: dict[int, Completion] = field(default_factory=dict)
 
@@ -62,17 +64,22 @@ class _Session:
 _session = _Session()
 
 
-def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan]) -> float:
+def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[str] = ()) -> float:
     """Save a copy of the scene in its current state and queue the bakes of all plans.
+
+    They are queued in the order of their objects among `names`, else plan by plan.
 
     Returns how long the window was blocked by that, in seconds. Raises InputError if one of the bakes is
     already queued or running, BakeError if the scene cannot be saved.
     """
+    from ...job.bake_plan import in_order
     from ...worker.handover import hand_over
     from ...worker.orders import order_bake
     from ..settings.preferences import preferred
 
-    bakes = [(plan, bake) for plan in plans for bake in _free(plan)]
+    free = {id(plan): _free(plan) for plan in plans}
+    bakes = [(plan, bake) for plan, bake in in_order(plans, names) if bake in free[id(plan)]]
+    shown = [bake_times.shown_triangles(scene, spec.objects or (name,)) for _, (name, spec) in bakes]
     handover = hand_over(scene, preferred().cache)
     add(
         (
@@ -89,7 +96,7 @@ def submit(scene: bpy.types.Scene, plans: Sequence[BakePlan]) -> float:
             )
             for number, (plan, (name, spec)) in enumerate(bakes)
         ),
-        place=bake_times.place_of(scene.name),
+        scenes=[BakedScene(bake_times.scene_key(scene.name), count) for count in shown],
     )
     return handover.stalled
 
@@ -137,12 +144,14 @@ def _free(plan: BakePlan) -> tuple[Bake, ...]:
     return free
 
 
-def add(orders: Iterable[Order], completion: Completion | None = None, place: str | None = None) -> None:
-    """Queue jobs, all with the same completion; bakes of the scene at `place` are remembered."""
-    for order in orders:
+def add(
+    orders: Iterable[Order], completion: Completion | None = None, scenes: Sequence[BakedScene] = ()
+) -> None:
+    """Queue jobs, all with the same completion; the times of bakes, whose `scenes` are given, are kept."""
+    for order, scene in zip_longest(orders, scenes):
         number = _queue().add(order)
-        if place is not None:
-            _session.places[number] = place
+        if scene is not None:
+            _session.scenes[number] = scene
         if completion is not None:
             _session.completions[number] = completion
     _look()
@@ -202,9 +211,9 @@ def advance() -> bool:
 
 def _remember(job: Job, now: float) -> None:
     """Keep a finished bake's time, for estimates."""
-    place, begun = _session.places.pop(job.number, None), _session.begun.pop(job.number, None)
-    if job.state == "done" and place is not None and begun is not None:
-        bake_times.remember_job(place, job, now - begun)
+    scene, begun = _session.scenes.pop(job.number, None), _session.begun.pop(job.number, None)
+    if job.state == "done" and scene is not None and begun is not None:
+        bake_times.remember_job(scene, job, now - begun)
 
 
 def unregister() -> None:
@@ -218,7 +227,7 @@ def unregister() -> None:
     _session.queue, _session.shown = None, ()
     _session.completions.clear()
     _session.begun.clear()
-    _session.places.clear()
+    _session.scenes.clear()
     pictures.unregister()
 
 

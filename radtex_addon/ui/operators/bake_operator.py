@@ -123,9 +123,9 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
             if not any(plan.wanted for plan in plans):
                 self.report({"INFO"}, "Nothing has changed: no bake is left to do")
             elif at_once:
-                self._bake(scene, plans)
+                self._bake(scene, plans, names)
             else:
-                jobs.submit(scene, plans)
+                jobs.submit(scene, plans, names)
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
@@ -173,17 +173,17 @@ class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
         check_left([plan for plan in plans if not plan.request.only_changed])
         return [plan for plan in plans if plan.wanted or len(plans) == 1]
 
-    def _bake(self, scene: bpy.types.Scene, plans: Sequence[BakePlan]) -> None:
-        """Bake in this process and report each object."""
+    def _bake(self, scene: bpy.types.Scene, plans: Sequence[BakePlan], names: Sequence[str]) -> None:
+        """Bake in this process, in the order of the objects `names`, and report each bake."""
         from ...bake.progress import finished
-        from ...job.bake_plan import steps_of_bakes
-        from ...job.variants import variant_of
+        from ...job.bake_plan import in_order, steps_of_bakes
+        from ...job.variants import title_of
 
-        for plan in plans:
-            for name, spec, steps in steps_of_bakes(scene, plan):
-                finished(steps)
-                told = (f"Baked {name}", spec.part, variant_of(spec))
-                self.report({"INFO"}, ", ".join(word for word in told if word))
+        steps_of = {id(plan): steps_of_bakes(scene, plan) for plan in plans}
+        for plan, _ in in_order(plans, names):
+            name, spec, steps = next(steps_of[id(plan)])
+            finished(steps)
+            self.report({"INFO"}, f"Baked {title_of(name, spec)}")
 
 
 def _of_changed(request: BakeRequest, *, surroundings: bool) -> BakeRequest:
