@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import bpy
 import pytest
@@ -87,6 +88,18 @@ def test_ones_own_preset_is_kept_applied_and_removed() -> None:
     assert ops.radtex.preset_add(remove_name=True, name="My Pots") == {"FINISHED"}
     with pytest.raises(RuntimeError, match="There is no preset 'My Pots'"):
         ops.radtex.preset_apply(name="My Pots")
+
+
+def test_a_preset_of_ones_own_has_the_settings_that_the_panel_shows() -> None:
+    bpy.ops.mesh.primitive_plane_add()
+    shown: Any = bpy.context.object
+    settings().texels = 32
+    shown.radtex.use, shown.radtex.texels = True, 77
+    assert ops.radtex.preset_add(name="My Cup") == {"FINISHED"}
+    shown.radtex.use = False
+    applied("My Cup")
+    assert settings().texels == 77
+    assert ops.radtex.preset_add(remove_name=True, name="My Cup") == {"FINISHED"}
 
 
 def test_new_files_start_from_the_default_preset_and_saved_ones_do_not(tmp_path: Path) -> None:

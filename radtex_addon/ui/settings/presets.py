@@ -84,8 +84,14 @@ class RADTEX_OT_preset_add(AddPresetBase, bpy.types.Operator):  # type: ignore[m
     bl_label = "Add RadTex Preset"
     preset_menu = "RADTEX_PT_presets"
     preset_subdir = SUBDIR
-    preset_defines = ["radtex = bpy.context.scene.radtex"]
-    preset_values = [f"radtex.{name}" for name in PRESET_NAMES]
+
+    def add(self, context: bpy.types.Context, filepath: str) -> None:
+        """Write the settings that the panel shows, those of an object or the scene's; called by Blender."""
+        scene, layer = cast(bpy.types.Scene, context.scene), cast(bpy.types.ViewLayer, context.view_layer)
+        settings = edited_settings(scene, context.active_object, chosen_names(scene, layer))
+        lines = [f"radtex.{name} = {getattr(settings, name)!r}\n" for name in PRESET_NAMES]
+        head = "import bpy\nradtex = bpy.context.scene.radtex\n\n"
+        Path(filepath).write_text(head + "".join(lines), encoding="utf-8")
 
 
 class RADTEX_OT_preset_apply(bpy.types.Operator):
