@@ -40,11 +40,14 @@ def trimmed_scene(
     them. At exit the session is as it was.
     """
     used = _used_by(_shown_objects(scene, hidden) | {*shown, *_settings_of(scene)})
+    clip = scene.active_clip
+    if clip is not None and any(_follows_clip(item) for item in used):
+        used |= _used_by({clip})
     with ExitStack() as session:
         copy = cast("bpy.types.Scene", scene.copy())
         session.callback(remove_scene, copy)
         session.enter_context(replaced(scene, copy))
-        _remove_references(copy, scene)
+        _remove_references(copy, scene, used)
         session.enter_context(_only(copy, used))
         session.enter_context(_sets_last(copy))
         for layer in copy.view_layers:
@@ -118,10 +121,17 @@ def _used_by(blocks: Iterable[bpy.types.ID]) -> set[bpy.types.ID]:
     return found
 
 
-def _remove_references(copy: Any, scene: bpy.types.Scene) -> None:
+def _follows_clip(block: bpy.types.ID) -> bool:
+    """Whether an object's place follows from the scene's active clip, such as a camera's that was solved."""
+    constraints = block.constraints if isinstance(block, bpy.types.Object) else ()
+    return any(getattr(each, "use_active_clip", False) for each in constraints)
+
+
+def _remove_references(copy: Any, scene: bpy.types.Scene, used: Collection[bpy.types.ID]) -> None:
     """Clear what a scene refers to without showing it: strips, clips, paint tools, pointers of add-ons."""
     copy.sequence_editor_clear()
-    copy.active_clip = None
+    if copy.active_clip not in used:
+        copy.active_clip = None
     if _composites_others(copy, scene):
         if hasattr(copy, "compositing_node_group"):  # Blender 5
             copy.compositing_node_group = None

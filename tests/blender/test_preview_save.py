@@ -261,6 +261,24 @@ def test_the_file_holds_what_the_scene_shows_alone(
     assert bpy.context.object == bpy.data.objects["pane"]
 
 
+@pytest.mark.parametrize("follows", [True, False], ids=["a solved camera", "no camera"])
+def test_the_clip_that_a_camera_follows_stays(
+    pane: Any, material: bpy.types.Material, tmp_path: Path, follows: bool
+) -> None:
+    picture = bpy.data.images.new("frame", 4, 4)
+    picture.filepath_raw, picture.file_format = str(tmp_path / "shot0001.png"), "PNG"
+    picture.save()
+    scene = current_scene()
+    scene.active_clip = bpy.data.movieclips.load(str(tmp_path / "shot0001.png"))
+    solved = cast(Any, bpy.data.objects["child"]).constraints.new("CAMERA_SOLVER")
+    solved.use_active_clip = follows
+    path = tmp_path / "pane.preview.blend"
+    save_preview(scene, [StandIn(pane, baked_copy(pane), (material,))], path)
+    assert scene.active_clip is not None
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    assert (current_scene().active_clip is not None) == follows
+
+
 @pytest.mark.parametrize("saved", [False, True], ids=["a file never saved", "a saved file"])
 @pytest.mark.parametrize("kept", [False, True], ids=["its file is gone", "its file is there"])
 def test_a_packed_hdri_is_stored_once_for_all_previews(
