@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Variants of a bake with different lights: parse `--lights`, and make titles."""
+"""Variants of a bake with different lights: parse `--lights`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from dataclasses import replace
 
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError
-from ..job.variants import title_of
 from ..scene.lights.lamps import ALL, EACH
 
 
@@ -30,9 +29,3 @@ def lit(spec: BakeSpec, lights: tuple[tuple[str, ...], ...]) -> BakeSpec:
     """`spec` with the first of `lights`, if any. Raises InputError if any of them does not fit `spec`."""
     found = [spec if names == (ALL,) else replace(spec, lights=names) for names in lights]
     return found[0] if found else spec
-
-
-def titled(name: str, spec: BakeSpec, number: int, count: int) -> str:
-    """Title of bake `number` (from 0) in a run of `count` bakes."""
-    title = title_of(name, spec)
-    return title if title == name else f"{title} ({number + 1} of {count})"

@@ -25,13 +25,13 @@ from ..formats.disk.memory import readable_size
 from ..formats.disk.path_checks import check_unicode
 from ..job import BakeResult, OutputFiles
 from ..job.bake_plan import check_plan, plan_bakes, steps_of_bakes
+from ..job.variants import title_of
 from ..preview.picture import render_picture
 from ..textures.export_spec import Target
 from .arguments import Request
 from .collection_objects import with_collections
 from .failure import as_ours
 from .interruption import INTERRUPTED, Interruption
-from .light_options import titled
 from .opening import open_asked
 from .reporting import Report
 from .serving import address, serving
@@ -77,7 +77,7 @@ def _bake(
         report.event("note", message=line)
     thumbnail = partial(_thumbnail, request, report)
     for number, (name, spec, steps) in enumerate(steps_of_bakes(scene, plan, thumbnail)):
-        title = titled(name, spec, number, len(plan.wanted)) + after
+        title = _numbered_title(name, spec, number, len(plan.wanted)) + after
         with _saying_how_to_resume(name, spec, request):
             result = interruption.between(steps, partial(report.progress, title))
         others = [*_pictures(request, result), *result.exported]
@@ -85,6 +85,12 @@ def _bake(
         report.event("done", object=name, summary=summary_of(title, spec, result), **facts)
         pages += [path for path in result.exported if path.suffix == f".{Target.WEB}"]
     return pages
+
+
+def _numbered_title(name: str, spec: BakeSpec, number: int, count: int) -> str:
+    """The title of bake `number` (from 0) in a run of `count` bakes."""
+    title = title_of(name, spec)
+    return title if title == name else f"{title} ({number + 1} of {count})"
 
 
 def _check_thumbnail(path: Path | None) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from ..bake.announce import announce
+from ..bake.bake_title import bake_title, variant_title
 from ..bake.checkpoint import remove_left
 from ..bake.key import is_unfinished
 from ..bake.spec import BakeSpec
@@ -26,17 +27,14 @@ _KEYS = ("frame", "lights")  # keys that only sidecars of variants have
 
 
 def title_of(name: str, spec: BakeSpec) -> str:
-    """A bake's name, its part and its variant, for people."""
-    words = [f"{spec.split} {spec.part}"] if spec.part is not None else []
-    return ", ".join(word for word in (name, *words, variant_of(spec)) if word)
+    """The title of a bake that is to be made: its name, its part and its variant."""
+    part = "" if spec.part is None else f"{spec.split} {spec.part}"
+    return bake_title(name, part=part, variant=variant_of(spec))
 
 
 def variant_of(spec: BakeSpec) -> str:
     """The frame and the lamps of a bake in words; empty if it is no variant."""
-    words = [] if spec.frame is None else [f"frame {spec.frame}"]
-    if spec.lights:
-        words.append(f"light of {', '.join(spec.lights)}")
-    return ", ".join(words)
+    return variant_title(spec.frame, spec.lights)
 
 
 def bakes_to_resume(

@@ -31,7 +31,7 @@ from radtex_addon.ui.operators.compare_operator import submit
 from radtex_addon.ui.operators.export_operator import ARRANGEMENTS, FORMATS
 from radtex_addon.ui.operators.export_sources import Place, submit_scene
 from radtex_addon.ui.operators.export_sources import submit as export
-from radtex_addon.ui.panel.jobs_panel import title
+from radtex_addon.ui.panel.jobs_panel import job_title
 from radtex_addon.ui.settings.chosen_objects import chosen_names
 from radtex_addon.worker.job import Job
 from tests.blender import stage
@@ -375,7 +375,7 @@ def test_a_worker_compares_and_its_pictures_are_one_step_to_undo(bake: str) -> N
     for size, height in ((32, 18), (48, 27)):
         compare(item, bake, size)
         assert ours() in ([], [BAKED, DIFFERENCE, TRACED])
-        assert title(jobs.snapshot()[-1]) == "Ball, compared"
+        assert job_title(jobs.snapshot()[-1]) == "Ball, compared"
         job = finish()[-1]
         assert job.state == "done", job.message
         assert pixels(TRACED).shape == (height, size, 4)
@@ -425,7 +425,7 @@ def test_a_worker_exports_while_the_scene_is_left_alone(bake: str) -> None:
     before = fingerprint()
     sidecar, out = Path(bake) / "Ball.radiance.json", Path(bake) / "made"
     export([Place(NAME, sidecar, out)], ExportSpec(Target.GODOT), overwrite=False)
-    assert title(jobs.snapshot()[0]) == "Ball for Godot"
+    assert job_title(jobs.snapshot()[0]) == "Ball for Godot"
     (job,) = finish()
     assert (job.state, job.files) == ("done", (out,)), job.message
     assert differences(before, fingerprint()) == {}

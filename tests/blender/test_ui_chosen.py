@@ -20,7 +20,7 @@ from radtex_addon.textures.export_spec import ExportSpec, Target
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.operators.export_sources import export_sources, place_for, submit
 from radtex_addon.ui.panel import panel_state
-from radtex_addon.ui.panel.jobs_panel import title
+from radtex_addon.ui.panel.jobs_panel import job_title
 from radtex_addon.ui.panel.main_panel import what_is_there
 from radtex_addon.ui.panel.panel_state import Forecast, Next
 from radtex_addon.ui.settings.chosen_objects import chosen_by, chosen_names
@@ -284,7 +284,7 @@ def test_several_bakes_are_exported_by_one_job_into_the_chosen_folder(out: Path,
     places = [place_for(source, out / f"{source.name}.raw") for source in sources]
     submit(places, ExportSpec(Target.RAW), overwrite=False)
     (job,) = jobs.snapshot()
-    assert title(job) == "3 bakes for Raw"
+    assert job_title(job) == "3 bakes for Raw"
     while jobs.advance():
         sleep(0.05)
     (job,) = jobs.snapshot()

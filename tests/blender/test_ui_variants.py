@@ -18,7 +18,7 @@ from radtex_addon.job.bake_plan import plan_bakes
 from radtex_addon.preview.swap import copy_of, is_on
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.panel import panel_state
-from radtex_addon.ui.panel.jobs_panel import title
+from radtex_addon.ui.panel.jobs_panel import job_title
 from radtex_addon.ui.panel.main_panel import what_is_there
 from radtex_addon.ui.settings.request import request_of, spec_of, values_of
 from radtex_addon.worker.job import State
@@ -69,7 +69,7 @@ def test_each_lamp_is_a_job_with_a_preview_and_an_export_of_its_own(out: Path) -
     submit()
     found = jobs.snapshot()
     assert [job.order.variant for job in found] == ["light of Fill, left", "light of Key", "light of world"]
-    assert title(found[1]) == "Card, light of Key"
+    assert job_title(found[1]) == "Card, light of Key"
     assert len({str(job.order.facts["spec"]) for job in found}) == 3
     with pytest.raises(InputError, match="object 'Card' is being baked there already"):
         submit()

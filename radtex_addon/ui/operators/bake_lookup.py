@@ -57,7 +57,7 @@ def sharing(layer: bpy.types.ViewLayer, name: str, scene: bpy.types.Scene, bake:
         return ()
     kind = settings_for(scene, name).kind
     try:
-        place = place_of(scene, bake, name)
+        place = bake_location(scene, bake, name)
         variants = variants_in(place, name, kind) if place.is_dir() else ()
         facts = read_facts(variants[0] if variants else shown_bake(place, name))
         return facts.texts("objects") if "objects" in facts.values else ()
@@ -101,10 +101,10 @@ def sidecar_of(scene: bpy.types.Scene, name: str, bake: str) -> Path:
     """
     from ...report.shown import shown_bake
 
-    return shown_bake(place_of(scene, bake, name), name).path
+    return shown_bake(bake_location(scene, bake, name), name).path
 
 
-def place_of(scene: bpy.types.Scene, bake: str, name: str = "") -> Path:
+def bake_location(scene: bpy.types.Scene, bake: str, name: str = "") -> Path:
     """The folder or file that `bake` names; if empty, the output folder of the object `name`, or the scene's.
 
     Raises InputError if the output folder does not exist yet, or the path cannot be read.

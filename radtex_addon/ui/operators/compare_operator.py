@@ -14,7 +14,7 @@ from bpy.props import FloatVectorProperty, IntProperty
 
 from ..jobs import jobs
 from ..panel.labels import remark
-from .bake_lookup import bake_called, originals, place_of
+from .bake_lookup import bake_called, bake_location, originals
 from .bake_operator import shown
 from .operator_mixins import AsksFirst, MayWait, OfBake
 
@@ -113,7 +113,7 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
 
         if all(map(is_on, items)):
             return dict.fromkeys(items), None
-        place = place_of(scene, bake, items[0].name)
+        place = bake_location(scene, bake, items[0].name)
         return bakes_of(items, place), place
 
     def _compare(self, scene: bpy.types.Scene, bakes: _Bakes, eye: Eye, spec: ComparisonSpec) -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
+from ...bake.bake_title import bake_title, variant_title
 from ..panel.draw_messages import wrapped
 from ..panel.labels import iface_, remark, size
 from ..settings.menu_items import KINDS
@@ -123,7 +124,7 @@ def applicable(
 def dialog_title(sources: Sequence[ExportSource]) -> str:
     """The title: what is exported."""
     if len(sources) == 1:
-        return iface_("Export Bake of {}").format(_titled(sources[0]))
+        return iface_("Export Bake of {}").format(_title_of(sources[0]))
     return iface_("Export {} Bakes").format(len(sources))
 
 
@@ -131,7 +132,7 @@ def told_bakes(sources: Sequence[ExportSource]) -> list[str]:
     """Lines on what is exported: kind, texels, folder, and when it was baked."""
     folders = sorted({shortened(source.sidecar.path.parent) for source in sources})
     if len(sources) > 1:
-        names = ", ".join(_titled(source) for source in sources[:_NAMED])
+        names = ", ".join(_title_of(source) for source in sources[:_NAMED])
         more = iface_(" and {} more").format(len(sources) - _NAMED) if len(sources) > _NAMED else ""
         return [f"{names}{more}", iface_("Baked in {}").format(", ".join(folders))]
     bake = sources[0].bake
@@ -229,15 +230,11 @@ def shortened(path: Path) -> str:
     return str(path)
 
 
-def _titled(source: ExportSource) -> str:
-    """The object or atlas, its part, frame and lamps."""
+def _title_of(source: ExportSource) -> str:
+    """The title of a finished bake."""
     bake = source.bake
-    words = [bake.object_name, *([] if bake.part is None else [bake.part.name])]
-    if bake.frame is not None:
-        words.append(iface_("frame {}").format(bake.frame))
-    if bake.lights:
-        words.append(iface_("light of {}").format(", ".join(bake.lights)))
-    return ", ".join(words)
+    part = "" if bake.part is None else bake.part.name
+    return bake_title(bake.object_name, part=part, variant=variant_title(bake.frame, bake.lights))
 
 
 def _baked_at(sidecar: Path) -> str:

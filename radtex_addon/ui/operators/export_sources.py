@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..jobs import jobs
 from ..settings.object_settings import settings_for
-from .bake_lookup import originals, place_of, sharing
+from .bake_lookup import bake_location, originals, sharing
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -90,7 +90,7 @@ def _sources_of(scene: bpy.types.Scene, called: str, bake: str) -> list[ExportSo
     from ...job.variants import variants_in
     from ...report.finished_bake import find_bakes
 
-    place, kind = place_of(scene, bake, called), settings_for(scene, called).kind
+    place, kind = bake_location(scene, bake, called), settings_for(scene, called).kind
     chosen_kind = place / file_name(called, kind, "json")
     variants = variants_in(place, called, kind) if place.is_dir() else ()
     place = chosen_kind if chosen_kind.is_file() else place

@@ -12,7 +12,7 @@ from bpy.props import IntProperty, StringProperty
 from ..jobs import jobs, pictures
 from ..panel.labels import remark
 from ..panel.redraw import redraw
-from .bake_lookup import place_of
+from .bake_lookup import bake_location
 from .bake_operator import shown
 
 if TYPE_CHECKING:
@@ -176,7 +176,7 @@ class RADTEX_OT_open_folder(bpy.types.Operator):
 
         scene, _ = shown(context)
         try:
-            folder = place_of(scene, self.directory)
+            folder = bake_location(scene, self.directory)
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}

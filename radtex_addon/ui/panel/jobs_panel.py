@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 
+from ...bake.bake_title import bake_title
 from ..jobs import jobs, pictures
 from ..operators.switch import draw_show, draw_switch
 from ..settings.menu_items import KINDS, TARGETS
@@ -54,11 +55,11 @@ class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
         row.operator("radtex.clear_jobs", icon="TRASH")
 
 
-def title(job: Job) -> str:
-    """The job's title: object, part, kind and variant, and the work."""
+def job_title(job: Job) -> str:
+    """The job's title: that of the bake, and the work."""
     about = job.order.about
     kind = iface_(_KINDS[about]) if about in _KINDS else ""
-    name = ", ".join(filter(None, (job.object, job.order.part, kind, job.order.variant)))
+    name = bake_title(job.object, part=job.order.part, kind=kind, variant=job.order.variant)
     if (count := len(job.order.facts.get("folders", ()))) > 1:
         name = iface_("{} bakes").format(count)
     return iface_(_TITLES[job.work]).format(name, _TARGETS.get(about, ""))
@@ -77,7 +78,7 @@ def phrase(job: Job) -> str:
 
 def _draw_job(column: Any, job: Job) -> None:
     row = column.row(align=True)
-    row.label(text=title(job), icon=_ICONS.get(job.state, _RUNNING[job.work]), translate=False)
+    row.label(text=job_title(job), icon=_ICONS.get(job.state, _RUNNING[job.work]), translate=False)
     if not job.ended:
         row.operator("radtex.cancel", text="", icon="X").number = job.number
         column.progress(factor=job.fraction, text=phrase(job), translate=False)
