@@ -135,6 +135,7 @@ def check_bake(bake: ExportSource, spec: ExportSpec) -> None:
     path = bake.sidecar.path
     check_target(path, bake.bake.kind, spec.target)
     _check_layers(bake, spec)
+    bake.form.check_textures(bake.sidecar, spec)
     if spec.mirror:
         check_mirror(path, bake.bake.kind, 1)
     needed = _LEAST_BYTES + bake.form.export_bytes(bake.sidecar)

@@ -149,6 +149,10 @@ class Form(Protocol):
         """The flat lightmap (H, W, 3 or 4): see `textures.flat_lightmap`."""
         ...
 
+    def check_textures(self, sidecar: SidecarFile, spec: ExportSpec) -> None:
+        """Raise InputError for options that `write_textures` would refuse, as far as the sidecar tells."""
+        ...
+
     def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
         """Write the bake's textures into `folder`, named as its images with other suffixes; entries by layer.
 

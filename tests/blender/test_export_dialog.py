@@ -208,6 +208,22 @@ def test_settings_that_do_not_go_together_are_said_before(plain: Path) -> None:
     assert "mirror ball reads no slices" in said(RADTEX_OT_asked.drawn)
 
 
+@pytest.mark.parametrize(
+    ("kept", "settings", "words"),
+    [
+        ("layered", {"format": "exr"}, "mip levels, which EXRs cannot hold"),
+        ("plain", {"levels": 15}, "which make 5 levels at most"),
+    ],
+)
+def test_textures_that_a_bake_cannot_have_are_said_before(
+    kept: str, settings: dict[str, Any], words: str, bakes: Mapping[str, Path], tmp_path: Path
+) -> None:
+    bake = shutil.copytree(bakes[kept], tmp_path / "bake")
+    with pytest.raises(RuntimeError, match=words):
+        asked(bake=str(bake), object=NAME, target="raw", **settings)
+    assert words in said(RADTEX_OT_asked.drawn)
+
+
 @pytest.mark.parametrize("kept", ["plain", "layered", "shadow"])
 @pytest.mark.parametrize("target", [Target.WEB, Target.RAW])
 def test_textures_are_about_as_large_as_said(

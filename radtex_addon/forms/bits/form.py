@@ -37,7 +37,7 @@ from ..buckets.form import Buckets
 from ..form import Form, PreviewOf
 from ..outcome import Outcome
 from .bake import bake_bits
-from .textures import write_shadow_texture
+from .textures import check_shadow_texture, write_shadow_texture
 
 _WORD = 4  # bytes
 _CELL = 12  # bytes per cell in an export, which unpacks the bits
@@ -83,6 +83,9 @@ class Bits(Buckets):
         light = mean_of_buckets(pixels, AtlasLayout(facts.width, facts.height, facts.bucket))
         check_means(sidecar.path, covered_texels(surface, facts.width, facts.height), light)
         return light
+
+    def check_textures(self, sidecar: SidecarFile, spec: ExportSpec) -> None:
+        check_shadow_texture(sidecar, spec)
 
     def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
         return write_shadow_texture(sidecar, spec, folder)

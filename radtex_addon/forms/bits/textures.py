@@ -14,9 +14,24 @@ from ...formats.codecs.bc7 import Blocks
 from ...formats.containers.ktx2 import write_ktx2
 from ...formats.containers.texture import PixelFormat, Texture
 from ...formats.shadow_files import Words, read_shadow_of
+from ...formats.sidecar import read_sidecar
 from ...formats.sidecar_file import SidecarFile
 from ...textures.entry import Arranged, Container, TextureEntry
 from ...textures.export_spec import Arrangement, ExportSpec, TextureFormat
+
+
+def check_shadow_texture(sidecar: SidecarFile, spec: ExportSpec) -> None:
+    """As `Form.check_textures`."""
+    if spec.format is not TextureFormat.AUTO:
+        raise InputError(f"{sidecar} holds bits, not light", leave_out(Setting.FORMAT))
+    if spec.arrangement is not Arrangement.MATRIX or (spec.levels or 1) > 1:
+        raise InputError(
+            f"{sidecar} holds bits, which are not blended", leave_out(Setting.ARRANGEMENT, Setting.LEVELS)
+        )
+    facts = read_sidecar(sidecar)
+    if max(facts.width, facts.height) > spec.most_pixels:
+        size = f"{facts.width} x {facts.height} pixels"
+        raise InputError(f"{sidecar} would be a texture of {size}: raise the limit of {spec.most_pixels}")
 
 
 def write_shadow_texture(sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
@@ -26,16 +41,8 @@ def write_shadow_texture(sidecar: SidecarFile, spec: ExportSpec, folder: Path) -
     RG32UI, whose layer k has the words 2 k and 2 k + 1. Raises InputError for options that bits do not
     support, FormatError for files that cannot be read, BakeError where the system refuses.
     """
-    if spec.format is not TextureFormat.AUTO:
-        raise InputError(f"{sidecar} holds bits, not light", leave_out(Setting.FORMAT))
-    if spec.arrangement is not Arrangement.MATRIX or (spec.levels or 1) > 1:
-        raise InputError(
-            f"{sidecar} holds bits, which are not blended", leave_out(Setting.ARRANGEMENT, Setting.LEVELS)
-        )
+    check_shadow_texture(sidecar, spec)
     words, facts = read_shadow_of(sidecar)
-    if max(facts.width, facts.height) > spec.most_pixels:
-        size = f"{facts.width} x {facts.height} pixels"
-        raise InputError(f"{sidecar} would be a texture of {size}: raise the limit of {spec.most_pixels}")
     texture = shadow_texture(words)
     path = folder / sidecar.path.with_suffix(".ktx2").name
     write_ktx2(path, texture, spec.zstd, premultiplied=False)

@@ -40,7 +40,7 @@ from ..outcome import Outcome
 from .bake import bake_buckets, bucket_images
 from .flat import flat_buckets, light_channels
 from .godot import buckets_shader
-from .textures import write_buckets
+from .textures import check_buckets, write_buckets
 
 _TEXEL = 80  # bytes per texel in an export, for the flat lightmap and the check that it is of this mesh
 
@@ -123,6 +123,9 @@ class Buckets:
         yield from ()
         leaves = Kind(read_sidecar(sidecar).kind).traits.light is Light.LEAVING
         return flat_buckets(sidecar, surface, light_channels(sidecar) if leaves else slice(3))
+
+    def check_textures(self, sidecar: SidecarFile, spec: ExportSpec) -> None:
+        check_buckets(sidecar, spec)
 
     def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
         return write_buckets(sidecar, spec, folder)

@@ -10,7 +10,9 @@ from pathlib import Path
 from ...core.atlas import AtlasLayout
 from ...formats.bucket_files import BASE, image_path, read_layer
 from ...formats.bucket_rows import open_buckets, open_layer
+from ...formats.sidecar import read_sidecar
 from ...formats.sidecar_file import SidecarFile
+from ...textures.choice import checked_levels
 from ...textures.entry import TextureEntry
 from ...textures.export_spec import ExportSpec, TextureFormat
 from ...textures.matrix import write_matrix
@@ -22,6 +24,13 @@ _EXACT = {
     TextureFormat.KTX2_BC6H: TextureFormat.KTX2_RGBA16F,
     TextureFormat.DDS_BC6H: TextureFormat.DDS_RGBA16F,
 }
+
+
+def check_buckets(sidecar: SidecarFile, spec: ExportSpec) -> None:
+    """As `Form.check_textures`."""
+    facts = read_sidecar(sidecar)
+    if spec.format is not TextureFormat.EXR:  # which `write_matrix` refuses to have levels
+        checked_levels(sidecar.path, AtlasLayout(facts.width, facts.height, facts.bucket), spec)
 
 
 def write_buckets(sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:

@@ -62,7 +62,7 @@ from .preview.material import check_layered_previewable, preview_layered_materia
 from .preview.osl import add_layered_osl_node
 from .shader_values import exported_facts
 from .signature import own_texels
-from .textures import write_layered_textures
+from .textures import check_layered_textures, write_layered_textures
 
 _VALUE = 12  # bytes per value in an export, which reads whole images
 
@@ -131,6 +131,9 @@ class Layered:
 
     def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
         return flat_layered(sidecar, surface)
+
+    def check_textures(self, sidecar: SidecarFile, spec: ExportSpec) -> None:
+        check_layered_textures(sidecar, spec)
 
     def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
         return write_layered_textures(sidecar, spec, folder)

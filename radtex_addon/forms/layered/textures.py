@@ -29,6 +29,13 @@ _LIGHT = frozenset({COLOUR, IRRADIANCE, TINT, WORLD})  # colours without alpha, 
 
 def write_layered_textures(sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
     """As `Form.write_textures`. What is no light becomes RGBA16F where `spec` asks for no blocks."""
+    check_layered_textures(sidecar, spec)
+    facts = read_layered_sidecar(sidecar)
+    return {layer: _write_layer(sidecar, facts, layer, spec, folder) for layer in facts.shapes}
+
+
+def check_layered_textures(sidecar: SidecarFile, spec: ExportSpec) -> None:
+    """As `Form.check_textures`."""
     if spec.arrangement is not Arrangement.MATRIX or (spec.levels or 1) > 1:
         raise InputError(
             f"{sidecar} is of the layered layout", leave_out(Setting.ARRANGEMENT, Setting.LEVELS)
@@ -39,8 +46,6 @@ def write_layered_textures(sidecar: SidecarFile, spec: ExportSpec, folder: Path)
             choose(TextureFormat.KTX2_RGBA16F),
             do("choose DDS", Setting.FORMAT, value=str(TextureFormat.DDS_RGBA16F)),
         )
-    facts = read_layered_sidecar(sidecar)
-    return {layer: _write_layer(sidecar, facts, layer, spec, folder) for layer in facts.shapes}
 
 
 def _is_in_blocks(layer: str, spec: ExportSpec) -> bool:

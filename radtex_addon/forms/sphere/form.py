@@ -34,7 +34,7 @@ from ..buckets.form import Buckets, defines, has_samples_and_cells
 from ..form import Form, PreviewOf
 from ..outcome import Outcome
 from .bake import bake_transfer
-from .textures import flat_sphere, write_sphere
+from .textures import check_sphere, flat_sphere, write_sphere
 
 _PIXEL = 48  # bytes per pixel in an export, which reads the whole image
 
@@ -85,6 +85,9 @@ class Sphere(Buckets):
     def flat(self, sidecar: SidecarFile, surface: SurfaceMesh) -> Generator[Step, None, Floats]:
         yield from ()
         return flat_sphere(sidecar, surface)
+
+    def check_textures(self, sidecar: SidecarFile, spec: ExportSpec) -> None:
+        check_sphere(sidecar, spec)
 
     def write_textures(self, sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
         return write_sphere(sidecar, spec, folder)

@@ -23,20 +23,17 @@ from ...textures.matrix import write_matrix
 
 def write_sphere(sidecar: SidecarFile, spec: ExportSpec, folder: Path) -> dict[str, TextureEntry]:
     """As `Form.write_textures`."""
+    check_sphere(sidecar, spec)
     image, facts = open_transfer(sidecar)
-    return {facts.bake.kind: write_matrix(image, facts.stored, _one_level(sidecar, spec), folder)}
+    return {facts.bake.kind: write_matrix(image, facts.stored, replace(spec, levels=1), folder)}
 
 
-def _one_level(sidecar: SidecarFile, spec: ExportSpec) -> ExportSpec:
-    """The `spec` with one level: buckets of the whole sphere are exported as a matrix without mip levels.
-
-    Raises InputError, with the `sidecar`, if `spec` asks for something else.
-    """
+def check_sphere(sidecar: SidecarFile, spec: ExportSpec) -> None:
+    """As `Form.check_textures`: buckets of the whole sphere are exported as a matrix without mip levels."""
     if spec.arrangement is not Arrangement.MATRIX or (spec.levels or 1) > 1:
         raise InputError(
             f"{sidecar} has one level in a matrix", leave_out(Setting.ARRANGEMENT, Setting.LEVELS)
         )
-    return replace(spec, levels=1)
 
 
 def flat_sphere(sidecar: SidecarFile, surface: SurfaceMesh) -> Floats:
