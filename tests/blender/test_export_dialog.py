@@ -24,6 +24,7 @@ from radtex_addon.textures.export_spec import TAKES, ExportSpec, Target
 from radtex_addon.ui import registration
 from radtex_addon.ui.operators.export_dialog import dialog_title, draw_dialog
 from radtex_addon.ui.operators.export_operator import RADTEX_OT_export
+from radtex_addon.ui.settings.preferences import ADDON
 from tests.blender import stage
 from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.test_swap import LAYERED, NAME, PLAIN, ball
@@ -206,6 +207,27 @@ def test_settings_that_do_not_go_together_are_said_before(plain: Path) -> None:
     with pytest.raises(RuntimeError, match="mirror ball reads no slices"):
         asked(bake=str(plain), object=NAME, target="web", mirror=True, arrangement="slices")
     assert "mirror ball reads no slices" in said(RADTEX_OT_asked.drawn)
+
+
+def test_a_dialog_starts_with_what_was_chosen_in_the_last_one(plain: Path, tmp_path: Path) -> None:
+    """In other files, too, but for a folder that is no longer there."""
+    game, settings = tmp_path / "game", {"bake": str(plain), "object": NAME}
+    game.mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "another.blend"), copy=True)
+    addon = context.preferences.addons.new()
+    addon.module = ADDON
+    try:
+        asked(**settings, target="raw", into=str(game))
+        assert context.preferences.is_dirty
+        assert (game / f"{NAME}.raw").is_dir()
+        bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "another.blend"))
+        drawn = asked(bake=str(plain), object=OTHER)
+        assert f"Makes the folder {OTHER}.raw in //game" in said(drawn)
+        assert (game / f"{OTHER}.raw").is_dir()
+        shutil.rmtree(game)
+        assert f"Makes the folder {OTHER}.raw in //bake" in said(asked(bake=str(plain), object=OTHER))
+    finally:
+        context.preferences.addons.remove(addon)
 
 
 @pytest.mark.parametrize(

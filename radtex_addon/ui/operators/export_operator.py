@@ -12,6 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from ..panel.labels import iface_, remark
 from ..settings.menu_items import TARGETS
+from ..settings.preferences import preferred, remember_export
 from .bake_lookup import in_object_mode
 from .bake_operator import shown
 from .export_dialog import WIDTH, Plan, applicable, dialog_title, draw_dialog, planned
@@ -165,13 +166,18 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         )
 
     def ask_for(self, context: bpy.types.Context) -> None:
-        """Find the bakes that the dialog is about, and set Overwrite, which it shows where it matters.
+        """Find the bakes that the dialog is about, and set what it starts with: the last target and folder.
 
-        Raises RadTexError if there are none.
+        Overwrite is on, and shown where it matters. Raises RadTexError if there are no bakes.
         """
+        last = preferred()
         self._sources = tuple(export_sources(*shown(context), self.object, self.bake))
         if not self.properties.is_property_set("overwrite"):
             self.overwrite = True
+        if not self.properties.is_property_set("target"):
+            self.target = last.export_target
+        if not self.properties.is_property_set("into") and _is_there(last.export_into):
+            self.into = last.export_into
         assert context.scene is not None  # as in every window
         self.scene_name = self.scene_name or context.scene.name
         self.check(context)
@@ -220,6 +226,8 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
                 self._export(places, spec)
             else:
                 submit(places, spec, overwrite=self.overwrite)
+            if self._sources:
+                remember_export(self.target, self.into)
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
@@ -302,3 +310,9 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         for place in places:
             made = finished(export_steps(place.sidecar, spec, place.out, overwrite=self.overwrite))
             self.report({"INFO"}, f"Exported {made.name} to {made.folder}: {size(made.bytes)}")
+
+
+def _is_there(folder: str) -> bool:
+    """Whether a folder of an earlier file can be used in this one: `//` needs a file that was saved."""
+    is_usable = bool(bpy.data.filepath) or not folder.startswith("//")
+    return bool(folder) and is_usable and Path(bpy.path.abspath(folder)).is_dir()

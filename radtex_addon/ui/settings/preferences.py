@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Add-on preferences: device, folders, memory limit, and the preset of new files."""
+"""Add-on preferences: device, folders, memory limit, the preset of new files, and where exports go."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from ..panel.labels import iface_
-from .menu_items import DEVICES
+from .menu_items import DEVICES, TARGETS
 from .presets import STOCK
 
 # "bl_ext.user_default.radtex" when installed as an extension.
@@ -21,13 +21,18 @@ ADDON = __package__.rpartition(".radtex_addon")[0] or "radtex_addon"
 
 @dataclass(frozen=True)
 class Preferred:
-    """The preferences' values; folders and the memory limit are None if not set, `preset` is empty."""
+    """The preferences' values; folders and the memory limit are None if not set, `preset` is empty.
+
+    `export_into` is a folder as the user wrote it, empty for one beside each bake.
+    """
 
     device: str = "auto"
     output: Path | None = None
     cache: Path | None = None
     memory_mb: int | None = None
     preset: str = ""
+    export_target: str = "gltf"
+    export_into: str = ""
 
 
 class RADTEX_preferences(bpy.types.AddonPreferences):
@@ -41,6 +46,8 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
         cache_folder: str
         memory_mb: int
         default_preset: str
+        export_target: str
+        export_into: str
     else:
         device: EnumProperty(
             name="Device",
@@ -74,6 +81,18 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
             items=(("none", "None", "RadTex's own defaults"), *STOCK),
             default="none",
         )
+        export_target: EnumProperty(
+            name="Export To",
+            description="What the export dialog starts with: the target that was last chosen there",
+            items=TARGETS,
+            default="gltf",
+        )
+        export_into: StringProperty(
+            name="Export Into",
+            description="Where the export dialog makes folders: what was last chosen there. Left empty, "
+            "beside each bake",
+            subtype="DIR_PATH",
+        )
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout = self.layout
@@ -83,23 +102,45 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
         layout.use_property_split = True
         for name in ("device", "memory_mb", "output_folder", "cache_folder", "default_preset"):
             layout.prop(self, name)
+        for name in ("export_target", "export_into"):
+            layout.prop(self, name)
         layout.operator("radtex.copy_report", text="Copy System Information for a Report", icon="COPYDOWN")
 
 
 def preferred() -> Preferred:
     """The current preferences; defaults if RadTex is not installed as an add-on."""
-    assert bpy.context.preferences is not None  # only restricted contexts have none
-    addon = bpy.context.preferences.addons.get(ADDON)
-    if addon is None or addon.preferences is None:
+    found = _preferences()
+    if found is None:
         return Preferred()
-    found = cast(RADTEX_preferences, addon.preferences)
     return Preferred(
         device=found.device,
         output=_folder(found.output_folder),
         cache=_folder(found.cache_folder),
         memory_mb=found.memory_mb or None,
         preset="" if found.default_preset == "none" else found.default_preset,
+        export_target=found.export_target,
+        export_into=found.export_into,
     )
+
+
+def remember_export(target: str, into: str) -> None:
+    """Let the next export dialog start with these, in new files and later sessions, too."""
+    found = _preferences()
+    if found is None or (found.export_target, found.export_into) == (target, into):
+        return
+    found.export_target, found.export_into = target, into
+    assert bpy.context.preferences is not None  # as above
+    bpy.context.preferences.is_dirty = (
+        True  # so that Blender saves them at its end
+    )
+
+
+def _preferences() -> RADTEX_preferences | None:
+    """The preferences; None if RadTex is not installed as an add-on."""
+    assert bpy.context.preferences is not None  # only restricted contexts have none
+    addon = bpy.context.preferences.addons.get(ADDON)
+    found = None if addon is None else addon.preferences
+    return None if found is None else cast(RADTEX_preferences, found)
 
 
 def _folder(text: str) -> Path | None:
