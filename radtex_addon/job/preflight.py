@@ -14,7 +14,7 @@ import bpy
 
 from ..bake.spec import BakeSpec
 from ..core.errors import InputError
-from ..core.messages import Message
+from ..core.messages import Message, Setting, do, leave_out
 from ..forms import form_for
 from ..textures.export_spec import Target
 from .checks import check_request
@@ -73,8 +73,12 @@ def _check_uv(item: bpy.types.Object, spec: BakeSpec) -> None:
     layers = [layer.name for layer in item.data.uv_layers]
     if spec.uv_layer is None or spec.uv_layer in layers or item.modifiers:
         return
-    known = f"choose {_listed(layers)}" if layers else "it has none: unwrap it"
-    raise InputError(f"object '{item.name}' has no UV layer '{spec.uv_layer}': {known}, or leave it empty")
+    remedies = [do(f"choose {_listed(layers)}", Setting.UV)] if layers else []
+    raise InputError(
+        f"object '{item.name}' has no UV layer '{spec.uv_layer}'",
+        *remedies,
+        leave_out(Setting.UV, to="to have one made"),
+    )
 
 
 def _listed(names: Iterable[str]) -> str:

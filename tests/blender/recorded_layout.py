@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import bpy
@@ -16,12 +17,15 @@ _ICONS = {one.identifier for one in _FUNCTIONS["label"].parameters["icon"].enum_
 class RecordedLayout:
     """`texts` are the labels, `settings` the names of the properties, in the order in which they are drawn.
 
+    `buttons` are the operators' names and the arguments that they are given.
+
     AssertionError for a keyword, an icon or a property that Blender does not know.
     """
 
     def __init__(self) -> None:
         self.texts: list[str] = []
         self.settings: list[str] = []
+        self.buttons: list[tuple[str, SimpleNamespace]] = []
 
     def label(self, **options: Any) -> None:
         _check("label", options)
@@ -29,7 +33,8 @@ class RecordedLayout:
 
     def prop(self, data: Any, name: str, **options: Any) -> None:
         _check("prop", options)
-        assert name in data.bl_rna.properties or name in data.properties.bl_rna.properties, name
+        known = data.bl_rna.properties
+        assert name in known or name in data.properties.bl_rna.properties, name
         self.settings.append(name)
 
     def row(self, **options: Any) -> RecordedLayout:
@@ -39,6 +44,16 @@ class RecordedLayout:
     def column(self, **options: Any) -> RecordedLayout:
         _check("column", options)
         return self
+
+    def box(self) -> RecordedLayout:
+        return self
+
+    def operator(self, name: str, **options: Any) -> SimpleNamespace:
+        _check("operator", options)
+        arguments = SimpleNamespace()
+        self.texts.append(options.get("text", ""))
+        self.buttons.append((name, arguments))
+        return arguments
 
     def separator(self, **options: Any) -> None:
         _check("separator", options)

@@ -85,7 +85,7 @@ def test_what_would_fail_is_said_in_place(tmp_path: Path) -> None:
     context.object.hide_render = False
     settings().uv_layer = "Other"
     assert tuple(map(str, seen().errors)) == (
-        "object 'Card' has no UV layer 'Other': choose 'UVMap', or leave it empty",
+        "object 'Card' has no UV layer 'Other': choose 'UVMap', or leave the UV layer out to have one made",
     )
     settings().uv_layer = "UVMap"
     assert seen().errors == ()

@@ -9,10 +9,14 @@ from typing import Any
 import blf
 import bpy
 
+from ...core.messages import Message
 from ..settings.bake_settings import BakeSettings
+from ..settings.object_settings import by_settings, settings_for
+from ..settings.preferences import addon_preferences
 from .labels import remark
 from .not_baked import CONVERT
 from .panel_state import Forecast
+from .remedies import offers
 
 _UI_FONT = 0
 _BESIDE = 86.0  # pixels of the sidebar's width not available to text: margins, icon, tabs
@@ -42,10 +46,12 @@ def wrapped(text: str, room: float) -> list[str]:
     return lines
 
 
-def draw_remarks(layout: Any, settings: BakeSettings, found: Forecast) -> None:
-    """Draw errors, what settles them, and warnings."""
+def draw_remarks(layout: Any, scene: bpy.types.Scene, settings: BakeSettings, found: Forecast) -> None:
+    """Draw errors, what settles them, and warnings; `settings` are those that the panel shows."""
     for message in found.errors:
-        draw_text(layout.box(), remark(message, found.folder), "ERROR")
+        box = layout.box()
+        draw_text(box, remark(message, found.folder), "ERROR")
+        _draw_offers(box, scene, message, found)
     for other in found.not_baked:
         box = layout.box()
         draw_text(box, other.text, "INFO")
@@ -58,7 +64,25 @@ def draw_remarks(layout: Any, settings: BakeSettings, found: Forecast) -> None:
         column.operator("wm.save_as_mainfile", text="Save File…", icon="FILE_TICK")
         column.prop(settings, "directory", text="Folder")
     for message in found.warnings:
-        draw_text(layout.box(), remark(message, found.folder), "INFO")
+        box = layout.box()
+        draw_text(box, remark(message, found.folder), "INFO")
+        _draw_offers(box, scene, message, found)
+
+
+def _draw_offers(box: Any, scene: bpy.types.Scene, message: Message, found: Forecast) -> None:
+    """Draw buttons that do what a message says, where it is clear whose settings it is about."""
+    if not found.objects or len(by_settings(scene, found.objects)) > 1:
+        return
+    settings, preferences = settings_for(scene, found.objects[0]), addon_preferences()
+    for offer in offers(message, settings):
+        if offer.preference:
+            if preferences is not None:
+                box.prop(preferences, offer.name)
+        elif offer.text:
+            button = box.operator("radtex.apply_remedy", text=offer.text, translate=False)
+            button.object, button.name, button.value = found.objects[0], offer.name, offer.value
+        elif not (offer.name == "directory" and found.needs_folder):  # which is drawn below
+            box.prop(settings, offer.name)
 
 
 def _room() -> float:

@@ -53,7 +53,7 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         layout.label(text=time_and_size(found), translate=False)
         for line in what_is_there(found):
             draw_text(layout, line, "INFO")
-        draw_remarks(layout, settings, found)
+        draw_remarks(layout, cast(bpy.types.Scene, context.scene), settings, found)
         for line in found.sizes:
             draw_text(layout, line, "BLANK1")
         if found.shown:

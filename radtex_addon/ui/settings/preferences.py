@@ -109,7 +109,7 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
 
 def preferred() -> Preferred:
     """The current preferences; defaults if RadTex is not installed as an add-on."""
-    found = _preferences()
+    found = addon_preferences()
     if found is None:
         return Preferred()
     return Preferred(
@@ -125,22 +125,21 @@ def preferred() -> Preferred:
 
 def remember_export(target: str, into: str) -> None:
     """Let the next export dialog start with these, in new files and later sessions, too."""
-    found = _preferences()
+    found = addon_preferences()
     if found is None or (found.export_target, found.export_into) == (target, into):
         return
     found.export_target, found.export_into = target, into
     assert bpy.context.preferences is not None  # as above
-    bpy.context.preferences.is_dirty = (
-        True  # so that Blender saves them at its end
-    )
+    bpy.context.preferences.is_dirty = True  # so that Blender saves them at its end
 
 
-def _preferences() -> RADTEX_preferences | None:
+def addon_preferences() -> RADTEX_preferences | None:
     """The preferences; None if RadTex is not installed as an add-on."""
     assert bpy.context.preferences is not None  # only restricted contexts have none
     addon = bpy.context.preferences.addons.get(ADDON)
-    found = None if addon is None else addon.preferences
-    return None if found is None else cast(RADTEX_preferences, found)
+    if addon is None or addon.preferences is None:
+        return None
+    return cast(RADTEX_preferences, addon.preferences)
 
 
 def _folder(text: str) -> Path | None:
