@@ -86,6 +86,18 @@ def is_whole(out: Path) -> bool:
     return bool(names) and all((out / name).is_file() for name in names)
 
 
+def remove_export(out: Path) -> None:
+    """Delete all files that exports wrote into a folder, and the folder if nothing else is in it.
+
+    Raises OSError.
+    """
+    for name in sorted(_listed(out) - {LIST}):
+        _remove(out, name)
+    (out / LIST).unlink(missing_ok=True)
+    with suppress(OSError):  # it is not empty
+        out.rmdir()
+
+
 def files_in(folder: Path) -> list[str]:
     """All files below a folder, relative to it, with slashes."""
     return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())

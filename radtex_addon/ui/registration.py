@@ -13,6 +13,7 @@ from .operators import keys
 from .operators.apply_operators import RADTEX_OT_apply_to_copy, RADTEX_OT_make_asset
 from .operators.bake_operator import RADTEX_OT_bake
 from .operators.browser_operator import RADTEX_OT_show_in_browser
+from .operators.delete_operator import RADTEX_OT_delete_bake
 from .operators.estimate_operator import RADTEX_OT_cancel_estimate, RADTEX_OT_estimate
 from .operators.job_operators import (
     RADTEX_OT_cancel,
@@ -63,6 +64,7 @@ CLASSES = (
     RADTEX_OT_show_in_browser,
     RADTEX_OT_apply_to_copy,
     RADTEX_OT_make_asset,
+    RADTEX_OT_delete_bake,
     RADTEX_OT_preset_add,
     RADTEX_OT_preset_apply,
     RADTEX_PT_presets,

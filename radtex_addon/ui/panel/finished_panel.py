@@ -36,6 +36,7 @@ class RADTEX_PT_afterwards(Sidebar, bpy.types.Panel):
         column.operator("radtex.show_in_browser", icon="URL")
         column.operator("radtex.export", text="Export…", icon="EXPORT")
         column.operator("radtex.open_folder", icon="FILE_FOLDER")
+        column.operator("radtex.delete_bake", text="Delete Bake…", icon="TRASH")
 
 
 CLASSES = (

@@ -52,7 +52,7 @@ class RADTEX_PT_jobs(Sidebar, bpy.types.Panel):
             _draw_job(layout.box().column(align=True), job)
         row = layout.row(align=True)
         row.operator("radtex.cancel", text="Cancel All", icon="CANCEL")
-        row.operator("radtex.clear_jobs", icon="TRASH")
+        row.operator("radtex.clear_jobs", icon="X")
 
 
 def job_title(job: Job) -> str:
@@ -85,7 +85,7 @@ def _draw_job(column: Any, job: Job) -> None:
         _draw_map(column, job, pictures.icon(job))
         _draw_warnings(column, job)
         return
-    row.operator("radtex.clear_jobs", text="", icon="TRASH", emboss=False).number = job.number
+    row.operator("radtex.clear_jobs", text="", icon="X", emboss=False).number = job.number
     if job.state == "done":  # the icon shows the state, so no text
         for line in results(job, jobs.snapshot()):
             draw_text(column, line, "BLANK1")
@@ -178,6 +178,7 @@ def _offer_bake(column: Any, job: Job) -> None:
         buttons.append(row.operator("radtex.compare", text="", icon="IMAGE_REFERENCE"))
         buttons.append(row.operator("radtex.show_in_browser", text="", icon="URL"))
         buttons.append(row.operator("radtex.export", text="", icon="EXPORT"))
+    buttons.append(row.operator("radtex.delete_bake", text="", icon="TRASH"))
     for button in buttons:
         button.object, button.bake = job.object, sidecar
     row.operator("radtex.open_folder", text="", icon="FILE_FOLDER").directory = str(job.out)

@@ -28,6 +28,7 @@ class RADTEX_MT_object(bpy.types.Menu):
         layout.operator("radtex.compare", icon="IMAGE_REFERENCE")
         layout.operator("radtex.show_in_browser", icon="URL")
         layout.operator("radtex.export", icon="EXPORT")
+        layout.operator("radtex.delete_bake", text="Delete Bake…", icon="TRASH")
         layout.separator()
         layout.operator_menu_enum("radtex.list_add", "what")
 
