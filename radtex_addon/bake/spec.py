@@ -82,6 +82,8 @@ class BakeSpec(SpecFields):
       atlas is of one `part`, a material's name or a UDIM tile's number; None for an atlas of each.
     * `denoise`: cells of light, and transfer, are denoised; not in the layered layout, whose fit has no such
       noise, nor where samples are added to an atlas. The command line and the panel have it on.
+    * `alone`: no other object is seen or casts shadows, but for a `source`; lamps and the world are as they
+      are.
     * `sheet`: cells of the plain layout are rendered in sheets of about `sheet`² pixels, each with its seed.
     """
 

@@ -86,6 +86,8 @@ def _check_kind(spec: SpecFields) -> None:
         raise InputError(
             f"{spec.kind} shows the object itself", do("bake a proxy"), leave_out(Setting.CONTENT)
         )
+    if spec.alone and kind.content:
+        raise InputError(f"{spec.kind} shows other objects", leave_out(Setting.ALONE))
     if spec.view is not View.NORMAL and not kind.views:
         raise InputError(f"{spec.kind} is not baked for a view, such as {spec.view}", leave_out(Setting.VIEW))
     if kind.light is Light.RESPONSE:

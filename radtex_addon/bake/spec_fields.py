@@ -68,6 +68,7 @@ class SpecFields:
     where: str | None = None
     sheet: int = SHEET
     denoise: bool = False
+    alone: bool = False
 
     @property
     def form(self) -> FormTraits:

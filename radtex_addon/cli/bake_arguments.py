@@ -110,6 +110,12 @@ def _add_light(group: argparse._ArgumentGroup) -> None:
         help="of ao, what is farther than D, in scene units, counts as open (default: nothing does)",
     )
     group.add_argument(
+        "--alone",
+        action="store_true",
+        help="bake each object as if it stood alone: no other object is seen, or casts shadows; lamps and "
+        "the world stay",
+    )
+    group.add_argument(
         "--from",
         dest="source",
         metavar="NAME",

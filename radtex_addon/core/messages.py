@@ -20,6 +20,7 @@ class Setting(StrEnum):
     """A setting that the user can change. The value is its default name in messages."""
 
     ACCUMULATE = "accumulating"
+    ALONE = "choice to bake it alone"
     AO_DISTANCE = "distance of ambient occlusion"
     ARRANGEMENT = "arrangement"
     BUCKET = "cells"

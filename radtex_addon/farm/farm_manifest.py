@@ -242,5 +242,9 @@ def check_farmable(spec: BakeSpec) -> None:
         raise InputError(
             "a farm bakes anew", leave_out(Setting.ACCUMULATE, Setting.REFRESH), do("bake without a farm")
         )
+    if spec.alone:
+        raise InputError(
+            "a farm bakes the scene as it is", leave_out(Setting.ALONE), do("bake without a farm")
+        )
     if spec.capture is not CaptureMethod.PORTAL:
         raise InputError("a farm's frames are taken by the portal", leave_out(Setting.CAPTURE))

@@ -89,7 +89,7 @@ class Sidecar:
     many `islands`, which cover a share of the atlas, the `coverage`; both are None if unknown. The
     `texel_density` is given if the atlas's size follows from a density. `wasteful` says why the map wastes
     its atlas, to go on after "the map …", and is empty if it does not. The `fingerprint` tells what was
-    baked, None if unknown.
+    baked, None if unknown. `alone`: it was baked without the scene's other objects.
     """
 
     object_name: str
@@ -120,6 +120,7 @@ class Sidecar:
     texel_density: TexelDensity | None = None
     wasteful: str = ""
     fingerprint: Fingerprint | None = None
+    alone: bool = False
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -167,6 +168,7 @@ class Sidecar:
             "part": part and {"by": part.by, "name": part.name, "index": part.index},
             "texel_samples": self.texel_samples or None,
             "denoised": self.denoised or None,
+            "alone": self.alone or None,
             "islands": self.islands,
             "coverage": self.coverage,
             "texel_density": density and {"asked": density.asked, "reached": density.reached},
@@ -225,6 +227,7 @@ class Sidecar:
             texel_density=density_in(facts),
             wasteful=facts.text("wasteful") if "wasteful" in facts.values else "",
             fingerprint=fingerprint_in(facts),
+            alone=facts.values.get("alone") is True,
         )
 
 

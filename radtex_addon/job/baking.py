@@ -38,6 +38,7 @@ from ..prepare.map_checks import wasteful_map
 from ..prepare.prepared import Prepared, prepare
 from ..prepare.unwrapping import COUNTED, Unwraps
 from ..preview.swap import previews_not_rendered
+from ..scene.alone import leave_alone
 from ..scene.at_frame import at_frame
 from ..scene.camera_place import find_camera_place
 from ..scene.lights.lamps import light_only
@@ -319,6 +320,8 @@ def bake_unchecked(
         use_device(scratch, spec.device) as device,  # before the unwrap, which may take long
     ):
         originals = [find_object(scratch, each) for each in spec.objects or (name,)]
+        if spec.alone:
+            leave_alone(scratch, {*(spec.objects or (name,)), spec.source, spec.cage})
         if spec.frame is not None:
             check_seen(scratch, find_view_layer(scratch, None), originals, spec)
         store.set_facts({"device": device})

@@ -58,6 +58,7 @@ def _is_of(facts: Facts, name: str, spec: BakeSpec) -> bool:
         "seed": spec.seed,
         "objects": list(spec.objects) or None,
         "ao_distance": spec.ao_distance,
+        "alone": spec.alone or None,
     }
     if spec.uv_layer is not None:
         asked["uv_map"] = spec.uv_layer

@@ -51,4 +51,5 @@ def facts_of(
         texel_density=texel_density,
         wasteful=wasteful,
         fingerprint=fingerprint,
+        alone=spec.alone,
     )

@@ -81,6 +81,7 @@ class Finished:
             frame=bake.frame,
             lights=bake.lights,
             denoise=bake.denoised,
+            alone=bake.alone,
         )
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import bpy
 
 from ..formats.sidecar import Sidecar
+from ..scene.alone import leave_alone
 from ..scene.lights.lamps import light_only
 from ..scene.mesh.cage import take_cage_out, take_out
 from ..scene.mesh.source_hits import find_source
@@ -31,19 +32,23 @@ def reference_of(scratch: bpy.types.Scene, original: bpy.types.Object, bake: Sid
     """Change a scratch scene so that it renders what a `bake` of its object `original` shows.
 
     For a bake from a source, the source renders, the object and a cage do not; for a bake of some lamps, only
-    these give light. The scratch scene is not restored. Raises InputError for a missing source or lamp.
+    these give light; of a bake that was made alone, no other object renders. The scratch scene is not
+    restored. Raises InputError for a missing source or lamp.
     """
+    if bake.alone:
+        source = () if bake.source is None else (bake.source.object_name, bake.source.cage)
+        leave_alone(scratch, {original.name, *bake.surfaces, *source})
     if bake.source is None:
         _light(scratch, bake)
         yield Reference(scratch, scratch)
         return
-    source = find_source(scratch, original, bake.source.object_name)
+    detailed = find_source(scratch, original, bake.source.object_name)
     with scene_copied(scratch) as before:
         for scene in (scratch, before):
             show_content_only(scene, original, EVERYTHING)
             if bake.source.cage is not None:
                 take_cage_out(scene, bake.source.cage)
-        take_out(before, source)
+        take_out(before, detailed)
         _light(scratch, bake)
         yield Reference(scratch, before)
 

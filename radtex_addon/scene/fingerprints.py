@@ -77,6 +77,9 @@ class SceneDigests:
             if each not in own and each != spec.cage:
                 raise InputError(f"object '{each}' is hidden from render: nothing shows it there")
         others = [each for each in self.objects if each.is_instance or each.of not in own]
+        if spec.alone:
+            lamps = [each for each in others if each.kind == "LIGHT" and not each.is_instance]
+            others = [*lamps, *(each for each in others if each.of in own)]
         return Fingerprint(
             mesh=digest_of(each.mesh for each in found),
             transform=digest_of(each.transform for each in found),
@@ -194,6 +197,7 @@ def _settings(spec: BakeSpec) -> list[str]:
     texts = []
     for field in fields(spec):
         value = getattr(spec, field.name)
-        if field.name not in left_out:
+        is_new = field.name == "alone" and not value  # earlier RadTexes did not have it
+        if field.name not in left_out and not is_new:
             texts.append(f"{field.name} {f'{value:.6g}' if isinstance(value, float) else value}")
     return texts

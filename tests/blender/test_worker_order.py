@@ -55,6 +55,7 @@ CHOSEN: dict[str, Any] = {
     "memory_mb": 777,
     "sheet": 512,
     "denoise": True,
+    "alone": True,
 }
 SPECS = {
     "every choice": BakeSpec(**CHOSEN),

@@ -67,6 +67,8 @@ def difference(earlier: Sidecar, bake: Sidecar) -> str | None:  # noqa: PLR0911 
         return "shows what another object does, or was looked for at another distance"
     if earlier.lights != bake.lights:
         return "is of other lamps"
+    if earlier.alone != bake.alone:
+        return "was baked alone" if earlier.alone else "was baked among other objects"
     if earlier.layers:
         return "has layers, which are not accumulated"
     if earlier.capture != bake.capture:

@@ -24,6 +24,7 @@ iface_: Callable[[str], str] = _translations.pgettext_iface
 # The panel's names of settings. Those that are missing here have none: the panel does not offer them.
 LABELS = {
     Setting.ACCUMULATE: "Accumulate",
+    Setting.ALONE: "Alone",
     Setting.AO_DISTANCE: "Distance",
     Setting.ARRANGEMENT: "Arrangement",
     Setting.BUCKET: "Angular Detail",
@@ -81,6 +82,7 @@ _LEFT_OUT = {  # others: "as it was"
     Setting.FROM: "empty",
     Setting.RESUME: "off",
     Setting.ACCUMULATE: "off",
+    Setting.ALONE: "off",
     Setting.REFRESH: "off",
 }
 

@@ -14,6 +14,7 @@ from .labels import LABELS, iface_
 
 PROPERTIES = {  # names of bake settings; those of a remedy that are missing here get no button
     Setting.ACCUMULATE: "accumulate",
+    Setting.ALONE: "alone",
     Setting.AO_DISTANCE: "ao_distance",
     Setting.BUCKET: "bucket",
     Setting.CAGE: "cage",

@@ -41,6 +41,8 @@ class RADTEX_PT_light(_Folded, bpy.types.Panel):
                 column.prop_search(settings, "content_collection", bpy.data, "collections")
         if kind.ao_distance:
             column.prop(settings, "ao_distance")
+        if not kind.content:
+            column.prop(settings, "alone")
         if kind.form is None:
             column.prop(settings, "atlas_layout")
         if found is not None and found.layout:

@@ -22,6 +22,7 @@ NAMES = (
     "content",
     "content_collection",
     "ao_distance",
+    "alone",
     "atlas_layout",
     *surfaces.NAMES,
     "uv_layer",
@@ -86,6 +87,7 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
         content: str
         content_collection: str
         ao_distance: float
+        alone: bool
         atlas_layout: str
         uv_layer: str
         unwrap: str
@@ -141,6 +143,13 @@ class BakeSettings(surfaces.SurfaceSettings, output_settings.OutputSettings):
             step=1,
             precision=3,
             subtype="DISTANCE",
+            **NOTICED,
+        )
+        alone: BoolProperty(
+            name="Alone",
+            description="Bake each object as if it stood alone: no other object is mirrored in it or shades "
+            "it. For objects that will stand elsewhere; lamps and the world stay",
+            default=False,
             **NOTICED,
         )
         atlas_layout: EnumProperty(

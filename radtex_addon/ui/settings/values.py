@@ -103,6 +103,7 @@ def spec_of(values: Mapping[str, Any]) -> BakeSpec:
         where=values["where"] or None if (more or again) and asked.accumulates_parts else None,
         ao_distance=values["ao_distance"] or None if kind.ao_distance else None,
         content=_content_of(values) if kind.content else None,
+        alone=values["alone"] and not kind.content,
         source=values["source"] if sourced else None,
         extrusion=values["extrusion"] or None if sourced and not values["cage"] else None,
         cage=values["cage"] or None if sourced else None,
