@@ -13,20 +13,21 @@ from ..formats.json_reader import Facts
 from ..formats.sidecar_file import AnySidecar, read_facts
 
 _KEPT = "radtex_variant"  # custom property of a copy: JSON, as in a sidecar
-_KEYS = ("kind", "layout", "frame", "lights", "layers")
+_KEYS = ("kind", "layout", "frame", "lights", "layers", "alone")
 
 
 @dataclass(frozen=True)
 class Variant:
     """A bake's `kind`, its `frame` if one was specified, and its lamps `lights`, () for all light.
 
-    `layers` are those that can be shown alone.
+    `layers` are those that can be shown alone. `alone`: it was baked without the scene's other objects.
     """
 
     kind: str = "radiance"
     frame: int | None = None
     lights: tuple[str, ...] = ()
     layers: tuple[str, ...] = ()
+    alone: bool = False
 
 
 def read_variant(sidecar: AnySidecar) -> Variant:
@@ -52,4 +53,5 @@ def _variant_in(facts: Facts) -> Variant:
         facts.whole_number("frame", 0) if "frame" in facts.values else None,
         facts.texts("lights") if "lights" in facts.values else (),
         facts.texts("layers") if has_light_layers(facts.text("layout")) else (),
+        facts.values.get("alone") is True,
     )

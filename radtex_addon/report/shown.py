@@ -45,8 +45,8 @@ def bakes_of(items: Iterable[bpy.types.Object], place: Path) -> dict[bpy.types.O
 def frame_of(scene: bpy.types.Scene, bakes: Mapping[bpy.types.Object, AnySidecar | None]) -> int | None:
     """The frame at which to compare `bakes`, as `bakes_of` returns them; None for the scene's current frame.
 
-    Raises InputError if they are of different frames, of some lamps only (the scene renders with all), or of
-    light that no camera sees; FormatError for a file that is no sidecar.
+    Raises InputError if they are of different frames, of some lamps or without other objects (the scene
+    renders with all), or of light that no camera sees; FormatError for a file that is no sidecar.
     """
     found: dict[int | None, str] = {}
     for item, sidecar in bakes.items():
@@ -72,6 +72,10 @@ def _check_seen(variant: Variant, what: str) -> None:
     if variant.lights:
         lit = ", ".join(f"'{name}'" for name in variant.lights)
         raise InputError(f"{what} has the light of {lit} alone: compare a bake of the whole scene's light")
+    if variant.alone:
+        raise InputError(
+            f"{what} was baked without the other objects: compare a bake that was made among them"
+        )
 
 
 def _variant(item: bpy.types.Object, sidecar: AnySidecar | None) -> Variant:

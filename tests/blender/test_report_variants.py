@@ -143,6 +143,22 @@ def test_some_lamps_are_not_compared_with_all_light_whoever_shows_them(out: Path
     assert compare({"Floor": None}).figures.energy == pytest.approx(1, abs=0.1)
 
 
+def test_an_object_that_was_baked_alone_is_judged_alone_and_not_compared_with_the_scene(out: Path) -> None:
+    floor()
+    bpy.ops.mesh.primitive_plane_add(size=20, location=(0, 0, -0.5))
+    context.object.data.materials.append(stage.material("glow", "ShaderNodeEmission", Strength=5))
+    bpy.ops.mesh.primitive_plane_add(size=20, location=(0, 0, 6))
+    context.object.data.materials.append(stage.material("ceiling", "ShaderNodeEmission", Strength=2))
+    alone = replace(LIT, alone=True)
+    sidecar = bake_object(context.scene, "Floor", alone, out, preview=Filter.QUADRILINEAR).files.sidecar
+    assert report(sidecar).energy == pytest.approx(1, abs=0.05)
+    with pytest.raises(InputError, match=r"Floor\.radiance\.json was baked without the other objects"):
+        compare({"Floor": sidecar})
+    switch_on(bpy.data.objects["Floor"], sidecar)
+    with pytest.raises(InputError, match="the preview of 'Floor' was baked without the other objects"):
+        compare({"Floor": None})
+
+
 @pytest.mark.parametrize("kind", [Kind.INCIDENT, Kind.REFLECTION, Kind.AO, Kind.SHADOW])
 def test_light_that_no_camera_sees_is_not_compared(kind: Kind, out: Path) -> None:
     floor()
