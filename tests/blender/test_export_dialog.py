@@ -180,7 +180,7 @@ def test_several_bakes_go_into_one_scene_if_that_is_asked_for(plain: Path) -> No
     context.scene.name = "Room"
     remembered = {"as_scene": True, "mirror": True}
     drawn = asked(bake=str(plain), target="godot", **remembered)
-    assert drawn.settings[:4] == ["target", "as_scene", "scene_name", "directory"]
+    assert drawn.settings[:4] == ["target", "as_scene", "scene_name", "into"]
     assert "Makes the folder Room.godot in" in said(drawn)
     assert "mirror" not in drawn.settings, "a ball mirrors one bake"
     assert (plain / "Room.godot" / "Room.glb").is_file()
