@@ -58,9 +58,10 @@ class Parser(argparse.ArgumentParser):
             place = getattr(found, action.dest, None) if action.dest in _PLACES else None
             if place == "" or (isinstance(place, list) and "" in place):
                 raise InputError(f"{'/'.join(action.option_strings) or action.metavar} is empty: give a name")
-            if place is not None:
-                paths = [one_root(each) for each in place] if isinstance(place, list) else one_root(place)
-                setattr(found, action.dest, paths)
+            if isinstance(place, list):
+                setattr(found, action.dest, [one_root(each) for each in place])
+            elif place is not None:
+                setattr(found, action.dest, one_root(place))
         return found
 
     def _print_message(self, message: str, file: Any = None) -> None:
