@@ -5,14 +5,14 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
 from radtex_addon.bake.kinds import KINDS, Light
-from radtex_addon.export.web import BUILT
 
 pytestmark = pytest.mark.one_blender
-SOURCE = BUILT.parent / "src" / "kinds.ts"
+SOURCE = Path(__file__).resolve().parents[2] / "shaders/three/src/kinds.ts"
 
 
 def test_the_page_has_the_tables_kinds() -> None:
