@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import get_type_hints
 
 import bpy
 import pytest
@@ -17,10 +18,12 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.sampler import Filter
 from radtex_addon.job import bake_object, bake_steps, probes
 from radtex_addon.job.preflight import run_preflight
+from radtex_addon.ui.operators.bake_operator import RADTEX_OT_bake
 from radtex_addon.ui.panel import panel_state
 from radtex_addon.ui.panel.cost_panel import figures, told_basis
 from radtex_addon.ui.panel.main_panel import what_is_there
 from radtex_addon.ui.panel.panel_state import Forecast, Next
+from radtex_addon.ui.registration import CLASSES
 from radtex_addon.ui.settings.request import spec_of, values_of
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
@@ -203,6 +206,19 @@ def test_arguments_of_a_button_leave_it_as_it_is() -> None:
     properties = context.window_manager.operator_properties_last("radtex.bake")
     properties.resume, properties.overwrite, properties.bucket = True, True, 5
     assert not bpy.app.timers.is_registered(panel_state._tick)
+
+
+def test_no_argument_of_an_operator_has_an_update_callback() -> None:
+    """After such a callback Blender redraws all windows: a button that sets it is drawn for ever."""
+    operators = [cls for cls in CLASSES if issubclass(cls, bpy.types.Operator)]
+    arguments = [
+        f"{operator.__name__}.{name}"
+        for operator in operators
+        for name, deferred in get_type_hints(operator).items()
+        if "update" in getattr(deferred, "keywords", {})
+    ]
+    assert RADTEX_OT_bake in operators
+    assert arguments == []
 
 
 def test_the_timer_waits_for_quiet_and_then_stops(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,6 +13,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from ..panel.labels import remark
 from ..settings.bake_settings import NAMES, BakeSettings
 from ..settings.chosen_objects import chosen_names, nothing_chosen, told_names
+from ..settings.update_callbacks import without_updates
 from .undo import push_step
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ _ONLY = (
 _PATIENCE = 1.0  # seconds that the check before queuing may take; each bake checks its object again
 
 
+@without_updates
 class RADTEX_OT_bake(BakeSettings, bpy.types.Operator):
     """Bake the selected objects' light in every direction into texture atlases, path traced by Cycles"""
 

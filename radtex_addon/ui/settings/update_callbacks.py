@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar, get_type_hints
 
 import bpy
 
@@ -18,6 +18,22 @@ def notice(settings: Any, _: bpy.types.Context) -> None:
     """
     if isinstance(settings, bpy.types.PropertyGroup):
         mark_stale()
+
+
+_OperatorType = TypeVar("_OperatorType", bound=type[bpy.types.Operator])
+
+
+def without_updates(operator: _OperatorType) -> _OperatorType:
+    """Class decorator: the operator's arguments are the settings that it inherits, without their callbacks.
+
+    Drawing a button sets its arguments. Where one of them has an update callback, Blender then redraws all
+    windows, with the button in them, again and again.
+    """
+    operator.__annotations__ = {
+        name: deferred.function(**{key: value for key, value in deferred.keywords.items() if key != "update"})
+        for name, deferred in get_type_hints(operator).items()
+    }
+    return operator
 
 
 NOTICED: dict[str, Any] = {"update": notice, "options": {"SKIP_SAVE"}}  # arguments of a property
