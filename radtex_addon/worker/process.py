@@ -26,7 +26,7 @@ from ..core.messages import Message
 from .job import State
 
 PATIENCE = 1.0  # seconds that a cancelled worker has for itself
-_NICE = 10  # Blender's window goes before
+_NICER = 10  # levels of niceness above this process: Blender's window goes before
 _LOG = 8000  # characters of a failed worker's standard error that are kept
 
 Event: TypeAlias = Mapping[str, Any]
@@ -147,7 +147,7 @@ class Worker:
         )
         if sys.platform != "win32":
             with suppress(OSError):
-                os.setpriority(os.PRIO_PROCESS, process.pid, _NICE)
+                os.setpriority(os.PRIO_PROCESS, process.pid, os.getpriority(os.PRIO_PROCESS, 0) + _NICER)
         return process
 
     def _listen(self) -> None:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     Key = tuple[int, str, str, str]  # scene, object, kind, layout
 
-_PULSE = 0.25  # seconds between two polls of the worker
+_PULSE = 0.5  # seconds between two polls of the worker, and so at least between two redraws for it
 
 
 class KnownTime(NamedTuple):
@@ -172,9 +172,9 @@ def unregister() -> None:
 
 
 def _pulse() -> float | None:
-    before = _session.shown
+    before = progress()
     more = advance()
-    if _session.shown != before:
+    if progress() != before:
         redraw()
     return _PULSE if more else None
 

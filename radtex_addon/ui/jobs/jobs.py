@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 from tempfile import TemporaryDirectory
 from time import monotonic
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..panel import panel_state
+from ..panel.labels import duration
 from ..panel.redraw import redraw
 from . import bake_times, pictures
 from .bake_times import BakedScene
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from ...worker.queue import Queue
     from ..settings.bake_settings import BakeSettings
 
-_PULSE = 0.25  # seconds between two polls of the workers
+_PULSE = 0.5  # seconds between two polls of the workers, and so at least between two redraws for them
 
 
 @dataclass(frozen=True)
@@ -248,8 +249,19 @@ def _look() -> None:
 
 
 def _pulse() -> float | None:
-    before = _session.shown
+    before = _as_drawn(_session.shown)
     more = advance()
-    if pictures.update(_session.shown) or _session.shown != before:
+    if pictures.update(_session.shown) or _as_drawn(_session.shown) != before:
         redraw()
     return _PULSE if more else None
+
+
+def _as_drawn(shown: Iterable[Job]) -> list[tuple[Job, str]]:
+    """The jobs with whole percents, and the time left in words, as exactly as the panel shows them."""
+    return [
+        (
+            replace(job, fraction=round(job.fraction, 2), seconds_left=None),
+            "" if job.seconds_left is None else duration(job.seconds_left),
+        )
+        for job in shown
+    ]

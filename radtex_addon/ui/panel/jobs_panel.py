@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -18,6 +19,7 @@ from .main_panel import Sidebar
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+    from pathlib import Path
 
     from ...worker.job import Job, JobMap
 
@@ -108,9 +110,9 @@ def _draw_job(column: Any, job: Job) -> None:
 
 def results(job: Job, others: Iterable[Job]) -> list[str]:
     """Figures of a finished job in lines: its time, the size of its files, and what a comparison found."""
-    sizes = [path.stat().st_size for path in job.files if path.is_file()]
     told = [] if job.took is None else [duration(job.took)]
-    if job.work == "bake" and sizes:
+    sizes = _sizes(job.number, job.files) if job.work == "bake" else ()
+    if sizes:
         told.append(iface_("{} in {} files").format(size(sum(sizes)), len(sizes)))
     if job.work == "export" and "bytes" in job.facts:
         told.append(size(job.facts["bytes"]))
@@ -124,6 +126,12 @@ def results(job: Job, others: Iterable[Job]) -> list[str]:
         )
         lines.append(text.format(number(clamped)))
     return lines
+
+
+@cache
+def _sizes(_number: int, files: tuple[Path, ...]) -> tuple[int, ...]:
+    """Bytes of each of a job's files that is there, looked up once: drawing must not wait for a disk."""
+    return tuple(path.stat().st_size for path in files if path.is_file())
 
 
 def _comparison_of(job: Job, others: Iterable[Job]) -> Job | None:
