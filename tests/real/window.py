@@ -108,12 +108,14 @@ class Window:
         """
         left, top, width, height, _ = self._sidebar()
         x = left + (width // 2 if right is None else width - right)
-        for y in range(top + 40, top + height, _LINE):
-            if operator not in self._copied(x, y, 0.03):
-                continue
-            for inside in (y + 5, y - 5):  # from its edge
-                if operator in self._copied(x, inside, 0.3):
-                    return x, inside
+        for patience in (0.03, 0.3):  # where others use this machine, keys take longer to come
+            for y in range(top + 40, top + height, _LINE):
+                if operator not in self._copied(x, y, patience):
+                    continue
+                for inside in (y + 5, y - 5):  # from its edge
+                    if operator in self._copied(x, inside, 0.3):
+                        return x, inside
+        self.shot("missing")
         raise AssertionError(f"the sidebar has no button for {operator}")
 
     def scroll(self, notches: int) -> None:
