@@ -73,8 +73,12 @@ def test_quitting_blender_leaves_no_process(window: Window) -> None:
 
 @contextmanager
 def read_only_later(window: Window, folder: str) -> Iterator[Sequence[str]]:
-    """A new folder on Blender's side, and the command that makes it read-only, even to its administrator."""
+    """A new folder on Blender's side, and the command that makes it read-only, even to its administrator.
+
+    It mounts the folder over itself: what the worker holds open, such as its lock, keeps an older mount from
+    being made read-only.
+    """
     window.run("mkdir", folder)
-    window.run("mount", "--bind", folder, folder)
-    yield "mount", "-o", "remount,ro,bind", folder
+    mount = 'mount --bind "$0" "$0"; until mount -o remount,ro,bind "$0" 2>/dev/null; do sleep 0.01; done'
+    yield "timeout", "20", "sh", "-c", mount, folder
     window.run("umount", folder)
