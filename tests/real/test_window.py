@@ -15,6 +15,13 @@ from tests.real.panel import LONG, SHORT, choose, press, preview, settle, wait_f
 from tests.real.window import Window, changed
 
 SECONDS_TO_RENDER = 12
+MOST_DRAWN = 5  # times a second: two for progress, and those that Blender adds to load a thumbnail
+SECONDS_TO_SMOOTH = 4  # the 3D view's edges, by drawing it several times
+COUNT = """
+if "drawn" not in globals():
+    bpy.types.RADTEX_PT_bake.append(lambda panel, context: drawn.append(panel))
+drawn = []
+"""
 LINE = 180  # pixels from the sidebar's right edge to the beginning of a job's lines
 AWAY = 500, 600  # a place in the 3D view
 JOB = 1030, 300, 1290, 812  # the sidebar where the panel lists jobs
@@ -63,9 +70,18 @@ def test_the_map_unfolds_by_a_click_and_folds_by_another(window: Window) -> None
     assert changed(folded, window.picture("folded again")) < 0.001
 
 
+def test_nothing_is_drawn_while_nothing_happens(window: Window) -> None:
+    window.point(*AWAY)
+    settle(window)
+    sleep(SECONDS_TO_SMOOTH)
+    window.ask(COUNT)
+    sleep(3)
+    assert window.value("len(drawn)") == 0
+
+
 def test_the_window_stays_alive_during_a_long_bake(window: Window) -> None:
     choose(window, **LONG | {"samples": 112}, overwrite=True)
-    window.ask("ticks.clear()")
+    window.ask(f"{COUNT}\nticks.clear()")
     press(window)
     pressed = int(window.value("len(ticks)"))
     wait_for(window, 0.7)
@@ -76,10 +92,13 @@ def test_the_window_stays_alive_during_a_long_bake(window: Window) -> None:
     usual, longest = float(np.percentile(gaps, 99)), float(gaps.max())
     print(f"\n{gaps.sum():.0f} s: 99 % of ticks at most {usual:.3f} s apart, all {longest:.3f} s")
     print(f"when the button was pressed and the scene handed over {gaps[:pressed].max():.3f} s")
+    drawn = int(window.value("len(drawn)"))
+    print(f"the panel was drawn {drawn / gaps.sum():.2f} times a second")
     assert told.state == "done", told.message
     assert ticks[-1] - ticks[pressed] > 60
     assert usual < 0.2
     assert longest < 1
+    assert drawn / gaps.sum() < MOST_DRAWN
 
 
 def test_the_bake_is_shown_and_hidden_by_clicks(window: Window) -> None:
