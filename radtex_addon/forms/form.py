@@ -28,6 +28,7 @@ from ..textures.export_progress import Step
 from ..textures.export_spec import ExportSpec, Target
 from ..textures.godot_shader import GodotShader
 from .bake_job import BakeJob
+from .hlsl_lookup import HlslLookup
 from .outcome import Outcome
 
 Lookup: TypeAlias = Callable[[Fragments], Floats]  # the linear light (N, 3) of N fragments
@@ -188,4 +189,10 @@ class Form(Protocol):
 
         Of a `culled` mesh only front faces are drawn.
         """
+        ...
+
+    def hlsl(
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
+    ) -> HlslLookup:
+        """The lookup in HLSL of an exported bake with this sidecar's JSON."""
         ...

@@ -36,10 +36,12 @@ from ...textures.export_spec import ExportSpec, Target
 from ...textures.godot_shader import GodotShader
 from ..bake_job import BakeJob
 from ..form import Form, Opened, PreviewOf
+from ..hlsl_lookup import HlslLookup
 from ..outcome import Outcome
 from .bake import bake_buckets, bucket_images
 from .flat import flat_buckets, light_channels
 from .godot import buckets_shader
+from .hlsl import buckets_lookup
 from .textures import check_buckets, write_buckets
 
 _TEXEL = 80  # bytes per texel in an export, for the flat lightmap and the check that it is of this mesh
@@ -163,6 +165,11 @@ class Buckets:
         culled: bool = False,
     ) -> GodotShader:
         return buckets_shader(bake, textures)
+
+    def hlsl(
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
+    ) -> HlslLookup:
+        return buckets_lookup(bake, textures, target)
 
 
 def layout_in(sidecar: AnySidecar) -> AtlasLayout:

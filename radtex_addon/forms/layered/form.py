@@ -30,6 +30,7 @@ from ...textures.godot_shader import GodotShader
 from ..bake_job import BakeJob
 from ..buckets.form import has_samples_and_cells
 from ..form import Form, Opened, PreviewOf
+from ..hlsl_lookup import HlslLookup
 from ..outcome import Outcome
 from .bake import bake_layered
 from .cells import CELLS, EXIT_CELLS, PICTURE_SIZE, THROUGH_CELLS
@@ -56,6 +57,7 @@ from .files.arrangement import (
 from .files.layered_files import read_layered, read_layered_sidecar
 from .flat import flat_layered
 from .godot import layered_shader
+from .hlsl import layered_lookup
 from .lookup.atlas import sample_layered
 from .lookup.blurred_levels import level_count
 from .preview.material import check_layered_previewable, preview_layered_material
@@ -164,6 +166,11 @@ class Layered:
         culled: bool = False,
     ) -> GodotShader:
         return layered_shader(exported_facts(bake, textures), textures, baked, culled)
+
+    def hlsl(
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
+    ) -> HlslLookup:
+        return layered_lookup(exported_facts(bake, textures), textures, target)
 
 
 def _most_shapes(texels: int) -> Shapes:

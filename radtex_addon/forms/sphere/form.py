@@ -32,8 +32,10 @@ from ...textures.export_spec import ExportSpec, Target
 from ..bake_job import BakeJob
 from ..buckets.form import Buckets, defines, has_samples_and_cells
 from ..form import Form, PreviewOf
+from ..hlsl_lookup import HlslLookup
 from ..outcome import Outcome
 from .bake import bake_transfer
+from .hlsl import sphere_lookup
 from .textures import check_sphere, flat_sphere, write_sphere
 
 _PIXEL = 48  # bytes per pixel in an export, which reads the whole image
@@ -103,6 +105,11 @@ class Sphere(Buckets):
         if views > 1:
             lookup = f"radtex_transfer_around(atlas, {size}, {views}, {n}, uv, I, L)"
         return [*defines(textures[bake["kind"]], target), f"{lookup}, L being the light's direction"]
+
+    def hlsl(
+        self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
+    ) -> HlslLookup:
+        return sphere_lookup(bake, textures, target)
 
 
 FORM: Form = Sphere()
