@@ -1,0 +1,76 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The frame of a bake as uv sets 1 to 4 of a mesh, for engines whose importers change normals and tangents.
+
+Importers turn a mesh into their engine's axes, normals and tangents each in its own way (glTFast negates x of
+normals but z of tangents, and leaves the bitangent's sign), or compute tangents of their own. Attributes with
+names of ours they leave out. Sets of uv they keep, all in the same way as the first.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..core.frame import normalised
+from ..formats.containers.glb import Glb
+from .write_godot import baked_matrix
+
+ATTRIBUTES = "TEXCOORD_0 is the baked UV layer, TEXCOORD_1 to 4 its frame."  # for a README
+TANGENT_XY, TANGENT_Z_SIDE, NORMAL_XY, NORMAL_Z = (f"TEXCOORD_{number}" for number in range(1, 5))
+_TO_GLTF = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # from Blender's axes: gltf.to_gltf
+
+
+def carry_frame(glb: Glb) -> None:
+    """Move each primitive's tangents into uv sets, with the normals, both in the world of the bake.
+
+    They are not normalised, so that they are interpolated as the bake's own are. TANGENT goes away: what no
+    shader reads, an importer need not turn. NORMAL stays, for the shadows of engines.
+    """
+    baked = baked_matrix(glb)[:, :3]
+    of_normals, mirrored = np.linalg.inv(baked).T, np.sign(np.linalg.det(baked))
+    for mesh in glb.document["meshes"]:
+        for primitive in mesh["primitives"]:
+            attributes = primitive["attributes"]
+            normal = glb.accessor(attributes["NORMAL"]) @ of_normals.T
+            frame = glb.accessor(attributes.pop("TANGENT"))
+            tangent, side = frame[:, :3] @ baked.T, frame[:, 3] * mirrored
+            sets = {
+                TANGENT_XY: tangent[:, :2],
+                TANGENT_Z_SIDE: np.column_stack([tangent[:, 2], side]),
+                NORMAL_XY: normal[:, :2],
+                NORMAL_Z: np.column_stack([normal[:, 2], np.zeros(len(normal))]),
+            }
+            attributes |= {name: glb.add_vertices(values) for name, values in sets.items()}
+    glb.compact()
+
+
+def apply_turn_and_scale(glb: Glb) -> None:
+    """Turn and scale the mesh as its node does, which then only moves it.
+
+    For importers that make an asset of the mesh alone, which is to be as large as it was in Blender. The
+    frame must have been carried before.
+    """
+    (node,) = (node for node in glb.document["nodes"] if "mesh" in node)
+    turned = _TO_GLTF @ baked_matrix(glb)[:, :3]
+    of_normals = np.linalg.inv(turned).T
+    for mesh in glb.document["meshes"]:
+        for primitive in mesh["primitives"]:
+            attributes = primitive["attributes"]
+            places = glb.accessor(attributes["POSITION"]) @ turned.T
+            normals = np.asarray(glb.accessor(attributes["NORMAL"]) @ of_normals.T, dtype=np.float64)
+            attributes["POSITION"] = glb.add_vertices(places, bounds=True)
+            attributes["NORMAL"] = glb.add_vertices(normalised(normals))
+            if np.linalg.det(turned) < 0:  # a mirrored triangle goes around the other way
+                _reverse_triangles(glb, primitive["indices"])
+    node.pop("rotation", None)
+    node.pop("scale", None)
+    glb.compact()
+
+
+def _reverse_triangles(glb: Glb, index: int) -> None:
+    """Exchange the first and the last corner of each triangle, in place."""
+    triangles = np.ascontiguousarray(glb.accessor(index).reshape(-1, 3)[:, ::-1])
+    accessor = glb.document["accessors"][index]
+    view = glb.document["bufferViews"][accessor["bufferView"]]
+    first = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+    glb.buffer[first : first + triangles.nbytes] = triangles.tobytes()
