@@ -112,8 +112,8 @@ def _add_what(group: argparse._ArgumentGroup) -> None:
         "--to",
         Target,
         None,
-        "web: a page for any static server; godot: a project; gltf, unity, unreal: mesh, textures and "
-        "shader includes; raw: the same with the includes of all languages",
+        "web: a page for any static server; godot: a project; unity, unreal: a shader, and a script for the "
+        "editor; gltf: mesh, textures and shader includes; raw: the same with the includes of all languages",
         dest="target",
     )
 

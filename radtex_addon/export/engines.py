@@ -1,9 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Targets without a ready-made project: the folder gets shader includes and a README beside the textures.
-
-Unreal wants includes that end in .ush: these are the HLSL files with that ending.
-"""
+"""Targets without a ready-made project: the folder gets shader includes and a README beside the textures."""
 
 from __future__ import annotations
 
@@ -12,18 +9,15 @@ from pathlib import Path
 
 from ..textures.entry import Container, TextureEntry
 from ..textures.export_spec import Target
+from .export_manifest import Manifest
 from .pack import SHADERS, Pack
 
 _LANGUAGES = {
     Target.GLTF: ("glsl",),
-    Target.UNITY: ("hlsl",),
-    Target.UNREAL: ("hlsl",),
     Target.RAW: ("glsl", "hlsl", "wgsl", "gdshaderinc", "osl"),
 }
 _WHERE = {
     Target.GLTF: "Any program opens the .glb; one that knows no radiance textures shows the flat lightmap.",
-    Target.UNITY: "Step by step: docs/unity.md of RadTex. It was written by the manual, not run in Unity.",
-    Target.UNREAL: "Step by step: docs/unreal.md of RadTex. It was written by the manual, not run in Unreal.",
     Target.RAW: "The includes say at their top how they are called.",
 }
 _FIRST_ROW = "first row: v = {}"
@@ -35,7 +29,7 @@ def write_engine(pack: Pack, folder: Path) -> None:
     shaders = folder / "shaders"
     shaders.mkdir()
     for source in includes(target, pack):
-        copy_include(source, shaders, target)
+        shutil.copyfile(source, shaders / source.name)
     shutil.copyfile(SHADERS / "LICENSE", shaders / "LICENSE")
     (folder / "README.txt").write_text(readme(pack), encoding="utf-8", newline="\n")
 
@@ -52,27 +46,32 @@ def includes(target: Target, pack: Pack) -> list[Path]:
 def readme(pack: Pack) -> str:
     """The text of README.txt: the files in the folder, and how to look the bake up."""
     manifest, target = pack.manifest, pack.spec.target
-    bake = manifest.bake
-    width, height = bake["texels"]
     lines = [
         f"{manifest.name}: a radiance texture, made by {manifest.tool}",
         "",
-        f"{manifest.mesh}: the mesh. TEXCOORD_0 is the baked UV layer, NORMAL and TANGENT its frame.",
-        f"{manifest.flat}: a flat lightmap, the mean of each texel's light; also inside the mesh's file.",
-        f"{manifest.name}.export.json: all of this for programs.",
+        *file_lines(manifest, "TEXCOORD_0 is the baked UV layer, NORMAL and TANGENT its frame."),
         "shaders/: the includes to look it up by (MIT licence).",
         "",
-        f"layout {bake['layout']}, {width} x {height} texels of {bake['bucket']} x {bake['bucket']} cells",
-        "",
-        *(described(layer, entry) for layer, entry in manifest.textures.items()),
-        "",
-        *manifest.form.usage(bake, manifest.textures, target),
+        *manifest.form.usage(manifest.bake, manifest.textures, target),
         "",
         "Import textures whose format ends in _SRGB as sRGB, all others as linear data; with no compression",
         "and no mipmaps but their own.",
         _WHERE[target],
     ]
     return "\n".join(lines) + "\n"
+
+
+def file_lines(manifest: Manifest, mesh: str) -> list[str]:
+    """Lines that say what a folder's mesh, textures and manifest are; `mesh`: what its attributes hold."""
+    bake = manifest.bake
+    width, height = bake["texels"]
+    return [
+        f"{manifest.mesh}: the mesh. {mesh}",
+        f"{manifest.flat}: a flat lightmap, the mean of each texel's light; also inside the mesh's file.",
+        f"{manifest.name}.export.json: all of this for programs.",
+        *(described(layer, entry) for layer, entry in manifest.textures.items()),
+        f"layout {bake['layout']}, {width} x {height} texels of {bake['bucket']} x {bake['bucket']} cells",
+    ]
 
 
 def described(layer: str, entry: TextureEntry) -> str:
@@ -82,13 +81,3 @@ def described(layer: str, entry: TextureEntry) -> str:
     levels = f", {entry.levels} mip levels" if entry.levels > 1 else ""
     first = _FIRST_ROW.format("1, the top" if entry.container is Container.EXR else "0, the bottom")
     return f"{entry.file}: {layer}, {entry.format}, {width} x {height}{layers}{levels}; {first}"
-
-
-def copy_include(source: Path, folder: Path, target: Target) -> None:
-    """Copy a shader include, for Unreal under the ending that it wants."""
-    if target is not Target.UNREAL:
-        shutil.copyfile(source, folder / source.name)
-        return
-    text = source.read_text(encoding="utf-8")
-    name = source.with_suffix(".ush").name
-    (folder / name).write_text(text.replace('.hlsl"', '.ush"'), encoding="utf-8", newline="\n")

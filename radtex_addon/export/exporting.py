@@ -30,17 +30,19 @@ from .folder import check_out, files_in, replacing_folder
 from .gltf import check_exporter, write_gltf
 from .mirror import check_mirror, materials_of, write_mirror
 from .pack import Pack
-from .target_checks import check_target
+from .target_checks import check_importable, check_target
 from .web import check_page, write_web
 from .write_godot import write_godot
+from .write_unity import write_unity
+from .write_unreal import write_unreal
 
 _LEAST_BYTES = 192 * 2**20  # memory of any export: a few bands of rows, the mesh, the mesh's file
 _WRITERS: dict[Target, Callable[[Pack, Path], None]] = {
     Target.WEB: write_web,
     Target.GODOT: write_godot,
     Target.GLTF: write_engine,
-    Target.UNITY: write_engine,
-    Target.UNREAL: write_engine,
+    Target.UNITY: write_unity,
+    Target.UNREAL: write_unreal,
     Target.RAW: write_engine,
 }
 
@@ -136,6 +138,7 @@ def check_bake(bake: ExportSource, spec: ExportSpec) -> None:
     check_target(path, bake.bake.kind, spec.target)
     _check_layers(bake, spec)
     bake.form.check_textures(bake.sidecar, spec)
+    check_importable(path, spec, bake.form.shapes(bake.sidecar))
     if spec.mirror:
         check_mirror(path, bake.bake.kind, 1)
     needed = _LEAST_BYTES + bake.form.export_bytes(bake.sidecar)

@@ -37,8 +37,6 @@ _WRITERS: dict[Target, Callable[[ScenePack, Path], None]] = {
     Target.WEB: write_web,
     Target.GODOT: write_godot_scene,
     Target.GLTF: write_engine_scene,
-    Target.UNITY: write_engine_scene,
-    Target.UNREAL: write_engine_scene,
     Target.RAW: write_engine_scene,
 }
 
@@ -72,6 +70,10 @@ def check_scene(
     """Preflight checks of an export as one scene; returns its nodes. Raises InputError and FormatError."""
     if spec.mirror:
         raise InputError("a mirror ball mirrors one bake, not a whole scene: leave the ball out")
+    if spec.target not in _WRITERS:
+        raise InputError(
+            f"a scene for {spec.target}: its import script takes one bake a folder; export them one by one"
+        )
     for bake in bakes:
         check_out(out, bake.sidecar.path.parent, overwrite)
         check_bake(bake, spec)

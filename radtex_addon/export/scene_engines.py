@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
-from .engines import copy_include, described, includes
+from .engines import described, includes
 from .export_manifest import EXTENSION, Manifest
 from .pack import SHADERS, Pack
 from .scene_manifest import SceneEntry, ScenePack
@@ -21,7 +21,7 @@ def write_engine_scene(pack: ScenePack, folder: Path) -> None:
     shaders = folder / "shaders"
     shaders.mkdir()
     for source in dict.fromkeys(path for each in packs for path in includes(target, each)):
-        copy_include(source, shaders, target)
+        shutil.copyfile(source, shaders / source.name)
     shutil.copyfile(SHADERS / "LICENSE", shaders / "LICENSE")
     (folder / "README.txt").write_text("\n".join(_lines(pack)) + "\n", encoding="utf-8", newline="\n")
 

@@ -76,6 +76,16 @@ def export(sidecar: Path, spec: ExportSpec = GLTF, out: Path | None = None, **op
 # what is in a folder
 
 
+def of_engine(target: Target, name: str) -> set[str]:
+    """What a folder has for the target's engine alone."""
+    identifier = name.replace("-", "_")
+    if target is Target.UNITY:
+        return {f"{name}.shader", f"{name}.hlsl", f"Editor/_{identifier}_radiance.cs"}
+    if target is Target.UNREAL:
+        return {f"{name}.custom.hlsl", f"import_{identifier}_radiance.py", "LICENSE.txt"}
+    return set()
+
+
 @pytest.mark.parametrize("form", ["plain", "layered"])
 @pytest.mark.parametrize("target", ENGINES)
 def test_a_folder_has_all_that_its_manifest_names(
@@ -95,15 +105,14 @@ def test_a_folder_has_all_that_its_manifest_names(
         assert f"{name}: " in readme
     assert max(len(line) for line in readme.splitlines()) <= 110
     others = {name for name in made.files if not name.startswith("shaders/")} - named
-    assert others == {"README.txt", f"{made.name}.export.json"}
+    assert others == {"README.txt", f"{made.name}.export.json", *of_engine(target, made.name)}
 
 
 @pytest.mark.parametrize(
     ("target", "form", "expected"),
     [
         (Target.GLTF, "plain", {"radtex.glsl"}),
-        (Target.UNITY, "layered", {"radtex_layered.hlsl"}),
-        (Target.UNREAL, "layered", {"radtex_layered.ush"}),
+        (Target.UNITY, "layered", {"radtex_layered.hlsl", "radtex_unity.hlsl"}),
     ],
 )
 def test_includes_are_those_that_the_layout_needs(
@@ -115,6 +124,30 @@ def test_includes_are_those_that_the_layout_needs(
     for path in shaders.iterdir():
         included = re.findall(r'^#include "(.+)"', path.read_text(encoding="utf-8"), re.MULTILINE)
         assert set(included) <= expected
+
+
+@pytest.mark.parametrize("form", ["plain", "layered"])
+def test_unreals_code_includes_nothing(form: str, bake: Callable[[str], Path]) -> None:
+    made = export(bake(form), ExportSpec(Target.UNREAL))
+    code = (made.folder / f"{made.name}.custom.hlsl").read_text(encoding="utf-8")
+    assert "#include" not in code
+    assert "MIT" in code.splitlines()[1]
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"arrangement": Arrangement.SLICES}, "slices would be a texture array"),
+        ({"limit": 16}, "Unreal takes none cut into pages"),
+    ],
+)
+def test_unreal_gets_no_arrays(
+    options: dict[str, Any], words: str, bake: Callable[[str], Path], out: Path
+) -> None:
+    with pytest.raises(InputError, match=words) as refused:
+        export(bake("plain"), ExportSpec(Target.UNREAL, **options), out)
+    assert refused.value.message.remedies
+    assert not out.exists()
 
 
 def test_raw_has_every_language(bake: Callable[[str], Path]) -> None:

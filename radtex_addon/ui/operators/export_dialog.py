@@ -32,8 +32,8 @@ NEEDS = {  # by target
     "web": "Show in Browser opens it. On a site of your own, any web server will do",
     "godot": "Open project.godot in Godot 4, and press F5",
     "gltf": "Every viewer shows the flat lightmap; the light of each direction needs the shader beside it",
-    "unity": "Write a shader with the include beside it, as docs/unity.md of RadTex shows",
-    "unreal": "Make a material with the include beside it, as docs/unreal.md of RadTex shows",
+    "unity": "Copy the folder into Assets without .unity in its name, then Assets > RadTex > Set up",
+    "unreal": "In the editor: Tools > Execute Python Script, the .py of the folder",
     "raw": "For an engine of your own: take the shader include of its language",
 }
 

@@ -127,8 +127,8 @@ TARGETS = (
     ("web", "Web", "A page that shows the object in a browser, by three.js"),
     ("godot", "Godot", "A project with a scene and a shader that Godot 4 opens"),
     ("gltf", "glTF", "A .glb whose material names the textures"),
-    ("unity", "Unity", "A mesh, DDS textures and a shader include"),
-    ("unreal", "Unreal", "A mesh, DDS textures and a shader include"),
+    ("unity", "Unity", "A mesh, DDS textures, a shader, and a script that sets all up"),
+    ("unreal", "Unreal", "A mesh, DDS textures, and a script that imports them and makes the material"),
     ("raw", "Raw", "A mesh, textures and all shader includes, for an engine of your own"),
 )
 

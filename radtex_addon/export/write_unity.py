@@ -1,0 +1,156 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A folder for Unity: a shader with the bake's numbers, and a script for its editor that sets all up."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from ..bake.kinds import Kind
+from ..core.arrays import Floats
+from ..formats.containers.glb import Glb
+from ..forms.hlsl_lookup import ARGUMENTS, HlslLookup, numbers
+from ..textures.entry import TextureEntry
+from ..textures.export_spec import Target
+from .carried_frame import ATTRIBUTES, carry_frame
+from .engines import file_lines
+from .hlsl_text import (
+    constant_lines,
+    define_lines,
+    filled,
+    indented,
+    is_clear,
+    material_numbers,
+    write_text_file,
+)
+from .pack import SHADERS, Pack
+from .write_godot import baked_matrix
+
+TEMPLATES = SHADERS / "unity"
+SHARED = "radtex_unity.hlsl"  # the one file of TEMPLATES that is copied as it is
+_FROM_UNITY = np.diag([-1.0, 1.0, 1.0, 1.0])  # to glTF's axes, places (4, 4): importers of glTF negate x
+_SUN = """_RadtexSunDirection ("Towards the sun", Vector) = (0.3, 0.8, 0.5, 0)
+[HDR] _RadtexSunIrradiance ("The sun's irradiance", Color) = (1, 1, 1, 1)
+"""
+
+
+def write_unity(pack: Pack, folder: Path) -> None:
+    """Make a pack's folder one for Unity's Assets: shader, includes, a script, and a README.txt."""
+    manifest, name = pack.manifest, pack.name
+    glb = Glb.read(folder / manifest.mesh)
+    baked = baked_matrix(glb)
+    carry_frame(glb)
+    glb.write(folder / manifest.mesh)
+    lookup = manifest.form.hlsl(manifest.bake, manifest.textures, Target.UNITY)
+    write_text_file(folder / f"{name}.hlsl", object_text(name, lookup, baked, is_clear(glb)))
+    title = title_of(name, manifest.bake["kind"])
+    culled = manifest.culled or Kind(manifest.bake["kind"]).traits.content
+    write_text_file(folder / f"{name}.shader", shader_text(name, title, lookup, is_clear(glb), culled))
+    (folder / "Editor").mkdir()
+    script = script_text(name, manifest.bake["kind"], manifest.mesh, lookup, material_numbers(glb))
+    write_text_file(folder / "Editor" / f"{identifier(name, manifest.bake['kind'])}.cs", script)
+    files = "\n".join(file_lines(manifest, ATTRIBUTES))
+    readme = {"NAME": name, "TITLE": title, "FILES": files}
+    write_text_file(folder / "README.txt", filled(TEMPLATES / "README.txt", readme))
+    (folder / "shaders").mkdir()
+    for source in (*(f"{stem}.hlsl" for stem in lookup.includes), f"unity/{SHARED}", "LICENSE"):
+        shutil.copyfile(SHADERS / source, folder / "shaders" / Path(source).name)
+
+
+def object_text(name: str, lookup: HlslLookup, baked: Floats, clear: bool) -> str:
+    """The text of NAME.hlsl: the bake's numbers, and how it is looked up.
+
+    `baked` (3, 4) transforms places of the mesh, in glTF's axes, to Blender's world.
+    """
+    defines = dict(lookup.defines)
+    defines |= dict.fromkeys([*["RADTEX_CLEAR"] * clear, *["RADTEX_RELIT"] * lookup.relit], 1)
+    words = {
+        "NAME": name,
+        "DEFINES": define_lines(defines),
+        "TEXTURES": "\n".join(
+            f"{texture_type(entry)} {texture};" for texture, entry in lookup.textures.items()
+        ),
+        "CONSTANTS": "\n".join(filter(None, [constant_lines(lookup.constants), _of_materials(lookup)])),
+        "BAKED": numbers(baked @ _FROM_UNITY),
+        "INCLUDES": "\n".join(f'#include "shaders/{stem}.hlsl"' for stem in lookup.includes),
+        "ARGUMENTS": ARGUMENTS,
+        "LOOKUP": indented(lookup.body),
+    }
+    return filled(TEMPLATES / "object.hlsl", words)
+
+
+def shader_text(name: str, title: str, lookup: HlslLookup, clear: bool, culled: bool) -> str:
+    """The text of NAME.shader, which Unity calls by its `title`."""
+    properties = (
+        f'{texture} ("{texture}", {texture_type(entry).removeprefix("Texture")}) = "" {{}}'
+        for texture, entry in lookup.textures.items()
+    )
+    keywords = " ".join(f"RADTEX_MATERIAL_{number}" for number in range(1, len(lookup.materials)))
+    words = {
+        "NAME": name,
+        "TITLE": title,
+        "PROPERTIES": indented("\n".join(properties), 8),
+        "SUN": indented(_SUN, 8) + "\n" if lookup.relit else "",
+        "KEYWORDS": f"#pragma shader_feature_local _ {keywords}" if keywords else "",
+        "TYPE": "Transparent" if clear else "Opaque",
+        "QUEUE": "Transparent" if clear else "Geometry",
+        "CULL": "Back" if culled else "Off",
+        "BLEND": "Blend One OneMinusSrcAlpha" if clear else "Blend Off",
+    }
+    return filled(TEMPLATES / "object.shader", words)
+
+
+def texture_type(entry: TextureEntry) -> str:
+    """A texture's type in HLSL."""
+    return "Texture2DArray" if entry.layers > 1 else "Texture2D"
+
+
+def _of_materials(lookup: HlslLookup) -> str:
+    """The constants of each material, chosen by a keyword."""
+    if len(lookup.materials) == 1:
+        return constant_lines(lookup.materials[0])
+    lines = ["#if 0"]
+    for number in range(1, len(lookup.materials)):
+        lines += [f"#elif defined(RADTEX_MATERIAL_{number})", constant_lines(lookup.materials[number])]
+    return "\n".join([*lines, "#else", constant_lines(lookup.materials[0]), "#endif"])
+
+
+def script_text(name: str, kind: str, mesh: str, lookup: HlslLookup, materials: Mapping[str, int]) -> str:
+    """The text of the script for Unity's editor; `materials` are the mesh's by name, with their numbers."""
+    files = (f"{{ {_quoted(each)}, {_quoted(entry.file)} }}," for each, entry in lookup.textures.items())
+    listed = (f"{{ {_quoted(each)}, {number} }}," for each, number in materials.items())
+    words = {
+        "NAME": _inside_quotes(name),
+        "TITLE": _inside_quotes(title_of(name, kind)),
+        "MESH": _inside_quotes(mesh),
+        "IDENTIFIER": identifier(name, kind),
+        "TEXTURE_FILES": indented("\n".join(files), 12),
+        "MATERIAL_NUMBERS": indented("\n".join(listed), 12),
+        "FIRST_NUMBER": str(next(iter(materials.values()))),
+    }
+    return filled(TEMPLATES / "RadTexSetup.cs", words)
+
+
+def title_of(name: str, kind: str) -> str:
+    """What Unity's menus call the bake."""
+    return f"{name} ({kind})"
+
+
+def identifier(name: str, kind: str) -> str:
+    """A name for C#. Each export's classes are in a namespace, so that exports may lie side by side."""
+    return "_" + re.sub(r"\W", "_", f"{name}_{kind}", flags=re.ASCII)
+
+
+def _quoted(text: str) -> str:
+    """A string of C#, which JSON's are, too."""
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _inside_quotes(text: str) -> str:
+    return _quoted(text)[1:-1]

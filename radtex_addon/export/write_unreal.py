@@ -1,0 +1,171 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A folder for Unreal: the code of a Custom node with the bake's numbers in it, and a script for its editor.
+
+A Custom node's code is the body of a function, and includes need a C++ module that maps their folder. So the
+includes are written into the body, as the methods of a struct; what they have outside functions becomes
+members of it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from ..bake.kinds import Kind
+from ..core.arrays import Floats
+from ..formats.containers.glb import Glb
+from ..forms.hlsl_lookup import ARGUMENTS, SAMPLER, HlslLookup, Number, keeps_levels, numbers
+from ..textures.export_spec import Target
+from .carried_frame import ATTRIBUTES, apply_turn_and_scale, carry_frame
+from .engines import file_lines
+from .hlsl_text import define_lines, filled, indented, is_clear, material_numbers, write_text_file
+from .pack import SHADERS, Pack
+from .write_godot import baked_matrix
+from .write_unity import texture_type
+
+TEMPLATES = SHADERS / "unreal"
+SCRIPT = "import_radtex.py.template"
+_CENTIMETRES = 0.01
+# To glTF's axes, places (4, 4): Unreal's importer swaps y and z, and multiplies by a hundred.
+_FROM_UNREAL = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]) * [
+    *(_CENTIMETRES,) * 3,
+    1,
+]
+_COMMENT = re.compile(r"\s*//.*$", re.MULTILINE)
+_GUARD = re.compile(r"#ifndef (\w+_HLSL)\n#define \1\n(.*)#endif\s*\Z", re.DOTALL)
+_INCLUDE = re.compile(r"^#include .*\n", re.MULTILINE)
+_STRUCT = re.compile(r"^struct \w+ \{.*?^\};\n", re.MULTILINE | re.DOTALL)
+_CONSTANT = re.compile(r"^static const int (\w+) = (\d+);", re.MULTILINE)
+_DEFINED = re.compile(r"^\s*#define (\w+)", re.MULTILINE)
+_EMPTY = re.compile(r"\n{2,}")
+
+
+def write_unreal(pack: Pack, folder: Path) -> None:
+    """Make a pack's folder one for Unreal: a Custom node's code for each material, a script, a README.txt."""
+    manifest, name = pack.manifest, pack.name
+    glb = Glb.read(folder / manifest.mesh)
+    carry_frame(glb)
+    apply_turn_and_scale(glb)
+    baked = baked_matrix(glb)
+    glb.write(folder / manifest.mesh)
+    lookup = manifest.form.hlsl(manifest.bake, manifest.textures, Target.UNREAL)
+    kind = manifest.bake["kind"]
+    script = f"import_{identifier(name, kind)}.py"
+    codes = {}
+    for place, (material, number) in enumerate(material_numbers(glb).items()):
+        codes[material] = f"{name}.custom{f'-{place}' if place else ''}.hlsl"
+        write_text_file(folder / codes[material], custom_text(name, script, lookup, baked, number))
+    culled = manifest.culled or Kind(kind).traits.content
+    words = script_words(name, kind, manifest.mesh, lookup, codes)
+    words |= {"CLEAR": str(is_clear(glb)), "TWO_SIDED": str(not culled)}
+    write_text_file(folder / script, filled(TEMPLATES / SCRIPT, words))
+    files = "\n".join(file_lines(manifest, ATTRIBUTES))
+    readme = {"NAME": name, "SCRIPT": script, "IDENTIFIER": identifier(name, kind), "FILES": files}
+    write_text_file(folder / "README.txt", filled(TEMPLATES / "README.txt", readme))
+    write_text_file(folder / "LICENSE.txt", (SHADERS / "LICENSE").read_text(encoding="utf-8"))
+
+
+def custom_text(name: str, script: str, lookup: HlslLookup, baked: Floats, material: int = 0) -> str:
+    """The code of the Custom node for one of the bake's materials.
+
+    `baked` (3, 4) transforms places of the mesh, in glTF's axes, to Blender's world.
+    """
+    constants = (*lookup.constants, *lookup.materials[material])
+    structs, functions = _inlined(lookup.includes)
+    defines = define_lines(lookup.defines)
+    template = (TEMPLATES / "custom.hlsl").read_text(encoding="utf-8")
+    known = dict.fromkeys(_DEFINED.findall(f"{template}\n{defines}\n{functions}"))
+    members = [f"{texture_type(entry)} {texture};" for texture, entry in lookup.textures.items()]
+    members += [f"SamplerState {SAMPLER};", *(_member(each) for each in constants)]
+    values = [f"radtex.{texture} = {texture_input(texture)};" for texture in lookup.textures]
+    values.append(f"radtex.{SAMPLER} = {texture_input(next(iter(lookup.textures)))}Sampler;")
+    words = {
+        "NAME": name,
+        "SCRIPT": script,
+        "MORE": _more_inputs(lookup),
+        "DEFINES": defines,
+        "STRUCTS": structs,
+        "MEMBERS": indented("\n".join(members)),
+        "FUNCTIONS": functions,
+        "ARGUMENTS": ARGUMENTS,
+        "LOOKUP": indented(lookup.body),
+        "VALUES": "\n".join([*values, *(_assigned(each) for each in constants)]),
+        "BAKED": numbers(baked @ _FROM_UNREAL),
+        "PLACE": "Place" if reads_places(lookup) else "0.0, 0.0, 0.0",
+        "SUN": "mul((float3x3)radtex_baked, Sun), Irradiance"
+        if lookup.relit
+        else "float3(0.0, 0.0, 1.0), float3(0.0, 0.0, 0.0)",
+        "UNDEFINES": "\n".join(f"#undef {each}" for each in known),
+    }
+    return _EMPTY.sub("\n", filled(TEMPLATES / "custom.hlsl", words))
+
+
+def reads_places(lookup: HlslLookup) -> bool:
+    """Whether the light depends on the place on the surface beside uv."""
+    return "radtex_layered" in lookup.includes
+
+
+def texture_input(texture: str) -> str:
+    """The input of the Custom node for a texture: Atlas, or Colour, ThroughRest and the like."""
+    words = texture.removeprefix("radtex_").removesuffix("_map").split("_")
+    return "".join(word.capitalize() for word in words)
+
+
+def identifier(name: str, kind: str) -> str:
+    """A name for assets and for a Python file."""
+    return re.sub(r"\W", "_", f"{name}_{kind}", flags=re.ASCII)
+
+
+def script_words(
+    name: str, kind: str, mesh: str, lookup: HlslLookup, codes: Mapping[str, str]
+) -> dict[str, str]:
+    """The words of the script, but CLEAR and TWO_SIDED; `codes` are files by the mesh's materials."""
+    textures = [
+        (texture_input(each), entry.file, keeps_levels(entry, Target.UNREAL))
+        for each, entry in lookup.textures.items()
+    ]
+    return {
+        "NAME": name.replace('"', "'").replace("\\", "/"),
+        "IDENTIFIER": identifier(name, kind),
+        "MESH": repr(mesh),
+        "TEXTURES": repr(textures),
+        "MATERIALS": repr(list(codes.items())),
+        "PLACES": str(reads_places(lookup)),
+        "RELIT": str(lookup.relit),
+    }
+
+
+def _inlined(stems: tuple[str, ...]) -> tuple[str, str]:
+    """The structs and the functions of includes, without comments and what guards them."""
+    structs, functions = "", ""
+    for stem in stems:
+        text = _COMMENT.sub("", (SHADERS / f"{stem}.hlsl").read_text(encoding="utf-8"))
+        inside = _GUARD.search(text)
+        text = _INCLUDE.sub("", inside[2] if inside else text)
+        text = _CONSTANT.sub(r"#define \1 \2", text)
+        structs += "".join(_STRUCT.findall(text))
+        functions += _STRUCT.sub("", text)
+    return structs, functions
+
+
+def _member(constant: Number) -> str:
+    return f"{constant.kind} {constant.name}" + (f"[{constant.count}];" if constant.count else ";")
+
+
+def _assigned(constant: Number) -> str:
+    """Statements that set a member; a struct's arrays are set one by one."""
+    if not constant.count:
+        return f"radtex.{constant.name} = {constant.rows[0]};"
+    rows = enumerate(constant.rows)
+    return "\n".join(f"radtex.{constant.name}[{k}] = {row};" for k, row in rows)
+
+
+def _more_inputs(lookup: HlslLookup) -> str:
+    textures = ", ".join(texture_input(name) for name in lookup.textures)
+    place = ", Place (Absolute World\n// Position, transformed likewise)" if reads_places(lookup) else ""
+    sun = ", Sun (towards it, transformed likewise), Irradiance" if lookup.relit else ""
+    return f"{place}{sun}, and Texture Objects:\n// {textures}"

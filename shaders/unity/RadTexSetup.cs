@@ -1,0 +1,265 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+//
+// Sets @NAME@ up: Assets > RadTex > Set up @TITLE@. It sets how the textures are imported, makes the materials, and
+// saves a prefab of the mesh with them. It may be run again, after another export too.
+
+using System;
+using System.Collections.Generic;
+using System.IO;
+using System.Runtime.CompilerServices;
+using UnityEditor;
+using UnityEditor.AssetImporters;
+using UnityEngine;
+using UnityEngine.Experimental.Rendering;
+using UnityEngine.Rendering;
+
+namespace RadTexExports.@IDENTIFIER@
+{
+    public static class SetUp
+    {
+        const string Name = "@NAME@";
+
+        // Each texture's name in the shader, and its file.
+        static readonly string[,] Textures =
+        {
+@TEXTURE_FILES@
+        };
+
+        // Each material's name in the mesh's file, and its number in the shader.
+        static readonly Dictionary<string, int> Materials = new Dictionary<string, int>
+        {
+@MATERIAL_NUMBERS@
+        };
+
+        [MenuItem("Assets/RadTex/Set up @TITLE@")]
+        public static void Run()
+        {
+            if (PlayerSettings.colorSpace != ColorSpace.Linear)
+            {
+                throw new InvalidOperationException(
+                    "RadTex: set Project Settings > Player > Color Space to Linear, then set up " + Name + " again");
+            }
+            string folder = Folder();
+            ImportTextures(folder);
+            Dictionary<int, Material> materials = MakeMaterials(folder);
+            SavePrefab(folder, materials);
+            AssetDatabase.SaveAssets();
+        }
+
+        // The export's folder, as the asset database names it: this file lies in its folder Editor.
+        static string Folder([CallerFilePath] string here = "")
+        {
+            string project = Path.GetFullPath(".").Replace('\\', '/').TrimEnd('/') + "/";
+            string folder = Path.GetDirectoryName(Path.GetDirectoryName(Path.GetFullPath(here))).Replace('\\', '/');
+            if (!folder.StartsWith(project, StringComparison.OrdinalIgnoreCase))
+            {
+                throw new InvalidOperationException("RadTex: copy the folder of " + Name + " into Assets: " + folder);
+            }
+            return folder.Substring(project.Length);
+        }
+
+        static void ImportTextures(string folder)
+        {
+            for (int k = 0; k < Textures.GetLength(0); k++)
+            {
+                string path = folder + "/" + Textures[k, 1];
+                if (path.EndsWith(".dds", StringComparison.OrdinalIgnoreCase))
+                {
+                    AssetDatabase.SetImporterOverride<DdsImporter>(path);
+                    AssetDatabase.ImportAsset(path, ImportAssetOptions.ForceUpdate);
+                }
+                else
+                {
+                    ImportExr(path);
+                }
+            }
+        }
+
+        static void ImportExr(string path)
+        {
+            var importer = AssetImporter.GetAtPath(path) as TextureImporter;
+            if (importer == null)
+            {
+                throw new InvalidOperationException("RadTex: " + path + " is missing: copy the whole folder");
+            }
+            importer.textureType = TextureImporterType.Default;
+            importer.sRGBTexture = false;
+            importer.alphaSource = TextureImporterAlphaSource.FromInput;
+            importer.alphaIsTransparency = false;
+            importer.npotScale = TextureImporterNPOTScale.None;
+            importer.mipmapEnabled = false;
+            importer.wrapMode = TextureWrapMode.Clamp;
+            importer.filterMode = FilterMode.Bilinear;
+            importer.textureCompression = TextureImporterCompression.Uncompressed;
+            importer.maxTextureSize = 16384;
+            TextureImporterPlatformSettings settings = importer.GetDefaultPlatformTextureSettings();
+            settings.format = TextureImporterFormat.RGBAHalf;
+            settings.maxTextureSize = 16384;
+            importer.SetPlatformTextureSettings(settings);
+            importer.SaveAndReimport();
+        }
+
+        static Dictionary<int, Material> MakeMaterials(string folder)
+        {
+            var shader = AssetDatabase.LoadAssetAtPath<Shader>(folder + "/" + Name + ".shader");
+            var made = new Dictionary<int, Material>();
+            foreach (int number in Materials.Values)
+            {
+                string path = folder + "/" + Name + (number == 0 ? "" : "-" + number) + ".mat";
+                var material = AssetDatabase.LoadAssetAtPath<Material>(path);
+                if (material == null)
+                {
+                    material = new Material(shader);
+                    AssetDatabase.CreateAsset(material, path);
+                }
+                material.shader = shader;
+                material.enableInstancing = true;
+                if (number != 0)
+                {
+                    material.EnableKeyword("RADTEX_MATERIAL_" + number);
+                }
+                for (int k = 0; k < Textures.GetLength(0); k++)
+                {
+                    string file = folder + "/" + Textures[k, 1];
+                    var texture = AssetDatabase.LoadAssetAtPath<Texture>(file);
+                    if (texture == null)
+                    {
+                        throw new InvalidOperationException("RadTex: Unity did not import " + file);
+                    }
+                    material.SetTexture(Textures[k, 0], texture);
+                }
+                EditorUtility.SetDirty(material);
+                made[number] = material;
+            }
+            return made;
+        }
+
+        static void SavePrefab(string folder, Dictionary<int, Material> materials)
+        {
+            var model = AssetDatabase.LoadAssetAtPath<GameObject>(folder + "/@MESH@");
+            if (model == null)
+            {
+                throw new InvalidOperationException(
+                    "RadTex: Unity did not import @MESH@: add the package com.unity.cloud.gltfast in the Package Manager");
+            }
+            var instance = (GameObject)PrefabUtility.InstantiatePrefab(model);
+            try
+            {
+                foreach (MeshRenderer renderer in instance.GetComponentsInChildren<MeshRenderer>(true))
+                {
+                    Material[] given = renderer.sharedMaterials;
+                    for (int k = 0; k < given.Length; k++)
+                    {
+                        int number;
+                        string name = given[k] == null ? "" : given[k].name;
+                        given[k] = materials[Materials.TryGetValue(name, out number) ? number : @FIRST_NUMBER@];
+                    }
+                    renderer.sharedMaterials = given;
+                    renderer.lightProbeUsage = LightProbeUsage.Off;
+                    renderer.reflectionProbeUsage = ReflectionProbeUsage.Off;
+                }
+                PrefabUtility.SaveAsPrefabAsset(instance, folder + "/" + Name + ".prefab");
+            }
+            finally
+            {
+                UnityEngine.Object.DestroyImmediate(instance);
+            }
+        }
+    }
+
+    // Reads the DDS files of this export to the last bit: their mip levels, arrays and formats are as the shader wants
+    // them. Unity's own importer takes no arrays.
+    [ScriptedImporter(1, new string[0], new[] { "dds" })]
+    public sealed class DdsImporter : ScriptedImporter
+    {
+        const int Header = 148;
+
+        static readonly Dictionary<int, GraphicsFormat> Formats = new Dictionary<int, GraphicsFormat>
+        {
+            { 10, GraphicsFormat.R16G16B16A16_SFloat },
+            { 28, GraphicsFormat.R8G8B8A8_UNorm },
+            { 77, GraphicsFormat.RGBA_DXT5_UNorm },
+            { 78, GraphicsFormat.RGBA_DXT5_SRGB },
+            { 80, GraphicsFormat.R_BC4_UNorm },
+            { 83, GraphicsFormat.RG_BC5_UNorm },
+            { 95, GraphicsFormat.RGB_BC6H_UFloat },
+            { 98, GraphicsFormat.RGBA_BC7_UNorm },
+            { 99, GraphicsFormat.RGBA_BC7_SRGB },
+        };
+
+        public override void OnImportAsset(AssetImportContext context)
+        {
+            Texture texture = Read(File.ReadAllBytes(context.assetPath), context.assetPath);
+            texture.name = Path.GetFileNameWithoutExtension(context.assetPath);
+            context.AddObjectToAsset("texture", texture);
+            context.SetMainObject(texture);
+        }
+
+        public static Texture Read(byte[] file, string name)
+        {
+            GraphicsFormat format;
+            bool ours = file.Length > Header && BitConverter.ToUInt32(file, 0) == 0x20534444  // "DDS "
+                && BitConverter.ToUInt32(file, 84) == 0x30315844;  // "DX10"
+            if (!ours || !Formats.TryGetValue(BitConverter.ToInt32(file, 128), out format))
+            {
+                throw new InvalidDataException("RadTex: " + name + " is no DDS that RadTex writes: export it again");
+            }
+            int height = BitConverter.ToInt32(file, 12), width = BitConverter.ToInt32(file, 16);
+            int levels = Math.Max(BitConverter.ToInt32(file, 28), 1), layers = BitConverter.ToInt32(file, 140);
+            TextureCreationFlags flags = levels > 1 ? TextureCreationFlags.MipChain : TextureCreationFlags.None;
+            Texture2D single = layers > 1 ? null : new Texture2D(width, height, format, levels, flags);
+            Texture2DArray array = layers > 1 ? new Texture2DArray(width, height, layers, format, flags, levels) : null;
+            int place = Header;
+            for (int layer = 0; layer < layers; layer++)
+            {
+                for (int level = 0; level < levels; level++)
+                {
+                    var data = new byte[Bytes(format, Math.Max(width >> level, 1), Math.Max(height >> level, 1))];
+                    if (place + data.Length > file.Length)
+                    {
+                        throw new InvalidDataException("RadTex: " + name + " is cut short: export it again");
+                    }
+                    Buffer.BlockCopy(file, place, data, 0, data.Length);
+                    place += data.Length;
+                    if (array == null)
+                    {
+                        single.SetPixelData(data, level);
+                    }
+                    else
+                    {
+                        array.SetPixelData(data, level, layer);
+                    }
+                }
+            }
+            Texture texture = single;
+            if (array == null)
+            {
+                single.Apply(false, true);
+            }
+            else
+            {
+                array.Apply(false, true);
+                texture = array;
+            }
+            texture.wrapMode = TextureWrapMode.Clamp;
+            texture.filterMode = FilterMode.Trilinear;
+            texture.anisoLevel = 1;
+            return texture;
+        }
+
+        static int Bytes(GraphicsFormat format, int width, int height)
+        {
+            switch (format)
+            {
+                case GraphicsFormat.R16G16B16A16_SFloat:
+                    return 8 * width * height;
+                case GraphicsFormat.R8G8B8A8_UNorm:
+                    return 4 * width * height;
+                default:
+                    int block = format == GraphicsFormat.R_BC4_UNorm ? 8 : 16;
+                    return block * ((width + 3) / 4) * ((height + 3) / 4);
+            }
+        }
+    }
+}
