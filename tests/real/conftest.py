@@ -15,11 +15,12 @@ import pytest
 from playwright.sync_api import BrowserType, sync_playwright
 
 from tests.real.browser import SOFTWARE_GL, chromium, served
+from tests.real.engines import Compilers
 from tests.real.exhibit import Exhibit, Form
 from tests.real.installable import build_zip, with_wheels
 from tests.real.mirror_scene import Stage
 from tests.real.panel import radtex_window
-from tests.real.root import BLENDER, PROGRAMS, Recipe, Root, RootUnavailableError, ready_root
+from tests.real.root import BLENDER, COMPILERS, PROGRAMS, Recipe, Root, RootUnavailableError, ready_root
 from tests.real.web import Site, build_page
 from tests.real.window import Window
 
@@ -48,6 +49,14 @@ def stages(tmp_path_factory: pytest.TempPathFactory) -> dict[Form, Stage]:
 def root(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Root:
     """Godot, Chromium and the others in a Debian of their own, which the first use builds."""
     return _root(PROGRAMS, request.config, tmp_path_factory)
+
+
+@pytest.fixture(scope="session")
+def compilers(
+    root: Root, request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Compilers:
+    """What game engines compile with, in a Debian of its own, which the first use builds."""
+    return Compilers(_root(COMPILERS, request.config, tmp_path_factory), root)
 
 
 @pytest.fixture(scope="session")

