@@ -61,7 +61,15 @@ class Rays(Enum):
     COSINE = auto()  # outwards, distributed by the cosine: each cell gets rays by its share of ambient light
 
 
-_SHADERS = ("web", "raw", "gltf")
+class Lit(Enum):
+    """What lights an exported bake of a kind where it is shown."""
+
+    BY_ITSELF = auto()  # the light is in the bake
+    BY_LAMPS = auto()  # by lamps of the program that shows it
+    BY_SKY = auto()  # by its environment
+
+
+_SHADERS = ("web", "godot", "raw", "gltf")
 _ENGINES = ("unity", "unreal")
 _ALL_TARGETS = ("web", "godot", "gltf", "unity", "unreal", "raw")
 
@@ -80,7 +88,8 @@ class KindTraits:
     * `needs_camera_rays`: the baked object must be visible to cameras. `needs_light`: a scene without light
       is worth a warning. `looks_at_surface`: records the light of the object's own surface, so that cells
       that nobody can see are skipped. `judged`: a path-traced picture can be compared with its preview.
-    * `exports`: names of the targets that show it, and `include`: its shader include, beside radtex's own.
+    * `exports`: names of the targets that show it, and `include`: its shader include, beside radtex's own;
+      `lit`: by what it is lit there.
     """
 
     title: str
@@ -108,6 +117,7 @@ class KindTraits:
     judged: bool = True
     exports: tuple[str, ...] = _ALL_TARGETS
     include: str | None = None
+    lit: Lit = Lit.BY_ITSELF
 
 
 KINDS: dict[Kind, KindTraits] = {
@@ -179,6 +189,7 @@ KINDS: dict[Kind, KindTraits] = {
         judged=False,
         exports=_SHADERS,
         include="radtex_shadow",
+        lit=Lit.BY_LAMPS,
     ),
     Kind.AO: KindTraits(
         title="Ambient Occlusion",
@@ -193,6 +204,7 @@ KINDS: dict[Kind, KindTraits] = {
         needs_light=False,
         judged=False,
         exports=_SHADERS,
+        lit=Lit.BY_SKY,
     ),
     Kind.TRANSFER: KindTraits(
         title="Transfer",
@@ -206,6 +218,7 @@ KINDS: dict[Kind, KindTraits] = {
         needs_light=False,
         exports=(*_SHADERS, *_ENGINES),
         include="radtex_transfer",
+        lit=Lit.BY_LAMPS,
     ),
 }
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..core.frame import normalised
 from ..formats.containers.glb import Glb
-from .write_godot import baked_matrix
+from .node_matrix import baked_matrix
 
 ATTRIBUTES = "TEXCOORD_0 is the baked UV layer, TEXCOORD_1 to 4 its frame."  # for a README
 TANGENT_XY, TANGENT_Z_SIDE, NORMAL_XY, NORMAL_Z = (f"TEXCOORD_{number}" for number in range(1, 5))

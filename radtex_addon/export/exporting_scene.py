@@ -31,11 +31,11 @@ from .scene_gltf import SceneGltf
 from .scene_manifest import SceneEntry, ScenePack
 from .scene_nodes import SceneNode, scene_nodes
 from .web import write_web
-from .write_godot_scene import write_godot_scene
+from .write_godot import write_godot
 
 _WRITERS: dict[Target, Callable[[ScenePack, Path], None]] = {
     Target.WEB: write_web,
-    Target.GODOT: write_godot_scene,
+    Target.GODOT: write_godot,
     Target.GLTF: write_engine_scene,
     Target.RAW: write_engine_scene,
 }

@@ -24,3 +24,8 @@ class Pack:
     manifest: Manifest
     folder: Path
     spec: ExportSpec
+
+    @property
+    def manifests(self) -> tuple[Manifest, ...]:
+        """The manifest, as a scene of several bakes has them."""
+        return (self.manifest,)

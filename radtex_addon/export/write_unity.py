@@ -30,7 +30,7 @@ from .hlsl_text import (
     write_text_file,
 )
 from .pack import SHADERS, Pack
-from .write_godot import baked_matrix
+from .node_matrix import baked_matrix
 
 TEMPLATES = SHADERS / "unity"
 SHARED = "radtex_unity.hlsl"  # the one file of TEMPLATES that is copied as it is

@@ -24,7 +24,7 @@ from .carried_frame import ATTRIBUTES, apply_turn_and_scale, carry_frame
 from .engines import file_lines
 from .hlsl_text import define_lines, filled, indented, is_clear, material_numbers, write_text_file
 from .pack import SHADERS, Pack
-from .write_godot import baked_matrix
+from .node_matrix import baked_matrix
 from .write_unity import texture_type
 
 TEMPLATES = SHADERS / "unreal"

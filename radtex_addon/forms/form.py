@@ -26,7 +26,6 @@ from ..formats.sidecar_file import SidecarFile
 from ..textures.entry import TextureEntry
 from ..textures.export_progress import Step
 from ..textures.export_spec import ExportSpec, Target
-from ..textures.godot_shader import GodotShader
 from .bake_job import BakeJob
 from .hlsl_lookup import HlslLookup
 from .outcome import Outcome
@@ -176,19 +175,6 @@ class Form(Protocol):
         self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry]
     ) -> dict[str, Any] | None:
         """What shaders must be told of an exported bake besides its sidecar, as JSON; None if nothing."""
-        ...
-
-    def godot_shader(
-        self,
-        bake: Mapping[str, Any],
-        textures: Mapping[str, TextureEntry],
-        baked: Floats,
-        culled: bool = False,
-    ) -> GodotShader:
-        """The Godot shader; `baked` (3, 4) transforms places of the mesh to Blender's world.
-
-        Of a `culled` mesh only front faces are drawn.
-        """
         ...
 
     def hlsl(

@@ -13,12 +13,8 @@ import numpy as np
 import pytest
 
 from radtex_addon.core.errors import InputError
-from radtex_addon.formats.containers.texture import PixelFormat
-from radtex_addon.forms.layered.files.arrangement import CHANNELS
-from radtex_addon.forms.layered.godot import layered_shader
 from radtex_addon.forms.layered.shader_values import (
     BAKE_BUFFER,
-    FULL,
     MATERIAL_BUFFER,
     THROUGH_BUFFER,
     Cost,
@@ -30,7 +26,6 @@ from radtex_addon.forms.layered.shader_values import (
     material_values,
     shader_facts,
 )
-from radtex_addon.textures.entry import Arranged, Container, TextureEntry
 from tests.layered_lookups import case_of
 
 SHADERS = Path(__file__).parents[2] / "shaders"
@@ -105,32 +100,6 @@ def test_what_shaders_cannot_do_is_refused() -> None:
         bake_values(case.sidecar, case.stored | {"world": Stored(part=(0.5, 1.0))})
     with pytest.raises(ValueError, match="expected the mean"):
         bake_values(case.sidecar, {})
-
-
-def test_godot_is_told_of_each_material() -> None:
-    case = case_of("everything")
-    facts = shader_facts(case.sidecar, case.stored, FULL)
-    entries = {layer: _entry(layer) for layer in CHANNELS}
-    baked = np.column_stack([np.eye(3) * 2, [1, 2, 3]])
-    first = layered_shader(facts, entries, baked)
-    assert first.parameters["baked"] == "Basis(2.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0)"
-    assert first.parameters["baked_place"] == "Vector3(1.0, 2.0, 3.0)"
-    assert first.materials[0]["radtex_lobes"] != first.materials[1]["radtex_lobes"]
-    assert first.words["SIDES"] == "cull_disabled"
-    assert layered_shader(facts, entries, baked, culled=True).words["SIDES"] == "cull_back"
-    assert first.includes == ("radtex_layered", "radtex_layered_through")
-    assert first.words["ALPHA"]
-    assert list(first.textures) == [f"radtex_{layer}_map" for layer in CHANNELS]
-    opaque = shader_facts(case_of("bare").sidecar, {}, FULL)
-    bare = layered_shader(opaque, entries, baked)
-    assert bare.includes == ("radtex_layered",)
-    assert not bare.words["ALPHA"]
-
-
-def _entry(layer: str) -> TextureEntry:
-    size, kind = (4, 4), PixelFormat.RGBA16F
-    file, container, arranged = f"{layer}.ktx2", Container.KTX2, Arranged.IMAGE
-    return TextureEntry(file, container, kind, False, arranged, size, 1, size, size, 1, (1, 1), size)
 
 
 def _text(language: str) -> str:

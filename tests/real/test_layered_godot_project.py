@@ -17,11 +17,10 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.fragments import Fragments
 from radtex_addon.export.exporting import export_steps
-from radtex_addon.export.write_godot import TEMPLATES, baked_matrix, material_text
+from radtex_addon.export.gltf import EXTENSION
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.ktx2 import write_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat, encode_texture
-from radtex_addon.forms.layered.godot import layered_shader
 from radtex_addon.forms.layered.lookup.atlas import sample_layered
 from radtex_addon.forms.layered.shader_values import FULL, shader_facts
 from radtex_addon.report.metrics import Picture
@@ -29,7 +28,7 @@ from radtex_addon.textures.entry import Arranged, Container, TextureEntry
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.layered_lookups import Case, case_of
 from tests.real.exhibit import CAMERAS, Bake, Camera, Exhibit, decibels
-from tests.real.godot import RENDERERS, SHADERS, Shot, imported, pictures
+from tests.real.godot import RENDERERS, Shot, imported, pictures
 from tests.real.root import Root
 
 LEAST = 48.0  # dB
@@ -59,22 +58,18 @@ def texture(layer: str, levels: list[Floats], folder: Path) -> TextureEntry:
 
 
 def project(bake: Bake, case: Case, folder: Path) -> Path:
-    """The exhibit's plain bake, exported; its shader and its material replaced by those of a layered bake."""
+    """The exhibit's plain bake, exported; what its .glb says of the bake replaced by a layered one's."""
     place = folder / "project"
     deque(export_steps(bake.sidecar, ExportSpec(Target.GODOT), place), maxlen=0)
-    (glb,), (file,), (material,) = (place.glob(f"*.{kind}") for kind in ("glb", "gdshader", "material.tres"))
-    facts = shader_facts(case.sidecar, case.stored, FULL)
+    (path,) = place.glob("*.glb")
+    glb = Glb.read(path)
+    (material,) = glb.document["materials"]
+    facts = material["extensions"][EXTENSION]
+    facts["shader"] = shader_facts(case.sidecar, case.stored, FULL)
     entries = {layer: texture(layer, levels, place) for layer, levels in case.textures.items()}
-    shader = layered_shader(facts, entries, baked_matrix(Glb.read(glb)))
-    text = (TEMPLATES / shader.template).read_text(encoding="utf-8")
-    for word, value in shader.words.items():
-        text = text.replace(f"@{word}@", value)
-    assert "@" not in text.replace("@D", "")
-    file.write_text(text, encoding="utf-8")
-    material.write_text(material_text(shader, file.name, MATERIAL), encoding="utf-8")
-    for include in shader.includes:
-        source = SHADERS / f"{include}.gdshaderinc"
-        (place / "shaders" / source.name).write_text(source.read_text(encoding="utf-8"), encoding="utf-8")
+    facts["textures"] = {layer: entry.facts() for layer, entry in entries.items()}
+    material["extras"]["radtex_material"] = MATERIAL
+    glb.write(path)
     return place
 
 

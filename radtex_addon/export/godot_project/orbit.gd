@@ -13,7 +13,7 @@ var distance := 3.0
 
 func _ready() -> void:
 	var box := AABB()
-	for shown: VisualInstance3D in get_parent().find_children("*", "VisualInstance3D", true, false):
+	for shown: GeometryInstance3D in get_parent().find_children("*", "GeometryInstance3D", true, false):
 		var its_box := shown.global_transform * shown.get_aabb()
 		box = box.merge(its_box) if box.has_surface() else its_box
 	middle = box.get_center()

@@ -33,14 +33,12 @@ from ...preview.osl import add_osl_node
 from ...textures.entry import Arranged, Container, TextureEntry
 from ...textures.export_progress import Step
 from ...textures.export_spec import ExportSpec, Target
-from ...textures.godot_shader import GodotShader
 from ..bake_job import BakeJob
 from ..form import Form, Opened, PreviewOf
 from ..hlsl_lookup import HlslLookup
 from ..outcome import Outcome
 from .bake import bake_buckets, bucket_images
 from .flat import flat_buckets, light_channels
-from .godot import buckets_shader
 from .hlsl import buckets_lookup
 from .textures import check_buckets, write_buckets
 
@@ -157,19 +155,11 @@ class Buckets:
     ) -> dict[str, Any] | None:
         return None
 
-    def godot_shader(
-        self,
-        bake: Mapping[str, Any],
-        textures: Mapping[str, TextureEntry],
-        baked: Floats,
-        culled: bool = False,
-    ) -> GodotShader:
-        return buckets_shader(bake, textures)
-
     def hlsl(
         self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
     ) -> HlslLookup:
         return buckets_lookup(bake, textures, target)
+
 
 
 def layout_in(sidecar: AnySidecar) -> AtlasLayout:

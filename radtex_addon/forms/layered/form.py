@@ -26,7 +26,6 @@ from ...formats.sidecar_file import SidecarFile, opened
 from ...textures.entry import TextureEntry
 from ...textures.export_progress import Step
 from ...textures.export_spec import ExportSpec, Target
-from ...textures.godot_shader import GodotShader
 from ..bake_job import BakeJob
 from ..buckets.form import has_samples_and_cells
 from ..form import Form, Opened, PreviewOf
@@ -56,7 +55,6 @@ from .files.arrangement import (
 )
 from .files.layered_files import read_layered, read_layered_sidecar
 from .flat import flat_layered
-from .godot import layered_shader
 from .hlsl import layered_lookup
 from .lookup.atlas import sample_layered
 from .lookup.blurred_levels import level_count
@@ -158,19 +156,11 @@ class Layered:
     ) -> dict[str, Any] | None:
         return exported_facts(bake, textures)
 
-    def godot_shader(
-        self,
-        bake: Mapping[str, Any],
-        textures: Mapping[str, TextureEntry],
-        baked: Floats,
-        culled: bool = False,
-    ) -> GodotShader:
-        return layered_shader(exported_facts(bake, textures), textures, baked, culled)
-
     def hlsl(
         self, bake: Mapping[str, Any], textures: Mapping[str, TextureEntry], target: Target
     ) -> HlslLookup:
         return layered_lookup(exported_facts(bake, textures), textures, target)
+
 
 
 def _most_shapes(texels: int) -> Shapes:
