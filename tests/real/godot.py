@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from subprocess import CompletedProcess
 
@@ -15,15 +15,20 @@ import numpy as np
 import PIL.Image
 
 from radtex_addon.core.arrays import Floats
+from radtex_addon.export.export_manifest import read_manifest
+from radtex_addon.export.godot_addon import copy_addon
 from radtex_addon.report.metrics import Picture
 from tests.lookups import SIDE
 from tests.real.exhibit import Camera
+from tests.real.kinds import Sun
 from tests.real.root import REPOSITORY, Root, screen
 
 RENDERERS = {  # of Godot, on Mesa's software drivers
     "Compatibility": ("--rendering-method", "gl_compatibility", "--rendering-driver", "opengl3"),
     "Forward+": ("--rendering-method", "forward_plus", "--rendering-driver", "vulkan"),
 }
+MOBILE = "Mobile"  # looks up as Forward+ does: pictures are enough
+ALL_RENDERERS = {**RENDERERS, MOBILE: ("--rendering-method", "mobile", "--rendering-driver", "vulkan")}
 SHADERS = REPOSITORY / "shaders"
 _TO_GODOT = np.array(
     [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]
@@ -37,6 +42,29 @@ void fragment() {{
     uint bits = floatBitsToUint(result[pixel.x / {SIDE}]);
     COLOR = vec4(uvec4(bits, bits >> 8u, bits >> 16u, bits >> 24u) & uvec4(255u)) / 255.0;
 }}
+"""
+_ENABLED = """
+[editor_plugins]
+
+enabled=PackedStringArray("res://addons/radtex/plugin.cfg")
+"""
+_SCENE = """[gd_scene format=3]
+
+[ext_resource type="PackedScene" path="res://{mesh}" id="1"]
+
+[sub_resource type="Environment" id="2"]
+background_mode = 1
+background_color = Color(0, 0, 0, 1)
+
+[node name="Main" type="Node3D"]
+
+[node name="Environment" type="WorldEnvironment" parent="."]
+environment = SubResource("2")
+
+[node name="Object" parent="." instance=ExtResource("1")]
+
+[node name="Camera" type="Camera3D" parent="."]
+near = 0.01
 """
 Image = Floats | list[Floats] | Path
 
@@ -99,16 +127,19 @@ def answers(root: Root, renderer: str, jobs: Sequence[Job]) -> list[Floats]:
 class Shot:
     """A picture that a project's main scene shall show: by a camera, its shader's `parameters` set.
 
-    `turn` is by how many degrees the camera and the scene are turned together about the vertical. `mirror` is
+    `sun`, if any, is a DirectionalLight3D of this and later shots; `sky` the grey levels above and below the
+    horizon of a sky that gives ambient light. `turn` is by how many degrees the camera and the scene are turned together about the vertical. `mirror` is
     the place of the mirror ball, in Blender's world, and its radius. `behind` names a PNG in the project that
     fills the picture behind the scene, and behind those of later shots.
     """
 
     camera: Camera
-    parameters: Mapping[str, float] = field(default_factory=dict)
+    parameters: Mapping[str, float | list[float]] = field(default_factory=dict)
     turn: float = 0.0
     mirror: tuple[float, float, float, float] | None = None
     behind: str | None = None
+    sun: Sun | None = None
+    sky: tuple[float, float] | None = None
 
     def facts(self, output: str) -> dict[str, object]:
         """What shoot.gd must know; matrices are Godot's, rows of four."""
@@ -126,8 +157,30 @@ class Shot:
             "fovy": self.camera.fovy,
             "parameters": dict(self.parameters),
             "behind": "" if self.behind is None else f"res://{self.behind}",
+            "sun": None if self.sun is None else {**asdict(self.sun), "towards": self.sun.towards.tolist()},
+            "sky": self.sky,
             "output": output,
         }
+
+
+def dropped(root: Root, export: Path) -> tuple[Path, str]:
+    """An empty project with the addon, enabled, and the files of an export, after Godot's import.
+
+    Its main scene has the .glb, and what `pictures` needs.
+    """
+    folder, inside = root.shared("dropped")
+    facts = (_PROJECT / "project.godot").read_text(encoding="utf-8")
+    (folder / "project.godot").write_text(facts + _ENABLED, encoding="utf-8")
+    copy_addon(folder)
+    manifest = read_manifest(next(export.glob("*.export.json")))
+    files = [manifest.mesh, *(entry.file for entry in manifest.textures.values())]
+    if manifest.mirror:
+        files.append(manifest.mirror.entry.file)
+    for file in files:
+        shutil.copy(export / file, folder)
+    (folder / "main.tscn").write_text(_SCENE.format(mesh=manifest.mesh), encoding="utf-8")
+    run_godot(root, ["--headless", "--path", inside, "--import"])
+    return folder, inside
 
 
 def imported(root: Root, project: Path) -> tuple[Path, str]:
@@ -147,7 +200,7 @@ def pictures(root: Root, project: tuple[Path, str], renderer: str, shots: Sequen
     (folder / "shots.json").write_text(json.dumps(facts), encoding="utf-8")
     (pixels,) = {shot.camera.pixels for shot in shots}
     size = f"{pixels}x{pixels}"
-    arguments = ["--path", inside, *RENDERERS[renderer], "--resolution", size, "--script", "res://shoot.gd"]
+    arguments = ["--path", inside, *ALL_RENDERERS[renderer], "--resolution", size, "--script", "res://shoot.gd"]
     run_godot(root, arguments)
     return [light_of(folder / output) for output in outputs]
 

@@ -22,7 +22,11 @@ func _initialize() -> void:
 			mirror.radius = shot.mirror[3]
 		for mesh: MeshInstance3D in main.find_children("*", "MeshInstance3D", true, false):
 			for parameter: String in shot.parameters:
-				mesh.get_active_material(0).set_shader_parameter(parameter, shot.parameters[parameter])
+				mesh.get_active_material(0).set_shader_parameter(parameter, value(shot.parameters[parameter]))
+		if shot.sun:
+			place_sun(main, shot.sun)
+		if shot.sky:
+			set_sky(main.get_node("Environment").environment, shot.sky)
 		if shot.behind:
 			main.get_node("Environment").environment.background_mode = Environment.BG_CANVAS
 			behind.texture = loaded(shot.behind)
@@ -42,6 +46,37 @@ func picture_behind() -> TextureRect:
 	found.expand_mode = TextureRect.EXPAND_IGNORE_SIZE
 	layer.add_child(found)
 	return found
+
+
+func value(found: Variant) -> Variant:
+	return Vector3(found[0], found[1], found[2]) if found is Array else found
+
+
+## A DirectionalLight3D that shines from a direction of the scene.
+func place_sun(main: Node3D, facts: Dictionary) -> void:
+	var sun: DirectionalLight3D = main.get_node_or_null("Sun")
+	if not sun:
+		sun = DirectionalLight3D.new()
+		sun.name = "Sun"
+		main.add_child(sun)
+	var towards: Vector3 = value(facts.towards)
+	sun.basis = Basis.looking_at(-towards, Vector3.UP if absf(towards.y) < 0.99 else Vector3.RIGHT)
+	sun.light_color = Color(facts.colour)
+	sun.light_energy = facts.strength
+	sun.shadow_enabled = true
+
+
+## Ambient light from a sky of two grey levels, above the horizon and below; nobody sees it.
+func set_sky(environment: Environment, levels: Array) -> void:
+	var image := Image.create(64, 32, false, Image.FORMAT_RGBF)
+	for row in 32:
+		var level: float = levels[row / 16]
+		image.fill_rect(Rect2i(0, row, 64, 1), Color(level, level, level))
+	var panorama := PanoramaSkyMaterial.new()
+	panorama.panorama = ImageTexture.create_from_image(image)
+	environment.sky = Sky.new()
+	environment.sky.sky_material = panorama
+	environment.ambient_light_source = Environment.AMBIENT_SOURCE_SKY
 
 
 func loaded(path: String) -> Texture2D:
