@@ -9,7 +9,6 @@ import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from subprocess import CompletedProcess
 
 import numpy as np
 import PIL.Image
@@ -44,13 +43,35 @@ void fragment() {{
 }}
 """
 _ENABLED = """
+[autoload]
+
+RadTex="*res://addons/radtex/runtime.gd"
+
 [editor_plugins]
 
 enabled=PackedStringArray("res://addons/radtex/plugin.cfg")
+"""  # as the editor writes it when one enables the plugin
+_IMPORT = """[remap]
+
+importer="scene"
+importer_version=1
+type="PackedScene"
+
+[deps]
+
+source_file="res://{mesh}"
+
+[params]
+
 """
+_PLACED = ('[ext_resource type="PackedScene" path="res://{mesh}" id="1"]', 'instance=ExtResource("1")]')
+_LOADED = (
+    '[ext_resource type="Script" path="res://loads.gd" id="1"]',
+    'type="Node3D"]\nscript = ExtResource("1")',
+)
 _SCENE = """[gd_scene format=3]
 
-[ext_resource type="PackedScene" path="res://{mesh}" id="1"]
+{head}
 
 [sub_resource type="Environment" id="2"]
 background_mode = 1
@@ -61,10 +82,9 @@ background_color = Color(0, 0, 0, 1)
 [node name="Environment" type="WorldEnvironment" parent="."]
 environment = SubResource("2")
 
-[node name="Object" parent="." instance=ExtResource("1")]
+[node name="Object" parent="." {node}
 
 [node name="Camera" type="Camera3D" parent="."]
-near = 0.01
 """
 Image = Floats | list[Floats] | Path
 
@@ -127,10 +147,11 @@ def answers(root: Root, renderer: str, jobs: Sequence[Job]) -> list[Floats]:
 class Shot:
     """A picture that a project's main scene shall show: by a camera, its shader's `parameters` set.
 
-    `sun`, if any, is a DirectionalLight3D of this and later shots; `sky` the grey levels above and below the
-    horizon of a sky that gives ambient light. `turn` is by how many degrees the camera and the scene are turned together about the vertical. `mirror` is
+    `turn` is by how many degrees the camera and the scene are turned together about the vertical. `mirror` is
     the place of the mirror ball, in Blender's world, and its radius. `behind` names a PNG in the project that
-    fills the picture behind the scene, and behind those of later shots.
+    fills the picture behind the scene, and behind those of later shots. `sun`, if any, is a
+    DirectionalLight3D of this and later shots; `sky` the grey levels above and below the horizon of a sky
+    that gives ambient light.
     """
 
     camera: Camera
@@ -163,23 +184,44 @@ class Shot:
         }
 
 
-def dropped(root: Root, export: Path) -> tuple[Path, str]:
+def dropped(root: Root, export: Path, *, at_run_time: bool = False) -> tuple[Path, str]:
     """An empty project with the addon, enabled, and the files of an export, after Godot's import.
 
-    Its main scene has the .glb, and what `pictures` needs.
+    Its main scene has the .glb, and what `pictures` needs. `at_run_time`: the editor does not see the files,
+    the scene loads them.
     """
+    folder, inside = filled(root, export, at_run_time=at_run_time)
+    run_godot(root, ["--headless", "--path", inside, "--import"])
+    return folder, inside
+
+
+def filled(
+    root: Root, export: Path, *, at_run_time: bool = False, settings: Mapping[str, object] | None = None
+) -> tuple[Path, str]:
+    """The project of `dropped` before Godot's import; `settings` are the Import dock's of the mesh."""
     folder, inside = root.shared("dropped")
     facts = (_PROJECT / "project.godot").read_text(encoding="utf-8")
     (folder / "project.godot").write_text(facts + _ENABLED, encoding="utf-8")
     copy_addon(folder)
     manifest = read_manifest(next(export.glob("*.export.json")))
-    files = [manifest.mesh, *(entry.file for entry in manifest.textures.values())]
+    names = [manifest.mesh, *(entry.file for entry in manifest.textures.values())]
     if manifest.mirror:
-        files.append(manifest.mirror.entry.file)
-    for file in files:
-        shutil.copy(export / file, folder)
-    (folder / "main.tscn").write_text(_SCENE.format(mesh=manifest.mesh), encoding="utf-8")
-    run_godot(root, ["--headless", "--path", inside, "--import"])
+        names.append(manifest.mirror.entry.file)
+    files = folder / "files" if at_run_time else folder
+    files.mkdir(exist_ok=True)
+    for name in names:
+        if (export / name).exists():
+            shutil.copy(export / name, files)
+    head, node = _LOADED if at_run_time else _PLACED
+    if at_run_time:
+        (files / ".gdignore").touch()
+        shutil.copy(_PROJECT / "loads.gd", folder)
+    if settings:
+        lines = [f"{name}={json.dumps(value)}" for name, value in settings.items()]
+        text = _IMPORT.format(mesh=manifest.mesh) + "\n".join(lines)
+        (folder / f"{manifest.mesh}.import").write_text(text, encoding="utf-8")
+    scene = _SCENE.format(head=head.format(mesh=manifest.mesh), node=node)
+    (folder / "main.tscn").write_text(scene, encoding="utf-8")
     return folder, inside
 
 
@@ -200,7 +242,15 @@ def pictures(root: Root, project: tuple[Path, str], renderer: str, shots: Sequen
     (folder / "shots.json").write_text(json.dumps(facts), encoding="utf-8")
     (pixels,) = {shot.camera.pixels for shot in shots}
     size = f"{pixels}x{pixels}"
-    arguments = ["--path", inside, *ALL_RENDERERS[renderer], "--resolution", size, "--script", "res://shoot.gd"]
+    arguments = [
+        "--path",
+        inside,
+        *ALL_RENDERERS[renderer],
+        "--resolution",
+        size,
+        "--script",
+        "res://shoot.gd",
+    ]
     run_godot(root, arguments)
     return [light_of(folder / output) for output in outputs]
 
@@ -217,13 +267,19 @@ def linear(shown: Floats) -> Picture:
     return light
 
 
-def run_godot(root: Root, arguments: Sequence[str], timeout: float = 240) -> CompletedProcess[str]:
+def run_godot(root: Root, arguments: Sequence[str], timeout: float = 240) -> str:
     """Run Godot before a screen of its own; AssertionError, with what it said, where it found an error."""
+    said = said_by_godot(root, arguments, timeout)
+    assert "ERROR" not in said, said
+    return said
+
+
+def said_by_godot(root: Root, arguments: Sequence[str], timeout: float = 240) -> str:
+    """All that Godot says, errors too, until it ends as it should."""
     ended = root.run(screen(["godot", "--audio-driver", "Dummy", *arguments]), timeout=timeout)
     said = ended.stdout + ended.stderr
     assert ended.returncode == 0, said
-    assert "ERROR" not in said, said
-    return ended
+    return said
 
 
 def _answered(path: Path) -> Floats:

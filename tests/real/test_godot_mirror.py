@@ -15,7 +15,7 @@ import pytest
 from radtex_addon.export.exporting import export_steps
 from radtex_addon.textures.export_spec import ExportSpec, Target
 from tests.real.exhibit import Form, decibels
-from tests.real.godot import RENDERERS, Shot, imported, pictures
+from tests.real.godot import ALL_RENDERERS, Shot, imported, pictures
 from tests.real.mirror_scene import CAMERA, LEAST, PLACES, RADIUS, SKY, Stage, keep_row
 from tests.real.root import Root
 
@@ -30,7 +30,7 @@ def test_the_ball_shows_what_cycles_shows(
     project = imported(root, tmp_path / "project")
     shots = [Shot(CAMERA, mirror=(*place, RADIUS)) for place in PLACES]
     shots.append(Shot(CAMERA, turn=70, mirror=(*PLACES[0], RADIUS)))
-    for renderer in RENDERERS:
+    for renderer in ALL_RENDERERS:
         taken = pictures(root, project, renderer, shots)
         keep_row(f"mirror-godot-{form}-{renderer}", [*stage.pictures], taken[: len(PLACES)])
         for number, picture in enumerate(taken):

@@ -7,6 +7,7 @@ extends RefCounted
 ## What Godot loads by itself stays a file of the project that scenes refer to. KTX2 files that it refuses (arrays, sRGB,
 ## whole numbers, mip levels that end early) are read here, and become part of the imported scene.
 
+const TextureArray := preload("texture_array.gd")
 const REMEDY := "copy all files of the export's folder, side by side, and import the .glb again."
 const AGAIN := "export it again, with --format ktx2-rgba16f if this file cannot be read."
 const BLOCK := 4  ## Pixels along the side of a compressed block.
@@ -63,9 +64,7 @@ static func _by_godot(path: String, entry: Dictionary) -> Texture:
 	if not found:
 		push_error("RadTex: Godot cannot load %s, which is %s: %s" % [path, entry.format, AGAIN])
 	elif _is_array(entry) and found is Texture2D:  # of one layer
-		var layers := Texture2DArray.new()
-		layers.create_from_images([(found as Texture2D).get_image()])
-		return layers
+		return _array([(found as Texture2D).get_image()])
 	return found
 
 
@@ -94,11 +93,13 @@ static func _ktx2(path: String, entry: Dictionary) -> Texture:
 	var images := _images(path, FileAccess.get_file_as_bytes(path), vk_format, size, levels)
 	if images.is_empty():
 		return null
-	if not _is_array(entry):
-		return ImageTexture.create_from_image(images[0])
-	var layers := Texture2DArray.new()
-	layers.create_from_images(images)
-	return layers
+	return _array(images) if _is_array(entry) else ImageTexture.create_from_image(images[0])
+
+
+static func _array(images: Array[Image]) -> Texture2DArray:
+	var made := TextureArray.new()
+	made.images = images
+	return made
 
 
 ## Whether the shader takes an array, as it does of slices, of pages and of more words than two.

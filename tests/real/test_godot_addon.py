@@ -1,0 +1,216 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The addon for Godot in an empty project, into which the files of an export are dropped: what it shows.
+
+With RADTEX_FIGURES=docs/figures pictures are kept: Compatibility, Forward+, Mobile.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections import deque
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from radtex_addon.bake.spec import Kind
+from radtex_addon.core.atlas import AtlasLayout
+from radtex_addon.core.frame import normalised
+from radtex_addon.core.sampler import Filter, sample
+from radtex_addon.export.exporting import export_steps
+from radtex_addon.export.gltf import EXTENSION
+from radtex_addon.formats.containers.exr import read_buckets
+from radtex_addon.formats.containers.glb import Glb
+from radtex_addon.report.metrics import Picture, display
+from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
+from tests.real.exhibit import CAMERAS, Camera, Exhibit, Form, decibels
+from tests.real.godot import ALL_RENDERERS, MOBILE, Shot, dropped, filled, pictures, said_by_godot
+from tests.real.kinds import SPECS, KindBake, Sun, baked
+from tests.real.root import Root
+from tests.real.test_godot_project import flat_picture
+
+FRONT = CAMERAS[0]
+LEAST = 38.0  # dB
+LEAST_LIT = (
+    32.0  # Mobile has 10 bits for light, in even steps; Compatibility encodes dark light by a rough curve
+)
+LEAST_BENT = 30.0  # Godot's ambient light is blurred otherwise than by the cosine
+QUADRILINEAR = {"filtering": list(Filter).index(Filter.QUADRILINEAR)}
+FIGURES = os.environ.get("RADTEX_FIGURES")
+KTX2 = TextureFormat.KTX2_RGBA16F
+DROPPED = {
+    "web": (Form.PLAIN, ExportSpec(Target.WEB)),
+    "web, layered": (Form.LAYERED, ExportSpec(Target.WEB)),
+    "gltf": (Form.PLAIN, ExportSpec(Target.GLTF)),
+    "gltf, layered": (Form.LAYERED, ExportSpec(Target.GLTF)),
+    "few levels": (Form.PLAIN, ExportSpec(Target.GLTF, KTX2, levels=3)),
+    "pages": (Form.PLAIN, ExportSpec(Target.GLTF, KTX2, levels=1, limit=256)),
+    "slices": (Form.PLAIN, ExportSpec(Target.GLTF, KTX2, levels=1, arrangement=Arrangement.SLICES)),
+    "OpenEXR": (Form.PLAIN, ExportSpec(Target.GLTF, TextureFormat.EXR, levels=1)),
+    "DDS, layered": (Form.LAYERED, ExportSpec(Target.GLTF, TextureFormat.DDS_BC6H)),
+}
+SUNS = (Sun(-40, 45), Sun(-40, 45, 30), Sun(110, 20, 8))
+LIGHTS = (Sun(-40, 45, strength=3), Sun(180, 10, strength=5, colour="#ffc080"), Sun(90, -30, strength=2))
+
+
+@pytest.fixture(scope="session")
+def kind_bake(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., KindBake]:
+    """Bakes by kind and cells, made when they are first asked for."""
+    folder = tmp_path_factory.mktemp("kinds")
+    return cache(lambda kind, cells=None: baked(kind, folder / f"{kind}{cells or SPECS[kind].bucket}", cells))
+
+
+def exported(sidecar: Path, spec: ExportSpec, folder: Path) -> Path:
+    deque(export_steps(sidecar, spec, folder / "export"), maxlen=0)
+    return folder / "export"
+
+
+@pytest.mark.parametrize("name", DROPPED)
+def test_a_dropped_export_shows_what_the_reference_does(
+    name: str, exhibit: Exhibit, root: Root, tmp_path: Path
+) -> None:
+    """In all renderers; of other textures than the targets' own choice in one of each family."""
+    form, spec = DROPPED[name]
+    bake = exhibit.layered if form is Form.LAYERED else exhibit.plain
+    place = dropped(root, exported(bake.sidecar, spec, tmp_path))
+    filtering = QUADRILINEAR if form is Form.PLAIN and name != "slices" else {}
+    shots = [Shot(FRONT, filtering), Shot(FRONT, filtering, turn=70)]
+    own = name.removesuffix(", layered") in (Target.WEB, Target.GLTF)
+    for renderer in ALL_RENDERERS if own else ("Compatibility", MOBILE):
+        for shot, picture in zip(shots, pictures(root, place, renderer, shots), strict=True):
+            found = decibels(picture, bake.picture(FRONT), bake.eroded(FRONT))
+            print(f"{name}, {renderer}, turned by {shot.turn}: {found:.1f} dB")
+            assert found > LEAST
+
+
+@pytest.mark.parametrize("cells", [5, 8, 12])
+def test_lights_of_the_scene_cast_baked_shadows(
+    cells: int, kind_bake: Callable[..., KindBake], root: Root, tmp_path: Path
+) -> None:
+    made = kind_bake(Kind.SHADOW, cells)
+    target = Target.GODOT if cells == 8 else Target.GLTF
+    place = dropped(root, exported(made.sidecar, ExportSpec(target), tmp_path))
+    shots = [
+        Shot(camera, {"sun_angle": sun.size}, sun=sun) for camera, sun in zip(CAMERAS, SUNS, strict=True)
+    ]
+    _compare(made, root, place, [*shots, _by_its_own_sun(SUNS[0])], [*SUNS, SUNS[0]])
+
+
+def test_lights_of_the_scene_ask_for_transfer(
+    kind_bake: Callable[..., KindBake], root: Root, tmp_path: Path
+) -> None:
+    made = kind_bake(Kind.TRANSFER)
+    place = dropped(root, exported(made.sidecar, ExportSpec(Target.GODOT), tmp_path))
+    shots = [Shot(camera, sun=sun) for camera, sun in zip(CAMERAS, LIGHTS, strict=True)]
+    _compare(made, root, place, [*shots, _by_its_own_sun(LIGHTS[0])], [*LIGHTS, LIGHTS[0]])
+
+
+def _by_its_own_sun(sun: Sun) -> Shot:
+    """By the material's parameters, without a light in the scene."""
+    towards: list[float] = sun.towards.tolist()
+    own: dict[str, float | list[float]] = {"sun_direction": towards, "sun_strength": sun.strength}
+    return Shot(FRONT, {**own, "sun_angle": sun.size}, sun=Sun(0, 45, strength=0))
+
+
+def _compare(made: KindBake, root: Root, place: tuple[Path, str], shots: list[Shot], suns: list[Sun]) -> None:
+    strip = []
+    for renderer in ALL_RENDERERS:
+        taken = pictures(root, place, renderer, shots)
+        strip.append(taken[0])
+        for shot, sun, picture in zip(shots, suns, taken, strict=True):
+            wanted = made.seen(shot.camera, sun)[..., :3]
+            found = decibels(picture, wanted, made.eroded(shot.camera))
+            print(f"{made.kind}, {renderer}, {shot.camera.name}, {sun}: {found:.1f} dB")
+            assert found > LEAST_LIT
+    _keep(f"godot-{made.kind}", strip)
+
+
+def test_ambient_light_comes_along_the_bent_normal(
+    kind_bake: Callable[..., KindBake], root: Root, tmp_path: Path
+) -> None:
+    """A white sky shows the openness; of one that is white above alone, half as much comes to what faces
+    aside, by the cosine of its bent normal: the plain normal gives another picture."""
+    made = kind_bake(Kind.AO)
+    place = dropped(root, exported(made.sidecar, ExportSpec(Target.GODOT), tmp_path))
+    shots = [Shot(FRONT, sky=(1, 1)), *(Shot(camera, sky=(1, 0)) for camera in CAMERAS)]
+    mask, strip = made.eroded(FRONT), []
+    for renderer in ALL_RENDERERS:
+        white, *half = pictures(root, place, renderer, shots)
+        strip.append(half[0])
+        found = decibels(white, made.seen(FRONT)[..., :3], mask)
+        print(f"ao, {renderer}, white: {found:.1f} dB")
+        assert found > LEAST
+        for camera, picture in zip(CAMERAS, half, strict=True):
+            bent, plain = (_under_half_a_sky(made, camera, bent=way) for way in (True, False))
+            near, far = (decibels(picture, wanted, made.eroded(camera)) for wanted in (bent, plain))
+            print(f"ao, {renderer}, {camera.name}: {near:.1f} dB, by the plain normal {far:.1f} dB")
+            assert near > LEAST_BENT
+            assert near > far + 1
+    _keep("godot-ao", strip)
+
+
+def _under_half_a_sky(made: KindBake, camera: Camera, *, bent: bool) -> Picture:
+    """White light from above the horizon alone, (H, W, 3): (1 + the normal's height) / 2 of the openness."""
+    pixels, facts = read_buckets(made.sidecar)
+    buffer = made.buffer(camera)
+    layout, hit = AtlasLayout(facts.width, facts.height, facts.bucket), buffer.hit
+    incidence = buffer.incidence[hit]
+    stored = sample(pixels.astype(np.float32), layout, buffer.uv[hit], incidence, Filter.QUADRILINEAR)
+    frame = np.stack([buffer.tangent[hit], buffer.bitangent[hit], buffer.normal[hit]], axis=1)
+    way = normalised(np.einsum("kc,kcx->kx", stored[:, :3], frame)) if bent else buffer.normal[hit]
+    light = stored[:, 3] * (1 + way[:, 2]) / 2
+    return buffer.resolve(buffer.spread(np.repeat(light[:, None], 3, axis=1)))
+
+
+def test_a_game_loads_a_file_while_it_runs(exhibit: Exhibit, root: Root, tmp_path: Path) -> None:
+    """From a folder that Godot's editor never saw, and with the autoload that enabling the plugin adds."""
+    bake = exhibit.plain
+    export = exported(bake.sidecar, ExportSpec(Target.GLTF), tmp_path)
+    folder, inside = dropped(root, export, at_run_time=True)
+    (picture,) = pictures(root, (folder, inside), "Forward+", [Shot(FRONT, QUADRILINEAR)])
+    found = decibels(picture, bake.picture(FRONT), bake.eroded(FRONT))
+    print(f"loaded at run time: {found:.1f} dB")
+    assert found > LEAST
+
+
+def test_what_it_cannot_load_it_names_and_the_flat_lightmap_shows(
+    exhibit: Exhibit, root: Root, tmp_path: Path
+) -> None:
+    bake = exhibit.plain
+    export = exported(bake.sidecar, ExportSpec(Target.GLTF), tmp_path)
+    (texture,), (mesh,) = export.glob("*.ktx2"), export.glob("*.glb")
+    whole = Path(shutil.copytree(export, tmp_path / "whole"))
+    texture.write_bytes(texture.read_bytes()[:50])
+    assert f"{texture.name} is no KTX2 file: copy all files" in _import_errors(root, export)
+    texture.unlink()
+    place = filled(root, export)
+    said = said_by_godot(root, ["--headless", "--path", place[1], "--import"])
+    assert f"{texture.name} is missing: copy all files of the export's folder, side by side" in said
+    (picture,) = pictures(root, place, "Forward+", [Shot(FRONT)])
+    found = decibels(picture, flat_picture(bake, next(export.glob("*.flat.png"))), bake.eroded(FRONT))
+    print(f"the flat lightmap: {found:.1f} dB")
+    assert found > LEAST
+    shutil.copytree(whole, export, dirs_exist_ok=True)
+    glb = Glb.read(mesh)
+    glb.document["materials"][0]["extensions"][EXTENSION]["version"] = 2
+    glb.write(mesh)
+    assert "was exported in version 2" in _import_errors(root, export)
+    assert "Root Scale 2" in _import_errors(root, whole, {"nodes/root_scale": 2.0})
+
+
+def _import_errors(root: Root, export: Path, settings: dict[str, object] | None = None) -> str:
+    """What Godot says when it imports the files of an export."""
+    _, inside = filled(root, export, settings=settings)
+    return said_by_godot(root, ["--headless", "--path", inside, "--import"])
+
+
+def _keep(name: str, strip: list[Picture]) -> None:
+    if FIGURES:
+        shown = display(np.concatenate(strip, axis=1))
+        image = Image.fromarray((shown * 255 + 0.5).astype(np.uint8))
+        image.save(Path(FIGURES, f"{name}.png"), optimize=True)
