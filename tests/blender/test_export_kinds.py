@@ -22,6 +22,7 @@ from radtex_addon.core.sampler import Filter
 from radtex_addon.core.transfer import mean_over_lights
 from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.folder import files_in
+from radtex_addon.export.godot_addon import LOOKUPS
 from radtex_addon.formats.codecs.srgb import to_srgb
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.ktx2 import read_ktx2
@@ -88,14 +89,27 @@ def test_a_finished_bake_of_any_kind_is_exported(
 
 
 @pytest.mark.parametrize("kind", EVERYBODY)
-@pytest.mark.parametrize("target", [Target.GODOT, Target.UNITY, Target.UNREAL])
+@pytest.mark.parametrize("target", [Target.UNITY, Target.UNREAL])
 def test_what_is_looked_up_by_the_viewer_goes_to_every_engine(
-    export: Callable[..., Outcome], tmp_path: Path, kind: Kind, target: Target
+    export: Callable[..., Outcome], kind: Kind, target: Target
 ) -> None:
     assert export(kind, target).code == 0
-    shader = tmp_path / "baked/Box.godot/Box.gdshader"
-    if target is Target.GODOT:
-        assert ("cull_back" in shader.read_text()) is (kind is Kind.PROXY)
+
+
+@pytest.mark.parametrize("kind", SPECS)
+def test_godots_project_has_the_addon_and_the_light_that_a_kind_needs(
+    export: Callable[..., Outcome], tmp_path: Path, kind: Kind
+) -> None:
+    ended = export(kind, Target.GODOT)
+    assert (ended.code, ended.err) == (0, "")
+    made = tmp_path / "baked/Box.godot"
+    addon = {f"addons/radtex/{name}" for name in ("plugin.cfg", "importer.gd", "LICENSE", "README.md")}
+    assert addon | {"project.godot", "Box.glb", f"Box.{kind}.ktx2"} <= set(files_in(made))
+    assert {f"addons/radtex/lookups/{name}.gdshaderinc" for name in LOOKUPS} <= set(files_in(made))
+    scene = (made / "main.tscn").read_text(encoding="utf-8")
+    assert "@" not in scene
+    assert ("DirectionalLight3D" in scene) is (kind in (Kind.SHADOW, Kind.TRANSFER))
+    assert ("ProceduralSkyMaterial" in scene) is (kind is Kind.AO)
 
 
 def test_a_hulls_fallback_is_clear_and_has_a_front_alone(
@@ -126,10 +140,7 @@ def test_a_layer_that_the_bake_lacks_is_refused(export: Callable[..., Outcome]) 
 
 @pytest.mark.parametrize(
     ("kind", "target"),
-    [
-        *product((Kind.SHADOW, Kind.AO), (Target.GODOT, Target.UNITY, Target.UNREAL)),
-        (Kind.TRANSFER, Target.GODOT),
-    ],
+    product((Kind.SHADOW, Kind.AO), (Target.UNITY, Target.UNREAL)),
 )
 def test_who_does_not_show_a_kind_refuses_it_by_name(
     export: Callable[..., Outcome], tmp_path: Path, kind: Kind, target: Target
@@ -209,7 +220,7 @@ def test_a_bake_that_its_target_would_refuse_is_not_begun(tmp_path: Path) -> Non
     asked = (context.scene, ("Card",), SPECS[Kind.SHADOW], tmp_path)
     assert run_preflight(*asked, preview=True, targets=(Target.WEB, Target.RAW)).errors == ()
     (error,) = map(str, run_preflight(*asked, preview=True, targets=(Target.WEB, Target.UNITY)).errors)
-    assert error == "the bake is of kind shadow, which unity does not show: choose web, raw, gltf"
+    assert error == "the bake is of kind shadow, which unity does not show: choose web, godot, raw, gltf"
 
 
 def test_of_several_kinds_in_a_folder_one_is_named(

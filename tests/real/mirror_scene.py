@@ -123,13 +123,18 @@ def gradient() -> bpy.types.World:
     return world
 
 
-def main(form: Form, folder: Path) -> None:
-    """Bake the stage in one form, with its preview, and render it with the ball."""
+def bake_stage(form: Form, folder: Path) -> None:
+    """Bake the stage in one form, with its preview; it is the open scene then."""
     scene = stage(form)
     texels, samples = (128, 4) if form is Form.LAYERED else (128, 8)
     layout = {"layout": form.spec.layout} if form is Form.LAYERED else {"bucket": 8}
     spec = BakeSpec(texels=texels, samples=samples, **layout)
     bake_object(scene, NAME, spec, folder, preview=Filter.QUADRILINEAR, overwrite=True)
+
+
+def main(form: Form, folder: Path) -> None:
+    """Bake the stage in one form, with its preview, and render it with the ball."""
+    bake_stage(form, folder)
     chrome = principled("Chrome", CHROME, Metallic=1.0, Roughness=0.0)
     ball = added("uv_sphere", "Ball", chrome, segments=128, ring_count=64, radius=RADIUS)
     ball.visible_diffuse = ball.visible_glossy = ball.visible_shadow = False

@@ -48,8 +48,7 @@ vec4 answer(ivec2 here_) {
 CALLS = {
     ONE: "radtex_visible(HERE, {n}, normalize(light) * frame)",
     SUN: f"radtex_sun(HERE, {{n}}, frame, light, {ANGLE}, {POINTS})",
-    RECTANGLE: "radtex_rectangle(HERE, {n}, frame, light, "
-    f"vec3{CORNER}, vec3{ACROSS}, vec3{UP}, {POINTS})",
+    RECTANGLE: f"radtex_rectangle(HERE, {{n}}, frame, light, vec3{CORNER}, vec3{ACROSS}, vec3{UP}, {POINTS})",
 }
 CASES = [*product((ONE, SUN, RECTANGLE), ((5, False), (8, False), (12, True)))]
 

@@ -67,7 +67,7 @@ static func _is_readable(facts: Dictionary) -> bool:
 
 ## Nobody sees the flat lightmaps, which the editor would write into the project as pictures.
 static func _drop_flat_lightmaps(json: Dictionary) -> void:
-	for material: Dictionary in json.materials:
+	for material: Dictionary in json.get("materials", []):
 		material.get("pbrMetallicRoughness", {}).erase("baseColorTexture")
 	for list: String in ["images", "textures", "samplers"]:
 		json.erase(list)

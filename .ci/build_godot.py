@@ -1,0 +1,45 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Build the addon for Godot as its asset library wants it: `uv run .ci/build_godot.py`.
+
+dist/radtex-godot-VERSION.zip has the folder addons/radtex alone, the shader includes in its folder lookups.
+Unpack it into a project, and enable RadTex under Project > Project Settings > Plugins.
+"""
+
+from __future__ import annotations
+
+import argparse
+import configparser
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+from radtex_addon.export.godot_addon import copy_addon  # noqa: E402  # after the path
+
+
+def build_addon(folder: Path) -> Path:
+    """Write the zip into `folder`; returns its path."""
+    with tempfile.TemporaryDirectory() as project:
+        addon = copy_addon(Path(project))
+        facts = configparser.ConfigParser()
+        facts.read(addon / "plugin.cfg", encoding="utf-8")
+        version = facts["plugin"]["version"].strip('"')
+        path = folder / f"radtex-godot-{version}.zip"
+        folder.mkdir(parents=True, exist_ok=True)
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+            for file in sorted(addon.rglob("*")):
+                if file.is_file():
+                    archive.write(file, file.relative_to(project))
+    return path
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--out", type=Path, default=ROOT / "dist")
+    print(build_addon(parser.parse_args().out))
