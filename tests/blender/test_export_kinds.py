@@ -140,7 +140,7 @@ def test_a_layer_that_the_bake_lacks_is_refused(export: Callable[..., Outcome]) 
 
 @pytest.mark.parametrize(
     ("kind", "target"),
-    product((Kind.SHADOW, Kind.AO), (Target.UNITY, Target.UNREAL)),
+    [*product((Kind.SHADOW, Kind.AO), (Target.UNITY, Target.UNREAL))],
 )
 def test_who_does_not_show_a_kind_refuses_it_by_name(
     export: Callable[..., Outcome], tmp_path: Path, kind: Kind, target: Target

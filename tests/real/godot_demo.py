@@ -28,7 +28,7 @@ from tests.real.mirror_scene import bake_stage
 from tests.real.root import PROGRAMS, Root, ready_root
 
 FRAMES = 12  # one a second: mirror.gd's ball goes round in twelve
-_SIZE = (480, 270)
+_BLACK = 8  # of 255: what the background is at most
 
 
 def write_project(project: Path, form: Form = Form.LAYERED) -> None:
@@ -51,8 +51,7 @@ def run_of(root: Root, project: Path, renderer: str, folder: Path) -> list[Path]
         "--quit-after",
         f"{FRAMES + 1}",
     ]
-    size = ["--resolution", f"{_SIZE[0]}x{_SIZE[1]}"]
-    run_godot(root, ["--path", inside, *ALL_RENDERERS[renderer], *size, *movie], timeout=600)
+    run_godot(root, ["--path", inside, *ALL_RENDERERS[renderer], *movie], timeout=600)
     taken = sorted((place / "frames").glob("*.png"))[-FRAMES:]
     folder.mkdir(parents=True, exist_ok=True)
     found = [folder / f"{number:02}.png" for number in range(len(taken))]
@@ -62,11 +61,17 @@ def run_of(root: Root, project: Path, renderer: str, folder: Path) -> list[Path]
 
 
 def side_by_side(pictures: list[Path], path: Path) -> None:
-    """Four pictures a row, in one."""
+    """Four pictures a row, in one, each cut to what is not black in any of them."""
     images = []
     for picture in pictures:
         with Image.open(picture) as image:
             images.append(np.asarray(image.convert("RGB")))
+    shown = np.stack(images).max(axis=(0, 3)) > _BLACK
+    (top, *_, bottom), (left, *_, right) = (
+        np.flatnonzero(shown.any(axis=1)),
+        np.flatnonzero(shown.any(axis=0)),
+    )
+    images = [np.pad(each[top : bottom + 1, left : right + 1], ((8, 8), (8, 8), (0, 0))) for each in images]
     rows = [np.concatenate(images[first : first + 4], axis=1) for first in range(0, len(images), 4)]
     whole = Image.fromarray(np.concatenate(rows))
     whole.quantize(192, dither=Image.Dither.NONE).save(path, optimize=True)
