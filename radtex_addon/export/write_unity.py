@@ -29,8 +29,8 @@ from .hlsl_text import (
     material_numbers,
     write_text_file,
 )
-from .pack import SHADERS, Pack
 from .node_matrix import baked_matrix
+from .pack import SHADERS, Pack
 
 TEMPLATES = SHADERS / "unity"
 SHARED = "radtex_unity.hlsl"  # the one file of TEMPLATES that is copied as it is

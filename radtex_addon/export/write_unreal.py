@@ -23,8 +23,8 @@ from ..textures.export_spec import Target
 from .carried_frame import ATTRIBUTES, apply_turn_and_scale, carry_frame
 from .engines import file_lines
 from .hlsl_text import define_lines, filled, indented, is_clear, material_numbers, write_text_file
-from .pack import SHADERS, Pack
 from .node_matrix import baked_matrix
+from .pack import SHADERS, Pack
 from .write_unity import texture_type
 
 TEMPLATES = SHADERS / "unreal"

@@ -19,7 +19,7 @@ import pytest
 
 from radtex_addon.core.arrays import Floats
 from radtex_addon.export.exporting import export_steps
-from radtex_addon.export.write_godot import baked_matrix
+from radtex_addon.export.node_matrix import baked_matrix
 from radtex_addon.export.write_unity import SHARED, TEMPLATES, object_text, script_text, shader_text
 from radtex_addon.formats.containers.dds import write_texture
 from radtex_addon.formats.containers.glb import Glb

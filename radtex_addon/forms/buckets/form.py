@@ -161,7 +161,6 @@ class Buckets:
         return buckets_lookup(bake, textures, target)
 
 
-
 def layout_in(sidecar: AnySidecar) -> AtlasLayout:
     """The atlas's layout, by its sidecar. Raises FormatError."""
     facts = read_sidecar(sidecar)

@@ -162,7 +162,6 @@ class Layered:
         return layered_lookup(exported_facts(bake, textures), textures, target)
 
 
-
 def _most_shapes(texels: int) -> Shapes:
     """Width, height and channels of all images that a bake of a square atlas can have."""
     side = max(1, round(texels / coarser(texels)))
