@@ -41,7 +41,7 @@ _PATIENCE = 600_000  # milliseconds
 
 
 def visit(browser: Browser, address: str, megabits: float, latency: float) -> dict[str, Any]:
-    """Open the page once, with an empty cache. Returns bytes, seconds, and ms of a frame."""
+    """Open the page once, with an empty cache. Returns bytes, textures, seconds, ms of a frame."""
     tab = browser.new_context(viewport={"width": 1000, "height": 700})
     try:
         page = tab.new_page()
@@ -60,9 +60,12 @@ def visit(browser: Browser, address: str, megabits: float, latency: float) -> di
         whole = page.evaluate("async () => { await radtex.ready; return performance.now() }")
         marks = page.evaluate(_MARKS)
         frames = page.evaluate(_FRAMES, 5)
+        page.wait_for_timeout(500)  # the page tells its memory a moment after a frame
+        textures = page.text_content("#memory") or ""
         first = marks.get("radtex-first")
         return {
             "bytes": sum(received),
+            "textures": textures,
             "first": None if first is None else first / 1000,
             "whole": whole / 1000,
             "frame": statistics.median(frames),
@@ -105,7 +108,7 @@ def told(folder: Path, visits: list[dict[str, Any]]) -> str:
     size = median("bytes") / 1e6
     return (
         f"{folder.name}: {size:.2f} MB, first picture {first}, whole {median('whole'):.1f} s, "
-        f"a frame {median('frame'):.0f} ms"
+        f"a frame {median('frame'):.0f} ms, {visits[0]['textures']}"
     )
 
 
