@@ -12,7 +12,7 @@ from time import monotonic
 
 from ..bake.spec import Kind
 from ..core.errors import Cancelled, InputError, RadTexError
-from ..export.exporting import Exported, export_steps
+from ..export.exporting import Exported, ExportSource, check_folders_differ, export_steps
 from ..export.exporting_scene import export_scene_steps
 from ..formats.disk.memory import readable_size
 from ..formats.sidecar_file import SidecarFile
@@ -61,6 +61,8 @@ def run_export(request: ExportRequest, report: Report, interruption: Interruptio
             f"{names} do not fit in one folder: name one of them, leave --out out, or export them as one "
             "scene (--scene)"
         )
+    if len(sidecars) > 1:
+        check_folders_differ([ExportSource.of(each).folder(request.spec.target) for each in sidecars])
     for sidecar in sidecars:
         steps = export_steps(sidecar, request.spec, request.out, overwrite=request.overwrite)
         _export(object_of(sidecar), steps, report, interruption)

@@ -125,6 +125,16 @@ def check_writer(target: Target) -> None:
         check_page()
 
 
+def check_folders_differ(outs: Sequence[Path]) -> None:
+    """Raise InputError if two bakes would be exported into the same folder, where one would be lost."""
+    twice = [out for number, out in enumerate(outs) if out in outs[:number]]
+    if twice:
+        raise InputError(
+            f"several bakes do not fit in one folder, and {twice[0]} would be that of two: "
+            "export them one by one, into different folders, or as one scene"
+        )
+
+
 def check_export(bake: ExportSource, spec: ExportSpec, out: Path, *, overwrite: bool = False) -> None:
     """Preflight checks of an export. Raises InputError and FormatError."""
     check_out(out, bake.sidecar.path.parent, overwrite)

@@ -24,7 +24,7 @@ from radtex_addon.textures.export_spec import TAKES, ExportSpec, Target
 from radtex_addon.ui import registration
 from radtex_addon.ui.operators.export_dialog import dialog_title, draw_dialog
 from radtex_addon.ui.operators.export_operator import RADTEX_OT_export
-from radtex_addon.ui.settings.preferences import ADDON
+from radtex_addon.ui.settings.preferences import ADDON, preferred
 from tests.blender import stage
 from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.test_swap import LAYERED, NAME, PLAIN, ball
@@ -111,7 +111,7 @@ def test_every_dialog_shows_the_settings_that_apply(
     bake = shutil.copytree(bakes[kept], tmp_path / "bake")
     context.scene.radtex.kind = "shadow" if kept == "shadow" else "radiance"
     settings = {"bake": str(bake), "object": NAME, "target": target, "advanced": True}
-    if kept == "shadow" and target in (Target.GODOT, Target.UNITY, Target.UNREAL):
+    if kept == "shadow" and target in (Target.UNITY, Target.UNREAL):
         with pytest.raises(RuntimeError, match="of kind shadow, which"):
             asked(**settings)
         assert "of kind shadow, which" in said(RADTEX_OT_asked.drawn), "the dialog said so before"
@@ -228,6 +228,28 @@ def test_a_dialog_starts_with_what_was_chosen_in_the_last_one(plain: Path, tmp_p
         assert f"Makes the folder {OTHER}.raw in //bake" in said(asked(bake=str(plain), object=OTHER))
     finally:
         context.preferences.addons.remove(addon)
+
+
+def test_what_was_chosen_for_a_scene_is_kept_too(plain: Path, tmp_path: Path) -> None:
+    for item in bpy.data.objects:
+        item.select_set(True)
+    addon = context.preferences.addons.new()
+    addon.module = ADDON
+    try:
+        asked(bake=str(plain), target="raw", as_scene=True, scene_name="Room", into=str(tmp_path))
+        assert (tmp_path / "Room.raw" / "Room.glb").is_file()
+        assert (preferred().export_target, preferred().export_into) == ("raw", str(tmp_path))
+    finally:
+        context.preferences.addons.remove(addon)
+
+
+def test_two_bakes_in_one_folder_are_refused_before(plain: Path, tmp_path: Path) -> None:
+    for item in bpy.data.objects:
+        item.select_set(True)
+    with pytest.raises(RuntimeError, match="Several bakes do not fit in one folder"):
+        asked(bake=str(plain), target="raw", directory=str(tmp_path / "one"))
+    assert "would be that of two" in said(RADTEX_OT_asked.drawn)
+    assert not (tmp_path / "one").exists()
 
 
 @pytest.mark.parametrize(

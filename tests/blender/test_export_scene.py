@@ -297,3 +297,6 @@ def test_the_command_line_takes_a_folder_or_a_list(
     code, _, error = ran(str(sidecars[0]), str(sidecars[2]), "--out", str(tmp_path / "three"))
     assert code == 2
     assert "or export them as one scene (--scene)" in error
+    code, _, error = ran(str(sidecars[0]), str(sidecars[0]), "--overwrite")
+    assert code == 2
+    assert "would be that of two: export them one by one" in error

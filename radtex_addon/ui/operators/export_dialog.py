@@ -62,7 +62,7 @@ def planned(
     One folder if all are exported as one `scene`.
     """
     from ...export.earlier_export import is_export
-    from ...export.exporting import check_export
+    from ...export.exporting import check_export, check_folders_differ
     from ...export.exporting_scene import check_scene
     from ...export.texture_size import about_texture_bytes
 
@@ -73,7 +73,7 @@ def planned(
             partial(check_export, source, spec, out, overwrite=True)
             for source, out in zip(sources, outs, strict=True)
         ]
-        errors = _errors_of(checks)
+        errors = _errors_of([partial(check_folders_differ, outs), *checks])
     return Plan(
         sources=tuple(sources),
         outs=outs,

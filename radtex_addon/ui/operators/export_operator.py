@@ -218,14 +218,10 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
             spec = self._spec()
             sources = export_sources(scene, layer, self.object, self.bake)
             name = self._scene_name()
-            if name is not None:
-                self._export_scene(sources, spec, name)
-                return {"FINISHED"}
-            places = self._places(sources, spec)
-            if self.at_once:
-                self._export(places, spec)
+            if name is None:
+                self._export_each(sources, spec)
             else:
-                submit(places, spec, overwrite=self.overwrite)
+                self._export_scene(sources, spec, name)
             if self._sources:
                 remember_export(self.target, self.into)
         except RadTexError as error:
@@ -274,16 +270,12 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
 
     def _places(self, sources: list[ExportSource], spec: ExportSpec) -> list[Place]:
         """Where each bake goes. Raises RadTexError if an export would fail immediately."""
-        from ...core.errors import InputError
-        from ...export.exporting import check_export
+        from ...export.exporting import check_export, check_folders_differ
 
         outs = self._outs(sources)
+        check_folders_differ(outs)
         for source, out in zip(sources, outs, strict=True):
             check_export(source, spec, out, overwrite=self.overwrite)
-        if len(set(outs)) < len(outs):
-            raise InputError(
-                "several bakes do not fit in one folder: leave the folder out, or export them as one scene"
-            )
         return [place_for(source, out) for source, out in zip(sources, outs, strict=True)]
 
     def _export_scene(self, sources: list[ExportSource], spec: ExportSpec, name: str) -> None:
@@ -301,12 +293,16 @@ class RADTEX_OT_export(MayWait, OfBake, bpy.types.Operator):
         made = finished(export_scene_steps(sidecars, spec, name, out, overwrite=self.overwrite))
         self.report({"INFO"}, f"Exported {made.name} to {made.folder}: {size(made.bytes)}")
 
-    def _export(self, places: list[Place], spec: ExportSpec) -> None:
-        """Export in this process and report each object. Raises RadTexError."""
+    def _export_each(self, sources: list[ExportSource], spec: ExportSpec) -> None:
+        """Export each bake to a folder of its own, here and now or as a job. Raises RadTexError."""
         from ...bake.progress import finished
         from ...export.exporting import export_steps
         from ..panel.labels import size
 
+        places = self._places(sources, spec)
+        if not self.at_once:
+            submit(places, spec, overwrite=self.overwrite)
+            return
         for place in places:
             made = finished(export_steps(place.sidecar, spec, place.out, overwrite=self.overwrite))
             self.report({"INFO"}, f"Exported {made.name} to {made.folder}: {size(made.bytes)}")

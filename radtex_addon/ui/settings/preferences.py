@@ -129,7 +129,7 @@ def remember_export(target: str, into: str) -> None:
     if found is None or (found.export_target, found.export_into) == (target, into):
         return
     found.export_target, found.export_into = target, into
-    assert bpy.context.preferences is not None  # as above
+    assert bpy.context.preferences is not None  # only restricted contexts have none
     bpy.context.preferences.is_dirty = True  # so that Blender saves them at its end
 
 
