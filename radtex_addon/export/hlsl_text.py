@@ -1,34 +1,14 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lookups in HLSL as text, and templates whose @WORDS@ are filled in."""
+"""Lookups in HLSL as text."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 
-from ..core.errors import BakeError
 from ..formats.containers.glb import Glb
 from ..forms.hlsl_lookup import Number
-
-_LEFT = re.compile(r"@[A-Z_]+@")
-
-
-def filled(template: Path, words: Mapping[str, str]) -> str:
-    """The text of a template with each @WORD@ replaced by its value in `words`.
-
-    Raises BakeError if a word is left.
-    """
-    text = template.read_text(encoding="utf-8")
-    if unknown := {word[1:-1] for word in _LEFT.findall(text)} - set(words):
-        raise BakeError(f"{template} asks for {', '.join(sorted(unknown))}: install RadTex again")
-    return _LEFT.sub(lambda word: words[word[0][1:-1]], text)
-
-
-def write_text_file(path: Path, text: str) -> None:
-    """Write a file of the folder that is being made, in UTF-8, its lines ended as on Linux."""
-    path.write_text(text, encoding="utf-8", newline="\n")
+from ..scene.mesh.copy import MATERIAL
 
 
 def define_lines(defines: Mapping[str, int | str]) -> str:
@@ -50,9 +30,7 @@ def constant_lines(constants: Iterable[Number]) -> str:
 
 def material_numbers(glb: Glb) -> dict[str, int]:
     """The mesh's materials by name, in order, and the number of each among the shader's."""
-    return {
-        each["name"]: each.get("extras", {}).get("radtex_material", 0) for each in glb.document["materials"]
-    }
+    return {each["name"]: each.get("extras", {}).get(MATERIAL, 0) for each in glb.document["materials"]}
 
 
 def is_clear(glb: Glb) -> bool:

@@ -5,13 +5,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Sequence
 from pathlib import Path
 
 from ..bake.kinds import Kind, Lit
+from .export_manifest import Manifest
 from .godot_addon import copy_addon
 from .pack import Pack
 from .scene_manifest import ScenePack
+from .templates import filled, write_text_file
 
 TEMPLATES = Path(__file__).with_name("godot_project")
 _MIRROR = """\
@@ -57,19 +59,21 @@ def write_godot(pack: Pack | ScenePack, folder: Path) -> None:
         "BACKGROUND": _SKY if Lit.BY_SKY in lit else _BLACK,
     }
     for template in ("project.godot", "main.tscn", "orbit.gd"):
-        _write(folder / template, template, words)
-    _write(folder / "README.txt", "README.txt", {"NAME": name})
+        write_text_file(folder / template, filled(TEMPLATES / template, words))
+    about = "a radiance texture" if len(manifests) == 1 else f"a scene of {len(manifests)} radiance textures"
+    files = "\n".join(_files_to_copy(manifests))
+    readme = {"NAME": name, "WHAT": about, "FILES": files}
+    write_text_file(folder / "README.txt", filled(TEMPLATES / "README.txt", readme))
     copy_addon(folder)
+
+
+def _files_to_copy(manifests: Sequence[Manifest]) -> list[str]:
+    """The names of the files that the addon reads: the glTF, and the textures of each bake."""
+    textures = [entry.file for manifest in manifests for entry in manifest.textures.values()]
+    mirrors = [manifest.mirror.entry.file for manifest in manifests if manifest.mirror is not None]
+    return list(dict.fromkeys([manifests[0].mesh, *textures, *mirrors]))
 
 
 def quoted(text: str) -> str:
     """A string in the syntax of Godot's files."""
     return json.dumps(text, ensure_ascii=False)
-
-
-def _write(path: Path, template: str, words: Mapping[str, str]) -> None:
-    """Write a file of the project: the template with each @WORD@ replaced by its value in `words`."""
-    text = (TEMPLATES / template).read_text(encoding="utf-8")
-    for word, value in words.items():
-        text = text.replace(f"@{word}@", value)
-    path.write_text(text, encoding="utf-8", newline="\n")

@@ -20,17 +20,10 @@ from ..textures.entry import TextureEntry
 from ..textures.export_spec import Target
 from .carried_frame import ATTRIBUTES, carry_frame
 from .engines import file_lines
-from .hlsl_text import (
-    constant_lines,
-    define_lines,
-    filled,
-    indented,
-    is_clear,
-    material_numbers,
-    write_text_file,
-)
+from .hlsl_text import constant_lines, define_lines, indented, is_clear, material_numbers
 from .node_matrix import baked_matrix
 from .pack import SHADERS, Pack
+from .templates import filled, write_text_file
 
 TEMPLATES = SHADERS / "unity"
 SHARED = "radtex_unity.hlsl"  # the one file of TEMPLATES that is copied as it is

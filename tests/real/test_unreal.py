@@ -19,8 +19,8 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.export.export_manifest import read_manifest
 from radtex_addon.export.exporting import export_steps
-from radtex_addon.export.hlsl_text import filled
 from radtex_addon.export.node_matrix import baked_matrix
+from radtex_addon.export.templates import filled
 from radtex_addon.export.write_unreal import (
     SCRIPT,
     TEMPLATES,

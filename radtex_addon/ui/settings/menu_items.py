@@ -125,7 +125,7 @@ COMPRESSIONS = (
 
 TARGETS = (
     ("web", "Web", "A page that shows the object in a browser, by three.js"),
-    ("godot", "Godot", "A project with a scene and a shader that Godot 4 opens"),
+    ("godot", "Godot", "A project that opens and runs, and the addon by which any project shows bakes"),
     ("gltf", "glTF", "A .glb whose material names the textures"),
     ("unity", "Unity", "A mesh, DDS textures, a shader, and a script that sets all up"),
     ("unreal", "Unreal", "A mesh, DDS textures, and a script that imports them and makes the material"),
