@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Iterable
 from pathlib import Path
 
 from ..textures.entry import Container, TextureEntry
@@ -21,17 +22,24 @@ _WHERE = {
     Target.RAW: "The includes say at their top how they are called.",
 }
 _FIRST_ROW = "first row: v = {}"
+IMPORT_LINES = (  # of README.txt
+    "Import textures whose format ends in _SRGB as sRGB, all others as linear data; with no compression",
+    "and no mipmaps but their own.",
+)
 
 
 def write_engine(pack: Pack, folder: Path) -> None:
     """Add the shader includes that the bake's layout needs, and a README.txt, to a pack's folder."""
-    target = pack.spec.target
+    copy_includes(includes(pack.spec.target, pack), folder)
+    (folder / "README.txt").write_text(readme(pack), encoding="utf-8", newline="\n")
+
+
+def copy_includes(sources: Iterable[Path], folder: Path) -> None:
+    """Copy shader includes and their licence into the folder `shaders` of an export."""
     shaders = folder / "shaders"
     shaders.mkdir()
-    for source in includes(target, pack):
+    for source in (*sources, SHADERS / "LICENSE"):
         shutil.copyfile(source, shaders / source.name)
-    shutil.copyfile(SHADERS / "LICENSE", shaders / "LICENSE")
-    (folder / "README.txt").write_text(readme(pack), encoding="utf-8", newline="\n")
 
 
 def includes(target: Target, pack: Pack) -> list[Path]:
@@ -54,8 +62,7 @@ def readme(pack: Pack) -> str:
         "",
         *manifest.form.usage(manifest.bake, manifest.textures, target),
         "",
-        "Import textures whose format ends in _SRGB as sRGB, all others as linear data; with no compression",
-        "and no mipmaps but their own.",
+        *IMPORT_LINES,
         _WHERE[target],
     ]
     return "\n".join(lines) + "\n"

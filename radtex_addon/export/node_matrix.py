@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -21,10 +20,6 @@ def baked_matrix(glb: Glb) -> Floats:
     Its first three columns are that of directions.
     """
     (node,) = (node for node in glb.document["nodes"] if "mesh" in node)
-    return _matrix_of(node)
-
-
-def _matrix_of(node: Mapping[str, Any]) -> Floats:
     x, y, z, w = node.get("rotation", (0, 0, 0, 1))
     turn = np.array(
         [

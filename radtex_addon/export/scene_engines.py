@@ -4,13 +4,12 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
-from .engines import described, includes
+from .engines import IMPORT_LINES, copy_includes, described, includes
 from .export_manifest import EXTENSION, Manifest
-from .pack import SHADERS, Pack
+from .pack import Pack
 from .scene_manifest import SceneEntry, ScenePack
 
 
@@ -18,11 +17,7 @@ def write_engine_scene(pack: ScenePack, folder: Path) -> None:
     """Add the shader includes that the bakes need, and a README.txt, to a scene's folder."""
     target = pack.spec.target
     packs = [Pack(manifest.name, manifest, folder, pack.spec) for manifest in pack.manifests]
-    shaders = folder / "shaders"
-    shaders.mkdir()
-    for source in dict.fromkeys(path for each in packs for path in includes(target, each)):
-        shutil.copyfile(source, shaders / source.name)
-    shutil.copyfile(SHADERS / "LICENSE", shaders / "LICENSE")
+    copy_includes(dict.fromkeys(path for each in packs for path in includes(target, each)), folder)
     (folder / "README.txt").write_text("\n".join(_lines(pack)) + "\n", encoding="utf-8", newline="\n")
 
 
@@ -40,8 +35,7 @@ def _lines(pack: ScenePack) -> Iterator[str]:
     for manifest in pack.manifests:
         yield from _bake(manifest, pack)
     yield ""
-    yield "Import textures whose format ends in _SRGB as sRGB, all others as linear data; with no compression"
-    yield "and no mipmaps but their own."
+    yield from IMPORT_LINES
 
 
 def _node(entry: SceneEntry) -> str:
