@@ -19,7 +19,7 @@ from ..formats.sidecar_file import SidecarFile
 from ..report.finished_bake import find_bakes, find_bakes_of_all, object_of
 from ..textures.export_progress import Step
 from ..textures.export_spec import ExportSpec, Target
-from ..worker.orders import EXPORTING
+from ..worker.orders import EXPORTING, exported_part
 from .export_arguments import ExportRequest
 from .interruption import Interruption
 from .options import ProgressStyle
@@ -91,23 +91,25 @@ def run_exports(request: OrderedExports, report: Report, interruption: Interrupt
 def _export_each(request: OrderedExports, report: Report, interruption: Interruption) -> None:
     """Export several bakes, each into a folder of its own. Raises RadTexError if none is made."""
     made, errors, size, since = list[Path](), list[RadTexError](), 0, monotonic()
+    total = len(request.bakes)
+
+    def tell(number: int, name: str, step: Step) -> None:
+        done = number + exported_part(step)
+        left = (monotonic() - since) / done * (total - done) if number else None
+        report.event("progress", object=name, stage=EXPORTING, done=done, total=total, seconds_left=left)
+
     for number, (path, out) in enumerate(request.bakes):
-        total = len(request.bakes)
-        left = (monotonic() - since) / number * (total - number) if number else None
-        report.event(
-            "progress", object=path.stem, stage=EXPORTING, done=number, total=total, seconds_left=left
-        )
         try:
             steps = export_steps(path, request.spec, out, overwrite=request.overwrite)
-            done = interruption.between(steps, lambda _: None)
+            exported = interruption.between(steps, partial(tell, number, path.stem))
         except Cancelled:
             raise
         except RadTexError as error:
             errors.append(error)
             report.event("warning", **told(error.message))
             continue
-        made.append(done.folder)
-        size += done.bytes
+        made.append(exported.folder)
+        size += exported.bytes
     if not made:
         raise errors[0]
     summary = f"{len(made)} bakes for {request.spec.target}: {readable_size(size)}"

@@ -112,7 +112,7 @@ class Job:
             took=took,
         )
 
-    def _progressed(self, stage: str, done: int, total: int, left: float | None) -> Job:
+    def _progressed(self, stage: str, done: float, total: float, left: float | None) -> Job:
         here, past = self.order.stages.get(stage, 0.0), self._past(stage)
         part = done / total if total else 1.0
         seconds = self.seconds_left

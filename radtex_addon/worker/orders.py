@@ -16,6 +16,7 @@ from ..bake.spec_facts import as_json, facts_of
 from ..core.sampler import Filter
 from ..job.variants import Bake, variant_of
 from ..report.report_progress import Task
+from ..textures.export_progress import Step as ExportStep
 from ..textures.export_progress import Task as ExportTask
 from ..textures.export_spec import ExportSpec, Target
 from .order import Handover, Order, Work, parts
@@ -132,6 +133,13 @@ def _export(
         stages=parts(_EXPORT) if len(set(outs)) == 1 else {EXPORTING: 1.0},
         remedy="export again",
     )
+
+
+def exported_part(step: ExportStep) -> float:
+    """The fraction of one export's time until this step, 0 to 1."""
+    shares = parts(_EXPORT)
+    before = sum(shares[task] for task in list(ExportTask)[: list(ExportTask).index(step.stage)])
+    return before + shares[step.stage] * (step.done / step.total if step.total else 1.0)
 
 
 def order_comparison(

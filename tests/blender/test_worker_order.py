@@ -24,12 +24,14 @@ from radtex_addon.core.messages import Message
 from radtex_addon.core.sampler import Filter
 from radtex_addon.report.side_by_side import ComparisonSpec
 from radtex_addon.report.viewpoint import Eye
+from radtex_addon.textures.export_progress import Step as ExportStep
 from radtex_addon.textures.export_progress import Task as ExportTask
 from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, TextureFormat
 from radtex_addon.worker.job import Job, State
 from radtex_addon.worker.order import Handover, Order, Program, Work, command_line, write_order
 from radtex_addon.worker.orders import (
     EXPORTING,
+    exported_part,
     order_bake,
     order_comparison,
     order_export,
@@ -293,10 +295,16 @@ def test_an_exports_bar_runs_over_its_own_stages() -> None:
 def test_the_bar_of_several_exports_counts_bakes() -> None:
     bakes = [(name, FOLDER / f"{name}.json", FOLDER / f"{name}.raw") for name in ("Vase", "Cup", "Jug")]
     known = Job(1, order_export(FOLDER, bakes, ExportSpec(Target.RAW)))
-    for done in range(3):
-        event = {"event": "progress", "stage": EXPORTING, "done": done, "total": 3, "seconds_left": None}
-        known = known.hears(event)
-        assert known.fraction == pytest.approx(done / 3)
+    fractions = []
+    for number in range(3):
+        for task in ExportTask:
+            done = number + exported_part(ExportStep(task, 0, 1))
+            event = {"event": "progress", "stage": EXPORTING, "done": done, "total": 3, "seconds_left": None}
+            known = known.hears(event)
+            fractions.append(known.fraction)
+    assert fractions[:: len(ExportTask)] == pytest.approx([0, 1 / 3, 2 / 3])
+    assert all(later > earlier for earlier, later in pairwise(fractions))
+    assert exported_part(ExportStep(ExportTask.PACK, 1, 1)) == pytest.approx(1)
 
 
 def test_what_else_a_worker_says() -> None:
