@@ -433,7 +433,7 @@ def test_a_worker_exports_while_the_scene_is_left_alone(bake: str) -> None:
 
 def test_an_export_of_a_scene_runs_as_one_job(bake: str) -> None:
     sidecar, out = Path(bake) / "Ball.radiance.json", Path(bake) / "Room"
-    submit_scene([sidecar], ExportSpec(Target.GLTF), "Room", out, overwrite=False)
+    submit_scene([sidecar, sidecar], ExportSpec(Target.GLTF), "Room", out, overwrite=False)
     assert job_title(jobs.snapshot()[0]) == "Room for glTF"
     (job,) = finish()
     assert (job.state, job.files) == ("done", (out,)), job.message

@@ -62,8 +62,9 @@ def job_title(job: Job) -> str:
     about = job.order.about
     kind = iface_(_KINDS[about]) if about in _KINDS else ""
     name = bake_title(job.object, part=job.order.part, kind=kind, variant=job.order.variant)
-    if (count := len(job.order.facts.get("folders", ()))) > 1:
-        name = iface_("{} bakes").format(count)
+    folders = set(job.order.facts.get("folders", ()))  # of a scene all bakes have the same
+    if len(folders) > 1:
+        name = iface_("{} bakes").format(len(folders))
     return iface_(_TITLES[job.work]).format(name, _TARGETS.get(about, ""))
 
 
