@@ -72,14 +72,18 @@ def delete_bake(files: BakeFiles) -> None:
 
 
 def _others_with_preview(source: ExportSource) -> set[Path]:
-    """The sidecars of other bakes beside a bake whose preview is the same file: parts, and other kinds."""
+    """The sidecars of other bakes beside a bake whose preview is the same file: parts, and other kinds.
+
+    A file of such a name that cannot be read counts: it may be of a newer RadTex.
+    """
     found = set()
     for path in source.sidecar.path.parent.glob("*.json"):
         try:
-            if path != source.sidecar.path and ExportSource.of(path).preview == source.preview:
-                found.add(path)
-        except FormatError:  # it is no bake
-            continue
+            is_other = path != source.sidecar.path and ExportSource.of(path).preview == source.preview
+        except FormatError:
+            is_other = path.name.startswith(source.preview.name.removesuffix("preview.blend"))
+        if is_other:
+            found.add(path)
     return found
 
 

@@ -76,6 +76,13 @@ def test_a_preview_that_another_bake_has_too_stays(out: Path) -> None:
     assert not {name for name in names(out) if name.startswith("Cup.shadow") or "Cup.preview" in name}
 
 
+def test_a_preview_stays_with_a_bake_of_a_newer_radtex(out: Path) -> None:
+    (out / "Cup.caustics.json").write_text('{"version": 99, "kind": "caustics"}')
+    assert ops.radtex.delete_bake(object="Cup", bake=str(out / "Cup.radiance.json")) == {"FINISHED"}
+    assert (out / "Cup.preview.blend").is_file()
+    assert not (out / "Cup.radiance.json").exists()
+
+
 def test_an_unfinished_bake_is_refused(out: Path) -> None:
     settings().kind = "radiance"
     steps: Any = bake_steps(context.scene, "Cup", spec_of(values_of(settings())), out, overwrite=True)

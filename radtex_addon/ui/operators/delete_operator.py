@@ -69,13 +69,15 @@ class RADTEX_OT_delete_bake(OfBake, bpy.types.Operator):
         column.label(text="Exports in other folders stay. This cannot be undone", icon="ERROR")
 
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
-        from ...core.errors import RadTexError
+        from ...core.errors import InputError, RadTexError
         from ...job.delete_bake import delete_bake
 
         scene, layer = shown(context)
         try:
             found = self._files(scene, layer)
-            _hide(scene, {path for one in found for path in one.all})
+            if self._found and tuple(found) != self._found:
+                raise InputError("the files have changed since they were listed: press Delete Bake again")
+            _hide(scene, {path.resolve() for one in found for path in one.all})
             for one in found:
                 delete_bake(one)
         except RadTexError as error:
@@ -152,7 +154,7 @@ def _hide(scene: bpy.types.Scene, files: Collection[Path]) -> None:
             continue
         trees = [slot.material.node_tree for slot in copy.material_slots if slot.material is not None]
         images = {image for tree in trees for image in images_of(tree)}
-        if any(Path(bpy.path.abspath(image.filepath)) in files for image in images):
+        if any(Path(bpy.path.abspath(image.filepath)).resolve() in files for image in images):
             hidden.append(item)
     for item in hidden:
         switch_off(item)
