@@ -1,5 +1,5 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
-// SPDX-License-Identifier: MIT
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What tests ask of the page of docs/three.md: linear light of its scene, by one camera, by two eyes, of an instance.
 
 import {
