@@ -179,8 +179,8 @@ def test_exports_are_listed_once_and_need_the_preview() -> None:
     assert parse(line[:3], inside_blender=False).bakes.exports == ()
     with pytest.raises(InputError, match="give --save-preview too"):
         parse(line, inside_blender=False)
-    with pytest.raises(InputError, match="the bake is of kind shadow, which godot does not show: choose web"):
-        parse([*line[:3], "--kind", "shadow", "--save-preview", "--export", "godot"], inside_blender=False)
+    with pytest.raises(InputError, match="the bake is of kind shadow, which unity does not show: choose web"):
+        parse([*line[:3], "--kind", "shadow", "--save-preview", "--export", "unity"], inside_blender=False)
 
 
 def test_inside_blender_a_scene_is_refused_for_it_is_open_already() -> None:
