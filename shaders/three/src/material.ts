@@ -88,7 +88,7 @@ function assemble(
   Object.assign(material.uniforms, UniformsUtils.clone(UniformsLib.fog), uniforms, { u_baked: { value: baked } });
   material.vertexShader = surfaceVertex;
   material.fragmentShader = [lookups, surface].join("\n");
-  material.fog = true;
+  material.fog = material.clipping = true;
   material.side = sidesOf(manifest);
   if (lookups.includes("#define SUNLIT")) material.defines["SUNLIT"] = "";
   if (!blended) return;

@@ -110,6 +110,7 @@ export class RadTexMirror extends Mesh<SphereGeometry, ShaderMaterial> {
       fragmentShader: [...defines, lookups, traceLookups, mirrorMain].join("\n"),
       blending: NoBlending,
       fog: true,
+      clipping: true,
     });
   }
 }
