@@ -1,0 +1,12 @@
+// SPDX-FileCopyrightText: 2026 RadTex authors
+// SPDX-License-Identifier: MIT
+// Write dist/LICENSES.txt: the licences of the packages that radtex-three.bundle.js holds.
+
+import { readFileSync, writeFileSync } from "node:fs";
+
+const { dependencies } = JSON.parse(readFileSync("package.json", "utf8"));
+const texts = Object.keys(dependencies).map((name) => {
+  const text = readFileSync(`node_modules/${name}/LICENSE`, "utf8").trim();
+  return `${"-".repeat(79)}\n${name}\n\n${text}\n`;
+});
+writeFileSync("dist/LICENSES.txt", `radtex-three.bundle.js is MIT, as in LICENSE. It also holds:\n\n${texts.join("\n")}`);
