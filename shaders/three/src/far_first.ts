@@ -2,27 +2,29 @@
 // SPDX-License-Identifier: MIT
 // The order of triangles that one sees through: far ones are drawn first, so that near ones cover them.
 
-import { type BufferAttribute, type BufferGeometry, type Mesh, Vector3 } from "three";
+import { type BufferAttribute, type BufferGeometry, type Camera, type Mesh, Vector4 } from "three";
 
 const BINS = 1 << 16; // of distances: a counting sort takes a few milliseconds for a hundred thousand triangles
 
-const orders = new WeakMap<Mesh, Order>();
+const orders = new WeakMap<BufferGeometry, Order>();
 
-/** Put a mesh's triangles in order for an eye at a place of the page's world. */
-export function sortTriangles(mesh: Mesh, eye: Vector3): void {
-  const order = orders.get(mesh) ?? new Order(mesh);
-  orders.set(mesh, order);
-  order.sort(eye);
+/** Put a mesh's triangles in order for a camera. */
+export function sortTriangles(mesh: Mesh, camera: Camera): void {
+  const { geometry, matrixWorld } = mesh;
+  const order = orders.get(geometry) ?? new Order(geometry);
+  orders.set(geometry, order);
+  const { elements } = camera.matrixWorld; // its place, or for an orthographic camera the way back from what it sees
+  const eye = new Vector4().fromArray(elements, "isOrthographicCamera" in camera ? 8 : 12);
+  order.sort(eye.applyMatrix4(matrixWorld.clone().invert()));
 }
 
 class Order {
   private readonly corners: ArrayLike<number>; // three vertices for each triangle, as they were loaded
   private readonly middles: Float32Array;
   private readonly distances: Float32Array;
-  private readonly before = new Vector3(Infinity, 0, 0);
+  private readonly before = new Vector4(Infinity, 0, 0, 0);
 
-  constructor(private readonly mesh: Mesh) {
-    const { geometry } = mesh;
+  constructor(private readonly geometry: BufferGeometry) {
     this.corners = indexOf(geometry).array.slice();
     const places = geometry.getAttribute("position");
     const count = this.corners.length / 3;
@@ -37,17 +39,17 @@ class Order {
     }
   }
 
-  sort(eye: Vector3): void {
-    const near = eye.clone().applyMatrix4(this.mesh.matrixWorld.clone().invert());
-    if (near.equals(this.before)) return;
-    this.before.copy(near);
+  /** `eye` is a place in the geometry's own space, or where its fourth number is 0 a direction from far away. */
+  sort(eye: Vector4): void {
+    if (eye.equals(this.before)) return;
+    this.before.copy(eye);
     const { corners, distances, middles } = this;
-    let [least, most] = [Infinity, 0];
+    let [least, most] = [Infinity, -Infinity];
     for (let triangle = 0; triangle < distances.length; triangle++) {
-      const x = (middles[3 * triangle] as number) - near.x;
-      const y = (middles[3 * triangle + 1] as number) - near.y;
-      const z = (middles[3 * triangle + 2] as number) - near.z;
-      const distance = Math.sqrt(x * x + y * y + z * z);
+      const x = middles[3 * triangle] as number;
+      const y = middles[3 * triangle + 1] as number;
+      const z = middles[3 * triangle + 2] as number;
+      const distance = eye.w ? Math.hypot(x - eye.x, y - eye.y, z - eye.z) : -(x * eye.x + y * eye.y + z * eye.z);
       distances[triangle] = distance;
       least = Math.min(least, distance);
       most = Math.max(most, distance);
@@ -57,7 +59,7 @@ class Order {
     const starts = new Uint32Array(BINS + 1);
     for (let triangle = 0; triangle < distances.length; triangle++) starts[binOf(triangle) + 1]!++;
     for (let bin = 0; bin < BINS; bin++) starts[bin + 1]! += starts[bin] as number;
-    const index = indexOf(this.mesh.geometry);
+    const index = indexOf(this.geometry);
     for (let triangle = 0; triangle < distances.length; triangle++) {
       const place = starts[binOf(triangle)]!++;
       for (let corner = 0; corner < 3; corner++) {

@@ -45,7 +45,7 @@ export interface MaterialOptions {
 /** The light of a bake, as it leaves its surface towards the camera. For a Mesh or an InstancedMesh of the bake's. */
 export class RadTexMaterial extends ShaderMaterial {
   readonly isRadTexMaterial = true;
-  private readonly bakes: readonly Bake[];
+  private bakes: readonly Bake[];
 
   constructor(bake: Bake, options: MaterialOptions = {}) {
     const { layer = WHOLE, number = 0, baked = new Matrix4(), lamps = [], own = new Color(1, 1, 1) } = options;
@@ -56,6 +56,18 @@ export class RadTexMaterial extends ShaderMaterial {
     const [more, further]: Parts = lamps.length ? lampParts(lamps, own, filter, number) : ["", {}];
     const parts: Parts = [[lookups, more].join("\n"), { ...uniforms, ...further }];
     assemble(this, parts, bake.manifest, hasAlpha(bake), baked);
+  }
+
+  /** As that of three.js, with the same textures: a copy of one that is not uploaded yet would stay empty. */
+  override copy(source: this): this {
+    super.copy(source);
+    this.uniforms = { ...source.uniforms };
+    this.bakes = source.bakes;
+    return this;
+  }
+
+  override clone(): this {
+    return new RadTexMaterial(this.bakes[0] as Bake).copy(this) as this;
   }
 
   override onBeforeRender(renderer: WebGLRenderer): void {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: MIT
 // A bake in a scene of three.js.
 
-import { Color, Group, type Material, Matrix4, type Mesh, type ShaderMaterial, type Texture, Vector3, type WebGLRenderer } from "three";
+import { Color, Group, type Material, Matrix4, type Mesh, type ShaderMaterial, type Texture, type WebGLRenderer } from "three";
 
 import { sortTriangles } from "./far_first.js";
 import { type Filter, filtersOf } from "./filters.js";
@@ -67,7 +67,7 @@ export class RadTexObject extends Group implements Bake {
       mesh.onBeforeRender = (_renderer, _scene, camera) => {
         const material = mesh.material as Material;
         if (material.transparent && this.manifest.bake.kind !== "proxy") {
-          sortTriangles(mesh, new Vector3().setFromMatrixPosition(camera.matrixWorld));
+          sortTriangles(mesh, camera);
         }
       };
     }
@@ -153,8 +153,9 @@ export class RadTexObject extends Group implements Bake {
     return new RadTexMaterial(this, { filter, layer, number, baked, lamps, own });
   }
 
-  /** Show these textures of the same surface, and lamps', from now on, and free those from before. */
-  take(manifest: Manifest, textures: ReadonlyMap<string, BakeTexture>, lamps: readonly Lamp[] = []): void {
+  /** Show these textures of the same surface, and lamps', from now on, and free those from before that nobody else shows. */
+  take(manifest: Manifest, textures: ReadonlyMap<string, BakeTexture>, lamps: readonly Lamp[] = this.added): void {
+    for (const texture of texturesOf([{ textures }, ...lamps.map(({ bake }) => bake)])) texture.use();
     this.forget();
     this.current = manifest;
     this.found = textures;
@@ -168,9 +169,9 @@ export class RadTexObject extends Group implements Bake {
     this.show();
   }
 
-  /** Show the flat lightmap, and free textures and their materials. */
+  /** Show the flat lightmap, and free materials and the textures that no other object shows. */
   forget(): void {
-    for (const texture of this.everyTexture()) texture.dispose();
+    for (const texture of this.everyTexture()) texture.release();
     for (const material of this.materials.values()) material.dispose();
     this.materials.clear();
     this.found = null;
@@ -188,7 +189,12 @@ export class RadTexObject extends Group implements Bake {
 
   /** The bake's textures and the lamps'. */
   private everyTexture(): BakeTexture[] {
-    return [this, ...this.added.map(({ bake }) => bake)].flatMap(({ textures }) => [...textures.values()]);
+    return texturesOf([this, ...this.added.map(({ bake }) => bake)]);
+  }
+
+  /** Not to be had: it throws. */
+  override clone(): never {
+    throw new Error("a RadTexObject has no clone(): make an InstancedMesh of its meshes, or clone these");
   }
 
   /** Give the meshes the materials that are set. */
@@ -198,4 +204,9 @@ export class RadTexObject extends Group implements Bake {
     }
     for (const mesh of this.meshes) mesh.material = this.materialOf(mesh);
   }
+}
+
+/** All textures of some bakes. */
+function texturesOf(bakes: readonly Pick<Bake, "textures">[]): BakeTexture[] {
+  return bakes.flatMap(({ textures }) => [...textures.values()]);
 }

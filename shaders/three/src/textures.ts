@@ -19,6 +19,7 @@ export class BakeTexture {
   private handle: WebGLTexture | null = null;
   private context: WebGL2RenderingContext | null = null;
   private blended: boolean | null = null;
+  private users = 0;
 
   /** `pixels` in a format that the device takes; `fileBytes` is the size of the file that they are from. */
   constructor(
@@ -38,8 +39,8 @@ export class BakeTexture {
     if (!this.pixels) {
       throw new Problem(`${this.entry.file} was uploaded for another renderer`, "Load the bake once for each renderer.");
     }
-    this.context = gl;
     this.handle = withStateKept(gl, this.pixels.layers > 0, () => uploaded(gl, this.pixels as Pixels, this.entry));
+    this.context = gl;
     this.texture.sourceTexture = this.handle;
     this.pixels = null;
     if (this.blended !== null) this.blendLevels(this.blended);
@@ -61,13 +62,18 @@ export class BakeTexture {
     });
   }
 
-  /** Whether the GPU has it. */
-  get isUploaded(): boolean {
-    return this.handle !== null;
+  /** One more object shows it. */
+  use(): void {
+    this.users++;
   }
 
-  /** Free the GPU's memory. */
-  dispose(): void {
+  /** An object shows it no longer: it is freed with the last one. */
+  release(): void {
+    if (--this.users <= 0) this.dispose();
+  }
+
+  /** Free the GPU's memory, whoever shows it. */
+  private dispose(): void {
     this.context?.deleteTexture(this.handle);
     this.texture.sourceTexture = null;
     this.texture.dispose();
@@ -117,6 +123,7 @@ function uploaded(gl: WebGL2RenderingContext, pixels: Pixels, entry: TextureEntr
   gl.texParameteri(target, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
   gl.texParameteri(target, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
   if (gl.getError() === gl.OUT_OF_MEMORY) {
+    gl.deleteTexture(handle);
     throw new Problem(`${entry.file} does not fit into this device's memory`, "Bake fewer texels or smaller buckets.");
   }
   return handle;
