@@ -2,16 +2,16 @@
 // SPDX-License-Identifier: MIT
 // From an address to objects in a scene.
 
-import { type Color, Group, type Material, type Object3D } from "three";
+import { type Color, Group, type Material, type Mesh, type Object3D } from "three";
 
 import { type Device, thisDevice } from "./device.js";
 import { fileUrl } from "./fetching.js";
-import { loadTextures, type TextureOptions } from "./load_textures.js";
+import { entriesOf, loadTextures, type TextureOptions } from "./load_textures.js";
 import { checkManifest, fileName, type Manifest, readAnyManifest, readManifest } from "./manifest.js";
 import { bakeBelow, loadMeshFile, type MeshFile } from "./mesh_file.js";
 import type { Bake } from "./parts.js";
 import { Problem } from "./problem.js";
-import { type BakedMesh, RadTexObject } from "./radtex_object.js";
+import { RadTexObject } from "./radtex_object.js";
 import { sunUniforms } from "./sun.js";
 import type { BakeTexture } from "./textures.js";
 
@@ -96,7 +96,7 @@ async function alone(textures: Promise<Textures>): Promise<[Textures]> {
 /** The textures of several bakes; what they share is loaded once. */
 function loadAll(manifests: readonly Manifest[], url: URL, device: Device, options: LoadOptions): Promise<Textures>[] {
   const shared = new Map<string, Promise<BakeTexture>>();
-  const counts = manifests.map(() => [0, 0] as [number, number]);
+  const counts = manifests.map((part) => [0, entriesOf(part).length] as [number, number]);
   return manifests.map((part, place) => {
     const progressed = (done: number, all: number): void => {
       counts[place] = [done, all];
@@ -133,9 +133,14 @@ async function loadOne(
 /** What a .glb says of its bake, and its contents. */
 async function manifestOfMesh(url: URL): Promise<[Manifest, MeshFile]> {
   const file = await loadMeshFile(url);
-  const [first] = bakeBelow(file.root, url).parts;
-  const { material } = (first as BakedMesh).mesh;
-  return [checkManifest(file.factsOf(material as Material), url), file];
+  const meshes = bakeBelow(file.root, url).parts.map(({ mesh }) => mesh);
+  const facts = meshes.map(({ material }) => file.factsOf(material as Material));
+  const manifest = checkManifest(facts[0], url);
+  const together = meshes.every(({ matrixWorld }) => matrixWorld.equals((meshes[0] as Mesh).matrixWorld));
+  if (!together || facts.some((other) => other?.flat !== manifest.flat)) {
+    throw new Problem(`${fileName(url)} is of several bakes`, "Load its NAME.export.json by loadRadTexScene.");
+  }
+  return [manifest, file];
 }
 
 /** The node that the .glb calls so: GLTFLoader gives names without what three.js cannot have in them. */
@@ -151,10 +156,10 @@ function nodeOf(root: Object3D, name: string, url: URL): Object3D {
 /** The textures of a lamp's export. Throws a Problem if that is of another surface than `main`. */
 async function loadLamp(url: URL, main: Manifest, device: Device): Promise<Bake> {
   const manifest = await readManifest(url);
-  const alike = (["layout", "texels"] as const).every((key) => String(manifest.bake[key]) === String(main.bake[key]));
-  if (!alike) {
+  const { kind, layout, texels } = manifest.bake;
+  if (kind !== main.bake.kind || layout !== main.bake.layout || String(texels) !== String(main.bake.texels)) {
     throw new Problem(
-      `${manifest.name} is of another surface than ${main.name}: ${manifest.bake.texels.join(" × ")} texels`,
+      `${manifest.name} is not a lamp of ${main.name}: it is of kind ${kind}, ${layout}, ${texels.join(" × ")} texels`,
       "Bake the lamps of one object in one go, with --lights each.",
     );
   }

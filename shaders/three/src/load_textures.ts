@@ -25,8 +25,7 @@ export async function loadTextures(
   device: Device,
   { progressed, address = (url) => url, shared = new Map() }: TextureOptions = {},
 ): Promise<Map<string, BakeTexture>> {
-  const { mirror } = manifest;
-  const entries = Object.entries({ ...manifest.textures, ...(mirror ? { mirror } : {}) });
+  const entries = entriesOf(manifest);
   for (const [, entry] of entries) checkSize(device, entry);
   const loaded = new Map<string, BakeTexture>();
   const load = async ([name, entry]: [string, TextureEntry]): Promise<void> => {
@@ -38,6 +37,11 @@ export async function loadTextures(
   };
   await Promise.all(entries.map(load));
   return loaded;
+}
+
+/** All textures of a manifest, by their names. */
+export function entriesOf({ textures, mirror }: Manifest): [string, TextureEntry][] {
+  return Object.entries({ ...textures, ...(mirror ? { mirror } : {}) });
 }
 
 async function loadTexture(url: URL, entry: TextureEntry, device: Device): Promise<BakeTexture> {
