@@ -4,7 +4,6 @@
 
 import { FloatType, Mesh, PlaneGeometry, type RawShaderMaterial, RGBAFormat, Scene, UnsignedByteType, WebGLRenderTarget } from "three";
 
-import type { Filter } from "../src/filters";
 import { inspectorMaterial, type Stage } from "./inspector_material";
 import { TONES } from "./tones";
 import type { SurfacePoint, Viewer } from "./viewer";
@@ -70,8 +69,8 @@ export class Inspector {
   /** Follow the camera and the settings. */
   update(): void {
     const { point, viewer } = this;
-    if (!point) {
-      this.inspection = null;
+    if (!point?.part.textures.size) {
+      this.inspection = null; // or there is nothing to look up: the device took no textures, or was taken away
       return;
     }
     const { bake } = point.part.manifest;
@@ -82,7 +81,7 @@ export class Inspector {
       return Math.min(count - 1, Math.max(0, Math.floor(along * count)));
     }) as [number, number];
     const before = this.pictured;
-    this.pictured = [...texel, ...point.uv, viewer.filter, viewer.tone, viewer.exposure].join();
+    this.pictured = [...texel, ...point.uv, point.part.id, point.part.filter, viewer.tone, viewer.exposure].join();
     const numbers = this.rendered("probe", 3, 1) as Float32Array;
     const square = [...numbers.subarray(4, 6)];
     const cell = square.map((along) => Math.min(side - 1, Math.max(0, Math.floor(((along + 1) / 2) * side))));
@@ -146,18 +145,20 @@ export class Inspector {
 
   /** What a stage draws: floats where the tone is -1, bytes of the screen else; the lowest row first. */
   private rendered(stage: Stage, width: number, height: number, texel = [0, 0], tone = -1): Float32Array | Uint8Array {
-    const { viewer, point } = this;
+    const { viewer } = this;
     const { renderer } = viewer;
-    const material = this.material(stage, viewer.filter);
-    const toViewer = viewer.camera.position.clone().sub((point as SurfacePoint).place).normalize();
+    const point = this.point as SurfacePoint;
+    const material = this.material(stage);
+    for (const texture of point.part.textures.values()) texture.upload(renderer); // where the flat lightmap alone was drawn
+    const toViewer = viewer.camera.position.clone().sub(point.place).normalize();
     const values: Record<string, unknown> = {
       u_texel: texel,
       u_side: width,
-      u_point: point?.uv,
-      u_normal: point?.normal,
-      u_tangent: point?.tangent,
+      u_point: point.uv,
+      u_normal: point.normal,
+      u_tangent: point.tangent,
       u_viewer: toViewer.toArray(),
-      u_place: point?.place.toArray(),
+      u_place: point.place.toArray(),
       u_tone: tone,
       toneMappingExposure: renderer.toneMappingExposure,
     };
@@ -183,10 +184,10 @@ export class Inspector {
     return pixels;
   }
 
-  private material(stage: Stage, filter: Filter): RawShaderMaterial {
+  private material(stage: Stage): RawShaderMaterial {
     const { material: number, part } = this.point as SurfacePoint;
-    const key = `${stage} ${filter} ${part.id} ${number}`;
-    const material = this.materials.get(key) ?? inspectorMaterial(part, part.filters.includes(filter) ? filter : (part.filters.at(-1) as Filter), stage, number);
+    const key = `${stage} ${part.filter} ${part.id} ${number}`;
+    const material = this.materials.get(key) ?? inspectorMaterial(part, part.filter, stage, number);
     this.materials.set(key, material);
     return material;
   }

@@ -24,26 +24,32 @@ async function open(): Promise<[Viewer, Inspector]> {
   body.classList.toggle("bare", new URLSearchParams(location.search).get("ui") === "0");
   const renderer = rendererOn(element<HTMLCanvasElement>("view"));
   const url = manifestUrl();
-  const progressed = (done: number, all: number): void => tell(`Loading textures: ${done} of ${all}`);
+  let viewer: Viewer | undefined;
+  const progressed = (done: number, all: number): void => {
+    tell(`Loading textures: ${done} of ${all}`);
+    viewer?.invalidate(); // of several bakes one may be complete
+  };
   const loaded = await loadRadTexScene(url, { progressed, lamps: askedLamps() });
   body.classList.remove("loading"); // the panel measures what it covers
   body.classList.add("refining");
-  const viewer = new Viewer(renderer, element("stage"), loaded);
+  viewer = new Viewer(renderer, element("stage"), loaded);
   const inspector = new Inspector(viewer, element<HTMLCanvasElement>("bucket"));
   const panel = new Panel(viewer, inspector);
   viewer.draw();
   performance.mark("radtex-first");
-  recover(viewer, loaded.reload);
+  const exchanged = (): void => {
+    inspector.forget();
+    panel.complete();
+    panel.describe();
+  };
+  recover(viewer, loaded.reload, exchanged);
   await loaded.complete;
   viewer.completed();
   panel.complete();
   viewer.draw();
   performance.mark("radtex-complete");
   body.classList.remove("refining");
-  watch(viewer, url, () => {
-    inspector.forget();
-    panel.describe();
-  });
+  watch(viewer, url, exchanged);
   return [viewer, inspector];
 }
 

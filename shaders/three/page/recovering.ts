@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: MIT
 // When the graphics device is taken away, as phones do to pages in the background, and given back.
 
+import { asProblem } from "../src/problem";
 import { element } from "./elements";
 import type { Viewer } from "./viewer";
 
-/** Have `reload` load the textures again whenever the viewer's device comes back. */
-export function recover(viewer: Viewer, reload: () => Promise<void>): void {
+/** Have `reload` load the textures again whenever the viewer's device comes back, and then call `exchanged`. */
+export function recover(viewer: Viewer, reload: () => Promise<void>, exchanged: () => void): void {
   const canvas = viewer.renderer.domElement;
   canvas.addEventListener("webglcontextlost", (event) => {
     event.preventDefault(); // else it is not given back
@@ -17,8 +18,16 @@ export function recover(viewer: Viewer, reload: () => Promise<void>): void {
   canvas.addEventListener("webglcontextrestored", () => {
     viewer.invalidate();
     reload()
-      .then(() => viewer.completed())
-      .catch((error: unknown) => console.warn(error)) // the flat lightmap stays
+      .then(() => {
+        viewer.completed();
+        exchanged();
+      })
+      .catch((error: unknown) => {
+        const { message, remedy } = asProblem(error);
+        console.warn(error);
+        element("notice").hidden = false;
+        element("notice").textContent = `The flat lightmap is shown: ${message}. ${remedy}`;
+      })
       .finally(() => document.body.classList.remove("refining"));
   });
 }

@@ -24,7 +24,6 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
-import { sortTriangles } from "../src/far_first";
 import type { Filter } from "../src/filters";
 import type { RadTexScene } from "../src/load";
 import type { Manifest } from "../src/manifest";
@@ -100,7 +99,7 @@ export class Viewer {
     this.resetView();
   }
 
-  /** The bake by which filters and layers are named: the first of several. */
+  /** The first bake of several. */
   get object(): RadTexObject {
     return this.shown.parts[0] as RadTexObject;
   }
@@ -109,20 +108,22 @@ export class Viewer {
     return this.object.manifest;
   }
 
+  /** Those of the bake that has most of them. */
   get filters(): Filter[] {
-    return this.object.filters;
+    return this.richest(({ filters }) => filters.length).filters;
   }
 
   get filter(): Filter {
-    return this.object.filter;
+    return this.richest(({ filters }) => filters.length).filter;
   }
 
+  /** Those of the bake that has most of them. */
   get layers(): string[] {
-    return this.object.lightLayers;
+    return this.richest(({ lightLayers }) => lightLayers.length).lightLayers;
   }
 
   get layer(): string {
-    return this.object.lightLayer;
+    return this.richest(({ lightLayers }) => lightLayers.length).lightLayer;
   }
 
   get sun(): Readonly<Sun> {
@@ -150,7 +151,7 @@ export class Viewer {
       this.mirror = null;
     }
     if (this.manifest.mirror && this.object.textures.size) {
-      this.mirror = new RadTexMirror(this.object, this.filter);
+      this.mirror = new RadTexMirror(this.object, this.object.filter);
       this.object.add(this.mirror);
       if (state) this.mirror.set(state);
     }
@@ -352,9 +353,7 @@ export class Viewer {
 
   private render(materialOf: (mesh: Mesh) => ShaderMaterial): void {
     for (const mesh of this.meshes) {
-      const material = materialOf(mesh);
-      mesh.material = material;
-      if (material.transparent && !this.isHull(mesh)) sortTriangles(mesh, this.camera.position);
+      mesh.material = materialOf(mesh);
     }
     if (this.meshes.some((mesh) => this.isHull(mesh))) {
       const materials = new Set(this.meshes.filter((mesh) => this.isHull(mesh)).map(materialOf));
@@ -363,6 +362,11 @@ export class Viewer {
       for (const material of materials) material.colorWrite = true;
     }
     this.renderer.render(this.scene, this.camera);
+  }
+
+  /** The bake that has most of something, of several such the first. */
+  private richest(count: (part: RadTexObject) => number): RadTexObject {
+    return this.shown.parts.reduce((best, part) => (count(part) > count(best) ? part : best));
   }
 
   private ownerOf(mesh: Mesh): RadTexObject {

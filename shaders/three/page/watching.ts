@@ -12,7 +12,7 @@ const SECONDS = 2;
 /** Look for other textures of the same bake, if the address says so. */
 export function watch(viewer: Viewer, url: URL, changed: () => void): void {
   const asked = new URLSearchParams(location.search).get("watch");
-  if (asked === null) return;
+  if (asked === null || viewer.shown.parts.length > 1) return; // a whole scene is not refined as one
   const pause = 1000 * (Number(asked) > 0 ? Number(asked) : SECONDS);
   let seen = JSON.stringify(viewer.manifest);
   let shownNow = seen;
