@@ -33,7 +33,12 @@ def write_web(pack: Pack | ScenePack, folder: Path) -> None:
     for name in FILES:
         shutil.copyfile(BUILT / name, folder / name)
     page = folder / "index.html"
-    manifest, mesh = quote(f"{pack.name}.{EXTENSION}"), quote(f"{pack.name}.glb")
+    manifest, mesh = _address(f"{pack.name}.{EXTENSION}"), _address(f"{pack.name}.glb")
     named = [_UNNAMED.replace('""', f'"{manifest}"'), *(_PRELOAD.format(file) for file in (manifest, mesh))]
     text = page.read_text(encoding="utf-8").replace(_UNNAMED, "\n    ".join(named))
     page.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _address(file: str) -> str:
+    """As encodeURIComponent writes it: browsers take what was preloaded for that very address alone."""
+    return quote(file, safe="!'()*")

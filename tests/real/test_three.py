@@ -68,6 +68,7 @@ def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     facts = next(iter(told.values())) if isinstance(told, dict) else told[0]
     names = {file["path"] for file in facts["files"]}
     assert {"package.json", "README.md", "LICENSE", "dist/radtex-three.js", "dist/types/index.d.ts"} <= names
+    assert "dist/LICENSES.txt" in names  # of what the bundle holds
     assert not {name for name in names if name.startswith(("src/", "page/", "node_modules/"))}
     print(f"npm pack: {facts['size']} bytes, {len(names)} files")
     version = json.loads((SOURCES / "package.json").read_text())["devDependencies"]["three"]
@@ -189,6 +190,25 @@ def test_tone_mapping_and_fog_are_three_js_s(web: Site, exhibit: Exhibit, bundle
         assert nothing[mask].max() < 1e-4
         half = app.light("fog", FRONT, 0.0, 20.0)[mask] / np.maximum(light[mask], 1e-3)
         assert 0.2 < np.median(half) < 0.999
+
+
+def test_clipping_planes_are_three_js_s(web: Site, exhibit: Exhibit, bundled: Path) -> None:
+    """A plane above all that there is leaves nothing, one below it everything, one between the upper part."""
+    with opened(web, exhibit, "plain", bundled) as app:
+        whole = app.light("one", FRONT)
+        for local in (False, True):
+            assert app.light("clipped", FRONT, -50.0, local).max() == 0
+            assert np.array_equal(app.light("clipped", FRONT, 50.0, local), whole)
+            seen = app.light("clipped", FRONT, 0.0, local).max(axis=(1, 2)) > 0
+            assert seen[: len(seen) // 3].any()
+            assert not seen[-len(seen) // 4 :].any()
+
+
+def test_textures_stay_while_an_object_shows_them(web: Site, exhibit: Exhibit, bundled: Path) -> None:
+    """Also by a copy of the material."""
+    with opened(web, exhibit, "plain", bundled) as app:
+        one = app.light("one", FRONT)
+        assert np.array_equal(app.light("shared", FRONT), one)
 
 
 def aces(light: Floats) -> Floats:

@@ -117,6 +117,7 @@ def test_a_device_that_cannot_take_a_texture_shows_the_flat_lightmap_and_says_wh
         assert "takes 256 a side at most" in notice
         assert "--limit 256" in notice
         assert np.array_equal(shown.pixels(), shown.pixels(flat=True))
+        assert shown.page.evaluate("radtex.inspect(innerWidth / 2, innerHeight / 2)") is None
         assert shown.pixels().max() > 0.1
 
 
@@ -147,6 +148,8 @@ def test_the_flat_lightmap_is_seen_before_the_textures_come(web: Site, copied: P
 def test_a_lost_graphics_device_comes_back(web: Site, copied: Path) -> None:
     with web.opened("spoilt/") as shown:
         before = shown.wait().pixels()
+        look = "radtex.inspect(innerWidth / 2, innerHeight / 2)"
+        inspected = shown.page.evaluate(look)
         shown.page.evaluate("""async () => {
             const canvas = document.getElementById("view");
             const lost = new Promise((done) => canvas.addEventListener("webglcontextlost", done));
@@ -159,6 +162,8 @@ def test_a_lost_graphics_device_comes_back(web: Site, copied: Path) -> None:
         shown.page.locator("body:not(.refining)").wait_for()
         shown.still()
         assert np.allclose(shown.pixels(), before, atol=1e-3)
+        assert max(inspected["light"][:3]) > 0
+        assert np.allclose(shown.page.evaluate(look)["light"], inspected["light"], atol=1e-3)
 
 
 def test_the_object_alone_is_shown_in_a_frame_of_another_page(web: Site, copied: Path) -> None:

@@ -53,7 +53,7 @@ def test_an_object_in_a_scene_looks_as_the_reference(
 def test_a_room_of_all_layouts_is_one_page(web: Site, room: list[Path]) -> None:
     """Bakes that share an atlas load it once; the inspector tells of the object that was clicked."""
     folder = web.folder / "room"
-    finished(export_scene_steps(room, ExportSpec(Target.WEB), "Room", folder))
+    finished(export_scene_steps(room, ExportSpec(Target.WEB), "Room (1)", folder))
     asked: list[str] = []
     with web.opened("room/") as shown:
         shown.wait()
@@ -62,6 +62,7 @@ def test_a_room_of_all_layouts_is_one_page(web: Site, room: list[Path]) -> None:
         shown.wait()
         textures = [address for address in asked if address.endswith(".ktx2")]
         assert len(textures) == len(set(textures))
+        assert len([address for address in asked if address.endswith(".glb")]) == 1, "as it was preloaded"
         parts = json.loads(next(folder.glob("*.export.json")).read_text())["scene"]
         files = {entry["file"] for part in parts for entry in part["textures"].values()}
         assert {Path(address).name for address in textures} == files

@@ -11,6 +11,8 @@ import {
   NoToneMapping,
   OrthographicCamera,
   PerspectiveCamera,
+  Plane,
+  Vector3,
   Vector4,
   WebGLRenderTarget,
 } from "three";
@@ -133,6 +135,34 @@ window.checks = {
   orthographic: (view, side) => {
     const camera = placed(new OrthographicCamera(-side, side, side, -side, 0.1, 100), view[0]);
     return drawn(camera, view[2], view[3]);
+  },
+
+  // What a plane across the world, `away` from its middle, leaves: set for all that is drawn, or for the material alone.
+  clipped: async (view, away, local) => {
+    const { object, renderer } = await window.app;
+    const planes = [new Plane(new Vector3(0, 1, 0), away)];
+    renderer.localClippingEnabled = local;
+    if (local) for (const { material } of object.meshes) material.clippingPlanes = planes;
+    else renderer.clippingPlanes = planes;
+    const made = await drawn(perspective(view), view[2], view[3]);
+    for (const { material } of object.meshes) material.clippingPlanes = null;
+    renderer.clippingPlanes = [];
+    return made;
+  },
+
+  // The object by a copy of its material, made before its textures are uploaded; then another object, which shows them too,
+  // is disposed of.
+  shared: async (view) => {
+    const { object, scene } = await window.app;
+    const address = new URLSearchParams(location.search).get("bake");
+    const { object: other, complete } = await loadRadTex(address);
+    await complete;
+    for (const mesh of other.meshes) mesh.material = mesh.material.clone();
+    scene.remove(object);
+    scene.add(other);
+    object.take(object.manifest, other.textures);
+    object.dispose();
+    return drawn(perspective(view), view[2], view[3]);
   },
 
   // Which of these files three.js's own loader takes: null, or what it says.
