@@ -30,6 +30,8 @@ export const PACKED: Partial<Record<PixelFormat, [number, string]>> = {
 export interface Device {
   mostPixels: number;
   mostLayers: number;
+  /** How many textures one shader may read. */
+  mostTextures: number;
   /** Extensions of WebGL. */
   extensions: ReadonlySet<string>;
 }
@@ -56,6 +58,7 @@ export function deviceOf(gl: WebGL2RenderingContext): Device {
   return {
     mostPixels: gl.getParameter(gl.MAX_TEXTURE_SIZE) as number,
     mostLayers: gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS) as number,
+    mostTextures: gl.getParameter(gl.MAX_TEXTURE_IMAGE_UNITS) as number,
     extensions: new Set(Object.values(PACKED).map(([, name]) => name).filter((name) => gl.getExtension(name))),
   };
 }

@@ -120,7 +120,10 @@ async function loadOne(
     Promise.all([
       loadTextures(manifest, url, device, options),
       ...Object.values(lamps).map((lamp) => loadLamp(new URL(lamp, document.baseURI), manifest, device)),
-    ]);
+    ]).then((loaded) => {
+      checkCount(manifest, loaded.slice(1) as Bake[], device);
+      return loaded;
+    });
   const textures = load();
   textures.catch(() => undefined); // `complete` tells it
   const mesh = fileUrl(manifest.mesh, url);
@@ -164,6 +167,18 @@ async function loadLamp(url: URL, main: Manifest, device: Device): Promise<Bake>
     );
   }
   return { manifest, textures: await loadTextures(manifest, url, device), sun: sunUniforms() };
+}
+
+/** Throws a Problem for more lamps than a shader of the device has textures for. */
+function checkCount(main: Manifest, lamps: readonly Bake[], device: Device): void {
+  const manifests = [main, ...lamps.map(({ manifest }) => manifest)];
+  const count = manifests.reduce((sum, { shader }) => sum + (shader?.layers.length ?? 1), 0);
+  if (count <= device.mostTextures) return;
+  throw new Problem(
+    `${main.name} and ${lamps.length} lamps are ${count} textures in one shader; this device takes ${device.mostTextures}`,
+    "Load fewer lamps, or export them in the layout buckets.",
+    true,
+  );
 }
 
 /** Give an object its textures when they and its lamps' have come. */
