@@ -246,6 +246,17 @@ def test_lamps_add_their_light(web: Site, exhibit: Exhibit, bundled: Path, form:
         assert found >= SAME
 
 
+def test_far_triangles_are_drawn_first_and_none_is_lost(packed: Path) -> None:
+    script = packed / "far_first.mjs"
+    node(
+        *("npx", "esbuild", str(INSIDE / "far_first_checks.js"), "--bundle", "--format=esm"),
+        "--platform=node",
+        *("--alias:three=./node_modules/three/build/three.module.js", "--alias:far_first=./src/far_first.ts"),
+        *(f"--outfile={script}", "--log-level=error"),
+    )
+    assert json.loads(node("node", str(script))) == {"lost": 0, "disordered": 0}
+
+
 def test_types_are_found_by_typescript(packed: Path) -> None:
     (packed / "typed.ts").write_text(
         'import { loadRadTex, type RadTexObject, RadTexMirror } from "radtex-three";\n'

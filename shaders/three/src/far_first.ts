@@ -8,14 +8,14 @@ const BINS = 1 << 16; // of distances: a counting sort takes a few milliseconds 
 
 const orders = new WeakMap<BufferGeometry, Order>();
 
-/** Put a mesh's triangles in order for a camera. */
-export function sortTriangles(mesh: Mesh, camera: Camera): void {
+/** Put a mesh's triangles in order for a camera, the far ones first, or the near ones. */
+export function sortTriangles(mesh: Mesh, camera: Camera, nearFirst = false): void {
   const { geometry, matrixWorld } = mesh;
   const order = orders.get(geometry) ?? new Order(geometry);
   orders.set(geometry, order);
   const { elements } = camera.matrixWorld; // its place, or for an orthographic camera the way back from what it sees
   const eye = new Vector4().fromArray(elements, "isOrthographicCamera" in camera ? 8 : 12);
-  order.sort(eye.applyMatrix4(matrixWorld.clone().invert()));
+  order.sort(eye.applyMatrix4(matrixWorld.clone().invert()), nearFirst);
 }
 
 class Order {
@@ -40,7 +40,7 @@ class Order {
   }
 
   /** `eye` is a place in the geometry's own space, or where its fourth number is 0 a direction from far away. */
-  sort(eye: Vector4): void {
+  sort(eye: Vector4, nearFirst: boolean): void {
     if (eye.equals(this.before)) return;
     this.before.copy(eye);
     const { corners, distances, middles } = this;
@@ -49,13 +49,17 @@ class Order {
       const x = middles[3 * triangle] as number;
       const y = middles[3 * triangle + 1] as number;
       const z = middles[3 * triangle + 2] as number;
-      const distance = eye.w ? Math.hypot(x - eye.x, y - eye.y, z - eye.z) : -(x * eye.x + y * eye.y + z * eye.z);
+      const away = eye.w ? Math.hypot(x - eye.x, y - eye.y, z - eye.z) : -(x * eye.x + y * eye.y + z * eye.z);
+      const distance = Math.fround(away); // as it is kept: a bin must not be below 0
       distances[triangle] = distance;
       least = Math.min(least, distance);
       most = Math.max(most, distance);
     }
     const scale = (BINS - 1) / Math.max(most - least, 1e-20);
-    const binOf = (triangle: number): number => Math.floor((most - (distances[triangle] as number)) * scale);
+    const binOf = (triangle: number): number => {
+      const distance = distances[triangle] as number;
+      return Math.floor((nearFirst ? distance - least : most - distance) * scale);
+    };
     const starts = new Uint32Array(BINS + 1);
     for (let triangle = 0; triangle < distances.length; triangle++) starts[binOf(triangle) + 1]!++;
     for (let bin = 0; bin < BINS; bin++) starts[bin + 1]! += starts[bin] as number;

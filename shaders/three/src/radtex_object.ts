@@ -66,9 +66,8 @@ export class RadTexObject extends Group implements Bake {
       mesh.material = this.flat;
       mesh.onBeforeRender = (_renderer, _scene, camera) => {
         const material = mesh.material as Material;
-        if (material.transparent && this.manifest.bake.kind !== "proxy") {
-          sortTriangles(mesh, camera);
-        }
+        // Of a hull in folds the nearest side alone is seen: drawn first, it hides the others.
+        if (material.transparent) sortTriangles(mesh, camera, this.manifest.bake.kind === "proxy");
       };
     }
     this.chosen = { filter: filtersOf(current).at(-1) as Filter, layer: WHOLE };
