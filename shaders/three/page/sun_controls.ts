@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 RadTex authors
 // SPDX-License-Identifier: MIT
-// The sun's sliders and its colour, as far as the bake's kind depends on them.
+// The sun's sliders and its colour, as far as one of the bakes depends on them.
 
 import { element } from "./elements";
 import { KINDS } from "../src/kinds";
@@ -28,7 +28,8 @@ export class SunControls {
     private readonly viewer: Viewer,
     change: (act: () => void) => void,
   ) {
-    this.shownSettings = KINDS[viewer.manifest.bake.kind].sun.flatMap((part) => [...SETTINGS[part]]);
+    const asked = viewer.shown.parts.flatMap(({ manifest }) => KINDS[manifest.bake.kind].sun);
+    this.shownSettings = [...new Set(asked)].flatMap((part) => [...SETTINGS[part]]);
     element("sun").hidden = element("sun-gesture").hidden = !this.turns;
     for (const setting of Object.values(SETTINGS).flat()) {
       element(`sun-${setting}-row`).hidden = !this.shownSettings.includes(setting);

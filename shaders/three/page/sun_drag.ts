@@ -7,9 +7,10 @@ import type { Viewer } from "./viewer";
 
 const DEGREES = 0.4; // for each CSS pixel
 
-/** Let Shift-drags turn the viewer's sun, if its bake is lit by one, within a `change`. */
+/** Let Shift-drags turn the viewer's sun, if one of its bakes is lit by it, within a `change`. */
 export function followSunDrag(viewer: Viewer, change: (act: () => void) => void): void {
-  if (!KINDS[viewer.manifest.bake.kind].sun.includes("direction")) return;
+  const kinds = viewer.shown.parts.map(({ manifest }) => KINDS[manifest.bake.kind]);
+  if (!kinds.some(({ sun }) => sun.includes("direction"))) return;
   const canvas = viewer.renderer.domElement;
   let last: PointerEvent | null = null;
   // Before the canvas hears of it, whose other listeners orbit and inspect.
