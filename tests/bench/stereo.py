@@ -28,7 +28,7 @@ from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.report.finished_bake import read_bake
 from radtex_addon.report.gbuffer import Array, GBuffer
-from radtex_addon.report.metrics import psnr
+from radtex_addon.report.metrics import Mask, psnr
 from tests.bench.gallery.looking import (
     SUBJECT,
     Camera,
@@ -143,7 +143,7 @@ def _by_probe(seen: GBuffer, panorama: Array) -> Array:
     return np.where(seen.hit[:, None], light * tint, 0.0)
 
 
-def _told(pictures: list[Array], truth: list[Array], masks: list[Array]) -> str:
+def _told(pictures: list[Array], truth: list[Array], masks: list[Mask]) -> str:
     each = [psnr(picture, wanted, mask) for picture, wanted, mask in zip(pictures, truth, masks, strict=True)]
     both = masks[0] & masks[1]
     shown, wanted = (
@@ -158,7 +158,7 @@ def _display(light: Array) -> Array:
     return shown
 
 
-def _masked(light: Array, mask: Array) -> Array:
+def _masked(light: Array, mask: Mask) -> Array:
     return _display(light) * mask[..., None]
 
 
