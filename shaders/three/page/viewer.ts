@@ -164,11 +164,13 @@ export class Viewer {
   }
 
   setFilter(filter: Filter): void {
+    if (!this.filters.includes(filter)) throw new Error(`no filter ${filter}: there are ${this.filters.join(", ")}`);
     for (const part of this.shown.parts) if (part.filters.includes(filter)) part.filter = filter;
     this.completed(); // the mirror ball looks up in the same way
   }
 
   setLayer(layer: string): void {
+    if (!this.layers.includes(layer)) throw new Error(`no layer ${layer}: there are ${this.layers.join(", ")}`);
     for (const part of this.shown.parts) if (part.lightLayers.includes(layer)) part.lightLayer = layer;
     this.invalidate();
   }
