@@ -23,7 +23,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.export.exporting import export_steps
-from radtex_addon.export.gltf import EXTENSION
+from radtex_addon.export.gltf import extension_in
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.report.metrics import Picture, display
@@ -197,7 +197,7 @@ def test_what_it_cannot_load_it_names_and_the_flat_lightmap_shows(
     assert found > LEAST
     shutil.copytree(whole, export, dirs_exist_ok=True)
     glb = Glb.read(mesh)
-    glb.document["materials"][0]["extensions"][EXTENSION]["version"] = 2
+    extension_in(glb.document["materials"][0])["version"] = 2
     glb.write(mesh)
     assert "was exported in version 2" in _import_errors(root, export)
     assert "Root Scale 2" in _import_errors(root, whole, {"nodes/root_scale": 2.0})

@@ -17,7 +17,7 @@ import pytest
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.fragments import Fragments
 from radtex_addon.export.exporting import export_steps
-from radtex_addon.export.gltf import EXTENSION
+from radtex_addon.export.gltf import extension_in
 from radtex_addon.formats.containers.glb import Glb
 from radtex_addon.formats.containers.ktx2 import write_ktx2
 from radtex_addon.formats.containers.texture import PixelFormat, encode_texture
@@ -64,11 +64,11 @@ def project(bake: Bake, case: Case, folder: Path) -> Path:
     (path,) = place.glob("*.glb")
     glb = Glb.read(path)
     (material,) = glb.document["materials"]
-    facts = material["extensions"][EXTENSION]
+    facts = extension_in(material)
     facts["shader"] = shader_facts(case.sidecar, case.stored, FULL)
     entries = {layer: texture(layer, levels, place) for layer, levels in case.textures.items()}
     facts["textures"] = {layer: entry.facts() for layer, entry in entries.items()}
-    material["extras"]["radtex_material"] = MATERIAL
+    facts["material"] = MATERIAL
     glb.write(path)
     return place
 
