@@ -25,7 +25,6 @@ from PIL import Image
 from scipy.ndimage import map_coordinates
 
 from radtex_addon.bake.spec import BakeSpec, Layout
-from radtex_addon.formats.containers.exr import read_render
 from radtex_addon.report.finished_bake import read_bake
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.report.metrics import Mask, psnr
@@ -36,6 +35,7 @@ from tests.bench.gallery.looking import (
     baked,
     empty_scene,
     principled,
+    render_open_scene,
     rendered,
     studio,
     tiles,
@@ -114,17 +114,9 @@ def _panorama() -> Array:
     scene.render.engine = "CYCLES"
     scene.render.resolution_x, scene.render.resolution_y = _WIDE, _WIDE // 2
     scene.cycles.samples, scene.cycles.use_denoising = 64, True
-    image = scene.render.image_settings
-    if hasattr(image, "media_type"):
-        image.media_type = "IMAGE"
-    image.file_format, image.color_depth = "OPEN_EXR", "32"
-    with tempfile.TemporaryDirectory() as folder:
-        scene.render.filepath = str(Path(folder, "panorama.exr"))
-        bpy.ops.render.render(write_still=True)
-        (pixels,) = read_render(Path(folder, "panorama.exr")).values()
+    panorama = render_open_scene()[..., :3]
     bpy.data.objects.remove(item)
     subject.hide_render = False
-    panorama: Array = pixels[::-1, :, :3].astype(np.float64)
     return panorama
 
 

@@ -17,13 +17,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from radtex_addon.core.arrays import Floats
 from radtex_addon.report.metrics import Picture
 from tests.real.browser import Shown, decoded
 from tests.real.exhibit import CAMERAS, Camera, Exhibit, decibels
 from tests.real.root import REPOSITORY
 from tests.real.test_web_blocks import NO_BLOCKS
-from tests.real.web import SOURCES, Site, encoded, node
+from tests.real.web import SOURCES, Site, aces, encoded, node
 
 INSIDE = REPOSITORY / "tests/real/inside"
 GUIDE = REPOSITORY / "docs/three.md"
@@ -209,18 +208,6 @@ def test_textures_stay_while_an_object_shows_them(web: Site, exhibit: Exhibit, b
     with opened(web, exhibit, "plain", bundled) as app:
         one = app.light("one", FRONT)
         assert np.array_equal(app.light("shared", FRONT), one)
-
-
-def aces(light: Floats) -> Floats:
-    """Stephen Hill's fit of ACES, exposed as three.js does."""
-    into = np.array([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
-    back = np.array(
-        [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]]
-    )
-    a = light / 0.6 @ into.T
-    fitted = (a * (a + 0.0245786) - 0.000090537) / (a * (0.983729 * a + 0.4329510) + 0.238081)
-    toned: Floats = fitted @ back.T
-    return toned
 
 
 def test_three_js_s_own_loader_takes_the_textures(web: Site, exhibit: Exhibit, bundled: Path) -> None:

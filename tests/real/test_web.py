@@ -19,7 +19,7 @@ from radtex_addon.formats.containers.exr import read_atlas
 from radtex_addon.report.metrics import Mask
 from tests.real.browser import Shown
 from tests.real.exhibit import CAMERAS, Camera, Exhibit
-from tests.real.web import Site, encoded, save
+from tests.real.web import Site, aces, encoded, save
 
 FRONT = CAMERAS[0]
 MOST = 0.02  # of the screen's white: 8 bits, twice rounded
@@ -112,18 +112,6 @@ def test_tone_curves_and_exposure(shown: Shown, exhibit: Exhibit) -> None:
     assert far_off(curves["Neutral"], encoded(khronos_neutral(light))) < MOST
     assert far_off(curves["ACES"], encoded(aces(light))) < MOST
     assert min(far_off(curves["AgX"], curves[other]) for other in ("ACES", "Neutral")) > 2 * MOST
-
-
-def aces(light: Floats) -> Floats:
-    """Stephen Hill's fit of ACES, exposed as three.js does."""
-    into = np.array([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
-    back = np.array(
-        [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]]
-    )
-    a = light / 0.6 @ into.T
-    fitted = (a * (a + 0.0245786) - 0.000090537) / (a * (0.983729 * a + 0.4329510) + 0.238081)
-    toned: Floats = fitted @ back.T
-    return toned
 
 
 def khronos_neutral(light: Floats) -> Floats:

@@ -92,6 +92,18 @@ def encoded(light: Floats) -> Floats:
     return srgb
 
 
+def aces(light: Floats) -> Floats:
+    """Stephen Hill's fit of ACES, exposed as three.js does."""
+    into = np.array([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
+    back = np.array(
+        [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]]
+    )
+    a = light / 0.6 @ into.T
+    fitted = (a * (a + 0.0245786) - 0.000090537) / (a * (0.983729 * a + 0.4329510) + 0.238081)
+    toned: Floats = fitted @ back.T
+    return toned
+
+
 def save(shown: Shown, name: str) -> None:
     """Keep a screenshot, if somebody asked for them."""
     if FIGURES:

@@ -148,6 +148,14 @@ def rendered(camera: Camera, samples: int = SAMPLES, denoised: bool = True) -> A
     if denoised:
         cycles.denoiser = "OPENIMAGEDENOISE"
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
+    picture = render_open_scene()
+    bpy.data.objects.remove(item)
+    return picture
+
+
+def render_open_scene() -> Array:
+    """What the open scene's camera sees by its settings, linear (H, W, 4) from the top row on."""
+    scene: Any = bpy.context.scene
     image = scene.render.image_settings
     if hasattr(image, "media_type"):
         image.media_type = "IMAGE"
@@ -156,7 +164,6 @@ def rendered(camera: Camera, samples: int = SAMPLES, denoised: bool = True) -> A
         scene.render.filepath = str(Path(folder, "view.exr"))
         bpy.ops.render.render(write_still=True)
         (pixels,) = read_render(Path(folder, "view.exr")).values()
-    bpy.data.objects.remove(item)
     picture: Array = pixels[::-1].astype(np.float64)
     return picture
 
