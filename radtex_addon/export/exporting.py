@@ -57,6 +57,12 @@ class Exported:
     files: tuple[str, ...]
     bytes: int
 
+    @classmethod
+    def of(cls, written: Path, folder: Path, name: str, target: Target) -> Exported:
+        """The result of the files in `written`, which becomes `folder`."""
+        files = tuple(files_in(written))
+        return cls(folder, name, target, files, sum((written / file).stat().st_size for file in files))
+
 
 @dataclass(frozen=True)
 class ExportSource:
@@ -172,9 +178,8 @@ def export_steps(
         pack = yield from _pack(bake, spec, folder)
         yield Step(Task.PACK, 0, 1)
         _WRITERS[spec.target](pack, folder)
-        files = tuple(files_in(folder))
-        size = sum((folder / name).stat().st_size for name in files)
-    return Exported(out, bake.name, spec.target, files, size)
+        made = Exported.of(folder, out, bake.name, spec.target)
+    return made
 
 
 def _pack(bake: ExportSource, spec: ExportSpec, folder: Path) -> Generator[Step, None, Pack]:

@@ -24,7 +24,7 @@ from .exporting import (
     flat_steps,
     manifest_of,
 )
-from .folder import check_out, files_in, replacing_folder
+from .folder import check_out, replacing_folder
 from .gltf import baked_mesh
 from .scene_engines import write_engine_scene
 from .scene_gltf import SceneGltf
@@ -101,9 +101,8 @@ def export_scene_steps(
         pack = yield from _pack(bakes, nodes, spec, safe_name(name), folder)
         yield Step(Task.PACK, 0, 1)
         _WRITERS[spec.target](pack, folder)
-        files = tuple(files_in(folder))
-        size = sum((folder / file).stat().st_size for file in files)
-    return Exported(out, pack.name, spec.target, files, size)
+        made = Exported.of(folder, out, pack.name, spec.target)
+    return made
 
 
 def _pack(
