@@ -86,7 +86,7 @@ def ask(address: str, path: str = "", **headers: str) -> tuple[int, http.client.
 def is_served(address: str) -> bool:
     try:
         return ask(address)[0] == 200
-    except OSError:
+    except (OSError, http.client.HTTPException):  # ended before, or in the middle of its answer
         return False
 
 
