@@ -173,6 +173,11 @@ def test_the_object_alone_is_shown_in_a_frame_of_another_page(web: Site, copied:
         assert shown.pixels().max() > 0.1
 
 
+def test_two_lamps_of_one_name_are_refused(web: Site, copied: Path) -> None:
+    with web.opened("spoilt/?lamp=a/Vase.key.export.json&lamp=b/Vase.key.export.json") as shown:
+        says(shown, "Two lamps", "the name Vase.key", "?lamp=Key=Vase.key.export.json")
+
+
 def test_a_browser_without_webgl_is_told(root: Root, driver: BrowserType, web: Site, copied: Path) -> None:
     with chromium(root, driver, "--disable-3d-apis") as browser:
         page = browser.new_context().new_page()

@@ -74,3 +74,7 @@ def test_a_room_of_all_layouts_is_one_page(web: Site, room: list[Path]) -> None:
         assert len(seen) > 1, "buckets, and the layered gem"
         shown.page.keyboard.press("Escape")
         save(shown, "room")
+    with web.opened("room/?lamp=Key=key/Vase.export.json") as shown:
+        message = shown.page.locator("#message")
+        message.wait_for(state="visible", timeout=20_000)
+        assert "Room (1) is a whole scene, to which lamps cannot be added" in message.inner_text()

@@ -4,19 +4,25 @@
 
 import { Color } from "three";
 
+import { Problem } from "../src/problem";
 import { element } from "./elements";
 import type { Viewer } from "./viewer";
 
 const BRIGHTEST = "4"; // times what was baked
 const OWN = "This bake";
 
-/** The lamps that the page's address names, by their names. */
+/** The lamps that the page's address names, by their names. Throws a Problem for two of one name. */
 export function askedLamps(): Record<string, URL> {
-  const asked = new URLSearchParams(location.search).getAll("lamp");
-  return Object.fromEntries(asked.map((text) => {
-    const [name, address] = text.includes("=") ? [text.slice(0, text.indexOf("=")), text.slice(text.indexOf("=") + 1)] : [stemOf(text), text];
-    return [name, new URL(address, location.href)];
-  }));
+  const lamps = new Map<string, URL>();
+  for (const text of new URLSearchParams(location.search).getAll("lamp")) {
+    const equals = text.indexOf("=");
+    const [name, address] = equals < 0 ? [stemOf(text), text] : [text.slice(0, equals), text.slice(equals + 1)];
+    if (lamps.has(name)) {
+      throw new Problem(`Two lamps in the address have the name ${name}`, "Give each a name: ?lamp=Key=Vase.key.export.json");
+    }
+    lamps.set(name, new URL(address, location.href));
+  }
+  return Object.fromEntries(lamps);
 }
 
 /** Make the controls of the viewer's lamps, if it has some, within a `change`. */

@@ -71,6 +71,12 @@ export async function loadRadTexScene(address: string | URL, options: LoadOption
     const { object: part, complete, reload } = await loadOne(manifest, url, device, options);
     return { object: new Group().add(part), name: manifest.name, parts: [part], complete, reload };
   }
+  if (Object.keys(options.lamps ?? {}).length) {
+    throw new Problem(
+      `${manifest.name} is a whole scene, to which lamps cannot be added`,
+      "Load the export of one object, or leave the lamps out.",
+    );
+  }
   const manifests = manifest.scene;
   const load = (): Promise<Textures>[] => loadAll(manifests, url, device, options);
   const loading = load();

@@ -157,6 +157,11 @@ export class RadTexObject extends Group implements Bake {
     for (const texture of texturesOf([{ textures }, ...lamps.map(({ bake }) => bake)])) texture.use();
     this.forget();
     this.current = manifest;
+    const { filters, lightLayers, chosen } = this;
+    this.chosen = { // what the former export had, this one may lack
+      filter: filters.includes(chosen.filter) ? chosen.filter : (filters.at(-1) as Filter),
+      layer: lightLayers.includes(chosen.layer) ? chosen.layer : WHOLE,
+    };
     this.found = textures;
     this.added = lamps;
     this.show();
