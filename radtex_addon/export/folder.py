@@ -86,16 +86,26 @@ def is_whole(out: Path) -> bool:
     return bool(names) and all((out / name).is_file() for name in names)
 
 
-def remove_export(out: Path) -> None:
+def remove_export(out: Path) -> list[Path]:
     """Delete all files that exports wrote into a folder, and the folder if nothing else is in it.
 
-    Raises OSError.
+    Files that were changed after the export stay, and are returned. Raises OSError.
     """
-    for name in sorted(_listed(out) - {LIST}):
-        _remove(out, name)
+    names = sorted(_listed(out) - {LIST})
+    changed = [out / name for name in names if _is_changed(out, name)]
+    for name in names:
+        if out / name not in changed:
+            _remove(out, name)
     (out / LIST).unlink(missing_ok=True)
     with suppress(OSError):  # it is not empty
         out.rmdir()
+    return changed
+
+
+def _is_changed(out: Path, name: str) -> bool:
+    """Whether a file was written after the list, which an export writes last."""
+    path = out / name
+    return path.is_file() and path.stat().st_mtime_ns > (out / LIST).stat().st_mtime_ns
 
 
 def files_in(folder: Path) -> list[str]:

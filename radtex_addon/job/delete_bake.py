@@ -55,16 +55,16 @@ def files_of_bakes(bakes: Iterable[ExportSource]) -> list[BakeFiles]:
     return found
 
 
-def delete_bake(files: BakeFiles) -> None:
+def delete_bake(files: BakeFiles) -> list[Path]:
     """Delete a bake. The sidecar goes first: what is left after an interruption is no bake any more.
 
-    Files in the exports' folders that no export wrote stay. Raises BakeError where the system refuses.
+    Files in the exports' folders that no export wrote stay, and those that were changed after the export,
+    which are returned. Raises BakeError where the system refuses.
     """
     try:
         for path in (files.sidecar, *files.files):
             path.unlink(missing_ok=True)
-        for folder in files.exports:
-            remove_export(folder)
+        return [path for folder in files.exports for path in remove_export(folder)]
     except OSError as error:
         raise BakeError(
             f"{error.filename} cannot be deleted ({error.strerror}): close what uses it, and try again"

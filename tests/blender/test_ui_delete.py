@@ -13,7 +13,7 @@ import pytest
 
 from radtex_addon.bake.progress import Stage
 from radtex_addon.job import bake_steps
-from radtex_addon.job.delete_bake import files_of_bakes
+from radtex_addon.job.delete_bake import delete_bake, files_of_bakes
 from radtex_addon.preview.swap import is_on
 from radtex_addon.ui.operators.delete_operator import told_files
 from radtex_addon.ui.operators.export_sources import export_sources
@@ -63,6 +63,15 @@ def test_a_bakes_files_are_told_and_these_alone_are_deleted(out: Path) -> None:
     with pytest.raises(RuntimeError, match="Cup"):
         ops.radtex.delete_bake(object="Cup")
     assert ops.radtex.bake(object="Cup") == {"FINISHED"}
+
+
+def test_exported_files_that_were_changed_stay(out: Path) -> None:
+    (model,) = (out / "Cup.gltf").glob("*.glb")
+    model.write_bytes(model.read_bytes() + b"edited")
+    (found,) = files_of_bakes(export_sources(context.scene, context.view_layer, "Cup", ""))
+    assert delete_bake(found) == [model]
+    assert {path.name for path in (out / "Cup.gltf").iterdir()} == {"mine.txt", model.name}
+    assert not (out / "Cup.raw").exists()
 
 
 def test_a_preview_that_another_bake_has_too_stays(out: Path) -> None:

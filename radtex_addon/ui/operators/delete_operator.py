@@ -31,7 +31,7 @@ _MOST = 12  # files that are listed by name
 
 
 class RADTEX_OT_delete_bake(OfBake, bpy.types.Operator):
-    """Delete the bake's files, its preview and the exports beside it from the disk. The object stays"""
+    """Delete the bake's files, preview and exports beside it. The object stays, and what you changed"""
 
     bl_idname = "radtex.delete_bake"
     bl_label = "Delete Bake"
@@ -78,8 +78,7 @@ class RADTEX_OT_delete_bake(OfBake, bpy.types.Operator):
             if self._found and tuple(found) != self._found:
                 raise InputError("the files have changed since they were listed: press Delete Bake again")
             _hide(scene, {path.resolve() for one in found for path in one.all})
-            for one in found:
-                delete_bake(one)
+            changed = [path for one in found for path in delete_bake(one)]
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
@@ -88,6 +87,9 @@ class RADTEX_OT_delete_bake(OfBake, bpy.types.Operator):
         _forget({one.sidecar for one in found})
         count = sum(len(one.all) for one in found)
         self.report({"INFO"}, f"Deleted {count} files and folders of {len(found)} bakes")
+        if changed:
+            some = ", ".join(map(shortened, changed[:_MOST]))
+            self.report({"WARNING"}, f"{len(changed)} files stay: they were changed after the export: {some}")
         return {"FINISHED"}
 
     def _files(self, scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> list[BakeFiles]:
