@@ -15,6 +15,7 @@ python bake.py assemble DIR/NAME.radiance.radtex-farm
 from __future__ import annotations
 
 import atexit
+import importlib
 import os
 import shutil
 import signal
@@ -23,19 +24,19 @@ from contextlib import suppress
 from pathlib import Path
 from types import FrameType
 
+_HERE = Path(__file__).resolve().parent
 _REMEDY = (
-    "in Blender, install the RadTex extension (Edit > Preferences > Get Extensions > Install from Disk); "
-    "with Python, run it as: uv run bake.py"
+    "in Blender, install the RadTex extension (Edit > Preferences > Get Extensions > Install from Disk) and "
+    "enable it; with Python, run it as: uv run bake.py"
 )
 
 
 def run() -> int:
     """Find out how we were started, and hand over."""
-    sys.path.insert(0, str(Path(__file__).resolve().parent))
     try:
         import bpy
 
-        from radtex_addon.cli.main import main
+        main = importlib.import_module(f"{_package()}.cli.main").main
     except ModuleNotFoundError as error:
         print(f"radtex: the Python module '{error.name}' is missing: {_REMEDY}", file=sys.stderr)
         return 2
@@ -48,7 +49,35 @@ def run() -> int:
         arguments = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
     else:
         arguments = sys.argv[1:]
-    return main(arguments, inside_blender)
+    code: int = main(arguments, inside_blender)
+    return code
+
+
+def _package() -> str:
+    """The name under which RadTex can be imported: in a clone its own, installed the extension's.
+
+    Only a clone is added to Python's path: `blender -P` does not add a script's folder. An extension has its
+    repository's package, `bl_ext.REPOSITORY`.
+    """
+    if (_HERE / "pyproject.toml").is_file():  # does not ship
+        sys.path.insert(0, str(_HERE))
+        return "radtex_addon"
+    return f"bl_ext.{_repository(_HERE.parent)}.{_HERE.name}.radtex_addon"
+
+
+def _repository(folder: Path) -> str:
+    """The name of the extension repository in `folder`.
+
+    With factory settings, as workers run, Blender knows its default ones only: others are added for this run.
+    """
+    import bpy
+
+    assert bpy.context.preferences is not None  # only restricted contexts have none
+    repositories = bpy.context.preferences.extensions.repos
+    for known in repositories:
+        if known.enabled and Path(known.directory).resolve() == folder:
+            return known.module
+    return repositories.new(name="RadTex", module="radtex", custom_directory=str(folder)).module
 
 
 def _leave_when_interrupted() -> None:

@@ -7,6 +7,7 @@ Usage: python -I install.py ZIP REPORT
 
 from __future__ import annotations
 
+import hashlib
 import importlib.util
 import json
 import platform
@@ -84,7 +85,18 @@ def state() -> dict[str, object]:
         "key_maps": key_maps(),
         "modules": sorted(name for name in sys.modules if name.startswith(EXTENSION)),
         "wheels": {name: origin(name) for name in WHEELS},
+        "files": files(),
         "loaded_wheels": [name for name in WHEELS if name in sys.modules],
+    }
+
+
+def files() -> dict[str, str]:
+    """SHA-256 of each file of the installed extension, but for what Python compiled of it."""
+    folder = Path(preferences().extensions.repos[user_repository()].directory, "radtex")
+    return {
+        str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.parent.name != "__pycache__"
     }
 
 

@@ -6,45 +6,20 @@ from __future__ import annotations
 
 import json
 import os
-import platform
-import shutil
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
-BLENDER_OF = {(3, 11): "45", (3, 13): "52"}
-SYSTEMS = {"Linux": "linux", "Darwin": "macos", "Windows": "windows"}
-MACHINES = {"x86_64": "x64", "AMD64": "x64", "arm64": "arm64"}
-
 
 @pytest.fixture(scope="module")
-def bare_python(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An environment with the bpy of this run and what bpy itself needs: no wheel of ours, no pytest."""
-    uv = os.environ.get("UV") or shutil.which("uv")
-    assert uv is not None, "uv makes the bare environment: pip install uv"
-    venv = tmp_path_factory.mktemp("bare") / "venv"
-    group = f"--only-group=blender-{BLENDER_OF[sys.version_info[:2]]}"
-    command = [uv, "sync", "--quiet", "--frozen", group, "--python", platform.python_version()]
-    environment = {name: value for name, value in os.environ.items() if name != "VIRTUAL_ENV"}
-    environment["UV_PROJECT_ENVIRONMENT"] = str(venv)
-    subprocess.run(command, cwd=ROOT, env=environment, check=True)
-    return venv / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-
-
-@pytest.fixture(scope="module")
-def report(
-    bare_python: Path, zips: dict[str, Path], tmp_path_factory: pytest.TempPathFactory
-) -> dict[str, Any]:
+def report(bare_python: Path, own_zip: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """What a Blender that has just installed, disabled, enabled and removed the extension says about it."""
     home = tmp_path_factory.mktemp("home")
-    archive = zips[f"{SYSTEMS[platform.system()]}-{MACHINES[platform.machine()]}"]
     answer = home / "report.json"
     process = subprocess.run(
-        [str(bare_python), "-I", str(Path(__file__).with_name("install.py")), str(archive), str(answer)],
+        [str(bare_python), "-I", str(Path(__file__).with_name("install.py")), str(own_zip), str(answer)],
         env=os.environ | {"BLENDER_USER_RESOURCES": str(home)},
         cwd=home,
         capture_output=True,
@@ -84,6 +59,12 @@ def test_the_installed_operator_bakes_with_the_wheels_of_the_zip(report: dict[st
     expected = ["Plane.preview.blend", "Plane.radiance.exr", "Plane.radiance.json"]
     assert sorted(path.name for path in baked.iterdir()) == expected
     assert "OpenEXR" in report["baked"]["loaded_wheels"]
+
+
+def test_nothing_is_written_into_the_extensions_folder(report: dict[str, Any]) -> None:
+    assert report["enabled"]["files"]
+    assert report["baked"]["files"] == report["enabled"]["files"]
+    assert report["enabled_again"]["files"] == report["enabled"]["files"]
 
 
 @pytest.mark.parametrize("step", ["disabled", "removed"])
