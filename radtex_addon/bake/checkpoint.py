@@ -25,6 +25,7 @@ from ..core.messages import Setting, do
 from ..formats.disk.atomic import refusal, remove_unfinished, replacing
 from ..formats.disk.lock import HeldError, Lock, NoLockError, holder, take_lock
 from ..formats.json_reader import shown
+from . import piece_format
 from .key import (
     KEY,
     LOCK,
@@ -253,7 +254,7 @@ class Checkpoint(PieceStore):
 
     def _mark(self, name: str) -> dict[str, str]:
         """The label in a piece's file: a piece of another bake, or of another name, is not used."""
-        facts = json.dumps(self._facts, sort_keys=True)
+        facts = json.dumps([piece_format.PIECE_FORMAT, self._facts], sort_keys=True)
         return {"piece": name, "of": hashlib.sha256(facts.encode()).hexdigest()}
 
 

@@ -17,6 +17,7 @@ from ..formats.disk.atomic import write_text
 from ..formats.disk.lock import NoLockError, holder
 from ..formats.disk.regular import read_regular
 from ..formats.json_reader import shown
+from . import piece_format
 
 Facts: TypeAlias = Mapping[str, str]
 
@@ -86,11 +87,15 @@ def workers(folder: Path) -> list[int]:
 
 def write_key(folder: Path, key: Key) -> None:
     """Write the key into the folder. Raises BakeError where the system refuses."""
-    write_text(folder / KEY, json.dumps({"version": VERSION, **asdict(key)}, indent=2) + "\n")
+    known = {"version": VERSION, "pieces": piece_format.PIECE_FORMAT}
+    write_text(folder / KEY, json.dumps(known | asdict(key), indent=2) + "\n")
 
 
 def read_key(folder: Path) -> Key:
-    """Read the folder's key. Raises InputError, which says how to bake without it."""
+    """Read the folder's key. Raises InputError, which says how to bake without it.
+
+    Also for pieces of another format than this program's: they stay as they are.
+    """
     path = folder / KEY
     anew = do("begin anew", Setting.OVERWRITE, without=(Setting.RESUME,))
     try:
@@ -101,6 +106,13 @@ def read_key(folder: Path) -> Key:
         raise InputError(f"{path} is damaged", anew) from error
     if not isinstance(key, dict) or key.pop("version", None) != VERSION or not _is_key(key):
         raise InputError(f"{path} is damaged, or of another RadTex", anew)
+    if key["facts"] and key.get("pieces") != piece_format.PIECE_FORMAT:
+        raise InputError(
+            f"{folder} holds pieces of format {shown(str(key.get('pieces')), 20)}, this RadTex makes those "
+            f"of format {piece_format.PIECE_FORMAT}",
+            do("go on with the RadTex that made them"),
+            anew,
+        )
     return Key(key["facts"], key["replaces"], key["processes"], key.get("made"))
 
 

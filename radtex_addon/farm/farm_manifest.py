@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..bake import piece_format
 from ..bake.hidden_cells import HiddenCells
 from ..bake.kinds import KINDS
 from ..bake.plan import CapturePlan
@@ -88,6 +89,7 @@ class Manifest:
         return json_text(
             {
                 "version": VERSION,
+                "pieces": piece_format.PIECE_FORMAT,
                 "job": self.job,
                 "name": self.name,
                 "frames": [1, self.sheets],
@@ -107,6 +109,16 @@ class Manifest:
         )
 
 
+def _check_frames_format(files: FarmFiles, facts: Facts) -> None:
+    """Raises FormatError for a farm whose frames hold other rays than this program's, or in another order."""
+    found = facts.whole_number("pieces", 1)
+    if found != piece_format.PIECE_FORMAT:
+        raise FormatError(
+            f"the frames of {files.folder} are of format {found}, this RadTex joins those of format "
+            f"{piece_format.PIECE_FORMAT}: assemble with the RadTex that prepared it, or prepare it anew"
+        )
+
+
 def read_manifest(files: FarmFiles) -> Manifest:
     """Read a farm's manifest.
 
@@ -121,6 +133,7 @@ def read_manifest(files: FarmFiles) -> Manifest:
             f"{files.manifest} is of version {version}, this RadTex reads {VERSION}: assemble with "
             "the RadTex that prepared it"
         )
+    _check_frames_format(files, facts)
     columns, sheet_rows = facts.size("sheet")
     _, sheets = facts.size("frames")
     preview = None if facts.values.get("preview") is None else facts.inner("preview")

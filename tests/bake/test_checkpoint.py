@@ -158,6 +158,22 @@ def test_a_key_without_sense_is_an_error_that_says_how_to_go_on(folder: Path) ->
             begun(folder, resume=True)
 
 
+def test_pieces_of_another_format_are_not_taken_and_stay(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun(folder).keep("first", some())
+    kept = {path.name: path.read_bytes() for path in folder.iterdir()}
+    with monkeypatch.context() as later:
+        later.setattr("radtex_addon.bake.piece_format.PIECE_FORMAT", 77)
+        with pytest.raises(InputError, match=r"pieces of format \d+, .*of format 77: .*, or begin anew"):
+            begun(folder, resume=True)
+        (folder / KEY).write_text((folder / KEY).read_text().replace('"pieces": 1', '"pieces": 77'))
+        assert begun(folder, resume=True).found("first") is None, "its own label tells, too"
+        (folder / KEY).write_bytes(kept[KEY])
+    assert {path.name: path.read_bytes() for path in folder.iterdir() if path.name in kept} == kept
+    assert begun(folder, resume=True).found("first") is not None
+
+
 def test_one_at_a_time_works_on_a_bake(folder: Path) -> None:
     check_free(folder)
     with begun(folder) as first:
