@@ -13,6 +13,7 @@ from .operators import keys
 from .operators.apply_operators import RADTEX_OT_apply_to_copy, RADTEX_OT_make_asset
 from .operators.bake_operator import RADTEX_OT_bake
 from .operators.browser_operator import RADTEX_OT_show_in_browser
+from .operators.changes_operator import RADTEX_OT_dismiss_changes, RADTEX_OT_show_changes
 from .operators.delete_operator import RADTEX_OT_delete_bake
 from .operators.estimate_operator import RADTEX_OT_cancel_estimate, RADTEX_OT_estimate
 from .operators.job_operators import (
@@ -34,7 +35,7 @@ from .panel.settings_panels import (
     RADTEX_PT_sampling,
     RADTEX_PT_surface,
 )
-from .settings import defaults, presets
+from .settings import defaults, presets, seen_version
 from .settings.bake_settings import RADTEX_PG_settings
 from .settings.chosen_objects import RADTEX_PG_chosen, RADTEX_PG_listed
 from .settings.object_settings import RADTEX_PG_object
@@ -61,6 +62,8 @@ CLASSES = (
     RADTEX_OT_copy_report,
     RADTEX_OT_fold_map,
     RADTEX_OT_open_folder,
+    RADTEX_OT_show_changes,
+    RADTEX_OT_dismiss_changes,
     RADTEX_OT_show_in_browser,
     RADTEX_OT_apply_to_copy,
     RADTEX_OT_make_asset,
@@ -93,6 +96,7 @@ def register() -> None:
     menus.register()
     defaults.register()
     panel_state.register(forecast.compute_forecast)
+    seen_version.register()
 
 
 def unregister() -> None:

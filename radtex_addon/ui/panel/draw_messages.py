@@ -24,10 +24,15 @@ _NARROW = 160.0  # minimum text width in pixels; also used where there is no reg
 
 
 def draw_text(layout: Any, text: str, icon: str) -> None:
-    """Draw a message on as many lines as needed; Blender's labels do not wrap."""
+    """Draw a message on as many lines as the sidebar needs for it."""
+    draw_wrapped(layout, text, icon, _room())
+
+
+def draw_wrapped(layout: Any, text: str, icon: str, room: float) -> None:
+    """Draw a text on lines of at most `room` pixels at UI scale 1; Blender's labels do not wrap."""
     column = layout.column(align=True)
     column.scale_y = 0.85
-    for number, line in enumerate(wrapped(text, _room())):
+    for number, line in enumerate(wrapped(text, room)):
         column.label(text=line, icon=icon if number == 0 else "BLANK1", translate=False)
 
 

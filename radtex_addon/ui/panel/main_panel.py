@@ -16,6 +16,7 @@ from ..settings.bake_settings import BakeSettings
 from ..settings.chosen_objects import chosen_by, nothing_chosen, told_names
 from ..settings.object_settings import edited_settings, owner_of
 from ..settings.presets import STOCK, RADTEX_PT_presets, is_applied
+from ..settings.seen_version import news, news_title
 from .draw_messages import draw_remarks, draw_text
 from .labels import capitalized, duration, iface_, size
 from .panel_state import Forecast, Next, cached_forecast
@@ -48,6 +49,7 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         column.prop(settings, settings.atlas_size)  # "texels" or "density"
         column.prop(settings, "samples")
         _draw_buttons(layout, found)
+        draw_news(layout)
         if found is None:
             return
         layout.label(text=time_and_size(found), translate=False)
@@ -58,6 +60,14 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
             draw_text(layout, line, "BLANK1")
         if found.shown:
             draw_shading(layout.column(), context.space_data)
+
+
+def draw_news(layout: Any) -> None:
+    """After an update, offer its changes until they are shown or dismissed; below the button."""
+    if news():
+        row = layout.box().row(align=True)
+        row.operator("radtex.show_changes", text=news_title(), icon="PRESET_NEW", translate=False)
+        row.operator("radtex.dismiss_changes", text="", icon="X")
 
 
 def time_and_size(found: Forecast) -> str:

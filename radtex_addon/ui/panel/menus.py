@@ -31,6 +31,8 @@ class RADTEX_MT_object(bpy.types.Menu):
         layout.operator("radtex.delete_bake", text="Delete Bake…", icon="TRASH")
         layout.separator()
         layout.operator_menu_enum("radtex.list_add", "what")
+        layout.separator()
+        layout.operator("radtex.show_changes", icon="PRESET_NEW")
 
 
 class RADTEX_MT_pie(bpy.types.Menu):

@@ -48,6 +48,7 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
         default_preset: str
         export_target: str
         export_into: str
+        seen_version: str
     else:
         device: EnumProperty(
             name="Device",
@@ -93,6 +94,11 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
             "beside each bake",
             subtype="DIR_PATH",
         )
+        seen_version: StringProperty(
+            name="Version Seen",
+            description="The version whose changes were shown or dismissed last",
+            options={"HIDDEN"},
+        )
 
     def draw(self, context: bpy.types.Context | None) -> None:
         layout = self.layout
@@ -105,6 +111,7 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
         for name in ("export_target", "export_into"):
             layout.prop(self, name)
         layout.operator("radtex.copy_report", text="Copy System Information for a Report", icon="COPYDOWN")
+        layout.operator("radtex.show_changes", icon="PRESET_NEW")
 
 
 def preferred() -> Preferred:

@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is new after an update: a dialog with CHANGELOG.md's words, and a button that takes the offer away."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import bpy
+
+from ...core.errors import FormatError
+from ...version import VERSION
+from ..panel.draw_messages import draw_wrapped
+from ..panel.labels import iface_, remark
+from ..panel.redraw import redraw
+from ..settings.seen_version import mark_seen, news, news_title, seen_version
+
+if TYPE_CHECKING:
+    from bpy.stub_internal.rna_enums import OperatorReturnItems
+
+_WIDTH = 640  # of the dialog, in pixels at UI scale 1
+_MOST_ENTRIES = 40
+
+
+class RADTEX_OT_show_changes(bpy.types.Operator):
+    """Show what is new in this version of RadTex: after an update, what came since the version before"""
+
+    bl_idname = "radtex.show_changes"
+    bl_label = "What's New"
+    bl_options = {"INTERNAL"}
+
+    changes: list[tuple[str, list[str]]]  # a heading and its entries
+
+    def invoke(
+        self, context: bpy.types.Context | None, event: bpy.types.Event | None
+    ) -> set[OperatorReturnItems]:
+        try:
+            self.changes = shown_changes()
+        except (OSError, FormatError) as error:
+            self.report({"ERROR"}, remark(f"CHANGELOG.md cannot be read ({error}): install RadTex anew"))
+            return {"CANCELLED"}
+        mark_seen()
+        assert context is not None  # Blender always gives one
+        manager: Any = context.window_manager
+        asked: set[OperatorReturnItems] = manager.invoke_props_dialog(
+            self, width=_WIDTH, title=news_title(), confirm_text="Close"
+        )
+        return asked
+
+    def draw(self, context: bpy.types.Context | None) -> None:
+        layout: Any = self.layout
+        for heading, entries in self.changes:
+            layout.label(text=heading, translate=False)
+            column = layout.column(align=True)
+            for entry in entries:
+                draw_wrapped(column, entry, "DOT", _WIDTH - 60)
+        layout.operator("wm.path_open", text="Open the Whole List", icon="TEXT").filepath = _changelog()
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        mark_seen()
+        redraw()
+        return {"FINISHED"}
+
+
+class RADTEX_OT_dismiss_changes(bpy.types.Operator):
+    """Take this line away until the next update. Preferences > Add-ons > RadTex shows the changes again"""
+
+    bl_idname = "radtex.dismiss_changes"
+    bl_label = "Dismiss What's New"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, _: bpy.types.Context | None) -> bool:
+        return news()
+
+    def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
+        mark_seen()
+        redraw()
+        return {"FINISHED"}
+
+
+def shown_changes() -> list[tuple[str, list[str]]]:
+    """What the dialog shows: the releases since the last one that was seen, else this one.
+
+    Each has a heading and entries in plain words, a sentence or two each; all of them at most 40.
+    Raises OSError and FormatError.
+    """
+    from ...formats.changelog import CHANGELOG, changes_since, parse_changelog, plain
+
+    releases = parse_changelog(CHANGELOG.read_text(encoding="utf-8"))
+    since = changes_since(releases, seen_version(), VERSION)
+    since = since or [release for release in releases if release.version == VERSION]
+    shown: list[tuple[str, list[str]]] = []
+    left = _MOST_ENTRIES
+    for release in since:
+        for group, entries in release.groups.items():
+            if left > 0:
+                heading = f"{release.version} · {iface_(group)}"
+                shown.append((heading, [plain(entry) for entry in entries[:left]]))
+            left -= len(entries)
+    if left < 0:
+        shown.append((iface_("… and {} more, in the whole list").format(-left), []))
+    return shown
+
+
+def _changelog() -> str:
+    from ...formats.changelog import CHANGELOG
+
+    return str(CHANGELOG)
