@@ -14,8 +14,6 @@ from typing import Any
 
 import pytest
 
-from radtex_addon.version import VERSION
-
 pytestmark = pytest.mark.one_blender
 
 
@@ -58,15 +56,6 @@ def test_the_manifest_names_exactly_the_locked_wheels_of_every_platform_and_pyth
 def test_the_bundled_wheels_need_nothing_that_blender_lacks() -> None:
     needed = {entry["name"] for name in BUNDLED for entry in locked(name).get("dependencies", ())}
     assert needed <= {"numpy"}
-
-
-def test_one_version_everywhere() -> None:
-    versions = {
-        read("blender_manifest.toml")["version"],
-        read("pyproject.toml")["project"]["version"],
-        VERSION,
-    }
-    assert len(versions) == 1
 
 
 def test_the_lock_file_names_the_public_index_only() -> None:
