@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PLATFORMS = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))["platforms"]
 
-TOP_LEVEL = {"__init__.py", "bake.py", "blender_manifest.toml", "LICENSE", "README.md"}
+TOP_LEVEL = {"__init__.py", "bake.py", "blender_manifest.toml", "CHANGELOG.md", "LICENSE", "NOTICE.md"}
 FOLDERS = {"radtex_addon", "shaders", "wheels"}
 WEB = PurePosixPath("radtex_addon/export/web/built")  # made of shaders/three
 BUILT = {WEB / name for name in ("index.html", "viewer.css", "viewer.js", "LICENSES.txt")}
