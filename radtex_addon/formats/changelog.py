@@ -20,7 +20,8 @@ GROUPS = ("Added", "Changed", "Deprecated", "Removed", "Fixed", "Security")
 
 _RELEASE = re.compile(r"## \[(?P<version>\d+\.\d+\.\d+|Unreleased)\](?: - (?P<date>\d{4}-\d\d-\d\d))?")
 _LINK = re.compile(r"\[([^\]]*)\]\([^)]*\)")
-_MARKS = re.compile(r"\*\*|`")
+_ASIDE = re.compile(rf" \({_LINK.pattern}(?:, {_LINK.pattern})*\)")  # links in brackets of their own
+_MARKS = re.compile(r"\*|`")
 
 
 @dataclass(frozen=True)
@@ -68,8 +69,8 @@ def as_numbers(version: str) -> tuple[int, ...]:
 
 
 def plain(entry: str) -> str:
-    """An entry without Markdown's marks; of links, their words."""
-    return _MARKS.sub("", _LINK.sub(r"\1", entry))
+    """An entry without Markdown's marks, and without links that stand in brackets; of others, their words."""
+    return _MARKS.sub("", _LINK.sub(r"\1", _ASIDE.sub("", entry)))
 
 
 def _release(line: str, number: int) -> Release:

@@ -61,6 +61,7 @@ def test_marks_of_markdown_are_left_out_of_the_dialog() -> None:
     assert (
         plain("**Two** lines, with `code` and a [link](docs/x.md#y).") == "Two lines, with code and a link."
     )
+    assert plain("*Good* ([docs/x.md](docs/x.md), [a](b)), as (said).") == "Good, as (said)."
 
 
 @pytest.mark.parametrize(
