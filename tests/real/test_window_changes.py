@@ -15,7 +15,7 @@ def test_the_changes_are_offered_after_an_update_alone_and_shown_by_a_click(wind
     version = window.value(SEEN)
     assert version, "enabling has noted the first install"
     window.ask(f"{SEEN} = '0.0.1'")
-    window.point(1150, 500)  # the sidebar is drawn again where the mouse comes
+    window.ask("for area in bpy.context.window_manager.windows[0].screen.areas:\n    area.tag_redraw()")
     before = window.shot("news")
     window.click(*window.find("radtex.show_changes(", right=120))
     wait_until(lambda: window.value(SEEN) == version, 10, "the dialog is not opened")

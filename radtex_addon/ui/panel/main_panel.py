@@ -49,7 +49,6 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         column.prop(settings, settings.atlas_size)  # "texels" or "density"
         column.prop(settings, "samples")
         _draw_buttons(layout, found)
-        draw_news(layout)
         if found is None:
             return
         layout.label(text=time_and_size(found), translate=False)
@@ -60,13 +59,14 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
             draw_text(layout, line, "BLANK1")
         if found.shown:
             draw_shading(layout.column(), context.space_data)
+        draw_news(layout)
 
 
 def draw_news(layout: Any) -> None:
-    """After an update, offer its changes until they are shown or dismissed; below the button."""
+    """After an update, offer its changes until they are shown or dismissed."""
     if news():
         row = layout.box().row(align=True)
-        row.operator("radtex.show_changes", text=news_title(), icon="PRESET_NEW", translate=False)
+        row.operator("radtex.show_changes", text=news_title(), icon="INFO", translate=False)
         row.operator("radtex.dismiss_changes", text="", icon="X")
 
 

@@ -32,7 +32,7 @@ class RADTEX_MT_object(bpy.types.Menu):
         layout.separator()
         layout.operator_menu_enum("radtex.list_add", "what")
         layout.separator()
-        layout.operator("radtex.show_changes", icon="PRESET_NEW")
+        layout.operator("radtex.show_changes", icon="INFO")
 
 
 class RADTEX_MT_pie(bpy.types.Menu):

@@ -111,7 +111,7 @@ class RADTEX_preferences(bpy.types.AddonPreferences):
         for name in ("export_target", "export_into"):
             layout.prop(self, name)
         layout.operator("radtex.copy_report", text="Copy System Information for a Report", icon="COPYDOWN")
-        layout.operator("radtex.show_changes", icon="PRESET_NEW")
+        layout.operator("radtex.show_changes", icon="INFO")
 
 
 def preferred() -> Preferred:
