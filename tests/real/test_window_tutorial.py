@@ -1,0 +1,217 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The artist's tutorial (docs/tutorials/artist.md), step by step in Blender's window, as a new user does it.
+
+With RADTEX_FIGURES=docs/figures it makes the tutorial's pictures again, `tutorial-*.png`.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from time import sleep
+
+import PIL.Image
+import pytest
+from playwright.sync_api import BrowserType
+
+from tests.real.browser import SOFTWARE_GL, Shown, chromium, served
+from tests.real.panel import install, latest, wait_for, wait_for_end
+from tests.real.root import Root
+from tests.real.window import Window, opened, wait_until
+
+_FIGURES = os.environ.get("RADTEX_FIGURES")
+_WIDTH = 900  # pixels of a kept picture at most
+_VIEW = 0, 26, 1292, 812  # the 3D view with its sidebar, left, top, right and bottom
+_PANEL = 1030, 66, 1292, 640
+_SECONDS_TO_RENDER = 25
+_SECONDS_TO_DRAW = 6  # a new window
+_KNOWN = "[str(found.next) for found in panel_state._cache.found.values()]"
+_PREFERENCES = """
+bpy.context.preferences.active_section = "EXTENSIONS"
+area = next(area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "VIEW_3D")
+area.ui_type = "PREFERENCES"
+bpy.context.preferences.addons["bl_ext.user_default.radtex"].preferences.export_target = "web"
+"""
+_VIEW_AGAIN = """
+area = next(a for a in bpy.context.window_manager.windows[0].screen.areas if a.type == "PREFERENCES")
+area.ui_type = "VIEW_3D"
+"""
+_MENU = 1293, 72  # the arrow at the right of the page Get Extensions
+_INSTALL = 0, 26, 1310, 500
+
+# A vase that an artist made: a profile that a Screw modifier turns, a glazed body and a brass foot, on a
+# tiled table, in an HDRI that Blender ships.
+_SCENE = """
+import bpy, math
+from pathlib import Path
+bpy.ops.object.select_all(action="SELECT")
+bpy.ops.object.delete()
+profile = [(0.0, 0), (0.62, 0), (0.66, 0.05), (0.6, 0.12), (0.42, 0.2), (0.4, 0.26), (0.7, 0.55),
+           (0.95, 1.0), (0.92, 1.45), (0.62, 1.85), (0.36, 2.1), (0.34, 2.3), (0.55, 2.5), (0.57, 2.55),
+           (0.5, 2.53), (0.28, 2.3)]
+mesh = bpy.data.meshes.new("Vase")
+mesh.from_pydata([(x, 0, z) for x, z in profile], [(k, k + 1) for k in range(len(profile) - 1)], [])
+vase = bpy.data.objects.new("Vase", mesh)
+bpy.context.collection.objects.link(vase)
+screw = vase.modifiers.new("Screw", "SCREW")
+screw.steps = screw.render_steps = 32
+screw.use_merge_vertices, screw.use_normal_calculate = True, True
+smooth = vase.modifiers.new("Subdivision", "SUBSURF")
+smooth.levels = smooth.render_levels = 1
+def material(name, colour, metallic, roughness, coat=0.0):
+    made = bpy.data.materials.new(name)
+    inputs = made.node_tree.nodes["Principled BSDF"].inputs
+    inputs["Base Color"].default_value = *colour, 1
+    inputs["Metallic"].default_value, inputs["Roughness"].default_value = metallic, roughness
+    inputs["Coat Weight"].default_value = coat
+    return made
+mesh.materials.append(material("Glaze", (0.02, 0.12, 0.3), 0, 0.35, 1.0))
+bpy.ops.mesh.primitive_plane_add(size=9)
+table = bpy.context.object
+table.name = "Table"
+tiles = material("Tiles", (0.5, 0.5, 0.5), 0, 0.4)
+checker = tiles.node_tree.nodes.new("ShaderNodeTexChecker")
+checker.inputs["Scale"].default_value = 9
+checker.inputs["Color1"].default_value = 0.75, 0.7, 0.62, 1
+checker.inputs["Color2"].default_value = 0.18, 0.16, 0.15, 1
+tiles.node_tree.links.new(checker.outputs[0], tiles.node_tree.nodes["Principled BSDF"].inputs["Base Color"])
+table.data.materials.append(tiles)
+for name, place, colour, metallic in (("Orange", (1.5, -0.9, 0.45), (0.8, 0.25, 0.02), 0),
+                                      ("Steel", (-1.5, -0.6, 0.4), (0.8, 0.8, 0.8), 1)):
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=place[2], location=place)
+    bpy.ops.object.shade_smooth()
+    bpy.context.object.name = name
+    bpy.context.object.data.materials.append(material(name, colour, metallic, 0.15))
+world = bpy.context.scene.world
+sky = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
+folder = Path(bpy.utils.resource_path("SYSTEM"), "datafiles", "studiolights", "world")
+sky.image = bpy.data.images.load(str(folder / "interior.exr"))
+world.node_tree.links.new(sky.outputs[0], world.node_tree.nodes["Background"].inputs["Color"])
+room.select("Vase")
+view = room._view().spaces.active
+view.region_3d.view_distance = 7
+view.region_3d.view_location = 0, 0, 1.1
+view.shading.type = "MATERIAL"
+view.shading.use_scene_world = True
+"""
+
+
+@pytest.fixture
+def fresh(blender_root: Root, window_zip: Path) -> Iterator[Window]:
+    """Blender as it starts the first time, RadTex installed from the zip."""
+    with opened(blender_root) as window:
+        install(window, window_zip)
+        yield window
+        assert "Traceback" not in window.said(), window.said()
+
+
+def test_the_tutorial_from_the_zip_to_the_browser(fresh: Window, root: Root, driver: BrowserType) -> None:
+    keep_preferences(fresh)
+    fresh.ask(_SCENE)
+    fresh.ask(f"bpy.ops.wm.save_as_mainfile(filepath={fresh.inside + '/vase.blend'!r})")
+    fresh.show_tab("RadTex")
+    bakes(fresh)
+    shows(fresh)
+    compares(fresh)
+    exports(fresh)
+    with served(fresh.folder / "radtex") as address, chromium(root, driver, *SOFTWARE_GL) as browser:
+        page = browser.new_context(viewport={"width": 1000, "height": 640}).new_page()
+        page.set_default_timeout(120_000)
+        page.goto(f"{address}/Vase.web/")
+        Shown(page).wait()
+        page.keyboard.press("c")
+        Shown(page).still()
+        with PIL.Image.open(io.BytesIO(page.screenshot())) as picture:
+            keep_picture(picture.convert("RGB"), "browser")
+    shutil.rmtree(fresh.folder / "radtex")
+
+
+def keep_preferences(window: Window) -> None:
+    """The page Get Extensions of the preferences and its menu, in the 3D view's place."""
+    window.ask(_PREFERENCES)
+    sleep(_SECONDS_TO_DRAW)
+    window.click(*_MENU)
+    sleep(_SECONDS_TO_DRAW)
+    keep(window, "install", _INSTALL)
+    window.key("Escape")
+    window.ask(_VIEW_AGAIN)
+
+
+def bakes(window: Window) -> None:
+    """Press the button, look on while it bakes, and wait for the end."""
+    wait_until(lambda: window.value(_KNOWN) == ["bake"], 30, "the button is not ready")
+    sleep(_SECONDS_TO_RENDER)
+    keep(window, "panel", _VIEW)
+    shade(window, "SOLID")  # so that the processor is the bake's
+    window.click(*window.find("radtex.bake("))
+    wait_until(lambda: window.value("jobs()"), 20, "no bake")
+    wait_for(window, 0.5)
+    keep(window, "baking", _PANEL)
+    told = wait_for_end(window, 280)
+    assert told.state == "done", told.message
+    wait_until(lambda: window.value(_KNOWN) == ["replace"], 30, "the panel does not see the bake")
+
+
+def shows(window: Window) -> None:
+    """Show the bake in the object's place, by Eevee."""
+    window.click(*window.find("radtex.preview_toggle("))
+    wait_until(lambda: "Vase (baked)" in window.value("room.seen()"), 30, "the bake is not seen")
+    shade(window, "MATERIAL")
+    sleep(_SECONDS_TO_RENDER)
+    keep(window, "preview", _VIEW)
+    shade(window, "SOLID")
+
+
+def compares(window: Window) -> None:
+    """Compare with Cycles, and open the pictures."""
+    number = latest(window).number
+    window.scroll(30)
+    window.click(*window.find("radtex.compare("))
+    wait_until(lambda: latest(window).number > number, 20, "no comparison")
+    told = wait_for_end(window, 280)
+    assert told.state == "done", told.message
+    window.ask(f"bpy.ops.radtex.show_comparison(number={told.number})")
+    wait_until(lambda: window.value("len(bpy.context.window_manager.windows)") == 2, 10, "no pictures")
+    window.point(500, 400)  # Blender draws a window that the mouse comes to
+    sleep(_SECONDS_TO_DRAW)
+    keep(window, "compare")
+    window.ask("room.close_other_windows()")
+
+
+def exports(window: Window) -> None:
+    """Open the export dialog by its button, and say OK."""
+    shade(window, "MATERIAL")
+    number = latest(window).number
+    window.scroll(30)
+    window.click(*window.find("radtex.export("))
+    sleep(_SECONDS_TO_DRAW)
+    keep(window, "export", _VIEW)
+    window.key("Return")
+    wait_until(lambda: latest(window).number > number, 20, "no export")
+    told = wait_for_end(window)
+    assert told.state == "done", told.message
+    assert (window.folder / "radtex/Vase.web/index.html").is_file()
+
+
+def shade(window: Window, how: str) -> None:
+    """How the 3D view is drawn."""
+    window.ask(f"room._view().spaces.active.shading.type = {how!r}")
+
+
+def keep(window: Window, name: str, box: tuple[int, int, int, int] | None = None) -> None:
+    """A picture of the screen, or of that box of it, with the figures where those are wanted."""
+    keep_picture(window.picture(name).crop(box), name)
+
+
+def keep_picture(picture: PIL.Image.Image, name: str) -> None:
+    """The same of any picture, in 256 colours."""
+    if not _FIGURES:
+        return
+    if picture.width > _WIDTH:
+        size = _WIDTH, round(picture.height * _WIDTH / picture.width)
+        picture = picture.resize(size, PIL.Image.Resampling.LANCZOS)
+    picture.quantize(256).save(Path(_FIGURES, f"tutorial-{name}.png"), optimize=True)
