@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The commands of docs/tutorials/pipeline.md, run in their order on a small scene.
 
-Each `sh` block is run by a shell as it stands there, but for two things: bakes and reports are smaller, and the
-two programs that a test machine may lack have a stand-in of ours. `uv run` is this test's own Python; Blender's
-program is the runner for machines that only have the bpy module, which every farm brings.
+Each `sh` block is run by a shell as it stands there, but for two things: bakes and reports are smaller, and
+two programs that a test machine may lack are replaced. `uv run` is this test's own Python; Blender's program
+is the runner for machines that only have the bpy module, which every farm has.
 """
 
 from __future__ import annotations
@@ -18,10 +18,12 @@ from pathlib import Path
 import bpy
 import pytest
 
+from radtex_addon.export.web import BUILT
+
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs/tutorials/pipeline.md"
 SMALLER = {
-    "--texels 128 --samples 16": "--texels 8 --bucket 2 --samples 1 --layout buckets",
+    "--texels 128 --samples 16": "--texels 32 --bucket 2 --samples 1 --layout buckets",
     "--views 3 --pixels 256 --samples 128": "--views 1 --pixels 32 --samples 1",
 }
 SHELL = f"""
@@ -29,13 +31,20 @@ set -e
 uv() {{ shift; {sys.executable} {ROOT}/"$@"; }}
 blender() {{ {sys.executable} "$(dirname "$2")/render_frames.py" -b "$2" -f 1; }}
 """
-PYTHON = "import sys; sys.path.insert(0, {root!r})\n"
-REGISTERED = "from tests.blender.ui_stage import registered; registered().__enter__()\n"
+REGISTERED = "from tests.blender.ui_stage import registered; on = registered(); on.__enter__()\n"
+pytestmark = [
+    pytest.mark.one_blender,  # tests/blender runs all commands on each
+    pytest.mark.skipif(shutil.which("bash") is None, reason="no shell runs the tutorial's commands"),
+    pytest.mark.skipif(
+        not (BUILT / "index.html").is_file(), reason="uv run .ci/build_web.py builds the page"
+    ),
+]
 
 
 def blocks(language: str) -> list[str]:
     """The fenced blocks of that language, made smaller."""
-    found: list[str] = re.findall(rf"^```{language}\n(.+?)^```", PAGE.read_text("utf-8"), re.M | re.S)
+    page = PAGE.read_text(encoding="utf-8")
+    found: list[str] = re.findall(rf"^```{language}\n(.+?)^```", page, re.MULTILINE | re.DOTALL)
     for large, small in SMALLER.items():
         found = [block.replace(large, small) for block in found]
     return found
@@ -80,12 +89,18 @@ def test_the_commands_run_in_their_order(folder: Path) -> None:
 
 def test_the_python_runs(folder: Path) -> None:
     in_blender, functions = blocks("python")
-    for block, settings in ((in_blender, REGISTERED), (functions, "")):
-        block = block.replace("texels=128, samples=16", "texels=8, bucket=2, samples=1")
-        block = block.replace('layout="layered"', 'layout="buckets"').replace("wait=True", 'wait=True, atlas_layout="buckets"')
-        script = f"import sys; sys.path.insert(0, {str(ROOT)!r})\n{settings}{block}"
+    for block, before in ((in_blender, REGISTERED), (functions, "")):
+        small = block.replace("texels=128, samples=16", "texels=32, bucket=2, samples=1")
+        small = small.replace('layout="layered"', 'layout="buckets"')
+        small = small.replace("wait=True", 'wait=True, atlas_layout="buckets"')
+        script = f"import sys; sys.path.insert(0, {str(ROOT)!r})\n{before}{small}"
         ended = subprocess.run(
-            [sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, timeout=120, check=False
+            [sys.executable, "-c", script],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
         )
         assert ended.returncode == 0, ended.stderr[-3000:]
     assert (folder / "python/Vase.godot/project.godot").is_file()

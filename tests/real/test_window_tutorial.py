@@ -24,9 +24,11 @@ from tests.real.root import Root
 from tests.real.window import Window, opened, wait_until
 
 _FIGURES = os.environ.get("RADTEX_FIGURES")
-_WIDTH = 900  # pixels of a kept picture at most
+_WIDTH = 1000  # pixels of a kept picture at most
 _VIEW = 0, 26, 1292, 812  # the 3D view with its sidebar, left, top, right and bottom
 _PANEL = 1030, 66, 1292, 640
+_DIALOG = 700, 480, 1292, 880  # the export dialog, which opens below the mouse
+_PICTURES = 42, 46, 1560, 625  # in the window that a comparison opens
 _SECONDS_TO_RENDER = 25
 _SECONDS_TO_DRAW = 6  # a new window
 _KNOWN = "[str(found.next) for found in panel_state._cache.found.values()]"
@@ -41,7 +43,7 @@ area = next(a for a in bpy.context.window_manager.windows[0].screen.areas if a.t
 area.ui_type = "VIEW_3D"
 """
 _MENU = 1293, 72  # the arrow at the right of the page Get Extensions
-_INSTALL = 0, 26, 1310, 500
+_INSTALL = 0, 26, 1600, 400
 
 # A vase that an artist made: a profile that a Screw modifier turns, a glazed body and a brass foot, on a
 # tiled table, in an HDRI that Blender ships.
@@ -171,6 +173,7 @@ def compares(window: Window) -> None:
     number = latest(window).number
     window.scroll(30)
     window.click(*window.find("radtex.compare("))
+    window.key("Return")
     wait_until(lambda: latest(window).number > number, 20, "no comparison")
     told = wait_for_end(window, 280)
     assert told.state == "done", told.message
@@ -178,7 +181,7 @@ def compares(window: Window) -> None:
     wait_until(lambda: window.value("len(bpy.context.window_manager.windows)") == 2, 10, "no pictures")
     window.point(500, 400)  # Blender draws a window that the mouse comes to
     sleep(_SECONDS_TO_DRAW)
-    keep(window, "compare")
+    keep(window, "compare", _PICTURES)
     window.ask("room.close_other_windows()")
 
 
@@ -189,7 +192,7 @@ def exports(window: Window) -> None:
     window.scroll(30)
     window.click(*window.find("radtex.export("))
     sleep(_SECONDS_TO_DRAW)
-    keep(window, "export", _VIEW)
+    keep(window, "export", _DIALOG)
     window.key("Return")
     wait_until(lambda: latest(window).number > number, 20, "no export")
     told = wait_for_end(window)
