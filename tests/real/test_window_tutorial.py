@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from time import sleep
 
+import numpy as np
 import PIL.Image
 import pytest
 from playwright.sync_api import BrowserType
@@ -26,10 +27,13 @@ from tests.real.window import Window, opened, wait_until
 _FIGURES = os.environ.get("RADTEX_FIGURES")
 _WIDTH = 1000  # pixels of a kept picture at most
 _VIEW = 0, 26, 1292, 812  # the 3D view with its sidebar, left, top, right and bottom
+_FLOOR = 100, 400, 500, 780  # in the 3D view
 _PANEL = 1030, 66, 1292, 640
 _DIALOG = 700, 480, 1292, 880  # the export dialog, which opens below the mouse
 _PICTURES = 42, 46, 1560, 625  # in the window that a comparison opens
-_SECONDS_TO_RENDER = 25
+_SECONDS_TO_COMPILE = 180  # shaders of Eevee, on a processor that does much else
+_SECONDS_TO_SMOOTH = 6  # edges, by drawing them several times
+_SHADED = 100  # of 255, the least mean of a view whose floor is drawn; while shaders are compiled it is 60
 _SECONDS_TO_DRAW = 6  # a new window
 _KNOWN = "[str(found.next) for found in panel_state._cache.found.values()]"
 _PREFERENCES = """
@@ -146,7 +150,7 @@ def keep_preferences(window: Window) -> None:
 def bakes(window: Window) -> None:
     """Press the button, look on while it bakes, and wait for the end."""
     wait_until(lambda: window.value(_KNOWN) == ["bake"], 30, "the button is not ready")
-    sleep(_SECONDS_TO_RENDER)
+    wait_until_shaded(window)
     keep(window, "panel", _VIEW)
     shade(window, "SOLID")  # so that the processor is the bake's
     window.click(*window.find("radtex.bake("))
@@ -163,7 +167,7 @@ def shows(window: Window) -> None:
     window.click(*window.find("radtex.preview_toggle("))
     wait_until(lambda: "Vase (baked)" in window.value("room.seen()"), 30, "the bake is not seen")
     shade(window, "MATERIAL")
-    sleep(_SECONDS_TO_RENDER)
+    wait_until_shaded(window)
     keep(window, "preview", _VIEW)
     shade(window, "SOLID")
 
@@ -203,6 +207,17 @@ def exports(window: Window) -> None:
 def shade(window: Window, how: str) -> None:
     """How the 3D view is drawn."""
     window.ask(f"room._view().spaces.active.shading.type = {how!r}")
+
+
+def wait_until_shaded(window: Window) -> None:
+    """Wait until Eevee has compiled its shaders and drawn the 3D view, and its edges are smooth."""
+    sleep(_SECONDS_TO_SMOOTH)
+    wait_until(
+        lambda: np.mean(np.asarray(window.picture("shading").crop(_FLOOR))) > _SHADED,
+        _SECONDS_TO_COMPILE,
+        "Eevee draws nothing",
+    )
+    sleep(_SECONDS_TO_SMOOTH)
 
 
 def keep(window: Window, name: str, box: tuple[int, int, int, int] | None = None) -> None:
