@@ -5,8 +5,8 @@
 Blender links OpenEXR dynamically, and on Linux what a program links comes first when a module that it loads
 looks up a symbol: our OpenEXR would call Blender's older one in the midst of its work. Blender 4.5 crashes so
 on the first file, 5.2 writes noise. Marked DT_SYMBOLIC, a module looks into itself first; nothing else in it
-changes. (RTLD_DEEPBIND at run time would also go round Blender's memory allocator, and aborts.) NOTICE.md tells
-whoever gets the zip.
+changes. (RTLD_DEEPBIND at run time would also go round Blender's memory allocator, and aborts.)
+NOTICE.md tells whoever gets the zip.
 """
 
 from __future__ import annotations
