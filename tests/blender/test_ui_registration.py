@@ -33,7 +33,8 @@ def state() -> dict[str, Any]:
             name: list(functions) for name, functions in lists.items() if isinstance(functions, list)
         },
         "timers": [bpy.app.timers.is_registered(timer) for timer in TIMERS],
-        "menu": len(getattr(bpy.types.VIEW3D_MT_object.draw, "_draw_funcs", ())),
+        # Blender puts the menu's own function beside the first one that is appended, and leaves it there.
+        "menu": len(getattr(bpy.types.VIEW3D_MT_object.draw, "_draw_funcs", (None,))),
         "presets": bpy.utils.preset_paths(SUBDIR),
         "keys": sum(len(keymap.keymap_items) for keymap in context.window_manager.keyconfigs.addon.keymaps),
     }
