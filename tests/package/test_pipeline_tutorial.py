@@ -28,7 +28,8 @@ SMALLER = {
 }
 SHELL = f"""
 set -e
-uv() {{ shift; {sys.executable} {ROOT}/"$@"; }}
+RADTEX="{ROOT}"
+uv() {{ shift 3; {sys.executable} "$@"; }}  # run, --project and the folder
 blender() {{ {sys.executable} "$(dirname "$2")/render_frames.py" -b "$2" -f 1; }}
 """
 REGISTERED = "from tests.blender.ui_stage import registered; on = registered(); on.__enter__()\n"
