@@ -27,13 +27,13 @@ from tests.real.window import Window, opened, wait_until
 _FIGURES = os.environ.get("RADTEX_FIGURES")
 _WIDTH = 1000  # pixels of a kept picture at most
 _VIEW = 0, 26, 1292, 812  # the 3D view with its sidebar, left, top, right and bottom
-_FLOOR = 100, 400, 500, 780  # in the 3D view
+_FLOOR = 150, 500, 450, 780  # in the 3D view
 _PANEL = 1030, 66, 1292, 640
 _DIALOG = 700, 480, 1292, 880  # the export dialog, which opens below the mouse
 _PICTURES = 42, 46, 1560, 625  # in the window that a comparison opens
 _SECONDS_TO_COMPILE = 180  # shaders of Eevee, on a processor that does much else
 _SECONDS_TO_SMOOTH = 6  # edges, by drawing them several times
-_SHADED = 100  # of 255, the least mean of a view whose floor is drawn; while shaders are compiled it is 60
+_SHADED = 15  # of 255, how much a floor of tiles varies at least; without its material it is even
 _SECONDS_TO_DRAW = 6  # a new window
 _KNOWN = "[str(found.next) for found in panel_state._cache.found.values()]"
 _PREFERENCES = """
@@ -213,7 +213,7 @@ def wait_until_shaded(window: Window) -> None:
     """Wait until Eevee has compiled its shaders and drawn the 3D view, and its edges are smooth."""
     sleep(_SECONDS_TO_SMOOTH)
     wait_until(
-        lambda: np.mean(np.asarray(window.picture("shading").crop(_FLOOR))) > _SHADED,
+        lambda: np.std(np.asarray(window.picture("shading").crop(_FLOOR).convert("L"))) > _SHADED,
         _SECONDS_TO_COMPILE,
         "Eevee draws nothing",
     )
