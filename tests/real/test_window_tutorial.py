@@ -28,10 +28,12 @@ _FIGURES = os.environ.get("RADTEX_FIGURES")
 _WIDTH = 1000  # pixels of a kept picture at most
 _VIEW = 0, 26, 1292, 812  # the 3D view with its sidebar, left, top, right and bottom
 _FLOOR = 150, 500, 450, 780  # in the 3D view
+_WORDS = 66, 128, 300, 146  # where Eevee says that it compiles shaders
+_WHITE = 210  # of 255
 _PANEL = 1030, 66, 1292, 640
 _DIALOG = 700, 480, 1292, 880  # the export dialog, which opens below the mouse
 _PICTURES = 42, 46, 1560, 625  # in the window that a comparison opens
-_SECONDS_TO_COMPILE = 180  # shaders of Eevee, on a processor that does much else
+_SECONDS_TO_COMPILE = 280  # shaders of Eevee, on a processor that does much else
 _SECONDS_TO_SMOOTH = 6  # edges, by drawing them several times
 _SHADED = 15  # of 255, how much a floor of tiles varies at least; without its material it is even
 _SECONDS_TO_DRAW = 6  # a new window
@@ -210,14 +212,16 @@ def shade(window: Window, how: str) -> None:
 
 
 def wait_until_shaded(window: Window) -> None:
-    """Wait until Eevee has compiled its shaders and drawn the 3D view, and its edges are smooth."""
+    """Wait until Eevee has compiled all shaders and drawn the 3D view, and its edges are smooth."""
     sleep(_SECONDS_TO_SMOOTH)
-    wait_until(
-        lambda: np.std(np.asarray(window.picture("shading").crop(_FLOOR).convert("L"))) > _SHADED,
-        _SECONDS_TO_COMPILE,
-        "Eevee draws nothing",
-    )
+    wait_until(lambda: is_shaded(window.picture("shading").convert("L")), _SECONDS_TO_COMPILE, "no shaders")
     sleep(_SECONDS_TO_SMOOTH)
+
+
+def is_shaded(screen: PIL.Image.Image) -> bool:
+    """Whether the floor shows its tiles, and no white words say that shaders are being compiled."""
+    floor, words = (np.asarray(screen.crop(box)) for box in (_FLOOR, _WORDS))
+    return bool(floor.std() > _SHADED and words.max() < _WHITE)
 
 
 def keep(window: Window, name: str, box: tuple[int, int, int, int] | None = None) -> None:
