@@ -64,7 +64,7 @@ class BakeSpec(SpecFields):
       between islands. `device`: see `cycles.device.use_device`. `memory_mb`: limit for the bake's memory,
       without the scene's. `half`, `compression`: the format of the files.
     * `layers`: parts of the radiance that become atlases beside it. `content`: what a proxy shows, a
-      collection's name, "*" for everything, or None for what lies inside it.
+      collection's name, `"*"` for everything, or None for what lies inside it.
     * `accumulate` adds the samples to the existing atlas; `refresh` bakes only its changed texels again, with
       as many samples as it has; `where` limits both to the faces of a vertex group, a boolean face attribute
       or a material.

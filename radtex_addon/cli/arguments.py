@@ -87,7 +87,7 @@ class Request:
 
 def parse(arguments: list[str], inside_blender: bool) -> Request:
     """Parse a command line. Raises InputError; `--help` and `--version` print and raise SystemExit(0)."""
-    return read_request(_parser(inside_blender).parse_args(arguments), inside_blender)
+    return read_request(build_parser(inside_blender).parse_args(arguments), inside_blender)
 
 
 def read_request(found: argparse.Namespace, inside_blender: bool) -> Request:
@@ -200,7 +200,8 @@ def _sharing(together: str | None, objects: tuple[str, ...], demo: bool) -> tupl
     return objects
 
 
-def _parser(inside_blender: bool) -> Parser:
+def build_parser(inside_blender: bool) -> Parser:
+    """The options of a bake, in the groups of `--help`."""
     program = "blender -b SCENE -P bake.py --" if inside_blender else "bake.py"
     scene = "" if inside_blender else "SCENE "
     parser = Parser(

@@ -48,7 +48,7 @@ class AssembleRequest:
 
 def parse_assemble(arguments: list[str], inside_blender: bool) -> AssembleRequest:
     """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
-    found = _parser(inside_blender).parse_args(arguments)
+    found = build_parser(inside_blender).parse_args(arguments)
     return AssembleRequest(
         farm=Path(found.farm),
         out=None if found.out is None else Path(found.out),
@@ -60,7 +60,8 @@ def parse_assemble(arguments: list[str], inside_blender: bool) -> AssembleReques
     )
 
 
-def _parser(inside_blender: bool) -> Parser:
+def build_parser(inside_blender: bool) -> Parser:
+    """The options of `assemble`, in the groups of `--help`."""
     parser = command_parser(ASSEMBLE, "DIR", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=False)
     what = parser.add_argument_group("what is joined")
     what.add_argument("farm", metavar="DIR", help="the folder that bake.py prepare wrote")

@@ -66,7 +66,7 @@ class CompareRequest:
 
 def parse_compare(arguments: list[str], inside_blender: bool) -> CompareRequest:
     """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
-    found = _parser(inside_blender).parse_args(arguments)
+    found = build_parser(inside_blender).parse_args(arguments)
     demo = found.scene == DEMO
     check_named(found, inside_blender, "looked at")
     return CompareRequest(
@@ -106,7 +106,8 @@ def _matrix(word: str) -> list[float]:
     return numbers
 
 
-def _parser(inside_blender: bool) -> Parser:
+def build_parser(inside_blender: bool) -> Parser:
+    """The options of `compare`, in the groups of `--help`."""
     scene = "" if inside_blender else "SCENE "
     parser = command_parser(
         COMPARE, f"{scene}--object NAME", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=True

@@ -63,7 +63,7 @@ class ExportRequest:
 
 def parse_export(arguments: list[str], inside_blender: bool) -> ExportRequest:
     """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
-    found = _parser(inside_blender).parse_args(arguments)
+    found = build_parser(inside_blender).parse_args(arguments)
     if not found.bakes:
         raise InputError("which bake? name its folder, or its sidecar (--help lists everything)")
     if found.target is None:
@@ -83,7 +83,8 @@ def parse_export(arguments: list[str], inside_blender: bool) -> ExportRequest:
     )
 
 
-def _parser(inside_blender: bool) -> Parser:
+def build_parser(inside_blender: bool) -> Parser:
+    """The options of `export`, in the groups of `--help`."""
     parser = command_parser(
         EXPORT, "DIR [DIR ...] --to TARGET", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=False
     )

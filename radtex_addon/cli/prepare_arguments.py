@@ -38,7 +38,7 @@ _ELSEWHERE = {
 
 def parse_prepare(arguments: list[str], inside_blender: bool) -> Request:
     """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
-    request = read_request(_parser(inside_blender).parse_args(arguments), inside_blender)
+    request = read_request(build_parser(inside_blender).parse_args(arguments), inside_blender)
     bakes = request.bakes
     for count, what in ((len(bakes.names), "object"), (len(bakes.frames), "frame")):
         if count > 1:
@@ -46,7 +46,8 @@ def parse_prepare(arguments: list[str], inside_blender: bool) -> Request:
     return request
 
 
-def _parser(inside_blender: bool) -> Parser:
+def build_parser(inside_blender: bool) -> Parser:
+    """The options of `prepare`, in the groups of `--help`."""
     scene = "" if inside_blender else "SCENE "
     parser = command_parser(
         PREPARE, f"{scene}--object NAME", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=True

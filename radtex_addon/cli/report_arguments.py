@@ -59,7 +59,7 @@ class ReportRequest:
 
 def parse_report(arguments: list[str], inside_blender: bool) -> ReportRequest:
     """Parse what follows the command's name. Raises InputError; `--help` prints and raises SystemExit(0)."""
-    found = _parser(inside_blender).parse_args(arguments)
+    found = build_parser(inside_blender).parse_args(arguments)
     if found.bake is None:
         raise InputError("which bake? name its folder, or its sidecar (--help lists everything)")
     demo = found.scene == DEMO
@@ -89,7 +89,8 @@ def parse_report(arguments: list[str], inside_blender: bool) -> ReportRequest:
     )
 
 
-def _parser(inside_blender: bool) -> Parser:
+def build_parser(inside_blender: bool) -> Parser:
+    """The options of `report`, in the groups of `--help`."""
     scene = "" if inside_blender else " --scene SCENE"
     parser = command_parser(REPORT, f"DIR{scene}", _DESCRIPTION, _EPILOG, inside_blender, opens_scene=True)
     _add_what(parser.add_argument_group("what is judged"), inside_blender)
