@@ -1,13 +1,19 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
+#
+# /// script
+# requires-python = ">=3.11"
+# dependencies = []
+# ///
 """Build the documentation's site: `uv run .ci/build_docs.py`, into dist/site.
 
-1. uv makes an environment, .venv-docs, with Sphinx and with Blender as a module, from which the reference is written.
-2. Sphinx builds the pages of docs. Every warning is an error: a link, an anchor or a picture that is not there, a page that
-   no list of pages has.
-3. Figures in docs/figures that no page shows are named; they are errors, too.
+1. uv makes an environment, .venv-docs, of uv.lock: Sphinx, and Blender as a module, which the reference is
+   written from.
+2. Sphinx builds the pages of docs. Every warning is an error.
+3. Every link, anchor and picture in what was built is followed (check_site.py).
 
-`--external` asks the addresses of other sites as well, which needs the internet. Open dist/site/index.html afterwards.
+`--external` asks for the addresses of other sites, too, which needs the internet. dist/site/index.html opens
+from disk, and any static server shows the folder.
 """
 
 from __future__ import annotations
@@ -18,6 +24,8 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+
+from check_site import dead_links
 
 ROOT = Path(__file__).resolve().parent.parent
 SITE = ROOT / "dist/site"
@@ -32,13 +40,13 @@ def main() -> int:
     parser.add_argument("--external", action="store_true", help="check links to other sites, too")
     external = parser.parse_args().external
     shutil.rmtree(SITE, ignore_errors=True)
-    codes = [sphinx("html", SITE)]
+    failed = sphinx("html", SITE) != 0
     if external:
-        codes.append(sphinx("linkcheck", ROOT / "dist/links"))
-    unused = unused_figures()
-    for path in unused:
-        print(f"{path} is shown by no page: delete it, or show it", file=sys.stderr)
-    if any(codes) or unused:
+        failed |= sphinx("linkcheck", ROOT / "dist/links") != 0
+    dead = dead_links(SITE)
+    for link in dead:
+        print(link, file=sys.stderr)
+    if failed or dead:
         return 1
     print(f"{SITE / 'index.html'}: {len(list(SITE.rglob('*.html')))} pages")
     return 0
@@ -46,20 +54,13 @@ def main() -> int:
 
 def sphinx(builder: str, out: Path) -> int:
     """Run one of Sphinx's builders over all pages, and return its exit code."""
-    command = [UV, "run", "--frozen", "--python", "3.13", "--group", "docs", "--group", "test", "sphinx-build"]
-    command += ["--builder", builder, "--fail-on-warning", "--keep-going", "--quiet", "--fresh-env"]
-    command += ["--doctree-dir", str(ROOT / "dist/.doctrees"), str(ROOT / "docs"), str(out)]
+    command = [UV, "run", "--quiet", "--frozen", "--python=3.13", f"--project={ROOT}", "--group=docs"]
+    command += ["python", "-m", "sphinx", f"--builder={builder}", "--fail-on-warning", "--keep-going"]
+    command += ["--quiet", "--fresh-env", f"--doctree-dir={ROOT / 'dist/.doctrees'}"]
     environment = os.environ | {"UV_PROJECT_ENVIRONMENT": str(ROOT / ".venv-docs")}
     environment.pop("VIRTUAL_ENV", None)
+    command += [str(ROOT / "docs"), str(out)]
     return subprocess.run(command, cwd=ROOT, env=environment, check=False).returncode
-
-
-def unused_figures() -> list[Path]:
-    """Pictures in docs/figures that neither a page nor the README shows."""
-    pages = [*ROOT.glob("docs/**/*.md"), ROOT / "README.md", *ROOT.glob("shaders/**/README.md")]
-    shown = "\n".join(page.read_text(encoding="utf-8") for page in pages)
-    figures = [path for path in ROOT.glob("docs/figures/*") if path.suffix not in {".json", ".md"}]
-    return sorted(path.relative_to(ROOT) for path in figures if path.name not in shown)
 
 
 if __name__ == "__main__":

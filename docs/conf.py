@@ -9,7 +9,7 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT), str(ROOT / "docs/_ext")]
+sys.path.insert(0, str(ROOT))
 
 project = "RadTex"
 author = "RadTex authors"
@@ -17,23 +17,35 @@ copyright = "2026 RadTex authors"  # noqa: A001  # Sphinx names it
 version = release = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))["version"]
 
 extensions = [
-    "links_to_files",
+    "docs._ext.generated",
+    "docs._ext.plain_docstrings",
+    "docs._ext.repository_links",
     "myst_parser",
-    "reference_pages",
     "sphinx.ext.autodoc",
     "sphinx_copybutton",
     "sphinx_design",
 ]
-exclude_patterns = ["_ext", "gltf/*/examples"]
-myst_enable_extensions = ["attrs_inline", "colon_fence"]
-myst_heading_anchors = 4  # links such as format.md#lookups, as code hosts have them
-suppress_warnings = ["myst.header"]  # the reference begins pages with what other pages contain
+exclude_patterns = ["_ext"]
+smartquotes = False  # options begin with two dashes
+highlight_language = "none"  # a block that names no language is output, or a formula
+myst_enable_extensions = ["attrs_block", "attrs_inline", "colon_fence", "html_image"]
+myst_heading_anchors = 6  # links such as format.md#lookups, as code hosts have them
 
-default_role = "code"  # docstrings put names between single backticks
+nitpicky = True
+nitpick_ignore_regex = [
+    ("py:class", r"(?!radtex_addon\.).*"),  # of other packages: the site is built without the internet
+    (
+        "py:class",
+        r"radtex_addon\.(forms\.form\.Form|formats\.(fingerprint\.Fingerprint|json_reader\.Facts))",
+    ),  # handed on
+    ("py:class", r".*\._\w+"),  # type variables
+]
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
-autodoc_class_signature = "mixed"
+autodoc_type_aliases = {"Floats": "Floats", "AnySidecar": "AnySidecar", "Unwraps": "Unwraps"}
 python_maximum_signature_line_length = 88
+python_use_unqualified_type_names = True
+add_module_names = True
 
 html_theme = "furo"
 html_title = f"RadTex {version}"

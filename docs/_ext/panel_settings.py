@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel's reference, from Blender's definitions of the settings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from sphinx.errors import ExtensionError
+
+from radtex_addon.ui.panel import main_panel, settings_panels
+from radtex_addon.ui.settings import presets as stock
+from radtex_addon.ui.settings.bake_settings import NAMES, RADTEX_PG_settings
+from radtex_addon.ui.settings.chosen_objects import RADTEX_PG_chosen
+from radtex_addon.ui.settings.object_settings import RADTEX_PG_object
+from radtex_addon.ui.settings.preferences import RADTEX_preferences
+
+from .markdown import code, escaped, table
+from .rna import choices, default_of, limits_of, told, type_of
+
+# Where the panel shows each setting.
+_PLACES: dict[Any, tuple[str, ...]] = {
+    main_panel.RADTEX_PT_bake: ("texels", "density", "samples"),
+    settings_panels.RADTEX_PT_light: (
+        *("kind", "view", "content", "content_collection", "ao_distance", "alone", "atlas_layout"),
+        *("variants", "frames", "layers"),
+    ),
+    settings_panels.RADTEX_PT_surface: (
+        *("atlas_size", "uv_layer", "unwrap", "padding", "together", "atlas_name", "split", "part"),
+        *("source", "cage", "extrusion"),
+    ),
+    settings_panels.RADTEX_PT_sampling: ("bucket", "seed", "denoise"),
+    settings_panels.RADTEX_PT_output: (
+        *(
+            "directory",
+            "accumulate",
+            "refresh",
+            "where",
+            "preview",
+            "full_floats",
+            "compression",
+            "export_targets",
+        ),
+    ),
+    None: ("overwrite", "resume"),
+}
+_MAIN, _SCRIPTS = "Always shown", "For scripts alone"
+_BLENDERS = {"name", "rna_type"}  # properties that every group has
+
+
+def settings(_: str) -> str:
+    """Every setting of a bake, in the panel's folds."""
+    placed = [name for names in _PLACES.values() for name in names]
+    if sorted(placed) != sorted(NAMES):
+        raise ExtensionError(f"docs/_ext/panel_settings.py: no place for {set(NAMES) ^ set(placed)}")
+    known = RADTEX_PG_settings.bl_rna.properties
+    parts = []
+    for panel, names in _PLACES.items():
+        title = _SCRIPTS if panel is None else _MAIN if panel is main_panel.RADTEX_PT_bake else panel.bl_label
+        parts += [f"## {title}\n", *(_setting(known[name]) for name in names)]
+    return "\n".join(parts)
+
+
+def preferences(_: str) -> str:
+    """RadTex's preferences."""
+    kept = RADTEX_preferences.__annotations__
+    return "\n".join(_setting(RADTEX_preferences.bl_rna.properties[name]) for name in kept)
+
+
+def shared_settings(_: str) -> str:
+    """What is kept beside a bake's settings: the choice of objects, and the switch of an object's own."""
+    rows = []
+    for owner, cls, names in (
+        ("scene.radtex_chosen", RADTEX_PG_chosen, tuple(RADTEX_PG_chosen.__annotations__)),
+        ("object.radtex", RADTEX_PG_object, ("use",)),
+    ):
+        for name in names:
+            prop = cls.bl_rna.properties[name]
+            rows.append((code(f"{owner}.{name}"), code(type_of(prop)), told(prop)))
+    return table(("property", "type", "what it is"), rows)
+
+
+def presets(_: str) -> str:
+    """The presets that RadTex brings, with what each sets."""
+    folder = Path(stock.__file__).with_name("stock") / "presets" / stock.SUBDIR
+    values = {name: stock.preset_values(folder / f"{name}.py") for name, _, _ in stock.STOCK}
+    names = sorted({setting for found in values.values() for setting in found}, key=NAMES.index)
+    known: Any = RADTEX_PG_settings.bl_rna.properties
+    rows = [
+        (
+            f"**{label}**",
+            code(name),
+            *(_value(known[setting], values[name].get(setting)) for setting in names),
+        )
+        for name, label, _ in stock.STOCK
+    ]
+    lines = [f"* **{label}**: {escaped(tip)}." for _, label, tip in stock.STOCK]
+    head = ("preset", "name", *(escaped(known[setting].name) for setting in names))
+    return "\n".join([*lines, "", table(head, rows)])
+
+
+def _value(prop: Any, value: Any) -> str:
+    if value is None:
+        return "as it is"
+    return escaped(prop.enum_items[value].name if prop.type == "ENUM" else str(value))
+
+
+def _setting(prop: Any) -> str:
+    return "\n".join(_lines(prop))
+
+
+def _lines(prop: Any) -> Iterator[str]:
+    """A setting: its label, its name and type, the tooltip and the choices."""
+    facts = [f"{code(prop.identifier)}: {type_of(prop)}"]
+    facts += [f"default {code(default)}"] if (default := default_of(prop)) else []
+    facts += [limits] if (limits := limits_of(prop)) else []
+    yield f"### {escaped(prop.name)}\n"
+    yield f"{', '.join(facts)}\n"
+    yield f"{told(prop)}\n"
+    if found := choices(prop):
+        yield f"{found}\n"
