@@ -42,10 +42,8 @@ nitpick_ignore_regex = [
 ]
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
-autodoc_type_aliases = {"Floats": "Floats", "AnySidecar": "AnySidecar", "Unwraps": "Unwraps"}
 python_maximum_signature_line_length = 88
 python_use_unqualified_type_names = True
-add_module_names = True
 
 html_theme = "furo"
 html_title = f"RadTex {version}"

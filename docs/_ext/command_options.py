@@ -46,7 +46,8 @@ def _command(parser: argparse.ArgumentParser) -> Iterator[str]:
     yield f"```{{program}} {parser.prog}\n```\n"
     for paragraph in (parser.description or "").split("\n\n"):
         yield f"{worded(' '.join(paragraph.split()))}\n"
-    yield f"```text\n{parser.format_usage().removeprefix('usage: ').rstrip()}\n```\n"
+    usage = parser.format_usage().removeprefix("usage:").strip().splitlines()
+    yield "\n".join(["```text", *(line.strip() for line in usage), "```\n"])
     for group in parser._action_groups:  # noqa: SLF001  # argparse has no other way to them
         actions = [action for action in group._group_actions if action.help != argparse.SUPPRESS]  # noqa: SLF001  # as above
         if actions:

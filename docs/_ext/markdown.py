@@ -13,13 +13,18 @@ _CODE = re.compile(r"(?<![\w-])(--[a-z][a-z-]*|(?:DIR|OUT)/[\w.+-]*\w|-b -P \S+)
 
 def escaped(text: str) -> str:
     """Plain text as Markdown that shows just that."""
-    return _SPECIAL.sub(r"\\\1", text.strip())
+    return escaped_inline(text.strip())
+
+
+def escaped_inline(text: str) -> str:
+    """A part of a line, the same; spaces at its ends stay."""
+    return _SPECIAL.sub(r"\\\1", text)
 
 
 def worded(text: str) -> str:
     """Plain text in which options and file names are set as code."""
     parts = _CODE.split(text.strip())  # every other one is code
-    return "".join(code(part) if k % 2 else _SPECIAL.sub(r"\\\1", part) for k, part in enumerate(parts))
+    return "".join(code(part) if k % 2 else escaped_inline(part) for k, part in enumerate(parts))
 
 
 def code(text: str) -> str:

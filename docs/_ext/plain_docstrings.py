@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import re
+from enum import Enum
 from typing import Any
 
 from sphinx.application import Sphinx
@@ -18,11 +19,25 @@ def setup(app: Sphinx) -> dict[str, Any]:
     """Register the extension; called by Sphinx."""
     app.setup_extension("sphinx.ext.autodoc")
     app.connect("autodoc-process-docstring", _process)
+    app.connect("autodoc-process-signature", _sign)
     return {"parallel_read_safe": True}
 
 
 def _process(_app: Sphinx, _what: str, _name: str, _of: object, _options: Any, lines: list[str]) -> None:
     lines[:] = restructured("\n".join(lines)).split("\n")
+
+
+def _sign(
+    _app: Sphinx,
+    _what: str,
+    _name: str,
+    of: object,
+    _options: Any,
+    arguments: str | None,
+    returned: str | None,
+) -> tuple[str | None, str | None]:
+    """Leave out what an enum is called with: its members say that."""
+    return ("", None) if isinstance(of, type) and issubclass(of, Enum) else (arguments, returned)
 
 
 def restructured(text: str) -> str:

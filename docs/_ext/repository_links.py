@@ -4,7 +4,7 @@
 
 A page may include such a file, as CHANGELOG.md: its relative links are made relative to the page, and links
 to it lead to the page. Licences and what lies in shaders are offered for download. Any other file outside
-docs is a warning, which fails the build.
+docs is a warning, which fails the build. A link that is named after its file gets the page's title.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from sphinx.util import logging
 _LOG = logging.getLogger(__name__)
 _INCLUDED = re.compile(r"^```\{include\} +(\S+)", re.MULTILINE)
 _LINK = re.compile(r"(?<=\]\()(?![a-z]+:)(?![#/])([^)#\s]+)")
+_FILE = re.compile(r"[\w./-]+\.md")
 _FRONT = {"README.md": "index"}  # the repository's front page is not the site's, but as good
 _OFFERED = ("shaders/", "LICENSE")
 
@@ -49,6 +50,9 @@ def _resolve_links(app: Sphinx, document: nodes.document) -> None:
     docs = Path(app.srcdir)
     pages = _pages_of_files(docs)
     for link in document.findall(addnodes.pending_xref):
+        if link["reftype"] == "myst" and _FILE.fullmatch(link.astext()):
+            link["refexplicit"] = False  # the page's title says more than the name of its file
+            link[0].clear()
         # MyST names a Markdown file outside docs by its absolute path, without the suffix.
         if link["reftype"] == "myst" and Path(link["reftarget"]).is_absolute():
             name = Path(f"{link['reftarget']}.md").relative_to(docs.parent).as_posix()

@@ -39,10 +39,12 @@ def limits_of(prop: Any) -> str:
     """The range of a number, such as "1 to 256"; empty if it has none."""
     if prop.type not in {"INT", "FLOAT"}:
         return ""
-    low, high = prop.hard_min, prop.hard_max
-    if high < _HUGE:
-        return f"{low:g} to {high:g}"
-    return f"{low:g} or more" if low > -_HUGE else ""
+    low, high = (
+        f"{limit:.6g}" if prop.type == "FLOAT" else str(limit) for limit in (prop.hard_min, prop.hard_max)
+    )
+    if prop.hard_max < _HUGE:
+        return f"{low} to {high}"
+    return f"{low} or more" if prop.hard_min > -_HUGE else ""
 
 
 def choices(prop: Any) -> str:
