@@ -11,6 +11,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
+# The addresses of the site and the repository, once there are any: Documentation and Repository in
+# pyproject.toml's [project.urls]. Nothing else names them.
+URLS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"].get("urls", {})
+
 project = "RadTex"
 author = "RadTex authors"
 copyright = "2026 RadTex authors"  # noqa: A001  # Sphinx names it
@@ -33,11 +37,10 @@ myst_heading_anchors = 6  # links such as format.md#lookups, as code hosts have 
 
 nitpicky = True
 nitpick_ignore_regex = [
-    ("py:class", r"(?!radtex_addon\.).*"),  # of other packages: the site is built without the internet
-    (
-        "py:class",
-        r"radtex_addon\.(forms\.form\.Form|formats\.(fingerprint\.Fingerprint|json_reader\.Facts))",
-    ),  # handed on
+    ("py:class", r"(?!radtex_addon\.).*"),  # other packages': the site is built without the internet
+    ("py:class", r"radtex_addon\.forms\.form\.Form"),  # these three are handed on by those who get them
+    ("py:class", r"radtex_addon\.formats\.fingerprint\.Fingerprint"),
+    ("py:class", r"radtex_addon\.formats\.json_reader\.Facts"),
     ("py:class", r".*\._\w+"),  # type variables
 ]
 autodoc_member_order = "bysource"
@@ -46,12 +49,15 @@ python_maximum_signature_line_length = 88
 python_use_unqualified_type_names = True
 
 html_theme = "furo"
+html_baseurl = URLS.get("Documentation", "")
 html_title = f"RadTex {version}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sphinx = False
 html_copy_source = False
 html_theme_options = {
+    **({"source_repository": URLS["Repository"], "source_branch": "main"} if "Repository" in URLS else {}),
+    "source_directory": "docs/",
     "light_css_variables": {"color-brand-primary": "#a04a00", "color-brand-content": "#a04a00"},
     "dark_css_variables": {"color-brand-primary": "#ffb454", "color-brand-content": "#ffb454"},
 }

@@ -17,6 +17,7 @@ from typing import Any
 from docutils import nodes
 from sphinx import addnodes
 from sphinx.application import Sphinx
+from sphinx.transforms.post_transforms import SphinxPostTransform
 from sphinx.util import logging
 
 _LOG = logging.getLogger(__name__)
@@ -30,7 +31,7 @@ _OFFERED = ("shaders/", "LICENSE")
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register the extension; called by Sphinx."""
     app.connect("include-read", _move_links)
-    app.connect("doctree-read", _resolve_links)
+    app.add_post_transform(LinkedFiles)
     return {"parallel_read_safe": True}
 
 
@@ -45,24 +46,31 @@ def _move_links(app: Sphinx, included: Path, _page: str, content: list[str]) -> 
     content[0] = _LINK.sub(moved, content[0])
 
 
-def _resolve_links(app: Sphinx, document: nodes.document) -> None:
-    """Lead a page's links to files outside docs to the pages that include them. Warns where there is none."""
-    docs = Path(app.srcdir)
-    pages = _pages_of_files(docs)
-    for link in document.findall(addnodes.pending_xref):
-        if link["reftype"] == "myst" and _FILE.fullmatch(link.astext()):
-            link["refexplicit"] = False  # the page's title says more than the name of its file
+class LinkedFiles(SphinxPostTransform):
+    """Leads a page's links to files to the pages that have them; warns where there is none."""
+
+    default_priority = 8  # before MyST's MystReferenceResolver
+
+    def run(self, **_: Any) -> None:
+        docs = Path(self.env.srcdir)
+        pages = _pages_of_files(docs)
+        for link in self.document.findall(addnodes.pending_xref):
+            if link["reftype"] == "myst" and link["refdomain"] == "doc":
+                self._lead(link, pages)
+        for file in self.document.findall(addnodes.download_reference):
+            path = Path(self.env.relfn2path(file["reftarget"], file["refdoc"])[1]).resolve()
+            name = path.relative_to(docs.parent).as_posix()
+            if not path.is_relative_to(docs) and not name.startswith(_OFFERED):
+                _LOG.warning("links to %s, which is not on the site", name, location=file)
+
+    def _lead(self, link: addnodes.pending_xref, pages: dict[str, str]) -> None:
+        target = link["reftarget"]
+        if Path(target).is_absolute():  # so MyST names a Markdown file outside docs, without the suffix
+            name = Path(f"{target}.md").relative_to(Path(self.env.srcdir).parent).as_posix()
+            link["reftarget"] = target = pages.get(name, target)
+        if _FILE.fullmatch(link.astext()) and target in self.env.titles:
             link[0].clear()
-        # MyST names a Markdown file outside docs by its absolute path, without the suffix.
-        if link["reftype"] == "myst" and Path(link["reftarget"]).is_absolute():
-            name = Path(f"{link['reftarget']}.md").relative_to(docs.parent).as_posix()
-            if name in pages:
-                link["reftarget"] = pages[name]
-    for file in document.findall(addnodes.download_reference):
-        path = Path(app.env.relfn2path(file["reftarget"], file["refdoc"])[1]).resolve()
-        name = path.relative_to(docs.parent).as_posix()
-        if not path.is_relative_to(docs) and not name.startswith(_OFFERED):
-            _LOG.warning("links to %s, which is not on the site", name, location=file)
+            link[0] += nodes.Text(self.env.titles[target].astext())
 
 
 def _pages_of_files(docs: Path) -> dict[str, str]:
