@@ -69,8 +69,8 @@ class LinkedFiles(SphinxPostTransform):
             name = Path(f"{target}.md").relative_to(Path(self.env.srcdir).parent).as_posix()
             link["reftarget"] = target = pages.get(name, target)
         if _FILE.fullmatch(link.astext()) and target in self.env.titles:
-            link[0].clear()
-            link[0] += nodes.Text(self.env.titles[target].astext())
+            title = self.env.titles[target].astext()
+            link.children = [nodes.inline("", title, classes=["xref", "myst"])]
 
 
 def _pages_of_files(docs: Path) -> dict[str, str]:

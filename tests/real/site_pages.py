@@ -16,13 +16,14 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, FloatRect, Page, Response, sync_playwright
 
 from tests.real.browser import chromium, served
 from tests.real.root import PROGRAMS, REPOSITORY, Root, ready_root
 
 SITE = REPOSITORY / "dist/site"
 WIDTHS = {1280: 900, 390: 844}  # pixels: windows' widths, and their heights
+_REFUSED = 400  # the least status of an answer that is none
 _LOWEST = 2400  # pixels of a page that a picture shows at most
 _HANGS_OUT = """() => {
     const wide = document.documentElement.clientWidth;
@@ -65,10 +66,7 @@ def pictures(browser: Browser, address: str, pages: list[str], out: Path, dark: 
         )
         page = tab.new_page()
         lost: list[str] = []
-        page.on(
-            "response", lambda answer, lost=lost: lost.append(answer.url) if answer.status >= 400 else None
-        )
-        page.on("pageerror", lambda error, lost=lost: lost.append(str(error)))
+        _listen(page, lost)
         for name in pages:
             page.goto(f"{address}/{name}", wait_until="load")
             wide = page.evaluate(_HANGS_OUT)
@@ -81,11 +79,22 @@ def pictures(browser: Browser, address: str, pages: list[str], out: Path, dark: 
         tab.close()
 
 
+def _listen(page: Page, lost: list[str]) -> None:
+    """Append to `lost` what the page asks for in vain, and the errors of its scripts."""
+
+    def answered(answer: Response) -> None:
+        if answer.status >= _REFUSED:
+            lost.append(answer.url)
+
+    page.on("response", answered)
+    page.on("pageerror", lambda error: lost.append(str(error)))
+
+
 def _picture(page: Page, path: Path, width: int) -> None:
     page.wait_for_timeout(300)
     tall = int(page.evaluate("document.documentElement.scrollHeight"))
-    clip = {"x": 0, "y": 0, "width": width, "height": min(tall, _LOWEST)}
-    page.screenshot(path=path, full_page=True, clip=clip)  # type: ignore[arg-type]  # a FloatRect is such a dict
+    clip = FloatRect(x=0, y=0, width=width, height=min(tall, _LOWEST))
+    page.screenshot(path=path, full_page=True, clip=clip)
 
 
 if __name__ == "__main__":
