@@ -26,13 +26,13 @@ extensions = [
     "docs._ext.repository_links",
     "myst_parser",
     "sphinx.ext.autodoc",
+    "sphinx.ext.githubpages",  # or GitHub leaves out folders that begin with an underscore
     "sphinx_copybutton",
-    "sphinx_design",
 ]
 exclude_patterns = ["_ext"]
 smartquotes = False  # options begin with two dashes
 highlight_language = "none"  # a block that names no language is output, or a formula
-myst_enable_extensions = ["attrs_block", "attrs_inline", "colon_fence", "html_image"]
+myst_enable_extensions = ["attrs_inline", "colon_fence", "html_image"]
 myst_heading_anchors = 6  # links such as format.md#lookups, as code hosts have them
 
 nitpicky = True
