@@ -60,11 +60,11 @@ def views(stage: Stage, quick: bool = False, tuning: bool = False) -> list[View]
     They are the held-out ones, and before them the tuning ones if `tuning`; `quick` takes one of each sort.
     The stage must be what the open file holds, as its function made it.
     """
-    blockers = _blockers(stage)
+    tree = blockers(stage)
     made = []
     for camera, held_out, reference, repetition in _pictures(stage, quick, tuning):
         rays = _rays(camera)
-        blocked = _distances(blockers, rays)
+        blocked = distances(tree, rays)
         behind = picture_behind(stage, camera) if stage.see_through else None
         made.append(View(camera.name, held_out, reference, repetition, rays, blocked, behind))
     return made
@@ -79,7 +79,7 @@ def view_of(stage: Stage, camera: bpy.types.Object, samples: int) -> View:
     reference = picture_inside(stage, camera, samples, _SEEDS[0])
     rays = _rays(camera)
     behind = picture_behind(stage, camera, max(1, samples // 4)) if stage.see_through else None
-    return View(camera.name, True, reference, None, rays, _distances(_blockers(stage), rays), behind)
+    return View(camera.name, True, reference, None, rays, distances(blockers(stage), rays), behind)
 
 
 def _pictures(
@@ -101,7 +101,8 @@ def gbuffer(view: View, mesh: bpy.types.Mesh, matrix_world: npt.ArrayLike, uv_la
     return BakedSurface(mesh, matrix_world, uv_layer).gbuffer(view.rays, view.blocked)
 
 
-def _distances(tree: BVHTree, rays: Rays) -> Array:
+def distances(tree: BVHTree, rays: Rays) -> Array:
+    """How far away each of a camera's rays meets a mesh, (N,); a great distance where it meets none."""
     start = Vector(rays.origin.tolist())
     cast_ray = tree.ray_cast
     met = (cast_ray(start, direction)[3] for direction in rays.away.tolist())
@@ -116,7 +117,7 @@ def _rays(camera: bpy.types.Object) -> Rays:
     return Rays.of_camera(np.array(cast(Any, camera.location)), turn, half, PIXELS, SUBSAMPLES)
 
 
-def _blockers(stage: Stage) -> BVHTree:
+def blockers(stage: Stage) -> BVHTree:
     """All that a camera sees but the subject, in world space."""
     graph = bpy.context.evaluated_depsgraph_get()
     places: list[Any] = []

@@ -6,7 +6,8 @@
     python -m tests.bench.gallery proxy interior     these; the page keeps the others' as they were
     python -m tests.bench.gallery proxy --out DIR
 
-A row is a module here with a function `rows`. Writes gallery.md and figures/gallery-ROW.png into DIR (docs).
+A row is a module here with a function `rows`. Writes gallery.md, figures/gallery-ROW.png and, of what moves,
+figures/gallery-ROW.webp into DIR (docs).
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from pathlib import Path
 from time import perf_counter
 
 from .captions import CAPTIONS
-from .page import Record, save_picture, write_page
-from .row import Row
+from .page import Record, save_frames, save_picture, write_page
+from .row import Row, Use
 
 _DOCS = Path(__file__).resolve().parents[3] / "docs"
 
@@ -38,9 +39,13 @@ def main() -> None:
             parser.error(f"there is no row {name}: choose from {', '.join(CAPTIONS)}")
     for name in options.rows or CAPTIONS:
         began = perf_counter()
-        views = [_told(row) for row in import_module(f"{__package__}.{name}").rows()]
-        record = Record.of(views, perf_counter() - began)
+        found = [_told(row) for row in import_module(f"{__package__}.{name}").rows()]
+        frames = [row for row in found if row.use is Use.FILM]
+        views = [row for row in found if row.use is not Use.FILM]
+        record = Record.of(views, frames, perf_counter() - began)
         save_picture(options.out / "figures" / f"gallery-{name}.png", views)
+        if frames:
+            save_frames(options.out / "figures" / f"gallery-{name}.webp", frames)
         write_page(options.out, name, record)
 
 

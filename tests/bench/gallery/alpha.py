@@ -5,23 +5,39 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.containers.exr import read_buckets
-from radtex_addon.report.gbuffer import Array
+from radtex_addon.forms.layered.files.layered_files import read_layered
+from radtex_addon.forms.layered.lookup.atlas import alpha_at, sample_layered
+from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.report.metrics import Picture
 
-from .looking import PIXELS, SUBJECT, Camera, added, baked, empty_scene, lamp, principled, rendered, resolved
-from .row import Row
+from .looking import (
+    PIXELS,
+    SUBJECT,
+    Baked,
+    Camera,
+    added,
+    baked,
+    empty_scene,
+    lamp,
+    principled,
+    rendered,
+    resolved,
+)
+from .row import Row, Use
 
-SPEC = BakeSpec(texels=128, bucket=8, samples=8, denoise=True)
+SPEC = BakeSpec(layout=Layout.LAYERED)
+BUCKETS = BakeSpec(texels=128, bucket=8, samples=8, denoise=True)
 CAMERAS = {
     "left": Camera((-2.2, -4.0, 0.6)),
     "above": Camera((0.9, -3.6, 2.2)),
@@ -48,20 +64,42 @@ def scene() -> None:
 
 
 def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
-    """The gallery's rows: the curtain from two sides, over a ground of stripes."""
-    scene()
-    with tempfile.TemporaryDirectory() as folder:
-        bake = baked(spec, Path(folder))
-        pixels, facts = read_buckets(bake.sidecar)
+    """The gallery's rows: the curtain from two sides, over a ground of stripes, and the same of buckets."""
+    for which, (each, use) in enumerate(((spec, Use.PICTURE), (BUCKETS, Use.TABLE))):
+        scene()
+        with tempfile.TemporaryDirectory() as folder:
+            bake = baked(each, Path(folder))
+            look = _layered(bake) if each.layout is Layout.LAYERED else _buckets(bake)
+        for name, camera in CAMERAS.items():
+            seen = bake.seen(camera)
+            ours, truth = resolved(seen.spread(look(seen)), seen), rendered(camera)
+            gap = np.abs(ours - truth)[..., 3][seen.eroded].mean()
+            note = f"alpha is {gap:.3f} off in the mean; {bake.words}"
+            title = f"Alpha, {name}" + ", buckets" * which
+            yield Row(title, _over(truth), _over(ours), seen.eroded, note, use=use)
+
+
+def _layered(bake: Baked) -> Callable[[GBuffer], Floats]:
+    """Premultiplied light and alpha (hits, 4) of a bake in the layered layout."""
+    atlas, _ = read_layered(bake.sidecar)
+
+    def look(seen: GBuffer) -> Floats:
+        at = seen.fragments
+        return np.concatenate([sample_layered(atlas, at), alpha_at(atlas, at.uv)[:, None]], axis=1)
+
+    return look
+
+
+def _buckets(bake: Baked) -> Callable[[GBuffer], Floats]:
+    """Premultiplied light and alpha (hits, 4) of a bake in layout buckets."""
+    pixels, facts = read_buckets(bake.sidecar)
     layout = AtlasLayout(facts.width, facts.height, facts.bucket)
-    for name, camera in CAMERAS.items():
-        seen = bake.seen(camera)
+
+    def look(seen: GBuffer) -> Floats:
         uv, incidence = seen.uv[seen.hit], seen.incidence[seen.hit]
-        looked = sample(pixels.astype(np.float32), layout, uv, incidence, Filter.QUADRILINEAR)
-        ours, truth = resolved(seen.spread(looked), seen), rendered(camera)
-        gap = np.abs(ours - truth)[..., 3][seen.eroded].mean()
-        note = f"alpha is {gap:.3f} off in the mean; {bake.words}"
-        yield Row(f"Alpha, {name}", _over(truth), _over(ours), seen.eroded, note)
+        return sample(pixels.astype(np.float32), layout, uv, incidence, Filter.QUADRILINEAR)
+
+    return look
 
 
 def _over(picture: Array) -> Picture:

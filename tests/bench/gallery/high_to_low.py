@@ -14,15 +14,16 @@ from typing import Any
 
 import bpy
 
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.report.finished_bake import read_bake
 
 from .looking import SUBJECT, Camera, added, baked, empty_scene, lamp, principled, rendered
-from .row import Row
+from .row import Row, Use
 
 DETAILED = "Detailed"
-SPEC = BakeSpec(denoise=True, texels=128, bucket=8, samples=16, source=DETAILED, extrusion=0.06)
+SPEC = BakeSpec(layout=Layout.LAYERED, source=DETAILED, extrusion=0.06)
+BUCKETS = BakeSpec(denoise=True, texels=128, bucket=8, samples=16, source=DETAILED, extrusion=0.06)
 CAMERAS = {
     "left": Camera((-2.2, -4.4, 0.9)),
     "right": Camera((2.6, -4.1, -0.2)),
@@ -55,15 +56,17 @@ def _head(name: str, material: bpy.types.Material, levels: int) -> Any:
 
 
 def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
-    """The gallery's rows: three new views of one bake."""
-    scene()
-    with tempfile.TemporaryDirectory() as folder:
-        bake = baked(spec, Path(folder))
-        source = read_sidecar(bake.sidecar).source
-        look = read_bake(bake.sidecar).radiance
-        bpy.data.objects[SUBJECT].hide_render = True
-        for name, camera in CAMERAS.items():
-            seen, truth = bake.seen(camera), rendered(camera)
-            mask = seen.eroded & (truth[..., 3] > _COVERED)
-            note = f"{source.missed if source else 'all'} texels found nothing; {bake.words}"
-            yield Row(f"High to low, {name}", truth[..., :3], seen.resolve(look(seen)), mask, note)
+    """The gallery's rows: three new views of one bake, and the same of buckets."""
+    for which, (each, use) in enumerate(((spec, Use.PICTURE), (BUCKETS, Use.TABLE))):
+        scene()
+        with tempfile.TemporaryDirectory() as folder:
+            bake = baked(each, Path(folder))
+            source = read_sidecar(bake.sidecar).source
+            look = read_bake(bake.sidecar).radiance
+            bpy.data.objects[SUBJECT].hide_render = True
+            for name, camera in CAMERAS.items():
+                seen, truth = bake.seen(camera), rendered(camera)
+                mask = seen.eroded & (truth[..., 3] > _COVERED)
+                note = f"{source.missed if source else 'all'} texels found nothing; {bake.words}"
+                title = f"High to low, {name}" + ", buckets" * which
+                yield Row(title, truth[..., :3], seen.resolve(look(seen)), mask, note, use=use)

@@ -10,12 +10,13 @@ from typing import Any
 import bmesh
 import bpy
 
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.bake.spec import BakeSpec, Layout
 
 from .looking import SUBJECT, Camera, added, empty_scene, lamp, opaque_rows, principled
 from .row import Row
 
-SPEC = BakeSpec(texels=128, bucket=8, samples=8, denoise=True)
+SPEC = BakeSpec(layout=Layout.LAYERED)
+BUCKETS = BakeSpec(texels=128, bucket=8, samples=8, denoise=True)
 CAMERAS = {
     "left": Camera((-1.9, -2.6, 3.3), (0, 0, -0.25)),
     "right": Camera((2.4, -1.9, 3.2), (0, 0, -0.25)),
@@ -42,4 +43,4 @@ def scene() -> None:
 
 def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
     """The gallery's rows: the bowl from two sides."""
-    return opaque_rows("Inter-reflection", spec, CAMERAS, scene)
+    return opaque_rows("Inter-reflection", spec, CAMERAS, scene, beside=BUCKETS)

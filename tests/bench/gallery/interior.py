@@ -19,9 +19,23 @@ from radtex_addon.bake.spec import BakeSpec, Kind
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.containers.exr import read_buckets
+from radtex_addon.report.gbuffer import GBuffer
+from radtex_addon.report.metrics import Picture
 
-from .looking import SUBJECT, Camera, added, baked, empty_scene, lamp, principled, rendered, resolved
-from .row import Row
+from .looking import (
+    FILM_PIXELS,
+    SUBJECT,
+    Camera,
+    added,
+    baked,
+    empty_scene,
+    filmed,
+    lamp,
+    principled,
+    rendered,
+    resolved,
+)
+from .row import Row, Use
 
 # A texel is 0.08 wide; one of 80 cells sees 0.06 of what is 1.7 behind the pane, the depth of the room.
 SPEC = BakeSpec(
@@ -69,9 +83,15 @@ def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
     layout = AtlasLayout(facts.width, facts.height, facts.bucket)
     cast(Any, bpy.data.objects[SUBJECT]).hide_render = True
     note = f"{pixels.size * 2:,} bytes on a GPU; {bake.words}"
+
+    def shown(seen: GBuffer) -> Picture:
+        uv, incidence = seen.uv[seen.hit], seen.incidence[seen.hit]
+        looked = sample(pixels.astype(np.float32), layout, uv, incidence, Filter.QUADRILINEAR)
+        return resolved(seen.spread(looked[:, :3]), seen)
+
     for name, camera in CAMERAS.items():
         seen = bake.seen(camera)
-        incidence = seen.incidence[seen.hit]
-        looked = sample(pixels.astype(np.float32), layout, seen.uv[seen.hit], incidence, Filter.QUADRILINEAR)
-        ours = resolved(seen.spread(looked[:, :3]), seen)
-        yield Row(f"Interior, {name}", rendered(camera)[..., :3], ours, seen.eroded, note)
+        yield Row(f"Interior, {name}", rendered(camera)[..., :3], shown(seen), seen.eroded, note)
+    for camera in CAMERAS["from the front"].swung(32):
+        seen = bake.seen(camera, FILM_PIXELS)
+        yield Row("Interior, film", filmed(camera)[..., :3], shown(seen), seen.eroded, use=Use.FILM)

@@ -6,12 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.bake.spec import BakeSpec, Layout
 
 from .looking import SUBJECT, Camera, added, empty_scene, lamp, opaque_rows, principled
 from .row import Row
 
-SPEC = BakeSpec(texels=128, bucket=16, samples=3, denoise=True)
+SPEC = BakeSpec(layout=Layout.LAYERED)
+BUCKETS = BakeSpec(texels=128, bucket=16, samples=3, denoise=True)
 CAMERAS = {
     "left": Camera((-2.5, -3.2, 2.4)),
     "steep": Camera((0.5, -1.9, 4.3)),
@@ -30,4 +31,4 @@ def scene() -> None:
 
 def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
     """The gallery's rows: the ring from two sides."""
-    return opaque_rows("Iridescence", spec, CAMERAS, scene)
+    return opaque_rows("Iridescence", spec, CAMERAS, scene, beside=BUCKETS, swing=50)

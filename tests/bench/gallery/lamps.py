@@ -9,23 +9,39 @@ tinted and dimmed.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.report.finished_bake import read_bake
+from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.lights.lamps import WORLD, each_light
 
-from .looking import SUBJECT, Camera, Place, baked, empty_scene, lamp, principled, rendered
-from .row import Row
+from .looking import (
+    FILM_PIXELS,
+    FRAMES,
+    SUBJECT,
+    Baked,
+    Camera,
+    Place,
+    baked,
+    empty_scene,
+    filmed,
+    lamp,
+    principled,
+    rendered,
+)
+from .row import Row, Use
 
-SPEC = BakeSpec(denoise=True, texels=128, bucket=8, samples=8)
+SPEC = BakeSpec(layout=Layout.LAYERED)
+BUCKETS = BakeSpec(denoise=True, texels=128, bucket=8, samples=8)
 SKY = (0.05, 0.06, 0.08)
 LAMPS: Mapping[str, tuple[Place, float, float]] = {  # white ones: where, watts, size
     "Key": ((-3.2, -2.6, 3.0), 240, 1.2),
@@ -125,16 +141,49 @@ def _vase() -> tuple[Floats, list[tuple[int, ...]]]:
 
 
 def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
-    """The gallery's rows: three mixes of the same atlases, from three new views."""
+    """The gallery's rows: three mixes of the same atlases, from three new views; and a film through them."""
+    with tempfile.TemporaryDirectory() as folder:
+        sets = [_bakes(spec, Path(folder, "first")), _bakes(BUCKETS, Path(folder, "other"))]
+        for name, mix in MIXES.items():
+            scene(mix.lights)
+            truth = rendered(mix.camera)[..., :3]
+            for which, bakes in enumerate(sets):
+                seen = bakes[WORLD].seen(mix.camera)
+                note = f"{len(bakes)} atlases, the last: {bakes[WORLD].words}"
+                title = f"Lamps, {name}" + ", buckets" * which
+                use = (Use.PICTURE, Use.TABLE)[which]
+                yield Row(title, truth, seen.resolve(_mixed(bakes, mix, seen)), seen.eroded, note, use=use)
+        bakes = sets[0]
+        for mix in _changing(list(MIXES.values())):
+            seen = bakes[WORLD].seen(mix.camera, FILM_PIXELS)
+            scene(mix.lights)
+            ours = seen.resolve(_mixed(bakes, mix, seen))
+            yield Row("Lamps, film", filmed(mix.camera)[..., :3], ours, seen.eroded, use=Use.FILM)
+
+
+def _bakes(spec: BakeSpec, folder: Path) -> dict[str, Baked]:
+    """A bake of each light alone."""
     scene()
     context: Any = bpy.context
-    with tempfile.TemporaryDirectory() as folder:
-        lights = each_light(context.view_layer)
-        bakes = {one: baked(replace(spec, lights=(one,)), Path(folder)) for (one,) in lights}
-        looks = {name: read_bake(bake.sidecar).radiance for name, bake in bakes.items()}
-        for name, mix in MIXES.items():
-            seen = bakes[WORLD].seen(mix.camera)
-            ours = np.sum([looks[light](seen) * mix.lights[light] for light in looks], axis=0)
-            scene(mix.lights)
-            note = f"{len(bakes)} atlases, the last: {bakes[WORLD].words}"
-            yield Row(f"Lamps, {name}", rendered(mix.camera)[..., :3], seen.resolve(ours), seen.eroded, note)
+    lights = each_light(context.view_layer)
+    return {one: baked(replace(spec, lights=(one,)), folder) for (one,) in lights}
+
+
+def _mixed(bakes: Mapping[str, Baked], mix: Mix, seen: GBuffer) -> Array:
+    """The sum of the atlases along a G-buffer's rays, (N, 3), each times its colour."""
+    each = [read_bake(bake.sidecar).radiance(seen) * mix.lights[light] for light, bake in bakes.items()]
+    total: Array = np.sum(each, axis=0)
+    return total
+
+
+def _changing(mixes: Sequence[Mix]) -> Iterator[Mix]:
+    """From each mix to the next and back to the first, seen from where the first is seen."""
+    steps = FRAMES // len(mixes)
+    for before, after in pairwise([*mixes, mixes[0]]):
+        for share in np.arange(steps) / steps:
+            lights: dict[str, Colour] = {}
+            for light in before.lights:
+                ends = np.array(before.lights[light]), np.array(after.lights[light])
+                red, green, blue = ((1 - share) * ends[0] + share * ends[1]).tolist()
+                lights[light] = red, green, blue
+            yield Mix(lights, mixes[0].camera)

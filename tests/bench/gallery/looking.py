@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import radians
 from pathlib import Path
 from time import perf_counter
@@ -27,12 +27,14 @@ from radtex_addon.scene.nodes import open_world
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 
-from .row import Row
+from .row import Row, Use
 
 SUBJECT = "Subject"
 PIXELS = 256
 SUBSAMPLES = 2  # of ours, along a pixel's side
 SAMPLES = 48  # of a reference's pixel, before it is denoised
+FRAMES = 18  # of a film
+FILM_PIXELS, FILM_SAMPLES = 224, 16
 _SENSOR = 36.0  # millimetres
 
 Place = tuple[float, float, float]
@@ -46,15 +48,23 @@ class Camera:
     target: Place = (0.0, 0.0, 0.0)
     lens: float = 60.0
 
+    def swung(self, degrees: float, frames: int = FRAMES) -> Iterator[Camera]:
+        """This camera as it swings about the vertical through its target, to both sides and back."""
+        x, y, z = np.subtract(self.place, self.target).tolist()
+        for angle in np.radians(degrees) * np.sin(2 * np.pi * np.arange(frames) / frames):
+            across, along = x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle)
+            around = np.add(self.target, (across, along, z)).tolist()
+            yield replace(self, place=tuple(around))
+
     @property
     def turn(self) -> Any:
         """The rotation, a quaternion."""
         return cast(Any, Vector(self.place) - Vector(self.target)).to_track_quat("Z", "Y")
 
-    def rays(self, subsamples: int = SUBSAMPLES) -> Rays:
+    def rays(self, subsamples: int = SUBSAMPLES, pixels: int = PIXELS) -> Rays:
         """Through the middles of a picture's subsamples."""
         half = _SENSOR / 2 / self.lens
-        return Rays.of_camera(self.place, np.array(self.turn.to_matrix()), half, PIXELS, subsamples)
+        return Rays.of_camera(self.place, np.array(self.turn.to_matrix()), half, pixels, subsamples)
 
 
 def empty_scene(sky: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Any:
@@ -132,8 +142,10 @@ def lamp(place: Place, watts: float, size: float, towards: Place = (0.0, 0.0, 0.
     cast(Any, bpy.context.scene).collection.objects.link(item)
 
 
-def rendered(camera: Camera, samples: int = SAMPLES, denoised: bool = True) -> Array:
-    """What Cycles sees of the open scene, linear (PIXELS, PIXELS, 4) from the top row on."""
+def rendered(
+    camera: Camera, samples: int = SAMPLES, denoised: bool = True, size: tuple[int, int] = (PIXELS, PIXELS)
+) -> Array:
+    """What Cycles sees of the open scene, linear (H, W, 4) from the top row on, of a `size` (W, H)."""
     scene: Any = bpy.context.scene
     data: Any = bpy.data.cameras.new("Camera")
     data.lens, data.clip_start = camera.lens, 0.01
@@ -141,7 +153,7 @@ def rendered(camera: Camera, samples: int = SAMPLES, denoised: bool = True) -> A
     item.location, item.rotation_mode, item.rotation_quaternion = camera.place, "QUATERNION", camera.turn
     scene.collection.objects.link(item)
     scene.camera, scene.render.engine = item, "CYCLES"
-    scene.render.resolution_x = scene.render.resolution_y = PIXELS
+    scene.render.resolution_x, scene.render.resolution_y = size
     cycles = scene.cycles
     cycles.samples, cycles.use_adaptive_sampling = samples, False
     cycles.use_denoising = denoised
@@ -176,9 +188,9 @@ class Baked:
     surface: BakedSurface
     words: str
 
-    def seen(self, camera: Camera) -> GBuffer:
+    def seen(self, camera: Camera, pixels: int = PIXELS) -> GBuffer:
         """The surface as a camera sees it, with nothing before it."""
-        rays = camera.rays()
+        rays = camera.rays(pixels=pixels)
         return self.surface.gbuffer(rays, np.full(len(rays.away), np.inf))
 
 
@@ -191,7 +203,8 @@ def baked(spec: BakeSpec, folder: Path, name: str = SUBJECT) -> Baked:
     size = sum(path.stat().st_size for path in folder.glob("*.exr"))
     kept: list[bpy.types.ID] = []
     with scratch_scene(scene, None, kept) as scratch:
-        prepared = finished(prepare(scratch, [find_object(scratch, name)], spec, kept))
+        item = find_object(scratch, name)
+        prepared = finished(prepare(scratch, [item], spec, kept, backs=spec.form.backs))
         surface = BakedSurface(prepared.mesh, prepared.matrix_world, prepared.uv_layer)
     bpy.data.batch_remove(kept)
     shape = f"{spec.texels} texels, {spec.bucket} cells, {spec.samples} spp, {spec.layout}"
@@ -200,21 +213,44 @@ def baked(spec: BakeSpec, folder: Path, name: str = SUBJECT) -> Baked:
     return Baked(result.files.sidecar, surface, words)
 
 
+def filmed(camera: Camera) -> Array:
+    """What Cycles sees of the open scene, as `rendered`, for a frame of a film."""
+    return rendered(camera, FILM_SAMPLES, size=(FILM_PIXELS, FILM_PIXELS))
+
+
 def opaque_rows(
-    title: str, spec: BakeSpec, cameras: Mapping[str, Camera], build: Callable[[], object]
+    title: str,
+    spec: BakeSpec,
+    cameras: Mapping[str, Camera],
+    build: Callable[[], object],
+    beside: BakeSpec | None = None,
+    swing: float = 0.0,
 ) -> Iterator[Row]:
-    """The rows of a subject that hides what is behind it, and that nothing else hides from the cameras."""
+    """The rows of a subject that hides what is behind it, and that nothing else hides from the cameras.
+
+    With another bake `beside`, in layout buckets, the table has its figures too. With a `swing`, in degrees,
+    the first camera makes a film.
+    """
     build()
     with tempfile.TemporaryDirectory() as folder:
-        bake = baked(spec, Path(folder))
+        bake = baked(spec, Path(folder, "first"))
         look = read_bake(bake.sidecar).radiance
+        other = None if beside is None else baked(beside, Path(folder, "other"))
         for name, camera in cameras.items():
-            seen = bake.seen(camera)
+            seen, truth = bake.seen(camera), rendered(camera)[..., :3]
+            yield Row(f"{title}, {name}", truth, seen.resolve(look(seen)), seen.eroded, bake.words)
+            if other is not None:
+                seen = other.seen(camera)
+                ours = seen.resolve(read_bake(other.sidecar).radiance(seen))
+                yield Row(f"{title}, {name}, buckets", truth, ours, seen.eroded, other.words, use=Use.TABLE)
+        for camera in next(iter(cameras.values())).swung(swing) if swing else ():
+            seen = bake.seen(camera, FILM_PIXELS)
             ours = seen.resolve(look(seen))
-            yield Row(f"{title}, {name}", rendered(camera)[..., :3], ours, seen.eroded, bake.words)
+            yield Row(f"{title}, film", filmed(camera)[..., :3], ours, seen.eroded, use=Use.FILM)
 
 
 def resolved(values: Array, seen: GBuffer) -> Array:
-    """The mean of values (N, C) over each pixel's rays, zero where those miss: (PIXELS, PIXELS, C)."""
-    shown: Array = values.reshape(PIXELS, PIXELS, -1, values.shape[1]).mean(axis=2)
-    return np.where(seen.hit.reshape(PIXELS, PIXELS, -1).any(axis=2)[..., None], shown, 0.0)
+    """The mean of values (N, C) over each pixel's rays, zero where those miss: (pixels, pixels, C)."""
+    side = seen.pixels
+    shown: Array = values.reshape(side, side, -1, values.shape[1]).mean(axis=2)
+    return np.where(seen.hit.reshape(side, side, -1).any(axis=2)[..., None], shown, 0.0)

@@ -32,7 +32,8 @@ from radtex_addon.report.metrics import Mask, psnr
 from tests.reference.hits import sample_hit
 
 from .looking import (
-    PIXELS,
+    FILM_PIXELS,
+    FRAMES,
     SUBSAMPLES,
     Baked,
     Camera,
@@ -40,11 +41,12 @@ from .looking import (
     added,
     baked,
     empty_scene,
+    filmed,
     principled,
     rendered,
     tiles,
 )
-from .row import Row
+from .row import Row, Use
 
 SPEC = BakeSpec(denoise=True, texels=128, bucket=8, samples=16)
 CAMERA = Camera((2.3, -2.7, 1.5), (-0.2, 0.3, 0.75), lens=32)
@@ -159,7 +161,7 @@ def found(atlases: Sequence[Atlas], rays: Rays) -> tuple[Array, Array]:
 
 
 def drawn(atlases: Sequence[Atlas], rays: Rays, centre: Place) -> tuple[Array, Mask]:
-    """The room with the ball at its place, (PIXELS, PIXELS, 3), and which pixels the ball fills."""
+    """The room with the ball at its place, (pixels, pixels, 3), and which pixels the ball fills."""
     light, distance = found(atlases, rays)
     away = rays.origin - np.array(centre)
     along = rays.away @ away
@@ -175,8 +177,9 @@ def drawn(atlases: Sequence[Atlas], rays: Rays, centre: Place) -> tuple[Array, M
     )
     fresnel = np.array(CHROME) + (1 - np.array(CHROME)) * (1 - facing) ** 5  # Schlick's, as Principled has it
     light[hit] = fresnel * found(atlases, mirrored)[0]
-    mask: Mask = hit.reshape(PIXELS, PIXELS, -1).all(axis=2)
-    return light.reshape(PIXELS, PIXELS, -1, 3).mean(axis=2), mask
+    side = rays.pixels
+    mask: Mask = hit.reshape(side, side, -1).all(axis=2)
+    return light.reshape(side, side, -1, 3).mean(axis=2), mask
 
 
 def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
@@ -201,6 +204,21 @@ def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
             f"the ball beside one that shadows the room {psnr(ours, shadowed, mask):.1f} dB"
         )
         yield Row(f"Moving reflections, {name}", truth, ours, mask, note, whole)
+    yield from _film(ball, atlases)
+
+
+def _film(ball: Any, atlases: Sequence[Atlas]) -> Iterator[Row]:
+    """The ball on its way, there and back."""
+    rays = CAMERA.rays(pixels=FILM_PIXELS)
+    ends = np.array(PATH["by the window"]), np.array(PATH["near by"])
+    for share in (1 - np.cos(2 * np.pi * np.arange(FRAMES) / FRAMES)) / 2:
+        x, y, z = ((1 - share) * ends[0] + share * ends[1]).tolist()
+        ball.location = x, y, z
+        ours, mask = drawn(atlases, rays, (x, y, z))
+        whole = np.ones_like(mask)
+        yield Row(
+            "Moving reflections, film", filmed(CAMERA)[..., :3], ours, eroded(mask), "", whole, Use.FILM
+        )
 
 
 def _seen_by_all(item: Any, seen: bool) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import bpy
@@ -20,25 +20,37 @@ from PIL import Image
 from radtex_addon.formats.disk.atomic import replacing
 from radtex_addon.report.metrics import display
 
+from ..films.encode import save_film
 from .captions import CAPTIONS
-from .row import Row
+from .row import Row, Use
 
 _MOST_BYTES = 160_000  # of a picture
 _COLOURS = (None, 256, 160, 96, 64, 40)  # None is all
+_PER_SECOND, _MOST_FILM_BYTES = 12, 300_000
 _GAIN = 4  # of the differences
 _OUTSIDE = 0.12  # a display value, where nothing is measured
 _HEAD = """<!-- SPDX-FileCopyrightText: 2026 RadTex authors -->
 <!-- SPDX-License-Identifier: GPL-3.0-or-later -->
 # What a radiance texture can hold
 
-Each effect and kind on a small scene, from cameras that no bake knows: path traced by Cycles | ours | their
-difference, times {gain}, of the view that came out worst. Decibels are of what a display shows (clipped, by a
-gamma of 2.2), inside the object's silhouette; FLIP is 0 for what nobody can tell apart. Seconds are of
-two CPU cores with other work beside. Buckets of light are denoised ([format.md](format.md), "Denoising"),
-but for the row Proxy, whose cells are raw means. The first row is what a
-bake makes by default, in the layered layout, under hard lamps. The other scenes were chosen for what
-buckets of this many texels and cells can hold: soft light, rough or curved things.
-[results.md](results.md) has harder ones.
+A radiance texture holds the light that an object sends in every direction. This page shows what can be baked
+into one: each effect on a small scene, from cameras that were not used in the bake.
+{orbit}
+## How to read the rows
+
+* A row's picture is of the view with the largest error. From the left: path traced by Cycles, ours, and their
+  difference times {gain}. Where the effect is one of motion, a film stands below: path traced, ours.
+* dB (PSNR) compares what a display shows: values are clipped and have a gamma of 2.2. Only pixels of the
+  object count. More is better; from about 40 dB on, few people see a difference.
+* FLIP is an error that takes account of how people look: 0 means that nobody can tell the pictures apart.
+* Each row says which layout it has. *Layered* is the default. Rows of other kinds (shadow, transfer, ambient
+  occlusion, proxy), of volumes, of what one sees through, of the parts of light, and of rays that end in an
+  atlas have *buckets*, which is then the default or the only way. Where a row can have both, its table
+  shows both, and the text says which is better.
+* Buckets of light are denoised ([format.md](format.md), "Denoising"), but not those of the row Proxy.
+* Seconds are of two CPU cores that had other work to do.
+
+[results.md](results.md) has harder scenes and other methods.
 
     uv run --group test python -m tests.bench.gallery            makes this page, its pictures and its figures
     uv run --group test python -m tests.bench.gallery {first}      makes one row of it anew
@@ -50,22 +62,30 @@ buckets of this many texels and cells can hold: soft light, rough or curved thin
 
 @dataclass(frozen=True)
 class Record:
-    """A row's figures: each view's name, decibels, FLIP (or None) and note; and the whole's `seconds`."""
+    """A row's figures: each view's name, decibels, FLIP (or None) and note; and the whole's `seconds`.
+
+    `film` has the decibels of the film's frames in their order, if there is a film; `beside` the names of
+    views that stand beside what the row is about.
+    """
 
     views: list[tuple[str, float, float | None, str]]
     seconds: float
     blender: str
+    film: list[float] = field(default_factory=list)
+    beside: list[str] = field(default_factory=list)
 
     @classmethod
-    def of(cls, rows: Sequence[Row], seconds: float) -> Record:
-        """Measure rows."""
+    def of(cls, rows: Sequence[Row], frames: Sequence[Row], seconds: float) -> Record:
+        """Measure rows, and frames of the film."""
         views = [(row.name, row.psnr, row.flip, row.note) for row in rows]
-        return cls(views, seconds, bpy.app.version_string)
+        film = [round(frame.psnr, 2) for frame in frames]
+        beside = [row.name for row in rows if row.use is Use.TABLE]
+        return cls(views, seconds, bpy.app.version_string, film, beside)
 
 
 def save_picture(path: Path, rows: Sequence[Row]) -> None:
     """Save path traced | ours | difference of the worst of `rows`, as a PNG of at most _MOST_BYTES."""
-    row = min(rows, key=lambda row: row.psnr)
+    row = min((row for row in rows if row.use is Use.PICTURE), key=lambda row: row.psnr)
     inside = (row.mask if row.around is None else row.mask | row.around)[..., None]
     truth, ours = display(row.reference), display(row.ours)
     panels = [truth, ours, np.clip(_GAIN * np.abs(ours - truth), 0, 1)]
@@ -76,6 +96,16 @@ def save_picture(path: Path, rows: Sequence[Row]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with replacing(path) as beside:
         beside.write_bytes(fitting or _encoded(picture, 8))
+
+
+def save_frames(path: Path, frames: Sequence[Row]) -> None:
+    """Save path traced | ours of each frame, as a WebP that repeats, of at most _MOST_FILM_BYTES."""
+    joined = []
+    for row in frames:
+        inside = (row.mask if row.around is None else row.mask | row.around)[..., None]
+        pair = [np.where(inside, display(picture), _OUTSIDE) for picture in (row.reference, row.ours)]
+        joined.append(np.concatenate(pair, axis=1))
+    save_film(path, joined, _PER_SECOND, _MOST_FILM_BYTES)
 
 
 def _encoded(picture: Image.Image, colours: int | None) -> bytes:
@@ -96,16 +126,38 @@ def write_page(folder: Path, name: str, record: Record) -> None:
             json.dumps({key: records[key] for key in CAPTIONS if key in records}, indent=1) + "\n"
         )
     known = {key: Record(**records[key]) for key in CAPTIONS if key in records}
-    page = _HEAD.format(gain=_GAIN, first=next(iter(CAPTIONS)))
+    page = _HEAD.format(gain=_GAIN, first=next(iter(CAPTIONS)), orbit=_before_and_after(folder))
     page += "".join(_line(key, found) for key, found in known.items())
     page += "".join(_section(key, found) for key, found in known.items())
     with replacing(folder / "gallery.md") as beside:
         beside.write_text(page)
 
 
+def _before_and_after(folder: Path) -> str:
+    """The film of `tests.bench.films orbit` with its figures; empty where it was not made."""
+    kept = folder / "figures" / "orbit.json"
+    if not kept.is_file():
+        return ""
+    facts = json.loads(kept.read_text())
+    spans = facts["decibels, worst to best"]
+    told = "; ".join(f"{name} {low:.1f} to {high:.1f} dB" for name, (low, high) in spans.items())
+    sizes = ", ".join(f"{size / 1e6:.1f} MB" for size in facts["bytes on a GPU"].values())
+    return f"""
+## Before and after
+
+![path traced, RadTex, flat lightmap, reflection probe](figures/orbit.webp)
+
+*Once around a glazed teapot in {facts["frames"]} frames. The teapot alone is baked, with the defaults
+({facts["texels"]} texels); all else is path traced in all four. Worst to best frame: {told}.
+On a GPU, compressed: {sizes}. `uv run --group test python -m tests.bench.films orbit`,
+Blender {facts["blender"]}.*
+"""
+
+
 def _line(name: str, record: Record) -> str:
-    decibels = [psnr for _, psnr, _, _ in record.views]
-    flips = [flip for _, _, flip, _ in record.views if flip is not None]
+    views = [view for view in record.views if view[0] not in record.beside]
+    decibels = [psnr for _, psnr, _, _ in views]
+    flips = [flip for _, _, flip, _ in views if flip is not None]
     flip = f"{max(flips):.3f} to {min(flips):.3f}" if flips else ""
     title = CAPTIONS[name].title
     link = "".join(letter for letter in title.lower() if letter.isalnum() or letter in " -").replace(" ", "-")
@@ -113,11 +165,23 @@ def _line(name: str, record: Record) -> str:
     return f"| [{title}](#{link}) | {figures} |\n"
 
 
+def _film(name: str, decibels: Sequence[float]) -> list[str]:
+    """The film of a row that has one, and how near its frames are."""
+    if not decibels:
+        return []
+    span = f"{min(decibels):.1f} to {max(decibels):.1f} dB, worst to best"
+    return [
+        f"![path traced, ours, moving](figures/gallery-{name}.webp)\n",
+        f"*Path traced and ours in {len(decibels)} frames: {span}.*\n",
+    ]
+
+
 def _section(name: str, record: Record) -> str:
     caption = CAPTIONS[name]
     lines = [
         f"\n## {caption.title}\n",
         f"![path traced, ours, difference](figures/gallery-{name}.png)\n",
+        *_film(name, record.film),
         f"{caption.shows} {caption.seen}".rstrip() + "\n",
         "| view | dB | FLIP | |",
         "|---|---|---|---|",

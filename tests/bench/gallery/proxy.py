@@ -23,13 +23,25 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.containers.exr import read_buckets
-from radtex_addon.report.gbuffer import Array
+from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.report.metrics import Picture
 from tests.reference.levels import level_chain
 
 from .hull import UV_LAYER, wrap_hull
-from .looking import SUBJECT, Camera, added, baked, empty_scene, lamp, principled, rendered, resolved
-from .row import Row
+from .looking import (
+    FILM_PIXELS,
+    SUBJECT,
+    Camera,
+    added,
+    baked,
+    empty_scene,
+    filmed,
+    lamp,
+    principled,
+    rendered,
+    resolved,
+)
+from .row import Row, Use
 
 SPEC = BakeSpec(kind=Kind.PROXY, texels=256, bucket=8, samples=4, uv_layer=UV_LAYER)
 GROUND = 0.18
@@ -134,19 +146,25 @@ def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
         bpy.data.objects[SUBJECT].hide_render = True
         for name, camera in CAMERAS.items():
             seen = bake.seen(camera)
-            looked = sample(
-                pixels.astype(np.float32),
-                layout,
-                seen.uv[seen.hit],
-                seen.incidence[seen.hit],
-                Filter.QUADRILINEAR,
-            )
-            ours, truth = resolved(seen.spread(looked), seen), rendered(camera)
+            ours, truth = _shown(pixels, layout, seen), rendered(camera)
             mask = (ours[..., 3] > _SOLID) | (truth[..., 3] > _SOLID)
             both = (ours[..., 3] > _SOLID) & (truth[..., 3] > _SOLID)
             share = f"silhouettes' intersection over union {both.sum() / mask.sum():.3f}"
             note = f"{share}; looked up at level 1, {layout.width} texels; baked with {bake.words}"
             yield Row(f"Proxy, {title.lower()}, {name}", _over(truth), _over(ours), mask, note)
+        for camera in CAMERAS["left"].swung(40) if build is leaves else ():
+            ours = _shown(pixels, layout, bake.seen(camera, FILM_PIXELS))
+            truth = filmed(camera)
+            mask = (ours[..., 3] > _SOLID) | (truth[..., 3] > _SOLID)
+            whole = np.ones_like(mask)
+            yield Row("Proxy, film", _over(truth), _over(ours), mask, "", whole, Use.FILM)
+
+
+def _shown(pixels: Floats, layout: AtlasLayout, seen: GBuffer) -> Array:
+    """Premultiplied colour and alpha, (pixels, pixels, 4)."""
+    uv, incidence = seen.uv[seen.hit], seen.incidence[seen.hit]
+    looked = sample(pixels.astype(np.float32), layout, uv, incidence, Filter.QUADRILINEAR)
+    return resolved(seen.spread(looked), seen)
 
 
 def _over(picture: Array) -> Picture:

@@ -8,12 +8,13 @@ from collections.abc import Iterator
 
 import bpy
 
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.bake.spec import BakeSpec, Layout
 
 from .looking import SUBJECT, Camera, added, empty_scene, opaque_rows, principled
 from .row import Row
 
-SPEC = BakeSpec(texels=128, bucket=16, samples=3, denoise=True)
+SPEC = BakeSpec(layout=Layout.LAYERED)
+BUCKETS = BakeSpec(texels=128, bucket=16, samples=3, denoise=True)
 CAMERAS = {
     "left": Camera((-2.7, -3.6, 0.9)),
     "above": Camera((0.7, -3.2, 3.0)),
@@ -39,4 +40,4 @@ def scene() -> None:
 
 def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
     """The gallery's rows: the egg from two sides."""
-    return opaque_rows("Refraction", spec, CAMERAS, scene)
+    return opaque_rows("Refraction", spec, CAMERAS, scene, beside=BUCKETS, swing=30)

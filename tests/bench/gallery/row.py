@@ -5,8 +5,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum, auto
 
 from radtex_addon.report.metrics import Mask, Picture, compare
+
+
+class Use(Enum):
+    """Where the page has a view: `PICTURE`, in the table and perhaps as the row's picture; in the `TABLE`
+    alone, beside what the row is about; or as a frame of the row's `FILM`, which repeats."""
+
+    PICTURE = auto()
+    TABLE = auto()
+    FILM = auto()
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +32,7 @@ class Row:
     mask: Mask
     note: str = ""
     around: Mask | None = None
+    use: Use = Use.PICTURE
 
     @property
     def psnr(self) -> float:

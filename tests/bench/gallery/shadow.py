@@ -12,7 +12,7 @@ from __future__ import annotations
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from math import radians
 from pathlib import Path
@@ -52,12 +52,14 @@ from tests.reference.shadows import (
     visibility,
 )
 
-from .row import Row
+from .looking import FILM_PIXELS, FRAMES, Place
+from .row import Row, Use
 
 SUBJECT = "Subject"
 TEXELS = 128
 PIXELS = 256
 SAMPLES = 192  # of the reference's pixels, which nothing denoises
+_FILM_SAMPLES = 64
 LIGHTS = 64  # points of a light that a lookup takes
 SUBSAMPLES = 2  # of ours, along a pixel's side
 MOST_BLENDED = 8  # cells on a side
@@ -164,12 +166,17 @@ def views(surface: BakedSurface, lamp: Lamp) -> Iterator[tuple[str, GBuffer, Pic
     item = _add_lamp(lamp)
     try:
         for name, place in _CAMERAS.items():
-            turn = cast(Any, Vector(place)).to_track_quat("Z", "Y")
-            rays = Rays.of_camera(place, np.array(turn.to_matrix()), _HALF, PIXELS, SUBSAMPLES)
-            seen = surface.gbuffer(rays, np.full(len(rays.away), np.inf))
-            yield name, seen, _render(place, turn)
+            yield name, *_view(surface, place, PIXELS, SAMPLES)
     finally:
         bpy.data.objects.remove(item)
+
+
+def _view(surface: BakedSurface, place: Place, pixels: int, samples: int) -> tuple[GBuffer, Picture]:
+    """What a camera at a place, which looks at the origin, sees of the subject, and of the scene."""
+    turn = cast(Any, Vector(place)).to_track_quat("Z", "Y")
+    rays = Rays.of_camera(place, np.array(turn.to_matrix()), _HALF, pixels, SUBSAMPLES)
+    seen = surface.gbuffer(rays, np.full(len(rays.away), np.inf))
+    return seen, _render(place, turn, pixels, samples)
 
 
 def _add_lamp(lamp: Lamp) -> bpy.types.Object:
@@ -186,7 +193,7 @@ def _add_lamp(lamp: Lamp) -> bpy.types.Object:
     return cast(bpy.types.Object, item)
 
 
-def _render(place: tuple[float, float, float], turn: Any) -> Picture:
+def _render(place: Place, turn: Any, pixels: int, samples: int) -> Picture:
     """Direct light alone, from the top row on."""
     made: Any = bpy.context.scene
     data = bpy.data.cameras.new("Camera")
@@ -194,8 +201,8 @@ def _render(place: tuple[float, float, float], turn: Any) -> Picture:
     camera.location, camera.rotation_mode, camera.rotation_quaternion = place, "QUATERNION", turn
     made.collection.objects.link(camera)
     made.camera, made.render.engine = camera, "CYCLES"
-    made.render.resolution_x = made.render.resolution_y = PIXELS
-    made.cycles.samples, made.cycles.max_bounces, made.cycles.use_denoising = SAMPLES, 0, False
+    made.render.resolution_x = made.render.resolution_y = pixels
+    made.cycles.samples, made.cycles.max_bounces, made.cycles.use_denoising = samples, 0, False
     made.cycles.use_adaptive_sampling = False
     made.cycles.pixel_filter_type, made.cycles.filter_width = "BOX", 1.0
     image = made.render.image_settings
@@ -205,9 +212,9 @@ def _render(place: tuple[float, float, float], turn: Any) -> Picture:
     with tempfile.TemporaryDirectory() as folder:
         made.render.filepath = str(Path(folder, "view.exr"))
         bpy.ops.render.render(write_still=True)
-        (pixels,) = read_render(Path(folder, "view.exr")).values()
+        (seen,) = read_render(Path(folder, "view.exr")).values()
     bpy.data.objects.remove(camera)
-    picture: Picture = pixels[::-1, :, :3].astype(np.float64)
+    picture: Picture = seen[::-1, :, :3].astype(np.float64)
     return picture
 
 
@@ -217,6 +224,18 @@ def rows(buckets: Sequence[int] = (8, 16)) -> Iterator[Row]:
     bakes = [_baked(bucket) for bucket in buckets]
     for lamp in LAMPS:
         yield from _rows_of(bakes, lamp, lambda n: None if n <= MOST_BLENDED else Filter.QUADRILINEAR)
+    yield from _film(bakes[-1])
+
+
+def _film(baked: Baked) -> Iterator[Row]:
+    """The sun once around, by whole cells."""
+    for angle in 2 * np.pi * np.arange(FRAMES) / FRAMES:
+        lamp = replace(LAMPS[0], towards=(0.75 * float(np.cos(angle)), 0.75 * float(np.sin(angle)), 0.8))
+        item = _add_lamp(lamp)
+        seen, reference = _view(baked.surface, _CAMERAS["left"], FILM_PIXELS, _FILM_SAMPLES)
+        bpy.data.objects.remove(item)
+        ours = seen.resolve(seen.spread(lit(baked, seen, lamp, Filter.QUADRILINEAR)))
+        yield Row("Shadow, film", reference, ours, seen.eroded, use=Use.FILM)
 
 
 def _baked(bucket: int) -> Baked:

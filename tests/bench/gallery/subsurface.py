@@ -8,12 +8,13 @@ from collections.abc import Iterator
 
 import bpy
 
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.bake.spec import BakeSpec, Layout
 
 from .looking import SUBJECT, Camera, added, empty_scene, lamp, opaque_rows, principled
 from .row import Row
 
-SPEC = BakeSpec(texels=128, bucket=8, samples=10, denoise=True)
+SPEC = BakeSpec(layout=Layout.LAYERED)
+BUCKETS = BakeSpec(texels=128, bucket=8, samples=10, denoise=True)
 CAMERAS = {
     "left": Camera((-2.2, -4.2, 0.7)),
     "above": Camera((0.6, -3.4, 3.0)),
@@ -35,4 +36,4 @@ def scene() -> None:
 
 def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
     """The gallery's rows: the head from two sides."""
-    return opaque_rows("Subsurface", spec, CAMERAS, scene)
+    return opaque_rows("Subsurface", spec, CAMERAS, scene, beside=BUCKETS)

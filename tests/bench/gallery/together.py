@@ -13,7 +13,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.sidecar import Sidecar, preview_path, read_sidecar
 from radtex_addon.job import bake_object
@@ -22,10 +22,11 @@ from radtex_addon.report.gbuffer import BakedSurface, GBuffer
 from radtex_addon.scene.preview_file import baked_copy
 
 from .looking import Camera, added, empty_scene, principled, rendered, studio
-from .row import Row
+from .row import Row, Use
 
 OBJECTS = ("Ring", "Head", "Column")
-SPEC = BakeSpec(denoise=True, texels=128, bucket=8, samples=16, objects=OBJECTS)
+SPEC = BakeSpec(layout=Layout.LAYERED, objects=OBJECTS)
+BUCKETS = BakeSpec(denoise=True, texels=128, bucket=8, samples=16, objects=OBJECTS)
 CAMERAS = {
     "left": Camera((-3.4, -4.6, 2.6), (0.0, 0.0, 0.1), lens=55),
     "right": Camera((3.9, -4.2, 1.6), (0.0, 0.0, 0.1), lens=55),
@@ -63,19 +64,22 @@ def surface_of_bake(sidecar: Path, facts: Sidecar) -> BakedSurface:
 
 
 def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
-    """The gallery's rows: two new views."""
-    scene()
-    with tempfile.TemporaryDirectory() as folder:
-        began = perf_counter()
-        current: Any = bpy.context.scene
-        made = bake_object(current, "Still life", spec, Path(folder), preview=Filter.NEAREST)
-        words = (
-            f"three objects, one atlas of {spec.texels} texels, {spec.bucket} cells, {spec.samples} spp; "
-            f"{made.paths / 1e6:.1f} M paths, {perf_counter() - began:.0f} s, "
-            f"{made.files.atlas.stat().st_size / 1e6:.1f} MB of EXR"
-        )
-        look = read_bake(made.files.sidecar).radiance
-        for name, camera in CAMERAS.items():
-            seen = seen_of(made.files.sidecar, camera)
-            truth = rendered(camera)[..., :3]
-            yield Row(f"Shared atlas, {name}", truth, seen.resolve(look(seen)), seen.eroded, words)
+    """The gallery's rows: two new views, and the same of buckets."""
+    for which, (each, use) in enumerate(((spec, Use.PICTURE), (BUCKETS, Use.TABLE))):
+        scene()
+        with tempfile.TemporaryDirectory() as folder:
+            began = perf_counter()
+            current: Any = bpy.context.scene
+            made = bake_object(current, "Still life", each, Path(folder), preview=Filter.NEAREST)
+            size = sum(path.stat().st_size for path in Path(folder).glob("*.exr"))
+            words = (
+                f"three objects, one atlas of {each.texels} texels, {each.bucket} cells, {each.samples} spp, "
+                f"{each.layout}; {made.paths / 1e6:.1f} M paths, {perf_counter() - began:.0f} s, "
+                f"{size / 1e6:.1f} MB of EXR"
+            )
+            look = read_bake(made.files.sidecar).radiance
+            for name, camera in CAMERAS.items():
+                seen = seen_of(made.files.sidecar, camera)
+                truth = rendered(camera)[..., :3]
+                title = f"Shared atlas, {name}" + ", buckets" * which
+                yield Row(title, truth, seen.resolve(look(seen)), seen.eroded, words, use=use)

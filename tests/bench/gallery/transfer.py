@@ -26,17 +26,20 @@ from radtex_addon.formats.transfer_files import read_transfer
 from radtex_addon.job import bake_object
 from radtex_addon.prepare.prepared import prepare
 from radtex_addon.report.gbuffer import BakedSurface, Rays
-from radtex_addon.report.metrics import Picture
+from radtex_addon.report.metrics import Mask, Picture
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 from tests.reference.relighting import relight
 
-from .row import Row
+from .looking import FRAMES, Place
+from .row import Row, Use
 
 SUBJECT = "Subject"
 SPEC = BakeSpec(kind=Kind.TRANSFER, texels=128, bucket=15, samples=8, denoise=True)
 PIXELS, SUBSAMPLES = 256, 2
 SAMPLES = 128  # of the reference's pixels, before they are denoised
+FILM_PIXELS, FILM_SAMPLES = 224, 32
+_FILMED_FROM = (0.6, -4.7, 0.6)
 IRRADIANCE = (3.0, 2.8, 2.5)
 _HALF = 18 / 60  # of the cameras: a sensor of 36 mm behind a lens of 60
 # Of each view: the camera's place, and the direction to the sun.
@@ -100,10 +103,11 @@ def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
         prepared = finished(prepare(scratch, [find_object(scratch, SUBJECT)], spec, kept))
         surface = BakedSurface(prepared.mesh, prepared.matrix_world, prepared.uv_layer)
     bpy.data.batch_remove(kept)
-    pixels = stored.astype(np.float64)
-    for name, (place, towards) in VIEWS.items():
+
+    def looked(place: Place, towards: Place, pixels: int) -> tuple[Picture, Mask, Picture]:
+        """Ours, where the lump is, and Cycles's."""
         turn = cast(Any, Vector(place)).to_track_quat("Z", "Y")
-        rays = Rays.of_camera(place, np.array(turn.to_matrix()), _HALF, PIXELS, SUBSAMPLES)
+        rays = Rays.of_camera(place, np.array(turn.to_matrix()), _HALF, pixels, SUBSAMPLES)
         seen = surface.gbuffer(rays, np.full(len(rays.away), np.inf))
         hit = seen.hit
         light = to_frame(
@@ -112,12 +116,22 @@ def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
             seen.bitangent[hit],
             seen.normal[hit],
         )
-        shown = relight(pixels, facts.layout, seen.uv[hit], [(light, np.array(IRRADIANCE))])
+        shown = relight(
+            stored.astype(np.float64), facts.layout, seen.uv[hit], [(light, np.array(IRRADIANCE))]
+        )
         ours = seen.resolve(seen.spread(shown))
-        yield Row(f"Transfer, wax, {name}", _reference(place, turn, towards), ours, seen.eroded)
+        return ours, seen.eroded, _reference(place, turn, towards, pixels)
+
+    for name, (place, towards) in VIEWS.items():
+        ours, mask, truth = looked(place, towards, PIXELS)
+        yield Row(f"Transfer, wax, {name}", truth, ours, mask)
+    for angle in 2 * np.pi * np.arange(FRAMES) / FRAMES:
+        towards = float(np.sin(angle)), float(-np.cos(angle)), 0.25
+        ours, mask, truth = looked(_FILMED_FROM, towards, FILM_PIXELS)
+        yield Row("Transfer, film", truth, ours, mask, use=Use.FILM)
 
 
-def _reference(place: tuple[float, float, float], turn: Any, towards: tuple[float, float, float]) -> Picture:
+def _reference(place: Place, turn: Any, towards: Place, pixels: int) -> Picture:
     """Cycles's picture, denoised, from the top row on."""
     made: Any = bpy.context.scene
     data: Any = bpy.data.lights.new("Sun", "SUN")
@@ -133,8 +147,9 @@ def _reference(place: tuple[float, float, float], turn: Any, towards: tuple[floa
     for item in (sun, camera):
         made.collection.objects.link(item)
     made.camera, made.render.engine = camera, "CYCLES"
-    made.render.resolution_x = made.render.resolution_y = PIXELS
-    made.cycles.samples, made.cycles.use_adaptive_sampling = SAMPLES, False
+    made.render.resolution_x = made.render.resolution_y = pixels
+    made.cycles.samples = SAMPLES if pixels == PIXELS else FILM_SAMPLES
+    made.cycles.use_adaptive_sampling = False
     made.cycles.use_denoising, made.cycles.denoiser = True, "OPENIMAGEDENOISE"
     made.cycles.pixel_filter_type, made.cycles.filter_width = "BOX", 1.0
     image = made.render.image_settings
@@ -144,10 +159,10 @@ def _reference(place: tuple[float, float, float], turn: Any, towards: tuple[floa
     with tempfile.TemporaryDirectory() as folder:
         made.render.filepath = str(Path(folder, "view.exr"))
         bpy.ops.render.render(write_still=True)
-        (pixels,) = read_render(Path(folder, "view.exr")).values()
+        (seen,) = read_render(Path(folder, "view.exr")).values()
     for item in (sun, camera):
         bpy.data.objects.remove(item)
-    picture: Picture = pixels[::-1, :, :3].astype(np.float64)
+    picture: Picture = seen[::-1, :, :3].astype(np.float64)
     return picture
 
 

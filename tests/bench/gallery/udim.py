@@ -13,7 +13,7 @@ from typing import Any, cast
 import bpy
 import numpy as np
 
-from radtex_addon.bake.spec import BakeSpec, Split
+from radtex_addon.bake.spec import BakeSpec, Layout, Split
 from radtex_addon.core.sampler import Filter
 from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, part_specs
@@ -22,10 +22,11 @@ from radtex_addon.report.gbuffer import Array, eroded
 from radtex_addon.report.metrics import Mask
 
 from .looking import PIXELS, SUBJECT, Camera, added, empty_scene, principled, rendered, studio
-from .row import Row
+from .row import Row, Use
 from .together import surface_of_bake
 
-SPEC = BakeSpec(denoise=True, texels=128, bucket=8, samples=16, split=Split.UDIM, uv_layer="UVMap")
+SPEC = BakeSpec(layout=Layout.LAYERED, split=Split.UDIM, uv_layer="UVMap")
+BUCKETS = BakeSpec(denoise=True, texels=128, bucket=8, samples=16, split=Split.UDIM, uv_layer="UVMap")
 CAMERAS = {
     "left": Camera((-2.9, -4.2, 3.0), lens=55),
     "right": Camera((3.4, -3.4, 3.2), lens=55),
@@ -79,20 +80,23 @@ def drawn(sidecars: list[Path], camera: Camera) -> tuple[Array, Mask]:
 
 
 def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
-    """The gallery's rows: two new views of both tiles."""
-    scene()
-    with tempfile.TemporaryDirectory() as folder:
-        began = perf_counter()
-        current: Any = bpy.context.scene
-        made = [
-            bake_object(current, SUBJECT, part, Path(folder), preview=Filter.NEAREST)
-            for part in part_specs(current, SUBJECT, spec)
-        ]
-        words = (
-            f"{len(made)} tiles of {spec.texels} texels, {spec.bucket} cells, {spec.samples} spp; "
-            f"{sum(each.paths for each in made) / 1e6:.1f} M paths, {perf_counter() - began:.0f} s, "
-            f"{sum(each.files.atlas.stat().st_size for each in made) / 1e6:.1f} MB of EXR"
-        )
-        for name, camera in CAMERAS.items():
-            ours, mask = drawn([each.files.sidecar for each in made], camera)
-            yield Row(f"UDIM tiles, {name}", rendered(camera)[..., :3], ours, mask, words)
+    """The gallery's rows: two new views of both tiles, and the same of buckets."""
+    for which, (each, use) in enumerate(((spec, Use.PICTURE), (BUCKETS, Use.TABLE))):
+        scene()
+        with tempfile.TemporaryDirectory() as folder:
+            began = perf_counter()
+            current: Any = bpy.context.scene
+            made = [
+                bake_object(current, SUBJECT, part, Path(folder), preview=Filter.NEAREST)
+                for part in part_specs(current, SUBJECT, each)
+            ]
+            size = sum(path.stat().st_size for path in Path(folder).glob("*.exr"))
+            words = (
+                f"{len(made)} tiles of {each.texels} texels, {each.bucket} cells, {each.samples} spp, "
+                f"{each.layout}; {sum(tile.paths for tile in made) / 1e6:.1f} M paths, "
+                f"{perf_counter() - began:.0f} s, {size / 1e6:.1f} MB of EXR"
+            )
+            for name, camera in CAMERAS.items():
+                ours, mask = drawn([tile.files.sidecar for tile in made], camera)
+                title = f"UDIM tiles, {name}" + ", buckets" * which
+                yield Row(title, rendered(camera)[..., :3], ours, mask, words, use=use)
