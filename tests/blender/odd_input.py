@@ -17,7 +17,7 @@ from radtex_addon.report.metrics import Picture
 from tests.bench.fidelity.composite import seen_light
 from tests.bench.fidelity.method import Baked
 from tests.bench.fidelity.methods.layered import make
-from tests.bench.fidelity.references import _blockers, _distances
+from tests.bench.fidelity.references import blockers, distances
 from tests.bench.fidelity.rendering import Behind, Rendering, render
 from tests.bench.fidelity.scenes import Stage
 from tests.bench.fidelity.scenes.meshes import as_subject, made, mesh_object
@@ -136,7 +136,7 @@ def looked_at(stage: Stage, folder: Path, texels: int, method: Any = None) -> Se
     turn = np.array(cast(Any, camera).rotation_euler.to_matrix())
     half = data.sensor_width / 2 / data.lens
     rays = Rays.of_camera(np.array(cast(Any, camera.location)), turn, half, PIXELS, 1)
-    blocked = _distances(_blockers(stage), rays)
+    blocked = distances(blockers(stage), rays)
     surface = BakedSurface(baked.mesh, baked.matrix_world, baked.uv_layer)
     first = surface.gbuffer(rays, blocked)
     behind = None
