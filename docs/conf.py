@@ -38,9 +38,8 @@ myst_heading_anchors = 6  # links such as format.md#lookups, as code hosts have 
 nitpicky = True
 nitpick_ignore_regex = [
     ("py:class", r"(?!radtex_addon\.).*"),  # other packages': the site is built without the internet
-    ("py:class", r"radtex_addon\.forms\.form\.Form"),  # these three are handed on by those who get them
+    ("py:class", r"radtex_addon\.forms\.form\.Form"),  # these two are handed on by those who get them
     ("py:class", r"radtex_addon\.formats\.fingerprint\.Fingerprint"),
-    ("py:class", r"radtex_addon\.formats\.json_reader\.Facts"),
     ("py:class", r".*\._\w+"),  # type variables
 ]
 autodoc_member_order = "bysource"
