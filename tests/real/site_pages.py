@@ -42,7 +42,7 @@ def main() -> int:
     parser.add_argument("pages", nargs="*", metavar="PAGE", help="such as index or reference/batch")
     parser.add_argument("--dark", action="store_true")
     parser.add_argument("--search", metavar="WORD", help="take a picture of the search for it, too")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()  # pages may follow options
     options.out.mkdir(parents=True, exist_ok=True)
     every = [path.relative_to(SITE).with_suffix("").as_posix() for path in sorted(SITE.rglob("*.html"))]
     found = [f"{page}.html" for page in options.pages or every]
