@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The artist's tutorial (docs/tutorials/artist.md), step by step in Blender's window, as a new user does it.
+"""The artist's tutorial (docs/tutorials/artist.md) in Blender's window, a step after another.
 
 With RADTEX_FIGURES=docs/figures it makes the tutorial's pictures again, `tutorial-*.png`.
 """
@@ -51,8 +51,8 @@ area.ui_type = "VIEW_3D"
 _MENU = 1293, 72  # the arrow at the right of the page Get Extensions
 _INSTALL = 0, 26, 1600, 400
 
-# A vase that an artist made: a profile that a Screw modifier turns, a glazed body and a brass foot, on a
-# tiled table, in an HDRI that Blender ships.
+# A glazed vase, a profile that a Screw modifier turns, between two balls on a tiled table, in an HDRI that
+# Blender ships.
 _SCENE = """
 import bpy, math
 from pathlib import Path
@@ -108,24 +108,81 @@ view.shading.use_scene_world = True
 """
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def fresh(blender_root: Root, window_zip: Path) -> Iterator[Window]:
     """Blender as it starts the first time, RadTex installed from the zip."""
     with opened(blender_root) as window:
         install(window, window_zip)
         yield window
         assert "Traceback" not in window.said(), window.said()
+        shutil.rmtree(window.folder / "radtex", ignore_errors=True)
 
 
-def test_the_tutorial_from_the_zip_to_the_browser(fresh: Window, root: Root, driver: BrowserType) -> None:
-    keep_preferences(fresh)
+def test_the_preferences_install_from_a_disk(fresh: Window) -> None:
+    fresh.ask(_PREFERENCES)
+    sleep(_SECONDS_TO_DRAW)
+    fresh.click(*_MENU)
+    sleep(_SECONDS_TO_DRAW)
+    keep(fresh, "install", _INSTALL)
+    fresh.key("Escape")
+    fresh.ask(_VIEW_AGAIN)
+
+
+def test_the_panel_is_ready_to_bake(fresh: Window) -> None:
     fresh.ask(_SCENE)
     fresh.ask(f"bpy.ops.wm.save_as_mainfile(filepath={fresh.inside + '/vase.blend'!r})")
     fresh.show_tab("RadTex")
-    bakes(fresh)
-    shows(fresh)
-    compares(fresh)
-    exports(fresh)
+    wait_until(lambda: fresh.value(_KNOWN) == ["bake"], 30, "the button is not ready")
+    wait_until_shaded(fresh)
+    keep(fresh, "panel", _VIEW)
+
+
+def test_the_button_bakes(fresh: Window) -> None:
+    shade(fresh, "SOLID")  # so that the processor is the bake's
+    fresh.click(*fresh.find("radtex.bake("))
+    wait_until(lambda: fresh.value("jobs()"), 20, "no bake")
+    wait_for(fresh, 0.5)
+    keep(fresh, "baking", _PANEL)
+    ends(fresh, 0)
+    wait_until(lambda: fresh.value(_KNOWN) == ["replace"], 30, "the panel does not see the bake")
+
+
+def test_the_bake_is_shown_by_eevee(fresh: Window) -> None:
+    fresh.click(*fresh.find("radtex.preview_toggle("))
+    wait_until(lambda: "Vase (baked)" in fresh.value("room.seen()"), 30, "the bake is not seen")
+    shade(fresh, "MATERIAL")
+    wait_until_shaded(fresh)
+    keep(fresh, "preview", _VIEW)
+
+
+def test_it_is_compared_with_cycles(fresh: Window) -> None:
+    shade(fresh, "SOLID")
+    number = latest(fresh).number
+    fresh.scroll(30)
+    fresh.click(*fresh.find("radtex.compare("))
+    fresh.key("Return")
+    ends(fresh, number)
+    fresh.ask(f"bpy.ops.radtex.show_comparison(number={latest(fresh).number})")
+    wait_until(lambda: fresh.value("len(bpy.context.window_manager.windows)") == 2, 10, "no pictures")
+    fresh.point(500, 400)  # Blender draws a window that the mouse comes to
+    sleep(_SECONDS_TO_DRAW)
+    keep(fresh, "compare", _PICTURES)
+    fresh.ask("room.close_other_windows()")
+
+
+def test_the_dialog_exports_it(fresh: Window) -> None:
+    shade(fresh, "MATERIAL")
+    number = latest(fresh).number
+    fresh.scroll(30)
+    fresh.click(*fresh.find("radtex.export("))
+    sleep(_SECONDS_TO_DRAW)
+    keep(fresh, "export", _DIALOG)
+    fresh.key("Return")
+    ends(fresh, number)
+    assert (fresh.folder / "radtex/Vase.web/index.html").is_file()
+
+
+def test_a_browser_shows_it(fresh: Window, root: Root, driver: BrowserType) -> None:
     with served(fresh.folder / "radtex") as address, chromium(root, driver, *SOFTWARE_GL) as browser:
         page = browser.new_context(viewport={"width": 1000, "height": 640}).new_page()
         page.set_default_timeout(120_000)
@@ -135,75 +192,13 @@ def test_the_tutorial_from_the_zip_to_the_browser(fresh: Window, root: Root, dri
         Shown(page).still()
         with PIL.Image.open(io.BytesIO(page.screenshot())) as picture:
             keep_picture(picture.convert("RGB"), "browser")
-    shutil.rmtree(fresh.folder / "radtex")
 
 
-def keep_preferences(window: Window) -> None:
-    """The page Get Extensions of the preferences and its menu, in the 3D view's place."""
-    window.ask(_PREFERENCES)
-    sleep(_SECONDS_TO_DRAW)
-    window.click(*_MENU)
-    sleep(_SECONDS_TO_DRAW)
-    keep(window, "install", _INSTALL)
-    window.key("Escape")
-    window.ask(_VIEW_AGAIN)
-
-
-def bakes(window: Window) -> None:
-    """Press the button, look on while it bakes, and wait for the end."""
-    wait_until(lambda: window.value(_KNOWN) == ["bake"], 30, "the button is not ready")
-    wait_until_shaded(window)
-    keep(window, "panel", _VIEW)
-    shade(window, "SOLID")  # so that the processor is the bake's
-    window.click(*window.find("radtex.bake("))
-    wait_until(lambda: window.value("jobs()"), 20, "no bake")
-    wait_for(window, 0.5)
-    keep(window, "baking", _PANEL)
+def ends(window: Window, number: int) -> None:
+    """Wait until the job after the one of that number has ended well; 0 if there was none."""
+    wait_until(lambda: latest(window).number > number, 20, "no job")
     told = wait_for_end(window, 280)
     assert told.state == "done", told.message
-    wait_until(lambda: window.value(_KNOWN) == ["replace"], 30, "the panel does not see the bake")
-
-
-def shows(window: Window) -> None:
-    """Show the bake in the object's place, by Eevee."""
-    window.click(*window.find("radtex.preview_toggle("))
-    wait_until(lambda: "Vase (baked)" in window.value("room.seen()"), 30, "the bake is not seen")
-    shade(window, "MATERIAL")
-    wait_until_shaded(window)
-    keep(window, "preview", _VIEW)
-    shade(window, "SOLID")
-
-
-def compares(window: Window) -> None:
-    """Compare with Cycles, and open the pictures."""
-    number = latest(window).number
-    window.scroll(30)
-    window.click(*window.find("radtex.compare("))
-    window.key("Return")
-    wait_until(lambda: latest(window).number > number, 20, "no comparison")
-    told = wait_for_end(window, 280)
-    assert told.state == "done", told.message
-    window.ask(f"bpy.ops.radtex.show_comparison(number={told.number})")
-    wait_until(lambda: window.value("len(bpy.context.window_manager.windows)") == 2, 10, "no pictures")
-    window.point(500, 400)  # Blender draws a window that the mouse comes to
-    sleep(_SECONDS_TO_DRAW)
-    keep(window, "compare", _PICTURES)
-    window.ask("room.close_other_windows()")
-
-
-def exports(window: Window) -> None:
-    """Open the export dialog by its button, and say OK."""
-    shade(window, "MATERIAL")
-    number = latest(window).number
-    window.scroll(30)
-    window.click(*window.find("radtex.export("))
-    sleep(_SECONDS_TO_DRAW)
-    keep(window, "export", _DIALOG)
-    window.key("Return")
-    wait_until(lambda: latest(window).number > number, 20, "no export")
-    told = wait_for_end(window)
-    assert told.state == "done", told.message
-    assert (window.folder / "radtex/Vase.web/index.html").is_file()
 
 
 def shade(window: Window, how: str) -> None:
