@@ -9,6 +9,7 @@ is the runner for machines that only have the bpy module, which every farm has.
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -98,6 +99,7 @@ def test_the_python_runs(folder: Path) -> None:
         ended = subprocess.run(
             [sys.executable, "-c", script],
             cwd=folder,
+            env=os.environ | {"PWD": str(folder)},  # by which Blender 4.5 finds relative paths
             capture_output=True,
             text=True,
             timeout=120,
