@@ -19,6 +19,8 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.core.fragments import Fragments
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.forms.layered.lookup.atlas import sample_layered
+from radtex_addon.forms.layered.lookup.environment import MOST_LAMPS
+from radtex_addon.forms.layered.shader_values import definitions
 from radtex_addon.job import bake_object
 from radtex_addon.prepare.unwrapping import Unwraps
 from radtex_addon.scene.lights.lamps import each_light
@@ -125,3 +127,23 @@ def test_what_another_file_lights_is_refused_and_nothing_is_left_dark(tmp_path: 
     ):
         pass
     assert differences(before, fingerprint()) == {}
+
+
+def test_of_many_lamps_the_eight_brightest_are_mirrored(out: Path, caplog: pytest.LogCaptureFixture) -> None:
+    """A bake that mirrors more than shaders take could not be exported."""
+    bpy.ops.mesh.primitive_plane_add(size=2)
+    context.object.name = "Floor"
+    metal = stage.material("Floor", "ShaderNodeBsdfPrincipled", Metallic=1.0, Roughness=0.2)
+    context.object.data.materials.append(metal)
+    for number in range(12):
+        bpy.ops.object.light_add(type="POINT", location=(2 * np.cos(number / 2), 2 * np.sin(number / 2), 2))
+        context.object.data.energy = 10.0 * (1 + (5 * number) % 12)  # in no order
+    stage.world((0.1, 0.1, 0.1))
+    made = bake_object(context.scene, "Floor", replace(SPEC, samples=16), out)
+    atlas, facts = read_layered(made.files.sidecar)
+    assert "12 lamps light the object: the 8 that give most light" in caplog.text
+    found = [float(lamp.irradiance.sum()) for lamp in atlas.around.lamps]
+    strengths = [1 + (5 * number) % 12 for number in range(12)]
+    kept = [strength for strength in strengths if strength > 4]
+    assert np.argsort(found).tolist() == np.argsort(kept).tolist(), "in the scene's order"
+    assert definitions(facts)["RADTEX_LAMPS"] == MOST_LAMPS

@@ -18,8 +18,8 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.core.fragments import Fragments
 from radtex_addon.forms.layered.files.layered_files import read_layered, write_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas, alpha_at, sample_layered
+from radtex_addon.forms.layered.lookup.environment import MOST_LAMPS
 from radtex_addon.forms.layered.preview.osl import add_layered_osl_node
-from radtex_addon.forms.layered.shader_values import MOST_LAMPS
 from radtex_addon.preview import osl
 from radtex_addon.scene.nodes import NodeBuilder, Socket
 from tests.blender.lookup_stage import Inputs, LookupStage, Shader, data_image

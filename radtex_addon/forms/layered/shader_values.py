@@ -39,11 +39,11 @@ from .files.arrangement import (
     padded_size,
 )
 from .files.sidecar import LayeredSidecar
+from .lookup.environment import MOST_LAMPS
 from .lookup.lobes import STEPS, Material
 
 Values = dict[str, list[float] | list[list[float]]]
 
-MOST_LAMPS = 8
 _OF_MIRRORS = (TINT, WIDTH, OWN)  # read only where a material has lobes
 _SURROUNDINGS = (WORLD, PLANE, THINGS, DISTANCES)
 _COLOURS = (COLOUR, TINT, OWN, PLANE, THINGS, THROUGH_COLOUR)  # in blocks they are coded as sRGB

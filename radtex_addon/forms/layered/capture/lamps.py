@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import logging
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, cast
 
@@ -24,7 +25,7 @@ from ....core.frame import fallback_tangent, orthonormal_frame
 from ....core.octahedron import cell_directions
 from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import straight_shifts, tiles_of
-from ..lookup.environment import Lamp, lamps_of
+from ..lookup.environment import MOST_LAMPS, Lamp, lamps_of
 from .own_rays import dark_world
 
 log = logging.getLogger(__name__)
@@ -39,7 +40,8 @@ _BESIDE = 1.5  # times a lamp's radius: nearer to it than that, the middle does 
 def find_lamps(scene: bpy.types.Scene, middle: Floats, folder: Path) -> tuple[Lamp, ...]:
     """The lamps of a scratch scene, which is spent, as they are seen from `middle` (3,).
 
-    One that the middle lies in is left out, and named in a warning.
+    One that the middle lies in is left out, and named in a warning. Of more than shaders mirror, those that
+    give most light are taken; the others' highlights are in what is left of the light, as blurs.
     Raises BakeError where Cycles fails.
     """
     lamps = [item for item in scene.objects if item.type == "LIGHT" and not item.hide_render]
@@ -57,7 +59,23 @@ def find_lamps(scene: bpy.types.Scene, middle: Floats, folder: Path) -> tuple[La
     direction, plan = _outward(middle)
     capture = PortalCapture(scene, plan, Kind.REFLECTION, 1, 1, folder, Aim(straight_shifts(len(plan.texel))))
     found = [capture.render_passes(tile).whole[..., :3].reshape(-1, 3) for tile in tiles_of(plan)]
-    return lamps_of(direction, np.concatenate(found), [_towards(item, middle) for item in lamps], shares)
+    return brightest(
+        lamps_of(direction, np.concatenate(found), [_towards(item, middle) for item in lamps], shares)
+    )
+
+
+def brightest(lamps: Sequence[Lamp]) -> tuple[Lamp, ...]:
+    """The lamps that give the middle most light, as many as shaders mirror; warns of the others."""
+    ranked = sorted(lamps, key=lambda lamp: float(lamp.irradiance.sum()), reverse=True)
+    if len(ranked) > MOST_LAMPS:
+        log.warning(
+            "%d lamps light the object: the %d that give most light are mirrored sharply, others as blurs; "
+            "hide lamps that matter little, or make them glowing meshes",
+            len(ranked),
+            MOST_LAMPS,
+        )
+    kept = ranked[:MOST_LAMPS]
+    return tuple(lamp for lamp in lamps if any(lamp is one for one in kept))
 
 
 def _towards(item: bpy.types.Object, middle: Floats) -> Floats:

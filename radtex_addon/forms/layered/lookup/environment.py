@@ -18,6 +18,7 @@ from ..cells import DISTANCES
 from .blurred_levels import LevelMaps, blurred_levels
 from .lobes import lobe
 
+MOST_LAMPS = 8  # that shaders mirror
 STEPS = 2  # by which a ray finds what it meets in such a map
 _LEAST_RATIO, _MOST_RATIO = 1 / 16, 4.0  # of distances from the fragment and from the middle
 _NARROWER = (-12.0, 2.5, 0.5)  # exponents of 2: by how much the Gaussians that make a lobe are narrower
