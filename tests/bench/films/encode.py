@@ -18,7 +18,7 @@ from radtex_addon.core.errors import InputError
 from radtex_addon.formats.disk.atomic import replacing
 from radtex_addon.report.metrics import Picture
 
-_QUALITIES = (86, 80, 74, 68, 60, 52, 44, 36, 28, 20)
+_QUALITIES = (92, 86, 80, 74, 68, 60, 52, 44, 36, 28, 20)
 _MARGIN = 9  # pixels between a caption and the pane's edge
 
 
@@ -89,7 +89,7 @@ def save_film(path: Path, frames: Sequence[Picture], per_second: float, most_byt
             loop=0,
             quality=quality,
             method=5,
-            minimize_size=True,
+            kmax=1,  # every frame whole: else what hardly changes keeps blocks of frames long past
         )
 
     return _save(path, encode, most_bytes)

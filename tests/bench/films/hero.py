@@ -37,7 +37,7 @@ HERO = 1600, 700  # of hero.png, which is a part of that, smaller
 SAMPLES = 20  # of a pixel, before it is denoised
 CAMERA = Camera((0.15, -8.6, 2.7), (0.06, 0.0, 1.06), lens=46)
 SPEC = BakeSpec(layout=Layout.LAYERED)
-_EXPOSURE = 1.55  # times the light, in what is shown
+_EXPOSURE = 0.8  # times the light, in what is shown
 _MOST_BYTES = 700_000
 _FILLED = 0.99  # of a pixel
 _CACHE = Path(tempfile.gettempdir(), "radtex-hero")

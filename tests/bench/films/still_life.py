@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import cos, pi, radians, sin
 from typing import Any, cast
 
@@ -33,39 +34,62 @@ Place = tuple[float, float, float]
 POTS = ("Teapot", "Vase", "Kettle")  # what is baked for the picture
 
 
-def studio_light() -> None:
+@dataclass(frozen=True)
+class Light:
+    """An HDRI and its strength, and for the lamps to the left and to the right, their sides and watts.
+
+    `paper` is the ground's grey; `metal`, `glaze` and `coat`, which lies on the glaze, are roughness.
+    """
+
+    hdri: str
+    strength: float
+    left: tuple[float, float, float]
+    right: tuple[float, float, float]
+    paper: float
+    metal: float
+    glaze: float
+    coat: float
+
+
+CRISP = Light("studio.exr", 0.45, (3.2, 4.0, 520), (1.4, 3.6, 320), 0.46, metal=0.3, glaze=0.4, coat=0.18)
+SOFT = Light("city.exr", 0.26, (5.0, 5.0, 560), (3.0, 4.5, 330), 0.23, metal=0.33, glaze=0.5, coat=0.25)
+
+
+def studio_light(light: Light) -> None:
     """Empty the open file; two wide lamps, and a little of an HDRI."""
-    start("city.exr", strength=0.26, turn=20)
+    start(light.hdri, strength=light.strength, turn=20)
     scene = cast(Any, bpy.context.scene)
     scene.cycles.max_bounces = 6
-    _lamp("Key", (-4.2, -2.2, 4.6), (5.0, 5.0), 560, (1.0, 0.93, 0.84))
-    _lamp("Rim", (4.0, 3.0, 3.4), (3.0, 4.5), 330, (0.8, 0.9, 1.0))
+    _lamp("Key", (-4.2, -2.2, 4.6), light.left, (1.0, 0.93, 0.84))
+    _lamp("Rim", (4.0, 3.0, 3.4), light.right, (0.8, 0.9, 1.0))
 
 
 def orbit_scene() -> bpy.types.Object:
     """The film's: the teapot, which is returned, and fruit near it."""
-    studio_light()
+    studio_light(SOFT)
     bpy.ops.mesh.primitive_plane_add(size=_FLOOR_SIZE)
-    assign(made(), _paper())
+    assign(made(), _paper(SOFT))
     tangerine((1.3, -0.75, 0), 0.34)
     tangerine((-1.05, 0.95, 0), 0.3)
     tangerine((-0.55, 1.45, 0), 0.26)
-    return teapot(turn=-30)
+    return teapot(SOFT, turn=-30)
 
 
 def hero_scene() -> None:
     """The picture's: teapot, vase and kettle before a backdrop, and fruit."""
-    studio_light()
-    _sweep()
-    teapot((0, 0, 0), turn=-28)
-    vase((-1.75, 0.55, 0))
-    kettle((1.75, -0.35, 0), turn=-24)
+    studio_light(CRISP)
+    _sweep(_paper(CRISP))
+    teapot(CRISP, (0, 0, 0), turn=-28)
+    vase(CRISP, (-1.75, 0.55, 0))
+    kettle(CRISP, (1.75, -0.35, 0), turn=-24)
     tangerine((0.92, -1.15, 0), 0.33)
     tangerine((-1.0, -1.05, 0), 0.29)
-    tangerine((2.5, 0.95, 0), 0.33)
+    tangerine((2.75, 0.55, 0), 0.33)
 
 
-def teapot(place: Place = (0, 0, 0), turn: float = 0.0, name: str = "Teapot") -> bpy.types.Object:
+def teapot(
+    light: Light, place: Place = (0, 0, 0), turn: float = 0.0, name: str = "Teapot"
+) -> bpy.types.Object:
     """A teapot of stoneware under a running glaze, from teal to amber, its spout towards +x."""
     body = np.array(
         [
@@ -83,8 +107,10 @@ def teapot(place: Place = (0, 0, 0), turn: float = 0.0, name: str = "Teapot") ->
         tube(smooth_curve(spout), (0.25, 0.18, 0.13, 0.1, 0.08, 0.075, 0.035)),
         tube(smooth_curve(handle), (0.09, 0.09, 0.08, 0.075, 0.075, 0.075, 0.08)),
     )
-    item = _placed(mesh_object(name, *shapes, smooth=True), place, turn)
-    glaze = principled("Glaze", (0.1, 0.3, 0.3), Roughness=0.5, Coat_Weight=1.0, Coat_Roughness=0.25)
+    item = _placed(mesh_object("Teapot", *shapes, smooth=True), place, turn)
+    glaze = principled(
+        "Glaze", (0.1, 0.3, 0.3), Roughness=light.glaze, Coat_Weight=1.0, Coat_Roughness=light.coat
+    )
     steps = (
         (0.0, (0.16, 0.065, 0.02)),
         (0.3, (0.012, 0.085, 0.1)),
@@ -97,7 +123,7 @@ def teapot(place: Place = (0, 0, 0), turn: float = 0.0, name: str = "Teapot") ->
     return item
 
 
-def vase(place: Place = (0, 0, 0), name: str = "Vase") -> bpy.types.Object:
+def vase(light: Light, place: Place = (0, 0, 0)) -> bpy.types.Object:
     """A slender vase of lustre glass: metal under a film whose colour turns with the view."""
     keys = np.array(
         [
@@ -106,13 +132,15 @@ def vase(place: Place = (0, 0, 0), name: str = "Vase") -> bpy.types.Object:
             (0.14, 2.15), (0.13, 1.9), (0.13, 1.6), (0.05, 1.55),
         ]
     )  # fmt: skip
-    item = _placed(mesh_object(name, *lathe(smooth_curve(keys), _AROUND, tip=0.0), smooth=True), place, 0)
+    item = _placed(mesh_object("Vase", *lathe(smooth_curve(keys), _AROUND, tip=0.0), smooth=True), place, 0)
     film = {"Thin_Film_Thickness": 430.0, "Thin_Film_IOR": 1.9}
-    assign(item, principled("Lustre", (0.42, 0.4, 0.46), Metallic=1.0, Roughness=0.32, **film))
+    assign(item, principled("Lustre", (0.42, 0.4, 0.46), Metallic=1.0, Roughness=light.metal, **film))
     return item
 
 
-def kettle(place: Place = (0, 0, 0), turn: float = 0.0, name: str = "Kettle") -> bpy.types.Object:
+def kettle(
+    light: Light, place: Place = (0, 0, 0), turn: float = 0.0, name: str = "Kettle"
+) -> bpy.types.Object:
     """A small pot of satin copper with a bail handle."""
     keys = np.array(
         [
@@ -129,8 +157,8 @@ def kettle(place: Place = (0, 0, 0), turn: float = 0.0, name: str = "Kettle") ->
         tube(smooth_curve(spout), (0.14, 0.1, 0.07, 0.05, 0.02)),
         tube(smooth_curve(bail), (0.035,) * 11),
     )
-    item = _placed(mesh_object(name, *shapes, smooth=True), place, turn)
-    assign(item, principled("Copper", (0.86, 0.42, 0.24), Metallic=1.0, Roughness=0.33))
+    item = _placed(mesh_object("Kettle", *shapes, smooth=True), place, turn)
+    assign(item, principled("Copper", (0.86, 0.42, 0.24), Metallic=1.0, Roughness=light.metal))
     return item
 
 
@@ -183,10 +211,10 @@ def _running(material: bpy.types.Material, height: float) -> Any:
     return scaled.outputs[0]
 
 
-def _lamp(name: str, place: Place, size: tuple[float, float], watts: float, colour: Place) -> None:
+def _lamp(name: str, place: Place, shine: tuple[float, float, float], colour: Place) -> None:
     """A softbox that shines at the still life's middle."""
     data: Any = bpy.data.lights.new(name, "AREA")
-    data.shape, data.size, data.size_y, data.energy, data.color = "RECTANGLE", *size, watts, colour
+    data.shape, data.size, data.size_y, data.energy, data.color = "RECTANGLE", *shine, colour
     item: Any = bpy.data.objects.new(name, data)
     item.location = place
     item.rotation_euler = (Vector(place) - Vector((0, 0, 0.7))).to_track_quat("Z", "Y").to_euler()
@@ -198,16 +226,17 @@ def _placed(item: bpy.types.Object, place: Place, turn: float) -> bpy.types.Obje
     return item
 
 
-def _sweep(behind: float = 4.5, radius: float = 4.0, wide: float = 40.0) -> None:
+def _sweep(paper: bpy.types.Material, behind: float = 4.5, radius: float = 4.0, wide: float = 40.0) -> None:
     """A studio's backdrop: the floor bends up to a wall far behind, seen as one."""
     angles = np.linspace(0, pi / 2, 17)
     bend = np.stack([behind + radius * np.sin(angles), radius * (1 - np.cos(angles))], axis=1)
     curve = [(-30.0, 0.0), *bend.tolist(), (behind + radius, 16.0)]
     vertices = [(x, y, z) for y, z in curve for x in (-wide / 2, wide / 2)]
     faces: Faces = [(2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2) for k in range(len(curve) - 1)]
-    assign(mesh_object("Backdrop", vertices, faces, smooth=True), _paper(0.4))
+    assign(mesh_object("Backdrop", vertices, faces, smooth=True), paper)
 
 
-def _paper(shade: float = 1.0) -> bpy.types.Material:
-    """A warm grey, times a shade."""
-    return principled("Paper", (0.23 * shade, 0.205 * shade, 0.185 * shade), Roughness=0.8)
+def _paper(light: Light) -> bpy.types.Material:
+    """A warm grey."""
+    grey = light.paper
+    return principled("Paper", (grey, 0.91 * grey, 0.826 * grey), Roughness=0.75)

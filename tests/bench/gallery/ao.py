@@ -23,11 +23,12 @@ from radtex_addon.core.frame import normalised
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.containers.exr import read_buckets
 from radtex_addon.report.gbuffer import GBuffer
+from radtex_addon.report.metrics import Picture
 from radtex_addon.scene.nodes import open_world
 from tests.blender import stage
 
-from .looking import SUBJECT, Baked, Camera, added, baked, empty_scene, rendered
-from .row import Row
+from .looking import FILM_PIXELS, SUBJECT, Baked, Camera, added, baked, empty_scene, filmed, rendered
+from .row import Row, Use
 
 SPEC = BakeSpec(kind=Kind.AO, texels=128, bucket=8, samples=8)
 WHITE = 0.8
@@ -106,19 +107,27 @@ def lit(bake: Baked, seen: GBuffer, sky: Sky, bent: bool = True) -> Floats:
     return WHITE * visible[:, None] * sky.radiance(length * x)
 
 
-def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
-    """The gallery's rows: two skies, each from two views, of one bake that knows of neither."""
+def rows(spec: BakeSpec = SPEC, stills: bool = True) -> Iterator[Row]:
+    """The gallery's rows: two skies, each from two views, of one bake that knows of neither; and a film."""
     scene()
     with tempfile.TemporaryDirectory() as folder:
         bake = baked(spec, Path(folder))
-        for title, sky in SKIES.items():
+        for title, sky in SKIES.items() if stills else ():
             under(sky)
             for name, camera in CAMERAS.items():
                 seen, truth = bake.seen(camera), rendered(camera, samples=128)
-                ours, plain = (
-                    seen.resolve(seen.spread(lit(bake, seen, sky, bent))) for bent in (True, False)
-                )
+                ours, plain = (_shown(bake, seen, sky, bent) for bent in (True, False))
                 view = f"Ambient occlusion, {title}, {name}"
                 unbent = Row(view, truth[..., :3], plain, seen.eroded).psnr
                 note = f"{unbent:.1f} dB by the plain normal; {bake.words}" if any(sky.across) else bake.words
                 yield Row(view, truth[..., :3], ours, seen.eroded, note)
+        sky = SKIES["a sky of two colours"]
+        under(sky)
+        for camera in CAMERAS["low"].swung(30):
+            seen = bake.seen(camera, FILM_PIXELS)
+            ours = _shown(bake, seen, sky)
+            yield Row("Ambient occlusion, film", filmed(camera)[..., :3], ours, seen.eroded, use=Use.FILM)
+
+
+def _shown(bake: Baked, seen: GBuffer, sky: Sky, bent: bool = True) -> Picture:
+    return seen.resolve(seen.spread(lit(bake, seen, sky, bent)))

@@ -16,6 +16,17 @@ class Caption:
     seen: str
 
 
+FILMS = (  # rows with a film; their `rows` can leave out the `stills`
+    "iridescence",
+    "refraction",
+    "shadow",
+    "ao",
+    "transfer",
+    "lamps",
+    "proxy",
+    "interior",
+    "moving_reflection",
+)
 CAPTIONS = {
     "studio": Caption(
         "Studio",

@@ -74,7 +74,7 @@ def scene() -> None:
     lamp((0.4, 0.05, -0.9), watts=14, size=0.5, towards=(0.1, 1.4, 0.6))
 
 
-def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
+def rows(spec: BakeSpec = SPEC, stills: bool = True) -> Iterator[Row]:
     """The gallery's rows: the room from three places."""
     scene()
     with tempfile.TemporaryDirectory() as folder:
@@ -89,7 +89,7 @@ def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
         looked = sample(pixels.astype(np.float32), layout, uv, incidence, Filter.QUADRILINEAR)
         return resolved(seen.spread(looked[:, :3]), seen)
 
-    for name, camera in CAMERAS.items():
+    for name, camera in CAMERAS.items() if stills else ():
         seen = bake.seen(camera)
         yield Row(f"Interior, {name}", rendered(camera)[..., :3], shown(seen), seen.eroded, note)
     for camera in CAMERAS["from the front"].swung(32):

@@ -29,6 +29,6 @@ def scene() -> None:
     added("torus", SUBJECT, steel, rotation=(0.2, 0.1, 0), **sides)
 
 
-def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
+def rows(spec: BakeSpec = SPEC, stills: bool = True) -> Iterator[Row]:
     """The gallery's rows: the ring from two sides."""
-    return opaque_rows("Iridescence", spec, CAMERAS, scene, beside=BUCKETS, swing=50)
+    return opaque_rows("Iridescence", spec, CAMERAS, scene, beside=BUCKETS, swing=50, stills=stills)

@@ -140,11 +140,13 @@ def _vase() -> tuple[Floats, list[tuple[int, ...]]]:
     return places, faces
 
 
-def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
+def rows(spec: BakeSpec = SPEC, stills: bool = True) -> Iterator[Row]:
     """The gallery's rows: three mixes of the same atlases, from three new views; and a film through them."""
     with tempfile.TemporaryDirectory() as folder:
-        sets = [_bakes(spec, Path(folder, "first")), _bakes(BUCKETS, Path(folder, "other"))]
-        for name, mix in MIXES.items():
+        sets = [_bakes(spec, Path(folder, "first"))]
+        if stills:
+            sets.append(_bakes(BUCKETS, Path(folder, "other")))
+        for name, mix in MIXES.items() if stills else ():
             scene(mix.lights)
             truth = rendered(mix.camera)[..., :3]
             for which, bakes in enumerate(sets):

@@ -34,7 +34,7 @@ PIXELS = 256
 SUBSAMPLES = 2  # of ours, along a pixel's side
 SAMPLES = 48  # of a reference's pixel, before it is denoised
 FRAMES = 18  # of a film
-FILM_PIXELS, FILM_SAMPLES = 224, 16
+FILM_PIXELS, FILM_SAMPLES = 224, 12
 _SENSOR = 36.0  # millimetres
 
 Place = tuple[float, float, float]
@@ -225,18 +225,19 @@ def opaque_rows(
     build: Callable[[], object],
     beside: BakeSpec | None = None,
     swing: float = 0.0,
+    stills: bool = True,
 ) -> Iterator[Row]:
     """The rows of a subject that hides what is behind it, and that nothing else hides from the cameras.
 
     With another bake `beside`, in layout buckets, the table has its figures too. With a `swing`, in degrees,
-    the first camera makes a film.
+    the first camera makes a film, alone without `stills`.
     """
     build()
     with tempfile.TemporaryDirectory() as folder:
         bake = baked(spec, Path(folder, "first"))
         look = read_bake(bake.sidecar).radiance
-        other = None if beside is None else baked(beside, Path(folder, "other"))
-        for name, camera in cameras.items():
+        other = None if beside is None or not stills else baked(beside, Path(folder, "other"))
+        for name, camera in cameras.items() if stills else ():
             seen, truth = bake.seen(camera), rendered(camera)[..., :3]
             yield Row(f"{title}, {name}", truth, seen.resolve(look(seen)), seen.eroded, bake.words)
             if other is not None:

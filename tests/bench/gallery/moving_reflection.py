@@ -182,7 +182,7 @@ def drawn(atlases: Sequence[Atlas], rays: Rays, centre: Place) -> tuple[Array, M
     return light.reshape(side, side, -1, 3).mean(axis=2), mask
 
 
-def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
+def rows(spec: BakeSpec = SPEC, stills: bool = True) -> Iterator[Row]:
     """The gallery's rows: the ball at three places along its way, by the same bakes."""
     ball = scene()
     with tempfile.TemporaryDirectory() as folder:
@@ -190,7 +190,7 @@ def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
     words = f"{len(STATIC)} atlases of {spec.texels} texels, {spec.bucket} cells, {spec.samples} spp"
     ball.hide_render = False
     rays = CAMERA.rays(SUBSAMPLES)
-    for name, place in PATH.items():
+    for name, place in PATH.items() if stills else ():
         ball.location = place
         ours, mask = drawn(atlases, rays, place)
         mask = eroded(mask)
@@ -204,6 +204,7 @@ def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
             f"the ball beside one that shadows the room {psnr(ours, shadowed, mask):.1f} dB"
         )
         yield Row(f"Moving reflections, {name}", truth, ours, mask, note, whole)
+    _seen_by_all(ball, False)
     yield from _film(ball, atlases)
 
 

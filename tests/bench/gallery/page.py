@@ -116,6 +116,11 @@ def _encoded(picture: Image.Image, colours: int | None) -> bytes:
     return encoded.getvalue()
 
 
+def record_of(folder: Path, name: str) -> Record:
+    """A row's figures in figures/gallery.json of a folder. Raises KeyError where it has none."""
+    return Record(**json.loads((folder / "figures" / "gallery.json").read_text())[name])
+
+
 def write_page(folder: Path, name: str, record: Record) -> None:
     """Put a row's figures into gallery.md and figures/gallery.json of a folder."""
     kept = folder / "figures" / "gallery.json"

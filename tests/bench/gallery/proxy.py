@@ -134,9 +134,9 @@ def _link(item: bpy.types.Object) -> None:
     scene.collection.objects.link(item)
 
 
-def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
+def rows(spec: BakeSpec = SPEC, stills: bool = True) -> Iterator[Row]:
     """The gallery's rows: a ball of fur and a bush, each from two sides."""
-    for title, build in (("Fur", fur), ("Leaves", leaves)):
+    for title, build in (("Fur", fur), ("Leaves", leaves))[0 if stills else 1 :]:
         build()
         with tempfile.TemporaryDirectory() as folder:
             bake = baked(spec, Path(folder))
@@ -144,7 +144,7 @@ def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
         pixels = level_chain(pixels, AtlasLayout(facts.width, facts.height, facts.bucket), 2)[1]
         layout = AtlasLayout(facts.width // 2, facts.height // 2, facts.bucket)
         bpy.data.objects[SUBJECT].hide_render = True
-        for name, camera in CAMERAS.items():
+        for name, camera in CAMERAS.items() if stills else ():
             seen = bake.seen(camera)
             ours, truth = _shown(pixels, layout, seen), rendered(camera)
             mask = (ours[..., 3] > _SOLID) | (truth[..., 3] > _SOLID)

@@ -38,6 +38,6 @@ def scene() -> None:
     added("uv_sphere", "Ball", principled("Ball", (0.85, 0.22, 0.06)), radius=0.45, location=(1.2, 2.2, -0.4))
 
 
-def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
+def rows(spec: BakeSpec = SPEC, stills: bool = True) -> Iterator[Row]:
     """The gallery's rows: the egg from two sides."""
-    return opaque_rows("Refraction", spec, CAMERAS, scene, beside=BUCKETS, swing=30)
+    return opaque_rows("Refraction", spec, CAMERAS, scene, beside=BUCKETS, swing=30, stills=stills)

@@ -218,11 +218,11 @@ def _render(place: Place, turn: Any, pixels: int, samples: int) -> Picture:
     return picture
 
 
-def rows(buckets: Sequence[int] = (8, 16)) -> Iterator[Row]:
+def rows(buckets: Sequence[int] = (8, 16), stills: bool = True) -> Iterator[Row]:
     """The gallery's rows: each lamp from new views."""
     scene()
-    bakes = [_baked(bucket) for bucket in buckets]
-    for lamp in LAMPS:
+    bakes = [_baked(bucket) for bucket in (buckets if stills else buckets[-1:])]
+    for lamp in LAMPS if stills else ():
         yield from _rows_of(bakes, lamp, lambda n: None if n <= MOST_BLENDED else Filter.QUADRILINEAR)
     yield from _film(bakes[-1])
 

@@ -87,7 +87,7 @@ def scene() -> None:
     made.cycles.sample_clamp_direct = made.cycles.sample_clamp_indirect = 0
 
 
-def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
+def rows(spec: BakeSpec = SPEC, stills: bool = True) -> Iterator[Row]:
     """The gallery's rows: one bake under five suns, from five cameras."""
     scene()
     made: Any = bpy.context.scene
@@ -122,7 +122,7 @@ def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
         ours = seen.resolve(seen.spread(shown))
         return ours, seen.eroded, _reference(place, turn, towards, pixels)
 
-    for name, (place, towards) in VIEWS.items():
+    for name, (place, towards) in VIEWS.items() if stills else ():
         ours, mask, truth = looked(place, towards, PIXELS)
         yield Row(f"Transfer, wax, {name}", truth, ours, mask)
     for angle in 2 * np.pi * np.arange(FRAMES) / FRAMES:
