@@ -35,7 +35,7 @@ _HEAD = """<!-- SPDX-FileCopyrightText: 2026 RadTex authors -->
 
 A radiance texture holds the light that an object sends in every direction. This page shows what can be baked
 into one: each effect on a small scene, from cameras that were not used in the bake.
-{orbit}
+{orbit}{still_life}
 ## How to read the rows
 
 * A row's picture is of the view with the largest error. From the left: path traced by Cycles, ours, and their
@@ -43,10 +43,10 @@ into one: each effect on a small scene, from cameras that were not used in the b
 * dB (PSNR) compares what a display shows: values are clipped and have a gamma of 2.2. Only pixels of the
   object count. More is better; from about 40 dB on, few people see a difference.
 * FLIP is an error that takes account of how people look: 0 means that nobody can tell the pictures apart.
-* Each row says which layout it has. *Layered* is the default. Rows of other kinds (shadow, transfer, ambient
-  occlusion, proxy), of volumes, of what one sees through, of the parts of light, and of rays that end in an
-  atlas have *buckets*, which is then the default or the only way. Where a row can have both, its table
-  shows both, and the text says which is better.
+* The table names each row's layout. *Layered* is the default. Shadow, transfer, ambient occlusion, proxies,
+  volumes, parts of light, and rays that end in an atlas have *buckets* only. Where a row has both, they are
+  bakes of one scene. Rows of another sort that have buckets alone were measured before layered was the
+  default.
 * Buckets of light are denoised ([format.md](format.md), "Denoising"), but not those of the row Proxy.
 * Seconds are of two CPU cores that had other work to do.
 
@@ -54,6 +54,7 @@ into one: each effect on a small scene, from cameras that were not used in the b
 
     uv run --group test python -m tests.bench.gallery            makes this page, its pictures and its figures
     uv run --group test python -m tests.bench.gallery {first}      makes one row of it anew
+    uv run --group test python -m tests.bench.gallery --films     makes the films alone
 
 | effect | dB, worst to best | FLIP | views | seconds |
 |---|---|---|---|---|
@@ -131,7 +132,12 @@ def write_page(folder: Path, name: str, record: Record) -> None:
             json.dumps({key: records[key] for key in CAPTIONS if key in records}, indent=1) + "\n"
         )
     known = {key: Record(**records[key]) for key in CAPTIONS if key in records}
-    page = _HEAD.format(gain=_GAIN, first=next(iter(CAPTIONS)), orbit=_before_and_after(folder))
+    page = _HEAD.format(
+        gain=_GAIN,
+        first=next(iter(CAPTIONS)),
+        orbit=_before_and_after(folder),
+        still_life=_still_life(folder),
+    )
     page += "".join(_line(key, found) for key, found in known.items())
     page += "".join(_section(key, found) for key, found in known.items())
     with replacing(folder / "gallery.md") as beside:
@@ -155,6 +161,23 @@ def _before_and_after(folder: Path) -> str:
 *Once around a glazed teapot in {facts["frames"]} frames. The teapot alone is baked, with the defaults
 ({facts["texels"]} texels); all else is path traced in all four. Worst to best frame: {told}.
 On a GPU, compressed: {sizes}. `uv run --group test python -m tests.bench.films orbit`,
+Blender {facts["blender"]}.*
+"""
+
+
+def _still_life(folder: Path) -> str:
+    """The picture of `tests.bench.films hero` with its figures; empty where it was not made."""
+    kept = folder / "figures" / "hero.json"
+    if not kept.is_file():
+        return ""
+    facts = json.loads(kept.read_text())
+    told = ", ".join(f"{name.lower()} {found:.1f} dB" for name, found in facts["decibels"].items())
+    return f"""
+![a still life, its left half path traced, its right half baked](figures/hero.png)
+
+*A still life under crisp light. Left of the line it is path traced, right of it the pots are baked, each alone
+and with the defaults, and rendered by {facts["preview"]} with their previews. Over the whole picture, worst
+first: {told}; highlights come out softer. `uv run --group test python -m tests.bench.films hero`,
 Blender {facts["blender"]}.*
 """
 
