@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from pathlib import Path
 
@@ -41,3 +42,18 @@ def test_a_workflow_may_read_and_only_the_release_writes() -> None:
     for name, text in WORKFLOWS.items():
         assert "\npermissions:\n  contents: read\n" in text
         assert text.count(": write") == (1 if name == "release.yml" else 0)
+
+
+def test_every_test_can_be_collected_on_windows() -> None:
+    """One module that does not import ends pytest's run before its first test."""
+    posix = {"fcntl", "grp", "pty", "pwd", "resource", "termios"}
+    by_hand = {ROOT / "tests/bench", ROOT / "tests/fuzz"}  # programs, but for their test_*.py
+    for path in (ROOT / "tests").rglob("*.py"):
+        if path.name.startswith("test_") or not by_hand & set(path.parents):
+            imported = [
+                alias.name
+                for node in ast.parse(path.read_text(encoding="utf-8")).body  # not what is below an if
+                if isinstance(node, ast.Import)
+                for alias in node.names
+            ]
+            assert not posix & set(imported), path

@@ -7,7 +7,6 @@ Each is made once, in the user's cache, by uv; `python -m tests.real.nodes` make
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import os
 import shutil
@@ -15,6 +14,9 @@ import subprocess
 import sys
 from importlib.metadata import version
 from pathlib import Path
+
+if sys.platform != "win32":
+    import fcntl
 
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "radtex"
 OPENJD = ("openjd-cli==0.8.0",)
@@ -32,6 +34,8 @@ def ready_python(requirements: tuple[str, ...]) -> Path:
 
     Raises NodeUnavailableError where it cannot be made.
     """
+    if sys.platform == "win32":
+        raise NodeUnavailableError("a farm's node is made on Linux and macOS alone")
     mark = hashlib.sha256(repr((requirements, sys.version_info[:2])).encode()).hexdigest()[:12]
     place = CACHE / f"python-{mark}"
     CACHE.mkdir(parents=True, exist_ok=True)
