@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from ..core.errors import InputError
-from ..core.messages import Setting, do
+from ..core.messages import Remedy, Setting, do
 from ..formats.disk.atomic import write_text
 from ..formats.disk.lock import NoLockError, holder
 from ..formats.disk.regular import read_regular
@@ -79,9 +79,9 @@ def replaced_by(folder: Path) -> frozenset[str]:
 
 
 def workers(folder: Path) -> list[int]:
-    """The processes that have worked on the bake in `folder`; none if its key cannot be read."""
+    """The processes that have worked on the bake in `folder`, of any format; none if its key is damaged."""
     with suppress(InputError):
-        return read_key(folder).processes if is_unfinished(folder) else []
+        return _read_any(folder)[0].processes if is_unfinished(folder) else []
     return []
 
 
@@ -96,8 +96,20 @@ def read_key(folder: Path) -> Key:
 
     Also for pieces of another format than this program's: they stay as they are.
     """
-    path = folder / KEY
-    anew = do("begin anew", Setting.OVERWRITE, without=(Setting.RESUME,))
+    key, pieces = _read_any(folder)
+    if key.facts and pieces != piece_format.PIECE_FORMAT:
+        raise InputError(
+            f"{folder} holds pieces of format {shown(str(pieces), 20)}, this RadTex makes those "
+            f"of format {piece_format.PIECE_FORMAT}",
+            do("go on with the RadTex that made them"),
+            _anew(),
+        )
+    return key
+
+
+def _read_any(folder: Path) -> tuple[Key, object]:
+    """The folder's key, and of which format its pieces are said to be. Raises InputError."""
+    path, anew = folder / KEY, _anew()
     try:
         key = json.loads(read_regular(path))
     except OSError as error:
@@ -106,14 +118,11 @@ def read_key(folder: Path) -> Key:
         raise InputError(f"{path} is damaged", anew) from error
     if not isinstance(key, dict) or key.pop("version", None) != VERSION or not _is_key(key):
         raise InputError(f"{path} is damaged, or of another RadTex", anew)
-    if key["facts"] and key.get("pieces") != piece_format.PIECE_FORMAT:
-        raise InputError(
-            f"{folder} holds pieces of format {shown(str(key.get('pieces')), 20)}, this RadTex makes those "
-            f"of format {piece_format.PIECE_FORMAT}",
-            do("go on with the RadTex that made them"),
-            anew,
-        )
-    return Key(key["facts"], key["replaces"], key["processes"], key.get("made"))
+    return Key(key["facts"], key["replaces"], key["processes"], key.get("made")), key.get("pieces")
+
+
+def _anew() -> Remedy:
+    return do("begin anew", Setting.OVERWRITE, without=(Setting.RESUME,))
 
 
 def _is_key(key: dict[str, Any]) -> bool:

@@ -11,11 +11,13 @@ from typing import Any
 import bpy
 import pytest
 
+from radtex_addon.bake.key import workers
 from radtex_addon.bake.piece_format import PIECE_FORMAT
 from radtex_addon.bake.progress import Stage
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.cli import main as batch_module
 from radtex_addon.core.errors import FormatError, InputError
+from radtex_addon.formats.disk.hidden_folder import mark_of
 from radtex_addon.job import bake_object, bake_steps
 from tests.blender.farming import BOX, assembled, build_moving_scene, prepared, render
 from tests.blender.killed import digests
@@ -61,7 +63,10 @@ def test_pieces_of_another_format_are_refused_and_a_new_bake_is_whole(
     with pytest.raises(InputError, match="holds an unfinished bake"):
         bake_object(context.scene, "Ball", spec, out)
     assert sorted(path.name for path in (out / FOLDER).iterdir()) == kept, "nothing is deleted unasked"
+    left = out / f"{mark_of(workers(out / FOLDER)[0])}left"  # as when it was killed while it wrote
+    left.touch()
     bake_object(context.scene, "Ball", spec, out, overwrite=True)
+    assert not left.exists()
     bake_object(context.scene, "Ball", spec, tmp_path / "whole")
     assert digests(out) == digests(tmp_path / "whole")
 
