@@ -36,6 +36,7 @@ PLACES = {
     "shaders/three/package.json": rf'^  "version": "{_VERSION}",$',
     "shaders/three/package-lock.json": rf'"name": "radtex-three",\n\s+"version": "{_VERSION}",$',
     "shaders/godot/addons/radtex/plugin.cfg": rf'^version="{_VERSION}"$',
+    "docs/cite.md": rf"^  version = \{{{_VERSION}\}},$",
     "docs/format.md": rf'"tool": "RadTex {_VERSION}"',
     "docs/three.md": rf"radtex-three-{_VERSION}\.tgz",
 }
