@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from zipfile import ZipFile
 
@@ -23,6 +25,13 @@ ROWS = [
 ]
 # https://docs.blender.org/manual/en/latest/advanced/extensions/licenses.html
 ACCEPTED = {"GPL-3.0-or-later", "MIT", "BSD-2-Clause", "BSD-3-Clause"}
+# Crates that run while others are compiled: nothing of them is in a wheel.
+COMPILING = {
+    *("autocfg", "enum-as-inner", "heck", "proc-macro2", "quote", "syn"),
+    *("target-lexicon", "unicode-ident", "version_check"),
+}
+# What in a compiled module tells that a library is linked into it.
+LINKED = {b"zstd": "Zstandard", b"pybind11": "pybind11", b"nanobind": "robin-map", b"tinyexr": "tinyexr"}
 _LINE = re.compile(r"^\s*copyright\s*(?:\(c\)|©)\s*(?P<rest>.+)$", re.IGNORECASE | re.MULTILINE)
 
 
@@ -38,6 +47,14 @@ def texts(zips: dict[str, Path], platform: str) -> dict[str, str]:
             elif Path(name).stem.upper() in {"LICENSE", "LICENSES"} and name != "LICENSE":
                 found[name] = archive.read(name).decode()
     return found
+
+
+def wheel_files(path: Path) -> Iterator[tuple[str, bytes]]:
+    """The files in all wheels of a zip, by name."""
+    with ZipFile(path) as archive:
+        for name in [name for name in archive.namelist() if name.endswith(".whl")]:
+            with archive.open(name) as stream, ZipFile(stream) as wheel:
+                yield from ((each, wheel.read(each)) for each in wheel.namelist())
 
 
 def words(line: str) -> str:
@@ -96,6 +113,34 @@ def test_every_library_that_a_wheel_brings_along_has_a_row(zips: dict[str, Path]
                     files = [Path(each).name for each in wheel.namelist()]
                 others = [each for each in files if re.search(r"\.dll$|\.so\.\d|\.dylib$", each)]
                 assert not [each for each in others if re.split(r"[-.]", each)[0] not in told], name
+
+
+def test_every_crate_that_a_wheel_lists_has_a_row(zips: dict[str, Path]) -> None:
+    rows = {part for row in ROWS if row[1].startswith("`uvunwrap") for part in re.split(", ", row[0].lower())}
+    for platform, archive in zips.items():
+        listed = {
+            crate["name"]
+            for name, content in wheel_files(archive)
+            if name.endswith(".cyclonedx.json")
+            for crate in json.loads(content)["components"]
+        }
+        assert "faer" in listed, platform
+        families = {name for name in listed if re.match(rf"({'|'.join(map(re.escape, rows))})([-_]|$)", name)}
+        assert listed - families - COMPILING - {"uvunwrap"} == set(), platform
+
+
+def test_every_library_that_is_linked_into_a_wheel_has_a_row(zips: dict[str, Path]) -> None:
+    told = " ".join(row[0] for row in ROWS if len(row) == 4)
+    found = {
+        mark
+        for archive in zips.values()
+        for name, content in wheel_files(archive)
+        if name.endswith((".so", ".pyd"))
+        for mark in LINKED
+        if mark in content
+    }
+    assert found == set(LINKED), "the marks find what they are for"
+    assert not [LINKED[mark] for mark in found if LINKED[mark] not in told]
 
 
 def test_the_notice_says_which_wheels_are_changed(zips: dict[str, Path]) -> None:
