@@ -89,7 +89,8 @@ def is_whole(out: Path) -> bool:
 def remove_export(out: Path) -> list[Path]:
     """Delete all files that exports wrote into a folder, and the folder if nothing else is in it.
 
-    Files that were changed after the export stay, and are returned. Raises OSError.
+    Files that were changed after the export stay, and are returned. Where a program copied the folder without
+    the files' times, these may be others, too. Raises OSError.
     """
     names = sorted(_listed(out) - {LIST})
     changed = [out / name for name in names if _is_changed(out, name)]

@@ -89,7 +89,8 @@ class RADTEX_OT_delete_bake(OfBake, bpy.types.Operator):
         self.report({"INFO"}, f"Deleted {count} files and folders of {len(found)} bakes")
         if changed:
             some = ", ".join(map(shortened, changed[:_MOST]))
-            self.report({"WARNING"}, f"{len(changed)} files stay: they were changed after the export: {some}")
+            told = f"{len(changed)} files stay, newer than their export, so they may be yours: {some}"
+            self.report({"WARNING"}, told)
         return {"FINISHED"}
 
     def _files(self, scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> list[BakeFiles]:
