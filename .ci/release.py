@@ -7,7 +7,8 @@
 
 Look at the difference, commit it, and tag it v0.2.0: docs/release.md says what follows.
 
-`uv run .ci/release.py --notes` prints the changes of the version that is there, as Markdown.
+`uv run .ci/release.py --notes` prints the changes of the version that is there, as Markdown; `--base URL` is
+put before links to files, which would lead nowhere on a page of releases.
 `uv run .ci/release.py --check v0.2.0` says whether a tag names the version that stands everywhere.
 """
 
@@ -51,12 +52,13 @@ def main() -> None:
     asked.add_argument("version", nargs="?", help="such as 0.2.0")
     asked.add_argument("--notes", action="store_true", help="print what is new in the version that is there")
     asked.add_argument("--check", metavar="TAG", help="compare the tag, such as v0.2.0, with all places")
+    parser.add_argument("--base", default="", metavar="URL", help="of the files, for links in --notes")
     parser.add_argument("--root", type=Path, default=ROOT, help="of the repository")
     options = parser.parse_args()
     root: Path = options.root
     try:
         if options.notes:
-            print(notes(read(root, CHANGELOG), current(root)), end="")
+            print(notes(read(root, CHANGELOG), current(root), options.base), end="")
         elif options.check is not None:
             check(root, options.check)
         else:
@@ -97,14 +99,17 @@ def check(root: Path, tag: str) -> None:
         raise SystemExit(f"{tag}: {'; '.join(wrong)}")
 
 
-def notes(text: str, version: str) -> str:
-    """The changelog's words on a version, without its heading. Raises SystemExit where it has none."""
+def notes(text: str, version: str, base: str = "") -> str:
+    """The changelog's words on a version, without its heading; `base` goes before links to files.
+
+    Raises SystemExit where there are none.
+    """
     match = re.search(
         rf"^## \[{re.escape(version)}\][^\n]*\n(.*?)(?=^## |\Z)", text, re.MULTILINE | re.DOTALL
     )
     if match is None:
         raise SystemExit(f"{CHANGELOG} has nothing about {version}")
-    return match[1].strip() + "\n"
+    return re.sub(r"\]\((?!\w+:|#)", lambda _: f"]({base}", match[1].strip()) + "\n"
 
 
 def current(root: Path) -> str:

@@ -31,7 +31,9 @@ def clone(tmp_path: Path) -> Path:
         shutil.copyfile(ROOT / name, tmp_path / name)
     changelog = tmp_path / "CHANGELOG.md"
     text = changelog.read_text(encoding="utf-8")
-    new = "## [Unreleased]\n\n### Fixed\n\n- Something that\n  was wrong."
+    new = (
+        "## [Unreleased]\n\n### Fixed\n\n- Something that\n  was wrong ([a](docs/a.md#b), [b](https://b.c))."
+    )
     changelog.write_text(text.replace("## [Unreleased]", new), encoding="utf-8")
     return tmp_path
 
@@ -72,9 +74,12 @@ def test_a_release_cuts_the_changelog_and_sets_every_version(clone: Path) -> Non
     unreleased, made, *earlier = parse_changelog(after["CHANGELOG.md"])
     assert unreleased.groups == {}
     assert (made.version, made.date) == ("98.7.6", dt.datetime.now(dt.UTC).date().isoformat())
-    assert made.groups == {"Fixed": ["Something that was wrong."]}
+    assert made.groups == {"Fixed": ["Something that was wrong ([a](docs/a.md#b), [b](https://b.c))."]}
     assert earlier == parse_changelog(before["CHANGELOG.md"])[1:]
-    assert run("--notes", "--root", clone).stdout == "### Fixed\n\n- Something that\n  was wrong.\n"
+    notes = run("--notes", "--root", clone).stdout
+    assert notes == "### Fixed\n\n- Something that\n  was wrong ([a](docs/a.md#b), [b](https://b.c)).\n"
+    based = run("--notes", "--base", "https://host/blob/v98.7.6/", "--root", clone).stdout
+    assert based == notes.replace("(docs/", "(https://host/blob/v98.7.6/docs/")
 
 
 @pytest.mark.parametrize(
