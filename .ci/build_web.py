@@ -19,11 +19,14 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-if sys.platform != "win32":
+if sys.platform == "win32":
+    import msvcrt
+else:
     import fcntl
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -48,9 +51,20 @@ def main() -> None:
 
 @contextmanager
 def alone() -> Iterator[None]:
-    """Wait for whoever builds here, too: the tests of both Blenders run side by side. Not on Windows."""
-    if sys.platform == "win32":
-        yield
+    """Wait for whoever builds here, too: the tests of both Blenders run side by side."""
+    if sys.platform == "win32":  # which locks bytes of files, also those after their end
+        file = os.open(ROOT / "pyproject.toml", os.O_RDONLY)
+        os.lseek(file, 1 << 20, os.SEEK_SET)
+        while True:
+            try:
+                msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
+                break
+            except PermissionError:  # somebody else has it
+                time.sleep(0.5)
+        try:
+            yield
+        finally:
+            os.close(file)
     else:
         folder = os.open(ROOT, os.O_RDONLY)
         try:
