@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -27,16 +28,19 @@ SMALLER = {
     "--texels 128 --samples 16": "--texels 32 --bucket 2 --samples 1 --layout buckets",
     "--views 3 --pixels 256 --samples 128": "--views 1 --pixels 32 --samples 1",
 }
+_PYTHON, _ROOT = shlex.quote(sys.executable), shlex.quote(str(ROOT))
 SHELL = f"""
 set -e
-RADTEX="{ROOT}"
-uv() {{ shift 3; {sys.executable} "$@"; }}  # run, --project and the folder
-blender() {{ {sys.executable} "$(dirname "$2")/render_frames.py" -b "$2" -f 1; }}
+RADTEX={_ROOT}
+uv() {{ shift 3; {_PYTHON} "$@"; }}  # run, --project and the folder
+blender() {{ {_PYTHON} "$(dirname "$2")/render_frames.py" -b "$2" -f 1; }}
 """
 REGISTERED = "from tests.blender.ui_stage import registered; on = registered(); on.__enter__()\n"
 pytestmark = [
     pytest.mark.one_blender,  # tests/blender runs all commands on each
-    pytest.mark.skipif(shutil.which("bash") is None, reason="no shell runs the tutorial's commands"),
+    pytest.mark.skipif(
+        os.name == "nt" or shutil.which("bash") is None, reason="no shell runs the tutorial's commands"
+    ),
     pytest.mark.skipif(
         not (BUILT / "index.html").is_file(), reason="uv run .ci/build_web.py builds the page"
     ),
