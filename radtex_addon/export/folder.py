@@ -9,13 +9,14 @@ process is killed then, the folder is recognised as incomplete, and the next exp
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
-from ..core.errors import BakeError, InputError, RadTexError
+from ..core.errors import BakeError, FormatError, InputError, RadTexError
 from ..core.messages import Setting, do
 from ..formats.disk.atomic import check_writable
+from ..formats.disk.file_digest import digest
 from ..formats.disk.hidden_folder import hidden_folder
 from ..formats.disk.regular import read_regular
 
@@ -66,7 +67,7 @@ def replacing_folder(out: Path) -> Iterator[Path]:
             if (out / LIST).is_file():
                 _replace_files(new, out, hidden / "list")
             else:
-                _write_list(new / LIST, files_in(new))
+                _write_list(new / LIST, _digests_in(new))
                 if out.is_dir():  # which is empty
                     out.rmdir()
                 new.rename(out)
@@ -89,11 +90,11 @@ def is_whole(out: Path) -> bool:
 def remove_export(out: Path) -> list[Path]:
     """Delete all files that exports wrote into a folder, and the folder if nothing else is in it.
 
-    Files that were changed after the export stay, and are returned. Where a program copied the folder without
-    the files' times, these may be others, too. Raises OSError.
+    Files that were changed after the export stay, and are returned. Raises OSError.
     """
-    names = sorted(_listed(out) - {LIST})
-    changed = [out / name for name in names if _is_changed(out, name)]
+    digests = _digests(out)
+    names = sorted(digests.keys() - {LIST})
+    changed = [out / name for name in names if _is_changed(out / name, digests[name])]
     for name in names:
         if out / name not in changed:
             _remove(out, name)
@@ -103,10 +104,12 @@ def remove_export(out: Path) -> list[Path]:
     return changed
 
 
-def _is_changed(out: Path, name: str) -> bool:
-    """Whether a file was written after the list, which an export writes last."""
-    path = out / name
-    return path.is_file() and path.stat().st_mtime_ns > (out / LIST).stat().st_mtime_ns
+def _is_changed(path: Path, written: str) -> bool:
+    """Whether a file has another digest than what was written, or cannot be read; not without one."""
+    try:
+        return bool(written) and path.is_file() and digest(path) != written
+    except FormatError:
+        return True
 
 
 def files_in(folder: Path) -> list[str]:
@@ -114,16 +117,28 @@ def files_in(folder: Path) -> list[str]:
     return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
 
 
-def _write_list(path: Path, names: list[str]) -> None:
-    path.write_text("\n".join([*names, LIST]) + "\n", encoding="utf-8", newline="\n")
+def _write_list(path: Path, digests: Mapping[str, str]) -> None:
+    """Write the list: a line for each file, its name, a tab, and the digest of its content if it is known."""
+    lines = [f"{name}\t{known}" if known else name for name, known in digests.items()]
+    path.write_text("\n".join([*lines, LIST]) + "\n", encoding="utf-8", newline="\n")
+
+
+def _digests_in(folder: Path) -> dict[str, str]:
+    return {name: digest(folder / name) for name in files_in(folder) if name != LIST}
 
 
 def _listed(out: Path) -> set[str]:
     """The files that exports wrote into the folder, by its list; paths that lead elsewhere are ignored."""
+    return set(_digests(out))
+
+
+def _digests(out: Path) -> dict[str, str]:
+    """The names of the list with their digests, which are empty where it has none."""
     if not (out / LIST).is_file():
-        return set()
-    names = read_regular(out / LIST).decode("utf-8", "replace").splitlines()
-    return {name for name in names if name and _is_below(name)}
+        return {}
+    lines = read_regular(out / LIST).decode("utf-8", "replace").splitlines()
+    split = (line.partition("\t") for line in lines)
+    return {name: known for name, _, known in split if name and _is_below(name)}
 
 
 def _is_below(name: str) -> bool:
@@ -136,17 +151,18 @@ def _replace_files(new: Path, out: Path, scratch: Path) -> None:
 
     At every moment its list contains all our files in the folder.
     """
-    before, names = _listed(out), files_in(new)
+    before, digests = _listed(out), _digests_in(new)
+    names = list(digests)
     for name in names:
         _check_free(out, name, before)
-    _write_list(scratch, sorted({*before, *names, _NOT_WHOLE} - {LIST}))
+    _write_list(scratch, dict.fromkeys(sorted({*before, *names, _NOT_WHOLE} - {LIST}), ""))
     scratch.replace(out / LIST)
     for name in sorted(before - {*names, LIST}):
         _remove(out, name)
     for name in names:
         (out / name).parent.mkdir(parents=True, exist_ok=True)
         (new / name).replace(out / name)
-    _write_list(scratch, names)
+    _write_list(scratch, digests)
     scratch.replace(out / LIST)
 
 

@@ -197,7 +197,8 @@ def two_exports(bench: Bench) -> list[str]:
 
 def _whole_export(out: Path) -> list[str]:
     for folder in out.glob("*.raw"):
-        listed = set((folder / ".radtex-files").read_text(encoding="utf-8").splitlines())
+        lines = (folder / ".radtex-files").read_text(encoding="utf-8").splitlines()
+        listed = {line.partition("\t")[0] for line in lines}
         found = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
         if listed != found:
             return [f"the export holds {sorted(found ^ listed)}"]

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -68,6 +69,8 @@ def test_a_bakes_files_are_told_and_these_alone_are_deleted(out: Path) -> None:
 def test_exported_files_that_were_changed_stay(out: Path) -> None:
     (model,) = (out / "Cup.gltf").glob("*.glb")
     model.write_bytes(model.read_bytes() + b"edited")
+    for path in (out / "Cup.gltf").iterdir():
+        os.utime(path)  # as by a program that copies the folder
     (found,) = files_of_bakes(export_sources(context.scene, context.view_layer, "Cup", ""))
     assert delete_bake(found) == [model]
     assert {path.name for path in (out / "Cup.gltf").iterdir()} == {"mine.txt", model.name}

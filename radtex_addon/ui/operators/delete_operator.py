@@ -89,7 +89,7 @@ class RADTEX_OT_delete_bake(OfBake, bpy.types.Operator):
         self.report({"INFO"}, f"Deleted {count} files and folders of {len(found)} bakes")
         if changed:
             some = ", ".join(map(shortened, changed[:_MOST]))
-            told = f"{len(changed)} files stay, newer than their export, so they may be yours: {some}"
+            told = f"{len(changed)} files stay: they were changed after the export: {some}"
             self.report({"WARNING"}, told)
         return {"FINISHED"}
 

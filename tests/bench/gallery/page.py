@@ -175,9 +175,9 @@ def _still_life(folder: Path) -> str:
     return f"""
 ![a still life, its left half path traced, its right half baked](figures/hero.png)
 
-*A still life under crisp light. Left of the line it is path traced, right of it the pots are baked, each alone
-and with the defaults, and rendered by {facts["preview"]} with their previews. Over the whole picture, worst
-first: {told}; highlights come out softer. `uv run --group test python -m tests.bench.films hero`,
+*A still life under crisp light. Left of the line it is path traced, right of it the pots are baked, each
+alone and with the defaults, and rendered by {facts["preview"]} with their previews. Over the whole picture,
+worst first: {told}; highlights come out softer. `uv run --group test python -m tests.bench.films hero`,
 Blender {facts["blender"]}.*
 """
 
