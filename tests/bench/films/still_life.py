@@ -87,9 +87,7 @@ def hero_scene() -> None:
     tangerine((2.75, 0.55, 0), 0.33)
 
 
-def teapot(
-    light: Light, place: Place = (0, 0, 0), turn: float = 0.0, name: str = "Teapot"
-) -> bpy.types.Object:
+def teapot(light: Light, place: Place = (0, 0, 0), turn: float = 0.0) -> bpy.types.Object:
     """A teapot of stoneware under a running glaze, from teal to amber, its spout towards +x."""
     body = np.array(
         [
@@ -138,9 +136,7 @@ def vase(light: Light, place: Place = (0, 0, 0)) -> bpy.types.Object:
     return item
 
 
-def kettle(
-    light: Light, place: Place = (0, 0, 0), turn: float = 0.0, name: str = "Kettle"
-) -> bpy.types.Object:
+def kettle(light: Light, place: Place = (0, 0, 0), turn: float = 0.0) -> bpy.types.Object:
     """A small pot of satin copper with a bail handle."""
     keys = np.array(
         [
