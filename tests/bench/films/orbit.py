@@ -32,7 +32,7 @@ from .still_life import orbit_scene
 
 FRAMES = 36
 PIXELS = 320  # along a pane's side
-SAMPLES = 16  # of a pixel, before it is denoised
+SAMPLES = 24  # of a pixel, before it is denoised
 PER_SECOND = 12
 MOST_BYTES = 1_500_000
 PANES = {"layered": "RadTex", "lightmap": "Flat lightmap", "probe": "Reflection probe"}
