@@ -50,6 +50,7 @@ python_use_unqualified_type_names = True
 html_theme = "furo"
 html_baseurl = URLS.get("Documentation", "")
 html_title = f"RadTex {version}"
+html_favicon = "figures/listing-icon.png"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sphinx = False
