@@ -28,6 +28,7 @@ from radtex_addon.scene.scratch import scratch_scene
 
 from .engine_material import Inputs, read_inputs
 from .lightmaps import texture_bytes
+from .method import Baked
 from .scenes import Stage
 from .single_paths import Rays, SinglePaths, trace_paths
 
@@ -64,6 +65,19 @@ class Captured:
     def alpha_bytes(self) -> int:
         """What a GPU holds of alpha: half a byte a texel (BC4)."""
         return 0 if self.alpha is None else texture_bytes(self.alpha) // 2
+
+    def baked(self, radiance: Callable[[GBuffer], Array], texture_bytes: int) -> Baked:
+        """What is made of this capture, its seconds left at 0; `texture_bytes` are those without alpha."""
+        return Baked(
+            paths=self.paths,
+            seconds=0.0,
+            bytes=texture_bytes + self.alpha_bytes,
+            radiance=radiance,
+            mesh=self.prepared.mesh,
+            matrix_world=self.matrix_world,
+            uv_layer=self.prepared.uv_layer,
+            alpha=self.look_alpha,
+        )
 
 
 def capture_stage(stage: Stage, spec: BakeSpec, folder: Path, inputs: bool = False) -> Captured:

@@ -10,6 +10,7 @@ over; and it is blurred a little against noise, as bakers denoise it.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
@@ -21,7 +22,7 @@ from radtex_addon.core.bilinear import bilinear
 from radtex_addon.forms.layered.fit.harmonics import pooled
 from radtex_addon.report.gbuffer import Array, GBuffer
 
-from ..captured import capture_stage
+from ..captured import Captured, capture_stage
 from ..lightmaps import diffuse_map, means, sample_weights, texture_bytes, up_to_white
 from ..method import Baked
 from ..scenes import Stage
@@ -38,27 +39,22 @@ class Lightmap:
     def bake(self, stage: Stage, folder: Path) -> Baked:
         started = perf_counter()
         captured = capture_stage(stage, self.spec, folder)
-        light = captured.capture.light
-        weight = sample_weights(light)
-        diffuse = diffuse_map(captured.capture, weight, captured.alpha is not None)
-        other = means(weight, up_to_white(light.mirrored.astype(np.float32) + light.through))
-        other = pooled(Neighbours(light.plan), other)
-        rest = light.plan.placed(other, gutter=True)
+        return replace(of_capture(captured), seconds=perf_counter() - started)
 
-        def radiance(buffer: GBuffer) -> Array:
-            uv = buffer.uv[buffer.hit].astype(np.float32)
-            return buffer.spread(diffuse.look(uv) + bilinear(rest, uv))
 
-        return Baked(
-            paths=captured.paths,
-            seconds=perf_counter() - started,
-            bytes=diffuse.bytes + texture_bytes(rest) + captured.alpha_bytes,
-            radiance=radiance,
-            mesh=captured.prepared.mesh,
-            matrix_world=captured.matrix_world,
-            uv_layer=captured.prepared.uv_layer,
-            alpha=captured.look_alpha,
-        )
+def of_capture(captured: Captured) -> Baked:
+    """The lightmap of a captured stage, its seconds left at 0."""
+    light = captured.capture.light
+    weight = sample_weights(light)
+    diffuse = diffuse_map(captured.capture, weight, captured.alpha is not None)
+    other = means(weight, up_to_white(light.mirrored.astype(np.float32) + light.through))
+    rest = light.plan.placed(pooled(Neighbours(light.plan), other), gutter=True)
+
+    def radiance(buffer: GBuffer) -> Array:
+        uv = buffer.uv[buffer.hit].astype(np.float32)
+        return buffer.spread(diffuse.look(uv) + bilinear(rest, uv))
+
+    return captured.baked(radiance, diffuse.bytes + texture_bytes(rest))
 
 
 def make(texels: int, samples: int) -> Lightmap:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from radtex_addon.bake.progress import Stage as JobStage
 from radtex_addon.bake.spec import BakeSpec
+from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.sampler import Filter, sample
 from radtex_addon.formats.containers.exr import read_atlas
@@ -24,6 +26,45 @@ from ..scenes import Stage
 _HALF = 2  # bytes of a channel
 
 
+@dataclass(frozen=True, eq=False)
+class BucketBake:
+    """A bake in layout buckets: its image and layout, and all of `Baked` but how it is looked up."""
+
+    image: Floats
+    layout: AtlasLayout
+    unseen: Baked
+
+    def looked_up(self, filtered: Filter) -> Baked:
+        """The bake by one of the reference sampler's filters."""
+
+        def radiance(buffer: GBuffer) -> Array:
+            uv, incidence = buffer.uv[buffer.hit], buffer.incidence[buffer.hit]
+            return buffer.spread(sample(self.image, self.layout, uv, incidence, filtered)[:, :3])
+
+        return replace(self.unseen, radiance=radiance)
+
+
+def bake_buckets(stage: Stage, spec: BakeSpec, folder: Path) -> BucketBake:
+    """Bake by `bake_object`, as a user does."""
+    scene = cast(bpy.types.Scene, bpy.context.scene)
+    name = stage.subject.name
+    result = bake_object(scene, name, spec, folder, preview=Filter.QUADRILINEAR, overwrite=True)
+    image, sidecar = read_atlas(result.files.atlas)
+    assert result.files.preview is not None
+    unseen = Baked(
+        paths=result.paths,
+        seconds=sum(value for part, value in result.seconds.items() if part is not JobStage.PREVIEW),
+        bytes=image.size * _HALF,
+        radiance=lambda buffer: np.zeros((len(buffer.hit), 3)),
+        mesh=mesh_of_preview(result.files.preview, name),
+        matrix_world=np.array(stage.subject.matrix_world),
+        uv_layer=sidecar.uv_map,
+    )
+    return BucketBake(
+        image.astype(np.float32), AtlasLayout(sidecar.width, sidecar.height, sidecar.bucket), unseen
+    )
+
+
 class Plain:
     """`bake_object` with its reference sampler."""
 
@@ -33,28 +74,7 @@ class Plain:
         self.spec = spec
 
     def bake(self, stage: Stage, folder: Path) -> Baked:
-        scene = cast(bpy.types.Scene, bpy.context.scene)
-        name = stage.subject.name
-        result = bake_object(scene, name, self.spec, folder, preview=Filter.QUADRILINEAR, overwrite=True)
-        image, sidecar = read_atlas(result.files.atlas)
-        image = image.astype(np.float32)
-        layout = AtlasLayout(sidecar.width, sidecar.height, sidecar.bucket)
-
-        def radiance(buffer: GBuffer) -> Array:
-            uv, incidence = buffer.uv[buffer.hit], buffer.incidence[buffer.hit]
-            seen = sample(image, layout, uv, incidence, Filter.QUADRILINEAR)
-            return buffer.spread(seen[:, :3])
-
-        assert result.files.preview is not None
-        return Baked(
-            paths=result.paths,
-            seconds=sum(value for part, value in result.seconds.items() if part is not JobStage.PREVIEW),
-            bytes=image.size * _HALF,
-            radiance=radiance,
-            mesh=mesh_of_preview(result.files.preview, name),
-            matrix_world=np.array(stage.subject.matrix_world),
-            uv_layer=sidecar.uv_map,
-        )
+        return bake_buckets(stage, self.spec, folder).looked_up(Filter.QUADRILINEAR)
 
 
 def mesh_of_preview(path: Path, name: str) -> bpy.types.Mesh:

@@ -9,7 +9,7 @@ shows the probe behind it as Filament's solid refraction does: through a ball as
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
@@ -20,7 +20,7 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.bilinear import bilinear
 from radtex_addon.report.gbuffer import Array, GBuffer
 
-from ..captured import capture_stage
+from ..captured import Captured, capture_stage
 from ..engine_material import Inputs
 from ..lightmaps import DiffuseMap, diffuse_map, sample_weights, texture_bytes
 from ..method import Baked
@@ -178,32 +178,27 @@ class ReflectionProbe:
     def bake(self, stage: Stage, folder: Path) -> Baked:
         started = perf_counter()
         captured = capture_stage(stage, self.spec, folder, inputs=True)
-        capture, prepared = captured.capture, captured.prepared
-        plan = capture.plan
-        corners = prepared.surface.corner_position
-        visibility = plan.placed(ambient_visibility(plan, corners), gutter=True)
-        assert captured.inputs is not None
-        middle = capture.surroundings.middle
-        shader = _Shader(
-            probe=Probe.of(capture.surroundings, plan.points),
-            inputs=captured.inputs,
-            diffuse=diffuse_map(capture, sample_weights(capture.light), captured.alpha is not None),
-            visibility=visibility,
-            size=2 * float(np.linalg.norm(plan.points - middle, axis=1).mean()),
-            alpha=captured.alpha,
-        )
-        sides = " and ".join(", ".join(f"{value:.3f}" for value in row) for row in shader.probe.box.nearness)
-        print(f"{stage.name}: the box's sides are {sides} near", flush=True)
-        return Baked(
-            paths=captured.paths + RAYS * len(plan.texel),
-            seconds=perf_counter() - started,
-            bytes=shader.bytes,
-            radiance=shader.shade,
-            mesh=prepared.mesh,
-            matrix_world=captured.matrix_world,
-            uv_layer=prepared.uv_layer,
-            alpha=captured.look_alpha,
-        )
+        return replace(of_capture(captured), seconds=perf_counter() - started)
+
+
+def of_capture(captured: Captured) -> Baked:
+    """The probe and lightmap of a stage that was captured with its inputs; its seconds left at 0."""
+    capture, prepared = captured.capture, captured.prepared
+    plan = capture.plan
+    visibility = plan.placed(ambient_visibility(plan, prepared.surface.corner_position), gutter=True)
+    assert captured.inputs is not None
+    shader = _Shader(
+        probe=Probe.of(capture.surroundings, plan.points),
+        inputs=captured.inputs,
+        diffuse=diffuse_map(capture, sample_weights(capture.light), captured.alpha is not None),
+        visibility=visibility,
+        size=2 * float(np.linalg.norm(plan.points - capture.surroundings.middle, axis=1).mean()),
+        alpha=captured.alpha,
+    )
+    sides = " and ".join(", ".join(f"{value:.3f}" for value in row) for row in shader.probe.box.nearness)
+    print(f"the box's sides are {sides} near", flush=True)
+    paths = captured.paths + RAYS * len(plan.texel)
+    return replace(captured.baked(shader.shade, 0), paths=paths, bytes=shader.bytes)
 
 
 def make(texels: int, samples: int) -> ReflectionProbe:

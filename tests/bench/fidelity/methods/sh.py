@@ -1,15 +1,17 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lightmap of spherical harmonics: nine colours a texel tell how its light changes with the viewer.
+"""A lightmap of spherical harmonics: nine colours a texel, or 16, tell how its light changes with the viewer.
 
 Engines keep in such maps the light that falls in; here they hold, better for a mirror, what leaves towards
 the viewer, in the texel's own frame. The diffuse light's mean is kept apart, as its colour, four times as
 fine, times the light that falls in; the harmonics are fitted to all else, up to white: the glare of a lamp or
-window would ring through nine harmonics all over the hemisphere.
+window would ring through the harmonics all over the hemisphere. What
+they make negative is shown as black.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
@@ -18,11 +20,10 @@ import numpy as np
 from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.bilinear import bilinear
 from radtex_addon.core.hemisphere import square_to_direction
-from radtex_addon.forms.layered.fit.bucket_grid import BucketGrid
-from radtex_addon.forms.layered.fit.harmonics import COUNT, basis, fit_harmonics
 from radtex_addon.report.gbuffer import Array, GBuffer
 
-from ..captured import capture_stage
+from ..captured import Captured, capture_stage
+from ..directional import fitted_equations, harmonics, solve_with_ridge
 from ..lightmaps import diffuse_map, means, sample_weights, texture_bytes, up_to_white
 from ..method import Baked
 from ..scenes import Stage
@@ -31,46 +32,42 @@ _RIDGE = 0.03  # a third of a harmonic's mean square
 
 
 class HarmonicsLightmap:
-    """Bakes and looks up; `bytes` are those of nine images in BC6H, and of the diffuse light's textures."""
+    """Bakes and looks up; `bytes` are those of an image in BC6H each, and of the diffuse light's textures."""
 
-    name = "sh"
-
-    def __init__(self, spec: BakeSpec) -> None:
-        self.spec = spec
+    def __init__(self, spec: BakeSpec, bands: int) -> None:
+        """Of harmonics up to band 2 or 3."""
+        self.spec, self.bands = spec, bands
+        self.name = "sh" if bands == 2 else f"sh{bands}"
 
     def bake(self, stage: Stage, folder: Path) -> Baked:
         started = perf_counter()
         captured = capture_stage(stage, self.spec, folder)
-        light = captured.capture.light
-        weight = sample_weights(light)
-        diffuse = diffuse_map(captured.capture, weight, captured.alpha is not None)
-        shown = light.diffuse.astype(np.float32) - means(weight, light.diffuse)[:, None]
-        shown += up_to_white(light.mirrored.astype(np.float32) + light.through)
-        fitted = fit_harmonics(
-            square_to_direction(light.square[:]), shown, weight, BucketGrid.of(light.plan, 1), _RIDGE
-        )
-        del shown
-        image = light.plan.placed(fitted.reshape(-1, COUNT * 3), gutter=True)
+        return replace(of_capture(captured, self.bands), seconds=perf_counter() - started)
 
-        def radiance(buffer: GBuffer) -> Array:
-            uv = buffer.uv[buffer.hit].astype(np.float32)
-            towards = basis(buffer.incidence[buffer.hit].astype(np.float32))
-            coefficients = bilinear(image, uv).reshape(-1, COUNT, 3)
-            seen = diffuse.look(uv) + np.einsum("ka,kac->kc", towards, coefficients)
-            return buffer.spread(np.maximum(seen, 0))
 
-        return Baked(
-            paths=captured.paths,
-            seconds=perf_counter() - started,
-            bytes=diffuse.bytes + COUNT * texture_bytes(image) + captured.alpha_bytes,
-            radiance=radiance,
-            mesh=captured.prepared.mesh,
-            matrix_world=captured.matrix_world,
-            uv_layer=captured.prepared.uv_layer,
-            alpha=captured.look_alpha,
-        )
+def of_capture(captured: Captured, bands: int) -> Baked:
+    """The lightmap of a captured stage, of harmonics up to a band; its seconds left at 0."""
+    light, count = captured.capture.light, (bands + 1) ** 2
+    weight = sample_weights(light)
+    diffuse = diffuse_map(captured.capture, weight, captured.alpha is not None)
+    shown = light.diffuse.astype(np.float32) - means(weight, light.diffuse)[:, None]
+    shown += up_to_white(light.mirrored.astype(np.float32) + light.through)
+    direction = square_to_direction(light.square[:])
+    equations = fitted_equations(light.plan, direction, shown, weight, lambda d: harmonics(d, bands))
+    del shown
+    fitted = solve_with_ridge(equations, [0.0] + [_RIDGE] * (count - 1))
+    image = light.plan.placed(fitted.reshape(-1, count * 3), gutter=True)
+
+    def radiance(buffer: GBuffer) -> Array:
+        uv = buffer.uv[buffer.hit].astype(np.float32)
+        towards = harmonics(buffer.incidence[buffer.hit].astype(np.float32), bands)
+        coefficients = bilinear(image, uv).reshape(-1, count, 3)
+        seen = diffuse.look(uv) + np.einsum("ka,kac->kc", towards, coefficients)
+        return buffer.spread(np.maximum(seen, 0))
+
+    return captured.baked(radiance, diffuse.bytes + count * texture_bytes(image))
 
 
 def make(texels: int, samples: int) -> HarmonicsLightmap:
-    """The lightmap of spherical harmonics of a stage's single paths."""
-    return HarmonicsLightmap(BakeSpec(texels=texels, samples=samples))
+    """The lightmap of nine spherical harmonics of a stage's single paths."""
+    return HarmonicsLightmap(BakeSpec(texels=texels, samples=samples), bands=2)

@@ -1,0 +1,45 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scenes of the Results, their views, and each as a .blend file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import bpy
+
+from ..fidelity.lottery import lottery, lottery_name
+from ..fidelity.references import View, view_of
+from ..fidelity.scenes import Stage
+
+DRAWN_WITH = 20261126  # the lottery's seed: chosen once, after the code was frozen, before the first bake
+_COUNT = 5
+REFERENCE_SAMPLES = 256  # of a pixel, before it is denoised
+
+SCENES: dict[str, Callable[[], Stage]] = {
+    lottery_name(DRAWN_WITH, number): partial(lottery, DRAWN_WITH, number) for number in range(_COUNT)
+}
+
+
+def cameras_of(stage: Stage) -> tuple[bpy.types.Object, ...]:
+    """Three cameras of a stage: nothing is tuned on scenes that are drawn anew, so any of its own will do."""
+    return (*stage.held_out, stage.tuning[0])
+
+
+def looked_from(stage: Stage) -> list[View]:
+    """The stage's views with their references; the open file must hold the stage."""
+    return [view_of(stage, camera, REFERENCE_SAMPLES) for camera in cameras_of(stage)]
+
+
+def write_blends(folder: Path) -> list[Path]:
+    """Save each scene as a .blend file that has its images in it; returns their paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for name, build in SCENES.items():
+        build()
+        bpy.ops.file.pack_all()
+        paths.append(folder / f"{name}.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=str(paths[-1]), copy=True, compress=True)
+    return paths
