@@ -21,6 +21,7 @@ from time import perf_counter, process_time
 import moderngl
 import numpy as np
 
+from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.levels import fitting_levels
 from radtex_addon.core.slices import to_slices
@@ -85,7 +86,11 @@ def diffuse(context: moderngl.Context, model: Model) -> Painter:
 def plain(context: moderngl.Context, model: Model, bake: Finished) -> Painters:
     """Each filter of the bucket matrix, and slices."""
     image, facts = read_atlas(bake.images[0])
-    layout = AtlasLayout(facts.width, facts.height, facts.bucket)
+    return of_buckets(context, model, image, AtlasLayout(facts.width, facts.height, facts.bucket))
+
+
+def of_buckets(context: moderngl.Context, model: Model, image: Floats, layout: AtlasLayout) -> Painters:
+    """The same of an atlas's image."""
     levels = fitting_levels(layout)
     matrix = mipmapped(context, [image], moderngl.LINEAR)
     chain = [level.astype(np.float16) for level in level_chain(image, layout, levels)]

@@ -47,7 +47,7 @@ _WIDE = 1024  # pixels of the panorama
 
 
 def main() -> None:
-    """Bake, look from both eyes, save the picture and print the figures."""
+    """Save the picture and print the figures."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -55,8 +55,16 @@ def main() -> None:
     parser.add_argument("--texels", type=int, default=128)
     parser.add_argument("--samples", type=int, default=8)
     asked = parser.parse_args()
+    for name, (worse, apart) in both_eyes(asked.texels, asked.samples, 0, asked.out).items():
+        print(f"{name}: {worse:.1f} dB, the difference between the eyes {apart:.1f} dB", flush=True)
+
+
+def both_eyes(
+    texels: int, samples: int, seed: int, picture: Path | None = None
+) -> dict[str, tuple[float, float]]:
+    """Bake and look from both eyes: the worse eye's dB, and those of the difference, by what is looked up."""
     _scene()
-    spec = BakeSpec(layout=Layout.LAYERED, texels=asked.texels, samples=asked.samples, denoise=True)
+    spec = BakeSpec(layout=Layout.LAYERED, texels=texels, samples=samples, seed=seed, denoise=True)
     with tempfile.TemporaryDirectory() as folder:
         bake = baked(spec, Path(folder))
         look = read_bake(bake.sidecar).radiance
@@ -67,10 +75,9 @@ def main() -> None:
     truth = [rendered(eye)[..., :3] for eye in _EYES]
     masks = [seen.eroded for seen in buffers]
     rows = {"path traced": truth, "radiance texture": ours, "reflection probe": probes}
-    for name, pictures in rows.items():
-        if pictures is not truth:
-            print(f"{name}: {_told(pictures, truth, masks)}", flush=True)
-    _save(asked.out, [[_masked(*each) for each in zip(pair, masks, strict=True)] for pair in rows.values()])
+    if picture is not None:
+        _save(picture, [[_masked(*each) for each in zip(pair, masks, strict=True)] for pair in rows.values()])
+    return {name: _told(pictures, truth, masks) for name, pictures in rows.items() if pictures is not truth}
 
 
 def _scene() -> None:
@@ -135,14 +142,13 @@ def _by_probe(seen: GBuffer, panorama: Array) -> Array:
     return np.where(seen.hit[:, None], light * tint, 0.0)
 
 
-def _told(pictures: list[Array], truth: list[Array], masks: list[Mask]) -> str:
+def _told(pictures: list[Array], truth: list[Array], masks: list[Mask]) -> tuple[float, float]:
     each = [psnr(picture, wanted, mask) for picture, wanted, mask in zip(pictures, truth, masks, strict=True)]
     both = masks[0] & masks[1]
     shown, wanted = (
         np.diff([_display(each) for each in pair], axis=0)[0][both] for pair in (pictures, truth)
     )
-    apart = 10 * np.log10(1 / np.mean((shown - wanted) ** 2))
-    return f"{min(each):.1f} dB, the difference between the eyes {apart:.1f} dB"
+    return min(each), float(10 * np.log10(1 / np.mean((shown - wanted) ** 2)))
 
 
 def _display(light: Array) -> Array:

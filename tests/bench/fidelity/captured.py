@@ -22,6 +22,7 @@ from radtex_addon.cycles.path_ends import Body
 from radtex_addon.forms.layered.capture.opacity import find_alpha_map
 from radtex_addon.forms.layered.capture.surface_alone import surface_alone
 from radtex_addon.prepare.prepared import Prepared, prepare
+from radtex_addon.prepare.unwrapping import Unwraps
 from radtex_addon.report.gbuffer import Array, GBuffer
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
@@ -80,8 +81,12 @@ class Captured:
         )
 
 
-def capture_stage(stage: Stage, spec: BakeSpec, folder: Path, inputs: bool = False) -> Captured:
+def capture_stage(
+    stage: Stage, spec: BakeSpec, folder: Path, inputs: bool = False, unwraps: Unwraps | None = None
+) -> Captured:
     """Capture the stage, which the open file must hold; `folder` takes temporary files.
+
+    `unwraps` is a cache of unwraps, for several captures of one stage.
 
     Raises InputError where no texel is covered or, with `inputs`, a material is not of one Principled
     shader; BakeError where Cycles fails.
@@ -90,7 +95,7 @@ def capture_stage(stage: Stage, spec: BakeSpec, folder: Path, inputs: bool = Fal
     kept: list[bpy.types.ID] = []
     with scratch_scene(scene, None, kept) as scratch, surface_alone([stage.subject]) as clear:
         item = find_object(scratch, stage.subject.name)
-        prepared = finished(prepare(scratch, [item], spec, kept))
+        prepared = finished(prepare(scratch, [item], spec, kept, unwraps=unwraps))
         texels, finer = prepared.texels(), prepared.texels(FINER)
         mesh, matrix = prepared.mesh, prepared.matrix_world
         steps = trace_paths(

@@ -75,9 +75,11 @@ def fitted_equations(
         columns = functions(direction[some].astype(np.float32))
         weighted = (columns * weight[some][..., None]).swapaxes(1, 2)
         both = np.concatenate([columns, values[some].astype(np.float32)], axis=2)
-        return np.matmul(weighted, both)
+        found: Floats = np.matmul(weighted, both)
+        return found
 
-    table = np.concatenate(in_blocks(sums, *weight.shape, _AT_ONCE))
+    texels, samples = weight.shape
+    table = np.concatenate(in_blocks(sums, texels, samples, _AT_ONCE))
     return pooled(Neighbours(plan), table.reshape(len(table), -1)).reshape(table.shape)
 
 

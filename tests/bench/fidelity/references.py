@@ -70,14 +70,14 @@ def views(stage: Stage, quick: bool = False, tuning: bool = False) -> list[View]
     return made
 
 
-def view_of(stage: Stage, camera: bpy.types.Object, samples: int) -> View:
+def view_of(stage: Stage, camera: bpy.types.Object, samples: int, subsamples: int = SUBSAMPLES) -> View:
     """The view of one held-out camera, its reference of so many samples a pixel, without a repetition.
 
     The reference shows what the subject covers wholly; of what lies behind it a quarter of the samples are
     taken. As for `views`, the open file must hold the stage.
     """
     reference = picture_inside(stage, camera, samples, _SEEDS[0])
-    rays = _rays(camera)
+    rays = _rays(camera, subsamples)
     behind = picture_behind(stage, camera, max(1, samples // 4)) if stage.see_through else None
     return View(camera.name, True, reference, None, rays, distances(blockers(stage), rays), behind)
 
@@ -110,11 +110,11 @@ def distances(tree: BVHTree, rays: Rays) -> Array:
     return np.fromiter(distances, np.float64, len(rays.away))
 
 
-def _rays(camera: bpy.types.Object) -> Rays:
+def _rays(camera: bpy.types.Object, subsamples: int = SUBSAMPLES) -> Rays:
     data = cast(bpy.types.Camera, camera.data)
     turn = np.array(cast(Any, camera).rotation_euler.to_matrix())
     half = data.sensor_width / 2 / data.lens
-    return Rays.of_camera(np.array(cast(Any, camera.location)), turn, half, PIXELS, SUBSAMPLES)
+    return Rays.of_camera(np.array(cast(Any, camera.location)), turn, half, PIXELS, subsamples)
 
 
 def blockers(stage: Stage) -> BVHTree:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -58,7 +59,7 @@ class Cells:
     def __contains__(self, key: Key) -> bool:
         return key in self._cells
 
-    def __iter__(self) -> Any:
+    def __iter__(self) -> Iterator[Cell]:
         return iter([self._cells[key] for key in sorted(self._cells)])
 
     def add(self, *cells: Cell) -> None:
@@ -72,7 +73,8 @@ class Cells:
 
 def _written(cell: Cell) -> dict[str, Any]:
     facts = asdict(cell)
-    return facts.pop("key") | facts
+    key: dict[str, Any] = facts.pop("key")
+    return key | facts
 
 
 def _read(facts: dict[str, Any]) -> Cell:

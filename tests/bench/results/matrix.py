@@ -43,6 +43,12 @@ METHODS = {
     Group.DENOISED: ("buckets denoised",),
     Group.UNBAKED: ("eevee", "reference again"),
 }
+BAKED = (
+    *METHODS[Group.LAYERED],
+    *METHODS[Group.CAPTURE],
+    *METHODS[Group.DENOISED],
+    *METHODS[Group.BUCKETS],
+)
 TITLES = {
     "layered": "RadTex, layered (default)",
     "probe": "reflection probe + lightmap",

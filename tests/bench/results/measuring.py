@@ -14,17 +14,21 @@ from typing import Any
 import bpy
 import numpy as np
 
+from radtex_addon.bake.progress import finished
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
+from radtex_addon.forms.layered.fit.fitting import fit_layered
+from radtex_addon.prepare.unwrapping import Unwraps
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer
 from radtex_addon.report.metrics import Picture, compare
 
 from ..fidelity.captured import capture_stage
 from ..fidelity.composite import seen_light
+from ..fidelity.layered.staged import capture_staged
 from ..fidelity.method import Baked
 from ..fidelity.methods import lightmap, probe, sg, sh
 from ..fidelity.methods.eevee import Eevee
-from ..fidelity.methods.layered import Layered
+from ..fidelity.methods.layered import baked_of
 from ..fidelity.methods.plain import bake_buckets
 from ..fidelity.pictures import picture_inside
 from ..fidelity.references import View
@@ -43,6 +47,7 @@ class OpenScene:
         self.stage = SCENES[name]()
         self.views = looked_from(self.stage)
         self._buffers: dict[str, tuple[BakedSurface, list[GBuffer]]] = {}
+        self._unwraps: Unwraps = {}
 
     def measure(self, setting: Setting, seed: int, group: Group) -> Iterator[Cell]:
         """Measure a group of methods."""
@@ -65,10 +70,13 @@ class OpenScene:
             yield "eevee", Eevee(BakeSpec(texels=texels, seed=seed)).bake(self.stage, folder)
         elif group is Group.LAYERED:
             spec = BakeSpec(layout=Layout.LAYERED, texels=texels, samples=samples, seed=seed)
-            yield "layered", Layered(spec).bake(self.stage, folder)
+            started = perf_counter()
+            staged = capture_staged(self.stage, spec, folder, self._unwraps)
+            atlas = finished(fit_layered(staged.captured.capture))
+            yield "layered", baked_of(atlas, staged, perf_counter() - started)
         elif group is Group.CAPTURE:
             spec = BakeSpec(texels=texels, samples=samples, seed=seed)
-            captured = capture_stage(self.stage, spec, folder, inputs=True)
+            captured = capture_stage(self.stage, spec, folder, inputs=True, unwraps=self._unwraps)
             yield "probe", probe.of_capture(captured)
             yield "sg", sg.of_capture(captured)
             yield "sh3", sh.of_capture(captured, bands=3)

@@ -17,6 +17,7 @@ from ..fidelity.scenes import Stage
 DRAWN_WITH = 20261126  # the lottery's seed: chosen once, after the code was frozen, before the first bake
 _COUNT = 5
 REFERENCE_SAMPLES = 256  # of a pixel, before it is denoised
+SUBSAMPLES = 2  # lookups along a pixel's side
 
 SCENES: dict[str, Callable[[], Stage]] = {
     lottery_name(DRAWN_WITH, number): partial(lottery, DRAWN_WITH, number) for number in range(_COUNT)
@@ -30,7 +31,7 @@ def cameras_of(stage: Stage) -> tuple[bpy.types.Object, ...]:
 
 def looked_from(stage: Stage) -> list[View]:
     """The stage's views with their references; the open file must hold the stage."""
-    return [view_of(stage, camera, REFERENCE_SAMPLES) for camera in cameras_of(stage)]
+    return [view_of(stage, camera, REFERENCE_SAMPLES, SUBSAMPLES) for camera in cameras_of(stage)]
 
 
 def write_blends(folder: Path) -> list[Path]:

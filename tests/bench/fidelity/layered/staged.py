@@ -16,6 +16,7 @@ from radtex_addon.bake.spec import BakeSpec
 from radtex_addon.core.arrays import Floats
 from radtex_addon.forms.layered.capture.capturing import Captured, capture_layered
 from radtex_addon.prepare.prepared import Prepared, prepare
+from radtex_addon.prepare.unwrapping import Unwraps
 from radtex_addon.scene.objects import find_object
 from radtex_addon.scene.scratch import scratch_scene
 
@@ -31,8 +32,10 @@ class Staged:
     matrix_world: Floats
 
 
-def capture_staged(stage: Stage, spec: BakeSpec, folder: Path) -> Staged:
+def capture_staged(stage: Stage, spec: BakeSpec, folder: Path, unwraps: Unwraps | None = None) -> Staged:
     """Capture the stage, which the open file must hold; `folder` takes temporary files.
+
+    `unwraps` is a cache of unwraps, for several captures of one stage.
 
     Raises InputError where no texel is covered or the object is clear everywhere, BakeError where Cycles
     fails.
@@ -41,6 +44,6 @@ def capture_staged(stage: Stage, spec: BakeSpec, folder: Path) -> Staged:
     kept: list[bpy.types.ID] = []
     with scratch_scene(scene, None, kept) as scratch:
         item = find_object(scratch, stage.subject.name)
-        prepared = finished(prepare(scratch, [item], spec, kept, backs=True))
+        prepared = finished(prepare(scratch, [item], spec, kept, backs=True, unwraps=unwraps))
         captured = finished(capture_layered(scratch, prepared, spec, folder))
     return Staged(captured, prepared, np.array(stage.subject.matrix_world))

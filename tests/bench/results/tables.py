@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Each table's figures, from the measured cells, and its Markdown, from these figures alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from ..fidelity.report import markdown
+from .cells import Cell
+from .matrix import BAKED, TITLES, Setting
+from .summary import Spread, rows_of, scene_spread
+
+Rows = list[dict[str, Any]]
+
+
+def method_rows(cells: Iterable[Cell], settings: Iterable[Setting], scenes: Sequence[str]) -> Rows:
+    """A row for each method at each setting, as JSON has it."""
+    every = list(cells)
+    return [asdict(row) for setting in settings for row in rows_of(every, setting, list(scenes))]
+
+
+def scene_rows(cells: Iterable[Cell], setting: Setting, scenes: Sequence[str]) -> Rows:
+    """A row for each scene, the one that the default shows worst first, with each method's PSNR."""
+    every = list(cells)
+    rows = []
+    for scene in scenes:
+        found = {method: scene_spread(every, setting, scene, method) for method in TITLES}
+        told = {method: asdict(spread) for method, spread in found.items() if spread is not None}
+        rows.append({"scene": scene, "psnr": told})
+    return sorted(rows, key=lambda row: row["psnr"].get("layered", {"mean": 0})["mean"])
+
+
+def quality_table(rows: Rows) -> str:
+    """All methods at one setting, best first."""
+    head = ["", "PSNR, dB", "worst scene", "worst view", "FLIP", "energy", "MB", "M paths"]
+    lines = [
+        [
+            TITLES[row["method"]],
+            _spread(row["psnr"], 2),
+            f"{row['worst_scene']:.1f}",
+            f"{row['worst_view']:.1f}",
+            _spread(row["flip"], 3),
+            f"{row['energy']['mean']:.2f}",
+            _amount(row["megabytes"], 2),
+            _amount(row["million_paths"], 1),
+        ]
+        for row in rows
+    ]
+    return _table(head, lines)
+
+
+def scenes_table(rows: Rows) -> str:
+    """PSNR of all baked methods and Eevee by scene; the best of a scene in bold."""
+    methods = [method for method in (*BAKED, "eevee") if all(method in row["psnr"] for row in rows)]
+    lines = []
+    for row in rows:
+        best = max(methods, key=lambda method: row["psnr"][method]["mean"])
+        told = [_spread(row["psnr"][method], 1) for method in methods]
+        told = [f"**{text}**" if method == best else text for method, text in zip(methods, told, strict=True)]
+        lines.append([row["scene"].rpartition("-")[2], *told])
+    return _table(["scene", *(TITLES[method] for method in methods)], lines)
+
+
+def settings_table(rows: Rows, what: str) -> str:
+    """PSNR of each method by texels or samples (`what`), with the amount that it takes in brackets."""
+    amount, digits = ("megabytes", 2) if what == "texels" else ("million_paths", 1)
+    steps = sorted({row[what] for row in rows if row["method"] in BAKED})
+    lines = []
+    for method in BAKED:
+        found = {row[what]: row for row in rows if row["method"] == method}
+        if found:
+            measured = [found.get(step) for step in steps]
+            told = [
+                f"{_spread(row['psnr'], 2)} ({row[amount]:.{digits}f})" if row else "not measured"
+                for row in measured
+            ]
+            lines.append([TITLES[method], *told])
+    unit = "MB" if what == "texels" else "M paths"
+    return _table(["", *(f"{step} {what}, dB ({unit})" for step in steps)], lines)
+
+
+def lookup_table(found: dict[str, Any]) -> str:
+    """Lookups, the cheapest first."""
+    rows = sorted(found["methods"].items(), key=lambda item: item[1]["over_diffuse"])
+    lines = [
+        [TITLES.get(name, name), str(row["fetches"]), f"{row['ms']:.1f}", f"{row['over_diffuse']:.2f}"]
+        for name, row in rows
+    ]
+    return _table(["lookup", "fetches", "a frame, ms", "over diffuse"], lines)
+
+
+def stereo_table(found: dict[str, Any]) -> str:
+    """What both eyes see."""
+    lines = [
+        [name, _spread(row["worse_eye"], 1), _spread(row["difference"], 1)]
+        for name, row in found["looked_up"].items()
+    ]
+    return _table(["", "the worse eye, dB", "the difference between the eyes, dB"], lines)
+
+
+def _spread(facts: dict[str, Any], digits: int) -> str:
+    return Spread(**facts).text(digits)
+
+
+def _amount(value: float, digits: int) -> str:
+    return f"{value:.{digits}f}" if value else ""
+
+
+def _table(head: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
+    return markdown([head, ["---"] * len(head), *lines]) + "\n"
