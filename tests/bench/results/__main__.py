@@ -24,11 +24,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from . import kept_json
+from .blends import write_blends
 from .cells import Cells
 from .filling import fill
 from .matrix import BY_BYTES, BY_PATHS, MAIN, SEEDS, Group
 from .page import write_page
-from .scenes import write_blends
 from .sheet import save_sheet
 from .stereo import stereo_figures
 

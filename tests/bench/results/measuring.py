@@ -7,6 +7,7 @@ from __future__ import annotations
 import hashlib
 import tempfile
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -24,6 +25,7 @@ from radtex_addon.report.metrics import Picture, compare
 
 from ..fidelity.captured import capture_stage
 from ..fidelity.composite import seen_light
+from ..fidelity.layered.sizes import material_bytes
 from ..fidelity.layered.staged import capture_staged
 from ..fidelity.method import Baked
 from ..fidelity.methods import lightmap, probe, sg, sh
@@ -73,7 +75,8 @@ class OpenScene:
             started = perf_counter()
             staged = capture_staged(self.stage, spec, folder, self._unwraps)
             atlas = finished(fit_layered(staged.captured.capture))
-            yield "layered", baked_of(atlas, staged, perf_counter() - started)
+            baked = baked_of(atlas, staged, perf_counter() - started)
+            yield "layered", replace(baked, bytes=baked.bytes + material_bytes(atlas))
         elif group is Group.CAPTURE:
             spec = BakeSpec(texels=texels, samples=samples, seed=seed)
             captured = capture_stage(self.stage, spec, folder, inputs=True, unwraps=self._unwraps)

@@ -1,12 +1,11 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scenes of the Results, their views, and each as a .blend file."""
+"""The scenes of the Results, and their views."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
 import bpy
 
@@ -32,15 +31,3 @@ def cameras_of(stage: Stage) -> tuple[bpy.types.Object, ...]:
 def looked_from(stage: Stage) -> list[View]:
     """The stage's views with their references; the open file must hold the stage."""
     return [view_of(stage, camera, REFERENCE_SAMPLES, SUBSAMPLES) for camera in cameras_of(stage)]
-
-
-def write_blends(folder: Path) -> list[Path]:
-    """Save each scene as a .blend file that has its images in it; returns their paths."""
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for name, build in SCENES.items():
-        build()
-        bpy.ops.file.pack_all()
-        paths.append(folder / f"{name}.blend")
-        bpy.ops.wm.save_as_mainfile(filepath=str(paths[-1]), copy=True, compress=True)
-    return paths

@@ -33,6 +33,12 @@ def texture_bytes(atlas: LayeredAtlas) -> int:
     return round(total)
 
 
+def material_bytes(atlas: LayeredAtlas) -> int:
+    """Of the material's maps in BC7: colour, tint and normals."""
+    maps = (atlas.colour, atlas.tint, atlas.normal)
+    return round(_BYTE * sum(_pixels(image) for image in maps if image is not None))
+
+
 def _pixels(image: object) -> int:
     height, width = image.shape[:2]  # type: ignore[attr-defined]
     return int(height * width)
