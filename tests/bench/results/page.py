@@ -35,7 +35,7 @@ def write_page(cells: Cells) -> None:
         "quality": tables.quality_table(quality),
         "scenes": tables.scenes_table(by_scene),
         "winners": sentences.who_wins(by_scene, quality),
-        "hours": sentences.what_it_took(cells),
+        "hours": sentences.what_it_took(cells, by_scene, quality),
     }
     for name, settings, what, amount, label in _STEPS:
         rows = tables.method_rows(cells, settings, scenes)

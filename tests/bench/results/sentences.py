@@ -5,12 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from textwrap import fill
 from typing import Any
 
 from .cells import Cell
 from .matrix import BAKED, TITLES
 
 Rows = list[dict[str, Any]]
+_WIDTH = 125  # of a line of the page
 _OWN = {"layered", "buckets denoised", "buckets", "buckets nearest"}  # RadTex's
 
 
@@ -18,7 +20,7 @@ def worst_first(scenes: Rows, methods: Rows) -> str:
     """What the default shows worst, before any mean."""
     default = next(row for row in methods if row["method"] == "layered")
     worst, best = (scenes[place]["psnr"]["layered"]["mean"] for place in (0, -1))
-    return (
+    return _wrapped(
         f"The worst single view of the default has {default['worst_view']:.1f} dB; its worst scene is "
         f"number {_number(scenes[0])}, with {worst:.1f} dB, its best number {_number(scenes[-1])}, "
         f"with {best:.1f} dB. "
@@ -43,16 +45,19 @@ def who_wins(scenes: Rows, methods: Rows) -> str:
         lines.append(f"* {TITLES[method]} beats the default in scene {', '.join(places)}.")
     if not beaten:
         lines.append("* Nothing beats the default in any of these scenes, by PSNR.")
-    return "\n".join(lines + _cheaper(methods))
+    return "\n".join(_wrapped(line, "  ") for line in lines + _cheaper(methods))
 
 
-def what_it_took(cells: Iterable[Cell]) -> str:
-    """Bakes that were looked at, and hours."""
+def what_it_took(cells: Iterable[Cell], scenes: Rows, methods: Rows) -> str:
+    """Bakes that were looked at, with how many seeds, and hours."""
     every = list(cells)
     hours = sum(cell.spent for cell in every) / 3600
-    return (
-        f"{len(every)} rows of `cells.json`; baking, looking and comparing took {hours:.1f} hours by the "
-        "clock, on two cores that had other work as well."
+    default = next(row for row in methods if row["method"] == "layered")
+    by_scene = ", ".join(f"{row['seeds']} in scene {_number(row)}" for row in scenes)
+    return _wrapped(
+        f"Measured so far: {default['seeds']} seeds in all scenes, of which the means over scenes are; "
+        f"by scene {by_scene}. That is {len(every)} rows of `cells.json`; baking, looking and comparing "
+        f"took {hours:.1f} hours by the clock, on two cores that had other work as well."
     )
 
 
@@ -80,6 +85,10 @@ def _ahead(told: dict[str, float], best: str) -> str:
     others = {m: value for m, value in told.items() if (m in _OWN) != (best in _OWN)}
     second = max(others, key=lambda method: others[method])
     return f"{told[best] - others[second]:.1f} dB ahead of: {TITLES[second]}"
+
+
+def _wrapped(text: str, indent: str = "") -> str:
+    return fill(text, _WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
 
 
 def _number(row: dict[str, Any]) -> str:

@@ -12,12 +12,13 @@ from PIL import Image
 
 from radtex_addon.report.metrics import display
 
-from ..fidelity.pictures import picture_inside
+from ..fidelity.cache import picture_path
+from ..fidelity.rendering import Rendering
 from ..fidelity.report import tile
 from .cells import Cell
 from .kept_pictures import kept
 from .matrix import MAIN, SEEDS
-from .scenes import REFERENCE_SAMPLES, SCENES, cameras_of
+from .scenes import REFERENCE_SAMPLES
 
 SHOWN = ("layered", "probe", "sg", "sh", "lightmap", "buckets", "eevee")
 _REFERENCE_SEED = 11
@@ -44,17 +45,15 @@ def save_sheet(path: Path, cells: Iterable[Cell]) -> bool:
 
 
 def _row(cell: Cell) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]] | None:
-    """The view of a scene that the default shows worst."""
-    names = list(cell.views)
-    worst = min(names, key=lambda name: cell.views[name]["psnr"])
-    number = names.index(worst)
-    stage = SCENES[cell.key.scene]()
-    camera = cameras_of(stage)[number]
-    reference = display(picture_inside(stage, camera, REFERENCE_SAMPLES, _REFERENCE_SEED))
-    tiles = [tile(reference, f"{cell.key.scene.rpartition('-')[2]}: path traced")]
-    for method in SHOWN:
-        found = kept(cell.key.scene, method)
-        if found is None:
-            return None
-        tiles.append(tile(display(found[number]), method))
+    """The view of a scene that the default shows worst; None if a picture of it is missing."""
+    scene, views = cell.key.scene, list(cell.views)
+    worst = min(views, key=lambda name: cell.views[name]["psnr"])
+    path = picture_path(scene, worst, Rendering(REFERENCE_SAMPLES, _REFERENCE_SEED, alone=True))
+    found = [kept(scene, method) for method in SHOWN]
+    if not path.exists() or any(pictures is None for pictures in found):
+        return None
+    tiles = [tile(display(np.load(path)[..., :3]), f"{scene.rpartition('-')[2]}: path traced")]
+    for method, pictures in zip(SHOWN, found, strict=True):
+        assert pictures is not None
+        tiles.append(tile(display(pictures[views.index(worst)]), method))
     return np.concatenate(tiles, axis=1)

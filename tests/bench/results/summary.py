@@ -77,6 +77,12 @@ def scene_spread(cells: Iterable[Cell], setting: Setting, scene: str, method: st
     return Spread.of(found) if found else None
 
 
+def seeds_of(cells: Iterable[Cell], setting: Setting, scene: str) -> int:
+    """With how many seeds the default was baked in a scene."""
+    wanted = scene, "layered"
+    return sum((c.key.scene, c.key.method) == wanted and _at(c, setting) for c in cells)
+
+
 def _at(cell: Cell, setting: Setting) -> bool:
     return Setting(cell.key.texels, cell.key.samples) in {setting, NOTHING}
 

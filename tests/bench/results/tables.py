@@ -11,7 +11,7 @@ from typing import Any
 from ..fidelity.report import markdown
 from .cells import Cell
 from .matrix import BAKED, TITLES, Setting
-from .summary import Spread, rows_of, scene_spread
+from .summary import Spread, rows_of, scene_spread, seeds_of
 
 Rows = list[dict[str, Any]]
 
@@ -29,7 +29,8 @@ def scene_rows(cells: Iterable[Cell], setting: Setting, scenes: Sequence[str]) -
     for scene in scenes:
         found = {method: scene_spread(every, setting, scene, method) for method in TITLES}
         told = {method: asdict(spread) for method, spread in found.items() if spread is not None}
-        rows.append({"scene": scene, "psnr": told})
+        seeds = seeds_of(every, setting, scene)
+        rows.append({"scene": scene, "seeds": seeds, "psnr": told})
     return sorted(rows, key=lambda row: row["psnr"].get("layered", {"mean": 0})["mean"])
 
 
