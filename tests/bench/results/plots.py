@@ -72,13 +72,13 @@ def _two_panels(path: Path, draw: Callable[[Axes, str], None], rows: Rows, label
     figure, panels = plt.subplots(1, 2, figsize=_SIZE, layout="constrained", facecolor="white")
     for axes, (name, title) in zip(panels, _FIGURES.items(), strict=True):
         draw(axes, name)
-        for row in rows:
-            if row["method"] == "eevee":
-                axes.axhline(row[name]["mean"], linestyle=":", color="grey")
-                place = (1, row[name]["mean"])
-                axes.annotate(
-                    "Eevee", place, xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=8
-                )
+        unbaked = next((row[name]["mean"] for row in rows if row["method"] == "eevee"), None)
+        if unbaked is not None:
+            axes.axhline(unbaked, linestyle=":", color="grey")
+            place = (1, unbaked)
+            axes.annotate(
+                "Eevee", place, xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=8
+            )
         axes.set_xscale("log")
         axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))

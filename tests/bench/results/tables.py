@@ -80,7 +80,7 @@ def settings_table(rows: Rows, what: str) -> str:
             ]
             lines.append([TITLES[method], *told])
     unit = "MB" if what == "texels" else "M paths"
-    return _table(["", *(f"{step} {what}, dB ({unit})" for step in steps)], lines)
+    return _table(["", *(f"{what}: {step}, dB ({unit})" for step in steps)], lines)
 
 
 def lookup_table(found: dict[str, Any]) -> str:
