@@ -8,6 +8,7 @@ from functools import partial
 
 import bpy
 
+from ..core.messages import do
 from ..formats.disk.atomic import check_writable
 from ..preview.swap import original_of
 from ..report.comparison_files import ComparisonFiles, write_comparison
@@ -24,6 +25,8 @@ from .interruption import Interruption
 from .opening import open_asked
 from .reporting import Report
 
+_OWN_VIEW = do("give a view by --view and --window")
+
 
 def run_compare(request: CompareRequest, report: Report, interruption: Interruption) -> None:
     """Render both pictures and report how they differ. Raises RadTexError."""
@@ -32,7 +35,7 @@ def run_compare(request: CompareRequest, report: Report, interruption: Interrupt
     items = [_object(scene, name) for name in request.objects or (OBJECT,)]
     bakes = bakes_of(items, request.bake)
     with at_frame(scene, frame_of(scene, bakes)):
-        eye = request.eye or Eye.of_camera(scene, find_view_layer(scene, None))
+        eye = request.eye or Eye.of_camera(scene, find_view_layer(scene, None), _OWN_VIEW)
     name = ", ".join(item.name for item in items)
     steps = compare_steps(scene, bakes, eye, request.spec)
     found = interruption.between(steps, partial(report.progress, name))

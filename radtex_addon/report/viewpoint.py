@@ -12,6 +12,7 @@ import numpy.typing as npt
 from mathutils import Matrix
 
 from ..core.errors import InputError
+from ..core.messages import Remedy, do
 
 _SENSOR = 36.0  # millimetres
 _FLAT = 1e-12  # a view matrix with a smaller determinant is invalid
@@ -34,13 +35,17 @@ class Eye:
             raise InputError("these matrices are no view: give a view's own, row by row")
 
     @classmethod
-    def of_camera(cls, scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> Eye:
-        """The view of the scene's camera. Raises InputError if there is none, or if it is panoramic."""
+    def of_camera(
+        cls, scene: bpy.types.Scene, layer: bpy.types.ViewLayer, instead: Remedy | None = None
+    ) -> Eye:
+        """The view of the scene's camera. Raises InputError if there is none, or if it is panoramic.
+
+        `instead` is what else, besides adding a camera, the error of a scene without one offers.
+        """
         camera, render = scene.camera, scene.render
         if camera is None:
-            raise InputError(
-                f"scene '{scene.name}' has no camera: add one, or look at the object in a 3D view"
-            )
+            remedies = (do("add one"), *(() if instead is None else (instead,)))
+            raise InputError(f"scene '{scene.name}' has no camera", *remedies)
         if isinstance(camera.data, bpy.types.Camera) and camera.data.type not in {"PERSP", "ORTHO"}:
             raise InputError(f"camera '{camera.name}' is panoramic: choose a perspective or orthographic one")
         layer.update()

@@ -125,6 +125,17 @@ def test_what_cannot_be_compared_is_one_line(
     assert not out.exists()
 
 
+def test_without_a_camera_it_names_the_options_that_give_a_view(
+    room: Path, baked: Path, out: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(room))
+    context.scene.camera = None
+    arguments = ["compare", "--object=Ball", f"--bake={baked}", f"--out={out}", *QUICK, "--progress=none"]
+    assert batch_module.main(arguments, inside_blender=True) == 2
+    said = capfd.readouterr().err
+    assert said.endswith("scene 'Scene' has no camera: add one, or give a view by --view and --window\n")
+
+
 @pytest.mark.parametrize(
     ("words", "inside", "message"),
     [

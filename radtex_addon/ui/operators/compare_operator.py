@@ -133,6 +133,7 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         """The view from the operator's matrices, else the 3D view's, else the camera's. Raises InputError."""
         import numpy as np
 
+        from ...core.messages import do
         from ...report.viewpoint import Eye
 
         region = cast(Any, context).region_data
@@ -141,7 +142,7 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
         elif isinstance(region, bpy.types.RegionView3D) and region.view_perspective != "CAMERA":
             view, window = np.array(region.view_matrix), np.array(region.window_matrix)
         else:
-            return Eye.of_camera(*shown(context))
+            return Eye.of_camera(*shown(context), do("look at the object in a 3D view"))
         return Eye.of_view(view.reshape(4, 4), window.reshape(4, 4))
 
 
