@@ -8,6 +8,7 @@ import shutil
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import bpy
@@ -27,7 +28,7 @@ from radtex_addon.textures.export_spec import Arrangement, ExportSpec, Target, T
 from radtex_addon.ui import registration
 from radtex_addon.ui.jobs import jobs
 from radtex_addon.ui.jobs.comparison import BAKED, DIFFERENCE, TRACED, figures
-from radtex_addon.ui.operators.compare_operator import submit
+from radtex_addon.ui.operators.compare_operator import RADTEX_OT_compare, submit
 from radtex_addon.ui.operators.export_operator import ARRANGEMENTS, FORMATS
 from radtex_addon.ui.operators.export_sources import Place, submit_scene
 from radtex_addon.ui.operators.export_sources import submit as export
@@ -36,6 +37,7 @@ from radtex_addon.ui.settings.chosen_objects import chosen_names
 from radtex_addon.worker.job import Job
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint
+from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.test_swap import GLOW, NAME, PLAIN, bake_of, ball, digest
 
 context: Any = bpy.context  # to the stubs, every pointer may be None
@@ -296,6 +298,14 @@ def test_views_that_show_nothing_are_refused(prepare: Any, words: str, bake: str
     with pytest.raises(RuntimeError, match=words):
         radtex.compare(bake=bake, pixels=32, samples=1)
     assert differences(before, digest()) == {}
+
+
+def test_the_dialog_asks_for_no_names() -> None:
+    """The button that opened it has chosen the object and the bake."""
+    drawn = RecordedLayout()
+    operator = SimpleNamespace(layout=drawn, bl_rna=radtex.compare.get_rna_type())
+    RADTEX_OT_compare.draw(operator, context)  # type: ignore[arg-type]  # Blender makes operators itself
+    assert drawn.settings == ["pixels", "samples"]
 
 
 def test_without_a_bake_there_is_no_comparison(bake: str) -> None:

@@ -77,6 +77,14 @@ class RADTEX_OT_compare(AsksFirst, MayWait, OfBake, bpy.types.Operator):
             **_MATRIX,
         )
 
+    def draw(self, context: bpy.types.Context | None) -> None:
+        """Draw the dialog: without the object and the bake, which the button that was pressed has chosen."""
+        layout: Any = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False  # nothing is animated
+        layout.prop(self, "pixels")
+        layout.prop(self, "samples")
+
     def execute(self, context: bpy.types.Context | None) -> set[OperatorReturnItems]:
         from ...core.errors import RadTexError
         from ...report.shown import frame_of
