@@ -10,6 +10,7 @@ from typing import Any
 import bpy
 
 _LAYOUT: Any = bpy.types.UILayout.bl_rna  # the stubs do not know its functions
+_RADTEX: Any = bpy.ops.radtex  # type: ignore[attr-defined]  # ours, not Blender's
 _FUNCTIONS = _LAYOUT.functions
 _ICONS = {one.identifier for one in _FUNCTIONS["label"].parameters["icon"].enum_items}
 
@@ -17,7 +18,7 @@ _ICONS = {one.identifier for one in _FUNCTIONS["label"].parameters["icon"].enum_
 class RecordedLayout:
     """`texts` are the labels, `settings` the names of the properties, in the order in which they are drawn.
 
-    `buttons` are the operators' names and the arguments that they are given.
+    `buttons` are the names of operators and of their menus, and the arguments that these are given.
 
     AssertionError for a keyword, an icon or a property that Blender does not know.
     """
@@ -37,6 +38,11 @@ class RecordedLayout:
         assert name in known or name in data.properties.bl_rna.properties, name
         self.settings.append(name)
 
+    def prop_enum(self, data: Any, name: str, value: str, **options: Any) -> None:
+        _check("prop_enum", options)
+        assert value in data.bl_rna.properties[name].enum_items, value
+        self.texts.append(options.get("text", ""))
+
     def row(self, **options: Any) -> RecordedLayout:
         _check("row", options)
         return self
@@ -50,6 +56,15 @@ class RecordedLayout:
 
     def operator(self, name: str, **options: Any) -> SimpleNamespace:
         _check("operator", options)
+        return self._button(name, options)
+
+    def operator_menu_enum(self, name: str, menu: str, **options: Any) -> SimpleNamespace:
+        _check("operator_menu_enum", options)
+        operator = getattr(_RADTEX, name.partition(".")[2])
+        assert menu in operator.get_rna_type().properties, menu
+        return self._button(name, options)
+
+    def _button(self, name: str, options: dict[str, Any]) -> SimpleNamespace:
         arguments = SimpleNamespace()
         self.texts.append(options.get("text", ""))
         self.buttons.append((name, arguments))

@@ -32,7 +32,10 @@ from radtex_addon.ui.operators.compare_operator import RADTEX_OT_compare, submit
 from radtex_addon.ui.operators.export_operator import ARRANGEMENTS, FORMATS
 from radtex_addon.ui.operators.export_sources import Place, submit_scene
 from radtex_addon.ui.operators.export_sources import submit as export
+from radtex_addon.ui.panel import panel_state
+from radtex_addon.ui.panel.finished_panel import RADTEX_PT_afterwards
 from radtex_addon.ui.panel.jobs_panel import job_title
+from radtex_addon.ui.panel.main_panel import RADTEX_PT_bake
 from radtex_addon.ui.settings.chosen_objects import chosen_names
 from radtex_addon.worker.job import Job
 from tests.blender import stage
@@ -113,6 +116,32 @@ def test_of_several_those_that_were_baked_are_shown(bake: str) -> None:
     assert [is_on(item) for item in items] == [True, True]
     radtex.preview_toggle()
     assert [is_on(item) for item in items] == [False, False]
+
+
+@pytest.mark.parametrize("shading", ["SOLID", "MATERIAL"])
+def test_showing_a_bake_moves_no_button(bake: str, shading: str, capfd: pytest.CaptureFixture[str]) -> None:
+    """What the panels drew before is still there, in the same places; what is new comes below."""
+    scene_with_balls()
+    context.scene.radtex.directory = bake
+    (area,) = [one for one in context.window_manager.windows[0].screen.areas if one.type == "VIEW_3D"]
+    area.spaces.active.shading.type = shading
+    with context.temp_override(window=context.window_manager.windows[0], area=area):
+        before = [drawn(panel).texts for panel in (RADTEX_PT_bake, RADTEX_PT_afterwards)]
+        radtex.preview_toggle()
+        main, finished = (drawn(panel) for panel in (RADTEX_PT_bake, RADTEX_PT_afterwards))
+    assert main.texts == before[0]
+    assert finished.texts[: len(before[1])] == before[1]
+    blind = shading == "SOLID"
+    assert finished.texts[-2:] == (["Material", "Rendered"] if blind else before[1][-2:])
+    assert ("Shade the view by Material Preview or Rendered" in capfd.readouterr().out) == blind
+
+
+def drawn(panel: Any) -> RecordedLayout:
+    """What a panel draws, once it has thought about the scene."""
+    panel_state.refresh(context.scene, context.view_layer)
+    layout = RecordedLayout()
+    panel.draw(SimpleNamespace(layout=layout), context)
+    return layout
 
 
 def test_each_press_is_one_step_to_undo(bake: str) -> None:

@@ -14,6 +14,7 @@ from ..settings.menu_items import LAYERS
 from .bake_lookup import bake_called, originals, sidecars_of
 from .bake_operator import shown
 from .operator_mixins import OfBake
+from .switch import is_blind
 from .undo import push_step
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
             items = originals(layer, self.object, scene, self.bake)
             off = self.action == "OFF" or (self.action == "TOGGLE" and all(map(is_on, items)))
             if not off:
-                self._switch_on(scene, items, bake_called(layer, self.object, scene, self.bake))
+                self._switch_on(context, items, bake_called(layer, self.object, scene, self.bake))
         except RadTexError as error:
             self.report({"ERROR"}, remark(error))
             return {"CANCELLED"}
@@ -70,14 +71,14 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
         push_step(self.bl_label)
         return {"FINISHED"}
 
-    def _switch_on(self, scene: bpy.types.Scene, items: list[bpy.types.Object], bake: str) -> None:
+    def _switch_on(self, context: bpy.types.Context | None, items: list[bpy.types.Object], bake: str) -> None:
         """Show every bake found in `bake`; if one fails, switch the others off again. Raises RadTexError."""
         from ...core.errors import RadTexError
         from ...preview.swap import is_on, switch_all_on, switch_off
 
         wanted = [item for item in items if self.action == "ON" or not is_on(item)]
         before = [item for item in wanted if is_on(item)]
-        sidecars, errors = sidecars_of(scene, wanted, bake)
+        sidecars, errors = sidecars_of(shown(context)[0], wanted, bake)
         layer = None if self.layer == "whole" else self.layer
         made = []
         try:
@@ -90,6 +91,10 @@ class RADTEX_OT_preview_toggle(OfBake, bpy.types.Operator):
                 if preview.original not in before:
                     switch_off(preview.original)
             raise
+        if context is not None and is_blind(context.space_data):
+            self.report(
+                {"INFO"}, "Shade the view by Material Preview or Rendered: this shading shows no bake"
+            )
         for error in errors:
             self.report({"WARNING"}, remark(error))
         for name in (preview.original.name for preview in made if preview.moved):

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeGuard
 
 import bpy
 
@@ -42,9 +42,14 @@ def draw_show(layout: Any) -> Any:
     return switch
 
 
+def is_blind(space: bpy.types.Space | None) -> TypeGuard[bpy.types.SpaceView3D]:
+    """Whether this is a 3D view whose shading shows no materials, and so no bake."""
+    return isinstance(space, bpy.types.SpaceView3D) and space.shading.type in _BLIND
+
+
 def draw_shading(layout: Any, space: bpy.types.Space | None) -> None:
     """Draw Blender's shading buttons if the current shading does not show materials, and so no bake."""
-    if not isinstance(space, bpy.types.SpaceView3D) or space.shading.type not in _BLIND:
+    if not is_blind(space):
         return
     draw_text(layout, iface_("Seen in these shadings only:"), "INFO")
     row = layout.row(align=True)

@@ -11,7 +11,7 @@ from typing import Any, cast
 
 import bpy
 
-from ..operators.switch import LARGE, draw_shading
+from ..operators.switch import LARGE
 from ..settings.bake_settings import BakeSettings
 from ..settings.chosen_objects import chosen_by, nothing_chosen, told_names
 from ..settings.object_settings import edited_settings, owner_of
@@ -57,8 +57,6 @@ class RADTEX_PT_bake(Sidebar, bpy.types.Panel):
         draw_remarks(layout, cast(bpy.types.Scene, context.scene), settings, found)
         for line in found.sizes:
             draw_text(layout, line, "BLANK1")
-        if found.shown:
-            draw_shading(layout.column(), context.space_data)
         draw_news(layout)
 
 
