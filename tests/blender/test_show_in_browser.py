@@ -29,6 +29,9 @@ from radtex_addon.ui import registration
 from radtex_addon.ui.jobs import browser, jobs
 from radtex_addon.ui.operators.browser_operator import open_exported
 from radtex_addon.ui.operators.export_sources import Place, submit
+from radtex_addon.ui.panel import jobs_panel
+from radtex_addon.worker.job import Job
+from tests.blender.recorded_layout import RecordedLayout
 from tests.blender.test_swap import NAME, PLAIN, bake_of, ball
 
 radtex: Any = bpy.ops.radtex  # type: ignore[attr-defined]  # ours, not Blender's
@@ -270,7 +273,17 @@ def test_a_worker_exports_and_its_page_opens_when_it_is_done(
         assert job.state == "done", job.message
     (address,) = opened
     assert is_served(address)
+    assert address.removeprefix("http://") in texts_of(job), "the panel has nowhere else to tell it"
+    browser.end_server()
+    assert "Show in Browser" in texts_of(job)
     radtex.clear_jobs()
+
+
+def texts_of(job: Job) -> list[str]:
+    """What the job's box in the panel says."""
+    layout = RecordedLayout()
+    jobs_panel._draw_job(layout, job)
+    return layout.texts
 
 
 def test_what_cannot_be_shown_is_said(bake: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,7 +8,7 @@ The server listens at 127.0.0.1 only. It ends with Blender, and when RadTex is d
 from __future__ import annotations
 
 import webbrowser
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,9 +18,10 @@ if TYPE_CHECKING:
 
 @dataclass
 class _Session:
-    """The running server; None before the first page."""
+    """The running server, None before the first page, and the address of each folder that it serves."""
 
     server: PageProcess | None = None
+    addresses: dict[Path, str] = field(default_factory=dict)
 
 
 _session = _Session()
@@ -37,7 +38,13 @@ def address_of(folder: Path) -> str:
         end_server()
     if _session.server is None:
         _session.server = PageProcess()
-    return _session.server.address_of(folder)
+    address = _session.addresses[folder.absolute()] = _session.server.address_of(folder)
+    return address
+
+
+def known_address(folder: Path) -> str:
+    """The address of a folder that is served; else empty. Asks no process."""
+    return _session.addresses.get(folder.absolute(), "")
 
 
 def open_page(folder: Path) -> tuple[str, bool]:
@@ -54,3 +61,4 @@ def end_server() -> None:
     if _session.server is not None:
         _session.server.close()
     _session.server = None
+    _session.addresses.clear()

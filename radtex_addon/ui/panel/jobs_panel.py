@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 
 from ...bake.bake_title import bake_title
-from ..jobs import jobs, pictures
+from ..jobs import browser, jobs, pictures
 from ..operators.switch import draw_show, draw_switch
 from ..settings.menu_items import KINDS, TARGETS
 from .draw_messages import draw_text
@@ -203,11 +203,16 @@ def _offer_comparison(column: Any, job: Job) -> None:
 
 
 def _offer_export(column: Any, job: Job) -> None:
-    """Draw buttons that open the exported folder, or the one that several are in, and pages."""
+    """Draw buttons that open the exported folder, or the one that several are in, and pages.
+
+    The button of a page that is served has its address as its text, to be typed in if no browser opened. A
+    line for it would move the buttons below.
+    """
     several = len(job.files) > 1
     pages = job.files if job.order.about == "web" else ()
     for folder in pages[:_PAGES]:
-        text = folder.stem if several else iface_("Show in Browser")
+        text = browser.known_address(folder).removeprefix("http://")
+        text = text or (folder.stem if several else iface_("Show in Browser"))
         page = column.operator("radtex.show_in_browser", text=text, icon="URL", translate=False)
         page.directory = str(folder)
     opened = job.out if several else job.files[0]
