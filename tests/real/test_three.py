@@ -130,15 +130,35 @@ def test_the_guides_page_shows_the_bake(
             assert found >= LEAST
 
 
-def test_it_runs_without_a_bundler(web: Site, exhibit: Exhibit, packed: Path) -> None:
-    folder = web.add("plain", exhibit.plain)
-    (manifest,) = folder.glob("*.export.json")
+def add_guide(folder: Path, packed: Path) -> None:
+    """Put the guide's page without a bundler into a served folder, as modules.html."""
     (page,) = blocks_of(GUIDE.read_text(encoding="utf-8"), "html")
     (folder / "modules.html").write_text(page.replace('src="app.js"', 'src="both.js"'))
     for name in ("app.js", "both.js", "three_checks.js"):
         shutil.copyfile(packed / name, folder / name)
     if not (folder / "node_modules").exists():
         (folder / "node_modules").symlink_to(packed / "node_modules")
+
+
+def test_a_missing_bake_is_said_where_one_sees_it(web: Site, packed: Path) -> None:
+    folder = web.folder / "no-bake"
+    folder.mkdir()
+    add_guide(folder, packed)
+    with web.opened("no-bake/modules.html?bake=None.export.json") as shown:
+        shown.page.wait_for_function("document.body.innerText.includes('None.export.json')")
+        top, bottom = shown.page.evaluate("""() => {
+            const range = document.createRange();
+            range.selectNodeContents(document.body);
+            const words = [...range.getClientRects()].at(-1);
+            return [words.top, words.bottom];
+        }""")
+        assert 0 <= top < bottom <= 700, "below the window's edge, on a page that does not scroll"
+
+
+def test_it_runs_without_a_bundler(web: Site, exhibit: Exhibit, packed: Path) -> None:
+    folder = web.add("plain", exhibit.plain)
+    (manifest,) = folder.glob("*.export.json")
+    add_guide(folder, packed)
     with web.opened(f"plain/modules.html?bake={manifest.name}") as shown:
         seen = App(shown).ready().light("one", FRONT)
     bake = exhibit.plain
