@@ -221,6 +221,24 @@ def test_a_phone_has_all_of_it_by_taps(web: Site, exhibit: Exhibit) -> None:
         assert page.locator("#help").is_hidden()
 
 
+@pytest.mark.parametrize("form", ["plain", "layered"])
+def test_the_help_is_about_what_is_shown(web: Site, exhibit: Exhibit, form: str) -> None:
+    web.add(form, getattr(exhibit, form))
+    with web.opened(f"{form}/") as shown:
+        page = shown.wait().page
+        page.keyboard.press("?")
+        page.locator("#help").wait_for(state="visible")
+        said, keys = page.locator("#about").inner_text(), page.locator("#filter-keys")
+        filters = page.locator("#filters button").count()
+        if form == "plain":
+            assert "Each texel holds a bucket" in said
+            assert keys.inner_text().split() == ["1", "to", str(filters), "filter"]
+        else:
+            assert "bucket" not in said
+            assert "surroundings" in said
+            assert (filters, keys.is_hidden()) == (1, True)
+
+
 def within(shown: Shown) -> None:
     """No button and no card lies beyond the screen, and none is too small for a finger."""
     boxes = shown.page.evaluate("""

@@ -3,6 +3,7 @@
 // Buttons, slider, divider, keys and pointer, and what the page tells beside the picture.
 
 import { element } from "./elements";
+import { describeHelp } from "./help";
 import type { Inspection, Inspector } from "./inspector";
 import { KINDS } from "../src/kinds";
 import { layerWords } from "../src/layers";
@@ -87,7 +88,7 @@ export class Panel {
     const several = bake.layout === "layered"; // images
     const layout = several ? "layered layout" : "";
     const arrangement = several ? "" : textures[bake.kind]?.arrangement;
-    const { title, about, way } = KINDS[bake.kind];
+    const { title, way } = KINDS[bake.kind];
     const facts = parts.length > 1 ? [`${parts.length} bakes`] : [
       bake.kind === "radiance" ? "" : title,
       `${bake.texels.join(" × ")} texels`,
@@ -102,7 +103,7 @@ export class Panel {
     element("facts").textContent = facts.filter(Boolean).join(" · ");
     element("side").textContent = title;
     element("way").textContent = way;
-    if (about) element("about").textContent = about;
+    describeHelp(this.viewer);
   }
 
   /** A row of buttons of which one is pressed. */

@@ -13,16 +13,35 @@ interface KindFacts {
   way: "I" | "L";
   /** Which of the sun's settings the picture depends on. */
   sun: ReadonlyArray<"direction" | "size" | "strength">;
-  /** What the help says, where it is not what index.html says. */
+  /** What the help says, unless the layout is layered. */
   about: string;
 }
 
-const SEEN = { bucket: "The texel’s bucket", way: "I", sun: [], about: "" } as const;
+const SEEN = { bucket: "The texel’s bucket", way: "I", sun: [] } as const;
 
 export const KINDS: Record<Kind, KindFacts> = {
-  radiance: { ...SEEN, title: "radiance" },
-  incident: { ...SEEN, title: "incident light" },
-  reflection: { ...SEEN, title: "reflection" },
+  radiance: {
+    ...SEEN,
+    title: "radiance",
+    about:
+      "Each texel holds a bucket: a small picture of the light that leaves it, with a cell for each direction. " +
+      "What you see is that light, looked up for where you stand. " +
+      "A flat lightmap, as Compare shows it beside, knows one colour a texel.",
+  },
+  incident: {
+    ...SEEN,
+    title: "incident light",
+    about:
+      "Each texel holds a bucket: a small picture of the light that arrives at it, with a cell for each direction. " +
+      "What you see is the light that comes from your direction.",
+  },
+  reflection: {
+    ...SEEN,
+    title: "reflection",
+    about:
+      "Each texel holds a bucket: a small picture of what a mirror there would show, with a cell for each direction. " +
+      "What you see is the object as a perfect mirror.",
+  },
   proxy: {
     ...SEEN,
     title: "proxy",
