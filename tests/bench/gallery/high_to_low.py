@@ -15,7 +15,6 @@ from typing import Any
 import bpy
 
 from radtex_addon.bake.spec import BakeSpec, Layout
-from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.report.finished_bake import read_bake
 
 from .looking import SUBJECT, Camera, added, baked, empty_scene, lamp, principled, rendered
@@ -61,8 +60,8 @@ def rows(spec: BakeSpec = SPEC) -> Iterator[Row]:
         scene()
         with tempfile.TemporaryDirectory() as folder:
             bake = baked(each, Path(folder))
-            source = read_sidecar(bake.sidecar).source
-            look = read_bake(bake.sidecar).radiance
+            finished = read_bake(bake.sidecar)
+            source, look = finished.sidecar.source, finished.radiance
             bpy.data.objects[SUBJECT].hide_render = True
             for name, camera in CAMERAS.items():
                 seen, truth = bake.seen(camera), rendered(camera)

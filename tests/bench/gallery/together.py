@@ -15,7 +15,7 @@ import numpy as np
 
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.sampler import Filter
-from radtex_addon.formats.sidecar import Sidecar, preview_path, read_sidecar
+from radtex_addon.formats.sidecar import Sidecar, preview_path
 from radtex_addon.job import bake_object
 from radtex_addon.report.finished_bake import read_bake
 from radtex_addon.report.gbuffer import BakedSurface, GBuffer
@@ -49,9 +49,8 @@ def scene() -> None:
 
 def seen_of(sidecar: Path, camera: Camera) -> GBuffer:
     """What a camera sees of the bake's surface, as the saved preview has it."""
-    facts = read_sidecar(sidecar)
     rays = camera.rays()
-    return surface_of_bake(sidecar, facts).gbuffer(rays, np.full(len(rays.away), np.inf))
+    return surface_of_bake(sidecar, read_bake(sidecar).sidecar).gbuffer(rays, np.full(len(rays.away), np.inf))
 
 
 def surface_of_bake(sidecar: Path, facts: Sidecar) -> BakedSurface:

@@ -15,7 +15,6 @@ import numpy as np
 
 from radtex_addon.bake.spec import BakeSpec, Layout, Split
 from radtex_addon.core.sampler import Filter
-from radtex_addon.formats.sidecar import read_sidecar
 from radtex_addon.job import bake_object, part_specs
 from radtex_addon.report.finished_bake import read_bake
 from radtex_addon.report.gbuffer import Array, eroded
@@ -72,8 +71,9 @@ def drawn(sidecars: list[Path], camera: Camera) -> tuple[Array, Mask]:
     rays = camera.rays()
     light, nearest = np.zeros_like(rays.away), np.full(len(rays.away), np.inf)
     for sidecar in sidecars:
-        seen = surface_of_bake(sidecar, read_sidecar(sidecar)).gbuffer(rays, nearest)
-        light[seen.hit] = read_bake(sidecar).radiance(seen)[seen.hit]
+        bake = read_bake(sidecar)
+        seen = surface_of_bake(sidecar, bake.sidecar).gbuffer(rays, nearest)
+        light[seen.hit] = bake.radiance(seen)[seen.hit]
         nearest[seen.hit] = np.linalg.norm(seen.position - rays.origin, axis=1)[seen.hit]
     filled: Mask = np.isfinite(nearest).reshape(PIXELS, PIXELS, -1).all(axis=2)
     return light.reshape(PIXELS, PIXELS, -1, 3).mean(axis=2), eroded(filled)
