@@ -47,9 +47,9 @@ CAPTIONS = {
     "inter_reflection": Caption(
         "Inter-reflection",
         "A copper bowl that lights and mirrors itself, in up to twelve bounces.",
-        "The warm glow in the ground, which only bounced light makes, is right in colour and place. The "
-        "lamp's sheen is a little too wide, for a cell is 20 degrees wide, and beside it a seam of the "
-        "unwrap can be made out.",
+        "The default is 3 dB worse here than buckets: what a hollow mirrors of itself is coarse in it. "
+        "There are pale blotches on the far wall, and the sheen is a little too orange. The warm glow in the "
+        "ground, which only bounced light makes, is there.",
     ),
     "refraction": Caption(
         "Refraction",
