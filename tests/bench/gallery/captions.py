@@ -39,10 +39,9 @@ CAPTIONS = {
     ),
     "iridescence": Caption(
         "Iridescence",
-        "A steel ring under a thin film, 16 x 16 cells: magenta where one looks straight at it, green at "
-        "a slant.",
+        "A steel ring under a thin film: magenta where one looks straight at it, green at a slant.",
         "The turn from magenta to grey-green towards the edges is there. On the inside of the ring, where "
-        "texels are small in the picture, the film's colours are in soft patches.",
+        "texels are small in the picture, the film's colours are in fine blotches.",
     ),
     "inter_reflection": Caption(
         "Inter-reflection",
