@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from time import perf_counter
 from typing import cast
 
 import bpy
@@ -79,6 +80,21 @@ class Captured:
             uv_layer=self.prepared.uv_layer,
             alpha=self.look_alpha,
         )
+
+
+@dataclass(frozen=True)
+class OfCapture:
+    """A method that bakes by `of_capture`; with `inputs` the capture has the materials' textures, too."""
+
+    name: str
+    spec: BakeSpec
+    of_capture: Callable[[Captured], Baked]
+    inputs: bool = False
+
+    def bake(self, stage: Stage, folder: Path) -> Baked:
+        started = perf_counter()
+        captured = capture_stage(stage, self.spec, folder, self.inputs)
+        return replace(self.of_capture(captured), seconds=perf_counter() - started)
 
 
 def capture_stage(

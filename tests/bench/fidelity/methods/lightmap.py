@@ -10,10 +10,6 @@ over; and it is blurred a little against noise, as bakers denoise it.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
-from time import perf_counter
-
 import numpy as np
 
 from radtex_addon.bake.pooling import Neighbours
@@ -22,28 +18,16 @@ from radtex_addon.core.bilinear import bilinear
 from radtex_addon.forms.layered.fit.harmonics import pooled
 from radtex_addon.report.gbuffer import Array, GBuffer
 
-from ..captured import Captured, capture_stage
+from ..captured import Captured, OfCapture
 from ..lightmaps import diffuse_map, means, sample_weights, texture_bytes, up_to_white
 from ..method import Baked
-from ..scenes import Stage
-
-
-class Lightmap:
-    """Bakes and looks up; `bytes` are those of BC7 for the colour and of BC6H for light."""
-
-    name = "lightmap"
-
-    def __init__(self, spec: BakeSpec) -> None:
-        self.spec = spec
-
-    def bake(self, stage: Stage, folder: Path) -> Baked:
-        started = perf_counter()
-        captured = capture_stage(stage, self.spec, folder)
-        return replace(of_capture(captured), seconds=perf_counter() - started)
 
 
 def of_capture(captured: Captured) -> Baked:
-    """The lightmap of a captured stage, its seconds left at 0."""
+    """The lightmap of a captured stage, its seconds left at 0.
+
+    Its bytes are those of BC7 for the colour and of BC6H for light.
+    """
     light = captured.capture.light
     weight = sample_weights(light)
     diffuse = diffuse_map(captured.capture, weight, captured.alpha is not None)
@@ -57,6 +41,6 @@ def of_capture(captured: Captured) -> Baked:
     return captured.baked(radiance, diffuse.bytes + texture_bytes(rest))
 
 
-def make(texels: int, samples: int) -> Lightmap:
+def make(texels: int, samples: int) -> OfCapture:
     """The flat lightmap of a stage's single paths."""
-    return Lightmap(BakeSpec(texels=texels, samples=samples))
+    return OfCapture("lightmap", BakeSpec(texels=texels, samples=samples), of_capture)

@@ -10,8 +10,6 @@ shows the probe behind it as Filament's solid refraction does: through a ball as
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
-from time import perf_counter
 
 import numpy as np
 
@@ -20,12 +18,11 @@ from radtex_addon.core.arrays import Floats
 from radtex_addon.core.bilinear import bilinear
 from radtex_addon.report.gbuffer import Array, GBuffer
 
-from ..captured import Captured, capture_stage
+from ..captured import Captured, OfCapture
 from ..engine_material import Inputs
 from ..lightmaps import DiffuseMap, diffuse_map, sample_weights, texture_bytes
 from ..method import Baked
 from ..reflection_probe import Probe
-from ..scenes import Stage
 from ..self_occlusion import RAYS, ambient_visibility, specular_visibility
 from ..split_sum import reflectance
 from ..thin_film import filmed
@@ -167,22 +164,11 @@ def _refracted(away: Floats, normal: Floats, ratio: float) -> Floats:
     return direction / length
 
 
-class ReflectionProbe:
-    """Bakes and looks up; `paths` count the rays of ambient occlusion and of the inputs' textures too."""
-
-    name = "probe"
-
-    def __init__(self, spec: BakeSpec) -> None:
-        self.spec = spec
-
-    def bake(self, stage: Stage, folder: Path) -> Baked:
-        started = perf_counter()
-        captured = capture_stage(stage, self.spec, folder, inputs=True)
-        return replace(of_capture(captured), seconds=perf_counter() - started)
-
-
 def of_capture(captured: Captured) -> Baked:
-    """The probe and lightmap of a stage that was captured with its inputs; its seconds left at 0."""
+    """The probe and lightmap of a stage that was captured with its inputs; its seconds left at 0.
+
+    Its paths count the rays of ambient occlusion and of the inputs' textures, too.
+    """
     capture, prepared = captured.capture, captured.prepared
     plan = capture.plan
     visibility = plan.placed(ambient_visibility(plan, prepared.surface.corner_position), gutter=True)
@@ -201,6 +187,6 @@ def of_capture(captured: Captured) -> Baked:
     return replace(captured.baked(shader.shade, 0), paths=paths, bytes=shader.bytes)
 
 
-def make(texels: int, samples: int) -> ReflectionProbe:
+def make(texels: int, samples: int) -> OfCapture:
     """The probe and lightmap of a stage's single paths."""
-    return ReflectionProbe(BakeSpec(texels=texels, samples=samples))
+    return OfCapture("probe", BakeSpec(texels=texels, samples=samples), of_capture, inputs=True)

@@ -12,10 +12,6 @@ is kept apart.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
-from time import perf_counter
-
 import numpy as np
 
 from radtex_addon.bake.plan import CapturePlan
@@ -25,11 +21,10 @@ from radtex_addon.core.bilinear import bilinear
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.report.gbuffer import Array, GBuffer
 
-from ..captured import Captured, capture_stage
+from ..captured import Captured, OfCapture
 from ..directional import fitted_equations, gaussians, lobe_axes, solve_non_negative
 from ..lightmaps import diffuse_map, sample_weights, texture_bytes, up_to_white
 from ..method import Baked
-from ..scenes import Stage
 
 LOBES = 9
 SHARPNESS = (2.0, 4.0, 8.0, 16.0)  # lobes of 8 overlap by half with their neighbours
@@ -37,22 +32,11 @@ _RIDGE = 1e-3  # about a hundredth of a lobe's mean square
 _AXES = lobe_axes(LOBES)
 
 
-class GaussiansLightmap:
-    """Bakes and looks up; `bytes` are those of nine images in BC6H, and of the diffuse light's textures."""
-
-    name = "sg"
-
-    def __init__(self, spec: BakeSpec) -> None:
-        self.spec = spec
-
-    def bake(self, stage: Stage, folder: Path) -> Baked:
-        started = perf_counter()
-        captured = capture_stage(stage, self.spec, folder)
-        return replace(of_capture(captured), seconds=perf_counter() - started)
-
-
 def of_capture(captured: Captured) -> Baked:
-    """The lightmap of a captured stage, its seconds left at 0."""
+    """The lightmap of a captured stage, its seconds left at 0.
+
+    Its bytes are those of nine images in BC6H, and of the diffuse light's textures.
+    """
     light = captured.capture.light
     weight = sample_weights(light)
     diffuse = diffuse_map(captured.capture, weight, captured.alpha is not None)
@@ -101,6 +85,6 @@ def fit_gaussians(
     return best, fit(best)
 
 
-def make(texels: int, samples: int) -> GaussiansLightmap:
+def make(texels: int, samples: int) -> OfCapture:
     """The lightmap of spherical Gaussians of a stage's single paths."""
-    return GaussiansLightmap(BakeSpec(texels=texels, samples=samples))
+    return OfCapture("sg", BakeSpec(texels=texels, samples=samples), of_capture)

@@ -11,10 +11,6 @@ they make negative is shown as black.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
-from time import perf_counter
-
 import numpy as np
 
 from radtex_addon.bake.spec import BakeSpec
@@ -22,31 +18,19 @@ from radtex_addon.core.bilinear import bilinear
 from radtex_addon.core.hemisphere import square_to_direction
 from radtex_addon.report.gbuffer import Array, GBuffer
 
-from ..captured import Captured, capture_stage
+from ..captured import Captured, OfCapture
 from ..directional import fitted_equations, harmonics, solve_with_ridge
 from ..lightmaps import diffuse_map, means, sample_weights, texture_bytes, up_to_white
 from ..method import Baked
-from ..scenes import Stage
 
 _RIDGE = 0.03  # a third of a harmonic's mean square
 
 
-class HarmonicsLightmap:
-    """Bakes and looks up; `bytes` are those of an image in BC6H each, and of the diffuse light's textures."""
+def of_capture(captured: Captured, bands: int = 2) -> Baked:
+    """The lightmap of a captured stage, of harmonics up to band 2 or 3; its seconds left at 0.
 
-    def __init__(self, spec: BakeSpec, bands: int) -> None:
-        """Of harmonics up to band 2 or 3."""
-        self.spec, self.bands = spec, bands
-        self.name = "sh" if bands == 2 else f"sh{bands}"
-
-    def bake(self, stage: Stage, folder: Path) -> Baked:
-        started = perf_counter()
-        captured = capture_stage(stage, self.spec, folder)
-        return replace(of_capture(captured, self.bands), seconds=perf_counter() - started)
-
-
-def of_capture(captured: Captured, bands: int) -> Baked:
-    """The lightmap of a captured stage, of harmonics up to a band; its seconds left at 0."""
+    Its bytes are those of an image in BC6H for each, and of the diffuse light's textures.
+    """
     light, count = captured.capture.light, (bands + 1) ** 2
     weight = sample_weights(light)
     diffuse = diffuse_map(captured.capture, weight, captured.alpha is not None)
@@ -68,6 +52,6 @@ def of_capture(captured: Captured, bands: int) -> Baked:
     return captured.baked(radiance, diffuse.bytes + count * texture_bytes(image))
 
 
-def make(texels: int, samples: int) -> HarmonicsLightmap:
+def make(texels: int, samples: int) -> OfCapture:
     """The lightmap of nine spherical harmonics of a stage's single paths."""
-    return HarmonicsLightmap(BakeSpec(texels=texels, samples=samples), bands=2)
+    return OfCapture("sh", BakeSpec(texels=texels, samples=samples), of_capture)

@@ -4,11 +4,14 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from radtex_addon.bake.spec import BakeSpec
 
-from .sh import HarmonicsLightmap
+from ..captured import OfCapture
+from .sh import of_capture
 
 
-def make(texels: int, samples: int) -> HarmonicsLightmap:
+def make(texels: int, samples: int) -> OfCapture:
     """The lightmap of 16 spherical harmonics of a stage's single paths."""
-    return HarmonicsLightmap(BakeSpec(texels=texels, samples=samples), bands=3)
+    return OfCapture("sh3", BakeSpec(texels=texels, samples=samples), partial(of_capture, bands=3))
