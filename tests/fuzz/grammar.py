@@ -109,7 +109,7 @@ def _commands() -> tuple[_Command, ...]:
     for module in pkgutil.iter_modules(radtex_addon.cli.__path__):
         if not module.name.endswith("arguments") or module.name == "bake_arguments":
             continue
-        parser: argparse.ArgumentParser = import_module(f"radtex_addon.cli.{module.name}")._parser(False)
+        parser: argparse.ArgumentParser = import_module(f"radtex_addon.cli.{module.name}").build_parser(False)
         options = tuple(
             (flag, _offered(action), action.nargs != 0)
             for action in parser._actions
