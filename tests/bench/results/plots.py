@@ -12,6 +12,7 @@ import matplotlib as mpl
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+from matplotlib.transforms import Bbox
 
 from .matrix import BAKED, TITLES
 
@@ -64,7 +65,19 @@ def _points(axes: Axes, method: str, points: Sequence[tuple[float, dict[str, Any
     error = [spread["deviation"] or 0.0 for _, spread, _ in points]
     axes.errorbar(x, y, yerr=error, color=colour, marker=marker, capsize=3, label=TITLES[method])
     for place, height, (_, _, word) in zip(x, y, points, strict=True):
-        axes.annotate(word, (place, height), xytext=(4, 4), textcoords="offset points", fontsize=7)
+        axes.annotate(
+            word, (place, height), xytext=(4, 4), textcoords="offset points", fontsize=7, color=colour
+        )
+
+
+def _hide_covered_words(axes: Axes) -> None:
+    """Hide each point's word that would lie over an earlier one."""
+    shown: list[Bbox] = []
+    for text in axes.texts:
+        place = text.get_window_extent()
+        text.set_visible(not any(place.overlaps(other) for other in shown))
+        if text.get_visible():
+            shown.append(place)
 
 
 def _two_panels(path: Path, draw: Callable[[Axes, str], None], rows: Rows, label: str) -> None:
@@ -88,6 +101,9 @@ def _two_panels(path: Path, draw: Callable[[Axes, str], None], rows: Rows, label
         axes.grid(visible=True, which="both", alpha=0.3)
     handles, names = panels[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncol=3, fontsize=8, frameon=False)
+    figure.draw_without_rendering()
+    for axes in panels:
+        _hide_covered_words(axes)
     path.parent.mkdir(parents=True, exist_ok=True)
     mpl.rcParams["svg.hashsalt"] = "radtex"  # the same file for the same figures
     figure.savefig(path, facecolor="white", metadata={"Date": None})
