@@ -18,6 +18,7 @@ from .options import (
     ProgressStyle,
     add_device,
     add_help,
+    add_least_psnr,
     add_memory,
     add_number,
     add_parent,
@@ -40,7 +41,8 @@ examples:
   blender -b room.blend -P bake.py -- compare --object Vase --bake baked
   python bake.py compare demo
 
-exit codes: as of a bake"""
+exit codes: as of a bake, and
+  3  done, but the bake is below --min-psnr"""
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,7 @@ class CompareRequest:
     progress: ProgressStyle
     verbose: bool
     in_scene: str | None = None
+    min_psnr: float | None = None
     unsaved_images: Path | None = None
     parent_pipe: bool = False
 
@@ -80,6 +83,7 @@ def parse_compare(arguments: list[str], inside_blender: bool) -> CompareRequest:
         progress=found.progress,
         verbose=found.verbose,
         in_scene=found.in_scene,
+        min_psnr=found.min_psnr,
         parent_pipe=found.parent_pipe,
     )
 
@@ -159,6 +163,7 @@ def _add_how(group: argparse._ArgumentGroup) -> None:
 
 
 def _add_output(group: argparse._ArgumentGroup) -> None:
+    add_least_psnr(group)
     group.add_argument(
         "--out",
         metavar="DIR",

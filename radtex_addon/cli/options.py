@@ -8,13 +8,15 @@ import argparse
 import re
 import sys
 from enum import StrEnum
+from math import isfinite, nan
 from pathlib import Path
 from typing import Any, NoReturn
 
 from ..bake.spec import BakeSpec
 from ..bake.spec_checks import MOST_MEMORY
 from ..core.command_lines import quoted
-from ..core.errors import BakeError, InputError
+from ..core.errors import BakeError, InputError, QualityError
+from ..core.messages import do
 from ..cycles.device import GPU_TYPES
 from ..formats.disk.path_checks import check_unicode, one_root
 from ..version import VERSION
@@ -229,6 +231,35 @@ def _memory(word: str) -> int:
     if word.strip().isdecimal() and len(word) <= _DIGITS:
         return int(word)
     return parse_size("--memory", word, "2GB or 800MB") // MIB
+
+
+def add_least_psnr(group: argparse._ArgumentGroup) -> None:
+    """Add the PSNR below which the command fails, as `min_psnr`, in decibels or None."""
+
+    def decibels(word: str) -> float:
+        try:
+            found = float(word)
+        except ValueError:
+            found = nan
+        if not isfinite(found):
+            raise InputError(f"--min-psnr {word}: give a number of decibels, as 25 or 27.5")
+        return found
+
+    group.add_argument(
+        "--min-psnr",
+        type=decibels,
+        metavar="DB",
+        help="end with exit code 3 if the bake comes out below; all files are written nevertheless",
+    )
+
+
+def check_psnr(name: str, psnr: float, least: float | None) -> None:
+    """Raise QualityError if an object's bake came out below `least` decibels, as of `--min-psnr`."""
+    if least is not None and psnr < least:
+        raise QualityError(
+            f"{name}: {psnr:.2f} dB, less than the {least:g} dB of --min-psnr",
+            do("bake with more texels or samples"),
+        )
 
 
 def add_number(

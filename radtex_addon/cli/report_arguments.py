@@ -17,6 +17,7 @@ from .options import (
     ProgressStyle,
     add_device,
     add_help,
+    add_least_psnr,
     add_memory,
     add_number,
     add_progress,
@@ -36,7 +37,8 @@ examples:
   blender -b room.blend -P bake.py -- report baked --object Vase --variants
   python bake.py report radtex --scene demo
 
-exit codes: as of a bake"""
+exit codes: as of a bake, and
+  3  done, but the bake is below --min-psnr"""
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,7 @@ class ReportRequest:
     progress: ProgressStyle
     verbose: bool
     in_scene: str | None = None
+    min_psnr: float | None = None
 
 
 def parse_report(arguments: list[str], inside_blender: bool) -> ReportRequest:
@@ -86,6 +89,7 @@ def parse_report(arguments: list[str], inside_blender: bool) -> ReportRequest:
         progress=found.progress,
         verbose=found.verbose,
         in_scene=found.in_scene,
+        min_psnr=found.min_psnr,
     )
 
 
@@ -129,6 +133,7 @@ def _add_how(group: argparse._ArgumentGroup) -> None:
 
 
 def _add_output(group: argparse._ArgumentGroup) -> None:
+    add_least_psnr(group)
     group.add_argument(
         "--out",
         metavar="FILE",

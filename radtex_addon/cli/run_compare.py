@@ -23,13 +23,17 @@ from ..scene.scratch import find_view_layer
 from .compare_arguments import CompareRequest
 from .interruption import Interruption
 from .opening import open_asked
+from .options import check_psnr
 from .reporting import Report
 
 _OWN_VIEW = do("give a view by --view and --window")
 
 
 def run_compare(request: CompareRequest, report: Report, interruption: Interruption) -> None:
-    """Render both pictures and report how they differ. Raises RadTexError."""
+    """Render both pictures and report how they differ. Raises RadTexError.
+
+    QualityError: the pictures are further apart than `min_psnr` allows.
+    """
     check_writable(request.out)
     scene = open_asked(request, interruption)
     items = [_object(scene, name) for name in request.objects or (OBJECT,)]
@@ -50,6 +54,7 @@ def run_compare(request: CompareRequest, report: Report, interruption: Interrupt
         baked=str(files.baked),
         **_facts(found.figures),
     )
+    check_psnr(name, found.figures.psnr, request.min_psnr)
 
 
 def _object(scene: bpy.types.Scene, name: str) -> bpy.types.Object:

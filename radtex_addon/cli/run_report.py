@@ -11,12 +11,16 @@ from ..report.report_bake import ReportResult, report_path, report_steps
 from ..report.report_progress import Step
 from .interruption import Interruption
 from .opening import open_scene
+from .options import check_psnr
 from .report_arguments import ReportRequest
 from .reporting import Report
 
 
 def run_report(request: ReportRequest, report: Report, interruption: Interruption) -> None:
-    """Measure the bake's quality and report the results. Raises RadTexError."""
+    """Measure the bake's quality and report the results. Raises RadTexError.
+
+    QualityError: the mean of the views is below `min_psnr`.
+    """
     sidecar = find_bake(request.bake, request.object)
     sidecar = replace(sidecar, path=sidecar.path.absolute())  # a relative path is Blender's, of its own file
     name = object_of(sidecar)
@@ -29,6 +33,7 @@ def run_report(request: ReportRequest, report: Report, interruption: Interruptio
 
     result = interruption.between(steps, tell)
     report.event("done", object=name, summary=_summary(result), **_facts(result))
+    check_psnr(name, result.psnr, request.min_psnr)
 
 
 def _summary(result: ReportResult) -> str:

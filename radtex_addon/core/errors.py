@@ -60,6 +60,12 @@ class BakeError(RadTexError):
     exit_code = 1
 
 
+class QualityError(RadTexError):
+    """Everything was done and written, but the result is worse than the user allows."""
+
+    exit_code = 3
+
+
 class Cancelled(RadTexError):
     """The user stopped the bake."""
 

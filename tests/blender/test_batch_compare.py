@@ -56,10 +56,15 @@ def test_a_comparison_prints_json_lines_and_leaves_three_pictures(room: Path, ba
     before = room.read_bytes()
     ended = process(
         *("compare", room, "--object", "Ball", "--bake", baked, "--out", out),
-        *("--pixels", "64", "--samples", "4", "--progress", "json"),
+        *("--pixels", "64", "--samples", "4", "--min-psnr", "100", "--progress", "json"),
     )
-    assert (ended.code, ended.err) == (0, "")
-    *progress, done = [json.loads(line) for line in ended.out.splitlines()]
+    assert ended.code == 3
+    *progress, done, error = [json.loads(line) for line in ended.out.splitlines()]
+    assert (error["event"], error["exit_code"]) == ("error", 3)
+    assert ended.err == (
+        f"radtex: Ball: {done['psnr']:.2f} dB, less than the 100 dB of --min-psnr: "
+        "bake with more texels or samples\n"
+    )
     assert {event["event"] for event in progress} == {"progress"}
     assert list(dict.fromkeys(event["stage"] for event in progress)) == ["reference", "compare"]
     names = ["Ball.traced.exr", "Ball.baked.exr", "Ball.difference.png"]
@@ -169,7 +174,7 @@ def test_without_options_the_batchs_folder_and_the_camera_are_looked_at() -> Non
 def test_help_shows_every_option_and_refusals_are_one_line() -> None:
     ended = process("compare", "--help")
     assert (ended.code, ended.err) == (0, "")
-    flags = ("--object", "--in-scene", "--bake", "--view", "--window", "--pixels", "--samples", "--device")
+    flags = ("--object", "--in-scene", "--bake", "--view", "--window", "--pixels", "--samples", "--min-psnr")
     assert [flag for flag in (*flags, "--out", "--parent-pipe") if flag not in ended.out] == []
     assert max(len(line) for line in ended.out.splitlines()) <= 80
     assert "which object?" in refusal(process("compare", "room.blend"))

@@ -54,7 +54,7 @@ def page(tmp_path: Path) -> Path:
 
 def test_a_report_prints_json_lines_and_leaves_one_page(room: Path, baked: Path) -> None:
     before, files = room.read_bytes(), set(baked.iterdir())
-    ended = process("report", baked, "--scene", room, *QUICK, "--progress", "json")
+    ended = process("report", baked, "--scene", room, *QUICK, "--min-psnr", "20", "--progress", "json")
     assert (ended.code, ended.err) == (0, "")
     *progress, done = [json.loads(line) for line in ended.out.splitlines()]
     assert {event["event"] for event in progress} == {"progress"}
@@ -90,6 +90,19 @@ def test_inside_blender_the_open_file_is_looked_at(
     assert page.read_text(encoding="utf-8").startswith("<!doctype html>")
 
 
+def test_a_bake_below_the_least_psnr_is_reported_and_ends_with_3(
+    room: Path, baked: Path, page: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["report", str(baked), "--scene", str(room), "--out", str(page), *QUICK, "--min-psnr", "99"]
+    capfd.readouterr()
+    assert batch_module.main([*arguments, "--progress", "json"], inside_blender=False) == 3
+    out, err = capfd.readouterr()
+    done, error = [json.loads(line) for line in out.splitlines() if line.startswith("{")][-2:]
+    assert (done["event"], done["files"], page.exists()) == ("done", [str(page)], True)
+    assert (error["event"], error["exit_code"]) == ("error", 3)
+    assert f"Ball: {done['psnr']:.2f} dB, less than the 99 dB of --min-psnr" in err
+
+
 def test_variants_are_told_apart(
     room: Path, baked: Path, page: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -105,7 +118,7 @@ def test_variants_are_told_apart(
 def test_help_shows_every_option_with_its_default() -> None:
     ended = process("report", "--help")
     assert (ended.code, ended.err) == (0, "")
-    flags = ("--object", "--scene", "--views", "--pixels", "--samples", "--variants", "--device", "--out")
+    flags = ("--object", "--scene", "--views", "--pixels", "--samples", "--variants", "--min-psnr", "--out")
     assert [flag for flag in (*flags, "--progress", "--verbose", "--help") if flag not in ended.out] == []
     told = " ".join(ended.out.split())
     for name in ("views", "pixels", "samples", "device"):
@@ -128,6 +141,8 @@ def test_a_request_is_what_was_said() -> None:
         (["baked", "--scene", "a.blend"], True, "inside Blender the open file is looked at"),
         (["baked", "--scene", "demo", "--out", "a.png"], False, "the page is an .html file"),
         (["baked", "--scene", "demo", "--views", "0"], False, "views 0: give a whole number from 1"),
+        (["baked", "--scene", "demo", "--min-psnr", "good"], False, "--min-psnr good: give a number of dec"),
+        (["baked", "--scene", "demo", "--min-psnr", "nan"], False, "--min-psnr nan: give a number of dec"),
         (["baked", "--scene", "demo", "--views", "x"], False, "--views x: give a whole number"),
     ],
 )
