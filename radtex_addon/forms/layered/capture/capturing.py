@@ -33,6 +33,7 @@ from ..cells import EXIT_CELLS, OWN_RAYS, OWN_SIDE
 from ..fit.through import lets_through
 from ..lookup.environment import Around
 from ..samples import Capture, ExitSamples, OwnRays
+from .enclosed import enclosed
 from .exits import capture_exits
 from .lamps import find_lamps
 from .material_maps import capture_maps, depends_on_angle
@@ -82,9 +83,9 @@ def capture_layered(
     meshes = [mesh for _, mesh in prepared.rendered]
     matrices = matrices_in_renders(scratch, originals)
     bodies = tuple(map(Body, originals, meshes, matrices))
-    with surface_alone(originals, meshes) as clear:
+    with surface_alone(originals, meshes) as clear, enclosed(scratch, bodies) as inside:
         captures = _Captures(
-            scratch, prepared, bodies, spec, folder, store, thumbnail, clear, around, surroundings
+            scratch, prepared, bodies, inside, spec, folder, store, thumbnail, clear, around, surroundings
         )
         return (yield from captures.all())
 
@@ -94,6 +95,7 @@ class _Captures:
     scratch: bpy.types.Scene
     prepared: Prepared
     bodies: tuple[Body, ...]
+    inside: tuple[Body, ...]  # clear ones of them
     spec: BakeSpec
     folder: Path
     store: PieceStore
@@ -210,7 +212,7 @@ class _Captures:
             with scene_copied(self.scratch) as copy:
                 lamps = find_lamps(copy, middle, self.folder)
             with scene_copied(self.scratch) as copy:
-                names = {body.original.name for body in self.bodies}
+                names = {body.original.name for body in (*self.bodies, *self.inside)}
                 seen = look_around(copy, names, middle, self.folder, self.spec.seed, self.surroundings)
             around = Around(middle, seen.world, seen.layers, lamps)
             return arrays_of(around) | {"paths": np.array([seen.paths], dtype=np.int64)}
@@ -220,8 +222,9 @@ class _Captures:
 
     def _exits(self, plan: CapturePlan, middle: Floats, radius: float, rays: LayeredRays) -> ExitSamples:
         def capture() -> Arrays:
+            bodies = (*self.bodies, *self.inside)
             found = capture_exits(
-                self.scratch, self.bodies, middle, radius, plan, rays.exits, self.spec.seed, self.folder
+                self.scratch, bodies, middle, radius, plan, rays.exits, self.spec.seed, self.folder
             )
             parts = ("weight", "direction", "place", "colour")
             return {name: getattr(found, name) for name in parts}

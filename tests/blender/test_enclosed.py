@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What lies inside a clear object belongs to what light passes through, not to the surroundings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.bake.plan import CapturePlan, plan_capture
+from radtex_addon.bake.progress import finished
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.core.hemisphere import cell_centres, square_to_direction
+from radtex_addon.cycles.path_ends import Body
+from radtex_addon.forms.layered.capture.enclosed import enclosed
+from radtex_addon.forms.layered.capture.exits import capture_exits
+from radtex_addon.prepare.prepared import prepare
+from radtex_addon.scene.scratch import scratch_scene
+from tests.blender import stage
+
+context: Any = bpy.context  # to the stubs, every pointer may be None
+_SPEC = BakeSpec(layout=Layout.LAYERED, texels=32)
+_CELLS = 4
+
+
+def glass() -> bpy.types.Material:
+    return stage.material("glass", "ShaderNodeBsdfGlass", IOR=1.0)
+
+
+def plaster() -> bpy.types.Material:
+    return stage.material("plaster", "ShaderNodeBsdfDiffuse")
+
+
+def cube(name: str, material: bpy.types.Material, size: float, place: tuple[float, float, float]) -> Any:
+    bpy.ops.mesh.primitive_cube_add(size=size, location=place)
+    item = context.object
+    item.name = name
+    item.data.materials.append(material)
+    return item
+
+
+@pytest.fixture
+def block() -> Iterator[tuple[bpy.types.Scene, Body, CapturePlan]]:
+    """A scratch scene with a cube of 2 m, which things lie in and around, as a body, and its plan."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    subject = cube("Block", glass(), 2, (0, 0, 0))
+    cube("Cast in it", plaster(), 0.6, (0.5, 0, 0))
+    cube("Bubble", glass(), 0.4, (-0.5, 0, 0))
+    glow = stage.material("glow", "ShaderNodeEmission", Strength=1.0)
+    cube("Filament", glow, 0.2, (0, -0.5, 0))
+    cube("Unseen", plaster(), 0.2, (0, 0.5, 0)).hide_render = True
+    cube("Beside it", plaster(), 0.6, (2, 0, 0))
+    cube("Half in it", plaster(), 0.6, (0, 0, 1.1))
+    cube("Case", plaster(), 6, (0, 0, 0))
+    bpy.ops.mesh.primitive_plane_add(size=20, location=(0, 0, -1))
+    context.object.name = "Floor"
+    kept: list[bpy.types.ID] = []
+    with scratch_scene(context.scene, None, kept) as scratch:
+        prepared = finished(prepare(scratch, [subject], _SPEC, kept))
+        yield scratch, Body(subject, prepared.mesh, np.eye(4)), plan_capture(prepared.texels(), _CELLS)
+
+
+def test_what_lies_inside_a_clear_object_is_found(
+    block: tuple[bpy.types.Scene, Body, CapturePlan],
+) -> None:
+    scratch, body, _ = block
+    meshes = len(bpy.data.meshes)
+    with enclosed(scratch, [body]) as inside:
+        materials = {one.original.name: one.mesh.materials[0] for one in inside}
+        assert sorted(materials) == ["Bubble", "Cast in it"]
+        assert materials["Bubble"] == bpy.data.objects["Bubble"].data.materials[0]
+        assert materials["Cast in it"] not in tuple(bpy.data.objects["Cast in it"].data.materials)
+    assert len(bpy.data.meshes) == meshes
+
+
+def test_an_opaque_object_has_nothing_inside(block: tuple[bpy.types.Scene, Body, CapturePlan]) -> None:
+    scratch, body, _ = block
+    body.original.material_slots[0].material = plaster()
+    with enclosed(scratch, [body]) as inside:
+        assert inside == ()
+
+
+def test_paths_end_at_what_is_cast_in_and_pass_a_bubble(
+    block: tuple[bpy.types.Scene, Body, CapturePlan], tmp_path: Path
+) -> None:
+    scratch, body, plan = block
+    with enclosed(scratch, [body]) as inside:
+        exits = capture_exits(scratch, [body, *inside], np.zeros(3, np.float32), 2, plan, 2, 1, tmp_path)
+    upper = plan.normals[:, 2] > 0.99
+    steep = square_to_direction(cell_centres(_CELLS).reshape(-1, 2))[:, 2] > 0.8
+    through = exits.weight.mean(axis=0)[:, steep].mean(axis=1)
+    above = np.abs(plan.points[:, 1]) < 0.1
+    x = plan.points[:, 0]
+    assert through[upper & above & (np.abs(x - 0.5) < 0.1)].max() < 0.05
+    assert through[upper & above & (np.abs(x + 0.5) < 0.1)].min() > 0.9
