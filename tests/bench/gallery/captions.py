@@ -62,14 +62,14 @@ CAPTIONS = {
     "alpha": Caption(
         "Transparency",
         "A curtain that is clear in waves, over stripes that no bake knew.",
-        "Colour and alpha are both right. A closed shape is harder: what is seen of its far side through its "
-        "near one is as blurred as a cell is wide, and a clear ball came to 22 dB.",
+        "Colour and alpha are both right, and no seam shows. A closed shape is harder: what is seen of its far "
+        "side through its near one is blurred.",
     ),
     "subsurface": Caption(
         "Subsurface scattering",
         "A head of jade, its ears lit from behind.",
-        "The glowing ears and the dark rings around the eyes are right. Brows and eyelids have soft patches "
-        "a few texels wide, which the path-traced skin has not.",
+        "The default is 2 dB worse here than buckets: the dark rings around the eyes are too pale above them, "
+        "and the skin has faint, soft patches. The glowing ears and the shine on the brows are right.",
     ),
     "volume": Caption(
         "Volume",
@@ -103,8 +103,8 @@ CAPTIONS = {
         "Lamps",
         "A vase under three lamps and a dim sky, each baked alone: the sum of the atlases, each times a "
         "colour that no bake knew.",
-        "Colours meet on the flutes and over the lip where they should. Inside, where light has bounced, "
-        "soft patches of all four atlases are seen, and the lip's edge is a texel off.",
+        "Colours meet on the flutes and over the lip where they should, without patches. The lip's shine is a "
+        "texel off, and a little dull.",
     ),
     "layers": Caption(
         "Layers",
@@ -149,7 +149,7 @@ CAPTIONS = {
         "A ring of brass, a head of terracotta and a column of plaster, which light one another, all three "
         "in one atlas of 128 texels.",
         "Each shows its own light, and what the others throw on it: the column the head's red, the head the "
-        "column's shade. Fine lines of the head are a texel softer.",
+        "column's shade. The rims of the eyes are a texel softer, and faces of the column show faintly.",
     ),
     "udim": Caption(
         "UDIM tiles",
