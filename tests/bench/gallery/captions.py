@@ -62,14 +62,14 @@ CAPTIONS = {
     "alpha": Caption(
         "Transparency",
         "A curtain that is clear in waves, over stripes that no bake knew.",
-        "Colour and alpha are both right, and no seam shows. A closed shape is harder: what is seen of its far "
-        "side through its near one is blurred.",
+        "Colour and alpha are both right, and no seam shows. A closed shape is harder: what is seen of its "
+        "far side through its near one is blurred.",
     ),
     "subsurface": Caption(
         "Subsurface scattering",
         "A head of jade, its ears lit from behind.",
-        "The default is 2 dB worse here than buckets: the dark rings around the eyes are too pale above them, "
-        "and the skin has faint, soft patches. The glowing ears and the shine on the brows are right.",
+        "The default is 2 dB worse here than buckets: the dark rings around the eyes are too pale above "
+        "them, and the skin has faint, soft patches. The glowing ears and the shine on the brows are right.",
     ),
     "volume": Caption(
         "Volume",
@@ -97,14 +97,14 @@ CAPTIONS = {
         "Transfer",
         "A thing of wax under suns that no bake knew, one of them behind it.",
         "Light shines through where it should, the rims glow under the sun behind. Where least gets through "
-        "it is redder than it should be, in soft bands, and has a greyish patch.",
+        "it is redder than it should be, in soft bands, and has a greyish patch and the line of a seam.",
     ),
     "lamps": Caption(
         "Lamps",
         "A vase under three lamps and a dim sky, each baked alone: the sum of the atlases, each times a "
         "colour that no bake knew.",
-        "Colours meet on the flutes and over the lip where they should, without patches. The lip's shine is a "
-        "texel off, and a little dull.",
+        "Colours meet on the flutes and over the lip where they should, without patches. The lip's shine is "
+        "a texel off, and a little dull.",
     ),
     "layers": Caption(
         "Layers",
