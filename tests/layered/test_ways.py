@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from radtex_addon.bake.plan import CapturePlan
-from radtex_addon.bake.pooling import Neighbours
+from radtex_addon.bake.pooling import SHARE, Neighbours
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.hemisphere import cell_centres, square_to_direction
@@ -154,3 +156,26 @@ def test_ways_that_disagree_are_blurred() -> None:
     at_edge, blurred = (shown_of(around, way, offset, (x, y, z))[0, 0] for way in (sharp, mixed))
     assert at_edge > 0.9
     assert 0.3 < blurred < 0.85
+
+
+def test_how_much_gets_through_is_even_where_ways_go_alike() -> None:
+    plan = flat_plan()
+    exits = straight_exits(plan, 0.0)
+    down = np.broadcast_to(np.array([0, 0, -1], np.float32), exits.direction.shape)
+    weight = exits.weight * np.random.default_rng(3).uniform(0.5, 1.5, exits.weight.shape)
+    noisy = replace(exits, weight=weight.astype(np.float32), direction=down)
+    ways = fit_ways(noisy, Neighbours(plan))
+    assert ways[3].mean() == pytest.approx(0.8, rel=0.02)
+    alone = noisy.weight.mean(axis=0).std()
+    texels_left, cells_left = SHARE, (0.25**2 + 0.5**2 + 0.25**2) ** 2  # of the variance; at borders more
+    assert ways[3].std() < 1.5 * alone * (texels_left * cells_left) ** 0.5
+
+
+def test_cells_whose_ways_part_keep_their_own_weights() -> None:
+    plan = flat_plan()
+    exits = straight_exits(plan, 0.0)
+    left = cell_centres(CELLS).reshape(-1, 2)[:, 0] < 0
+    direction = np.where(left[:, None], np.array([0, 0, 1], np.float32), exits.direction)
+    weight = np.where(left, np.float32(0.2), exits.weight)
+    ways = fit_ways(replace(exits, direction=direction, weight=weight), Neighbours(plan))
+    np.testing.assert_allclose(ways[3], np.broadcast_to(np.where(left, 0.2, 0.8), ways[3].shape), rtol=1e-3)

@@ -8,6 +8,8 @@ splits light at each surface, the share that refracts every time. Its ray is kep
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 
 from ....bake.blocks import in_blocks, planes
@@ -29,6 +31,7 @@ _NEAR = 0.9  # cosine between a path and those of the texels around, if it goes 
 _NEARBY = 1.6  # paths that the way of the texels around counts for
 _AGREEING = 2.0  # paths that have to agree
 _ROUNDS = 2
+_BINOMIAL = np.array([0.25, 0.5, 0.25], dtype=np.float32)  # what neighbouring cells count for
 _LEAST = 1e-6
 
 
@@ -43,7 +46,8 @@ def fit_ways(exits: ExitSamples, neighbours: Neighbours) -> Floats:
     """The chief paths of the plan's texels and cells, as in `Through`: (8, K, n*n).
 
     A few paths may all go astray: where too few agree, and the texels around say otherwise,
-    those count. How much gets through is pooled, as it is a share of few paths.
+    those count. How much gets through is pooled, and averaged with the cells around whose paths go alike, as
+    it is a share of few paths.
     """
     ways, votes = _chief(exits, np.zeros((3, *exits.weight.shape[1:]), dtype=np.float32))
     for _ in range(_ROUNDS):
@@ -54,8 +58,31 @@ def fit_ways(exits: ExitSamples, neighbours: Neighbours) -> Floats:
     pooled = neighbours.pool(np.concatenate([own * agreed, ways[3:4], np.ones_like(ways[3:4])]))
     others = pooled[:CHANNELS] / np.maximum(pooled[3], _LEAST)
     weight = pooled[CHANNELS] / np.maximum(pooled[CHANNELS + 1], _LEAST)
-    chosen: Floats = np.where(agreed, own, others).astype(np.float32) * weight
-    return chosen
+    chosen: Floats = np.where(agreed, own, others).astype(np.float32)
+    return cast(Floats, chosen * _averaged(weight, _unit(chosen[:3])))
+
+
+def _averaged(weight: Floats, direction: Floats) -> Floats:
+    """Weights (K, n*n), averaged with those of the cells around whose `direction` (3, K, n*n) is alike."""
+    count, cells = weight.shape
+    side = round(cells**0.5)
+    steps = [slice(max(step, 0), side + min(step, 0)) for step in (-1, 0, 1)]
+    shares = np.outer(_BINOMIAL, _BINOMIAL)
+    found = np.empty_like(weight)
+
+    def average(some: slice) -> None:
+        own, towards = weight[some].reshape(-1, side, side), direction[:, some].reshape(3, -1, side, side)
+        total, sums = np.zeros_like(own), np.zeros_like(own)
+        for (row, column), share in np.ndenumerate(shares):
+            here, there = (slice(None), steps[2 - row], steps[2 - column]), (..., steps[row], steps[column])
+            cosine = (towards[(slice(None), *here)] * towards[there]).sum(axis=0)
+            counts = share * ((cosine > _NEAR) | (share == shares.max()))
+            total[here] += counts
+            sums[here] += counts * own[there]
+        found[some] = (sums / total).reshape(-1, cells)
+
+    in_blocks(average, count, cells)
+    return found
 
 
 def _unit(direction: Floats) -> Floats:
