@@ -52,12 +52,12 @@ CAPTIONS = {
     ),
     "refraction": Caption(
         "Refraction",
-        "A glass egg, 16 x 16 cells; the bubble in it mirrors what comes at a slant (total internal "
-        "reflection).",
-        "The ball is bent around the bubble, which keeps it out of its rim. Its second, small image in the "
-        "bubble is nearly gone: three samples a cell hint at it, and the denoiser takes it for noise. "
-        "Outlines are soft, the ball has streaks, and a seam of the unwrap runs down its middle, where light "
-        "turns faster than cells and texels can follow.",
+        "An egg of frosted glass before an orange ball; the bubble in it mirrors what comes at a slant "
+        "(total internal reflection).",
+        "The ball is bent around the bubble, which keeps it out of its rim, and its second, small image in "
+        "the bubble is there. It is grainy, for two paths in a cell hardly tell where frosted glass sends "
+        "light; the bubble's rim is ragged, as its cells are. Buckets of 16 x 16 cells are better here: "
+        "soft, but without grain.",
     ),
     "alpha": Caption(
         "Transparency",

@@ -45,8 +45,7 @@ into one: each effect on a small scene, from cameras that were not used in the b
 * FLIP is an error that takes account of how people look: 0 means that nobody can tell the pictures apart.
 * The table names each row's layout. *Layered* is the default. Shadow, transfer, ambient occlusion, proxies,
   volumes, parts of light, and rays that end in an atlas have *buckets* only. Where a row has both, they are
-  bakes of one scene. Rows of another sort that have buckets alone were measured before layered was the
-  default.
+  bakes of one scene.
 * Buckets of light are denoised ([format.md](format.md), "Denoising"), but not those of the row Proxy.
 * Seconds are of two CPU cores that had other work to do.
 
