@@ -24,9 +24,9 @@ _BLUR_TAPS = 64
 
 
 def blurred_levels(direction: Floats, light: Floats, size: int) -> tuple[tuple[Floats, ...], float]:
-    """The means of light (P, 3) from unit directions (P, 3) in size x size cells, and blurred copies of them.
+    """The means of light (P, C) from unit directions (P, 3) in size x size cells, and blurred copies of them.
 
-    Returns the levels, (M, M, 3) float32, of the sizes in `level_sizes`, and the variance `sharpest`: level l
+    Returns the levels, (M, M, C) float32, of the sizes in `level_sizes`, and the variance `sharpest`: level l
     is blurred by `sharpest` 4^l; the first is blurred by its own cells only.
     """
     sharpest = (_SMOOTH / size) ** 2
@@ -68,19 +68,19 @@ class LevelMaps:
 
 
 def mean_map(direction: Floats, light: Floats, size: int) -> Floats:
-    """The means of light (P, 3) in size x size cells, (M, M, 3) float32; empty cells take a neighbour's."""
+    """The means of light (P, C) in size x size cells, (M, M, C) float32; empty cells take a neighbour's."""
     place = planes(direction_to_octahedron(direction))[:, None]
     columns = [*planes(light)[:, None], np.ones((1, len(light)), dtype=np.float32)]
     total = Taps.of(place, size).scatter(columns)[:, 0]
-    known = total[3] > _KNOWN
-    image = (total[:3] / np.maximum(total[3], 1e-6)).astype(np.float32).T.reshape(size, size, 3)
+    known = total[-1] > _KNOWN
+    image = (total[:-1] / np.maximum(total[-1], 1e-6)).astype(np.float32).T.reshape(size, size, -1)
     if not known.any():
         return np.zeros_like(image)
     return dilate(image, nearest_covered(known.reshape(size, size)))
 
 
 def _blurred(image: Floats, size: int, variance: float) -> Floats:
-    """The image (M, M, 3) blurred by a von Mises-Fisher lobe, `variance` along each axis: (size, size, 3)."""
+    """The image (M, M, C) blurred by a von Mises-Fisher lobe, `variance` along each axis: (size, size, C)."""
     direction = cell_directions(size)
     tangent, bitangent, _ = orthonormal_frame(direction, fallback_tangent(direction), np.ones(len(direction)))
     share = (np.arange(_BLUR_TAPS) + 0.5) / _BLUR_TAPS
@@ -91,13 +91,13 @@ def _blurred(image: Floats, size: int, variance: float) -> Floats:
     maps = LevelMaps.of([image])
 
     def blurred(some: slice) -> Floats:
-        total = np.zeros((3, some.stop - some.start), dtype=np.float32)
+        total = np.zeros((image.shape[2], some.stop - some.start), dtype=np.float32)
         for c, s, turn in zip(cosine.tolist(), sine.tolist(), azimuth.tolist(), strict=True):
             around = cos(turn) * tangent[some] + sin(turn) * bitangent[some]
             total += maps.look(direction_to_octahedron(c * direction[some] + s * around).T, 0)
         return total / _BLUR_TAPS
 
-    return np.concatenate(in_blocks(blurred, size * size, 1), axis=1).T.reshape(size, size, 3)
+    return np.concatenate(in_blocks(blurred, size * size, 1), axis=1).T.reshape(size, size, -1)
 
 
 def level_count(size: int) -> int:

@@ -40,12 +40,7 @@ class Pictures:
         """The means of `values` (P, 3) or (P, 4), seen in unit directions (P, 3), in size x size cells."""
         direction = direction.reshape(-1, 3).astype(np.float32)
         values = values.reshape(len(direction), -1).astype(np.float32)
-        colours, sharpest = blurred_levels(direction, values[:, :3], size)
-        levels = colours
-        if values.shape[1] > 3:
-            alpha, _ = blurred_levels(direction, np.repeat(values[:, 3:], 3, axis=1), size)
-            both = zip(colours, alpha, strict=True)
-            levels = tuple(np.concatenate([colour, cover[..., :1]], axis=-1) for colour, cover in both)
+        levels, sharpest = blurred_levels(direction, values, size)
         gaussian = cls(levels, sharpest)
         return cls((levels[0], *(gaussian._tailed(number) for number in range(1, len(levels)))), sharpest)
 
