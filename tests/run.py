@@ -52,8 +52,11 @@ def main() -> int:
         everywhere = [f"--ignore={REAL}", "-m", "not one_blender"]
         runs = dict.fromkeys(runs, [] if os.environ.get("RADTEX_EVERY_BLENDER") else everywhere)
         runs |= {NEWEST: [f"--ignore={REAL}"], f"{NEWEST} real": [REAL]}
-    with ThreadPoolExecutor(len(runs)) as pool:
-        ended = [pool.submit(run_pytest, name, arguments, len(runs) > 1) for name, arguments in runs.items()]
+    with tempfile.TemporaryDirectory() as bytecode, ThreadPoolExecutor(len(runs)) as pool:
+        ended = [
+            pool.submit(run_pytest, name, arguments, bytecode, len(runs) > 1)
+            for name, arguments in runs.items()
+        ]
     outcomes = [run.result() for run in ended]
     for name, (_, outcome) in zip(runs, outcomes, strict=True):
         for failure in outcome.failures:
@@ -71,17 +74,20 @@ class Outcome:
     failures: list[str] = field(default_factory=list)
 
 
-def run_pytest(name: str, arguments: list[str], beside: bool) -> tuple[int, Outcome]:
+def run_pytest(name: str, arguments: list[str], bytecode: str, beside: bool) -> tuple[int, Outcome]:
     """Run pytest in the environment of the Blender that `name` begins with.
 
-    Return its exit code and how its tests ended. Beside others, each line says whose it is.
+    Return its exit code and how its tests ended. Beside others, each line says whose it is. Tests start
+    hundreds of Pythons: what they compile is kept in the folder `bytecode`, which saves each a second.
     """
     blender = name.split(maxsplit=1)[0]
     command = [UV, "run", "--frozen", "--python", PYTHON_OF[blender]]
     command += ["--no-default-groups", f"--group=blender-{blender.replace('.', '')}", "--group=test"]
     command += ["python", "-m", "pytest"]
     environment = os.environ | {"UV_PROJECT_ENVIRONMENT": str(ROOT / f".venv-{blender}")}
-    environment.pop("VIRTUAL_ENV", None)
+    environment |= {"PYTHONPYCACHEPREFIX": bytecode}
+    for name_of_other in ("VIRTUAL_ENV", "PYTHONDONTWRITEBYTECODE"):
+        environment.pop(name_of_other, None)
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder, "report.xml")
         print(f"Blender {blender}: {shlex.join([*command, *arguments])}", flush=True)
