@@ -12,6 +12,7 @@ import bpy
 import pytest
 
 from radtex_addon.cli import main as batch_module
+from tests.blender import surroundings
 from tests.blender.batch_process import Batch, Outcome
 
 
@@ -23,6 +24,20 @@ class PlannedError(Exception):
 def empty_file() -> None:
     """Leave nothing of the test before: no objects, no render settings, no preferences."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def small_surroundings() -> Iterator[None]:
+    """Let layered bakes in this process take small pictures of the surroundings."""
+    with pytest.MonkeyPatch.context() as patch:
+        surroundings.make_small(patch)
+        yield
+
+
+@pytest.fixture
+def whole_surroundings(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let them be as large as users', for a test that is about them."""
+    surroundings.make_whole(monkeypatch)
 
 
 @pytest.fixture

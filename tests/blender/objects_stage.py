@@ -24,13 +24,14 @@ from tests.bench.fidelity.scenes import PIXELS, Stage
 from tests.bench.fidelity.scenes.materials import assign, checker, principled
 from tests.bench.fidelity.scenes.meshes import made, move_to, places
 from tests.bench.fidelity.scenes.stage import start
+from tests.blender.surroundings import sample_sky_coarsely
 
-_REFERENCE = 64  # samples of the path-traced picture
+_REFERENCE = 24  # samples of the path-traced picture
 
 
 def pair() -> Stage:
     """A ball of gold with a red cap beside a box of blue and gold, whose slots are in other orders."""
-    start("sunset.exr", strength=0.6, turn=30)
+    _start()
     gold = principled("Gold", (0.9, 0.6, 0.2), Metallic=1.0, Roughness=0.12)
     red = principled("Red", (0.6, 0.03, 0.02), Roughness=0.5)
     blue = principled("Blue", (0.03, 0.08, 0.6), Roughness=0.25)
@@ -47,7 +48,7 @@ def pair() -> Stage:
 
 def corner() -> Stage:
     """One object of two materials that mirror one another: a gold ball on a polished table of blue."""
-    start("sunset.exr", strength=0.6, turn=30)
+    _start()
     gold = principled("Gold", (0.9, 0.6, 0.2), Metallic=1.0, Roughness=0.12)
     blue = principled("Blue", (0.05, 0.12, 0.7), Metallic=1.0, Roughness=0.2)
     _add_ball(48, 24, 0.42, (0, 0, 0.55))
@@ -65,7 +66,7 @@ def corner() -> Stage:
 
 def detailed() -> Stage:
     """A ball of gold with bumps and a blue belt, "High", and a coarser smooth ball around it, "Low"."""
-    start("sunset.exr", strength=0.6, turn=30)
+    _start()
     gold = principled("Gold", (0.9, 0.6, 0.2), Metallic=1.0, Roughness=0.15)
     blue = principled("Blue", (0.03, 0.08, 0.6), Roughness=0.3)
     _add_ball(128, 64, 0.6, (0, 0, 0.62))
@@ -80,6 +81,11 @@ def detailed() -> Stage:
     low = _named("Low")
     bpy.ops.object.shade_smooth()
     return _finished("detailed", low)
+
+
+def _start() -> None:
+    start("sunset.exr", strength=0.6, turn=30)
+    sample_sky_coarsely()
 
 
 def _add_ball(segments: int, rings: int, radius: float, place: tuple[float, float, float]) -> None:

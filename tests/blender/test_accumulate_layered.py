@@ -15,7 +15,6 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
-from radtex_addon.forms.layered.capture import panoramas
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.forms.layered.lookup.atlas import LayeredAtlas
 from radtex_addon.job import bake_object, bake_steps
@@ -24,16 +23,14 @@ from tests.blender import stage
 pytestmark = pytest.mark.usefixtures("temporary")
 context: Any = bpy.context
 
-SPEC = BakeSpec(layout=Layout.LAYERED, texels=24, samples=1, half=False, uv_layer="UVMap")
+SPEC = BakeSpec(layout=Layout.LAYERED, texels=16, samples=1, half=False, uv_layer="UVMap")
 MORE = replace(SPEC, accumulate=True)
 SIDECAR = "Floor.radiance.json"
 
 
 @pytest.fixture(autouse=True)
-def floor(empty_file: None, monkeypatch: pytest.MonkeyPatch) -> Any:
+def floor(empty_file: None) -> Any:
     """A matt floor that a small bright lamp shines on, and a post that shades it."""
-    monkeypatch.setattr(panoramas, "WORLD_WIDTH", 256)
-    monkeypatch.setattr(panoramas, "NEAR_WIDTH", 256)
     bpy.ops.mesh.primitive_plane_add(size=2)
     made = context.object
     made.name = "Floor"
@@ -55,10 +52,11 @@ def off(found: LayeredAtlas, truth: Floats) -> float:
 
 
 def test_more_samples_bring_a_bake_nearer_to_one_of_many(out: Path) -> None:
-    truth = bake(out / "many", replace(SPEC, samples=64)).irradiance
-    first = bake(out, SPEC)
-    at_once = off(bake(out / "at once", replace(SPEC, samples=6)), truth)
-    bakes = [first, *(bake(out, MORE) for _ in range(5))]
+    fine = replace(SPEC, texels=24)
+    truth = bake(out / "many", replace(fine, samples=36)).irradiance
+    first = bake(out, fine)
+    at_once = off(bake(out / "at once", replace(fine, samples=6)), truth)
+    bakes = [first, *(bake(out, replace(fine, accumulate=True)) for _ in range(5))]
     errors, latest = [off(one, truth) for one in bakes], bakes[-1]
     print(f"\noff by {', '.join(f'{error:.2%}' for error in errors)}; all at once {at_once:.2%}")
     assert errors[-1] < 0.7 * errors[0]
@@ -96,7 +94,7 @@ def test_a_stopped_accumulation_is_gone_on_with_to_the_same_bytes(out: Path) -> 
 @pytest.mark.parametrize(
     ("spec", "words"),
     [
-        (replace(MORE, texels=32), "has 24 x 24 texels of 14 cells, this bake 32 x 32"),
+        (replace(MORE, texels=24), "has 16 x 16 texels of 14 cells, this bake 24 x 24"),
         (replace(MORE, lights=("Area",)), "Floor-Area"),
     ],
 )

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import bpy
 import numpy as np
@@ -95,6 +95,7 @@ def test_a_furnace_bakes_to_its_albedo_on_a_fine_sphere(tmp_path: Path) -> None:
 def directional_world() -> Callable[[Floats], Floats]:
     """A world that is a polynomial of direction, and the same function in numpy."""
     made = stage.world()
+    cast(Any, made).cycles.sampling_method = "NONE"  # nothing is lit by it, and a map of its light takes long
     tree = made.node_tree
     coordinates = tree.nodes.new("ShaderNodeTexCoord")
     square = tree.nodes.new("ShaderNodeVectorMath")
@@ -117,7 +118,7 @@ def directional_world() -> Callable[[Floats], Floats]:
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_world_of_known_light_bakes_to_its_cell_means(tmp_path: Path, kind: Kind, sign: int) -> None:
     light = directional_world()
-    position, normal = random_texels(6)
+    position, normal = random_texels(3)
     plan = stage.plan_of(position, normal, 4, tangent=np.roll(normal, 1, axis=1), sign=sign)
     fine = 64
     local = square_to_direction(cell_centres(4 * fine))
@@ -125,7 +126,7 @@ def test_a_world_of_known_light_bakes_to_its_cell_means(tmp_path: Path, kind: Ki
         local = mirror_direction(local)
     frame = np.stack([plan.tangent[0], plan.bitangent[0], plan.normal[0]], axis=1).astype(float)
     value = light(np.einsum("qpa,kab->kqpb", local, frame))
-    expected = value.reshape(6, 4, fine, 4, fine, 3).mean(axis=(2, 4))
+    expected = value.reshape(3, 4, fine, 4, fine, 3).mean(axis=(2, 4))
     for capture, samples, bound in ((PortalCapture, 4096, 1e-3), (PanoramicCapture, 16384, 2e-3)):
         cells = measure(capture, plan, kind, samples, tmp_path, runs=1)[0]
         error = np.abs(cells[..., :3] - expected).max()
@@ -162,7 +163,7 @@ def test_portal_and_panoramic_agree(tmp_path: Path, kind: Kind) -> None:
     stage.lamps()
     stage.clamps_off()
     bpy.ops.mesh.primitive_ico_sphere_add(radius=0.4, location=(0.2, 1.6, 0.8))
-    position, normal = random_texels(64)
+    position, normal = random_texels(24)
     plan = stage.plan_of(position, normal, 4, tangent=np.roll(normal, 1, axis=1), sign=-1)
     runs = 4
     portal, panoramic = (

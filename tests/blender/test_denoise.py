@@ -29,7 +29,7 @@ context: Any = bpy.context
 
 TEXELS = 48
 SPEC = BakeSpec(texels=TEXELS, bucket=3, samples=4, uv_layer="UVMap", half=False, denoise=True)
-TRUTH = 256  # samples
+TRUTH = 64  # samples
 
 
 def two_sided_card() -> None:

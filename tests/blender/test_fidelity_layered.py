@@ -20,8 +20,9 @@ from tests.bench.fidelity.scenes import PIXELS, SCENES, Stage
 from tests.bench.fidelity.scenes.materials import assign, connect, principled
 from tests.bench.fidelity.scenes.meshes import as_subject, made, move_to, places
 from tests.bench.fidelity.scenes.stage import finish, start
+from tests.blender.surroundings import sample_sky_coarsely
 
-_TEXELS, _SAMPLES, _REFERENCE = 32, 4, 48
+_TEXELS, _SAMPLES, _REFERENCE = 32, 4, 24
 
 
 def coarsen(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -45,6 +46,7 @@ def looking(camera: Any) -> Rays:
 def two_sided_sheet() -> Stage:
     """A sheet that stands bent, red on its outside and green within."""
     start("sunset.exr", strength=0.6, turn=30)
+    sample_sky_coarsely()
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=16, y_subdivisions=8, size=2)
     sheet = as_subject(made())
     x, y, _ = places(sheet).T
@@ -86,6 +88,7 @@ def test_both_sides_of_a_sheet_look_as_cycles_sees_them(
 def test_a_head_of_gold_looks_as_cycles_sees_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     coarsen(monkeypatch)
     stage = SCENES["metal_20"]()
+    sample_sky_coarsely()
     baked = make(_TEXELS, _SAMPLES).bake(stage, tmp_path)
     camera = stage.tuning[0]
     rays = looking(camera)

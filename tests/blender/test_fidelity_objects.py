@@ -59,8 +59,7 @@ def test_objects_that_share_an_atlas_look_as_cycles_sees_them(
     assert manifest["bake"]["objects"] == ["Ball", "Box"]
 
 
-def test_a_shared_bake_that_is_resumed_has_the_same_bytes(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    quicken(monkeypatch)
+def test_a_shared_bake_that_is_resumed_has_the_same_bytes(out: Path) -> None:
     pair()
     spec = replace(SPEC, texels=24, samples=1, objects=("Ball", "Box"))
     _resumed_alike("Pair", spec, out)
@@ -86,8 +85,7 @@ def test_parts_with_atlases_of_their_own_mirror_one_another(
     assert len(mesh["primitives"]) == 1
 
 
-def test_a_split_bake_that_is_resumed_has_the_same_bytes(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    quicken(monkeypatch)
+def test_a_split_bake_that_is_resumed_has_the_same_bytes(out: Path) -> None:
     corner()
     spec = replace(SPEC, texels=24, samples=1, split=Split.MATERIAL, part="Blue")
     _resumed_alike("Corner", spec, out)

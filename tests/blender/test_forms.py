@@ -50,6 +50,7 @@ def test_every_form_is_here() -> None:
     assert [form_for(spec).traits.name for spec in SPECS.values()] == list(SPECS)
 
 
+@pytest.mark.usefixtures("whole_surroundings")
 @pytest.mark.parametrize("name", SPECS)
 def test_a_form_keeps_to_the_interface(name: str, tmp_path: Path) -> None:
     spec = SPECS[name]

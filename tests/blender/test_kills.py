@@ -46,6 +46,7 @@ def command(tmp_path: Path, spec: BakeSpec) -> Command:
     return Command(save_room(tmp_path / "room.blend"), tmp_path / "temporary", ARGUMENTS[spec])
 
 
+@pytest.mark.usefixtures("whole_surroundings")
 @pytest.mark.parametrize("spec", [PLAIN, LAYERED], ids=["plain", "layered"])
 def test_a_killed_bake_is_gone_on_with_and_one_that_lives_is_not(spec: BakeSpec, tmp_path: Path) -> None:
     killed = command(tmp_path, spec)

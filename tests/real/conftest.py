@@ -14,6 +14,7 @@ import moderngl
 import pytest
 from playwright.sync_api import BrowserType, sync_playwright
 
+from tests.blender import surroundings
 from tests.real.browser import SOFTWARE_GL, chromium, served
 from tests.real.engines import Compilers
 from tests.real.exhibit import Exhibit, Form
@@ -23,6 +24,14 @@ from tests.real.panel import radtex_window
 from tests.real.root import BLENDER, COMPILERS, PROGRAMS, Recipe, Root, RootUnavailableError, ready_root
 from tests.real.web import Site, build_page
 from tests.real.window import Window
+
+
+@pytest.fixture(scope="module", autouse=True)
+def small_surroundings() -> Iterator[None]:
+    """Let layered bakes in this process take small pictures of the surroundings."""
+    with pytest.MonkeyPatch.context() as patch:
+        surroundings.make_small(patch)
+        yield
 
 
 @pytest.fixture(scope="module")

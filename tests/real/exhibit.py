@@ -10,6 +10,7 @@ its gold is worn, so that it scatters light too. It stands alone: behind it ever
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -22,6 +23,7 @@ from typing import Any, cast
 
 import bpy
 import numpy as np
+import pytest
 from mathutils import Euler, Matrix, Vector
 
 from radtex_addon.bake.spec import BakeSpec, Layout
@@ -34,6 +36,7 @@ from radtex_addon.report.gbuffer import BakedSurface, GBuffer, Rays
 from radtex_addon.report.metrics import Mask, Picture, psnr
 from radtex_addon.scene.demo import OBJECT, build_demo_scene
 from radtex_addon.scene.preview_file import baked_copy
+from tests.blender import surroundings
 
 ROOT = Path(__file__).resolve().parents[2]
 PLACE = Matrix.LocRotScale((0.1, -0.05, 0.15), Euler((0.15, -0.1, 0.4)), (1.0, 1.1, 0.95))
@@ -173,6 +176,12 @@ def decibels(picture: Picture, reference: Picture, mask: Mask) -> float:
     return psnr(picture, reference, mask)
 
 
+def small_unless_kept() -> None:
+    """Let layered bakes of this process take small pictures of the surroundings, unless ours are for docs."""
+    if not os.environ.get("RADTEX_FIGURES"):
+        surroundings.make_small(pytest.MonkeyPatch())
+
+
 def _paint_upper_half(head: Any) -> None:
     """Give the faces above the middle a second material: blue paint, duller than the gold."""
     paint = head.active_material.copy()
@@ -188,6 +197,7 @@ def _paint_upper_half(head: Any) -> None:
 
 def main(form: Form, folder: Path) -> None:
     """Bake the head in one form, with its preview."""
+    small_unless_kept()
     scene = build_demo_scene()
     head: Any = bpy.data.objects[OBJECT]
     head.matrix_world = PLACE

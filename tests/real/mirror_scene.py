@@ -30,7 +30,7 @@ from radtex_addon.report.metrics import Mask, Picture, display
 from radtex_addon.scene.nodes import open_world
 from tests.bench.gallery import looking
 from tests.bench.gallery.looking import PIXELS, Place, added, empty_scene, principled, rendered, tiles
-from tests.real.exhibit import ROOT, Bake, Camera, Form
+from tests.real.exhibit import ROOT, Bake, Camera, Form, small_unless_kept
 
 NAME = "Stage"
 CAMERA = Camera("above", (1.9, -2.6, 1.5), target=(0.0, 0.1, 0.35), fovy=46.0, pixels=PIXELS)
@@ -134,6 +134,7 @@ def bake_stage(form: Form, folder: Path) -> None:
 
 def main(form: Form, folder: Path) -> None:
     """Bake the stage in one form, with its preview, and render it with the ball."""
+    small_unless_kept()
     bake_stage(form, folder)
     chrome = principled("Chrome", CHROME, Metallic=1.0, Roughness=0.0)
     ball = added("uv_sphere", "Ball", chrome, segments=128, ring_count=64, radius=RADIUS)

@@ -15,6 +15,7 @@ from tests.bench.engines.report import LOOKUP, table
 from tests.bench.fidelity.scenes.materials import assign, connect, principled
 from tests.bench.fidelity.scenes.meshes import as_subject, made
 from tests.bench.fidelity.scenes.stage import Stage, finish, start
+from tests.blender.surroundings import sample_sky_coarsely
 from tests.real.root import Root
 from tests.real.web import Site
 
@@ -26,6 +27,7 @@ SOFT_EDGES = 4.0  # dB that edges may cost in Godot
 def sheet() -> Stage:
     """A dull upright sheet, half clear, whose back has faces of its own."""
     start("courtyard.exr", strength=0.8, turn=40)
+    sample_sky_coarsely()
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=6, y_subdivisions=6, rotation=(1.3, 0, 0.5))
     item = as_subject(made())
     assign(item, principled("Film", (0.7, 0.3, 0.2), Roughness=0.7, Alpha=0.5))
@@ -35,6 +37,7 @@ def sheet() -> Stage:
 def sieves() -> Stage:
     """Three upright sheets with square holes, one behind another: the outer ones are drawn first."""
     start("courtyard.exr", strength=0.8, turn=40)
+    sample_sky_coarsely()
     sheets = []
     for away, colour in ((-0.5, (0.7, 0.2, 0.1)), (0.5, (0.1, 0.3, 0.7)), (0.0, (0.8, 0.8, 0.2))):
         bpy.ops.mesh.primitive_plane_add(rotation=(1.5, 0, 0.5), location=(0, away, 0))
