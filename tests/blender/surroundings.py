@@ -11,7 +11,6 @@ import pytest
 
 from radtex_addon.forms.layered.capture import lamps, panoramas
 
-_SMALLER = 4
 _WHOLE = [
     (module, name, int(getattr(module, name)))
     for module, name in (
@@ -23,16 +22,15 @@ _WHOLE = [
 ]
 
 
-def make_small(patch: pytest.MonkeyPatch) -> None:
-    """Let bakes in this process take small pictures of the surroundings."""
+def make_small(patch: pytest.MonkeyPatch, smaller: int = 4) -> None:
+    """Let bakes in this process take small pictures of the surroundings, so many times as narrow."""
     for module, name, size in _WHOLE:
-        patch.setattr(module, name, size // _SMALLER)
+        patch.setattr(module, name, size // smaller)
 
 
 def make_whole(patch: pytest.MonkeyPatch) -> None:
     """Let them be as large as users' again."""
-    for module, name, size in _WHOLE:
-        patch.setattr(module, name, size)
+    make_small(patch, 1)
 
 
 def sample_sky_coarsely() -> None:

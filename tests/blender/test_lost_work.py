@@ -42,6 +42,8 @@ MORE = replace(SPEC, accumulate=True)
 
 Run = Callable[..., Outcome]
 
+pytestmark = pytest.mark.one_blender  # each resumes bakes and exports (test_resume, test_export)
+
 
 @pytest.fixture(scope="module")
 def room(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -3,7 +3,7 @@
 """Bakes of every kind, small, and digests of the files that they leave: run in a process of its own.
 
     python -m tests.bench.determinism.baking SCENE.blend FOLDER KIND... [--uv LAYER] [--memory MB]
-        [--render-threads N]
+        [--render-threads N] [--smaller N]
 
 Writes DIGESTS into FOLDER: for each kind its files' digests.
 """
@@ -19,10 +19,12 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import bpy
+import pytest
 
 from radtex_addon.bake.spec import BakeSpec, CaptureMethod, Kind, Layer, Layout, Split
 from radtex_addon.job import bake_object
 from tests.bench.determinism.scenes import BODY, CORE
+from tests.blender import surroundings
 
 DIGESTS = "digests.json"
 Digests: TypeAlias = dict[str, dict[str, str]]  # of each kind's files, by name
@@ -61,12 +63,14 @@ def main() -> None:
     parser.add_argument("--uv", help="the layer to bake on; without it xatlas makes one")
     parser.add_argument("--memory", type=int, default=1024)
     parser.add_argument("--render-threads", type=int, default=0)
+    parser.add_argument("--smaller", type=int, default=1, help="surroundings, so many times (1)")
     parser.add_argument("kinds", nargs="+", metavar="KIND")
     options = parser.parse_args()
     bpy.ops.wm.open_mainfile(filepath=str(options.scene.resolve()), load_ui=False)
     scene: Any = bpy.context.scene
     if options.render_threads:
         scene.render.threads_mode, scene.render.threads = "FIXED", options.render_threads
+    surroundings.make_small(pytest.MonkeyPatch(), options.smaller)
     found: Digests = {}
     for kind in options.kinds:
         spec = replace(KINDS[kind], uv_layer=options.uv, memory_mb=options.memory)
