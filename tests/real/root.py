@@ -48,6 +48,8 @@ _ENVIRONMENT = {
     "HOME": "/root",
     "LANG": "C.UTF-8",
 }
+# Where Mesa and Godot find the shaders again that they compiled when they were started before.
+_KEPT = {"XDG_CACHE_HOME": "/shared/.kept/cache", "XDG_DATA_HOME": "/shared/.kept/data"}
 
 
 @dataclass(frozen=True)
@@ -143,8 +145,8 @@ class Root:
     def command(
         self, argv: Sequence[str], *, env: Mapping[str, str] | None = None, cwd: str = "/shared"
     ) -> list[str]:
-        """What to execute on this machine to execute `argv` inside; `env` adds to PATH, HOME and LANG."""
-        variables = [f"{name}={value}" for name, value in {**_ENVIRONMENT, **(env or {})}.items()]
+        """What to execute on this machine to execute `argv` inside; `env` adds to what is set."""
+        variables = [f"{name}={value}" for name, value in {**_ENVIRONMENT, **_KEPT, **(env or {})}.items()]
         places = (str(self.path), str(self.exchange), str(REPOSITORY), cwd)
         return [*_entered(*places), "/usr/bin/env", "-i", *variables, *argv]
 
