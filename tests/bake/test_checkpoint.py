@@ -16,6 +16,7 @@ import pytest
 
 from radtex_addon.bake.checkpoint import Checkpoint
 from radtex_addon.bake.key import KEY, LOCK, check_free, is_unfinished, replaced_by
+from radtex_addon.bake.piece_format import PIECE_FORMAT
 from radtex_addon.bake.plan import CapturePlan, Tile, plan_capture
 from radtex_addon.bake.progress import Progress, Stage, finished
 from radtex_addon.bake.session import fill_atlas
@@ -163,11 +164,12 @@ def test_pieces_of_another_format_are_not_taken_and_stay(
 ) -> None:
     begun(folder).keep("first", some())
     kept = {path.name: path.read_bytes() for path in folder.iterdir()}
+    now = f'"pieces": {PIECE_FORMAT}'
     with monkeypatch.context() as later:
         later.setattr("radtex_addon.bake.piece_format.PIECE_FORMAT", 77)
         with pytest.raises(InputError, match=r"pieces of format \d+, .*of format 77: .*, or begin anew"):
             begun(folder, resume=True)
-        (folder / KEY).write_text((folder / KEY).read_text().replace('"pieces": 1', '"pieces": 77'))
+        (folder / KEY).write_text((folder / KEY).read_text().replace(now, '"pieces": 77'))
         assert begun(folder, resume=True).found("first") is None, "its own label tells, too"
         (folder / KEY).write_bytes(kept[KEY])
     assert {path.name: path.read_bytes() for path in folder.iterdir() if path.name in kept} == kept
