@@ -112,6 +112,11 @@ def _why_hidden(found: bpy.types.Object, layer: bpy.types.ViewLayer) -> str | No
     return f"include its collection {names} in view layer '{layer.name}'"
 
 
+def is_rendered(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> bool:
+    """Whether a view layer renders an object by itself, instances aside."""
+    return not item.hide_render and any(True for _ in rendered_homes(item, layer))
+
+
 def rendered_homes(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> Iterator[bpy.types.LayerCollection]:
     """The collections by which a view layer renders an object; the object's own visibility is not checked."""
     for home, hider in _homes(layer.layer_collection, None):

@@ -5,14 +5,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, cast
+from typing import cast
 
 import bpy
 import numpy as np
 
 from ..core.arrays import Floats
 from ..core.errors import InputError
-from .objects import rendered_homes
+from .objects import is_rendered
+from .world_box import world_box
 
 _UNSEEN = ("LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "ARMATURE", "LATTICE")
 EVERYTHING = "*"  # as a hull's content: all objects but the hull
@@ -33,7 +34,7 @@ def find_content(
     """
     layer.update()  # or it lacks objects that were linked since
     shown = [item for item in layer.objects if item != hull and item.type not in _UNSEEN]
-    shown = [item for item in shown if _renders(item, layer)]
+    shown = [item for item in shown if is_rendered(item, layer)]
     if content is None:
         found = _inside(layer, hull)
         shown = [item for item in shown if item in found]
@@ -66,7 +67,7 @@ def show_content_only(
     """
     layer = next(layer for layer in scratch.view_layers if layer.use)
     found = set(find_content(layer, hull, content))
-    rest = [item for item in layer.objects if item != hull and item not in found and _renders(item, layer)]
+    rest = [item for item in layer.objects if item != hull and item not in found and is_rendered(item, layer)]
     holdouts = {item for item in layer.objects if item.holdout_get(view_layer=layer)}
     indirect = {item for item in layer.objects if item.indirect_only_get(view_layer=layer)}
     master = scratch.collection
@@ -94,10 +95,6 @@ def show_content_only(
     return () if everything else tuple(sorted(item.name for item in found))
 
 
-def _renders(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> bool:
-    return not item.hide_render and any(True for _ in rendered_homes(item, layer))
-
-
 def _inside(layer: bpy.types.ViewLayer, hull: bpy.types.Object) -> set[bpy.types.Object]:
     """The objects that lie in the hull's box; an object's box includes the instances that it makes."""
     boxes: dict[bpy.types.Object, Bounds] = {}
@@ -105,7 +102,7 @@ def _inside(layer: bpy.types.ViewLayer, hull: bpy.types.Object) -> set[bpy.types
         least, most = boxes.get(owner, (low, high))
         boxes[owner] = np.minimum(low, least), np.maximum(high, most)
     boxes.pop(hull, None)
-    low, high = _bounds(hull, hull.matrix_world)
+    low, high = world_box(hull, hull.matrix_world)
     slack = _SLACK * float(np.max(high - low))
     return {owner for owner, box in boxes.items() if _share(box, (low - slack, high + slack)) >= _LEAST}
 
@@ -113,15 +110,9 @@ def _inside(layer: bpy.types.ViewLayer, hull: bpy.types.Object) -> set[bpy.types
 def _boxes(graph: bpy.types.Depsgraph) -> Iterator[tuple[bpy.types.Object, Bounds]]:
     for instance in graph.object_instances:
         owner = instance.parent if instance.is_instance and instance.parent else instance.object
-        box = _bounds(instance.object, instance.matrix_world)
+        box = world_box(instance.object, instance.matrix_world)
         if instance.object.type != "EMPTY" and np.isfinite(box).all():
             yield cast(bpy.types.Object, owner.original), box
-
-
-def _bounds(item: Any, matrix_world: Any) -> Bounds:
-    matrix = np.array(matrix_world)
-    places = np.array(item.bound_box) @ matrix[:3, :3].T + matrix[:3, 3]
-    return places.min(axis=0), places.max(axis=0)
 
 
 def _share(box: Bounds, hull: Bounds) -> float:

@@ -5,9 +5,8 @@
 from __future__ import annotations
 
 import bpy
-import numpy as np
 
-from ...core.arrays import Floats
+from ..world_box import world_box
 
 _OUTPUTS = ("OUTPUT_MATERIAL", "OUTPUT_WORLD")
 
@@ -18,12 +17,12 @@ def volumes_around(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> list[s
     A domain is a volume object, or a mesh whose material has a volume. (The world's volume bakes correctly.)
     """
     layer.update()  # or it lists objects that a script has just removed
-    low, high = _bounds(item)
+    low, high = world_box(item, item.matrix_world)
     found = []
     for other in layer.objects:
         if other == item or other.hide_render or not _holds_volume(other):
             continue
-        other_low, other_high = _bounds(other)
+        other_low, other_high = world_box(other, other.matrix_world)
         if (low <= other_high).all() and (other_low <= high).all():
             found.append(other.name)
     return found
@@ -39,12 +38,6 @@ def has_volumes(scene: bpy.types.Scene) -> bool:
     if scene.world is not None:
         trees.append(scene.world.node_tree)
     return len(bpy.data.volumes) > 0 or any(_puts_volume_out(tree) for tree in trees)
-
-
-def _bounds(item: bpy.types.Object) -> tuple[Floats, Floats]:
-    matrix = np.array(item.matrix_world)
-    corners = np.array(item.bound_box) @ matrix[:3, :3].T + matrix[:3, 3]
-    return corners.min(axis=0), corners.max(axis=0)
 
 
 def _holds_volume(item: bpy.types.Object) -> bool:

@@ -27,8 +27,9 @@ from ....scene.mesh.copy import baked_mesh
 from ....scene.mesh.evaluated import evaluate
 from ....scene.mesh.triangle_tree import triangle_tree
 from ....scene.nodes import open_material
-from ....scene.objects import rendered_homes
+from ....scene.objects import is_rendered
 from ....scene.scratch import find_view_layer
+from ....scene.world_box import world_box
 
 _HALF = 0.5  # of an object's box
 _RAYS = 32  # from its middle, evenly over the sphere
@@ -53,17 +54,13 @@ def enclosed(scratch: bpy.types.Scene, bodies: Sequence[Body]) -> Iterator[tuple
     found: list[Body] = []
     try:
         for item in scratch.objects if hulls else ():
-            if item.type != "MESH" or item in baked or not _renders(item, layer) or _shines(item):
+            if item.type != "MESH" or item in baked or not is_rendered(item, layer) or _shines(item):
                 continue
             if any(hull.has_inside(item) for hull in hulls) and (body := _body(scratch, item)):
                 found.append(body)
         yield tuple(found)
     finally:
         bpy.data.batch_remove([body.mesh for body in found])
-
-
-def _renders(item: bpy.types.Object, layer: bpy.types.ViewLayer) -> bool:
-    return not item.hide_render and any(True for _ in rendered_homes(item, layer))
 
 
 def _shines(item: bpy.types.Object) -> bool:
@@ -88,14 +85,12 @@ class _Hull:
 
     def has_inside(self, item: bpy.types.Object) -> bool:
         """Whether at least half of the object's box is in this one's, and triangles are around its middle."""
-        matrix = np.array(item.matrix_world)
-        corners = np.array(item.bound_box) @ matrix[:3, :3].T + matrix[:3, 3]
-        low, high = corners.min(axis=0), corners.max(axis=0)
+        low, high = world_box(item, item.matrix_world)
         inside = np.clip(np.minimum(high, self.high) - np.maximum(low, self.low), 0, None)
         size = np.maximum(high - low, _LEAST)
         if np.prod(np.maximum(inside, _LEAST) / size) < _HALF:
             return False
-        middle = Vector(corners.mean(axis=0).tolist())
+        middle = Vector(((low + high) / 2).tolist())
         met = [self.triangles.ray_cast(middle, Vector(ray.tolist()))[0] for ray in _directions(_RAYS)]
         return sum(place is not None for place in met) >= _ENCLOSED * _RAYS
 
