@@ -83,9 +83,9 @@ def capture_layered(
     meshes = [mesh for _, mesh in prepared.rendered]
     matrices = matrices_in_renders(scratch, originals)
     bodies = tuple(map(Body, originals, meshes, matrices))
-    with surface_alone(originals, meshes) as clear, enclosed(scratch, bodies) as inside:
+    with surface_alone(originals, meshes) as clear:
         captures = _Captures(
-            scratch, prepared, bodies, inside, spec, folder, store, thumbnail, clear, around, surroundings
+            scratch, prepared, bodies, spec, folder, store, thumbnail, clear, around, surroundings
         )
         return (yield from captures.all())
 
@@ -95,7 +95,6 @@ class _Captures:
     scratch: bpy.types.Scene
     prepared: Prepared
     bodies: tuple[Body, ...]
-    inside: tuple[Body, ...]  # clear ones of them
     spec: BakeSpec
     folder: Path
     store: PieceStore
@@ -150,14 +149,13 @@ class _Captures:
             own = self._source_rays(plan(own_side(count)), coarse, opacity.coarse)
         own = replace(own, rays=replace(own.rays, plan=lit))
         yield Progress(Stage.SURROUNDINGS, 0, 1)
-        around, looked = (self.known, 0) if self.known is not None else self._around(middle)
-        yield Progress(Stage.CAPTURE, total, total)
-        exits = None
-        if lone is not None:
-            lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
-        if lone is not None and lets_through(lone, light):
-            buckets = plan_capture(prepared.texels(1 / coarser(side)), EXIT_CELLS)
-            exits = self._exits(buckets, middle, radius, rays)
+        through = lone is not None and lets_through(lone, light)
+        with enclosed(self.scratch, bodies if through else ()) as inside:
+            around, looked = (self.known, 0) if self.known is not None else self._around(middle, inside)
+            yield Progress(Stage.CAPTURE, total, total)
+            if lone is not None:
+                lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
+            exits = self._exits((*bodies, *inside), middle, radius, rays.exits) if through else None
         capture = opacity.bare(
             Capture(light, lone, own, around, fine_maps, coarse_maps, faces[material], exits)
         )
@@ -205,14 +203,14 @@ class _Captures:
         samples = own_samples(plan, own_aim(plan, self.spec.seed), hit)
         return OwnRays(samples, hit, cast(Ints, kept["met"]), kept["place"], kept.get("light"))
 
-    def _around(self, middle: Floats) -> tuple[Around, int]:
-        """What surrounds the objects, and how many paths that took."""
+    def _around(self, middle: Floats, inside: tuple[Body, ...]) -> tuple[Around, int]:
+        """What surrounds the objects, and those `inside` them, and how many paths that took."""
 
         def capture() -> Arrays:
             with scene_copied(self.scratch) as copy:
                 lamps = find_lamps(copy, middle, self.folder)
             with scene_copied(self.scratch) as copy:
-                names = {body.original.name for body in (*self.bodies, *self.inside)}
+                names = {body.original.name for body in (*self.bodies, *inside)}
                 seen = look_around(copy, names, middle, self.folder, self.spec.seed, self.surroundings)
             around = Around(middle, seen.world, seen.layers, lamps)
             return arrays_of(around) | {"paths": np.array([seen.paths], dtype=np.int64)}
@@ -220,11 +218,13 @@ class _Captures:
         kept = self.store.get_or_make("around", capture)
         return around_of(kept), int(kept["paths"][0])
 
-    def _exits(self, plan: CapturePlan, middle: Floats, radius: float, rays: LayeredRays) -> ExitSamples:
+    def _exits(self, bodies: tuple[Body, ...], middle: Floats, radius: float, times: int) -> ExitSamples:
+        side = max(self.prepared.width, self.prepared.height)
+        plan = plan_capture(self.prepared.texels(1 / coarser(side)), EXIT_CELLS)
+
         def capture() -> Arrays:
-            bodies = (*self.bodies, *self.inside)
             found = capture_exits(
-                self.scratch, bodies, middle, radius, plan, rays.exits, self.spec.seed, self.folder
+                self.scratch, bodies, middle, radius, plan, times, self.spec.seed, self.folder
             )
             parts = ("weight", "direction", "place", "colour")
             return {name: getattr(found, name) for name in parts}
