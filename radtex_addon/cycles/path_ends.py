@@ -47,6 +47,14 @@ class Body:
         return moved
 
 
+def black_material() -> bpy.types.Material:
+    """A new material that ends paths: black, without gloss."""
+    material, build = open_material("RadTex black")
+    black = build.node("ShaderNodeBsdfDiffuse", (0.0, 0.0, 0.0, 1.0))
+    build.node("ShaderNodeOutputMaterial", black.outputs[0])
+    return material
+
+
 class PathEnds:
     """The scene, the copies of the baked objects in it, and the light that everything else emits."""
 
@@ -80,9 +88,7 @@ class PathEnds:
 
     def blacken_objects(self) -> None:
         """Make the objects black, so that paths end where they meet them."""
-        material, build = open_material("RadTex black")
-        black = build.node("ShaderNodeBsdfDiffuse", (0.0, 0.0, 0.0, 1.0))
-        build.node("ShaderNodeOutputMaterial", black.outputs[0])
+        material = black_material()
         for copy in self.copies:
             mesh = cast(bpy.types.Mesh, cast(bpy.types.ID, copy.data).copy())
             mesh.materials.clear()

@@ -20,13 +20,12 @@ from mathutils.bvhtree import BVHTree
 
 from ....core.arrays import Floats
 from ....core.errors import InputError
-from ....cycles.path_ends import Body
+from ....cycles.path_ends import Body, black_material
 from ....scene.checks.see_through import is_see_through, materials_of
 from ....scene.lights.light import without_emission
 from ....scene.mesh.copy import baked_mesh
 from ....scene.mesh.evaluated import evaluate
 from ....scene.mesh.triangle_tree import triangle_tree
-from ....scene.nodes import open_material
 from ....scene.objects import is_rendered
 from ....scene.scratch import find_view_layer
 from ....scene.world_box import world_box
@@ -112,12 +111,5 @@ def _body(scratch: bpy.types.Scene, item: bpy.types.Object) -> Body | None:
     shown = baked_mesh(mesh, np.zeros((len(mesh.triangles), 3, 2), dtype=np.float32))
     if not is_clear(item):
         shown.materials.clear()
-        shown.materials.append(_black())
+        shown.materials.append(black_material())
     return Body(item, shown, mesh.matrix_world)
-
-
-def _black() -> bpy.types.Material:
-    material, build = open_material("RadTex black")
-    black = build.node("ShaderNodeBsdfDiffuse", (0.0, 0.0, 0.0, 1.0))
-    build.node("ShaderNodeOutputMaterial", black.outputs[0])
-    return material
