@@ -18,11 +18,10 @@ from ..core.messages import Setting, do
 from ..formats.containers.exr import read_render
 from ..formats.render_space import render_matrix
 from ..scene.lights.lamps import GROUP
+from ..scene.mesh.render_contents import RAYS, top_of_render
 from ..scene.nodes import NodeBuilder, open_material
 from ..scene.scratch import render_scene
 from .passes import Passes
-
-_RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
 
 
 @dataclass(frozen=True)
@@ -41,14 +40,7 @@ class Extent:
 
 def above_everything(scene: bpy.types.Scene) -> float:
     """A height far above all objects and instances, where their rays are beyond the reach of portals."""
-    layer = next(layer for layer in scene.view_layers if layer.use)
-    layer.update()
-    top = 0.0
-    for instance in layer.depsgraph.object_instances:
-        corners = np.array(instance.object.bound_box) @ np.array(instance.matrix_world)[2, :3]
-        highest = float(corners.max()) + instance.matrix_world[2][3]
-        top = max(top, highest if np.isfinite(highest) else 0.0)
-    return 10.0 + 1.5 * top
+    return 10.0 + 1.5 * top_of_render(scene)
 
 
 def plane(
@@ -87,7 +79,7 @@ def _mesh_object(
     mesh.from_pydata(corners, [], faces)
     mesh.materials.append(material)
     item = bpy.data.objects.new(name, mesh)
-    for ray in _RAYS:
+    for ray in RAYS:
         setattr(item, f"visible_{ray}", ray in visible)
     scene.collection.objects.link(item)
     return item

@@ -23,7 +23,7 @@ from ..core.arrays import Floats
 from ..scene.lights.light import without_emission
 from ..scene.mesh.copy import copy_object
 from ..scene.mesh.joined import values_in
-from ..scene.mesh.surrounding_shapes import RAYS, Placed, Shape
+from ..scene.mesh.render_contents import RAYS, Placed, Shape
 from ..scene.nodes import NodeBuilder, close_group, open_group, open_material, open_world
 from ..scene.scratch import remove_scene
 
@@ -157,7 +157,7 @@ def path_ends(
         anchor = cast(bpy.types.Object, bpy.data.objects.new("RadTex anchor", None))
         copies = [_stand_in(body.original, body.mesh) for body in bodies]
         for copy, body in zip(copies, bodies, strict=True):
-            _place(copy, anchor, body.matrix)
+            place_exactly(copy, anchor, body.matrix)
             root.objects.link(copy)
         _link_others(scene, anchor, others, _glow(group, middle))
         yield PathEnds(scene, [body.original for body in bodies], copies, group)
@@ -188,7 +188,7 @@ def _render_layer_of(baked: bpy.types.Object, mesh: bpy.types.Mesh) -> None:
             cast(Any, mesh).uv_layers[layer.name].active_render = True
 
 
-def _place(item: bpy.types.Object, anchor: bpy.types.Object, matrix: Floats) -> None:
+def place_exactly(item: bpy.types.Object, anchor: bpy.types.Object, matrix: Floats) -> None:
     """Give an object exactly this `matrix` (4, 4), as parent inverse: its own transform would lose shear."""
     item.parent, item.parent_type = anchor, "OBJECT"
     item.matrix_basis = Matrix.Identity(4)
@@ -211,7 +211,7 @@ def _link_others(
         item = cast(bpy.types.Object, bpy.data.objects.new("RadTex other", mesh))
         for ray in RAYS:
             setattr(item, f"visible_{ray}", ray in placed.seen_by)
-        _place(item, anchor, placed.matrix)
+        place_exactly(item, anchor, placed.matrix)
         scene.collection.objects.link(item)
 
 

@@ -18,6 +18,7 @@ from mathutils import Matrix
 
 from ..core.errors import InputError
 from ..scene.mesh.evaluated import render_with
+from ..scene.objects import is_rendered
 from .animation import Values, animated_values, hold
 from .render_digests import Looks, differing, looks_of
 from .still_images import hold_images
@@ -176,4 +177,5 @@ def _refuse_particles(item: Any, system: Any) -> None:
 
 
 def _rendered(scene: bpy.types.Scene) -> Iterable[Any]:
-    return (item for item in scene.objects if not item.hide_render)
+    layers = list(scene.view_layers)
+    return (item for item in scene.objects if any(is_rendered(item, layer) for layer in layers))

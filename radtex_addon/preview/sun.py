@@ -16,6 +16,8 @@ import bpy
 
 from ..core.atlas import AtlasLayout
 from ..scene.nodes import open_material
+from ..scene.objects import is_rendered
+from ..scene.scratch import find_view_layer
 from .material import build_frame_group, load_atlas
 from .transfer_group import build_transfer_group
 
@@ -57,8 +59,9 @@ def preview_transfer_material(
 
 def first_sun(scene: bpy.types.Scene) -> bpy.types.Object | None:
     """The scene's first sun by name that renders, if there is one."""
-    suns = (item for item in scene.objects if item.type == "LIGHT" and item.data.type == "SUN")
-    return min((sun for sun in suns if not sun.hide_render), key=lambda sun: sun.name, default=None)
+    layer = find_view_layer(scene, None)
+    suns = (item for item in layer.objects if item.type == "LIGHT" and item.data.type == "SUN")
+    return min((sun for sun in suns if is_rendered(sun, layer)), key=lambda sun: sun.name, default=None)
 
 
 def follow_sun(material: bpy.types.Material | None, scene: bpy.types.Scene) -> None:

@@ -5,11 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import cast
 
 import bpy
 
 from .objects import rendered_homes
+from .regroup import regroup
 from .scratch import find_view_layer
 
 _NO_SURFACE = frozenset(("LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "ARMATURE", "LATTICE"))
@@ -25,16 +25,12 @@ def leave_alone(scratch: bpy.types.Scene, kept: Collection[str | None]) -> None:
     stays = [item for item in scratch.objects if item.name in kept or item.type in _NO_SURFACE]
     here = set(layer.objects)
     renders = {item for item in stays if item in here and any(True for _ in rendered_homes(item, layer))}
-    master = scratch.collection
-    for collection in list(master.children):
-        master.children.unlink(collection)
-    for item in list(master.objects):
-        master.objects.unlink(item)
-    for title, is_hidden in (("RadTex alone", False), ("RadTex alone, hidden", True)):
-        home = cast("bpy.types.Collection", bpy.data.collections.new(title))
-        home.hide_render = is_hidden
-        for item in sorted(stays, key=lambda item: item.name):
-            if (item in renders) != is_hidden:
-                home.objects.link(item)
-        master.children.link(home)
+    hidden = regroup(
+        scratch,
+        {
+            "RadTex alone": [item for item in stays if item in renders],
+            "RadTex alone, hidden": [item for item in stays if item not in renders],
+        },
+    )["RadTex alone, hidden"]
+    hidden.collection.hide_render = True
     layer.update()

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import cast
+from typing import Any, cast
 
 import bpy
 import numpy as np
@@ -13,7 +13,8 @@ import numpy as np
 from ..core.arrays import Floats
 from ..core.errors import InputError
 from .objects import is_rendered
-from .world_box import world_box
+from .regroup import regroup
+from .world_box import about_matrix, world_box
 
 _UNSEEN = ("LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "ARMATURE", "LATTICE")
 EVERYTHING = "*"  # as a hull's content: all objects but the hull
@@ -70,25 +71,16 @@ def show_content_only(
     rest = [item for item in layer.objects if item != hull and item not in found and is_rendered(item, layer)]
     holdouts = {item for item in layer.objects if item.holdout_get(view_layer=layer)}
     indirect = {item for item in layer.objects if item.indirect_only_get(view_layer=layer)}
-    master = scratch.collection
-    for collection in list(master.children):
-        master.children.unlink(collection)
-    for item in list(master.objects):
-        master.objects.unlink(item)
     everything = content == EVERYTHING
-    groups = {
-        "RadTex content": [item for item in found if item not in holdouts | indirect],
-        "RadTex holdouts": [item for item in found if item in holdouts],
-        "RadTex others": [*rest, *(item for item in found if item in indirect)],
-    }
-    for title, items in groups.items():
-        collection = bpy.data.collections.new(title)
-        for item in sorted(items, key=lambda item: item.name):
-            collection.objects.link(item)
-        master.children.link(collection)
-        settings = layer.layer_collection.children[collection.name]
-        settings.holdout = title == "RadTex holdouts"
-        settings.indirect_only = title == "RadTex others"
+    settings = regroup(
+        scratch,
+        {
+            "RadTex content": [item for item in found if item not in holdouts | indirect],
+            "RadTex holdouts": [item for item in found if item in holdouts],
+            "RadTex others": [*rest, *(item for item in found if item in indirect)],
+        },
+    )
+    settings["RadTex holdouts"].holdout = settings["RadTex others"].indirect_only = True
     if not everything:
         scratch.render.film_transparent = True
     layer.update()
@@ -98,16 +90,21 @@ def show_content_only(
 def _inside(layer: bpy.types.ViewLayer, hull: bpy.types.Object) -> set[bpy.types.Object]:
     """The objects that lie in the hull's box; an object's box includes the instances that it makes."""
     boxes: dict[bpy.types.Object, Bounds] = {}
-    for owner, (low, high) in _boxes(cast(bpy.types.Depsgraph, layer.depsgraph)):
+    for owner, (low, high) in _boxes(layer):
         least, most = boxes.get(owner, (low, high))
         boxes[owner] = np.minimum(low, least), np.maximum(high, most)
     boxes.pop(hull, None)
-    low, high = world_box(hull, hull.matrix_world)
+    low, high = world_box(hull, about_matrix(hull, layer))
     slack = _SLACK * float(np.max(high - low))
     return {owner for owner, box in boxes.items() if _share(box, (low - slack, high + slack)) >= _LEAST}
 
 
-def _boxes(graph: bpy.types.Depsgraph) -> Iterator[tuple[bpy.types.Object, Bounds]]:
+def _boxes(layer: bpy.types.ViewLayer) -> Iterator[tuple[bpy.types.Object, Bounds]]:
+    """Objects with their boxes, or that of an instance they make; those hidden in viewports without these."""
+    graph = cast(bpy.types.Depsgraph, layer.depsgraph)
+    for item in layer.objects:
+        if not cast(Any, item.evaluated_get(graph)).is_evaluated and item.type != "EMPTY":
+            yield item, world_box(item, about_matrix(item, layer))
     for instance in graph.object_instances:
         owner = instance.parent if instance.is_instance and instance.parent else instance.object
         box = world_box(instance.object, instance.matrix_world)

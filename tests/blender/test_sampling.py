@@ -21,7 +21,7 @@ from radtex_addon.core.atlas import AtlasLayout
 from radtex_addon.core.frame import normalised
 from radtex_addon.cycles.path_ends import Body, PathEnds, path_ends
 from radtex_addon.cycles.sampling import capture_ends, capture_samples
-from radtex_addon.scene.mesh.surrounding_shapes import read_beside
+from radtex_addon.scene.mesh.render_contents import read_beside
 from radtex_addon.scene.scratch import scratch_scene
 from tests.bench.fidelity.single_paths import SurroundingsSamples, capture_colour, capture_surroundings
 from tests.blender import stage

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
-from radtex_addon.scene.mesh.surrounding_shapes import RAYS, Beside, read_beside
+from radtex_addon.scene.mesh.render_contents import RAYS, Beside, read_beside
 from radtex_addon.scene.scratch import scratch_scene
 from tests.blender import stage
 from tests.blender.fingerprint import differences, fingerprint

@@ -183,3 +183,70 @@ def test_what_core_may_import_is_no_trespass(source: str) -> None:
 
 def test_no_modules_import_each_other() -> None:
     assert find_circle() is None
+
+
+# `scene.objects` has what does not render and lacks instances, and an object's own `matrix_world` is stale
+# where a viewport hides it: scene/mesh/render_contents.py answers what renders, and where. These modules may
+# read them all the same, because …
+READERS: dict[str, str] = {
+    **dict.fromkeys(
+        (
+            "cli/run_compare",
+            "farm/assemble_farm",
+            "farm/freeze_scene",
+            "job/about_texels",
+            "job/checks",
+            "job/layout_choice",
+            "job/preflight",
+            "job/previews",
+            "preview/hidden_objects",
+            "scene/mesh/cage",
+            "scene/objects",
+            "ui/jobs/bake_times",
+            "ui/operators/bake_operator",
+            "ui/operators/delete_operator",
+            "ui/panel/forecast",
+            "ui/settings/object_settings",
+        ),
+        "they look objects up that are named, whether they render or not",
+    ),
+    "scene/alone": "sorts all objects of a scratch scene by whether they render",
+    "forms/layered/capture/panoramas": "sorts all objects of a scratch scene by whether they render",
+    "scene/checks/see_through": "asks of each whether it renders",
+    "preview/swap": "finds previews, and tells whether an object moved in the viewport",
+    "preview/apply_copy": "a copy stands where the viewport shows the object",
+    "farm/sheets": "reads a scene of ours",
+    "scene/preview_file": "reads and places a copy of ours",
+    "export/exporting": "reads a copy of ours",
+    "report/views": "places a camera of ours",
+    "scene/world_box": "says where things are without a render, those too that viewports hide",
+    "scene/mesh/evaluated": "reads the render's depsgraph",
+    "scene/mesh/about_area": "an estimate, of the viewport",
+    "scene/block_digests": "where an object is that texture coordinates refer to",
+    "scene/camera_place": "the scene's camera, which every depsgraph evaluates",
+    "report/viewpoint": "the scene's camera, which every depsgraph evaluates",
+}
+_SCENES = {"scene", "scratch", "copy", "bare"}
+_OF_OURS = {"self", "mesh", "evaluated", "prepared", "piece", "source", "instance"}  # not Blender's objects
+
+
+def reads_scene(source: str) -> bool:
+    """Whether a module reads all objects of a scene, or an object's own matrix."""
+    for node in ast.walk(ast.parse(source)):
+        if not isinstance(node, ast.Attribute) or not isinstance(node.value, ast.Name):
+            continue
+        if node.attr == "objects" and node.value.id in _SCENES:
+            return True
+        if node.attr == "matrix_world" and node.value.id not in _OF_OURS:
+            return True
+    return False
+
+
+def test_what_renders_is_asked_in_one_place() -> None:
+    found = {
+        "/".join(module)
+        for module in MODULES
+        if reads_scene(PACKAGE.joinpath(*module).with_suffix(".py").read_text(encoding="utf-8"))
+    }
+    assert found - READERS.keys() == set(), "ask scene/mesh/render_contents.py"
+    assert READERS.keys() - found == set(), "no longer needed in READERS"

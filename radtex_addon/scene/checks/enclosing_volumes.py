@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import bpy
 
-from ..world_box import world_box
+from ..objects import is_rendered
+from ..world_box import about_matrix, world_box
 
 _OUTPUTS = ("OUTPUT_MATERIAL", "OUTPUT_WORLD")
 
@@ -17,12 +18,12 @@ def volumes_around(layer: bpy.types.ViewLayer, item: bpy.types.Object) -> list[s
     A domain is a volume object, or a mesh whose material has a volume. (The world's volume bakes correctly.)
     """
     layer.update()  # or it lists objects that a script has just removed
-    low, high = world_box(item, item.matrix_world)
+    low, high = world_box(item, about_matrix(item, layer))
     found = []
     for other in layer.objects:
-        if other == item or other.hide_render or not _holds_volume(other):
+        if other == item or not _holds_volume(other) or not is_rendered(other, layer):
             continue
-        other_low, other_high = world_box(other, other.matrix_world)
+        other_low, other_high = world_box(other, about_matrix(other, layer))
         if (low <= other_high).all() and (other_low <= high).all():
             found.append(other.name)
     return found

@@ -14,6 +14,9 @@ from typing import Any, TypeAlias, cast
 
 import bpy
 
+from ..objects import is_rendered
+from ..scratch import find_view_layer
+
 _CLEAR = frozenset({"BSDF_TRANSPARENT", "HOLDOUT", "BSDF_RAY_PORTAL", "SCRIPT"})
 _GLASS = frozenset({"BSDF_GLASS", "BSDF_REFRACTION"})
 _ARITHMETIC: dict[str, Callable[[float, float], float]] = {
@@ -178,5 +181,6 @@ def _hair(scene: bpy.types.Scene, item: bpy.types.Object) -> Iterator[str]:
                 yield system.name
     grown = [curves for curves in bpy.data.hair_curves if curves.surface == item]
     if grown:
-        shown = (one for one in scene.objects if one.data in grown and not one.hide_render)
+        layer = find_view_layer(scene, None)
+        shown = (one for one in scene.objects if one.data in grown and is_rendered(one, layer))
         yield from (one.name for one in shown)

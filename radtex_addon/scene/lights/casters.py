@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 RadTex authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Show shadow casters to camera rays, and find out whether any material lets light through."""
+"""Show to camera rays what other rays see, and find out whether any material lets light through."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from typing import Any, cast
 
@@ -23,24 +23,50 @@ def shadow_casters_visible(scratch: bpy.types.Scene, objects: Collection[int]) -
     copies that belong to a render are changed: so instances follow too, and the user's objects are never
     touched.
     """
+    with _evaluated_changed(scratch, lambda item: _show(item, "shadow"), objects):
+        yield
 
-    def show(_: bpy.types.Scene, graph: bpy.types.Depsgraph | None = None) -> None:
+
+@contextmanager
+def as_glossy_rays_see(scratch: bpy.types.Scene) -> Iterator[None]:
+    """In renders of the scratch scene, show to camera rays what glossy rays see, as a mirror would.
+
+    Holdouts and shadow catchers render as plain objects. The user's objects are not changed.
+    """
+    with _evaluated_changed(scratch, lambda item: _show(item, "glossy")):
+        yield
+
+
+@contextmanager
+def _evaluated_changed(
+    scratch: bpy.types.Scene, change: Callable[[Any], None], objects: Collection[int] | None = None
+) -> Iterator[None]:
+    """Change the evaluated copies of objects in renders of the scratch scene: of all, or by `session_uid`."""
+
+    def each(_: bpy.types.Scene, graph: bpy.types.Depsgraph | None = None) -> None:
         if graph is None or graph.mode != "RENDER" or cast(Any, graph.scene).original != scratch:
             return
         for item in graph.ids:
-            if isinstance(item, bpy.types.Object) and item.original.session_uid in objects:
-                _show_as_caster(item)
+            if isinstance(item, bpy.types.Object) and (
+                objects is None or item.original.session_uid in objects
+            ):
+                change(item)
 
     heard = cast("list[Any]", bpy.app.handlers.frame_change_post)  # called after a render's evaluation
-    heard.append(show)
+    heard.append(each)
     try:
         yield
     finally:
-        heard.remove(show)
+        heard.remove(each)
 
 
-def _show_as_caster(item: bpy.types.Object) -> None:
-    wanted = {"visible_camera": item.visible_shadow, "is_holdout": False, "is_shadow_catcher": False}
+def _show(item: Any, ray: str) -> None:
+    """Let the camera see an evaluated object if rays of that kind do."""
+    wanted = {
+        "visible_camera": getattr(item, f"visible_{ray}"),
+        "is_holdout": False,
+        "is_shadow_catcher": False,
+    }
     for name, value in wanted.items():
         if getattr(item, name) != value:
             setattr(item, name, value)

@@ -9,12 +9,24 @@ from typing import Any, cast
 
 import bpy
 
+from ..objects import is_rendered
+
 # Shader nodes that emit light, in materials and worlds, with their sockets of colour and strength.
 _EMITTERS = {
     "BACKGROUND": (("Color", "Strength"),),
     "EMISSION": (("Color", "Strength"),),
     "BSDF_PRINCIPLED": (("Emission Color", "Emission Strength"),),
     "PRINCIPLED_VOLUME": (("Emission Color", "Emission Strength"), ("Blackbody Tint", "Blackbody Intensity")),
+}
+
+# What the Light Path node tells of a camera ray that a mirror sent on.
+_MIRRORED = {
+    "Is Camera Ray": 0.0,
+    "Is Glossy Ray": 1.0,
+    "Is Singular Ray": 1.0,
+    "Is Reflection Ray": 1.0,
+    "Ray Depth": 1.0,
+    "Glossy Depth": 1.0,
 }
 
 
@@ -24,7 +36,7 @@ def is_dark(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> bool:
     A guess, good enough for a warning only: any linked socket counts as light.
     """
     layer.update()  # or it lists objects that a script has just removed
-    shown = [item for item in layer.objects if not item.hide_render]
+    shown = [item for item in layer.objects if is_rendered(item, layer)]
     if any(item.type == "LIGHT" and item.data.energy > 0 for item in shown):
         return False
     world = cast(Any, layer).world_override or scene.world
@@ -71,6 +83,46 @@ def dark_world(world: bpy.types.World | None) -> bpy.types.World | None:
     if _has_nodes(dark):
         _put_out(dark.node_tree, {})
     return dark
+
+
+def world_in_reflections(world: bpy.types.World | None) -> bpy.types.World | None:
+    """The world as camera rays see it in a copy if mirrored rays see it otherwise, or the world itself.
+
+    A world may be hidden from some rays, or be another one to them by a Light Path node.
+    """
+    if world is None:
+        return None
+    seen = cast(Any, world).cycles_visibility
+    if seen.camera == seen.glossy and not _reads_light_path(world.node_tree):
+        return world
+    copy = cast(bpy.types.World, world.copy())
+    cast(Any, copy).cycles_visibility.camera = seen.glossy
+    if _has_nodes(copy):
+        _reflect(copy.node_tree, {})
+    return copy
+
+
+def _reads_light_path(tree: Any) -> bool:
+    return tree is not None and any(
+        node.type == "LIGHT_PATH" or (node.type == "GROUP" and _reads_light_path(node.node_tree))
+        for node in tree.nodes
+    )
+
+
+def _reflect(tree: Any, copied: dict[bpy.types.ID, bpy.types.ID]) -> None:
+    """Let a tree's Light Path nodes tell of a ray that a mirror sent; copy each node group once."""
+    for node in list(tree.nodes):
+        if node.type == "LIGHT_PATH":
+            for output in node.outputs:
+                for link in list(output.links) if output.name in _MIRRORED else ():
+                    value = tree.nodes.new("ShaderNodeValue").outputs[0]
+                    value.default_value = _MIRRORED[output.name]
+                    tree.links.new(value, link.to_socket)
+        if node.type == "GROUP" and node.node_tree is not None:
+            if node.node_tree not in copied:
+                copy = copied[node.node_tree] = node.node_tree.copy()
+                _reflect(copy, copied)
+            node.node_tree = copied[node.node_tree]
 
 
 def _put_out(tree: Any, dark: dict[bpy.types.ID, bpy.types.ID]) -> None:

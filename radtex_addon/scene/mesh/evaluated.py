@@ -50,7 +50,7 @@ _TINY = {  # settings of the private engine's render, whose picture is not used
     "resolution_percentage": 100,
     "use_border": False,
 }
-_FARTHEST = 1e18  # the squares of larger coordinates are not finite in float32
+FARTHEST = 1e18  # the squares of larger coordinates are not finite in float32
 _OWN = frozenset({"position", "custom_normal"})  # attributes that are fields of EvaluatedMesh
 
 
@@ -319,13 +319,13 @@ def _sharp_faces(mesh: bpy.types.Mesh) -> Bools:
 
 
 def _check_positions(name: str, positions: Floats) -> None:
-    bad = int(np.count_nonzero(~(np.abs(positions) < _FARTHEST).all(axis=1)))
+    bad = int(np.count_nonzero(~(np.abs(positions) < FARTHEST).all(axis=1)))
     if bad:
         raise InputError(f"object '{name}' has {bad} vertices whose coordinates are not finite: delete them")
 
 
 def _check_transform(mesh: EvaluatedMesh) -> None:
-    if not (np.abs(mesh.normal) < _FARTHEST).all():
+    if not (np.abs(mesh.normal) < FARTHEST).all():
         raise InputError(f"object '{mesh.name}' has normals that are not finite: clear its custom normals")
     if not np.isfinite(mesh.matrix_world).all():
         raise InputError(f"object '{mesh.name}' has a transform that is not finite: reset it")

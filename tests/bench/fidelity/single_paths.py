@@ -37,7 +37,7 @@ from radtex_addon.cycles.sampling import (
     tiles_of,
 )
 from radtex_addon.forms.layered.capture.capturing import reach_of
-from radtex_addon.scene.mesh.surrounding_shapes import read_beside
+from radtex_addon.scene.mesh.render_contents import read_beside
 from radtex_addon.scene.scratch import scene_copied
 
 NEARNESS_SIZE = 64  # cells along a side of a `nearness_map`

@@ -27,7 +27,7 @@ from ....cycles.path_ends import Body, path_ends
 from ....cycles.sampling import capture_ends, capture_samples
 from ....prepare.prepared import Piece, Prepared
 from ....scene.mesh.joined import values_in
-from ....scene.mesh.surrounding_shapes import matrices_in_renders
+from ....scene.mesh.render_contents import matrices_in_renders, top_of_render
 from ....scene.scratch import scene_copied
 from ..cells import EXIT_CELLS, OWN_RAYS, OWN_SIDE
 from ..fit.through import lets_through
@@ -81,6 +81,7 @@ def capture_layered(
     """
     originals = [item for item, _ in prepared.rendered]
     meshes = [mesh for _, mesh in prepared.rendered]
+    top_of_render(scratch)  # before it is copied: each copy would ask anew
     matrices = matrices_in_renders(scratch, originals)
     bodies = tuple(map(Body, originals, meshes, matrices))
     with surface_alone(originals, meshes) as clear:
@@ -207,11 +208,12 @@ class _Captures:
         """What surrounds the objects, and those `inside` them, and how many paths that took."""
 
         def capture() -> Arrays:
+            baked = [body.original for body in self.bodies]
+            unseen = [*baked, *(body.original for body in inside)]
             with scene_copied(self.scratch) as copy:
-                lamps = find_lamps(copy, middle, self.folder)
+                lamps = find_lamps(copy, baked, middle, self.folder)
             with scene_copied(self.scratch) as copy:
-                names = {body.original.name for body in (*self.bodies, *inside)}
-                seen = look_around(copy, names, middle, self.folder, self.spec.seed, self.surroundings)
+                seen = look_around(copy, unseen, middle, self.folder, self.spec.seed, self.surroundings)
             around = Around(middle, seen.world, seen.layers, lamps)
             return arrays_of(around) | {"paths": np.array([seen.paths], dtype=np.int64)}
 

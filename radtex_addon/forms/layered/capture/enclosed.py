@@ -25,10 +25,8 @@ from ....scene.checks.see_through import is_see_through, materials_of
 from ....scene.lights.light import without_emission
 from ....scene.mesh.copy import baked_mesh
 from ....scene.mesh.evaluated import evaluate
+from ....scene.mesh.render_contents import Shown, read_render
 from ....scene.mesh.triangle_tree import triangle_tree
-from ....scene.objects import is_rendered
-from ....scene.scratch import find_view_layer
-from ....scene.world_box import world_box
 
 _HALF = 0.5  # of an object's box
 _RAYS = 32  # from its middle, evenly over the sphere
@@ -49,14 +47,17 @@ def enclosed(scratch: bpy.types.Scene, bodies: Sequence[Body]) -> Iterator[tuple
     show a lamp sharper than the rest of the light could. The bodies' meshes are removed at the end.
     """
     hulls = [_Hull.of(body) for body in bodies if is_clear(body.original)]
-    baked, layer = {body.original for body in bodies}, find_view_layer(scratch, None)
+    baked = {body.original for body in bodies}
+
+    def inside(shown: Iterator[Shown]) -> list[bpy.types.Object]:
+        meshes = (one for one in shown if not one.is_instance and one.original.type == "MESH")
+        others = (one for one in meshes if one.original not in baked and not _shines(one.original))
+        return [one.original for one in others if any(hull.has_inside(one.bounds) for hull in hulls)]
+
     found: list[Body] = []
     try:
-        for item in scratch.objects if hulls else ():
-            if item.type != "MESH" or item in baked or not is_rendered(item, layer) or _shines(item):
-                continue
-            if any(hull.has_inside(item) for hull in hulls) and (body := _body(scratch, item)):
-                found.append(body)
+        there = read_render(scratch, inside) if hulls else []
+        found.extend(body for item in there if (body := _body(scratch, item)))
         yield tuple(found)
     finally:
         bpy.data.batch_remove([body.mesh for body in found])
@@ -82,9 +83,11 @@ class _Hull:
         tree = triangle_tree(places.astype(np.float32), vertices.reshape(-1, 3))
         return cls(places.min(axis=0), places.max(axis=0), tree)
 
-    def has_inside(self, item: bpy.types.Object) -> bool:
-        """Whether at least half of the object's box is in this one's, and triangles are around its middle."""
-        low, high = world_box(item, item.matrix_world)
+    def has_inside(self, corners: Floats) -> bool:
+        """Whether half of a box with corners (8, 3) is in this one's, and triangles are around its middle."""
+        if not np.isfinite(corners).all():
+            return False
+        low, high = corners.min(axis=0), corners.max(axis=0)
         inside = np.clip(np.minimum(high, self.high) - np.maximum(low, self.low), 0, None)
         size = np.maximum(high - low, _LEAST)
         if np.prod(np.maximum(inside, _LEAST) / size) < _HALF:

@@ -26,7 +26,7 @@ from ....cycles.passes import Passes, raw_light_of
 from ....cycles.path_ends import TURNS, Body, PathEnds, any_dark, from_directions, path_ends
 from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import LOBES, MIRRORED, THROUGH, tiles_of
-from ....scene.mesh.surrounding_shapes import RAYS, Placed, Shape
+from ....scene.mesh.render_contents import RAYS, Placed, Shape
 from ....scene.scratch import scene_copied
 from ..samples import ExitSamples
 

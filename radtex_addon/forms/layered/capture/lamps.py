@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
@@ -23,8 +24,13 @@ from ....core.arrays import Floats
 from ....core.atlas import AtlasLayout
 from ....core.frame import fallback_tangent, orthonormal_frame
 from ....core.octahedron import cell_directions
+from ....cycles.path_ends import place_exactly
 from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import straight_shifts, tiles_of
+from ....scene.lights.linking import lights
+from ....scene.mesh.evaluated import FARTHEST
+from ....scene.mesh.render_contents import Shown, read_render
+from ....scene.regroup import regroup
 from ..lookup.environment import MOST_LAMPS, Lamp, lamps_of
 from .own_rays import dark_world
 
@@ -37,31 +43,87 @@ _NEAREST = 1e-4  # to the middle
 _BESIDE = 1.5  # times a lamp's radius: nearer to it than that, the middle does not see it from outside
 
 
-def find_lamps(scene: bpy.types.Scene, middle: Floats, folder: Path) -> tuple[Lamp, ...]:
-    """The lamps of a scratch scene, which is spent, as they are seen from `middle` (3,).
+@dataclass(frozen=True, eq=False)
+class LampShown:
+    """A lamp as renders show it: the `item`, and its `matrix` (4, 4) from lamp to world."""
+
+    item: bpy.types.Object
+    matrix: Floats
+
+    @property
+    def data(self) -> Any:
+        return self.item.data
+
+    @property
+    def sides(self) -> dict[str, float]:
+        """Its diameters by the properties that say them, a sun's in radians at a distance of 1."""
+        data = self.data
+        if data.type == "SUN":
+            return {"angle": _FAR * data.angle}
+        if data.type == "AREA":
+            other = ("size_y",) if data.shape in ("RECTANGLE", "ELLIPSE") else ()
+            return {name: float(getattr(data, name)) for name in ("size", *other)}
+        return {"shadow_soft_size": 2.0 * data.shadow_soft_size}
+
+    @property
+    def stretch(self) -> float:
+        """How many times as large the lamp's matrix makes it: only an area is stretched."""
+        if self.data.type != "AREA":
+            return 1.0
+        return float(np.linalg.norm(self.matrix[:3, :2], axis=0).max())
+
+    @property
+    def diameter(self) -> float:
+        return max(self.sides.values()) * self.stretch
+
+    def towards(self, middle: Floats) -> Floats:
+        """From the middle to the lamp, (3,); a sun is far away."""
+        if self.data.type == "SUN":
+            axis: Floats = self.matrix[:3, 2] / np.linalg.norm(self.matrix[:3, 2])
+            return axis * _FAR
+        place: Floats = self.matrix[:3, 3] - middle
+        return place
+
+
+def lamps_shown(scene: bpy.types.Scene, receivers: Sequence[bpy.types.Object]) -> tuple[LampShown, ...]:
+    """The lamps that a scratch scene renders, instanced ones included, that light all of the `receivers`.
+
+    What a lamp lights but in part, by light linking, is left to the rest of the light, and so are lamps that
+    take light away, have no area or are nowhere. Raises BakeError where Blender does not render.
+    """
+
+    def read(shown: Iterator[Shown]) -> list[LampShown]:
+        return [
+            LampShown(one.original, one.matrix)
+            for one in shown
+            if one.evaluated.type == "LIGHT" and "glossy" in one.seen_by and _power(one.evaluated.data) > 0
+        ]
+
+    lamps = [lamp for lamp in read_render(scene, read) if not _is_lost(lamp)]
+    return tuple(lamp for lamp in lamps if all(lights(lamp.item, one) for one in receivers))
+
+
+def find_lamps(
+    scene: bpy.types.Scene, receivers: Sequence[bpy.types.Object], middle: Floats, folder: Path
+) -> tuple[Lamp, ...]:
+    """The lamps of a scratch scene, which is spent, that its baked `receivers` mirror, from `middle` (3,).
 
     One that the middle lies in is left out, and named in a warning. Of more than shaders mirror, those that
     give most light are taken; the others' highlights are in what is left of the light, as blurs.
     Raises BakeError where Cycles fails.
     """
-    lamps = [item for item in scene.objects if item.type == "LIGHT" and not item.hide_render]
-    lamps = [item for item in lamps if not _is_lost(item.data) and _is_apart(item, middle)]
+    lamps = [lamp for lamp in lamps_shown(scene, receivers) if _is_apart(lamp, middle)]
     if not lamps:
         return ()
-    for collection in list(scene.collection.children):
-        scene.collection.children.unlink(collection)
-    for item in list(scene.collection.objects):
-        scene.collection.objects.unlink(item)
-    shown, shares = zip(*(_enlarged(item, middle) for item in lamps), strict=True)
-    for item in shown:
-        scene.collection.objects.link(item)
+    anchor = cast(bpy.types.Object, bpy.data.objects.new("RadTex anchor", None))
+    shown, shares = zip(*(_alone(lamp, anchor, middle) for lamp in lamps), strict=True)
+    regroup(scene, {"RadTex lamps": shown})
     scene.world = dark_world()
     direction, plan = _outward(middle)
     capture = PortalCapture(scene, plan, Kind.REFLECTION, 1, 1, folder, Aim(straight_shifts(len(plan.texel))))
     found = [capture.render_passes(tile).whole[..., :3].reshape(-1, 3) for tile in tiles_of(plan)]
-    return brightest(
-        lamps_of(direction, np.concatenate(found), [_towards(item, middle) for item in lamps], shares)
-    )
+    places = [lamp.towards(middle) for lamp in lamps]
+    return brightest(lamps_of(direction, np.concatenate(found), places, shares))
 
 
 def brightest(lamps: Sequence[Lamp]) -> tuple[Lamp, ...]:
@@ -78,55 +140,52 @@ def brightest(lamps: Sequence[Lamp]) -> tuple[Lamp, ...]:
     return tuple(lamp for lamp in lamps if any(lamp is one for one in kept))
 
 
-def _towards(item: bpy.types.Object, middle: Floats) -> Floats:
-    """From the middle to a lamp, (3,); a sun is far away."""
-    matrix = np.array(item.matrix_world)
-    if cast(Any, item.data).type == "SUN":
-        axis: Floats = matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
-        return axis * _FAR
-    place: Floats = matrix[:3, 3] - middle
-    return place
-
-
-def _is_apart(item: bpy.types.Object, middle: Floats) -> bool:
+def _is_apart(lamp: LampShown, middle: Floats) -> bool:
     """Whether the middle lies outside the lamp; says so if not."""
-    distance = float(np.linalg.norm(_towards(item, middle)))
-    if distance > max(_BESIDE * max(_sides(item.data).values()) / 2, _NEAREST):
+    distance = float(np.linalg.norm(lamp.towards(middle)))
+    if distance > max(_BESIDE * lamp.diameter / 2, _NEAREST):
         return True
     log.warning(
         "lamp '%s' stands in the middle of the object: what it mirrors of it is dull; move the lamp, or "
         "make it smaller",
-        item.name,
+        lamp.item.name,
     )
     return False
 
 
-def _is_lost(data: Any) -> bool:
-    """Whether a lamp has no area to send light from, and Cycles leaves it out."""
-    return data.type == "AREA" and min(_sides(data).values()) <= 0
+def _is_lost(lamp: LampShown) -> bool:
+    """Whether a lamp has no place, which is said, or no area to send light from: Cycles leaves it out."""
+    if not (np.abs(lamp.matrix) < FARTHEST).all():
+        log.warning("lamp '%s' is nowhere, or too far away: nothing mirrors it", lamp.item.name)
+        return True
+    return bool(lamp.data.type == "AREA" and min(lamp.sides.values()) * lamp.stretch <= 0)
 
 
-def _sides(data: Any) -> dict[str, float]:
-    """A lamp's diameters by the properties that say them, a sun's in radians at a distance of 1."""
-    if data.type == "SUN":
-        return {"angle": _FAR * data.angle}
-    if data.type == "AREA":
-        other = ("size_y",) if data.shape in ("RECTANGLE", "ELLIPSE") else ()
-        return {name: float(getattr(data, name)) for name in ("size", *other)}
-    return {"shadow_soft_size": 2.0 * data.shadow_soft_size}
+def _power(data: Any) -> float:
+    """A lamp's power in its brightest channel."""
+    return float(data.energy * max(data.color))
 
 
-def _enlarged(item: bpy.types.Object, middle: Floats) -> tuple[bpy.types.Object, float]:
-    """A lamp as the picture shows it, a copy if need be, and the lamp's width² over that one's."""
-    least = 2 * _CELLS * math.sqrt(4 * math.pi) / _SIZE * float(np.linalg.norm(_towards(item, middle)))
-    sides = _sides(item.data)
-    larger = {name: max(side, least) for name, side in sides.items()}
-    if larger == sides:
-        return item, 1.0
-    copy = cast(bpy.types.Object, item.copy())
-    data: Any = cast(bpy.types.ID, item.data).copy()
+def _alone(lamp: LampShown, anchor: bpy.types.Object, middle: Floats) -> tuple[bpy.types.Object, float]:
+    """A copy of a lamp as the picture shows it, and the lamp's width² over the copy's.
+
+    It lights all, stands where renders have the lamp, and is as large as the picture needs.
+    """
+    copy = cast(bpy.types.Object, lamp.item.copy())
+    copy.animation_data_clear()
+    copy.constraints.clear()
+    cast(Any, copy).light_linking.receiver_collection = None
+    cast(Any, copy).light_linking.blocker_collection = None
+    place_exactly(copy, anchor, lamp.matrix)
+    data: Any = cast(bpy.types.ID, lamp.data).copy()
     copy.data = data
     data.cycles.use_multiple_importance_sampling = True  # or it is in highlights, but no ray meets it
+    distance = float(np.linalg.norm(lamp.towards(middle)))
+    least = 2 * _CELLS * math.sqrt(4 * math.pi) / _SIZE * distance / max(lamp.stretch, _NEAREST)
+    sides = lamp.sides
+    larger = {name: max(side, least) for name, side in sides.items()}
+    if larger == sides:
+        return copy, 1.0
     for name, side in larger.items():
         unit = {"angle": _FAR, "shadow_soft_size": 2.0}.get(name, 1.0)
         setattr(data, name, side / unit)

@@ -6,8 +6,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Collection, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -20,6 +19,13 @@ from ....core.arrays import Floats
 from ....cycles.building_blocks import render_layers
 from ....cycles.denoiser import can_denoise
 from ....formats.disk.path_checks import render_path
+from ....scene.lights.casters import as_glossy_rays_see
+from ....scene.lights.light import world_in_reflections
+from ....scene.mesh.evaluated import FARTHEST
+from ....scene.mesh.render_contents import Shape, Shown, read_render
+from ....scene.objects import is_rendered
+from ....scene.regroup import regroup
+from ....scene.scratch import find_view_layer, scene_copied
 from ..cells import PICTURE_SIZE
 from ..lookup.environment import Impostor, Layer, Pictures, Plane
 
@@ -28,53 +34,115 @@ log = logging.getLogger(__name__)
 EYE = 2.0  # times the middle's height above a plane: whence it is seen, or its far parts are a few pixels
 _FLAT = 1e-3  # thickness of a flat thing, in its length
 _SOLID = 0.99  # alpha of a pixel that its layer covers
-_SHAPES = frozenset({"MESH", "CURVE", "FONT", "SURFACE", "META"})
+_NO_SURFACE = frozenset({"LIGHT", "LIGHT_PROBE", "CAMERA", "SPEAKER", "EMPTY", "ARMATURE", "LATTICE"})
 
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """Things that lie in one layer, by name; if it is a plane, its normal and height in world space."""
+    """Objects of the scene that lie in one layer with their instances; a plane's normal and height in it."""
 
-    names: frozenset[str]
+    objects: frozenset[bpy.types.Object]
     plane: tuple[Floats, float] | None
 
 
-def near_things(scene: bpy.types.Scene, subjects: Collection[str]) -> list[Near]:
-    """The largest flat thing, and all others, from far to near; what is not there is left out.
+def near_things(scene: bpy.types.Scene, subjects: Collection[bpy.types.Object]) -> list[Near]:
+    """The largest flat thing that a scratch scene renders, and all others, from far to near.
 
-    The objects called `subjects`, which are baked, are none of them.
+    What is not there is left out, and so are the `subjects`, which are baked. What lies nowhere is
+    left out with a warning. Raises BakeError where Blender does not render.
     """
-    flat: list[tuple[float, str, Floats, float]] = []
-    others: list[str] = []
-    graph = bpy.context.evaluated_depsgraph_get()
-    for item in scene.objects:
-        if item.type not in _SHAPES or item.name in subjects or item.hide_render:
+    there = read_render(scene, lambda shown: _owners(shown, frozenset(subjects)))
+    finite = {owner: found for owner, found in there.items() if found.is_somewhere}
+    for owner in there.keys() - finite.keys():
+        log.warning(
+            "object '%s' has vertices nowhere, or too far away: nothing mirrors it",
+            owner.name,
+        )
+    flat = {owner: found for owner, found in finite.items() if found.is_flat}
+    largest = max(flat, key=lambda owner: (flat[owner].size, owner.name), default=None)
+    others = frozenset(owner for owner in finite if owner is not largest)
+    found = [] if largest is None else [Near(frozenset({largest}), flat[largest].plane)]
+    return found + ([Near(others, None)] if others else [])
+
+
+def _owners(shown: Iterator[Shown], subjects: frozenset[bpy.types.Object]) -> dict[bpy.types.Object, _Spread]:
+    """How the vertices lie in space of all that each object of the scene shows to glossy rays."""
+    spreads: dict[bpy.types.Object, _Spread] = {}
+    of_shape: dict[Shape, _Spread] = {}
+    for one in shown:
+        if one.evaluated.type in _NO_SURFACE or one.owner in subjects or "glossy" not in one.seen_by:
             continue
-        place = _vertices(item, graph)
-        if not len(place):
-            continue
-        _, extent, axes = np.linalg.svd(place - place.mean(axis=0), full_matrices=False)
-        if len(extent) == 3 and extent[2] < _FLAT * extent[0]:
-            flat.append(
-                (float(extent[0] * extent[1]), item.name, axes[2], float(place.mean(axis=0) @ axes[2]))
-            )
+        shape = one.shape
+        if shape is None:  # hair, a volume: its box is all that is known of it
+            spread = _Spread.of(one.bounds)
         else:
-            others.append(item.name)
-    flat.sort(key=lambda found: -found[0])
-    others += [name for _, name, _, _ in flat[1:]]
-    found = [Near(frozenset({name}), (normal, height)) for _, name, normal, height in flat[:1]]
-    return found + ([Near(frozenset(others), None)] if others else [])
+            if shape not in of_shape:
+                of_shape[shape] = _Spread.of(shape.position[np.unique(shape.triangles)])
+            spread = of_shape[shape].moved(one.matrix)
+        before = spreads.get(one.owner)
+        spreads[one.owner] = spread if before is None else before.joined(spread)
+    return spreads
 
 
-def _vertices(item: bpy.types.Object, graph: bpy.types.Depsgraph) -> Floats:
-    shown: Any = item.evaluated_get(graph)
-    mesh = shown.to_mesh()
-    place = np.empty(3 * len(mesh.vertices))
-    mesh.vertices.foreach_get("co", place)
-    matrix = np.array(shown.matrix_world)
-    moved: Floats = place.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
-    shown.to_mesh_clear()
-    return moved
+@dataclass(frozen=True, eq=False)
+class _Spread:
+    """How many points there are, their `mean` (3,), and their `covariance` (3, 3)."""
+
+    count: int
+    mean: Floats
+    covariance: Floats
+
+    @classmethod
+    def of(cls, points: Floats) -> _Spread:
+        with np.errstate(all="ignore"):  # what is not finite is asked about afterwards
+            mean = points.mean(axis=0, dtype=np.float64)
+            apart = points - mean
+            return cls(len(points), mean, apart.T @ apart / len(points))
+
+    def moved(self, matrix: Floats) -> _Spread:
+        """The points under a matrix (4, 4)."""
+        with np.errstate(all="ignore"):
+            turn = matrix[:3, :3]
+            return _Spread(self.count, turn @ self.mean + matrix[:3, 3], turn @ self.covariance @ turn.T)
+
+    def joined(self, other: _Spread) -> _Spread:
+        """Both sets of points together."""
+        with np.errstate(all="ignore"):
+            count = self.count + other.count
+            mean = (self.count * self.mean + other.count * other.mean) / count
+            parts = [
+                part.count * (part.covariance + np.outer(part.mean - mean, part.mean - mean))
+                for part in (self, other)
+            ]
+            return _Spread(count, mean, (parts[0] + parts[1]) / count)
+
+    @property
+    def is_somewhere(self) -> bool:
+        reach = np.abs(self.mean) + np.sqrt(np.abs(np.diag(self.covariance)))
+        return bool((reach < FARTHEST).all())
+
+    @property
+    def size(self) -> float:
+        """The product of the standard deviations along its two longest axes."""
+        return float(np.prod(self._deviations[1:]))
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether the points lie in a plane, and not along a line."""
+        thin, wide, long = self._deviations
+        return bool(thin < _FLAT * long < wide)
+
+    @property
+    def plane(self) -> tuple[Floats, float]:
+        """Its unit normal (3,), and its height along that."""
+        normal: Floats = np.linalg.eigh(self.covariance)[1][:, 0]
+        return normal, float(self.mean @ normal)
+
+    @property
+    def _deviations(self) -> Floats:
+        """Along its axes, from the shortest."""
+        deviations: Floats = np.sqrt(np.maximum(np.linalg.eigvalsh(self.covariance), 0))
+        return deviations
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,49 +156,78 @@ class Panoramas:
 
 def look_around(
     scene: bpy.types.Scene,
-    subjects: Collection[str],
+    subjects: Collection[bpy.types.Object],
     middle: Floats,
     folder: Path,
     seed: int,
     share: float = 1.0,
 ) -> Panoramas:
-    """Render the panoramas, in copies of `scene`, without the objects called `subjects`, which are baked.
+    """Render the panoramas of a scratch scene, which is spent, without its `subjects`, which are baked.
 
-    Their width and that of the resulting pictures is a `share` of the usual.
+    They show what glossy rays see. Their width and that of the resulting pictures is a `share` of the usual.
 
     Raises BakeError where Cycles fails.
     """
     world_width, near_width, size = (int(share * side) for side in (WORLD_WIDTH, NEAR_WIDTH, PICTURE_SIZE))
-    camera = _Camera(scene, middle, folder, seed)
     near = near_things(scene, subjects)
-    direction = panorama_directions(world_width)
-    with _hidden(scene, "hide_render", _others(scene, frozenset())):
-        seen = camera.render(world_width, 1)
-    world = Pictures.of(direction, seen["Combined"][..., :3], size)
+    with scene_copied(scene) as bare:
+        regroup(bare, {})
+        bare.world = world_in_reflections(bare.world)
+        seen = _Camera(bare, middle, folder, seed).render(world_width, 1)
+    world = Pictures.of(panorama_directions(world_width), seen["Combined"][..., :3], size)
     direction = panorama_directions(near_width)
     layers = []
-    for things in near:
-        plane = None if things.plane is None else _seen_from_above(*things.plane, middle)
-        eye = np.zeros(3) if plane is None else plane.eye
-        camera.move(middle + eye)
-        with _hidden(scene, "visible_camera", _others(scene, things.names)):
+    homes = _group(scene, near)
+    camera = _Camera(scene, middle, folder, seed)
+    scene.render.film_transparent = True
+    with as_glossy_rays_see(scene):
+        for things, home in zip(near, homes, strict=True):
+            plane = None if things.plane is None else _seen_from_above(*things.plane, middle)
+            camera.move(middle if plane is None else middle + plane.eye)
+            for other in homes:
+                other.indirect_only = other != home
             seen = camera.render(near_width, NEAR_SAMPLES, denoise=True)
             where = camera.render(near_width, 1, position=True)
-        solid = (where["Combined"][..., 3] > _SOLID).ravel()
-        if not solid.any():
-            continue
-        shape: Plane | Impostor
-        if plane is not None:
-            shape = plane
-            pictures = Pictures.of(*_with_mirror_image(plane, direction, seen["Combined"]), size)
-        else:
-            position = where["Position"].reshape(-1, where["Position"].shape[-1])[:, :3]
-            distance = np.linalg.norm(position - middle, axis=1)
-            shape = Impostor.of(direction.reshape(-1, 3)[solid], distance[solid])
-            pictures = Pictures.of(direction, seen["Combined"], size)
-        layers.append(Layer(pictures, shape))
+            if layer := _layer(plane, direction, seen["Combined"], where, middle, size):
+                layers.append(layer)
     paths = panorama_paths(len(near), world_width, near_width)
     return Panoramas(world, tuple(layers), paths)
+
+
+def _layer(
+    plane: Plane | None,
+    direction: Floats,
+    light: Floats,
+    where: Mapping[str, Floats],
+    middle: Floats,
+    size: int,
+) -> Layer | None:
+    """What is seen in directions (H, W, 3), of radiance `light` and at `where`; None if it covers nothing."""
+    position = where["Position"].reshape(direction.size // 3, -1)[:, :3]
+    distance = np.linalg.norm(position - middle, axis=1)
+    solid = (where["Combined"][..., 3] > _SOLID).ravel() & np.isfinite(distance) & (distance > 0)
+    if not solid.any():
+        return None
+    if plane is not None:
+        return Layer(Pictures.of(*_with_mirror_image(plane, direction, light), size), plane)
+    shape = Impostor.of(direction.reshape(-1, 3)[solid], distance[solid])
+    return Layer(Pictures.of(direction, light, size), shape)
+
+
+def _group(scene: bpy.types.Scene, near: Sequence[Near]) -> list[bpy.types.LayerCollection]:
+    """Sort a scratch scene's objects by their layers: the layers' settings. The camera sees nothing else."""
+    layer, every = find_view_layer(scene, None), list(scene.objects)
+    rendered = {item for item in every if is_rendered(item, layer)}
+    seen = frozenset[bpy.types.Object]().union(*(things.objects for things in near))
+    titles = [f"RadTex near {number}" for number in range(len(near))]
+    rest: dict[str, Collection[bpy.types.Object]] = {
+        "RadTex rest": rendered - seen,
+        "RadTex hidden": set(every) - rendered - seen,
+    }
+    groups = regroup(scene, rest | dict(zip(titles, (things.objects for things in near), strict=True)))
+    groups["RadTex rest"].indirect_only = True
+    groups["RadTex hidden"].collection.hide_render = True
+    return [groups[title] for title in titles]
 
 
 def _seen_from_above(normal: Floats, height: float, middle: Floats) -> Plane:
@@ -149,24 +246,6 @@ def _with_mirror_image(plane: Plane, direction: Floats, values: Floats) -> tuple
     below = sine < 0
     mirrored = direction - 2 * sine[:, None] * plane.normal
     return np.concatenate([direction[below], mirrored[below]]), np.concatenate([values[below]] * 2)
-
-
-def _others(scene: bpy.types.Scene, names: frozenset[str]) -> list[bpy.types.Object]:
-    return [item for item in scene.objects if item.type in _SHAPES and item.name not in names]
-
-
-@contextmanager
-def _hidden(scene: bpy.types.Scene, attribute: str, items: Sequence[bpy.types.Object]) -> Iterator[None]:
-    """Hide objects from all rays, or from the camera's; world alone if from all."""
-    before = [getattr(item, attribute) for item in items]
-    scene.render.film_transparent = attribute == "visible_camera"
-    try:
-        for item in items:
-            setattr(item, attribute, attribute == "hide_render")
-        yield
-    finally:
-        for item, value in zip(items, before, strict=True):
-            setattr(item, attribute, value)
 
 
 class _Camera:
@@ -203,7 +282,7 @@ class _Camera:
         if hasattr(image, "media_type"):
             image.media_type = "MULTI_LAYER_IMAGE"
         image.file_format, image.color_depth = "OPEN_EXR_MULTILAYER", "32"
-        scene.view_layers[0].use_pass_position = position
+        find_view_layer(scene, None).use_pass_position = position
         path = self._folder / "panorama.exr"
         render.filepath = render_path(path)
         passes = render_layers(scene, path)

@@ -1,0 +1,303 @@
+# SPDX-FileCopyrightText: 2026 RadTex authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake mirrors what the render shows, where the render has it: neither more nor elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from pathlib import Path
+from typing import Any, Literal
+
+import bpy
+import numpy as np
+import pytest
+
+from radtex_addon.bake.spec import BakeSpec, Layout
+from radtex_addon.core.arrays import Floats
+from radtex_addon.forms.layered.capture.lamps import lamps_shown
+from radtex_addon.forms.layered.capture.panoramas import Near, look_around, near_things
+from radtex_addon.forms.layered.files.layered_files import read_layered
+from radtex_addon.forms.layered.lookup.environment import Plane
+from radtex_addon.job import bake_object
+from radtex_addon.preview.sun import first_sun
+from radtex_addon.scene.checks.enclosing_volumes import volumes_around
+from radtex_addon.scene.mesh.render_contents import top_of_render
+from radtex_addon.scene.proxy_content import find_content
+from radtex_addon.scene.scratch import scratch_scene
+from tests.blender import stage
+from tests.blender.fingerprint import differences, fingerprint
+
+context: Any = bpy.context
+MIDDLE = np.array([0, 0, 4], np.float32)  # the ball's
+SPEC = BakeSpec(layout=Layout.LAYERED, texels=8, samples=1, uv_layer="UVMap")
+
+
+def ball() -> Any:
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=16, ring_count=8, location=(0, 0, 4))
+    context.object.name = "Ball"
+    material = stage.material("Gloss", "ShaderNodeBsdfPrincipled", Roughness=0.2, Metallic=1.0)
+    context.object.data.materials.append(material)
+    return context.object
+
+
+def lamp(name: str, at: tuple[float, float, float], kind: Literal["POINT", "SUN"] = "POINT") -> Any:
+    bpy.ops.object.light_add(type=kind, location=at)
+    context.object.name = name
+    context.object.data.energy = 100
+    return context.object
+
+
+def floor(name: str, height: float, size: float = 12, subdivisions: int = 2) -> Any:
+    bpy.ops.mesh.primitive_grid_add(
+        x_subdivisions=subdivisions, y_subdivisions=subdivisions, size=size, location=(0, 0, height)
+    )
+    context.object.name = name
+    return context.object
+
+
+def cube(name: str, at: tuple[float, float, float]) -> Any:
+    bpy.ops.mesh.primitive_cube_add(size=1, location=at)
+    context.object.name = name
+    return context.object
+
+
+def moved(item: Any, name: str) -> Any:
+    """A new collection that holds the object alone."""
+    collection = bpy.data.collections.new(name)
+    context.scene.collection.children.link(collection)
+    for before in list(item.users_collection):
+        before.objects.unlink(item)
+    collection.objects.link(item)
+    return collection
+
+
+def excluded(item: Any) -> None:
+    collection = moved(item, f"without {item.name}")
+    context.view_layer.layer_collection.children[collection.name].exclude = True
+
+
+def near(subjects: Collection[Any]) -> list[Near]:
+    with scratch_scene(context.scene) as scratch:
+        return near_things(scratch, subjects)
+
+
+def names(things: Near) -> list[str]:
+    return sorted(item.name for item in things.objects)
+
+
+def lit(receiver: Any) -> dict[str, list[float]]:
+    """The lamps that a receiver mirrors, and where they are."""
+    with scratch_scene(context.scene) as scratch:
+        found = lamps_shown(scratch, [receiver])
+    return {one.item.name: np.round(one.matrix[:3, 3], 4).tolist() for one in found}
+
+
+def test_a_bake_mirrors_lamps_and_floor_of_the_render_alone(out: Path) -> None:
+    """One lamp renders, and the floor and another lamp are hidden in the viewport alone, where they stand."""
+    receiver = ball()
+    lamp("On", (3, 0, 4))
+    excluded(lamp("Excluded", (0, 5, 4)))
+    moved(lamp("Render off", (0, -5, 4)), "off").hide_render = True
+    hidden = lamp("Hidden in views", (0, 0, 0))
+    floor("Floor", 0).hide_viewport = hidden.hide_viewport = True
+    context.object.location.z = 2.6  # Blender does not evaluate what is hidden: its matrix_world stays
+    hidden.location = (0, 0, 9)
+    excluded(floor("Old floor", -30, size=200))
+    receiver.select_set(True)
+    before = fingerprint()
+    made = bake_object(context.scene, "Ball", SPEC, out)
+    assert differences(before, fingerprint()) == {}
+    around = read_layered(made.files.sidecar)[0].around
+    towards = [found.place / np.linalg.norm(found.place) for found in around.lamps]
+    assert sorted(np.round(towards, 1).tolist()) == [[0, 0, 1], [1, 0, 0]]
+    planes = [layer.shape for layer in around.layers if isinstance(layer.shape, Plane)]
+    assert [plane.height for plane in planes] == pytest.approx([2.6 - MIDDLE[2]], abs=1e-4)
+
+
+def test_lamps_are_those_that_glossy_rays_of_the_render_meet() -> None:
+    receiver = ball()
+    lamp("On", (3, 0, 4))
+    lamp("Unseen by gloss", (3, 1, 4)).visible_glossy = False
+    lamp("Takes light away", (3, 2, 4)).data.energy = -60
+    lamp("Nowhere", (0, 0, 0)).location.x = np.inf
+    parent = bpy.data.objects.new("Parent", None)
+    context.scene.collection.objects.link(parent)
+    parent.location, parent.hide_viewport = (0, 0, 7), True
+    child = lamp("Child", (1, 0, 0))
+    child.parent, child.hide_viewport = parent, True
+    found = lit(receiver)
+    assert found == {"On": [3, 0, 4], "Child": [1, 0, 7]}
+
+
+def test_instanced_lamps_stand_where_their_instances_are() -> None:
+    receiver = ball()
+    excluded(lamp("Bulb", (0, 0, 1)))
+    bpy.ops.object.collection_instance_add(collection="without Bulb", location=(5, 0, 0))
+    assert lit(receiver) == {"Bulb": [5, 0, 1]}
+
+
+@pytest.mark.parametrize(
+    ("state", "member", "shines"),
+    [
+        ("EXCLUDE", "Ball", False),
+        ("EXCLUDE", "Other", True),
+        ("INCLUDE", "Ball", True),
+        ("INCLUDE", "Other", False),
+    ],
+)
+def test_a_lamp_that_does_not_light_the_object_is_not_mirrored(
+    state: Literal["INCLUDE", "EXCLUDE"], member: str, shines: bool
+) -> None:
+    receiver = ball()
+    cube("Other", (5, 5, 5))
+    linked, on = bpy.data.collections.new("Receivers"), lamp("On", (3, 0, 4))
+    linked.objects.link(bpy.data.objects[member])
+    linked.collection_objects[0].light_linking.link_state = state
+    on.light_linking.receiver_collection = linked
+    assert (lit(receiver) != {}) == shines
+
+
+def test_collections_in_light_linking_count_with_all_their_objects() -> None:
+    receiver = ball()
+    inner = moved(receiver, "Inner")
+    linked, on = bpy.data.collections.new("Receivers"), lamp("On", (3, 0, 4))
+    linked.children.link(inner)
+    on.light_linking.receiver_collection = linked
+    assert lit(receiver) != {}
+    linked.collection_children[0].light_linking.link_state = "EXCLUDE"
+    assert lit(receiver) == {}
+
+
+def test_the_largest_flat_thing_is_measured_by_its_size_not_its_vertices() -> None:
+    receiver = ball()
+    floor("Table", 2, size=1, subdivisions=60)
+    floor("Floor", 0, size=12)
+    plane, others = near([receiver])
+    assert names(plane) == ["Floor"]
+    assert plane.plane is not None
+    assert abs(plane.plane[1]) < 1e-6
+    assert names(others) == ["Table"]
+
+
+def test_a_floor_of_tiles_that_are_instanced_is_one_flat_thing() -> None:
+    receiver = ball()
+    tile = floor("Tile", 0, size=1)
+    context.scene.collection.objects.unlink(tile)
+    tiles = bpy.data.collections.new("Tiles")
+    for x in range(3):
+        for y in range(3):
+            copy = bpy.data.objects.new("Tile", tile.data)
+            copy.location = x, y, 0
+            tiles.objects.link(copy)
+    bpy.ops.object.collection_instance_add(collection="Tiles", location=(0, 0, 1.5))
+    (plane,) = near([receiver])
+    assert names(plane) == ["Tiles"]
+    assert plane.plane is not None
+    normal, height = plane.plane
+    assert height * normal[2] == pytest.approx(1.5)
+
+
+def test_things_that_are_nowhere_are_left_out_by_name(caplog: pytest.LogCaptureFixture) -> None:
+    receiver = ball()
+    cube("Fine", (3, 0, 0))
+    broken = cube("Broken", (0, 3, 0))
+    broken.data.vertices[0].co.x = np.nan
+    cube("Blown up", (0, 0, 9)).scale.x = np.inf
+    (others,) = near([receiver])
+    assert names(others) == ["Fine"]
+    assert "object 'Broken' has vertices nowhere" in caplog.text
+    assert "object 'Blown up'" in caplog.text
+
+
+def test_what_glossy_rays_do_not_see_is_no_near_thing() -> None:
+    receiver = ball()
+    cube("Unseen by cameras", (3, 0, 0)).visible_camera = False
+    cube("Unseen by gloss", (0, 3, 0)).visible_glossy = False
+    (others,) = near([receiver])
+    assert names(others) == ["Unseen by cameras"]
+
+
+def seen_around(receiver: Any, folder: Path) -> tuple[Floats, Floats]:
+    """The mean colours of the world and of the only layer before it, each (3,)."""
+    with scratch_scene(context.scene) as scratch:
+        found = look_around(scratch, [receiver], MIDDLE, folder, 0)
+    assert len(found.layers) == 1
+    total = found.layers[0].pictures.levels[0].sum(axis=(0, 1))
+    assert total[3] > 1
+    return found.world.levels[0].mean(axis=(0, 1)), total[:3] / total[3]
+
+
+def test_the_surroundings_are_as_a_mirror_sees_them(tmp_path: Path) -> None:
+    """To cameras the world is red and the cube is not there; to glossy rays the world is green."""
+    receiver = ball()
+    made = stage.world((1, 0, 0))
+    tree: Any = made.node_tree
+    path, mix = tree.nodes.new("ShaderNodeLightPath"), tree.nodes.new("ShaderNodeMixRGB")
+    mix.inputs[1].default_value, mix.inputs[2].default_value = (0, 1, 0, 1), (1, 0, 0, 1)
+    tree.links.new(path.outputs["Is Camera Ray"], mix.inputs["Fac"])
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    tree.links.new(mix.outputs[0], background.inputs["Color"])
+    box = cube("Box", (3, 0, 4))
+    box.visible_camera = False
+    box.data.materials.append(stage.material("Blue", "ShaderNodeEmission", Color=(0, 0, 1, 1)))
+    before = fingerprint()
+    world, thing = seen_around(receiver, tmp_path)
+    assert differences(before, fingerprint()) == {}
+    np.testing.assert_allclose(world, [0, 1, 0], atol=1e-3)
+    np.testing.assert_allclose(thing, [0, 0, 1], atol=0.1)
+
+
+def test_instances_of_the_surroundings_are_in_their_layer_and_not_in_the_world(tmp_path: Path) -> None:
+    receiver = ball()
+    stage.world((0, 0, 0))
+    box = cube("Box", (0, 0, 0))
+    box.data.materials.append(stage.material("Blue", "ShaderNodeEmission", Color=(0, 0, 1, 1)))
+    moved(box, "Boxes").hide_render = True
+    shown = bpy.data.collections.new("Shown")
+    shown.objects.link(box)
+    bpy.ops.object.collection_instance_add(collection="Shown", location=(3, 0, 4))
+    world, thing = seen_around(receiver, tmp_path)
+    assert not world.any()
+    np.testing.assert_allclose(thing, [0, 0, 1], atol=0.1)
+
+
+def test_a_layer_that_is_not_the_first_is_looked_at(tmp_path: Path) -> None:
+    receiver = ball()
+    stage.world((0, 0, 0))
+    cube("Box", (3, 0, 4))
+    context.scene.view_layers.new("Second")
+    with scratch_scene(context.scene, "Second") as scratch:
+        assert len(look_around(scratch, [receiver], MIDDLE, tmp_path, 0).layers) == 1
+
+
+def test_the_portals_stand_above_what_only_renders_show() -> None:
+    cube("Tower", (0, 0, 0)).hide_viewport = True
+    context.object.location.z = 500
+    with scratch_scene(context.scene) as scratch:
+        assert top_of_render(scratch) == pytest.approx(500.5)
+
+
+def test_checks_know_where_things_are_that_the_viewport_hides() -> None:
+    """Fog and content that are hidden in views, moved around the hull or away from it."""
+    hull = cube("Hull", (9, 0, 0))
+    fog = stage.material("Fog", "ShaderNodeBsdfDiffuse")
+    tree: Any = fog.node_tree
+    output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+    tree.links.new(tree.nodes.new("ShaderNodeVolumePrincipled").outputs[0], output.inputs["Volume"])
+    for name in ("Around", "Excluded"):
+        item = cube(name, (0, 0, 0))
+        item.data.materials.append(fog)
+        item.hide_viewport, item.location.x = True, 9
+        if name == "Excluded":
+            moved(item, "off").hide_render = True
+    assert volumes_around(context.view_layer, hull) == ["Around"]
+    assert [item.name for item in find_content(context.view_layer, hull, None)] == ["Around"]
+
+
+def test_the_first_sun_is_one_that_renders() -> None:
+    moved(lamp("A", (0, 0, 1), "SUN"), "off").hide_render = True
+    excluded(lamp("B", (0, 0, 1), "SUN"))
+    lamp("C", (0, 0, 1), "SUN")
+    found = first_sun(context.scene)
+    assert found is not None
+    assert found.name == "C"
