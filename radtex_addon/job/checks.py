@@ -26,7 +26,7 @@ from ..scene.checks.missing_files import file_warnings
 from ..scene.checks.outside import check_outside_files
 from ..scene.checks.refusals import refuse_see_through
 from ..scene.checks.see_through import why_no_surface
-from ..scene.lights.lamps import find_lamps
+from ..scene.lights.lamps import find_lamps, refuse_negative, rendered_lamps
 from ..scene.lights.light import is_dark
 from ..scene.mesh.cage import find_cage
 from ..scene.mesh.named_regions import check_where
@@ -146,6 +146,8 @@ def _check_names(
         check_where(items, spec.where)
     if spec.lights:
         find_lamps(layer, spec.lights)
+    if spec.form.by_paths:
+        refuse_negative(rendered_lamps(layer))
 
 
 def check_seen(

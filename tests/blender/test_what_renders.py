@@ -14,6 +14,7 @@ import pytest
 
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
+from radtex_addon.core.errors import InputError
 from radtex_addon.forms.layered.capture.lamps import lamps_shown
 from radtex_addon.forms.layered.capture.panoramas import Near, look_around, near_things
 from radtex_addon.forms.layered.files.layered_files import read_layered
@@ -127,6 +128,22 @@ def test_lamps_are_those_that_glossy_rays_of_the_render_meet() -> None:
     child.parent, child.hide_viewport = parent, True
     found = lit(receiver)
     assert found == {"On": [3, 0, 4], "Child": [1, 0, 7]}
+
+
+@pytest.mark.parametrize("how", ["itself", "instance", "driver"])
+def test_a_lamp_that_takes_light_away_is_refused_by_name(how: str, out: Path) -> None:
+    ball()
+    dark = lamp("Dark", (3, 0, 4))
+    dark.data.energy = -60
+    if how == "driver":
+        dark.data.energy = 60
+        dark.data.driver_add("energy").driver.expression = "-60"
+    if how == "instance":
+        excluded(dark)
+        bpy.ops.object.collection_instance_add(collection="without Dark")
+    with pytest.raises(InputError, match=r"lamp 'Dark' takes light away \(its power is -60\)"):
+        bake_object(context.scene, "Ball", SPEC, out)
+    assert not out.exists() or not list(out.iterdir())
 
 
 def test_instanced_lamps_stand_where_their_instances_are() -> None:

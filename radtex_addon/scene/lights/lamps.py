@@ -8,7 +8,7 @@ and the world; other lamps are removed. The user's lamps are not changed.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, cast
 
 import bpy
@@ -54,6 +54,31 @@ def find_lamps(layer: bpy.types.ViewLayer, names: Sequence[str]) -> tuple[bpy.ty
             raise InputError(_unlit(name, sorted(lamps)))
         found |= {lamp: lamps[lamp] for lamp in chosen}
     return tuple(found[name] for name in sorted(found))
+
+
+def refuse_negative(lamps: Iterable[tuple[str, Any]]) -> None:
+    """Raise InputError for the first of lamps, by name and data, that takes light away.
+
+    Mirrored light is never negative, so that the dark that such a lamp makes could not be shown.
+    """
+    for name, data in lamps:
+        if is_negative(data):
+            raise InputError(
+                f"lamp '{name}' takes light away (its power is {data.energy:g}), which this layout cannot do",
+                do("give it a power above 0"),
+                do("hide it from render"),
+                do("choose layout buckets", Setting.LAYOUT, value="buckets"),
+            )
+
+
+def is_negative(data: Any) -> bool:
+    """Whether a lamp's data take light away in a colour."""
+    return bool(data.energy * min(data.color) < 0)
+
+
+def rendered_lamps(layer: bpy.types.ViewLayer) -> list[tuple[str, Any]]:
+    """The names and data of lamps that a view layer renders, instances aside."""
+    return [(item.name, item.data) for item in _lamps(layer)]
 
 
 def light_only(

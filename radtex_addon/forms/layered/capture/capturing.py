@@ -35,7 +35,7 @@ from ..lookup.environment import Around
 from ..samples import Capture, ExitSamples, OwnRays
 from .enclosed import enclosed
 from .exits import capture_exits
-from .lamps import find_lamps
+from .lamps import find_lamps, refuse_negative_lamps
 from .material_maps import capture_maps, depends_on_angle
 from .opacity import find_opacity
 from .own_rays import SurfaceUV, capture_own_rays, own_aim, own_samples, sides_of
@@ -81,6 +81,7 @@ def capture_layered(
     """
     originals = [item for item, _ in prepared.rendered]
     meshes = [mesh for _, mesh in prepared.rendered]
+    refuse_negative_lamps(scratch)
     top_of_render(scratch)  # before it is copied: each copy would ask anew
     matrices = matrices_in_renders(scratch, originals)
     bodies = tuple(map(Body, originals, meshes, matrices))

@@ -27,6 +27,7 @@ from ....core.octahedron import cell_directions
 from ....cycles.path_ends import place_exactly
 from ....cycles.portal import Aim, PortalCapture
 from ....cycles.sampling import straight_shifts, tiles_of
+from ....scene.lights.lamps import is_negative, refuse_negative
 from ....scene.lights.linking import lights
 from ....scene.mesh.evaluated import FARTHEST
 from ....scene.mesh.render_contents import Shown, read_render
@@ -101,6 +102,18 @@ def lamps_shown(scene: bpy.types.Scene, receivers: Sequence[bpy.types.Object]) -
 
     lamps = [lamp for lamp in read_render(scene, read) if not _is_lost(lamp)]
     return tuple(lamp for lamp in lamps if all(lights(lamp.item, one) for one in receivers))
+
+
+def refuse_negative_lamps(scene: bpy.types.Scene) -> None:
+    """Raise InputError if a scratch scene renders a lamp that takes light away, be it by a driver."""
+    if not any(is_negative(data) or data.animation_data for data in bpy.data.lights):
+        return
+    read_render(
+        scene,
+        lambda shown: refuse_negative(
+            (one.original.name, one.evaluated.data) for one in shown if one.evaluated.type == "LIGHT"
+        ),
+    )
 
 
 def find_lamps(
