@@ -15,8 +15,9 @@ import pytest
 from radtex_addon.bake.spec import BakeSpec, Layout
 from radtex_addon.core.arrays import Floats
 from radtex_addon.core.errors import InputError
+from radtex_addon.forms.layered.capture.hidden_lamps import hidden_lamps
 from radtex_addon.forms.layered.capture.lamps import lamps_shown
-from radtex_addon.forms.layered.capture.panoramas import Near, look_around, near_things
+from radtex_addon.forms.layered.capture.panoramas import Near, _seen_from_above, look_around, near_things
 from radtex_addon.forms.layered.files.layered_files import read_layered
 from radtex_addon.forms.layered.lookup.environment import Plane
 from radtex_addon.job import bake_object
@@ -237,7 +238,7 @@ def test_what_glossy_rays_do_not_see_is_no_near_thing() -> None:
 def seen_around(receiver: Any, folder: Path) -> tuple[Floats, Floats]:
     """The mean colours of the world and of the only layer before it, each (3,)."""
     with scratch_scene(context.scene) as scratch:
-        found = look_around(scratch, [receiver], MIDDLE, folder, 0)
+        found = look_around(scratch, [receiver], MIDDLE, 1.0, folder, 0)
     assert len(found.layers) == 1
     total = found.layers[0].pictures.levels[0].sum(axis=(0, 1))
     assert total[3] > 1
@@ -284,7 +285,7 @@ def test_a_layer_that_is_not_the_first_is_looked_at(tmp_path: Path) -> None:
     cube("Box", (3, 0, 4))
     context.scene.view_layers.new("Second")
     with scratch_scene(context.scene, "Second") as scratch:
-        assert len(look_around(scratch, [receiver], MIDDLE, tmp_path, 0).layers) == 1
+        assert len(look_around(scratch, [receiver], MIDDLE, 1.0, tmp_path, 0).layers) == 1
 
 
 def test_the_portals_stand_above_what_only_renders_show() -> None:
@@ -318,3 +319,45 @@ def test_the_first_sun_is_one_that_renders() -> None:
     found = first_sun(context.scene)
     assert found is not None
     assert found.name == "C"
+
+
+def hidden(place: tuple[float, float, float], receiver: Any) -> bool:
+    """Whether a small lamp at a place is hidden from the upper half of the ball."""
+    direction = np.random.default_rng(3).normal(size=(200, 3))
+    direction[:, 2] = np.abs(direction[:, 2])
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    plan = stage.plan_of(MIDDLE + direction, direction, 1)
+    with scratch_scene(context.scene) as scratch:
+        return bool(hidden_lamps(scratch, [receiver], plan, [(np.array(place, float), 0.1)])[0])
+
+
+def test_a_lamp_behind_a_wall_is_hidden_and_one_before_it_is_not() -> None:
+    receiver = ball()
+    wall = floor("Wall", 8, size=20)
+    assert hidden((0, 0, 12), receiver)
+    assert not hidden((0, 0, 7), receiver)
+    assert not hidden((0, 0, 8.05), receiver), "a wall that a lamp is set into does not hide it"
+    wall.visible_shadow = False
+    assert not hidden((0, 0, 12), receiver)
+    wall.visible_shadow = True
+    wall.data.materials.append(stage.material("Pane", "ShaderNodeBsdfGlass"))
+    assert not hidden((0, 0, 12), receiver)
+
+
+def test_instances_hide_lamps_and_the_object_itself_does_not() -> None:
+    receiver = ball()
+    receiver.scale.z = 0.1
+    wall = moved(floor("Wall", 0, size=20), "Walls")
+    context.view_layer.layer_collection.children[wall.name].exclude = True
+    assert not hidden((0, 0, 12), receiver)
+    bpy.ops.object.collection_instance_add(collection="Walls", location=(0, 0, 8), rotation=(0.2, 0, 0))
+    assert hidden((0, 0, 12), receiver)
+    assert not hidden((0, 0, 6), receiver)
+
+
+def test_an_object_that_stands_in_a_plane_looks_at_it_from_above() -> None:
+    plane = _seen_from_above(np.array([0, 0, 1.0]), 4.0, MIDDLE, 1.0)
+    assert plane.height == 0
+    assert plane.eye[2] == pytest.approx(0.5)
+    plane = _seen_from_above(np.array([0, 0, 1.0]), 2.0, MIDDLE, 1.0)
+    assert (plane.height, plane.eye[2]) == (-2, 2)

@@ -159,6 +159,7 @@ def test_osl_is_refused_in_another_space(tmp_path: Path) -> None:
 def test_a_layered_bakes_panorama_has_the_worlds_colour(tmp_path: Path, space: str) -> None:
     lambert_ball(space)
     with scratch_scene(context.scene) as scratch:
-        found = look_around(scratch, [context.scene.objects["Ball"]], np.zeros(3, np.float32), tmp_path, 0)
+        middle = np.zeros(3, np.float32)
+        found = look_around(scratch, [context.scene.objects["Ball"]], middle, 1.0, tmp_path, 0)
     sharpest = found.world.levels[0]
     np.testing.assert_allclose(sharpest, np.broadcast_to(WORLD, sharpest.shape), rtol=1e-3)

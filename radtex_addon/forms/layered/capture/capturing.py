@@ -153,7 +153,7 @@ class _Captures:
         yield Progress(Stage.SURROUNDINGS, 0, 1)
         through = lone is not None and lets_through(lone, light)
         with enclosed(self.scratch, bodies if through else ()) as inside:
-            around, looked = (self.known, 0) if self.known is not None else self._around(middle, inside)
+            around, looked = self._around(lit, middle, radius, inside)
             yield Progress(Stage.CAPTURE, total, total)
             if lone is not None:
                 lone = replace(lone, plan=lit)  # all plans have the same texels, and each takes memory
@@ -205,16 +205,22 @@ class _Captures:
         samples = own_samples(plan, own_aim(plan, self.spec.seed), hit)
         return OwnRays(samples, hit, cast(Ints, kept["met"]), kept["place"], kept.get("light"))
 
-    def _around(self, middle: Floats, inside: tuple[Body, ...]) -> tuple[Around, int]:
+    def _around(
+        self, plan: CapturePlan, middle: Floats, radius: float, inside: tuple[Body, ...]
+    ) -> tuple[Around, int]:
         """What surrounds the objects, and those `inside` them, and how many paths that took."""
+        if self.known is not None:
+            return self.known, 0
 
         def capture() -> Arrays:
             baked = [body.original for body in self.bodies]
             unseen = [*baked, *(body.original for body in inside)]
             with scene_copied(self.scratch) as copy:
-                lamps = find_lamps(copy, baked, middle, self.folder)
+                lamps = find_lamps(copy, baked, plan, middle, self.folder)
             with scene_copied(self.scratch) as copy:
-                seen = look_around(copy, unseen, middle, self.folder, self.spec.seed, self.surroundings)
+                seen = look_around(
+                    copy, unseen, middle, radius, self.folder, self.spec.seed, self.surroundings
+                )
             around = Around(middle, seen.world, seen.layers, lamps)
             return arrays_of(around) | {"paths": np.array([seen.paths], dtype=np.int64)}
 

@@ -33,6 +33,7 @@ from ....scene.mesh.evaluated import FARTHEST
 from ....scene.mesh.render_contents import Shown, read_render
 from ....scene.regroup import regroup
 from ..lookup.environment import MOST_LAMPS, Lamp, lamps_of
+from .hidden_lamps import hidden_lamps
 from .own_rays import dark_world
 
 log = logging.getLogger(__name__)
@@ -117,26 +118,35 @@ def refuse_negative_lamps(scene: bpy.types.Scene) -> None:
 
 
 def find_lamps(
-    scene: bpy.types.Scene, receivers: Sequence[bpy.types.Object], middle: Floats, folder: Path
+    scene: bpy.types.Scene,
+    receivers: Sequence[bpy.types.Object],
+    plan: CapturePlan,
+    middle: Floats,
+    folder: Path,
 ) -> tuple[Lamp, ...]:
     """The lamps of a scratch scene, which is spent, that its baked `receivers` mirror, from `middle` (3,).
 
-    One that the middle lies in is left out, and named in a warning. Of more than shaders mirror, those that
+    Those that are hidden from most of the `plan`'s points are none. One that the middle lies in is left out,
+    and named in a warning. Of more than shaders mirror, those that
     give most light are taken; the others' highlights are in what is left of the light, as blurs.
     Raises BakeError where Cycles fails.
     """
     lamps = [lamp for lamp in lamps_shown(scene, receivers) if _is_apart(lamp, middle)]
+    places = [(middle + lamp.towards(middle), lamp.diameter / 2) for lamp in lamps]
+    hidden = hidden_lamps(scene, receivers, plan, places) if lamps else np.zeros(0, dtype=bool)
+    lamps = [lamp for lamp, is_hidden in zip(lamps, hidden, strict=True) if not is_hidden]
     if not lamps:
         return ()
     anchor = cast(bpy.types.Object, bpy.data.objects.new("RadTex anchor", None))
     shown, shares = zip(*(_alone(lamp, anchor, middle) for lamp in lamps), strict=True)
     regroup(scene, {"RadTex lamps": shown})
     scene.world = dark_world()
-    direction, plan = _outward(middle)
-    capture = PortalCapture(scene, plan, Kind.REFLECTION, 1, 1, folder, Aim(straight_shifts(len(plan.texel))))
-    found = [capture.render_passes(tile).whole[..., :3].reshape(-1, 3) for tile in tiles_of(plan)]
-    places = [lamp.towards(middle) for lamp in lamps]
-    return brightest(lamps_of(direction, np.concatenate(found), places, shares))
+    direction, picture = _outward(middle)
+    aim = Aim(straight_shifts(len(picture.texel)))
+    capture = PortalCapture(scene, picture, Kind.REFLECTION, 1, 1, folder, aim)
+    found = [capture.render_passes(tile).whole[..., :3].reshape(-1, 3) for tile in tiles_of(picture)]
+    towards = [lamp.towards(middle) for lamp in lamps]
+    return brightest(lamps_of(direction, np.concatenate(found), towards, shares))
 
 
 def brightest(lamps: Sequence[Lamp]) -> tuple[Lamp, ...]:

@@ -31,6 +31,8 @@ from ..lookup.environment import Impostor, Layer, Pictures, Plane
 
 log = logging.getLogger(__name__)
 
+_LEAST_EYE = 0.25  # times the object's radius: the least height that is doubled so
+_CLIP = 1e-3  # of the object's radius, and at most in scene units: nearer things are not seen
 EYE = 2.0  # times the middle's height above a plane: whence it is seen, or its far parts are a few pixels
 _FLAT = 1e-3  # thickness of a flat thing, in its length
 _SOLID = 0.99  # alpha of a pixel that its layer covers
@@ -158,13 +160,15 @@ def look_around(
     scene: bpy.types.Scene,
     subjects: Collection[bpy.types.Object],
     middle: Floats,
+    radius: float,
     folder: Path,
     seed: int,
     share: float = 1.0,
 ) -> Panoramas:
     """Render the panoramas of a scratch scene, which is spent, without its `subjects`, which are baked.
 
-    They show what glossy rays see. Their width and that of the resulting pictures is a `share` of the usual.
+    The subjects lie in a sphere of `radius` about `middle` (3,). Panoramas show what glossy rays see. Their
+    width and that of the resulting pictures is a `share` of the usual.
 
     Raises BakeError where Cycles fails.
     """
@@ -173,16 +177,16 @@ def look_around(
     with scene_copied(scene) as bare:
         regroup(bare, {})
         bare.world = world_in_reflections(bare.world)
-        seen = _Camera(bare, middle, folder, seed).render(world_width, 1)
+        seen = _Camera(bare, middle, radius, folder, seed).render(world_width, 1)
     world = Pictures.of(panorama_directions(world_width), seen["Combined"][..., :3], size)
     direction = panorama_directions(near_width)
     layers = []
     homes = _group(scene, near)
-    camera = _Camera(scene, middle, folder, seed)
+    camera = _Camera(scene, middle, radius, folder, seed)
     scene.render.film_transparent = True
     with as_glossy_rays_see(scene):
         for things, home in zip(near, homes, strict=True):
-            plane = None if things.plane is None else _seen_from_above(*things.plane, middle)
+            plane = None if things.plane is None else _seen_from_above(*things.plane, middle, radius)
             camera.move(middle if plane is None else middle + plane.eye)
             for other in homes:
                 other.indirect_only = other != home
@@ -230,12 +234,15 @@ def _group(scene: bpy.types.Scene, near: Sequence[Near]) -> list[bpy.types.Layer
     return [groups[title] for title in titles]
 
 
-def _seen_from_above(normal: Floats, height: float, middle: Floats) -> Plane:
-    """The plane normal . p = height, in world space, seen from farther off than the object's middle is."""
+def _seen_from_above(normal: Floats, height: float, middle: Floats, radius: float) -> Plane:
+    """The plane normal . p = height, in world space, seen from farther off than the object's middle is.
+
+    An object of that `radius` may stand in it, so that its middle lies in the plane or nearly.
+    """
     below = float(normal @ middle) - height
     if below < 0:
         normal, below = -normal, -below
-    eye = (normal * (EYE - 1) * below).astype(np.float32)
+    eye = (normal * (EYE * max(below, _LEAST_EYE * radius) - below)).astype(np.float32)
     return Plane(normal.astype(np.float32), -below, eye)
 
 
@@ -251,12 +258,14 @@ def _with_mirror_image(plane: Plane, direction: Floats, values: Floats) -> tuple
 class _Camera:
     """A camera that sees all around, from the middle."""
 
-    def __init__(self, scene: bpy.types.Scene, middle: Floats, folder: Path, seed: int) -> None:
+    def __init__(
+        self, scene: bpy.types.Scene, middle: Floats, radius: float, folder: Path, seed: int
+    ) -> None:
         self._scene, self._folder, self._seed = scene, folder, seed
         data = bpy.data.cameras.new("RadTex panorama")
         cast(Any, data).type = "PANO"
         cast(Any, data).panorama_type = "EQUIRECTANGULAR"
-        data.clip_start = 1e-3
+        data.clip_start = _CLIP * min(1.0, radius)
         camera = bpy.data.objects.new("RadTex panorama", data)
         camera.location, camera.rotation_euler = middle.tolist(), (math.pi / 2, 0, 0)
         scene.collection.objects.link(camera)
